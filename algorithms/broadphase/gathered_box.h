@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Zlib
+// A proxy as the sorting broadphases hold it: all that decides about a pair in one cache line, so that neighbours in
+// the order of a sweep, a cell or a tree node are neighbours in memory, too.
+#pragma once
+
+#include "framework/stage_broadphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+struct GatheredBox {
+  std::array<Real, D> lo, hi;  // exact, world (m)
+  std::uint32_t category, mask;
+  std::int32_t body;
+  std::uint32_t slotAndActive;  // slot * 2 + active: keeps the 3D double-precision box at 64 bytes
+
+  static GatheredBox of(const Proxies<D>& proxies, ProxyId slot) {
+    const auto i = static_cast<std::size_t>(slot);
+    GatheredBox b;
+    for (std::size_t d = 0; d < D; ++d) b.lo[d] = proxies.lo[d][i], b.hi[d] = proxies.hi[d][i];
+    b.category = proxies.category[i], b.mask = proxies.mask[i], b.body = proxies.body[i];
+    b.slotAndActive = static_cast<std::uint32_t>(slot) * 2 + (proxies.active[i] ? 1 : 0);
+    return b;
+  }
+  ProxyId slot() const { return static_cast<ProxyId>(slotAndActive >> 1); }
+  bool active() const { return slotAndActive & 1; }
+};
+
+/// The slots with a box that can overlap something.
+template <int D>
+inline void listSlots(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
+  slots.clear();
+  for (ProxyId i = 0; i < proxies.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!proxies.isFree(i) && proxies.lo[0][k] <= proxies.hi[0][k]) slots.push_back(i);
+  }
+}
+
+/// Appends the pair if the exact closed boxes overlap and the two may collide: Proxies::boxesOverlap and mayCollide.
+template <int D>
+inline void emitIfPair(const GatheredBox<D>& a, const GatheredBox<D>& b, std::vector<ProxyPair>& out) {
+  for (std::size_t d = 0; d < D; ++d) {
+    if (a.lo[d] > b.hi[d] || b.lo[d] > a.hi[d]) return;
+  }
+  if (!((a.slotAndActive | b.slotAndActive) & 1) || a.body == b.body) return;
+  if (!(a.category & b.mask) || !(b.category & a.mask)) return;
+  const ProxyId i = a.slot(), j = b.slot();
+  out.push_back(i < j ? ProxyPair{i, j} : ProxyPair{j, i});
+}
+
+}  // namespace lpc::inline LPC_PRECISION

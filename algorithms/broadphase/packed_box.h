@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Zlib
+// A whole box in two machine words: D integer coordinates side by side, a guard bit above each. One subtraction then
+// compares all axes at once: the guard survives where the field of the minuend is not smaller.
+//
+//     bit 63 ..            3D: guard z20 guard y20 guard x20            .. 0        (2D: 31 bits each)
+#pragma once
+
+#include "algorithms/broadphase/window.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct PackedBox {
+  std::uint64_t lo, hi;
+};
+
+template <int D>
+class Packing {
+ public:
+  static constexpr int kBits = D == 2 ? 31 : 20;
+  static constexpr std::uint64_t kField = (std::uint64_t{1} << kBits) - 1;
+  static constexpr std::uint64_t kGuards = [] {
+    std::uint64_t guards = 0;
+    for (int d = 0; d < D; ++d) guards |= std::uint64_t{1} << (d * (kBits + 1) + kBits);
+    return guards;
+  }();
+
+  Packing() = default;
+  explicit Packing(const Window<D>& window) {
+    // In float, 2^31 - 1 would round up and out of the field.
+    constexpr int used = kBits < std::numeric_limits<Real>::digits ? kBits : std::numeric_limits<Real>::digits;
+    constexpr auto limit = static_cast<Real>((std::uint64_t{1} << used) - 1);
+    for (std::size_t d = 0; d < D; ++d) m_scale[d] = Scale(window.lo[d], window.hi[d], limit);
+    m_shift = kBits - used;
+  }
+  PackedBox pack(const std::array<Real, D>& lo, const std::array<Real, D>& hi) const {
+    PackedBox box{0, 0};
+    for (std::size_t d = 0; d < D; ++d) {
+      const int at = static_cast<int>(d) * (kBits + 1) + m_shift;
+      box.lo |= static_cast<std::uint64_t>(static_cast<std::int64_t>(m_scale[d](lo[d]))) << at;
+      box.hi |= static_cast<std::uint64_t>(static_cast<std::int64_t>(m_scale[d](hi[d]))) << at;
+    }
+    return box;
+  }
+  static std::uint64_t field(std::uint64_t corner, int d) { return (corner >> (d * (kBits + 1))) & kField; }
+
+  /// False only if the real boxes do not overlap.
+  static bool overlap(const PackedBox& a, const PackedBox& b) {
+    return ((((a.hi | kGuards) - b.lo) & ((b.hi | kGuards) - a.lo)) & kGuards) == kGuards;
+  }
+  static PackedBox merged(const PackedBox& a, const PackedBox& b) {
+    PackedBox box{0, 0};
+    for (int d = 0; d < D; ++d) {
+      const int at = d * (kBits + 1);
+      box.lo |= std::min(field(a.lo, d), field(b.lo, d)) << at;
+      box.hi |= std::max(field(a.hi, d), field(b.hi, d)) << at;
+    }
+    return box;
+  }
+
+ private:
+  std::array<Scale, D> m_scale{};
+  int m_shift = 0;
+};
+
+/// Boxes after the last one that listOverlaps may read, and room in `hits` that it may write beyond its answer.
+inline constexpr std::int32_t kListAhead = 4;
+
+/// Writes the index of each of boxes[begin .. end) that overlaps `a` to `hits`, which has room for all of them; returns
+/// the end of what it wrote. Without a branch on the answer, since a quarter of the tests near a box hit, and in fours,
+/// since the number of neighbours in a cell is as hard to predict.
+template <int D>
+inline std::int32_t* listOverlaps(const PackedBox* boxes, const PackedBox& a, std::int32_t begin, std::int32_t end,
+                                  std::int32_t* hits) {
+  do {
+    for (std::int32_t k = begin; k < begin + kListAhead; ++k) {
+      *hits = k;
+      hits += static_cast<int>(Packing<D>::overlap(boxes[k], a)) & static_cast<int>(k < end);
+    }
+    begin += kListAhead;
+  } while (begin < end);
+  return hits;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

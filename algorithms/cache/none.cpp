@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/stage_narrowphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Forgets: every step starts cold.
+template <int D>
+class NoCache final : public ContactCache<D> {
+ public:
+  using Params = NoParams;
+  explicit NoCache(const Params&) {}
+
+  static Info info() {
+    return {
+        .name = "none",
+        .summary = "forgets all impulses: every step starts cold",
+        .paper = "",
+        .complexity = "0",
+        .failures = {{"any contact that lasts", "the solver starts from zero each step, stacks need more iterations",
+                      "Cache.CarriesImpulses"},
+                     {"a contact on a slope", "friction starts from zero, too", "Cache.CarriesFrictionAsAVector"},
+                     {"a sliding body", "it forgets all the same", "Cache.CarriesWhereFeaturesChange"}}};
+  }
+
+  void carry(std::span<const Manifold<D>>, std::vector<Manifold<D>>&) override {}
+};
+
+}  // namespace
+
+LPC_REGISTER(ContactCache, NoCache, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

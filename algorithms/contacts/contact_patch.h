@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Zlib
+// What all contact generators share: two shapes brought into one frame, and contact points brought back to the bodies.
+//
+// Kernels see a pair in the order of the kinds ("1" is the lower one) and in the frame of shape 1, and they see cores:
+// the radii are added here, at the end, because rounding both shapes moves each witness along the normal and nothing
+// else.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "framework/stage_narrowphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Witnesses on the two cores, in the frame of shape 1, and (p2 - p1) . n.
+template <int D>
+struct PatchPoint {
+  Vec<D> p1, p2;
+  Real separation;        // of the cores, m
+  std::uint32_t feature;  // see featureNumber()
+};
+
+/// A feature of a shape is a vertex (i, i) or an edge (i, j); none is (255, 255). One byte each, shape A's feature
+/// above B's. So a number does not depend on which face served as reference, and a vertex keeps its number when the
+/// face around it changes. Beyond 256 vertices numbers may coincide: `addPatch` keeps them apart.
+inline std::uint32_t featureCode(int i, int j) {
+  const auto lo = static_cast<std::uint32_t>(std::min(i, j)) & 255u, hi = static_cast<std::uint32_t>(std::max(i, j));
+  return lo << 8 | (hi & 255u);
+}
+inline std::uint32_t featureCode(int vertex) { return featureCode(vertex, vertex); }
+inline constexpr std::uint32_t kNoFeature = 0xffff;
+inline std::uint32_t featureNumber(std::uint32_t code1, std::uint32_t code2) { return code1 << 16 | code2; }
+
+template <int D>
+struct PlacedPair {
+  const ShapeRecord<D>* record1;
+  const ShapeRecord<D>* record2;
+  Rot<D> R_W1;
+  Pose<D> X_12;
+  bool swapped;    // shape 1 is on body B
+  Real limit;      // core separations beyond it are no contacts, m
+  Real rounding;   // below this, lengths are noise, m
+  Real tolerance;  // depths that differ by less than this are alike, m
+};
+
+/// Half the thickness of a core where it is known at no cost, otherwise half of some chord: a length that the
+/// tolerances must stay well below.
+template <int D>
+Real coreThickness(const ShapeView<D>& s) {
+  switch (s.kind) {
+    case ShapeKind::sphere:
+      return std::numeric_limits<Real>::max();
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+      return s.half[0];
+    case ShapeKind::box:
+      return s.half.minCoeff();
+    case ShapeKind::polytope:
+      return (s.hull->vertices[s.hull->vertices.size() / 2] - s.hull->vertices[0]).norm() / 2;
+  }
+  return 0;
+}
+
+/// Some length not below a quarter of the core's reach from its own origin.
+template <int D>
+Real coreReach(const ShapeView<D>& s) {
+  if (s.kind != ShapeKind::polytope) return s.half.template lpNorm<1>();
+  const auto& v = s.hull->vertices;
+  return v[0].template lpNorm<1>() + (v[v.size() / 2] - v[0]).template lpNorm<1>();
+}
+
+/// `bias`: depths that differ by less than this (m) are alike, so that ties do not flip from step to step. It is cut
+/// to 1 % of the thinner shape, and never below rounding.
+template <int D>
+PlacedPair<D> placePair(const ContactInput<D>& in, const ShapePair& pair, Real bias) {
+  const ShapeRecord<D>* a = &in.shapes[static_cast<std::size_t>(pair.a)];
+  const ShapeRecord<D>* b = &in.shapes[static_cast<std::size_t>(pair.b)];
+  PlacedPair<D> out;
+  out.swapped = a->shape.kind() > b->shape.kind();
+  if (out.swapped) std::swap(a, b);
+  out.record1 = a, out.record2 = b;
+  const Pose<D>& X_W1 = in.pose[static_cast<std::size_t>(a->body)];
+  const Pose<D>& X_W2 = in.pose[static_cast<std::size_t>(b->body)];
+  out.R_W1 = X_W1.q * a->X_CS.q;
+  const Rot<D> R_1W = out.R_W1.inverse();
+  // Bodies are subtracted first: far from the origin their difference is exact, the sum of pose and offset is not.
+  out.X_12.p = R_1W * ((X_W2.p - X_W1.p) + (X_W2.q * b->X_CS.p - X_W1.q * a->X_CS.p));
+  out.X_12.q = R_1W * (X_W2.q * b->X_CS.q);
+  const ShapeView<D>&s1 = a->shape.view(), &s2 = b->shape.view();
+  out.limit = in.margin + s1.radius + s2.radius;
+  out.rounding =
+      64 * std::numeric_limits<Real>::epsilon() * (coreReach(s1) + coreReach(s2) + out.X_12.p.template lpNorm<1>());
+  out.tolerance = std::max(std::min(bias, Real(0.01) * std::min(coreThickness(s1), coreThickness(s2))), out.rounding);
+  return out;
+}
+
+/// Appends the manifold with these points (at most kManifoldPoints) and the unit normal n_12 (in frame 1).
+template <int D>
+void addPatch(const ContactInput<D>& in, const ShapePair& pair, const PlacedPair<D>& placed, const Vec<D>& n,
+              std::span<PatchPoint<D>> points, std::vector<Manifold<D>>& fresh) {
+  if (points.empty()) return;
+  LPC_ASSERT(points.size() <= static_cast<std::size_t>(kManifoldPoints<D>));
+  fresh.push_back(startManifold(in, pair));
+  Manifold<D>& m = fresh.back();
+  const Real r1 = placed.record1->shape.view().radius, r2 = placed.record2->shape.view().radius;
+  const Vec<D> n_W = placed.R_W1 * n;
+  m.normal = placed.swapped ? Vec<D>(-n_W) : n_W;
+  m.count = static_cast<std::int32_t>(points.size());
+  if (placed.swapped) {
+    for (PatchPoint<D>& p : points) p.feature = p.feature << 16 | p.feature >> 16;
+  }
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    for (std::size_t k = i; k > 0 && points[k].feature < points[k - 1].feature; --k)
+      std::swap(points[k], points[k - 1]);
+  }
+  const Pose<D> X_21 = placed.X_12.inverse();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PatchPoint<D>& p = points[i];
+    ContactPoint<D>& c = m.points[i];
+    const Vec<D> local1 = placed.record1->X_CS * Vec<D>(p.p1 + r1 * n);
+    const Vec<D> local2 = placed.record2->X_CS * (X_21 * Vec<D>(p.p2 - r2 * n));
+    c.localA = placed.swapped ? local2 : local1;
+    c.localB = placed.swapped ? local1 : local2;
+    c.separation = p.separation - r1 - r2;
+    c.feature = p.feature;
+    if (i > 0 && c.feature <= m.points[i - 1].feature) c.feature = m.points[i - 1].feature + 1;
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

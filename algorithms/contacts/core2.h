@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "algorithms/contacts/point_box.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// A convex polygon in frame 1, counter-clockwise. A capsule's core is a box of no height: its two end "edges" have no
+/// length, but their normals are needed to see that cores on one line are apart.
+struct Core2 {
+  const Vec<2>* v;
+  const Vec<2>* n;  // unit, outward, of the edge from vertex i to i + 1
+  int count;
+};
+
+struct Edge2 {
+  Vec<2> a, b;
+  int ia, ib;
+};
+
+inline Edge2 edgeOf(const Core2& c, int i) {
+  const int j = i + 1 < c.count ? i + 1 : 0;
+  return {c.v[i], c.v[j], i, j};
+}
+
+/// Memory for one polygon, reused from pair to pair.
+struct Storage2 {
+  std::vector<Vec<2>> v = std::vector<Vec<2>>(4), n = std::vector<Vec<2>>(4);
+};
+
+/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is the identity, and a hull is not copied.
+inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& storage) {
+  if (s.kind == ShapeKind::polytope) {
+    const auto& hull = *s.hull;
+    const int count = static_cast<int>(hull.vertices.size());
+    if (!X_12) return {hull.vertices.data(), hull.normals.data(), count};
+    storage.v.resize(std::max<std::size_t>(hull.vertices.size(), storage.v.size()));
+    storage.n.resize(storage.v.size());
+    for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
+      storage.v[i] = *X_12 * hull.vertices[i];
+      storage.n[i] = X_12->q * hull.normals[i];
+    }
+    return {storage.v.data(), storage.n.data(), count};
+  }
+  const Pose<2> X = X_12 ? *X_12 : Pose<2>{};
+  const Vec<2> half = coreHalf(s);
+  const Vec<2> x = X.q * Vec<2>(1, 0), y(-x[1], x[0]);
+  const Vec<2> hx = half[0] * x, hy = half[1] * y;
+  storage.v[0] = X.p - hx - hy, storage.v[1] = X.p + hx - hy;
+  storage.v[2] = X.p + hx + hy, storage.v[3] = X.p - hx + hy;
+  storage.n[0] = -y, storage.n[1] = x, storage.n[2] = y, storage.n[3] = -x;
+  return {storage.v.data(), storage.n.data(), 4};
+}
+
+/// The edge of `c` whose normal is most along `d`.
+inline int edgeAlong(const Core2& c, const Vec<2>& d) {
+  int best = 0;
+  Real bestDot = c.n[0].dot(d);
+  for (int i = 1; i < c.count; ++i) {
+    const Real dot = c.n[i].dot(d);
+    if (dot > bestDot) best = i, bestDot = dot;
+  }
+  return best;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

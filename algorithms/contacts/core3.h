@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "algorithms/contacts/point_box.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// A core in frame 1: a polytope, or a segment (two vertices, one edge without faces), or a point.
+struct Core3 {
+  const Vec<3>* v = nullptr;
+  const Vec<3>* n = nullptr;              // of the faces, unit, outward
+  const Polytope<3>* topology = nullptr;  // faces, loops and edges; null for a point. Its coordinates are not ours.
+  int vertexCount = 0;
+
+  int faceCount() const { return topology ? static_cast<int>(topology->faces.size()) : 0; }
+  int edgeCount() const { return topology ? static_cast<int>(topology->edges.size()) : 0; }
+  const Polytope<3>::Face& face(int f) const { return topology->faces[static_cast<std::size_t>(f)]; }
+  const Polytope<3>::Edge& edge(int e) const { return topology->edges[static_cast<std::size_t>(e)]; }
+  int loop(int i) const { return topology->loop[static_cast<std::size_t>(i)]; }
+  const Vec<3>& faceVertex(int f, int k) const { return v[loop(face(f).begin + k)]; }
+  int faceSize(int f) const { return face(f).end - face(f).begin; }
+};
+
+/// Bits of a box's vertex number: 1 = +x, 2 = +y, 4 = +z. Faces: -x, +x, -y, +y, -z, +z.
+inline const Polytope<3>& boxTopology() {
+  static const Polytope<3> box = [] {
+    Polytope<3> t;
+    t.vertices.resize(8, Vec<3>::Zero());
+    t.loop = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
+    for (int f = 0; f < 6; ++f) {
+      Vec<3> n = Vec<3>::Zero();
+      n[f / 2] = f % 2 ? Real(1) : Real(-1);
+      t.faces.push_back({n, 0, 4 * f, 4 * f + 4});
+    }
+    // An edge's faces: the one in whose loop v0 -> v1 occurs, and the one that has v1 -> v0.
+    const auto faceWith = [&](int v0, int v1) {
+      for (int i = 0; i < 24; ++i) {
+        const int next = i % 4 == 3 ? i - 3 : i + 1;
+        if (t.loop[static_cast<std::size_t>(i)] == v0 && t.loop[static_cast<std::size_t>(next)] == v1) return i / 4;
+      }
+      return -1;
+    };
+    for (int bit : {1, 2, 4}) {
+      for (int v = 0; v < 8; ++v) {
+        if (!(v & bit)) t.edges.push_back({v, v | bit, faceWith(v, v | bit), faceWith(v | bit, v)});
+      }
+    }
+    return t;
+  }();
+  return box;
+}
+
+inline const Polytope<3>& segmentTopology() {
+  static const Polytope<3> segment = [] {
+    Polytope<3> t;
+    t.vertices.resize(2, Vec<3>::Zero());
+    t.edges.push_back({0, 1, -1, -1});
+    return t;
+  }();
+  return segment;
+}
+
+struct Storage3 {
+  std::vector<Vec<3>> v = std::vector<Vec<3>>(8), n = std::vector<Vec<3>>(6);
+};
+
+/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is null, and a hull is not copied.
+inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& storage) {
+  const Mat<3> R = X_12 ? X_12->q.matrix() : Mat<3>::Identity();
+  const Vec<3> p = X_12 ? X_12->p : Vec<3>::Zero();
+  Vec<3>* v = storage.v.data();
+  Vec<3>* n = storage.n.data();
+  switch (s.kind) {
+    case ShapeKind::sphere:
+      v[0] = p;
+      return {v, n, nullptr, 1};
+    case ShapeKind::capsule:
+    case ShapeKind::segment: {
+      const Vec<3> h = s.half[0] * R.col(0);
+      v[0] = p - h, v[1] = p + h;
+      return {v, n, &segmentTopology(), 2};
+    }
+    case ShapeKind::box: {
+      const Vec<3> x = s.half[0] * R.col(0), y = s.half[1] * R.col(1), z = s.half[2] * R.col(2);
+      const Vec<3> mm = p - y - z, pm = p + y - z, mp = p - y + z, pp = p + y + z;
+      v[0] = mm - x, v[1] = mm + x, v[2] = pm - x, v[3] = pm + x;
+      v[4] = mp - x, v[5] = mp + x, v[6] = pp - x, v[7] = pp + x;
+      for (int k = 0; k < 3; ++k) n[2 * k] = -R.col(k), n[2 * k + 1] = R.col(k);
+      return {v, n, &boxTopology(), 8};
+    }
+    case ShapeKind::polytope: {
+      const Polytope<3>& hull = *s.hull;
+      const std::size_t vertices = hull.vertices.size(), faces = hull.faces.size();
+      if (storage.n.size() < faces) storage.n.resize(faces);
+      if (storage.v.size() < vertices) storage.v.resize(vertices);
+      for (std::size_t i = 0; i < faces; ++i)
+        storage.n[i] = X_12 ? Vec<3>(R * hull.faces[i].normal) : hull.faces[i].normal;
+      if (!X_12) return {hull.vertices.data(), storage.n.data(), &hull, static_cast<int>(vertices)};
+      for (std::size_t i = 0; i < vertices; ++i) storage.v[i] = R * hull.vertices[i] + p;
+      return {storage.v.data(), storage.n.data(), &hull, static_cast<int>(vertices)};
+    }
+  }
+  return {};
+}
+
+/// The face of `c` whose normal is most along `d`; with a vertex, only among the faces around it.
+inline int faceAlong(const Core3& c, const Vec<3>& d, int vertex = -1) {
+  int best = -1;
+  Real bestDot = -std::numeric_limits<Real>::infinity();
+  for (int f = 0; f < c.faceCount(); ++f) {
+    const Real dot = c.n[f].dot(d);
+    if (!(dot > bestDot)) continue;
+    bool around = vertex < 0;
+    for (int k = c.face(f).begin; !around && k < c.face(f).end; ++k) around = c.loop(k) == vertex;
+    if (around) best = f, bestDot = dot;
+  }
+  return best;
+}
+
+/// The vertex of `c` that lies farthest along `d`.
+inline int vertexAlong(const Core3& c, const Vec<3>& d) {
+  int best = 0;
+  Real bestDot = c.v[0].dot(d);
+  for (int i = 1; i < c.vertexCount; ++i) {
+    const Real dot = c.v[i].dot(d);
+    if (dot > bestDot) best = i, bestDot = dot;
+  }
+  return best;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

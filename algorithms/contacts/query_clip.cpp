@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/contacts/query_batches.h"
+#include "algorithms/contacts/query_clip2.h"
+#include "algorithms/contacts/query_clip3.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <int D>
+struct ScratchOf;
+template <>
+struct ScratchOf<2> {
+  using type = QueryClipScratch2;
+};
+template <>
+struct ScratchOf<3> {
+  using type = QueryClipScratch3;
+};
+
+// Any pair query can serve a simulation: it says along which direction, the faces that meet there say where.
+template <int D>
+class QueryClip final : public ContactGenerator<D> {
+ public:
+  struct Params {
+    Spec query{"gjk_epa", {}};
+    Real bias = kLinearSlop / 10;
+    void visit(ParamVisitor& v) {
+      v.stage("query", query, StageKind::pairQuery, "gives distance, normal and witnesses");
+      v.real("bias", bias, 0, kLinearSlop, "m",
+             "depths that differ by less are alike; corners beside a face by less, too");
+    }
+  };
+  explicit QueryClip(const Params& params) : m_params(params), m_batches(params.query) {}
+
+  static Info info() {
+    return {.name = "query_clip",
+            .summary = "any pair query for the normal, then clips the two faces that meet along it",
+            .paper = "gregorius2015",
+            .complexity = "one pair query, f + c^2 for faces with c corners",
+            .failures = {{"a body that is more than half through a thin one",
+                          "the shortest way out is the far side: it is pushed through",
+                          "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
+  }
+
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
+
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+    m_batches.run(
+        in, m_params.bias, work, [&](const ShapePair& pair, const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
+          const Vec<D> n = answer.normal;
+          addPatch<D>(in, pair, placed, n, clipAlong(placed, n, witnessPoint(placed, answer), m_scratch), fresh);
+        });
+  }
+
+ private:
+  Params m_params;
+  QueryBatches<D> m_batches;
+  typename ScratchOf<D>::type m_scratch;
+};
+
+}  // namespace
+
+LPC_REGISTER(ContactGenerator, QueryClip, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

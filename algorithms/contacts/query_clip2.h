@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "algorithms/contacts/clip2.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct QueryClipScratch2 {
+  Storage2 first, second;
+  Patch2 patch;
+};
+
+/// Clips the edges that face each other along the unit n_12 of a query; `witness` stays when no clipped point is as
+/// deep.
+inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2>& n, const PatchPoint<2>& witness,
+                                          QueryClipScratch2& s) {
+  const ShapeView<2>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
+  Patch2& out = s.patch;
+  out.count = 0;
+  if (s1.kind != ShapeKind::sphere) {
+    const Core2 c1 = makeCore2(s1, nullptr, s.first), c2 = makeCore2(s2, &pair.X_12, s.second);
+    clipEdges(edgeOf(c1, edgeAlong(c1, n)), edgeOf(c2, edgeAlong(c2, -n)), n, pair, out);
+  }
+  if (!(out.deepest() <= witness.separation + pair.tolerance)) {
+    out.count = 1;
+    out.points[0] = witness;
+  }
+  return {out.points.data(), static_cast<std::size_t>(out.count)};
+}
+
+}  // namespace lpc::inline LPC_PRECISION

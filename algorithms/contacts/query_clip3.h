@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "algorithms/contacts/clip_facing3.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct QueryClipScratch3 {
+  Storage3 first, second;
+  ClipScratch3 clip;
+  Patch3 patch;
+};
+
+/// Clips the faces that face each other along the unit n_12 of a query.
+inline std::span<PatchPoint<3>> clipAlong(const PlacedPair<3>& pair, const Vec<3>& n, const PatchPoint<3>& witness,
+                                          QueryClipScratch3& s) {
+  const ShapeView<3>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
+  Patch3& out = s.patch;
+  out.normal = n;
+  out.points.clear();
+  if (s1.kind == ShapeKind::sphere) {
+    out.points.push_back(witness);
+    return out.points;
+  }
+  const Core3 c1 = makeCore3(s1, nullptr, s.first), c2 = makeCore3(s2, &pair.X_12, s.second);
+  clipFacing(c1, c2, n, witness, pair, s.clip, out);
+  reduceToFour(n, pair.tolerance, out.points);
+  return out.points;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

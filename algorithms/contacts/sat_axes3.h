@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "algorithms/contacts/core3.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Edges more parallel than this (sine) span no axis: their cross product is mostly rounding. Their true axis is then
+/// within this angle of one that the faces, or edges at their ends, already give. Smaller: noise. Larger: wrong depth,
+/// by the sine times the edge's length.
+inline constexpr Real kParallelSine = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);
+
+struct FaceAxis3 {
+  int face = -1;
+  Real separation = -std::numeric_limits<Real>::infinity();
+};
+
+struct EdgeAxis3 {
+  int edge1 = -1, edge2 = -1;
+  Real separation = -std::numeric_limits<Real>::infinity();
+  Vec<3> normal = Vec<3>::Zero();  // n_12
+};
+
+struct Axes3 {
+  FaceAxis3 face1, face2;
+  EdgeAxis3 edges;
+  Real best() const { return std::max({face1.separation, face2.separation, edges.separation}); }
+};
+
+inline FaceAxis3 bestFace(const Core3& p, const Core3& q, Real limit) {
+  FaceAxis3 best;
+  for (int f = 0; f < p.faceCount(); ++f) {
+    const Vec<3> n = p.n[f];
+    Real low = n.dot(q.v[0]);
+    for (int k = 1; k < q.vertexCount; ++k) low = std::min(low, n.dot(q.v[k]));
+    const Real s = low - n.dot(p.faceVertex(f, 0));
+    if (s > best.separation) best = {f, s};
+    if (s > limit) break;
+  }
+  return best;
+}
+
+/// Two edges span a face of the Minkowski difference when their arcs on the Gauss map cross (Gregorius, GDC 2013); only
+/// those are projected. A segment's arc is a whole great circle. Counts the axes that were projected.
+inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, std::vector<Real>& along, Work& work) {
+  EdgeAxis3 best;
+  const int faces2 = c2.faceCount();
+  if (along.size() < static_cast<std::size_t>(faces2)) along.resize(static_cast<std::size_t>(faces2));
+  Real* const alongEdge1 = along.data();  // the components of shape 2's face normals along edge 1
+  for (int i = 0; i < c1.edgeCount(); ++i) {
+    const auto& e1 = c1.edge(i);
+    const Vec<3> d1 = c1.v[e1.v1] - c1.v[e1.v0];
+    const Real length1 = d1.squaredNorm();
+    for (int f = 0; f < faces2; ++f) alongEdge1[f] = c2.n[f].dot(d1);
+    for (int k = 0; k < c2.edgeCount(); ++k) {
+      const auto& e2 = c2.edge(k);
+      const Real x = alongEdge1[e2.faceA], y = alongEdge1[e2.faceB];
+      if (!(x * y < 0)) continue;
+      const Vec<3> d2 = c2.v[e2.v1] - c2.v[e2.v0];
+      if (e1.faceA >= 0) {
+        const Real u = c1.n[e1.faceA].dot(d2), w = c1.n[e1.faceB].dot(d2);
+        if (!(u * w < 0 && x * w < 0)) continue;
+      }
+      Vec<3> n = d1.cross(d2);
+      const Real norm2 = n.squaredNorm();
+      if (norm2 <= kParallelSine * kParallelSine * length1 * d2.squaredNorm()) continue;
+      n /= std::sqrt(norm2);
+      if (n.dot(c2.n[e2.faceA] + c2.n[e2.faceB]) > 0) n = -n;
+      ++work[Count::axisTests];
+      const Real s = n.dot(c2.v[e2.v0] - c1.v[e1.v0]);
+      if (s > best.separation) best = {i, k, s, n};
+      if (s > limit) return best;
+    }
+  }
+  return best;
+}
+
+/// Two boxes in closed form: 15 axes (Gottschalk 1996).
+inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, const Mat<3>& R, Real limit, Real bias,
+                    Axes3& axes) {
+  Mat<3> A;
+  for (int c = 0; c < 3; ++c) {
+    for (int r = 0; r < 3; ++r) A(r, c) = std::abs(R(r, c));
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Real s = std::abs(p[i]) - (half1[i] + A(i, 0) * half2[0] + A(i, 1) * half2[1] + A(i, 2) * half2[2]);
+    if (s > limit) return false;
+    if (s > axes.face1.separation) axes.face1 = {2 * i + (p[i] > 0), s};
+  }
+  for (int j = 0; j < 3; ++j) {
+    const Real t = p[0] * R(0, j) + p[1] * R(1, j) + p[2] * R(2, j);
+    const Real s = std::abs(t) - (half2[j] + A(0, j) * half1[0] + A(1, j) * half1[1] + A(2, j) * half1[2]);
+    if (s > limit) return false;
+    if (s > axes.face2.separation) axes.face2 = {2 * j + (t < 0), s};
+  }
+  // Only an edge axis that beats the faces clearly will be used. Separations of edge axes are compared unnormalised.
+  Real best = std::max(axes.face1.separation, axes.face2.separation) + bias;
+  int bestI = -1, bestJ = -1;
+  Real bestT = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = i == 2 ? 0 : i + 1, i2 = i == 0 ? 2 : i - 1;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = j == 2 ? 0 : j + 1, j2 = j == 0 ? 2 : j - 1;
+      const Real norm2 = R(i1, j) * R(i1, j) + R(i2, j) * R(i2, j);  // of the axis a_i x b_j
+      if (norm2 <= kParallelSine * kParallelSine) continue;
+      const Real t = p[i2] * R(i1, j) - p[i1] * R(i2, j);
+      const Real reach = half1[i1] * A(i2, j) + half1[i2] * A(i1, j) + half2[j1] * A(i, j2) + half2[j2] * A(i, j1);
+      const Real s = std::abs(t) - reach;
+      if (s < 0 ? best >= 0 || s * s >= best * best * norm2 : best > 0 && s * s <= best * best * norm2) continue;
+      best = s / std::sqrt(norm2);
+      bestI = i, bestJ = j, bestT = t;
+      if (best > limit) return false;
+    }
+  }
+  if (bestI < 0) return true;
+  const int i1 = bestI == 2 ? 0 : bestI + 1, i2 = bestI == 0 ? 2 : bestI - 1;
+  Vec<3> n;
+  n[bestI] = 0, n[i1] = -R(i2, bestJ), n[i2] = R(i1, bestJ);
+  n /= bestT < 0 ? -n.norm() : n.norm();
+  // The edges that touch: the vertex bits across each edge's own axis follow from the normal.
+  int v1 = 0, v2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (k != bestI && n[k] > 0) v1 |= 1 << k;
+    if (k != bestJ && n.dot(R.col(k)) < 0) v2 |= 1 << k;
+  }
+  // boxTopology lists the four edges along x, then y, then z, each by the number of its lower vertex.
+  const auto edgeNumber = [](int axis, int vertex) {
+    const int low = vertex & ((1 << axis) - 1), high = vertex >> (axis + 1);
+    return 4 * axis + (high << axis) + low;
+  };
+  axes.edges = {edgeNumber(bestI, v1), edgeNumber(bestJ, v2), best, n};
+  return true;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/contacts/sat_collide2.h"
+#include "algorithms/contacts/sat_collide3.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <int D>
+struct ScratchOf;
+template <>
+struct ScratchOf<2> {
+  using type = Scratch2;
+};
+template <>
+struct ScratchOf<3> {
+  using type = Scratch3;
+};
+
+// The default: separating axes give the normal, clipping the faces that meet gives the points.
+template <int D>
+class SatClip final : public ContactGenerator<D> {
+ public:
+  struct Params {
+    Real bias = kLinearSlop / 10;
+    void visit(ParamVisitor& v) {
+      v.real("bias", bias, 0, kLinearSlop, "m",
+             "depths that differ by less are alike: faces win over edges, the first body over the second");
+    }
+  };
+  explicit SatClip(const Params& params) : m_params(params) {}
+
+  static Info info() {
+    return {.name = "sat_clip",
+            .summary = "separating axis test, then clips the incident face against the reference face",
+            .paper = "gregorius2013",
+            .complexity = "f v + e^2 per pair of hulls, 15 axes per pair of boxes",
+            .failures = {{"a body that is more than half through a thin one",
+                          "the shortest way out is the far side: it is pushed through",
+                          "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
+  }
+
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+    work[Count::pairQueries] += in.pairs.size();
+    for (const ShapePair& pair : in.pairs) {
+      const PlacedPair<D> placed = placePair(in, pair, m_params.bias);
+      satCollide(placed, m_scratch, work);
+      addPatch(in, pair, placed, patchNormal(m_scratch), patchPoints(m_scratch, placed.tolerance), fresh);
+    }
+  }
+
+ private:
+  Params m_params;
+  typename ScratchOf<D>::type m_scratch;
+};
+
+}  // namespace
+
+LPC_REGISTER(ContactGenerator, SatClip, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+
+#include "algorithms/solver/free_motion.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Position by the old velocity, velocity by the old force. Free fall comes out g T dt / 2 too high, oscillators gain
+// energy without end.
+template <int D>
+class ExplicitEuler final : public Integrator<D> {
+ public:
+  using Params = NoParams;
+  explicit ExplicitEuler(const Params&) {}
+
+  static Info info() {
+    return {.name = "explicit_euler",
+            .summary = "x by the old v, v by the old force; no gyroscopic term",
+            .paper = "euler1768",
+            .complexity = "1 force evaluation",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"any oscillator", "the amplitude grows by sqrt(1 + (w dt)^2) a step", "Oscillator.Bounded"},
+                         {"any oscillator", "its energy doubles again and again", "Oscillator.KeepsEnergy"},
+                         {"a spinning body in 3D", "angular momentum is not kept", "FreeTop.KeepsAngularMomentum"}}};
+  }
+
+  void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {
+    std::copy(in.bodies.motion.begin(), in.bodies.motion.end(), drift.begin());
+    kick(in, m_wrenches);
+  }
+
+ private:
+  std::vector<Wrench<D>> m_wrenches;
+};
+
+}  // namespace
+
+LPC_REGISTER(Integrator, ExplicitEuler, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Zlib
+#include <array>
+
+#include "algorithms/pair_query/touching.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Points, segments and boxes among each other, box against box left out: the nearest points in closed form, the deepest
+// axis from the few there are. Near contact the difference of the nearest points is all rounding, and so is its
+// direction; then, and only then, the axes are tried too, and the best proved bound wins (core_pair.h).
+template <int D>
+class ClosedForm final : public PairQuery<D> {
+ public:
+  using Params = NoParams;
+  explicit ClosedForm(const Params&) {}
+
+  static Info info() {
+    return {.name = "closed_form",
+            .summary = "formulas for points, segments and boxes with rounding; box-box and polytopes are refused",
+            .paper = "ericson2004",
+            .complexity = "O(1)"};
+  }
+
+  bool supports(ShapeKind a, ShapeKind b) const override { return a < ShapeKind::box && b < ShapeKind::polytope; }
+
+  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory>,
+             Work& work) override {
+    work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
+    const bool pointA = batch.kindA == ShapeKind::sphere;
+    for (int i = 0; i < batch.count; ++i) {
+      const CorePair<D> pair(batch, i);
+      BestAxis<D> best;
+      if (batch.kindB == ShapeKind::box) {
+        pointA ? pointBox(pair, best) : segmentBox(pair, best, work);
+      } else if (batch.kindB == ShapeKind::sphere) {
+        pointPoint(pair, best);
+      } else {
+        pointA ? pointSegment(pair, best, work) : segmentSegment(pair, best, work);
+      }
+      answers.set(i, answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching));
+    }
+  }
+
+ private:
+  // Takes the direction of v = pB - pA if it proves the distance |v| as far as rounding lets it.
+  static bool proves(const CorePair<D>& pair, const Vec<D>& v, BestAxis<D>& best) {
+    Vec<D> n = v;
+    if (!makeUnit<D>(n)) return false;
+    best.take(n, pair.bound(n));
+    return best.bound >= v.norm() - 8 * kEpsilon * pair.scale;
+  }
+
+  // Directions that are perpendicular to the unit vector u, and what is left of v without its part along u.
+  static void tryPerpendicular(const CorePair<D>& pair, const Vec<D>& u, Vec<D> v, BestAxis<D>& best, Work& work) {
+    removeAlong<D>(v, u);
+    best.tryDirection(pair, v, work);
+    const auto t = tangents(u);
+    for (int k = 0; k < D - 1; ++k) {
+      best.tryDirection(pair, t.col(k), work);
+      best.tryDirection(pair, -t.col(k), work);
+    }
+  }
+
+  static void pointPoint(const CorePair<D>& pair, BestAxis<D>& best) {
+    Vec<D> n = pair.p;
+    if (!makeUnit<D>(n)) n = Vec<D>::Unit(0);  // concentric: every direction is right
+    best.take(n, n.dot(pair.p));
+  }
+
+  static void pointSegment(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+    const Vec<D> u = pair.r.col(0);
+    const Vec<D> v = pair.p + std::clamp(-pair.p.dot(u), -pair.b.half[0], pair.b.half[0]) * u;
+    if (!proves(pair, v, best)) tryPerpendicular(pair, u, v, best, work);
+  }
+
+  static void pointBox(const CorePair<D>& pair, BestAxis<D>& best) {
+    const Vec<D> q = -(pair.r.transpose() * pair.p);  // the point in the box's frame
+    const Vec<D> excess = q - q.cwiseMax(-pair.b.half).cwiseMin(pair.b.half);
+    Vec<D> n = -excess;  // exactly zero along the slabs that hold the point: never a direction made of noise
+    if (makeUnit<D>(n)) return best.take(pair.r * n, excess.norm());
+    int k = 0;
+    for (int d = 1; d < D; ++d) {
+      if (std::abs(q[d]) - pair.b.half[d] > std::abs(q[k]) - pair.b.half[k]) k = d;
+    }
+    best.take(q[k] > 0 ? Vec<D>(-pair.r.col(k)) : Vec<D>(pair.r.col(k)), std::abs(q[k]) - pair.b.half[k]);
+  }
+
+  static void segmentSegment(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+    const Vec<D>&p = pair.p, u = pair.r.col(0);
+    const Real lA = pair.a.half[0], lB = pair.b.half[0];
+    // A lies on its own x axis: the parts of u across it, and the common normal, carry no cancellation.
+    const Real across2 = u.tail(D - 1).squaredNorm(), shift = -p.tail(D - 1).dot(u.tail(D - 1));
+    Real tB = across2 > 0 ? std::clamp(shift / across2, -lB, lB) : overlapMiddle(pair);
+    const Real tA = std::clamp(p[0] + tB * u[0], -lA, lA);
+    tB = std::clamp((tA * Vec<D>::Unit(0) - p).dot(u), -lB, lB);
+    const auto difference = [&](Real onB) {
+      Vec<D> v = p + onB * u;
+      v[0] -= std::clamp(v[0], -lA, lA);
+      return v;
+    };
+    const Vec<D> v = difference(tB);
+    if (proves(pair, v, best)) return;
+    tryPerpendicular(pair, Vec<D>::Unit(0), v, best, work);
+    tryPerpendicular(pair, u, v, best, work);
+    if constexpr (D == 3) {
+      const Vec<D> common(0, -u[2], u[1]);
+      best.tryDirection(pair, common, work);
+      best.tryDirection(pair, -common, work);
+    }
+    for (const Real end : {-lB, lB}) best.tryDirection(pair, difference(end), work);
+    for (const Real end : {-lA, lA}) {
+      const Vec<D> toB = p - end * Vec<D>::Unit(0);
+      best.tryDirection(pair, toB + std::clamp(-toB.dot(u), -lB, lB) * u, work);
+    }
+  }
+
+  // Of parallel segments: the middle of the stretch that they share, as a place on B.
+  static Real overlapMiddle(const CorePair<D>& pair) {
+    const Real lA = pair.a.half[0], lB = pair.b.half[0], c = pair.p[0];
+    const Real x = (std::max(-lA, c - lB) + std::min(lA, c + lB)) / 2;
+    return std::clamp(pair.r(0, 0) > 0 ? x - c : c - x, -lB, lB);
+  }
+
+  // The squared distance of a point of the segment from the box is convex and piecewise quadratic along the segment;
+  // its slope, piecewise linear, changes its law only where the segment's line crosses a plane of a face.
+  static void segmentBox(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+    const Vec<D> c = -(pair.r.transpose() * pair.p), u = pair.r.row(0).transpose(), &h = pair.b.half;
+    const Real l = pair.a.half[0];
+    const auto excess = [&](Real t) {
+      const Vec<D> q = c + t * u;
+      return Vec<D>(q - q.cwiseMax(-h).cwiseMin(h));
+    };
+    const auto slope = [&](Real t) { return excess(t).dot(u); };
+    Real lo = -l, hi = l, slopeLo = slope(lo), slopeHi = slope(hi);
+    for (int k = 0; k < D; ++k) {
+      for (const Real face : {-h[k], h[k]}) {
+        const Real t = (face - c[k]) / u[k];  // no number or far away when the segment runs along the face
+        if (!(t > lo && t < hi)) continue;
+        const Real s = slope(t);
+        s < 0 ? (lo = t, slopeLo = s) : (hi = t, slopeHi = s);
+      }
+    }
+    Real t = lo;
+    if (slopeLo < 0) t = slopeHi > 0 ? lo + (hi - lo) * (slopeLo / (slopeLo - slopeHi)) : hi;
+    const Vec<D> v = -(pair.r * excess(t));
+    if (proves(pair, v, best)) return;
+    const Vec<D> inBox = -excess(t);
+    tryPerpendicularWithinBox(pair, inBox, u, best, work);
+    for (int k = 0; k < D; ++k) {
+      best.tryDirection(pair, pair.r.col(k), work);
+      best.tryDirection(pair, -pair.r.col(k), work);
+      if constexpr (D == 3) {
+        const Vec<D> common = Vec<D>::Unit(0).cross(pair.r.col(k));
+        best.tryDirection(pair, common, work);
+        best.tryDirection(pair, -common, work);
+      }
+    }
+    if constexpr (D == 2) {
+      best.tryDirection(pair, Vec<D>(0, 1), work);
+      best.tryDirection(pair, Vec<D>(0, -1), work);
+    }
+    for (const Real end : {-l, l}) best.tryDirection(pair, -(pair.r * excess(end)), work);
+  }
+
+  // v without its part along u, but still exactly zero where it was: it stays in the cone of the box's feature.
+  static void tryPerpendicularWithinBox(const CorePair<D>& pair, Vec<D> v, Vec<D> u, BestAxis<D>& best, Work& work) {
+    for (int k = 0; k < D; ++k) u[k] = v[k] == 0 ? 0 : u[k];
+    if (!makeUnit<D>(u)) return;
+    removeAlong<D>(v, u);
+    best.tryDirection(pair, pair.r * v, work);
+  }
+
+  TouchingPoint m_touching;
+};
+
+}  // namespace
+
+LPC_REGISTER(PairQuery, ClosedForm, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Zlib
+// The point of a simplex nearest to the origin, in the plane.
+#pragma once
+
+#include <array>
+
+#include "algorithms/pair_query/core_pair.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Up to D + 1 points of the Minkowski difference.
+template <int D>
+struct Simplex {
+  std::array<Vec<D>, static_cast<std::size_t>(D) + 1> w;
+  int count = 0;
+
+  const Vec<D>& operator[](int i) const { return w[static_cast<std::size_t>(i)]; }
+  void push(const Vec<D>& point) { w[static_cast<std::size_t>(count++)] = point; }
+  bool contains(const Vec<D>& point) const {
+    for (int i = 0; i < count; ++i) {
+      if ((*this)[i] == point) return true;
+    }
+    return false;
+  }
+};
+
+/// What the nearest point lies on, and where it is.
+template <int D>
+struct NearestFeature {
+  Real length2 = std::numeric_limits<Real>::infinity();
+  Vec<D> v = Vec<D>::Zero();
+  Simplex<D> feature;
+
+  void offer(const Vec<D>& point, std::initializer_list<const Vec<D>*> on) {
+    const Real squared = point.squaredNorm();
+    if (!(squared < length2)) return;
+    length2 = squared, v = point, feature.count = 0;
+    for (const Vec<D>* w : on) feature.push(*w);
+  }
+};
+
+/// Offers the nearest point of the segment a b. Inside it the point is made across the edge to the last bit, from the
+/// end that is nearer: a long edge far from the origin otherwise leaves its rounding in the direction.
+template <int D>
+void offerSegment(const Vec<D>& a, const Vec<D>& b, NearestFeature<D>& best) {
+  Vec<D> e = b - a;
+  if (!(a.dot(e) < 0) || !makeUnit<D>(e)) return best.offer(a, {&a});
+  if (!(b.dot(e) > 0)) return best.offer(b, {&b});
+  Vec<D> v = a.squaredNorm() < b.squaredNorm() ? a : b;
+  removeAlong<D>(v, e);
+  best.offer(v, {&a, &b});
+}
+
+/// True when the triangle holds the origin; then `best` is untouched.
+inline bool nearestOfSimplex(const Simplex<2>& s, NearestFeature<2>& best) {
+  if (s.count == 1) {
+    best.offer(s[0], {&s[0]});
+    return false;
+  }
+  if (s.count == 2) {
+    offerSegment<2>(s[0], s[1], best);
+    return false;
+  }
+  const auto area = [](const Vec<2>& u, const Vec<2>& v) { return u[0] * v[1] - u[1] * v[0]; };
+  const Real ab = area(s[0], s[1] - s[0]), bc = area(s[1], s[2] - s[1]), ca = area(s[2], s[0] - s[2]);
+  if ((ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0)) return true;
+  offerSegment<2>(s[2], s[0], best);
+  offerSegment<2>(s[2], s[1], best);
+  offerSegment<2>(s[0], s[1], best);
+  return false;
+}
+
+/// The direction from the origin to the nearest point, from the feature rather than from the point, whose difference is
+/// mostly rounding near contact; false when only the point is there, at the origin.
+inline bool featureDirection(const NearestFeature<2>& nearest, Vec<2>& n) {
+  n = nearest.v;
+  if (nearest.feature.count == 2) {
+    const Vec<2> e = nearest.feature[1] - nearest.feature[0];
+    const Vec<2> across(-e[1], e[0]);
+    n = across.dot(nearest.feature[0]) < 0 ? Vec<2>(-across) : across;
+  }
+  return makeUnit<2>(n);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+// The point of a simplex nearest to the origin, in space.
+#pragma once
+
+#include "algorithms/pair_query/gjk_simplex2.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Offers the nearest point of the triangle a b c. Sides are told by planes through the edges along the normal, which
+/// keeps its meaning on slivers where barycentric coordinates from dot products do not; where it does not either, the
+/// three edges are there.
+inline void offerTriangle(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, NearestFeature<3>& best) {
+  const Vec<3> n = (b - a).cross(c - a);
+  const Real ab = n.dot(a.cross(b - a)), bc = n.dot(b.cross(c - b)), ca = n.dot(c.cross(a - c));
+  Vec<3> unit = n;
+  if (ab > 0 && bc > 0 && ca > 0 && makeUnit<3>(unit)) return best.offer(unit.dot(a) * unit, {&a, &b, &c});
+  if (!(ab > 0)) offerSegment<3>(a, b, best);
+  if (!(bc > 0)) offerSegment<3>(b, c, best);
+  if (!(ca > 0)) offerSegment<3>(c, a, best);
+}
+
+/// True when the tetrahedron holds the origin; then `best` is untouched. A flat one holds nothing.
+inline bool nearestOfSimplex(const Simplex<3>& s, NearestFeature<3>& best) {
+  switch (s.count) {
+    case 1:
+      best.offer(s[0], {&s[0]});
+      return false;
+    case 2:
+      offerSegment<3>(s[0], s[1], best);
+      return false;
+    case 3:
+      offerTriangle(s[0], s[1], s[2], best);
+      return false;
+    default:
+      break;
+  }
+  // A face is passed over when the origin lies on its inner side, where the fourth corner is.
+  const auto inner = [&](int i, int j, int k, int l) {
+    const Vec<3> n = (s[j] - s[i]).cross(s[k] - s[i]);
+    const Real corner = n.dot(s[l] - s[i]), origin = -n.dot(s[i]);
+    return (corner > 0 && origin > 0) || (corner < 0 && origin < 0);
+  };
+  constexpr int kFaces[4][4] = {{3, 0, 1, 2}, {3, 1, 2, 0}, {3, 2, 0, 1}, {0, 1, 2, 3}};  // the newest point's first
+  bool inside = true;
+  for (const auto& f : kFaces) {
+    if (inner(f[0], f[1], f[2], f[3])) continue;
+    inside = false;
+    offerTriangle(s[f[0]], s[f[1]], s[f[2]], best);
+  }
+  return inside;
+}
+
+inline bool featureDirection(const NearestFeature<3>& nearest, Vec<3>& n) {
+  const Simplex<3>& s = nearest.feature;
+  n = nearest.v;
+  if (s.count == 3) {
+    const Vec<3> normal = (s[1] - s[0]).cross(s[2] - s[0]);
+    n = normal.dot(s[0]) < 0 ? Vec<3>(-normal) : normal;
+  }
+  return makeUnit<3>(n);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+// The last resort of an iteration that rounding has stopped short: the direction it reached is good enough to name the
+// few vertices near contact, and among these every direction that can be the answer is tried.
+#pragma once
+
+#include "algorithms/pair_query/touching.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+class LocalFeatures {
+ public:
+  /// `gap` is how far best.bound may be from the truth (m).
+  void improve(const CorePair<D>& pair, Real gap, BestAxis<D>& best, Work& work) {
+    const Real band = 8 * gap + 64 * kEpsilon * pair.scale;
+    supportingVertices<D>(pair.a, best.n, band, m_a);
+    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * best.n)), band, m_b);
+    if (m_a.size() > kMost || m_b.size() > kMost) return;
+    for (Vec<D>& v : m_b) v = pair.p + pair.r * v;
+    const auto test = [&](const Vec<D>& v) { best.tryDirection(pair, v, work); };
+    const auto testBoth = [&](const Vec<D>& v) { test(v), test(-v); };
+    for (const Vec<D>& a : m_a) {
+      for (const Vec<D>& b : m_b) test(b - a);
+    }
+    forEdges(m_b, [&](const Vec<D>& b0, const Vec<D>& eB) {
+      for (const Vec<D>& a : m_a) test(across(b0 - a, eB));
+      testNormals(eB, testBoth);
+    });
+    forEdges(m_a, [&](const Vec<D>& a0, const Vec<D>& eA) {
+      for (const Vec<D>& b : m_b) test(across(b - a0, eA));
+      testNormals(eA, testBoth);
+      if constexpr (D == 3) {
+        forEdges(m_b, [&](const Vec<D>&, const Vec<D>& eB) { testBoth(across(eA.cross(eB), eA)); });
+        forEdges(m_a, [&](const Vec<D>&, const Vec<D>& other) { testBoth(across(eA.cross(other), eA)); });
+      }
+    });
+    if constexpr (D == 3) {
+      forEdges(m_b, [&](const Vec<D>&, const Vec<D>& e0) {
+        forEdges(m_b, [&](const Vec<D>&, const Vec<D>& e1) { testBoth(across(e0.cross(e1), e0)); });
+      });
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMost = 8;
+
+  template <class F>
+  static void forEdges(const std::vector<Vec<D>>& vertices, F&& f) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      for (std::size_t j = i + 1; j < vertices.size(); ++j) {
+        Vec<D> e = vertices[j] - vertices[i];
+        if (makeUnit<D>(e)) f(vertices[i], e);
+      }
+    }
+  }
+  static Vec<D> across(Vec<D> v, const Vec<D>& e) {
+    removeAlong<D>(v, e);
+    return v;
+  }
+  template <class F>
+  static void testNormals(const Vec<D>& e, F&& testBoth) {
+    if constexpr (D == 2) testBoth(Vec<D>(-e[1], e[0]));
+  }
+
+  std::vector<Vec<D>> m_a, m_b;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

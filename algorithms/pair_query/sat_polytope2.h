@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Zlib
+// Separating axes of two planar cores of any kind: edge normals, and where these fall short, the nearest two vertices.
+#pragma once
+
+#include <vector>
+
+#include "algorithms/pair_query/core_pair.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+class SatPolytope;
+
+template <>
+class SatPolytope<2> {
+ public:
+  void run(const CorePair<2>& pair, BestAxis<2>& best, Work& work) {
+    fill(pair.a, Pose<2>{}.p, Mat<2>::Identity(), m_a);
+    fill(pair.b, pair.p, pair.r, m_b);
+    testNormals(m_a, m_b, 1, best, work);
+    testNormals(m_b, m_a, -1, best, work);
+    // Apart, the nearest features are a vertex and an edge, whose normal has been tested, or two vertices.
+    if (best.bound <= -8 * kEpsilon * pair.scale) return;
+    Real least = std::numeric_limits<Real>::infinity();
+    for (const Vec<2>& a : m_a.vertices) {
+      for (const Vec<2>& b : m_b.vertices) least = std::min(least, (b - a).squaredNorm());
+    }
+    const Real tie = std::sqrt(least) * (1 + Real(1e-6)) + 64 * kEpsilon * pair.scale;
+    for (const Vec<2>& a : m_a.vertices) {
+      for (const Vec<2>& b : m_b.vertices) {
+        if ((b - a).squaredNorm() <= tie * tie) best.tryDirection(pair, b - a, work);
+      }
+    }
+    if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<2>::Unit(0), work);  // two equal points
+  }
+
+ private:
+  struct Core {
+    std::vector<Vec<2>> vertices, normals;  // normals[i]: of the edge from vertex i on; a segment has two, a point none
+  };
+
+  static void fill(const ShapeView<2>& shape, const Vec<2>& p, const Mat<2>& r, Core& core) {
+    core.vertices.clear(), core.normals.clear();
+    const Real x = shape.half[0], y = shape.half[1];
+    const auto add = [&](const Vec<2>& v, const Vec<2>& n) {
+      core.vertices.push_back(p + r * v);
+      core.normals.push_back(r * n);
+    };
+    switch (shape.kind) {
+      case ShapeKind::sphere:
+        core.vertices.push_back(p);
+        break;
+      case ShapeKind::capsule:
+      case ShapeKind::segment:
+        add({x, 0}, {0, 1}), add({-x, 0}, {0, -1});
+        break;
+      case ShapeKind::box:
+        add({x, -y}, {1, 0}), add({x, y}, {0, 1}), add({-x, y}, {-1, 0}), add({-x, -y}, {0, -1});
+        break;
+      case ShapeKind::polytope:
+        for (std::size_t i = 0; i < shape.hull->vertices.size(); ++i) {
+          add(shape.hull->vertices[i], shape.hull->normals[i]);
+        }
+        break;
+    }
+  }
+
+  // The outward normals of `of`; sign 1 when that is A, so that n points from A to B.
+  static void testNormals(const Core& of, const Core& other, Real sign, BestAxis<2>& best, Work& work) {
+    work[Count::axisTests] += of.normals.size();
+    for (std::size_t i = 0; i < of.normals.size(); ++i) {
+      const Vec<2>& n = of.normals[i];
+      // A rounded normal may lean out over the next vertex: both ends of the edge hold the line.
+      const Real offset = std::max(n.dot(of.vertices[i]), n.dot(of.vertices[(i + 1) % of.vertices.size()]));
+      Real bound = std::numeric_limits<Real>::infinity();
+      for (const Vec<2>& v : other.vertices) {
+        bound = std::min(bound, n.dot(v) - offset);
+        if (bound <= best.bound) break;
+      }
+      best.take(sign * n, bound);
+    }
+  }
+
+  Core m_a, m_b;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Zlib
+// Witnesses from a separating or deepest direction: where the two supporting features, brought together along n, share
+// a point. One rule for every regime and method, so that two faces in contact meet in the middle of their overlap and
+// not in whichever vertex an iteration met last.
+#pragma once
+
+#include <vector>
+
+#include "algorithms/pair_query/core_pair.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame).
+template <int D>
+void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, std::vector<Vec<D>>& out) {
+  out.clear();
+  if (shape.kind == ShapeKind::polytope) {
+    Real farthest = -std::numeric_limits<Real>::infinity();
+    for (const Vec<D>& v : shape.hull->vertices) farthest = std::max(farthest, v.dot(n));
+    for (const Vec<D>& v : shape.hull->vertices) {
+      if (v.dot(n) >= farthest - band) out.push_back(v);
+    }
+    return;
+  }
+  out.push_back(coreSupport(shape, n));
+  for (int k = 0; k < D; ++k) {
+    if (!(shape.half[k] > 0) || 2 * std::abs(n[k]) * shape.half[k] > band) continue;
+    const std::size_t count = out.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      Vec<D> mirrored = out[i];
+      mirrored[k] = -mirrored[k];
+      out.push_back(mirrored);
+    }
+  }
+}
+
+using Planar = Vec<2>;
+
+/// Convex polygon of planar points, counter-clockwise; points and segments stay what they are.
+inline void planarHull(std::vector<Planar>& points, std::vector<Planar>& scratch) {
+  std::sort(points.begin(), points.end(),
+            [](const Planar& u, const Planar& v) { return u[0] < v[0] || (u[0] == v[0] && u[1] < v[1]); });
+  points.erase(std::unique(points.begin(), points.end(), [](const Planar& u, const Planar& v) { return u == v; }),
+               points.end());
+  if (points.size() < 3) return;
+  scratch.clear();
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t start = scratch.size();
+    for (const Planar& q : points) {
+      while (scratch.size() >= start + 2) {
+        const Planar e = scratch.back() - scratch[scratch.size() - 2], f = q - scratch.back();
+        if (e[0] * f[1] - e[1] * f[0] > 0) break;
+        scratch.pop_back();
+      }
+      scratch.push_back(q);
+    }
+    scratch.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  points.swap(scratch);
+}
+
+inline Planar nearestOnSegment(const Planar& u, const Planar& v, const Planar& q) {
+  const Planar e = v - u;
+  const Real length2 = e.squaredNorm();
+  const Real t = length2 > 0 ? std::clamp((q - u).dot(e) / length2, Real(0), Real(1)) : Real(0);
+  return u + t * e;
+}
+
+class TouchingPoint {
+ public:
+  /// Fills the answer's witnesses from its normal; answer.distance includes the radii already. For cores that are apart
+  /// the nearest features, now known, may give a better direction than the one that found them: it is then taken.
+  template <int D>
+  void find(const CorePair<D>& pair, BestAxis<D>& best, PairAnswer<D>& answer) {
+    Vec<D> common = Vec<D>::Zero();
+    for (int round = 0; round < 3; ++round) {
+      // A normal that is off by a rounding lifts the far end of a feature by more than a rounding: the band grows until
+      // the features meet. Witnesses leave their shapes by the band at most.
+      Real least = kInf;
+      Vec<D> miss = Vec<D>::Zero();
+      Real band = 64 * kEpsilon * pair.scale;
+      for (int i = 0; i < 6; ++i, band *= 16) {
+        gather(pair, best.n, band);
+        Vec<D> offset = Vec<D>::Zero();
+        const Vec<D> q = commonPoint(best.n, offset);
+        if (offset.norm() + band < least) least = offset.norm() + band, common = q, miss = offset;
+        if (!(offset.norm() > band)) break;
+      }
+      // The common point belongs to this normal: the last round must not change it any more.
+      if (round == 2 || !(best.bound > 0) || miss.squaredNorm() == 0) break;
+      Vec<D> direct = best.bound * best.n + miss;
+      const Real before = best.bound;
+      if (makeUnit<D>(direct)) best.take(direct, pair.bound(direct));
+      if (!(best.bound > before)) break;
+    }
+    answer.normal = best.n;
+    answer.distance = best.bound - pair.radii();
+    const Real height = coreSupport(pair.a, answer.normal).dot(answer.normal) + pair.a.radius;
+    answer.pA = common + height * answer.normal;
+    answer.pB = answer.pA + answer.distance * answer.normal;
+  }
+
+ private:
+  static constexpr Real kInf = std::numeric_limits<Real>::infinity();
+
+  template <int D>
+  void gather(const CorePair<D>& pair, const Vec<D>& n, Real band) {
+    auto& a = vertices<D>(m_a2, m_a3);
+    auto& b = vertices<D>(m_b2, m_b3);
+    supportingVertices<D>(pair.a, n, band, a);
+    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, b);
+    for (Vec<D>& v : b) v = pair.p + pair.r * v;
+  }
+  template <int D>
+  static auto& vertices(std::vector<Vec<2>>& two, std::vector<Vec<3>>& three) {
+    if constexpr (D == 2) {
+      return two;
+    } else {
+      return three;
+    }
+  }
+
+  // The common point without its part along n. Where the features miss each other, it is half-way, and `miss` is the
+  // way from A's to B's nearest point, across n.
+  Vec<2> commonPoint(const Vec<2>& n, Vec<2>& miss) {
+    const Vec<2> t(-n[1], n[0]);
+    Real loA = kInf, hiA = -kInf, loB = kInf, hiB = -kInf;
+    for (const Vec<2>& v : m_a2) loA = std::min(loA, t.dot(v)), hiA = std::max(hiA, t.dot(v));
+    for (const Vec<2>& v : m_b2) loB = std::min(loB, t.dot(v)), hiB = std::max(hiB, t.dot(v));
+    const Real lo = std::max(loA, loB), hi = std::min(hiA, hiB);
+    if (lo > hi) miss = (loB > hiA ? loB - hiA : hiB - loA) * t;
+    return (lo + hi) / 2 * t;
+  }
+  Vec<3> commonPoint(const Vec<3>& n, Vec<3>& miss) {
+    const Matrix<3, 2> basis = tangents(n);
+    project(m_a3, basis, m_polygonA);
+    project(m_b3, basis, m_polygonB);
+    Planar offset = Planar::Zero();
+    const Planar q = ofPolygons(offset);
+    miss = basis * offset;
+    return basis * q;
+  }
+
+  void project(const std::vector<Vec<3>>& points, const Matrix<3, 2>& basis, std::vector<Planar>& out) {
+    out.clear();
+    for (const Vec<3>& v : points) out.push_back(basis.transpose() * v);
+    planarHull(out, m_scratch);
+  }
+
+  Planar ofPolygons(Planar& miss) {
+    if (m_polygonA.size() < 3 && m_polygonB.size() < 3) {
+      return m_polygonA.size() == 2 && m_polygonB.size() == 2 ? ofSegments(miss) : nearest(miss);
+    }
+    const bool clipB = m_polygonA.size() >= 3;
+    const std::vector<Planar>& fixed = clipB ? m_polygonA : m_polygonB;
+    m_clip = clipB ? m_polygonB : m_polygonA;
+    for (std::size_t i = 0; i < fixed.size() && !m_clip.empty(); ++i) {
+      clip(fixed[i], fixed[(i + 1) % fixed.size()]);
+    }
+    return m_clip.empty() ? nearest(miss) : boxMiddle();
+  }
+
+  // Keeps what lies to the left of the line u v (Sutherland and Hodgman 1974).
+  void clip(const Planar& u, const Planar& v) {
+    const Planar e = v - u;
+    const auto side = [&](const Planar& q) { return e[0] * (q[1] - u[1]) - e[1] * (q[0] - u[0]); };
+    m_scratch.clear();
+    for (std::size_t i = 0; i < m_clip.size(); ++i) {
+      const Planar &q0 = m_clip[i], &q1 = m_clip[(i + 1) % m_clip.size()];
+      const Real s0 = side(q0), s1 = side(q1);
+      if (s0 >= 0) m_scratch.push_back(q0);
+      if ((s0 > 0 && s1 < 0) || (s0 < 0 && s1 > 0)) m_scratch.push_back(q0 + s0 / (s0 - s1) * (q1 - q0));
+    }
+    m_clip.swap(m_scratch);
+  }
+
+  // The mean of the corners would depend on how often rounding repeats a corner; the mean of extremes along the longest
+  // extent does not, and lies in the convex overlap.
+  Planar boxMiddle() const {
+    const Planar* lo = &m_clip[0];
+    const Planar* hi = &m_clip[0];
+    Real longest = -1;
+    for (std::size_t i = 0; i < m_clip.size(); ++i) {
+      for (std::size_t j = i; j < m_clip.size(); ++j) {
+        const Real length = (m_clip[i] - m_clip[j]).squaredNorm();
+        if (length > longest * (1 + 64 * kEpsilon)) longest = length, lo = &m_clip[i], hi = &m_clip[j];
+      }
+    }
+    return (*lo + *hi) / 2;
+  }
+
+  Planar ofSegments(Planar& miss) const {
+    const Planar e = m_polygonA[1] - m_polygonA[0], f = m_polygonB[1] - m_polygonB[0],
+                 w = m_polygonB[0] - m_polygonA[0];
+    const Real area = e[0] * f[1] - e[1] * f[0], length2 = e.squaredNorm();
+    Real t = 0;
+    // Crossing lines meet at one place, if it is one; (nearly) parallel ones share a stretch, whose middle is taken.
+    if (std::abs(area) > 1024 * kEpsilon * e.norm() * f.norm()) {
+      t = (w[0] * f[1] - w[1] * f[0]) / area;
+    } else {
+      const Real t0 = w.dot(e) / length2, t1 = (m_polygonB[1] - m_polygonA[0]).dot(e) / length2;
+      t = (std::max(Real(0), std::min(t0, t1)) + std::min(Real(1), std::max(t0, t1))) / 2;
+    }
+    const Planar onA = m_polygonA[0] + std::clamp(t, Real(0), Real(1)) * e;
+    const Planar onB = nearestOnSegment(m_polygonB[0], m_polygonB[1], onA);
+    miss = onB - onA;
+    return (onA + onB) / 2;
+  }
+
+  Planar nearest(Planar& miss) const {
+    Real least = kInf;
+    Planar middle = m_polygonA[0];
+    const auto offer = [&](const Planar& onA, const Planar& onB) {
+      const Real gap = (onB - onA).squaredNorm();
+      if (gap < least) least = gap, middle = (onA + onB) / 2, miss = onB - onA;
+    };
+    const auto onEdge = [](const std::vector<Planar>& polygon, std::size_t i, const Planar& q) {
+      return nearestOnSegment(polygon[i], polygon[(i + 1) % polygon.size()], q);
+    };
+    for (const Planar& q : m_polygonA) {
+      for (std::size_t i = 0; i < m_polygonB.size(); ++i) offer(q, onEdge(m_polygonB, i, q));
+    }
+    for (const Planar& q : m_polygonB) {
+      for (std::size_t i = 0; i < m_polygonA.size(); ++i) offer(onEdge(m_polygonA, i, q), q);
+    }
+    return middle;
+  }
+
+  std::vector<Vec<2>> m_a2, m_b2;
+  std::vector<Vec<3>> m_a3, m_b3;
+  std::vector<Planar> m_polygonA, m_polygonB, m_clip, m_scratch;
+};
+
+/// Finishes an answer from its best axis: radii, normal, witnesses if asked.
+template <int D>
+PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, Need need,
+                         TouchingPoint& touching) {
+  PairAnswer<D> answer;
+  answer.status = status;
+  answer.normal = best.n;
+  answer.distance = best.bound - pair.radii();
+  if (need == Need::witnesses) touching.find(pair, best, answer);
+  return answer;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Position errors stay: what the others are measured against.
+template <int D>
+class NoPosition final : public PositionResolver<D> {
+ public:
+  using Params = NoParams;
+  explicit NoPosition(const Params&) {}
+
+  static Info info() {
+    return {.name = "none",
+            .summary = "leaves penetration and joint errors as they are",
+            .paper = "",
+            .complexity = "0",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"anything that rests", "sinks in", "PositionError.Shrinks"},
+                         {"pinned bodies that overlap", "stay so", "PositionError.TurnsPinnedBodies"},
+                         {"a joint under load", "drifts apart", "JointError.Shrinks"}}};
+  }
+};
+
+}  // namespace
+
+LPC_REGISTER(PositionResolver, NoPosition, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/pivot_rows.h"
+#include "framework/profiler.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Errors are removed by a velocity of their own, which moves the bodies once and is then forgotten: no energy stays.
+// The rows are solved in displacements (pseudo velocity x dt), so that "impulses" here are in kg m.
+template <int D>
+class SplitImpulse final : public PositionResolver<D> {
+ public:
+  struct Params {
+    int iterations = 10;
+    Real factor = Real(0.2);
+    Real slop = kLinearSlop;
+    Real maxMove = Real(0.2);
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 0, 10000, "sweeps over all joints and contacts");
+      v.real("factor", factor, 0, 1, "1", "share of the error to remove in one step");
+      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
+      v.real("max_move", maxMove, 0, 1000, "m", "largest displacement of one contact in one step");
+    }
+  };
+  explicit SplitImpulse(const Params& params) : m_params(params) {}
+
+  static Info info() {
+    return {.name = "split_impulse",
+            .summary = "position errors are removed by pseudo velocities that leave no energy",
+            .paper = "catto2006",
+            .complexity = "iterations x (contacts + joints), nothing when no error exceeds the slop",
+            .guarantee = Guarantee::approximate,
+            .failures = {}};
+  }
+
+  void correct(const PositionInput<D>& in) override {
+    prepare(in);
+    if (!m_wrong) return;
+    const bool rotation = in.features.rotation;
+    for (int i = 0; i < m_params.iterations; ++i) {
+      for (PivotRow<D>& row : m_joints.rows) {
+        Motion<D>& a = m_moves[static_cast<std::size_t>(row.a)];
+        Motion<D>& b = m_moves[static_cast<std::size_t>(row.b)];
+        applyPivot<D>(row, row.mass * (-m_params.factor * row.error - pivotVelocity(row, a, b)), a, b);
+      }
+      for (Contact& c : m_contacts) {
+        Motion<D>& a = m_moves[static_cast<std::size_t>(c.a)];
+        Motion<D>& b = m_moves[static_cast<std::size_t>(c.b)];
+        const Real old = c.impulse;
+        c.impulse = std::max(old + c.row.mass * (c.target - rowVelocity<D>(c.row, c.n, a, b, rotation)), Real(0));
+        applyRow<D>(c.row, c.n, c.invMassA, c.invMassB, c.impulse - old, a, b, rotation);
+      }
+    }
+    in.work[Count::rowUpdates] +=
+        static_cast<std::uint64_t>(m_params.iterations) * (m_contacts.size() + m_joints.rows.size());
+    for (std::size_t i = 0; i < m_moves.size(); ++i) {
+      Pose<D>& x = in.bodies.pose[i];
+      x.p += m_moves[i].v;
+      if (rotation && m_moves[i].w.squaredNorm() > 0) x.q = integrateRotation(x.q, m_moves[i].w);
+    }
+  }
+
+ private:
+  struct Contact {
+    int a, b;
+    Real invMassA, invMassB;
+    Vec<D> n;
+    Row<D> row;
+    Real target, impulse;  // m, kg m
+  };
+
+  void prepare(const PositionInput<D>& in) {
+    const Bodies<D>& bodies = in.bodies;
+    m_wrong = false;
+    m_contacts.clear();
+    for (int k : in.order) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
+      const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+      for (int p = 0; p < m.count; ++p) {
+        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(p)];
+        const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
+        const Real spare = arms.separation + m_params.slop;
+        m_wrong = m_wrong || spare < 0;
+        // Contacts without an error take part, or the correction of one would push bodies into another.
+        const Real target = spare < 0 ? std::min(-m_params.factor * spare, m_params.maxMove) : -spare;
+        const Real invMassSum = bodies.invMass[a] + bodies.invMass[b];
+        m_contacts.push_back(
+            {m.bodyA, m.bodyB, bodies.invMass[a], bodies.invMass[b], m.normal,
+             makeRow<D>(m.normal, arms.rA, arms.rB, invMassSum, bodies.invInertia[a], bodies.invInertia[b]), target,
+             0});
+      }
+    }
+    m_joints.rows.clear();
+    if (in.features.joints) m_joints.prepare(bodies, in.joints);
+    m_wrong = m_wrong || !m_joints.rows.empty();
+    m_moves.assign(bodies.pose.size(), Motion<D>{});
+  }
+
+  Params m_params;
+  std::vector<Contact> m_contacts;
+  PivotRows<D> m_joints;
+  std::vector<Motion<D>> m_moves;  // displacement of each body, m and rad
+  bool m_wrong = false;
+};
+
+}  // namespace
+
+LPC_REGISTER(PositionResolver, SplitImpulse, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

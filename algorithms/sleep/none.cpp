@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/stage_sleep.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Nobody sleeps: what a sleeping policy is compared with. Bodies that were added asleep wake up, too.
+template <int D>
+class None final : public SleepPolicy<D> {
+ public:
+  using Params = NoParams;
+  explicit None(const Params&) {}
+
+  static Info info() {
+    return {.name = "none", .summary = "keeps every body awake", .paper = "", .complexity = "bodies"};
+  }
+
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>>) override {
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (in.bodies.used[i]) awake[i] = 1;
+    }
+  }
+};
+
+}  // namespace
+
+LPC_REGISTER(SleepPolicy, None, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Zlib
+// Contacts as a resolver sees them: one row per direction of impulse, prepared once per step in flat arrays.
+//
+// A positive impulse pushes B along the direction and A against it. Both bodies get it at one shared point, midway
+// between the two anchors, so that angular momentum is kept to rounding also while shapes overlap.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "framework/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// One direction d of impulse between two bodies.
+template <int D>
+struct Row {
+  Ang<D> armA, armB;    // r x d: relative speed per angular velocity, m
+  Ang<D> turnA, turnB;  // I^-1 (r x d): angular velocity per impulse, rad/s per N s
+  Real mass;            // impulse per change of relative speed, kg; 0 when neither body can move
+};
+
+template <int D>
+Row<D> makeRow(const Vec<D>& d, const Vec<D>& rA, const Vec<D>& rB, Real invMassSum, const Inertia<D>& invIA,
+               const Inertia<D>& invIB) {
+  Row<D> row;
+  row.armA = cross(rA, d), row.armB = cross(rB, d);
+  row.turnA = invIA * row.armA, row.turnB = invIB * row.armB;
+  const Real k = invMassSum + row.armA.dot(row.turnA) + row.armB.dot(row.turnB);
+  row.mass = k > 0 ? 1 / k : Real(0);
+  return row;
+}
+
+/// Velocity of B against A along d, m/s.
+template <int D>
+Real rowVelocity(const Row<D>& row, const Vec<D>& d, const Motion<D>& a, const Motion<D>& b, bool rotation) {
+  Real v = d.dot(b.v - a.v);
+  if (rotation) v += row.armB.dot(b.w) - row.armA.dot(a.w);
+  return v;
+}
+
+template <int D>
+void applyRow(const Row<D>& row, const Vec<D>& d, Real invMassA, Real invMassB, Real impulse, Motion<D>& a,
+              Motion<D>& b, bool rotation) {
+  a.v -= (impulse * invMassA) * d;
+  b.v += (impulse * invMassB) * d;
+  if (!rotation) return;
+  a.w -= impulse * row.turnA;
+  b.w += impulse * row.turnB;
+}
+
+/// Both arms from the centres of mass to the point midway between the anchors (m, world axes), and the separation
+/// there at the present poses. Positions are subtracted first: far from the origin the sum would lose digits.
+template <int D>
+struct ContactArms {
+  Vec<D> rA, rB;
+  Real separation;  // m
+
+  ContactArms(const ContactPoint<D>& c, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
+    const Vec<D> fromA = X_WA.q * c.localA, fromB = X_WB.q * c.localB, centers = X_WB.p - X_WA.p;
+    const Vec<D> gap = centers + fromB - fromA;
+    separation = gap.dot(n);
+    rA = fromA + gap / 2, rB = fromB - gap / 2;
+  }
+};
+
+/// The least normal velocity (m/s) that a contact shall have after the step.
+///
+/// A gap may be closed but not more: -separation / dt, in every resolver, or shapes within the contact margin would
+/// stop in the air. A contact that is hit within this step by its present velocity bounces instead, by the velocity
+/// with which it arrived, when that is fast enough. With e = 1 the step back is then the mirror image of the step that
+/// led here, and a ball comes back to its height for ever; the velocity after this step's gravity would raise it.
+template <int D>
+Real contactTarget(Real separation, Real velocity, Real arrival, Real restitution, Real threshold, Real dt,
+                   const PositionResolver<D>& position) {
+  Real target = separation > 0 ? -separation / dt : position.bias(separation, dt);
+  const bool hit = arrival < -threshold && separation + velocity * dt <= 0;
+  if (hit && restitution > 0) target = std::max(target, -restitution * arrival);
+  return target;
+}
+
+template <int D>
+struct PointRows {
+  Row<D> normal;
+  std::array<Row<D>, D - 1> tangent;
+  Matrix<D - 1, D - 1> stick;   // inverse of the tangents' response: impulse that ends sliding, kg
+  Real slide;                   // 1 / the largest eigenvalue of that response, kg
+  Real target;                  // least normal velocity, m/s
+  Real kick;                    // part of the normal velocity that this step\'s forces have just made, m/s
+  std::array<Real, D> impulse;  // accumulated in this step: along n, then along the tangents
+};
+
+template <int D>
+struct ManifoldRows {
+  int a, b;          // bodies
+  int first, count;  // of its points
+  int manifold;
+  Real invMassA, invMassB;
+  Real friction;
+  Vec<D> n;
+  Matrix<D, D - 1> t;
+};
+
+inline void prepareFriction(PointRows<2>& row) { row.stick[0] = row.slide = row.tangent[0].mass; }
+inline void prepareFriction(PointRows<3>& row) {
+  const Row<3>&s = row.tangent[0], &t = row.tangent[1];
+  row.stick.setZero(), row.slide = 0;
+  if (!(s.mass > 0 && t.mass > 0)) return;
+  const Real ss = 1 / s.mass, tt = 1 / t.mass, st = s.armA.dot(t.turnA) + s.armB.dot(t.turnB);
+  const Real mean = (ss + tt) / 2, half = (ss - tt) / 2;
+  row.slide = 1 / (mean + std::sqrt(half * half + st * st));
+  const Real determinant = ss * tt - st * st;
+  // Pinned bodies: the point may have only one direction left to move in.
+  if (determinant > mean * mean * Real(1e-6)) {
+    row.stick << tt, -st, -st, ss;
+    row.stick /= determinant;
+  } else {
+    row.stick.diagonal().setConstant(row.slide);
+  }
+}
+
+/// All contacts of a velocity solve. The arrays keep their capacity from step to step.
+template <int D>
+struct ContactRows {
+  std::vector<ManifoldRows<D>> manifolds;
+  std::vector<PointRows<D>> points;
+
+  /// Before any impulse is applied: restitution looks at the velocities as they are now.
+  void prepare(const VelocityInput<D>& in) {
+    std::size_t count = 0;
+    for (int i : in.order) count += static_cast<std::size_t>(in.manifolds[static_cast<std::size_t>(i)].count);
+    manifolds.resize(in.order.size());
+    points.resize(count);
+    const Bodies<D>& bodies = in.bodies;
+    const bool rotation = in.features.rotation;
+    std::size_t p = 0;
+    for (std::size_t k = 0; k < in.order.size(); ++k) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(in.order[k])];
+      ManifoldRows<D>& rows = manifolds[k];
+      const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+      rows.a = m.bodyA, rows.b = m.bodyB, rows.manifold = in.order[k];
+      rows.first = static_cast<int>(p), rows.count = m.count;
+      rows.invMassA = bodies.invMass[a], rows.invMassB = bodies.invMass[b];
+      rows.friction = in.features.friction ? m.friction : Real(0);
+      rows.n = m.normal, rows.t = tangents(m.normal);
+      const Real invMassSum = rows.invMassA + rows.invMassB;
+      for (int i = 0; i < m.count; ++i, ++p) {
+        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
+        PointRows<D>& row = points[p];
+        const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
+        const auto make = [&](const Vec<D>& d) {
+          return makeRow<D>(d, arms.rA, arms.rB, invMassSum, bodies.invInertia[a], bodies.invInertia[b]);
+        };
+        row.normal = make(m.normal);
+        if (rows.friction > 0) {
+          for (int d = 0; d < D - 1; ++d) row.tangent[static_cast<std::size_t>(d)] = make(rows.t.col(d));
+          prepareFriction(row);
+        }
+        const Real v = rowVelocity(row.normal, m.normal, bodies.motion[a], bodies.motion[b], rotation);
+        const Real arrival =
+            in.arrival.empty() ? v : rowVelocity(row.normal, m.normal, in.arrival[a], in.arrival[b], rotation);
+        row.kick = v - arrival;
+        row.target = contactTarget<D>(c.separation, v, arrival, in.features.restitution ? m.restitution : Real(0),
+                                      in.restitutionThreshold, in.dt, in.position);
+        row.impulse.fill(0);
+      }
+    }
+  }
+
+  /// Writes the impulses of this step into the manifolds.
+  void store(std::span<Manifold<D>> out) const {
+    for (const ManifoldRows<D>& rows : manifolds) {
+      Manifold<D>& m = out[static_cast<std::size_t>(rows.manifold)];
+      for (int i = 0; i < rows.count; ++i) {
+        m.points[static_cast<std::size_t>(i)].impulse = points[static_cast<std::size_t>(rows.first + i)].impulse;
+      }
+    }
+  }
+};
+
+/// The tangential impulse nearest to `impulse` that Coulomb's law allows, |impulse| <= limit: an interval in 2D, a disc
+/// in 3D, which unlike a pyramid has no preferred direction.
+template <int D>
+Matrix<D - 1, 1> clampFriction(const Matrix<D - 1, 1>& impulse, Real limit) {
+  if constexpr (D == 2) {
+    return Matrix<1, 1>(std::clamp(impulse[0], -limit, limit));
+  } else {
+    const Real squared = impulse.squaredNorm();
+    if (squared <= limit * limit) return impulse;
+    return impulse * (limit / std::sqrt(squared));
+  }
+}
+
+/// One update of a point's accumulated friction, with its normal impulse as it is now.
+///
+/// First what would end sliding. If Coulomb's law does not allow so much, a step down the gradient of the kinetic
+/// energy and back onto the disc: no energy is added, friction ends up against the sliding velocity, and the result
+/// depends on the contact alone, not on which tangents were chosen. (Clamping two separately solved tangents does
+/// neither.)
+template <int D>
+void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>& b, bool rotation) {
+  Matrix<D - 1, 1> v, old;
+  for (int d = 0; d < D - 1; ++d) {
+    v[d] = rowVelocity<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), a, b, rotation);
+    old[d] = row.impulse[static_cast<std::size_t>(d) + 1];
+  }
+  const Real limit = m.friction * row.impulse[0];
+  Matrix<D - 1, 1> impulse = old - row.stick * v;
+  if (impulse.squaredNorm() > limit * limit) {
+    const Matrix<D - 1, 1> down = old - row.slide * v;
+    impulse = clampFriction<D>(down, limit);
+  }
+  for (int d = 0; d < D - 1; ++d) {
+    applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB, impulse[d] - old[d], a, b,
+                rotation);
+    row.impulse[static_cast<std::size_t>(d) + 1] = impulse[d];
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+// What integrators and solvers that integrate by themselves share: the change of velocity by forces, the move by a
+// constant velocity.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "framework/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// velocity += dt x (forces of now) / mass, without the gyroscopic term. Bodies of zero inverse mass keep theirs.
+template <int D>
+void kick(const IntegrateInput<D>& in, std::vector<Wrench<D>>& wrenches) {
+  Bodies<D>& bodies = in.bodies;
+  auto& motion = bodies.motion;
+  wrenches.resize(bodies.pose.size());
+  in.forces.eval({bodies, bodies.pose, motion}, in.time, wrenches);
+  ++in.work[Count::forceEvals];
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    motion[i].v += (in.dt * bodies.invMass[i]) * wrenches[i].force;
+    if (in.features.rotation) motion[i].w += bodies.invInertia[i] * (in.dt * wrenches[i].torque);
+  }
+}
+
+/// Moves one body by the constant velocity `m` for dt.
+template <int D>
+void moveBody(Pose<D>& x, const Motion<D>& m, Real dt, bool rotation) {
+  x.p += dt * m.v;
+  if (rotation && m.w.squaredNorm() > 0) x.q = integrateRotation(x.q, Ang<D>(dt * m.w));
+}
+
+/// Velocities that a step must not use: of bodies that are not in it, of the pinned, of those that may not turn.
+template <int D>
+void haltUnmoving(Bodies<D>& bodies, bool rotation) {
+  for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
+    const bool dynamic = bodies.type[i] == BodyType::dynamic;
+    if (dynamic && bodies.pinned[i]) bodies.motion[i].v.setZero();
+    if (!rotation || (dynamic && bodies.invInertiaBody[i].trace() == 0)) bodies.motion[i].w.setZero();
+  }
+}
+
+/// Does the step move this body? Kinematic ones by the velocity they were given.
+template <int D>
+bool travels(const Bodies<D>& bodies, std::size_t i) {
+  return bodies.used[i] && bodies.type[i] != BodyType::fixed && bodies.awake[i];
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+
+#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/free_motion.h"
+#include "algorithms/solver/pivot_rows.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+/// A contact or joint as a damped spring, solved implicitly: stable at any stiffness, in units that do not depend on
+/// mass.
+struct Softness {
+  Real rate = 0;          // bias velocity per error, 1/s
+  Real massScale = 1;     // share of the velocity error that one update removes
+  Real impulseScale = 0;  // share of the accumulated impulse that leaks away
+
+  Softness() = default;
+  Softness(Real hertz, Real dampingRatio, Real h) {
+    if (!(hertz > 0)) return;
+    const Real w = Real(6.283185307179586) * hertz;
+    const Real c = 2 * dampingRatio + h * w;
+    rate = w / c;
+    impulseScale = 1 / (1 + h * w * c);
+    massScale = 1 - impulseScale;
+  }
+};
+
+// Sub-steps with one detection: the separations follow from the anchors. Each sub-step solves soft contacts, moves, and
+// then solves again without the springs, which takes out the velocity that the springs put in. Restitution comes last.
+template <int D>
+class SoftStep final : public Solver<D> {
+ public:
+  struct Params {
+    int substeps = 4;
+    Real hertz = 30, dampingRatio = 10, pushSpeed = 3, jointDampingRatio = 2;
+    int relax = 1;
+    bool warmStart = true;
+    void visit(ParamVisitor& v) {
+      v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
+      v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to a quarter of the sub-step rate");
+      v.real("damping_ratio", dampingRatio, 0, 1000, "1", "of contacts; large: they do not bounce");
+      v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");
+      v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1", "of joints, which are twice as stiff as contacts");
+      v.integer("relax", relax, 0, 100, "sweeps without springs after each move");
+      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+    }
+  };
+  explicit SoftStep(const Params& params) : m_params(params) {}
+
+  static Info info() {
+    return {.name = "soft_step",
+            .summary = "sub-steps with soft contacts, relaxed after each move, restitution at the end",
+            .paper = "catto2024",
+            .complexity = "substeps x (1 + relax) x (contacts + joints)",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"two pinned or very unequal bodies",
+                          "soft contacts sag by about g/w^2, whatever the sub-steps", "SoftStep.SagIsThatOfASpring"}}};
+  }
+
+  void step(const StepInput<D>& in) override {
+    const bool rotation = in.features.rotation;
+    const auto substeps = static_cast<Real>(m_params.substeps);
+    const Real h = in.dt / substeps;
+    const Real hertz = std::min(m_params.hertz, Real(0.25) / h);
+    m_soft = Softness(hertz, m_params.dampingRatio, h);
+    m_softFixed = Softness(2 * hertz, m_params.dampingRatio, h);
+    m_softJoint = Softness(2 * hertz, m_params.jointDampingRatio, h);
+    haltUnmoving(in.bodies, rotation);
+    {
+      Profiler::Scope scope(in.profiler, "solver.prepare");
+      prepare(in, (in.lastDt > 0 ? in.dt / in.lastDt : Real(1)) / substeps);
+    }
+    for (int i = 0; i < m_params.substeps; ++i) {
+      {
+        Profiler::Scope scope(in.profiler, "solver.integrate");
+        kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
+        if (in.features.joints) prepareJoints(in);
+      }
+      {
+        Profiler::Scope scope(in.profiler, "solver.iterate");
+        applyAccumulated(in);
+        sweep(in, h, true);
+      }
+      {
+        Profiler::Scope scope(in.profiler, "solver.move");
+        for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
+          if (travels(in.bodies, k)) moveBody(in.bodies.pose[k], in.bodies.motion[k], h, rotation);
+        }
+      }
+      Profiler::Scope scope(in.profiler, "solver.relax");
+      for (int k = 0; k < m_params.relax; ++k) sweep(in, h, false);
+      for (const PivotRow<D>& row : m_joints.rows) m_jointImpulse[static_cast<std::size_t>(row.joint)] = row.impulse;
+    }
+    if (in.features.restitution) bounce(in);
+    // Impulses are those of a whole step, as in every other solver.
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        for (Real& x : m_contacts.points[static_cast<std::size_t>(m.first + k)].impulse) x *= substeps;
+      }
+    }
+    m_contacts.store(in.manifolds);
+    for (const PivotRow<D>& row : m_joints.rows) {
+      in.joints[static_cast<std::size_t>(row.joint)].impulse = substeps * row.impulse;
+    }
+  }
+
+ private:
+  struct State {
+    Vec<D> localA, localB;
+    Real velocity;    // along the normal before the step, m/s
+    Real maxImpulse;  // of all sub-steps: did it hit at all?
+  };
+  // The springs are in this solver; what ContactRows asks for is overwritten in the sweeps.
+  struct NoBias final : PositionResolver<D> {};
+
+  void prepare(const StepInput<D>& in, Real scale) {
+    const NoBias none;
+    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
+                        in.restitutionThreshold, in.work, in.profiler});
+    m_states.resize(m_contacts.points.size());
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Manifold<D>& from = in.manifolds[static_cast<std::size_t>(m.manifold)];
+      const Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+      const Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = from.points[static_cast<std::size_t>(k)];
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        m_states[static_cast<std::size_t>(m.first + k)] = {
+            c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation), 0};
+        if (!m_params.warmStart) continue;
+        row.impulse[0] = std::max(scale * c.impulse[0], Real(0));
+        for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = scale * c.impulse[d];
+      }
+    }
+    m_jointImpulse.resize(in.joints.size());
+    for (std::size_t j = 0; j < in.joints.size(); ++j) {
+      m_jointImpulse[j] = m_params.warmStart ? Vec<D>(scale * in.joints[j].impulse) : Vec<D>(Vec<D>::Zero());
+    }
+    m_joints.rows.clear();
+  }
+
+  void prepareJoints(const StepInput<D>& in) {
+    m_joints.prepare(in.bodies, in.joints);
+    for (PivotRow<D>& row : m_joints.rows) {
+      if (row.warm) row.impulse = m_jointImpulse[static_cast<std::size_t>(row.joint)];
+    }
+  }
+
+  void applyAccumulated(const StepInput<D>& in) {
+    auto& motion = in.bodies.motion;
+    for (const PivotRow<D>& row : m_joints.rows) {
+      applyPivot(row, row.impulse, motion[static_cast<std::size_t>(row.a)], motion[static_cast<std::size_t>(row.b)]);
+    }
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, in.features.rotation);
+        for (int d = 0; d < D - 1 && m.friction > 0; ++d) {
+          applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB,
+                      row.impulse[static_cast<std::size_t>(d) + 1], a, b, in.features.rotation);
+        }
+      }
+    }
+  }
+
+  void sweep(const StepInput<D>& in, Real h, bool springs) {
+    auto& motion = in.bodies.motion;
+    const bool rotation = in.features.rotation;
+    for (PivotRow<D>& row : m_joints.rows) {
+      Motion<D>&a = motion[static_cast<std::size_t>(row.a)], &b = motion[static_cast<std::size_t>(row.b)];
+      const Softness soft = springs ? m_softJoint : Softness();
+      const Vec<D> impulse = -soft.massScale * (row.mass * (pivotVelocity(row, a, b) + soft.rate * row.error)) -
+                             soft.impulseScale * row.impulse;
+      row.impulse += impulse;
+      applyPivot(row, impulse, a, b);
+      ++in.work[Count::rowUpdates];
+    }
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
+      const Pose<D>& X_WA = in.bodies.pose[static_cast<std::size_t>(m.a)];
+      const Pose<D>& X_WB = in.bodies.pose[static_cast<std::size_t>(m.b)];
+      // Nothing gives way on one side, so the other may be stiffer.
+      const Softness& spring = m.invMassA > 0 && m.invMassB > 0 ? m_soft : m_softFixed;
+      for (int k = 0; k < m.count; ++k) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        const Real s = ((X_WB.p - X_WA.p) + X_WB.q * state.localB - X_WA.q * state.localA).dot(m.n);
+        Real bias = 0, massScale = 1, impulseScale = 0;
+        if (s > 0) {
+          bias = s / h;
+        } else if (springs) {
+          bias = std::max(spring.rate * s, -m_params.pushSpeed);
+          massScale = spring.massScale, impulseScale = spring.impulseScale;
+        }
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+        const Real old = row.impulse[0];
+        const Real wanted = old - massScale * row.normal.mass * (v + bias) - impulseScale * old;
+        row.impulse[0] = std::max(wanted, Real(0));
+        state.maxImpulse = std::max(state.maxImpulse, row.impulse[0]);
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+      }
+      if (m.friction > 0) {
+        for (int k = 0; k < m.count; ++k) {
+          rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], a, b, rotation);
+        }
+      }
+      in.work[Count::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      motion[static_cast<std::size_t>(m.a)] = a, motion[static_cast<std::size_t>(m.b)] = b;
+    }
+  }
+
+  void bounce(const StepInput<D>& in) {
+    const bool rotation = in.features.rotation;
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
+      if (!(e > 0)) continue;
+      Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+      Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        const State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        if (!(state.velocity < -in.restitutionThreshold) || !(state.maxImpulse > 0)) continue;
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+        const Real old = row.impulse[0];
+        row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+        ++in.work[Count::rowUpdates];
+      }
+    }
+  }
+
+  Params m_params;
+  Softness m_soft, m_softFixed, m_softJoint;
+  ContactRows<D> m_contacts;
+  PivotRows<D> m_joints;
+  std::vector<State> m_states;
+  std::vector<Vec<D>> m_jointImpulse;  // per sub-step, by joint slot
+  std::vector<Wrench<D>> m_wrenches;
+};
+
+}  // namespace
+
+LPC_REGISTER(Solver, SoftStep, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

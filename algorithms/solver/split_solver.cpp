@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+#include <bit>
+#include <memory>
+
+#include "algorithms/solver/free_motion.h"
+#include "framework/profiler.h"
+#include "framework/random.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+enum class Order { stored, reverse, random, bottomUp };
+enum class Loop { solveMove, resolveThenForceMove };
+
+// Forces, velocities and positions by three methods of one's choice, one after the other.
+template <int D>
+class SplitSolver final : public Solver<D> {
+ public:
+  struct Params {
+    Spec velocity{"catto", {}}, position{"split_impulse", {}}, integrator{"semi_implicit_euler", {}};
+    Order order = Order::stored;
+    Loop loop = Loop::solveMove;
+    int seed = 1;
+    void visit(ParamVisitor& v) {
+      v.stage("velocity", velocity, StageKind::velocity, "makes contacts stop approaching");
+      v.stage("position", position, StageKind::position, "removes penetration and joint errors");
+      v.stage("integrator", integrator, StageKind::integrator, "free motion under forces");
+      v.choice("order", order, {"stored", "reverse", "random", "bottom_up"}, "in which contacts are solved");
+      v.choice("loop", loop, {"solve_move", "resolve_then_force_move"},
+               "contacts solved with this step's forces, or before them as in 2009");
+      v.integer("seed", seed, 0, 1000000000, "of order=random");
+    }
+  };
+  explicit SplitSolver(const Params& params)
+      : m_params(params),
+        m_velocity(createStage<VelocityResolver<D>>(params.velocity)),
+        m_position(createStage<PositionResolver<D>>(params.position)),
+        m_integrator(createStage<Integrator<D>>(params.integrator)) {}
+
+  static Info info() {
+    return {.name = "split_solver",
+            .summary = "integrator, velocity resolver and position resolver, each of one's choice",
+            .paper = "lpc2009",
+            .complexity = "that of its parts",
+            .guarantee = Guarantee::approximate,
+            .failures = {}};
+  }
+
+  void step(const StepInput<D>& in) override {
+    haltUnmoving(in.bodies, in.features.rotation);
+    arrange(in);
+    m_arrival.assign(in.bodies.motion.begin(), in.bodies.motion.end());
+    m_drift.resize(in.bodies.pose.size());
+    if (m_params.loop == Loop::solveMove) {
+      integrate(in);
+      m_free.assign(in.bodies.motion.begin(), in.bodies.motion.end());
+      solveVelocities(in);
+      for (std::size_t i = 0; i < m_drift.size(); ++i) {
+        m_drift[i].v += in.bodies.motion[i].v - m_free[i].v;
+        m_drift[i].w += in.bodies.motion[i].w - m_free[i].w;
+      }
+      move(in);
+      correct(in);
+    } else {
+      solveVelocities(in);
+      correct(in);
+      integrate(in);
+      move(in);
+    }
+  }
+
+ private:
+  void arrange(const StepInput<D>& in) {
+    m_order.assign(in.active.begin(), in.active.end());
+    if (m_params.order == Order::reverse) std::reverse(m_order.begin(), m_order.end());
+    if (m_params.order == Order::random) {
+      // Seeded by the time: another order in each step, yet a loaded world continues with the order it would have had.
+      Random random(static_cast<std::uint64_t>(m_params.seed) ^ std::bit_cast<std::uint64_t>(double(in.time)));
+      for (std::size_t i = m_order.size(); i > 1; --i) std::swap(m_order[i - 1], m_order[random.below(i)]);
+    }
+    if (m_params.order == Order::bottomUp) {
+      m_height.resize(in.manifolds.size());
+      for (int i : m_order) {
+        const auto k = static_cast<std::size_t>(i);
+        const Manifold<D>& m = in.manifolds[k];
+        m_height[k] = (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * m.points[0].localA)[1];
+        for (int p = 1; p < m.count; ++p) {
+          const Vec<D>& local = m.points[static_cast<std::size_t>(p)].localA;
+          m_height[k] = std::min(m_height[k], (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * local)[1]);
+        }
+        if (!(m_height[k] == m_height[k])) m_height[k] = 0;  // NaN has no place in an order
+      }
+      std::sort(m_order.begin(), m_order.end(), [&](int a, int b) {
+        const Real x = m_height[static_cast<std::size_t>(a)], y = m_height[static_cast<std::size_t>(b)];
+        return x < y || (!(y < x) && a < b);
+      });
+    }
+  }
+
+  void integrate(const StepInput<D>& in) {
+    Profiler::Scope scope(in.profiler, "solver.integrate");
+    m_integrator->integrate({in.dt, in.time, in.bodies, in.forces, in.features, in.work}, m_drift);
+  }
+  void solveVelocities(const StepInput<D>& in) {
+    Profiler::Scope scope(in.profiler, "solver.velocity");
+    m_velocity->solve({in.dt, in.lastDt, in.bodies, in.manifolds, m_order, in.joints, *m_position, in.features,
+                       in.restitutionThreshold, in.work, in.profiler, m_arrival});
+  }
+  void move(const StepInput<D>& in) {
+    Profiler::Scope scope(in.profiler, "solver.move");
+    for (std::size_t i = 0; i < m_drift.size(); ++i) {
+      if (travels(in.bodies, i)) moveBody(in.bodies.pose[i], m_drift[i], in.dt, in.features.rotation);
+    }
+  }
+  void correct(const StepInput<D>& in) {
+    Profiler::Scope scope(in.profiler, "solver.position");
+    m_position->correct({in.dt, in.bodies, in.manifolds, m_order, in.joints, in.features, in.work, in.profiler});
+  }
+
+  Params m_params;
+  std::unique_ptr<VelocityResolver<D>> m_velocity;
+  std::unique_ptr<PositionResolver<D>> m_position;
+  std::unique_ptr<Integrator<D>> m_integrator;
+  std::vector<int> m_order;
+  std::vector<Real> m_height;
+  std::vector<Motion<D>> m_drift, m_free, m_arrival;
+};
+
+}  // namespace
+
+LPC_REGISTER(Solver, SplitSolver, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/pivot_rows.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// The 2009 engine's first resolver: contacts in stored order, each made right on its own. Nothing is accumulated, so an
+// impulse that turns out too large is never taken back, and no step learns from the last.
+template <int D>
+class NaiveVelocity final : public VelocityResolver<D> {
+ public:
+  struct Params {
+    int iterations = 1;
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 0, 100000, "passes over all joints and contacts");
+    }
+  };
+  explicit NaiveVelocity(const Params& params) : m_params(params) {}
+
+  static Info info() {
+    return {.name = "naive",
+            .summary = "each contact once, in stored order, without accumulation",
+            .paper = "lpc2009",
+            .complexity = "iterations x (contacts + joints)",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"several contacts that push each other", "impulses too large stay: the bodies fly apart",
+                          "Accumulation.TakesBack"},
+                         {"a box that slides on four points", "it hops and turns by half a per cent",
+                          "Slope.SlidesOrSaysThatItDoesNot"}}};
+  }
+
+  void solve(const VelocityInput<D>& in) override {
+    Profiler::Scope scope(in.profiler, "solver.iterate");
+    m_contacts.prepare(in);
+    m_joints.rows.clear();
+    if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
+    for (int i = 0; i < m_params.iterations; ++i) pass(in);
+    m_contacts.store(in.manifolds);
+    m_joints.store(in.joints);
+  }
+
+ private:
+  void pass(const VelocityInput<D>& in) {
+    const bool rotation = in.features.rotation;
+    auto& motion = in.bodies.motion;
+    const Real jointBias = in.position.jointBias(in.dt);
+    for (PivotRow<D>& row : m_joints.rows) {
+      Motion<D>&a = motion[static_cast<std::size_t>(row.a)], &b = motion[static_cast<std::size_t>(row.b)];
+      const Vec<D> impulse = row.mass * (-jointBias * row.error - pivotVelocity(row, a, b));
+      applyPivot(row, impulse, a, b);
+      row.impulse += impulse;
+    }
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      for (int i = 0; i < m.count; ++i) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + i)];
+        // The velocity of now, not of the start of the step: contacts before this one have changed it.
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+        const Manifold<D>& manifold = in.manifolds[static_cast<std::size_t>(m.manifold)];
+        const Real target = contactTarget<D>(manifold.points[static_cast<std::size_t>(i)].separation, v, v - row.kick,
+                                             in.features.restitution ? manifold.restitution : Real(0),
+                                             in.restitutionThreshold, in.dt, in.position);
+        const Real impulse = row.normal.mass * (target - v);
+        ++in.work[Count::rowUpdates];
+        if (!(impulse > 0)) continue;  // moving apart
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, impulse, a, b, rotation);
+        row.impulse[0] += impulse;
+        if (!(m.friction > 0)) continue;
+        // Friction of this pass alone: rubAt sees only what the pass has pushed so far.
+        const std::array<Real, D> total = row.impulse;
+        row.impulse.fill(0);
+        row.impulse[0] = impulse;
+        rubAt(m, row, a, b, rotation);
+        row.impulse[0] = total[0];
+        for (std::size_t d = 1; d < D; ++d) row.impulse[d] += total[d];
+        in.work[Count::rowUpdates] += D - 1;
+      }
+    }
+  }
+
+  Params m_params;
+  ContactRows<D> m_contacts;
+  PivotRows<D> m_joints;
+};
+
+}  // namespace
+
+LPC_REGISTER(VelocityResolver, NaiveVelocity, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

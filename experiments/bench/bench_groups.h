@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+// The groups of benchmarks that lpc-bench is made of, each generated from the registry at run time. Names are
+// stage/dimension/algorithm/input/..., and every one reports work per operation and whether its answers were right.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+#include "framework/registry.h"
+#include "framework/work.h"
+
+namespace lpc::inline LPC_PRECISION::bench {
+
+void addBroadphases();
+void addPairQueries();
+void addContactGenerators();
+void addSolvers();
+
+/// The default, and each other value of each choice: the modes of an algorithm are competitors, too.
+std::vector<std::string> specsOf(const Registered& algorithm);
+
+/// Counters of the work, per operation.
+void report(benchmark::State& state, const Work& work, double operations);
+
+}  // namespace lpc::inline LPC_PRECISION::bench

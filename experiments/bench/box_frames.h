@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "framework/stage_broadphase.h"
+
+namespace lpc::inline LPC_PRECISION::bench {
+
+/// The inputs that broadphases are compared on.
+///   uniform  unit boxes in a square or cube, about 5 overlaps per box
+///   cluster  max(8, n/200) round clusters, sizes from 0.1 to 10 m with uniform logarithm, 2.5 pairs per box
+/// In each frame every box moves by 2 % of its mean size in a direction of its own, ten frames to and ten fro.
+enum class BoxLayout { uniform, cluster };
+inline constexpr std::string_view kBoxLayouts[] = {"uniform", "cluster"};
+
+template <int D>
+class BoxFrames {
+ public:
+  BoxFrames(BoxLayout layout, int count);
+
+  const Proxies<D>& proxies() const { return m_proxies; }
+  const std::vector<ProxyId>& all() const { return m_all; }
+  void advance();
+  /// All pairs of the present frame by a sweep of its own, sorted.
+  std::vector<ProxyPair> pairs() const;
+
+ private:
+  Proxies<D> m_proxies;
+  std::vector<Vec<D>> m_step;  // m per frame
+  std::vector<ProxyId> m_all;
+  int m_frame = 0;
+};
+
+/// A fresh copy of the frames; the layout itself is made once per size.
+template <int D>
+BoxFrames<D> boxFrames(BoxLayout layout, int count);
+
+}  // namespace lpc::inline LPC_PRECISION::bench

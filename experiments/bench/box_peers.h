@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/stage_broadphase.h"
+
+namespace lpc::inline LPC_PRECISION::bench {
+
+/// Another library's broadphase on our boxes. In 2D the third axis is [0, 1] for all.
+class BoxPeer {
+ public:
+  virtual ~BoxPeer() = default;
+  struct Box {
+    std::array<double, 3> lo, hi;
+  };
+  virtual void build(const std::vector<Box>& boxes) = 0;
+  /// Moves all boxes and appends all pairs that overlap now, a < b: also those that were known before.
+  virtual void frame(const std::vector<Box>& boxes, std::vector<ProxyPair>& out) = 0;
+};
+
+/// What is linked in files itself here, as algorithms do in the registry.
+struct BoxPeerEntry {
+  std::string name;
+  int most;  // boxes; beyond that, building it takes minutes
+  std::function<std::unique_ptr<BoxPeer>()> create;
+};
+std::vector<BoxPeerEntry>& boxPeers();
+
+struct BoxPeerRegistrar {
+  explicit BoxPeerRegistrar(BoxPeerEntry entry) { boxPeers().push_back(std::move(entry)); }
+};
+
+}  // namespace lpc::inline LPC_PRECISION::bench

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Zlib
+#include <cmath>
+
+#include "experiments/bench/bench_groups.h"
+#include "framework/random.h"
+#include "framework/stage_narrowphase.h"
+#include "framework/support_map.h"
+
+namespace lpc::inline LPC_PRECISION::bench {
+namespace {
+
+constexpr int kPairs = 512;
+constexpr int kHullPoints[] = {8, 32, 128};
+
+Rot<2> drawTurn(Random& random, const Vec<2>&) { return Rot<2>::angle(random.uniform(-3, 3)); }
+Rot<3> drawTurn(Random& random, const Vec<3>&) {
+  return Rot<3>::vector({static_cast<Real>(random.uniform(-2, 2)), static_cast<Real>(random.uniform(-2, 2)),
+                         static_cast<Real>(random.uniform(-2, 2))});
+}
+
+template <int D>
+Vec<D> drawDirection(Random& random) {
+  for (;;) {
+    Vec<D> v;
+    for (int d = 0; d < D; ++d) v[d] = static_cast<Real>(random.uniform(-1, 1));
+    if (v.norm() > Real(0.1) && v.norm() <= 1) return v / v.norm();
+  }
+}
+
+// Sizes of 0.3 to 1 m.
+template <int D>
+Shape<D> drawShape(Random& random, ShapeKind kind, int hullPoints) {
+  const auto size = [&] { return static_cast<Real>(random.uniform(0.3, 1)); };
+  switch (kind) {
+    case ShapeKind::sphere:
+      return Shape<D>::sphere(size());
+    case ShapeKind::capsule:
+      return Shape<D>::capsule(size(), size() / 2);
+    case ShapeKind::segment:
+      return Shape<D>::segment(size());
+    case ShapeKind::box: {
+      Vec<D> half;
+      for (int d = 0; d < D; ++d) half[d] = size();
+      return Shape<D>::box(half);
+    }
+    case ShapeKind::polytope:
+      break;
+  }
+  std::vector<Vec<D>> points;
+  const Real radius = size();
+  for (int k = 0; k < hullPoints; ++k) points.push_back(radius * drawDirection<D>(random));
+  return Shape<D>::polytope(std::span<const Vec<D>>(points));
+}
+
+/// Half of the pairs overlap, more or less: centres are up to 1.2 times the sum of the mean sizes apart.
+template <int D>
+struct PairData {
+  std::vector<Shape<D>> a, b;
+  std::vector<Pose<D>> X_WA, X_WB;
+
+  PairData(ShapeKind kindA, ShapeKind kindB, int hullPoints) {
+    Random random(7);
+    for (int k = 0; k < kPairs; ++k) {
+      a.push_back(drawShape<D>(random, kindA, hullPoints)), b.push_back(drawShape<D>(random, kindB, hullPoints));
+      const Real reach = Real(0.7) * (boundingRadius(a.back().view()) + boundingRadius(b.back().view()));
+      Pose<D> A, B;
+      A.p = drawDirection<D>(random), A.q = drawTurn(random, A.p);
+      B.p = A.p + reach * static_cast<Real>(random.uniform(0.3, 1.7)) * drawDirection<D>(random);
+      B.q = drawTurn(random, B.p);
+      X_WA.push_back(A), X_WB.push_back(B);
+    }
+  }
+};
+
+// Separation of the shapes along a unit direction of A's frame: a proof of the distance where it equals the answer.
+template <int D>
+Real separationAlong(const PairView<D>& pair, const Vec<D>& n) {
+  return n.dot(pair.X_AB.p) - supportValue(pair.a, n) -
+         supportValue(pair.b, Vec<D>(pair.X_AB.q.inverse() * Vec<D>(-n)));
+}
+
+template <int D>
+void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB, Need need) {
+  const PairData<D> data(kindA, kindB, static_cast<int>(state.range(0)));
+  auto method = createStage<PairQuery<D>>(Spec::parse(spec));
+  auto batch = std::make_unique<PairBatch<D>>();
+  auto answers = std::make_unique<PairAnswers<D>>();
+  batch->clear(kindA, kindB);
+  for (std::size_t k = 0; k < kPairs; ++k)
+    batch->add(data.a[k].view(), data.b[k].view(), data.X_WA[k].inverse() * data.X_WB[k]);
+  Work work;
+  for (auto _ : state) {
+    method->query(*batch, need, *answers, {}, work);
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kPairs);
+  report(state, work, static_cast<double>(state.iterations()) * kPairs);
+
+  // Right if the method says that it finished, and its own normal proves its distance.
+  method->query(*batch, Need::witnesses, *answers, {}, work);
+  int unfinished = 0, unproved = 0, overlaps = 0;
+  for (int k = 0; k < kPairs; ++k) {
+    const PairAnswer<D> answer = answers->get(k);
+    unfinished += answer.status != QueryStatus::converged;
+    overlaps += answer.distance < 0;
+    const Real error = std::abs(separationAlong(batch->pair(k), answer.normal) - answer.distance);
+    unproved += !(error <= (sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3)));
+  }
+  state.counters["unfinished"] = unfinished, state.counters["unproved"] = unproved,
+  state.counters["overlaps"] = overlaps;
+  state.counters["ns_per_pair"] = benchmark::Counter(static_cast<double>(state.iterations()) * kPairs * 1e-9,
+                                                     benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+template <int D>
+void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB) {
+  const PairData<D> data(kindA, kindB, static_cast<int>(state.range(0)));
+  auto method = createStage<ContactGenerator<D>>(Spec::parse(spec));
+  std::vector<ShapeRecord<D>> shapes;
+  std::vector<Pose<D>> poses;
+  std::vector<ShapePair> pairs;
+  for (std::size_t k = 0; k < kPairs; ++k) {
+    const auto slot = static_cast<std::int32_t>(shapes.size());
+    for (const Shape<D>& shape : {data.a[k], data.b[k]}) {
+      ShapeRecord<D> record;
+      record.shape = shape, record.body = static_cast<std::int32_t>(shapes.size());
+      shapes.push_back(record);
+    }
+    poses.push_back(data.X_WA[k]), poses.push_back(data.X_WB[k]);
+    pairs.push_back({slot, slot + 1});
+  }
+  const ContactInput<D> input{pairs, shapes, poses, Real(0.02), true};
+  std::vector<Manifold<D>> manifolds;
+  Work work;
+  for (auto _ : state) {
+    manifolds.clear();
+    method->generate(input, manifolds, work);
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kPairs);
+  report(state, work, static_cast<double>(state.iterations()) * kPairs);
+
+  // A pair certainly overlaps when a centre lies in the other shape; then it must have a contact.
+  std::vector<bool> touched(kPairs);
+  int points = 0, silent = 0;
+  for (const Manifold<D>& m : manifolds) {
+    touched[static_cast<std::size_t>(m.shapeA) / 2] = true;
+    points += m.count;
+  }
+  for (std::size_t k = 0; k < kPairs; ++k) {
+    silent += !touched[k] && containsPoint(data.a[k].view(), data.X_WA[k], data.X_WB[k].p) &&
+              containsPoint(data.b[k].view(), data.X_WB[k], data.X_WB[k].p);
+  }
+  state.counters["manifolds"] = static_cast<double>(manifolds.size());
+  state.counters["points"] = points, state.counters["silent_overlaps"] = silent;
+  state.counters["ns_per_pair"] = benchmark::Counter(static_cast<double>(state.iterations()) * kPairs * 1e-9,
+                                                     benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+std::string kindText(ShapeKind a, ShapeKind b) {
+  return std::string(shapeKindName(a)) + "-" + std::string(shapeKindName(b));
+}
+
+void addSizes(benchmark::internal::Benchmark* bench, Role role, int dimension, ShapeKind a, ShapeKind b) {
+  // Witnesses may work in a process of their own, whose time this one does not see.
+  if (role == Role::witness) bench->UseRealTime();
+  if (a != ShapeKind::polytope && b != ShapeKind::polytope) {
+    bench->Arg(0);
+    return;
+  }
+  for (int points : kHullPoints) {
+    if (dimension == 3 || points <= 32) bench->Arg(points);
+  }
+}
+
+template <int D, class Stage, class Add>
+void forKinds(StageKind stage, Add add) {
+  for (const Registered* algorithm : Registry::instance().list(stage, D)) {
+    for (const std::string& spec : specsOf(*algorithm)) {
+      const auto method = createStage<Stage>(Spec::parse(spec));
+      for (int a = 0; a < kShapeKinds; ++a) {
+        for (int b = a; b < kShapeKinds; ++b) {
+          const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
+          const bool exists = D == 2 || (kindA != ShapeKind::segment && kindB != ShapeKind::segment);
+          if (exists && method->supports(kindA, kindB)) add(algorithm->info.role, spec, kindA, kindB);
+        }
+      }
+    }
+  }
+}
+
+template <int D>
+void addQueries() {
+  const std::string dimension = std::to_string(D) + "D/";
+  forKinds<D, PairQuery<D>>(StageKind::pairQuery, [&](Role role, const std::string& spec, ShapeKind a, ShapeKind b) {
+    static constexpr std::pair<Need, const char*> needs[] = {
+        {Need::boolean, "/boolean"}, {Need::distance, "/distance"}, {Need::witnesses, "/witnesses"}};
+    for (const auto& [need, text] : needs) {
+      const std::string name = "pair_query/" + dimension + spec + "/" + kindText(a, b) + text;
+      addSizes(benchmark::RegisterBenchmark(
+                   name.c_str(), [=, need = need](benchmark::State& state) { runQuery<D>(state, spec, a, b, need); }),
+               role, D, a, b);
+    }
+  });
+}
+
+template <int D>
+void addGenerators() {
+  const std::string dimension = std::to_string(D) + "D/";
+  forKinds<D, ContactGenerator<D>>(
+      StageKind::contacts, [&](Role role, const std::string& spec, ShapeKind a, ShapeKind b) {
+        const std::string name = "contacts/" + dimension + spec + "/" + kindText(a, b);
+        addSizes(benchmark::RegisterBenchmark(name.c_str(),
+                                              [=](benchmark::State& state) { runGenerator<D>(state, spec, a, b); }),
+                 role, D, a, b);
+      });
+}
+
+}  // namespace
+
+void addPairQueries() {
+  addQueries<2>();
+  addQueries<3>();
+}
+void addContactGenerators() {
+  addGenerators<2>();
+  addGenerators<3>();
+}
+
+}  // namespace lpc::inline LPC_PRECISION::bench

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Zlib
+#include <sstream>
+
+#include "experiments/bench/bench_groups.h"
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION::bench {
+namespace {
+
+constexpr int kSettle = 30, kSteps = 60;
+constexpr Real kDt = Real(1) / 60;
+
+// The pyramid of the field: unit boxes, gaps of 0.1 m beside and none above each other, friction 0.6.
+template <int D>
+void buildPyramid(World<D>& world, int base) {
+  const auto add = [&](BodyType type, const Vec<D>& at, const Vec<D>& half) {
+    BodyDef<D> body;
+    body.type = type, body.X_WB.p = at;
+    ShapeDef<D> shape;
+    shape.shape = Shape<D>::box(half), shape.friction = Real(0.6);
+    body.shapes.push_back(shape);
+    world.add(body);
+  };
+  Vec<D> ground = Vec<D>::Constant(Real(2 * base)), under = Vec<D>::Zero();
+  ground[1] = Real(0.5), under[1] = Real(-0.5);
+  add(BodyType::fixed, under, ground);
+  for (int row = 0; row < base; ++row) {
+    for (int k = 0; k < base - row; ++k) {
+      Vec<D> at = Vec<D>::Zero();
+      at[0] = Real(1.1) * (static_cast<Real>(k) - static_cast<Real>(base - row - 1) / 2);
+      at[1] = Real(0.5) + static_cast<Real>(row);
+      add(BodyType::dynamic, at, Vec<D>::Constant(Real(0.5)));
+    }
+  }
+}
+
+double secondsOf(const Profiler::Frame& frame, std::string_view stage) {
+  for (const Profiler::Time& t : frame.times) {
+    if (t.name == stage) return t.seconds;
+  }
+  return 0;
+}
+
+// Every method starts from the same state, settled by the default pipeline, and returns to it after a second.
+template <int D>
+void runSolver(benchmark::State& state, const std::string& solver) {
+  try {
+    WorldSettings<D> settings;
+    settings.features.sleeping = false;
+    World<D> first(Pipeline{}, settings);
+    buildPyramid(first, static_cast<int>(state.range(0)));
+    for (int k = 0; k < kSettle; ++k) first.step(kDt);
+    std::stringstream start;
+    first.save(start);
+
+    Pipeline pipeline;
+    pipeline.solver = Spec::parse(solver);
+    World<D> world(pipeline, settings);
+    Work work;
+    double steps = 0, points = 0, whole = 0, moved = 0;
+    for (auto _ : state) {
+      const bool reload = world.bodyCount() == 0 || world.stepCount() == kSettle + kSteps;
+      if (reload) {
+        std::istringstream in(start.str());
+        world.load(in);
+      }
+      world.step(kDt);
+      const Profiler::Frame& frame = world.profiler().frame();
+      state.SetIterationTime(secondsOf(frame, "solver"));
+      for (std::size_t k = 0; k < work.counts.size(); ++k) work.counts[k] += frame.work.counts[k];
+      steps += 1, points += frame.points, whole += frame.seconds;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(world.bodies().size()); ++i) {
+        moved = std::max(moved, static_cast<double>((world.bodies().pose[i].p - first.bodies().pose[i].p).norm()));
+      }
+    }
+    report(state, work, steps);
+    state.counters["points"] = points / steps;
+    state.counters["whole_step_us"] = 1e6 * whole / steps;
+    state.counters["moved_m"] = moved;  // the most that any body has moved within the second: right is next to nothing
+  } catch (const UserError& error) {
+    state.SkipWithError(error.what());
+  }
+}
+
+template <int D>
+void addDimension() {
+  std::vector<std::string> specs;
+  for (const Registered* solver : Registry::instance().list(StageKind::solver, D)) {
+    for (const std::string& spec : specsOf(*solver)) specs.push_back(spec);
+    for (const ParamInfo& p : solver->params) {  // a solver made of stages runs with each of them
+      for (StageKind kind : {StageKind::velocity, StageKind::position, StageKind::integrator}) {
+        if (p.type != "stage:" + std::string(stageName(kind))) continue;
+        for (const Registered* part : Registry::instance().list(kind, D)) {
+          specs.push_back(solver->info.name + "{" + p.name + "=" + part->info.name + "}");
+        }
+      }
+    }
+  }
+  for (const std::string& spec : specs) {
+    const std::string name = "solver/" + std::to_string(D) + "D/" + spec + "/pyramid";
+    benchmark::RegisterBenchmark(name.c_str(), [spec](benchmark::State& state) { runSolver<D>(state, spec); })
+        ->Arg(10)
+        ->Arg(20)
+        ->UseManualTime()
+        ->Unit(benchmark::kMicrosecond);
+  }
+}
+
+}  // namespace
+
+void addSolvers() {
+  addDimension<2>();
+  addDimension<3>();
+}
+
+}  // namespace lpc::inline LPC_PRECISION::bench

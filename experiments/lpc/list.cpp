@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Zlib
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "experiments/lpc/command.h"
+#include "experiments/parse/toml_reader.h"
+#include "experiments/runner/catalogue.h"
+#include "experiments/runner/locations.h"
+#include "experiments/trial/scene_file.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+json describeScenes() {
+  json out = json::array();
+  for (const std::string& path : listToml("scenes")) {
+    const SceneFile file = SceneFile::load(path);
+    json params = json::array();
+    for (const SceneParameter& p : file.parameters()) {
+      params.push_back({{"name", p.name}, {"meaning", p.meaning}, {"default", p.value}, {"min", p.lo}, {"max", p.hi}});
+    }
+    out.push_back({{"name", file.name()},
+                   {"summary", file.summary()},
+                   {"path", path},
+                   {"dimensions", file.dimensions()},
+                   {"needs", featuresText(file.needs())},
+                   {"params", params}});
+  }
+  return out;
+}
+
+json describeSweeps() {
+  json out = json::array();
+  for (const std::string& path : listToml("sweeps")) {
+    const toml::table table = parseToml(readFile(path), path);
+    out.push_back({{"name", std::filesystem::path(path).stem().string()},
+                   {"kind", table["kind"].value_or(std::string())},
+                   {"summary", table["summary"].value_or(std::string())},
+                   {"path", path}});
+  }
+  return out;
+}
+
+std::string dimensionsText(const json& dimensions) {
+  std::string text;
+  for (const json& d : dimensions) text += (text.empty() ? "" : " ") + std::to_string(d.get<int>()) + "D";
+  return text;
+}
+
+void print(const json& all) {
+  std::string stage;
+  for (const json& a : all["algorithms"]) {
+    if (a["stage"] != stage) {
+      stage = a["stage"];
+      std::printf("%s%s\n", &a == &all["algorithms"][0] ? "" : "\n", stage.c_str());
+    }
+    const std::string role = a["role"] == "competitor" ? "" : " (" + a["role"].get<std::string>() + ")";
+    std::printf("  %-22s %-6s %s%s\n", a["name"].get<std::string>().c_str(), dimensionsText(a["dimensions"]).c_str(),
+                a["summary"].get<std::string>().c_str(), role.c_str());
+    for (const json& p : a["params"]) {
+      std::string valid = p["range"];
+      for (const json& c : p["choices"]) valid += (valid.empty() ? "" : " | ") + c.get<std::string>();
+      std::printf("      %s=%s%s%s%s  %s\n", p["name"].get<std::string>().c_str(),
+                  p["default"].get<std::string>().c_str(), p["unit"] == "1" ? "" : " ",
+                  p["unit"] == "1" ? "" : p["unit"].get<std::string>().c_str(),
+                  valid.empty() ? "" : ("  (" + valid + ")").c_str(), p["meaning"].get<std::string>().c_str());
+    }
+  }
+  std::printf("\nscenes\n");
+  for (const json& s : all["scenes"]) {
+    std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), dimensionsText(s["dimensions"]).c_str(),
+                s["summary"].get<std::string>().c_str());
+    for (const json& p : s["params"]) {
+      std::printf("      %s=%g  (%g .. %g)  %s\n", p["name"].get<std::string>().c_str(), p["default"].get<double>(),
+                  p["min"].get<double>(), p["max"].get<double>(), p["meaning"].get<std::string>().c_str());
+    }
+  }
+  std::printf("\nsweeps\n");
+  for (const json& s : all["sweeps"]) {
+    std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), s["kind"].get<std::string>().c_str(),
+                s["summary"].get<std::string>().c_str());
+  }
+}
+
+void addList(CLI::App& app, Session&) {
+  auto* command = app.add_subcommand("list", "All algorithms with their parameters, all scenes, all sweeps");
+  auto asJson = std::make_shared<bool>(false);
+  command->add_flag("--json", *asJson, "for programs");
+  command->footer("Example: lpc list --json | python3 -m json.tool");
+  command->callback([asJson] {
+    const json all = {{"algorithms", describeAlgorithms()}, {"scenes", describeScenes()}, {"sweeps", describeSweeps()}};
+    if (*asJson) {
+      std::cout << all.dump(1) << "\n";
+    } else {
+      print(all);
+    }
+  });
+}
+
+LPC_COMMAND("list", addList);
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

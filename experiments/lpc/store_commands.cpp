@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Zlib
+// What works on stores that exist: merge, import-benchmark, report.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "experiments/lpc/command.h"
+#include "experiments/parse/toml_reader.h"
+#include "experiments/runner/locations.h"
+#include "experiments/runner/store.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+void addMerge(CLI::App& app, Session&) {
+  auto* command = app.add_subcommand("merge", "Takes over into one store what others have and it lacks");
+  auto into = std::make_shared<std::string>();
+  auto from = std::make_shared<std::vector<std::string>>();
+  command->add_option("into", *into, "store, made if absent")->required();
+  command->add_option("from", *from, "stores to read")->required();
+  command->footer("Example: lpc merge results/all.db results/host1.db results/host2.db");
+  command->callback([into, from] {
+    Store store(*into, true);
+    for (const std::string& path : *from) {
+      std::printf("%s: %ld trials taken over\n", path.c_str(), store.merge(path));
+    }
+  });
+}
+
+void addImport(CLI::App& app, Session&) {
+  auto* command = app.add_subcommand("import-benchmark", "Puts the JSON of lpc-bench into a store");
+  auto file = std::make_shared<std::string>(), path = std::make_shared<std::string>("results/lpc.db");
+  command->add_option("file", *file, "what lpc-bench --benchmark_out=FILE --benchmark_out_format=json wrote")
+      ->required();
+  command->add_option("--store", *path, "SQLite file, made if absent")->capture_default_str();
+  command->footer("Example: lpc import-benchmark bench.json --store results/quick.db");
+  command->callback([file, path] {
+    const std::string text = readFile(*file);
+    const nlohmann::json j = nlohmann::json::parse(text, nullptr, false);
+    if (j.is_discarded() || !j.is_object() || !j.contains("benchmarks")) {
+      throw UserError(*file + ": not the JSON of Google Benchmark: it has no \"benchmarks\"");
+    }
+    Store(*path, true).addBenchmark(text);
+    std::printf("%zu benchmarks imported into %s\n", j["benchmarks"].size(), path->c_str());
+  });
+}
+
+// A Python that has matplotlib: LPC_PYTHON, then the system's, then the first in PATH.
+std::string findPython() {
+  const char* given = std::getenv("LPC_PYTHON");
+  for (const std::string& python :
+       {std::string(given ? given : ""), std::string("/usr/bin/python3"), std::string("python3")}) {
+    if (!python.empty() && std::system((python + " -c 'import matplotlib' >/dev/null 2>&1").c_str()) == 0)
+      return python;
+  }
+  throw UserError("no python3 that imports matplotlib: set LPC_PYTHON, or apt-get install python3-matplotlib");
+}
+
+int runProgram(const std::vector<std::string>& arguments) {
+  std::vector<char*> argv;
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  std::fflush(nullptr);
+  const pid_t pid = fork();
+  if (pid == 0) {
+    execvp(argv[0], argv.data());
+    _exit(127);
+  }
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+void addReport(CLI::App& app, Session& session) {
+  auto* command = app.add_subcommand("report", "Makes charts and a web page of a store");
+  auto store = std::make_shared<std::string>(), out = std::make_shared<std::string>();
+  command->add_option("store", *store, "SQLite file")->required();
+  command->add_option("--out", *out, "folder; default: reports/out/<name of the store>");
+  command->footer("Example: lpc report results/quick.db");
+  command->callback([store, out, &session] {
+    namespace fs = std::filesystem;
+    const fs::path home = homeDirectory();
+    const fs::path folder = out->empty() ? home / "reports" / "out" / fs::path(*store).stem() : fs::path(*out);
+    session.exitCode = runProgram(
+        {findPython(), (home / "reports" / "make.py").string(), "--store", *store, "--out", folder.string()});
+  });
+}
+
+static const CommandRegistrar mergeRegistrar("merge", addMerge);
+static const CommandRegistrar importRegistrar("import-benchmark", addImport);
+static const CommandRegistrar reportRegistrar("report", addReport);
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

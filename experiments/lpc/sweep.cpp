@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Zlib
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "experiments/lpc/command.h"
+#include "experiments/runner/catalogue.h"
+#include "experiments/runner/scheduler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+struct Options {
+  std::string sweep, store;
+  std::vector<std::string> only;
+  bool dryRun = false;
+  RunOptions run;
+};
+
+void sweep(Options& o, Session& session) {
+  const std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only);
+  if (o.dryRun) {
+    for (const PlannedSweep& s : sweeps) {
+      std::size_t timed = 0, unsupported = 0;
+      for (const PlannedTrial& t : s.trials) timed += t.timed(), unsupported += !t.unsupported.empty();
+      std::printf("%-24s %5zu trials, %zu timed, %zu unsupported\n", s.name.c_str(), s.trials.size(), timed,
+                  unsupported);
+    }
+    return;
+  }
+  Store store(o.store, true);
+  store.setMeta("registry", nlohmann::json{{"algorithms", describeAlgorithms()}}.dump());
+  o.run.partial = !o.only.empty();
+  o.run.plugins = session.plugins;
+  const RunSummary done = runSweeps(sweeps, store, o.run);
+  std::printf("%s: %ld trials planned, %ld were done, %ld run, %ld of these not ok\n", o.store.c_str(), done.planned,
+              done.skipped, done.run, done.bad);
+  if (done.stopped) {
+    std::printf("stopped; the same command continues\n");
+    session.exitCode = 130;
+  }
+}
+
+void addSweep(CLI::App& app, Session& session) {
+  auto* command = app.add_subcommand("sweep", "Runs the trials of a sweep that its store lacks");
+  auto o = std::make_shared<Options>();
+  o->store = "results/lpc.db";
+  command->add_option("sweep", o->sweep, "name in experiments/sweeps, or a TOML file; a set such as quick runs several")
+      ->required();
+  command->add_option("--store", o->store, "SQLite file, made if absent")->capture_default_str();
+  command->add_option("--only", o->only, "keeps the cells of these labels, algorithms or scenes (comma-separated)")
+      ->delimiter(',');
+  command->add_option("--jobs", o->run.jobs, "untimed trials at once; default: one per core");
+  command->add_flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
+  command->add_flag("--dry-run", o->dryRun, "counts the trials and runs none");
+  command->add_flag("--quiet", o->run.quiet, "no progress line");
+  command->footer("Example: lpc sweep broadphase_crossover --only naive,region_tree --store results/mine.db");
+  command->callback([o, &session] { sweep(*o, session); });
+}
+
+LPC_COMMAND("sweep", addSweep);
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/random.h"
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Arithmetic in scene files: `base - i`, `sin(angle) * k`, `rand(-1, 1)`, `i < 3 ? 0 : 1`. Computed in double in both
+/// precisions, and with the project's own sine, so that a scene is the same on every machine.
+///
+/// Functions: sin cos sqrt abs floor ceil min max mod rand(lo, hi); constant pi. rand draws from one stream that the
+/// seed starts: the order in which expressions are evaluated is part of a scene.
+class Expressions {
+ public:
+  explicit Expressions(std::uint64_t seed);
+  ~Expressions();
+  Expressions(const Expressions&) = delete;
+  Expressions& operator=(const Expressions&) = delete;
+
+  void setGlobal(const std::string& name, double value);
+  /// Locals (loop indices, `let`) hide nothing: a name is either global or local.
+  void setLocal(const std::string& name, double value);
+  void forgetLocals();
+  bool knows(const std::string& name) const;
+
+  /// Throws UserError that quotes the text and names what is known.
+  double evaluate(const std::string& text);
+
+ private:
+  struct Compiled;
+  std::map<std::string, double> m_globals, m_locals;  // nodes do not move: parsers keep their addresses
+  std::map<std::string, std::unique_ptr<Compiled>> m_compiled;
+  Random m_random;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/parse/toml_reader.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace lpc::inline LPC_PRECISION {
+
+void failAt(std::string_view file, const toml::node& node, const std::string& what) {
+  throw UserError(std::string(file) + ":" + std::to_string(node.source().begin.line) + ": " + what);
+}
+
+std::string describe(const toml::node& node) {
+  if (const auto s = node.value<std::string>(); s && node.is_string()) return "the string '" + *s + "'";
+  if (node.is_integer()) return "the number " + std::to_string(*node.value<std::int64_t>());
+  if (node.is_floating_point()) return "the number " + std::to_string(*node.value<double>());
+  if (node.is_boolean()) return *node.value<bool>() ? "true" : "false";
+  if (node.is_array()) return "a list";
+  if (node.is_table()) return "a table";
+  return "a date or time";
+}
+
+toml::table parseToml(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& e) {
+    throw UserError(file + ":" + std::to_string(e.source().begin.line) + ": " + std::string(e.description()));
+  }
+}
+
+std::string readFile(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw UserError(path + ": cannot be read");
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+std::vector<std::pair<std::string, const toml::node*>> inFileOrder(const toml::table& table) {
+  std::vector<std::pair<std::string, const toml::node*>> out;
+  for (const auto& [key, node] : table) out.emplace_back(std::string(key.str()), &node);
+  const auto place = [](const auto& entry) {
+    const auto& at = entry.second->source().begin;
+    return std::pair(at.line, at.column);
+  };
+  std::stable_sort(out.begin(), out.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  return out;
+}
+
+const toml::node* TableReader::find(const std::string& key) {
+  m_asked.insert(key);
+  return m_table.get(key);
+}
+
+const toml::node& TableReader::require(const std::string& key) {
+  const toml::node* n = find(key);
+  if (!n) fail("'" + key + "' is missing in " + m_what);
+  return *n;
+}
+
+std::string TableReader::string(const std::string& key, const std::string& fallback) {
+  const toml::node* n = find(key);
+  if (!n) return fallback;
+  if (!n->is_string()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: a string");
+  return *n->value<std::string>();
+}
+
+std::string TableReader::requireString(const std::string& key) {
+  require(key);
+  return string(key, "");
+}
+
+double TableReader::number(const std::string& key, double fallback) {
+  const toml::node* n = find(key);
+  if (!n) return fallback;
+  if (!n->is_number()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: a number");
+  return *n->value<double>();
+}
+
+long TableReader::integer(const std::string& key, long fallback) {
+  const toml::node* n = find(key);
+  if (!n) return fallback;
+  if (!n->is_integer()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: a whole number");
+  return static_cast<long>(*n->value<std::int64_t>());
+}
+
+bool TableReader::flag(const std::string& key, bool fallback) {
+  const toml::node* n = find(key);
+  if (!n) return fallback;
+  if (!n->is_boolean()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: true, false");
+  return *n->value<bool>();
+}
+
+std::vector<std::string> TableReader::strings(const std::string& key) {
+  std::vector<std::string> out;
+  if (const toml::array* list = array(key)) {
+    for (const toml::node& n : *list) {
+      if (!n.is_string()) fail(n, "'" + key + "' holds " + describe(n) + "; valid: strings");
+      out.push_back(*n.value<std::string>());
+    }
+  }
+  return out;
+}
+
+const toml::table* TableReader::table(const std::string& key) {
+  const toml::node* n = find(key);
+  if (n && !n->is_table()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: a table");
+  return n ? n->as_table() : nullptr;
+}
+
+const toml::array* TableReader::array(const std::string& key) {
+  const toml::node* n = find(key);
+  if (n && !n->is_array()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: a list");
+  return n ? n->as_array() : nullptr;
+}
+
+std::vector<const toml::table*> TableReader::blocks(const std::string& key) {
+  std::vector<const toml::table*> out;
+  const toml::node* n = find(key);
+  if (!n) return out;
+  if (n->is_table()) return {n->as_table()};
+  if (!n->is_array()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: [[" + key + "]] blocks");
+  for (const toml::node& item : *n->as_array()) {
+    if (!item.is_table()) fail(item, "'" + key + "' holds " + describe(item) + "; valid: tables");
+    out.push_back(item.as_table());
+  }
+  return out;
+}
+
+void TableReader::finish() const {
+  for (const auto& [key, node] : inFileOrder(m_table)) {
+    if (m_asked.count(key)) continue;
+    std::string valid;
+    for (const std::string& name : m_asked) valid += (valid.empty() ? "" : ", ") + name;
+    fail(*node, "unknown key '" + key + "' in " + m_what + "; valid: " + valid);
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

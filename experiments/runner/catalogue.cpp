@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/catalogue.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+using nlohmann::json;
+
+namespace {
+
+const char* guaranteeName(Guarantee g) {
+  return g == Guarantee::exact ? "exact" : (g == Guarantee::conservative ? "conservative" : "approximate");
+}
+const char* roleName(Role r) {
+  const char* const names[] = {"competitor", "witness", "referee", "engine"};
+  return names[static_cast<int>(r)];
+}
+
+}  // namespace
+
+json describeAlgorithms() {
+  json out = json::array();
+  for (const auto& [key, entry] : Registry::instance().all()) {
+    const std::string stage{stageName(entry.stage)};
+    json* known = nullptr;
+    for (json& a : out) {
+      if (a["stage"] == stage && a["name"] == entry.info.name) known = &a;
+    }
+    if (known) {
+      (*known)["dimensions"].push_back(entry.dimension);
+      continue;
+    }
+    json params = json::array(), failures = json::array();
+    for (const ParamInfo& p : entry.params) {
+      params.push_back({{"name", p.name},
+                        {"type", p.type},
+                        {"unit", p.unit},
+                        {"meaning", p.meaning},
+                        {"default", p.defaultText},
+                        {"range", p.range},
+                        {"choices", p.choices}});
+    }
+    for (const FailureMode& f : entry.info.failures) {
+      failures.push_back({{"when", f.when}, {"symptom", f.symptom}, {"test", f.test}});
+    }
+    out.push_back({{"stage", stage},
+                   {"name", entry.info.name},
+                   {"summary", entry.info.summary},
+                   {"paper", entry.info.paper},
+                   {"complexity", entry.info.complexity},
+                   {"guarantee", guaranteeName(entry.info.guarantee)},
+                   {"role", roleName(entry.info.role)},
+                   {"dimensions", {entry.dimension}},
+                   {"params", params},
+                   {"failures", failures}});
+  }
+  return out;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

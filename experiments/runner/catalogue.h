@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "framework/registry.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// All registered algorithms, one entry per name: stage, name, summary, paper, complexity, guarantee, role, dimensions,
+/// params, failures. What `lpc list --json` prints and what every store carries, so that a report knows whom it shows.
+nlohmann::json describeAlgorithms();
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/code_identity.h"
+
+#include <sys/utsname.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "experiments/parse/toml_reader.h"
+#include "experiments/trial/plugin.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+struct Content {
+  const char* path;
+  const char* hash;
+};
+constexpr Content kContents[] = {
+#include "content_hashes.inc"
+};
+
+// Kernel headers are shared inside a group and nowhere else.
+const std::vector<std::vector<std::string>> kGroups = {{"broadphase"},
+                                                       {"pair_query", "contacts", "cache"},
+                                                       {"solver", "velocity", "position", "integrator"},
+                                                       {"sleep"},
+                                                       {"continuous"}};
+
+std::map<std::string, std::string>& pluginOf() {  // "stage/name" -> hash of the plugin's bytes
+  static std::map<std::string, std::string> map;
+  return map;
+}
+
+std::string keyOf(StageKind stage, const std::string& name) { return std::string(stageName(stage)) + "/" + name; }
+
+bool isHeader(std::string_view path) { return path.ends_with(".h"); }
+
+std::string codeHash(const Registered& entry) {
+  const std::string key = keyOf(entry.stage, entry.info.name);
+  if (const auto it = pluginOf().find(key); it != pluginOf().end()) return it->second;
+  std::string all;
+  for (const auto& group : kGroups) {
+    bool mine = false;
+    for (const std::string& folder : group) mine = mine || folder == stageName(entry.stage);
+    if (!mine) continue;
+    for (const Content& c : kContents) {
+      const std::string_view path = c.path;
+      for (const std::string& folder : group) {
+        if (isHeader(path) && path.starts_with("algorithms/" + folder + "/")) all += path, all += c.hash;
+      }
+    }
+  }
+  for (const Content& c : kContents) {
+    if (entry.file.ends_with(std::string("/") + c.path)) all += c.hash;
+  }
+  return hexHash(all);
+}
+
+void addHashes(json& out, StageKind stage, const Spec& spec, int dimension) {
+  const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
+  out[keyOf(stage, spec.name)] = codeHash(entry);
+  for (const ParamInfo& p : entry.params) {
+    if (!p.type.starts_with("stage:")) continue;
+    for (int s = 0; s < kStageKinds; ++s) {
+      const auto inner = static_cast<StageKind>(s);
+      if (p.type != "stage:" + std::string(stageName(inner))) continue;
+      if (const Spec* value = spec.find(p.name)) addHashes(out, inner, *value, dimension);
+    }
+  }
+}
+
+std::string firstLine(const std::string& path, const std::string& key = "") {
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with(key)) continue;
+    const std::size_t colon = key.empty() ? std::string::npos : line.find(':');
+    line = colon == std::string::npos ? line : line.substr(line.find_first_not_of(" \t", colon + 1));
+    return line;
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::string hexHash(std::string_view bytes) {
+  const XXH128_hash_t h = XXH3_128bits(bytes.data(), bytes.size());
+  char text[33];
+  std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(h.high64),
+                static_cast<unsigned long long>(h.low64));
+  return text;
+}
+
+const std::string& coreHash() {
+  static const std::string hash = [] {
+    std::string all = std::string(LPC_COMPILER) + "\n" + LPC_FLAGS + "\n";
+    for (const Content& c : kContents) {
+      const std::string_view path = c.path;
+      if (path.starts_with("framework/") || path.starts_with("experiments/")) all += std::string(path) + c.hash;
+    }
+    return hexHash(all);
+  }();
+  return hash;
+}
+
+json codeHashes(StageKind stage, const Spec& spec, int dimension) {
+  json out = json::object();
+  addHashes(out, stage, spec, dimension);
+  return out;
+}
+
+void adoptPlugin(const std::string& path) {
+  std::set<Registry::Key> before;
+  for (const auto& [key, entry] : Registry::instance().all()) before.insert(key);
+  loadPlugin(path);
+  const std::string hash = "plugin:" + hexHash(readFile(path));
+  for (const auto& [key, entry] : Registry::instance().all()) {
+    if (!before.count(key)) pluginOf()[keyOf(entry.stage, entry.info.name)] = hash;
+  }
+}
+
+std::string machineDescription() {
+  utsname name{};
+  uname(&name);
+  std::string os = firstLine("/etc/os-release", "PRETTY_NAME=");
+  if (os.starts_with("PRETTY_NAME=")) os = os.substr(13, os.size() - 14);
+  const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  return json{{"cpu", firstLine("/proc/cpuinfo", "model name")},
+              {"cores", sysconf(_SC_NPROCESSORS_ONLN)},
+              {"memory_gib", std::round(bytes / 1073741824.0)},
+              {"os", os + ", " + name.sysname + " " + name.release},
+              {"compiler", LPC_COMPILER},
+              {"flags", LPC_FLAGS},
+              {"governor", firstLine("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")}}
+      .dump();
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/locations.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+namespace fs = std::filesystem;
+
+std::string homeDirectory() {
+  const char* home = std::getenv("LPC_HOME");
+  return home && *home ? home : LPC_SOURCE_DIR;
+}
+
+std::vector<std::string> listToml(const std::string& folder) {
+  std::vector<std::string> out;
+  const fs::path directory = fs::path(homeDirectory()) / "experiments" / folder;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    if (entry.path().extension() == ".toml") out.push_back(entry.path().string());
+  }
+  if (error) throw UserError(directory.string() + ": cannot be read; set LPC_HOME to the directory with experiments/");
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::string findToml(const std::string& folder, const std::string& nameOrPath) {
+  std::error_code ignored;
+  if (fs::is_regular_file(nameOrPath, ignored)) return nameOrPath;
+  std::string valid;
+  for (const std::string& path : listToml(folder)) {
+    const std::string name = fs::path(path).stem().string();
+    if (name == nameOrPath) return path;
+    valid += (valid.empty() ? "" : ", ") + name;
+  }
+  throw UserError("there is no file '" + nameOrPath + "' and nothing of that name in experiments/" + folder +
+                  "; valid: " + valid);
+}
+
+std::string workerPath(const std::string& precision) {
+  if (precision != "f64" && precision != "f32") {
+    throw UserError("unknown precision '" + precision + "'; valid: f64, f32");
+  }
+  const fs::path program = fs::read_symlink("/proc/self/exe");
+  const char* given = std::getenv("LPC_WORKERS");  // tests run workers of a build from a program of their own
+  const fs::path path = (given && *given ? fs::path(given) : program.parent_path()) / ("lpc-worker-" + precision);
+  if (!fs::exists(path)) {
+    throw UserError(path.string() + " does not exist: build with -DLPC_PRECISIONS=\"f64;f32\"");
+  }
+  return path.string();
+}
+
+std::string commitOfSources() {
+  const std::string git = "git -C '" + homeDirectory() + "' ";
+  const auto first = [](const std::string& command) {
+    std::string line;
+    if (FILE* pipe = popen((command + " 2>/dev/null").c_str(), "r")) {
+      std::array<char, 256> buffer{};
+      if (std::fgets(buffer.data(), buffer.size(), pipe)) line = buffer.data();
+      pclose(pipe);
+    }
+    while (!line.empty() && line.back() == '\n') line.pop_back();
+    return line;
+  };
+  const std::string commit = first(git + "rev-parse HEAD");
+  return commit.empty() || first(git + "status --porcelain --untracked-files=no").empty() ? commit : commit + "+";
+}
+
+}  // namespace lpc::inline LPC_PRECISION

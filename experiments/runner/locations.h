@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Zlib
+// Where things are: scenes, sweeps, workers. A name is looked up in experiments/, a path is taken as it is.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// The directory with experiments/ in it: $LPC_HOME, or where the program was built.
+std::string homeDirectory();
+/// All *.toml of experiments/<folder>, sorted by name.
+std::vector<std::string> listToml(const std::string& folder);
+/// A path that exists, or experiments/<folder>/NAME.toml. Throws UserError with the valid names.
+std::string findToml(const std::string& folder, const std::string& nameOrPath);
+/// lpc-worker-<precision> beside this program. Throws UserError when it was not built.
+std::string workerPath(const std::string& precision);
+/// The commit of the sources, with "+" when they were changed; empty when unknown.
+std::string commitOfSources();
+
+}  // namespace lpc::inline LPC_PRECISION

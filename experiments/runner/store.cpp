@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/store.h"
+
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+
+#include "experiments/runner/code_identity.h"
+#include "experiments/runner/locations.h"
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kSchemaVersion = "1";
+constexpr const char* kTables = R"(
+CREATE TABLE IF NOT EXISTS meta(key TEXT PRIMARY KEY, value TEXT);
+CREATE TABLE IF NOT EXISTS machine(id INTEGER PRIMARY KEY, description TEXT UNIQUE);
+CREATE TABLE IF NOT EXISTS planned(sweep TEXT, key TEXT, axes TEXT, PRIMARY KEY(sweep, key));
+CREATE TABLE IF NOT EXISTS trial(key TEXT PRIMARY KEY, kind TEXT, canonical TEXT, outcome TEXT, reason TEXT,
+  step INTEGER, metrics TEXT, machine INTEGER, commit_id TEXT, started TEXT, wall REAL, timed INTEGER, hash TEXT);
+CREATE TABLE IF NOT EXISTS series(key TEXT, name TEXT, data BLOB, PRIMARY KEY(key, name));
+CREATE TABLE IF NOT EXISTS poses(key TEXT, step INTEGER, data BLOB, PRIMARY KEY(key, step));
+CREATE TABLE IF NOT EXISTS benchmark(id INTEGER PRIMARY KEY, imported TEXT, data TEXT);
+)";
+
+std::string prepared(const std::string& path, bool create) {
+  if (!create && !std::filesystem::is_regular_file(path)) throw UserError(path + ": there is no such store");
+  const auto parent = std::filesystem::path(path).parent_path();
+  if (create && !parent.empty()) std::filesystem::create_directories(parent);
+  return path;
+}
+
+// The store's numbers are little-endian float64, and so are this machine's.
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+void bindNumbers(SQLite::Statement& s, int index, const std::vector<double>& data) {
+  s.bind(index, data.data(), static_cast<int>(data.size() * sizeof(double)));
+}
+
+std::optional<std::string> one(SQLite::Statement& s) {
+  if (!s.executeStep() || s.getColumn(0).isNull()) return std::nullopt;
+  return s.getColumn(0).getString();
+}
+
+}  // namespace
+
+Store::Store(const std::string& path, bool create) try
+    : m_db(prepared(path, create), create ? SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE : SQLite::OPEN_READWRITE),
+      m_commit(commitOfSources()) {
+  m_db.setBusyTimeout(30000);
+  m_db.exec("PRAGMA journal_mode=WAL");
+  m_db.exec("PRAGMA synchronous=NORMAL");  // with WAL a killed process loses nothing; only a dying machine may
+  if (create) m_db.exec(kTables);
+  SQLite::Statement version(m_db, "SELECT value FROM meta WHERE key='schema_version'");
+  const auto found = one(version);
+  if (!found) {
+    setMeta("schema_version", kSchemaVersion);
+  } else if (*found != kSchemaVersion) {
+    throw UserError(path + ": the store has schema " + *found + ", this program reads schema " + kSchemaVersion);
+  }
+} catch (const SQLite::Exception& e) {
+  throw UserError(path + ": not a result store: " + e.what());
+}
+
+std::optional<std::string> Store::outcome(const std::string& key) {
+  SQLite::Statement s(m_db, "SELECT outcome FROM trial WHERE key=?");
+  s.bind(1, key);
+  return one(s);
+}
+
+std::optional<std::string> Store::hash(const std::string& key) {
+  SQLite::Statement s(m_db, "SELECT hash FROM trial WHERE key=? AND outcome='ok'");
+  s.bind(1, key);
+  return one(s);
+}
+
+std::optional<double> Store::wall(const std::string& key) {
+  SQLite::Statement s(m_db, "SELECT wall FROM trial WHERE key=?");
+  s.bind(1, key);
+  if (!s.executeStep()) return std::nullopt;
+  return s.getColumn(0).getDouble();
+}
+
+void Store::plan(const std::string& sweep, const std::vector<PlannedTrial>& trials, bool replace) {
+  SQLite::Transaction transaction(m_db);
+  if (replace) {
+    SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=?");
+    clear.bind(1, sweep);
+    clear.exec();
+  }
+  SQLite::Statement s(m_db, "INSERT OR REPLACE INTO planned VALUES (?, ?, ?)");
+  for (const PlannedTrial& t : trials) {
+    s.bind(1, sweep), s.bind(2, t.key), s.bind(3, t.axes.dump());
+    s.exec();
+    s.reset();
+  }
+  transaction.commit();
+}
+
+long Store::machineId() {
+  if (m_machine) return m_machine;
+  const std::string description = machineDescription();
+  SQLite::Statement insert(m_db, "INSERT OR IGNORE INTO machine(description) VALUES (?)");
+  insert.bind(1, description);
+  insert.exec();
+  SQLite::Statement s(m_db, "SELECT id FROM machine WHERE description=?");
+  s.bind(1, description);
+  s.executeStep();
+  return m_machine = static_cast<long>(s.getColumn(0).getInt64());
+}
+
+void Store::put(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall) {
+  SQLite::Transaction transaction(m_db);
+  const long machine = machineId();
+  for (const char* table : {"series", "poses"}) {
+    SQLite::Statement clear(m_db, std::string("DELETE FROM ") + table + " WHERE key=?");
+    clear.bind(1, trial.key);
+    clear.exec();
+  }
+  SQLite::Statement s(m_db, "INSERT OR REPLACE INTO trial VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
+  s.bind(1, trial.key), s.bind(2, trial.canonical.at("kind").get<std::string>()), s.bind(3, trial.canonical.dump());
+  s.bind(4, result.outcome), s.bind(5, result.reason);
+  if (result.step >= 0) s.bind(6, static_cast<std::int64_t>(result.step));
+  s.bind(7, json(result.metrics).dump()), s.bind(8, static_cast<std::int64_t>(machine)), s.bind(9, m_commit);
+  s.bind(10, started), s.bind(11, wall), s.bind(12, trial.timed() ? 1 : 0);
+  s.bind(13, result.hash);
+  s.exec();
+  for (const auto& [name, data] : result.series) {
+    SQLite::Statement row(m_db, "INSERT INTO series VALUES (?,?,?)");
+    row.bind(1, trial.key), row.bind(2, name), bindNumbers(row, 3, data);
+    row.exec();
+  }
+  for (const auto& [step, data] : result.poses) {
+    SQLite::Statement row(m_db, "INSERT INTO poses VALUES (?,?,?)");
+    row.bind(1, trial.key), row.bind(2, static_cast<std::int64_t>(step)), bindNumbers(row, 3, data);
+    row.exec();
+  }
+  transaction.commit();
+}
+
+void Store::setMeta(const std::string& key, const std::string& value) {
+  SQLite::Statement s(m_db, "INSERT OR REPLACE INTO meta VALUES (?,?)");
+  s.bind(1, key), s.bind(2, value);
+  s.exec();
+}
+
+void Store::addBenchmark(const std::string& text) {
+  SQLite::Statement s(m_db, "INSERT INTO benchmark(imported, data) VALUES (?,?)");
+  s.bind(1, timeStamp()), s.bind(2, text);
+  s.exec();
+}
+
+long Store::merge(const std::string& path) {
+  { const Store check(path, false); }  // is it one?
+  SQLite::Statement attach(m_db, "ATTACH DATABASE ? AS other");
+  attach.bind(1, path);
+  attach.exec();
+  SQLite::Transaction transaction(m_db);
+  m_db.exec("INSERT OR IGNORE INTO machine(description) SELECT description FROM other.machine");
+  m_db.exec("INSERT OR IGNORE INTO planned SELECT * FROM other.planned");
+  for (const char* table : {"series", "poses"}) {
+    m_db.exec(std::string("INSERT OR IGNORE INTO ") + table + " SELECT * FROM other." + table +
+              " WHERE key NOT IN (SELECT key FROM main.trial)");
+  }
+  // Machine numbers are each store's own: the description says which is which.
+  const int trials = m_db.exec(
+      "INSERT OR IGNORE INTO trial SELECT t.key, t.kind, t.canonical, t.outcome, t.reason, t.step, t.metrics, "
+      "(SELECT m.id FROM main.machine m JOIN other.machine o ON m.description = o.description WHERE o.id = t.machine), "
+      "t.commit_id, t.started, t.wall, t.timed, t.hash FROM other.trial t");
+  m_db.exec(
+      "INSERT INTO benchmark(imported, data) SELECT imported, data FROM other.benchmark o WHERE NOT EXISTS "
+      "(SELECT 1 FROM main.benchmark b WHERE b.imported = o.imported AND b.data = o.data)");
+  transaction.commit();
+  m_db.exec("DETACH DATABASE other");
+  return trials;
+}
+
+std::string timeStamp() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

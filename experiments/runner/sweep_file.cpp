@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/sweep_file.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "experiments/parse/toml_reader.h"
+#include "experiments/runner/locations.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+/// One value of an axis: what the sweep calls it, and what it means.
+struct AxisValue {
+  json label;            // a number or text, as written
+  std::string pipeline;  // of a labelled text: a part of a pipeline
+  const toml::node* node = nullptr;
+};
+struct Axis {
+  std::string name;
+  std::vector<AxisValue> values;
+  bool labelled = false;
+};
+
+const std::set<std::string> kStages = {"broadphase", "contacts", "cache", "solver", "sleep"};
+
+std::string numberText(const json& label) { return label.is_string() ? label.get<std::string>() : label.dump(); }
+
+// Replaces $name by the value of that axis.
+std::string withValues(std::string text, const json& axes, std::set<std::string>& used) {
+  // The longest names first: $n must not eat the beginning of $number.
+  std::vector<std::string> names;
+  for (const auto& [name, value] : axes.items()) names.push_back(name);
+  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  for (const std::string& name : names) {
+    const std::string mark = "$" + name;
+    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at)) {
+      text.replace(at, mark.size(), numberText(axes[name]));
+      used.insert(name);
+    }
+  }
+  return text;
+}
+
+void collectNames(const Spec& spec, std::set<std::string>& out) {
+  out.insert(spec.name);
+  for (const auto& [key, value] : spec.fields) collectNames(value, out);
+}
+
+struct Slot {
+  const char* name;
+  Spec Pipeline::*spec;
+};
+constexpr Slot kSlots[] = {{"broadphase", &Pipeline::broadphase},
+                           {"contacts", &Pipeline::contacts},
+                           {"cache", &Pipeline::cache},
+                           {"solver", &Pipeline::solver},
+                           {"sleep", &Pipeline::sleep}};
+
+// Which stages a pipeline text names; those that it leaves out have defaults, which must not override anything.
+std::vector<Slot> namedSlots(const std::string& text) {
+  std::vector<Slot> out;
+  int depth = 0;
+  std::string flat;
+  for (char c : text) {
+    depth += (c == '{') - (c == '}');
+    flat += depth > 0 || c == '}' ? ' ' : c;
+  }
+  for (const Slot& slot : kSlots) {
+    if ((" " + flat).find(std::string(" ") + slot.name) != std::string::npos) out.push_back(slot);
+  }
+  return out;
+}
+
+// "solver=..." over "broadphase=... solver=...": stage by stage.
+std::string merged(const std::string& base, const std::string& part) {
+  Pipeline all = Pipeline::parse(base);
+  const Pipeline over = Pipeline::parse(part);
+  for (const Slot& slot : namedSlots(part)) all.*(slot.spec) = over.*(slot.spec);
+  return all.text();
+}
+
+class Sweep {
+ public:
+  Sweep(const std::string& path, const std::set<std::string>& only, std::set<std::string>& matched)
+      : m_path(path), m_only(only), m_matched(matched), m_table(parseToml(readFile(path), path)) {
+    m_out.name = std::filesystem::path(path).stem().string();
+  }
+
+  PlannedSweep plan(Planner& planner) {
+    m_planner = &planner;
+    TableReader top(m_table, m_path, "the sweep");
+    top.requireString("summary");
+    m_kind = top.requireString("kind");
+    if (m_kind != "world" && m_kind != "boxes" && m_kind != "pairs") {
+      top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'; valid: world, boxes, pairs");
+    }
+    m_out.wallLimit = top.number("wall_limit", m_out.wallLimit);
+    m_out.memoryLimit = top.number("memory_limit", m_out.memoryLimit);
+    Settings settings;
+    readSettings(top, settings);
+    const auto groups = top.blocks("group");
+    top.finish();
+    if (groups.empty()) product(settings, m_table);
+    for (const toml::table* t : groups) {
+      TableReader group(*t, m_path, "[[group]]");
+      Settings own = settings;
+      readSettings(group, own);
+      group.finish();
+      product(own, *t);
+    }
+    return std::move(m_out);
+  }
+
+ private:
+  struct Settings {
+    std::vector<Axis> axes;
+    std::string pipeline;
+    bool timed = false, untimed = true;
+    long repeats = 1;
+  };
+
+  void readSettings(TableReader& t, Settings& s) {
+    s.pipeline = t.string("pipeline", s.pipeline);
+    if (t.find("timed")) {
+      s.timed = t.flag("timed", false);
+      s.untimed = t.flag("untimed", !s.timed);
+    }
+    s.untimed = t.flag("untimed", s.untimed);
+    s.repeats = t.integer("repeats", s.repeats);
+    if (s.repeats < 1) t.fail(*t.find("repeats"), "'repeats' is " + std::to_string(s.repeats) + "; valid: 1 or more");
+    if (const toml::table* axes = t.table("axes")) {
+      for (const auto& [name, node] : inFileOrder(*axes)) {
+        Axis axis = readAxis(name, *node);
+        const auto same =
+            std::find_if(s.axes.begin(), s.axes.end(), [&](const Axis& a) { return a.name == axis.name; });
+        (same == s.axes.end() ? s.axes.emplace_back() : *same) = std::move(axis);
+      }
+    }
+  }
+
+  Axis readAxis(const std::string& name, const toml::node& node) {
+    Axis axis{name, {}, false};
+    if (node.is_table()) {  // label = "text"
+      axis.labelled = true;
+      for (const auto& [label, text] : inFileOrder(*node.as_table())) {
+        if (!text->is_string()) failAt(m_path, *text, "'" + label + "' is " + describe(*text) + "; valid: a string");
+        axis.values.push_back({label, *text->value<std::string>(), text});
+      }
+      return axis;
+    }
+    const auto add = [&](const toml::node& n) {
+      if (n.is_integer()) {
+        axis.values.push_back({*n.value<std::int64_t>(), "", &n});
+      } else if (n.is_floating_point()) {
+        axis.values.push_back({*n.value<double>(), "", &n});
+      } else if (n.is_string()) {
+        const std::string text = *n.value<std::string>();
+        if (text.starts_with("*")) return addRegistered(axis, n, text);
+        axis.values.push_back({text, "", &n});
+      } else {
+        failAt(m_path, n, describe(n) + " in axis '" + name + "'; valid: numbers and strings");
+      }
+    };
+    if (const toml::array* list = node.as_array()) {
+      for (const toml::node& n : *list) add(n);
+    } else {
+      add(node);
+    }
+    const bool witnesses = node.is_string() && *node.value<std::string>() == "*witness";  // a build may have none
+    if (axis.values.empty() && !witnesses) failAt(m_path, node, "axis '" + name + "' is empty");
+    return axis;
+  }
+
+  // "*": every competitor of the stage that the axis is named after, "*witness": every witness. So a new file joins a
+  // sweep by itself.
+  void addRegistered(Axis& axis, const toml::node& node, const std::string& text) {
+    if (text != "*" && text != "*witness") failAt(m_path, node, "'" + text + "'; valid: *, *witness, names");
+    std::set<std::string> names;
+    for (const auto& [key, entry] : Registry::instance().all()) {
+      if (stageName(entry.stage) != axis.name) continue;
+      if (entry.info.role == (text == "*" ? Role::competitor : Role::witness)) names.insert(entry.info.name);
+    }
+    if (names.empty() && text == "*") failAt(m_path, node, "no stage '" + axis.name + "' has algorithms");
+    for (const std::string& n : names) axis.values.push_back({n, "", &node});
+  }
+
+  void product(const Settings& s, const toml::node& where) {
+    std::vector<std::size_t> at(s.axes.size(), 0);
+    for (const Axis& axis : s.axes) {
+      if (axis.values.empty()) return;
+    }
+    for (;;) {
+      cell(s, at, where);
+      std::size_t i = s.axes.size();
+      while (i > 0 && ++at[i - 1] == s.axes[i - 1].values.size()) at[--i] = 0;
+      if (i == 0) return;
+    }
+  }
+
+  void cell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where) {
+    json axes = json::object();
+    for (std::size_t i = 0; i < at.size(); ++i) axes[s.axes[i].name] = s.axes[i].values[at[i]].label;
+    std::set<std::string> names;
+    const toml::node* place = at.empty() ? &where : s.axes[0].values[at[0]].node;
+    const auto add = [&](bool timed, long repeat) {
+      PlannedTrial trial;
+      try {
+        trial = m_kind == "world" ? world(s, at, axes, timed, repeat, names) : frozen(axes, timed, repeat, names);
+      } catch (const UserError& e) {
+        if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
+        failAt(m_path, *place, e.what());
+      }
+      if (!wanted(names)) return;
+      trial.axes = axes;
+      trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
+      if (m_kind == "world") trial.axes["scene"] = trial.canonical["scene"];
+      trial.axes["timed"] = timed, trial.axes["repeat"] = repeat;
+      // Two groups may meet in one cell; it runs once.
+      if (m_seen.insert(trial.key).second) m_out.trials.push_back(std::move(trial));
+    };
+    if (s.untimed) {
+      for (long r = 0; r < (s.timed ? 1 : s.repeats); ++r) add(false, r);
+    }
+    if (s.timed) {
+      for (long r = 0; r < s.repeats; ++r) add(true, r);
+    }
+  }
+
+  bool wanted(const std::set<std::string>& names) {
+    bool any = m_only.empty();
+    for (const std::string& n : m_only) {
+      if (names.count(n)) any = true, m_matched.insert(n);
+    }
+    return any;
+  }
+
+  PlannedTrial world(const Settings& s, const std::vector<std::size_t>& at, const json& axes, bool timed, long repeat,
+                     std::set<std::string>& names) {
+    WorldCell cell;
+    cell.timed = timed, cell.repeat = static_cast<int>(repeat);
+    std::set<std::string> used;
+    cell.pipeline = withValues(s.pipeline, axes, used);
+    std::string model;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const Axis& axis = s.axes[i];
+      const AxisValue& value = axis.values[at[i]];
+      std::string part;
+      if (axis.labelled) {
+        part = value.pipeline;
+        names.insert(value.label.get<std::string>());
+      } else if (kStages.count(axis.name)) {
+        part = axis.name + "=" + numberText(value.label);
+      } else {
+        continue;
+      }
+      part = withValues(part, axes, used);
+      const Pipeline parsed = Pipeline::parse(part);
+      for (const Slot& slot : namedSlots(part)) collectNames(parsed.*(slot.spec), names);
+      cell.pipeline = merged(cell.pipeline, part);
+      used.insert(axis.name);
+    }
+    if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
+    const std::string scenePath = beside(axes["scene"].get<std::string>());
+    const SceneFile& file = m_planner->scene(scenePath);
+    names.insert(file.name());
+    for (const auto& [name, value] : axes.items()) {
+      const bool number = value.is_number();
+      if (name == "scene") {
+      } else if (name == "dimension" && number) {
+        cell.dimension = value.get<int>();
+      } else if (name == "precision") {
+        cell.precision = numberText(value);
+      } else if (name == "dt" && number) {
+        cell.dt = value.get<double>();
+      } else if (name == "steps" && number) {
+        cell.steps = value.get<long>();
+      } else if (name == "seed" && number) {
+        cell.seed = value.get<std::uint64_t>();
+      } else if (name == "model") {
+        model = numberText(value);
+      } else if (number && isParameter(file, name)) {
+        cell.params[name] = value.get<double>();
+      } else if (!used.count(name)) {
+        std::string valid = "scene, dimension, precision, dt, steps, seed, model, a stage, a table of pipelines, $" +
+                            name + " in a pipeline";
+        for (const SceneParameter& p : file.parameters()) valid += ", " + p.name;
+        throw UserError("axis '" + name + "' means nothing for scene '" + file.name() + "'; valid: " + valid);
+      }
+    }
+    if (!model.empty()) applyModel(file, model, cell);
+    return m_planner->world(scenePath, cell);
+  }
+
+  // A scene file that lies beside the sweep file comes before the ones in experiments/scenes.
+  std::string beside(const std::string& scene) const {
+    const auto folder = std::filesystem::path(m_path).parent_path();
+    for (const std::string& name : {scene, scene + ".toml"}) {
+      if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
+    }
+    return scene;
+  }
+
+  static bool isParameter(const SceneFile& file, const std::string& name) {
+    const auto& all = file.parameters();
+    return std::any_of(all.begin(), all.end(), [&](const SceneParameter& p) { return p.name == name; });
+  }
+
+  // What a scene does not need: "minimal" is what its file asks for, "+friction" one more, "3d" the other dimension.
+  static void applyModel(const SceneFile& file, const std::string& model, WorldCell& cell) {
+    std::string features = featuresText(file.needs());
+    if (model == "3d") {
+      cell.dimension = 3;
+    } else if (model == "all") {
+      features = featuresText(Features{});
+    } else if (model.starts_with("+")) {
+      features += (features.empty() ? "" : ",") + model.substr(1);
+    } else if (model != "minimal") {
+      throw UserError("unknown model '" + model +
+                      "'; valid: minimal, 3d, all, +cache, +friction, +joints, +restitution, "
+                      "+rotation, +sleeping");
+    }
+    cell.features = featuresText(featuresFromText(features));
+  }
+
+  // boxes and pairs: the axes are the trial.
+  PlannedTrial frozen(const json& axes, bool timed, long repeat, std::set<std::string>& names) {
+    json cell = axes;
+    cell["timed"] = timed, cell["repeat"] = repeat;
+    const char* method = m_kind == "boxes" ? "broadphase" : "pair_query";
+    const std::set<std::string> known = {"dimension",  "n",          "distribution", "frames", "seed",  "precision",
+                                         "broadphase", "pair_query", "kind_a",       "kind_b", "timed", "repeat"};
+    for (const auto& [name, value] : cell.items()) {
+      if (!known.count(name)) throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + m_kind + "'");
+    }
+    if (axes.contains(method)) collectNames(Spec::parse(numberText(axes[method])), names);
+    return m_kind == "boxes" ? m_planner->boxes(std::move(cell)) : m_planner->pairs(std::move(cell));
+  }
+
+  std::string m_path, m_kind;
+  const std::set<std::string>& m_only;
+  std::set<std::string>& m_matched;
+  toml::table m_table;
+  Planner* m_planner = nullptr;
+  std::set<std::string> m_seen;
+  PlannedSweep m_out;
+};
+
+}  // namespace
+
+std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& onlyList) {
+  const std::string path = findToml("sweeps", nameOrPath);
+  const std::set<std::string> only(onlyList.begin(), onlyList.end());
+  std::set<std::string> matched;
+  std::vector<std::string> files = {path};
+  const toml::table table = parseToml(readFile(path), path);
+  if (table.contains("sweeps")) {
+    TableReader set(table, path, "a set of sweeps");
+    set.requireString("summary");
+    files.clear();
+    for (const std::string& name : set.strings("sweeps")) {
+      try {
+        files.push_back(findToml("sweeps", name));
+      } catch (const UserError& e) {
+        set.fail(*set.find("sweeps"), e.what());
+      }
+    }
+    set.finish();
+  }
+  Planner planner;
+  std::vector<PlannedSweep> out;
+  for (const std::string& file : files) out.push_back(Sweep(file, only, matched).plan(planner));
+  for (const std::string& name : only) {
+    if (!matched.count(name)) {
+      throw UserError("--only " + name + ": no cell of '" + nameOrPath +
+                      "' has a label, algorithm or scene of that name");
+    }
+  }
+  return out;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

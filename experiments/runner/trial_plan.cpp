@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/trial_plan.h"
+
+#include "experiments/runner/code_identity.h"
+#include "experiments/runner/locations.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kSchema = 1;
+
+bool existsIn(StageKind stage, int dimension, const std::string& name) {
+  return Registry::instance().all().count({stage, dimension, name}) > 0;
+}
+
+// Completes a spec with every parameter. When the algorithm exists in the other dimension only, that is no mistake of
+// the user's but a hole in the table: `unsupported` says so.
+json canonicalStage(json& code, std::string& unsupported, StageKind stage, Spec& spec, int dimension) {
+  if (!existsIn(stage, dimension, spec.name) && existsIn(stage, 5 - dimension, spec.name)) {
+    unsupported =
+        std::string(stageName(stage)) + " " + spec.name + " does not exist in " + std::to_string(dimension) + "D";
+    return spec.text();
+  }
+  const auto complete = [&](int d) {
+    const Registered& entry = Registry::instance().find(stage, d, spec.name);
+    const Spec whole = entry.canonical(spec);
+    entry.create(whole);
+    return whole;
+  };
+  try {
+    spec = complete(dimension);
+    code.update(codeHashes(stage, spec, dimension));
+  } catch (const UserError& e) {
+    if (!existsIn(stage, 5 - dimension, spec.name)) throw;
+    complete(5 -
+             dimension);  // throws what is a mistake in either dimension; else a nested stage is missing in this one
+    unsupported = e.what();
+  }
+  return spec.text();
+}
+
+void seal(PlannedTrial& trial) {
+  trial.canonical["schema"] = kSchema;
+  trial.canonical["core"] = coreHash();
+  trial.key = trialKey(trial.canonical);
+}
+
+void require(const json& cell, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    if (!cell.contains(name)) {
+      throw UserError("a trial of kind '" + cell.at("kind").get<std::string>() + "' needs the axis '" + name + "'");
+    }
+  }
+}
+
+void addDefaults(json& cell, const char* sizeName, int size) {
+  cell.emplace(sizeName, size);  // emplace leaves what is there
+  cell.emplace("seed", 1), cell.emplace("repeat", 0), cell.emplace("timed", false), cell.emplace("precision", "f64");
+}
+
+}  // namespace
+
+std::string trialKey(const json& canonical) { return hexHash(canonical.dump()); }
+
+const SceneFile& Planner::scene(const std::string& nameOrPath) {
+  auto it = m_scenes.find(nameOrPath);
+  if (it == m_scenes.end()) it = m_scenes.emplace(nameOrPath, SceneFile::load(findToml("scenes", nameOrPath))).first;
+  return it->second;
+}
+
+PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
+  const SceneFile& file = scene(name);
+  PlannedTrial out;
+  out.sceneFile = file.path();
+  const int dimension = cell.dimension ? cell.dimension : file.dimensions().at(0);
+  if (dimension != 2 && dimension != 3) {
+    throw UserError("the dimension is " + std::to_string(dimension) + "; valid: 2, 3");
+  }
+  if (cell.dt && !(*cell.dt > 0 && *cell.dt <= 10)) {
+    throw UserError("dt is " + std::to_string(*cell.dt) + " s; valid: above 0, up to 10");
+  }
+  if (cell.steps && *cell.steps < 0) throw UserError("steps is negative");
+  if (cell.precision != "f64" && cell.precision != "f32") {
+    throw UserError("unknown precision '" + cell.precision + "'; valid: f64, f32");
+  }
+  const std::uint64_t seed = cell.seed.value_or(file.defaultSeed());
+  const ParameterValues params = file.values(cell.params);
+  json code = json::object();
+  Pipeline pipeline = Pipeline::parse(cell.pipeline);
+  canonicalStage(code, out.unsupported, StageKind::broadphase, pipeline.broadphase, dimension);
+  canonicalStage(code, out.unsupported, StageKind::contacts, pipeline.contacts, dimension);
+  canonicalStage(code, out.unsupported, StageKind::cache, pipeline.cache, dimension);
+  canonicalStage(code, out.unsupported, StageKind::solver, pipeline.solver, dimension);
+  canonicalStage(code, out.unsupported, StageKind::sleep, pipeline.sleep, dimension);
+
+  Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0)};
+  const std::string features = cell.features ? *cell.features : featuresText(file.needs());
+  if (!file.has(dimension)) {
+    out.unsupported = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
+  } else {
+    const std::string id = file.path() + json(params).dump() + std::to_string(seed) + "/" + std::to_string(dimension);
+    auto it = m_built.find(id);
+    if (it == m_built.end()) {
+      const auto built = [](const auto& spec) { return Defaults{spec.dt, spec.steps}; };
+      it = m_built.emplace(id, dimension == 2 ? built(file.build<2>(params, seed)) : built(file.build<3>(params, seed)))
+               .first;
+    }
+    if (!cell.dt) defaults.dt = it->second.dt;
+    if (!cell.steps) defaults.steps = it->second.steps;
+  }
+  out.canonical = {{"kind", "world"},
+                   {"scene", file.name()},
+                   {"scene_hash", hexHash(file.bytes())},
+                   {"params", params},
+                   {"dimension", dimension},
+                   {"pipeline", pipeline.text()},
+                   {"precision", cell.precision},
+                   {"dt", defaults.dt},
+                   {"steps", defaults.steps},
+                   {"seed", seed},
+                   {"features", featuresText(featuresFromText(features))},
+                   {"repeat", cell.repeat},
+                   {"timed", cell.timed},
+                   {"code", code}};
+  seal(out);
+  return out;
+}
+
+PlannedTrial Planner::boxes(json cell) {
+  cell["kind"] = "boxes";
+  require(cell, {"dimension", "n", "distribution", "broadphase"});
+  addDefaults(cell, "frames", 60);
+  const std::string d = cell["distribution"];
+  if (d != "uniform" && d != "cluster" && d != "director_2") {
+    throw UserError("unknown distribution '" + d + "'; valid: uniform, cluster, director_2");
+  }
+  PlannedTrial out;
+  json code = json::object();
+  Spec spec = Spec::parse(cell["broadphase"].get<std::string>());
+  cell["broadphase"] = canonicalStage(code, out.unsupported, StageKind::broadphase, spec, cell["dimension"]);
+  cell["code"] = code;
+  out.canonical = std::move(cell);
+  seal(out);
+  return out;
+}
+
+PlannedTrial Planner::pairs(json cell) {
+  cell["kind"] = "pairs";
+  require(cell, {"dimension", "kind_a", "kind_b", "pair_query"});
+  addDefaults(cell, "n", 1024);
+  if (shapeKindFromName(cell["kind_a"].get<std::string>()) > shapeKindFromName(cell["kind_b"].get<std::string>())) {
+    std::swap(cell["kind_a"], cell["kind_b"]);
+  }
+  PlannedTrial out;
+  json code = json::object();
+  Spec spec = Spec::parse(cell["pair_query"].get<std::string>());
+  cell["pair_query"] = canonicalStage(code, out.unsupported, StageKind::pairQuery, spec, cell["dimension"]);
+  cell["code"] = code;
+  out.canonical = std::move(cell);
+  seal(out);
+  return out;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/trial/scene_file.h"
+#include "framework/registry.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// One trial before it runs: what its key is made of, and what the worker needs beside it.
+struct PlannedTrial {
+  nlohmann::json axes;       // this cell's values as the sweep writes them
+  nlohmann::json canonical;  // what the key is made of
+  std::string key;
+  std::string sceneFile;
+  std::string unsupported;  // a reason when the cell cannot run at all
+  bool timed() const { return canonical.value("timed", false); }
+};
+
+/// A world trial as asked for; what is left out comes from the scene.
+struct WorldCell {
+  ParameterValues params;
+  int dimension = 0;  // 0: the scene's first
+  std::string pipeline;
+  std::string precision = "f64";
+  std::optional<double> dt;
+  std::optional<long> steps;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::string> features;  // "cache,friction"; none: what the scene needs
+  int repeat = 0;
+  bool timed = false;
+};
+
+/// Scene files are read once, and scenes are built once per set of parameters: to find mistakes before anything runs.
+class Planner {
+ public:
+  const SceneFile& scene(const std::string& nameOrPath);
+  /// Throws UserError for mistakes; a cell that is right but cannot run (an algorithm that exists only in the other
+  /// dimension) gets `unsupported`.
+  PlannedTrial world(const std::string& scene, const WorldCell& cell);
+  PlannedTrial boxes(nlohmann::json cell);
+  PlannedTrial pairs(nlohmann::json cell);
+
+ private:
+  struct Defaults {
+    double dt;
+    long steps;
+  };
+  std::map<std::string, SceneFile> m_scenes;
+  std::map<std::string, Defaults> m_built;
+};
+
+/// The key of a canonical trial.
+std::string trialKey(const nlohmann::json& canonical);
+
+}  // namespace lpc::inline LPC_PRECISION

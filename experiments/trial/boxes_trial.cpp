@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Zlib
+// A broadphase alone, on a frozen stream of boxes: every method sees the same bits, and each frame's pairs are compared
+// with those of all pairs tested here, without any algorithm of the registry.
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "experiments/trial/trial.h"
+#include "framework/random.h"
+#include "framework/stage_broadphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kWarmUp = 10;    // frames that are not timed
+constexpr double kHalf = 0.5;  // half side of a box (m)
+constexpr double kFrameDt = 1.0 / 60;
+
+/// Boxes that fly about in a room and bounce off its walls.
+template <int D>
+struct Flock {
+  std::vector<Vec<D>> place, velocity;
+  std::vector<Real> half;
+  Real room = 0;  // half side (m)
+
+  void advance() {
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      for (int d = 0; d < D; ++d) {
+        place[i][d] += velocity[i][d] * static_cast<Real>(kFrameDt);
+        if (std::abs(place[i][d]) > room && place[i][d] * velocity[i][d] > 0) velocity[i][d] = -velocity[i][d];
+      }
+    }
+  }
+};
+
+// uniform: a constant density, so that the number of overlaps grows with n. cluster: nine of ten boxes in a tenth of
+// the room's side, around few centres, which defeats a grid of one cell size. director_2: the room of the 2009 script,
+// which stays as large while bodies come.
+template <int D>
+Flock<D> makeFlock(const std::string& distribution, int n, std::uint64_t seed) {
+  Random random(seed);
+  Flock<D> f;
+  // Room of side s with n unit boxes, so that one box overlaps about 2^D * n / s^D others; here about 1.
+  double volume = static_cast<double>(n) * (D == 2 ? 4 : 8), side = std::sqrt(volume);
+  if (D == 3) {
+    side = 1;
+    while (side * side * side < volume) side *= 1.01;
+  }
+  if (distribution == "director_2") side = 80;
+  f.room = static_cast<Real>(side / 2);
+  std::vector<Vec<D>> centers;
+  for (int c = 0; c < 8; ++c) {
+    Vec<D> p;
+    for (int d = 0; d < D; ++d) p[d] = static_cast<Real>(random.uniform(-0.8, 0.8) * side / 2);
+    centers.push_back(p);
+  }
+  for (int i = 0; i < n; ++i) {
+    const bool clustered = distribution == "cluster" && i % 10 != 0;
+    Vec<D> p, v;
+    for (int d = 0; d < D; ++d) {
+      p[d] = static_cast<Real>(random.uniform(-1, 1) * side / 2 * (clustered ? 0.1 : 1));
+      v[d] = static_cast<Real>(random.uniform(-10, 10));
+    }
+    if (clustered) p += centers[random.below(8)];
+    f.place.push_back(p), f.velocity.push_back(clustered ? Vec<D>(v / 10) : v);
+    f.half.push_back(static_cast<Real>(distribution == "cluster" ? kHalf * random.uniform(0.2, 2) : kHalf));
+  }
+  return f;
+}
+
+template <int D>
+std::vector<ProxyPair> allPairs(const Proxies<D>& proxies) {
+  std::vector<ProxyPair> out;
+  // Sorted by the first axis: a sweep over all would be n^2 for ten thousand boxes in every frame.
+  std::vector<ProxyId> order(static_cast<std::size_t>(proxies.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<ProxyId>(i);
+  const auto& lo = proxies.lo[0];
+  const auto at = [](ProxyId i) { return static_cast<std::size_t>(i); };
+  std::sort(order.begin(), order.end(), [&](ProxyId a, ProxyId b) { return lo[at(a)] < lo[at(b)]; });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (std::size_t j = i + 1; j < order.size() && lo[at(order[j])] <= proxies.hi[0][at(order[i])]; ++j) {
+      const ProxyId a = std::min(order[i], order[j]), b = std::max(order[i], order[j]);
+      if (proxies.boxesOverlap(a, b) && proxies.mayCollide(a, b)) out.push_back({a, b});
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+template <int D>
+TrialResult runBoxes(const json& t) {
+  const int n = t.at("n").get<int>(), frames = t.at("frames").get<int>();
+  const std::string distribution = t.at("distribution");
+  const bool timed = t.value("timed", false);
+  const Spec spec = Spec::parse(t.at("broadphase").get<std::string>());
+  const auto method = createStage<Broadphase<D>>(spec);
+  const Guarantee guarantee = Registry::instance().find(StageKind::broadphase, D, spec.name).info.guarantee;
+
+  Flock<D> flock = makeFlock<D>(distribution, n, t.at("seed").get<std::uint64_t>());
+  Proxies<D> proxies;
+  proxies.resize(n);
+  std::vector<ProxyId> everyone;
+  for (ProxyId i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    everyone.push_back(i);
+    proxies.body[k] = i, proxies.active[k] = 1, proxies.category[k] = 1, proxies.mask[k] = ~0u;
+  }
+  TrialResult out;
+  std::vector<double> nanoseconds, found, tests, visits;
+  std::vector<ProxyPair> pairs;
+  double wrong = 0;
+  XXH64_state_t* hash = XXH64_createState();
+  XXH64_reset(hash, 0);
+  for (int frame = 0; frame < frames; ++frame) {
+    for (ProxyId i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      proxies.setBox(i, {flock.place[k].array() - flock.half[k], flock.place[k].array() + flock.half[k]});
+    }
+    ProxyChanges changes;
+    (frame == 0 ? changes.added : changes.moved) = everyone;
+    pairs.clear();
+    Work work;
+    const double before = cpuSeconds();
+    method->update(proxies, changes);
+    method->findPairs(proxies, pairs, work);
+    const double after = cpuSeconds();
+    if (frame >= kWarmUp) nanoseconds.push_back(1e9 * (after - before));
+    found.push_back(static_cast<double>(pairs.size()));
+    tests.push_back(static_cast<double>(work[Count::boxTests]));
+    visits.push_back(static_cast<double>(work[Count::nodeVisits]));
+    std::sort(pairs.begin(), pairs.end());
+    XXH64_update(hash, pairs.data(), pairs.size() * sizeof(ProxyPair));
+    const std::vector<ProxyPair> right = allPairs(proxies);
+    std::vector<ProxyPair> missing, extra;
+    std::set_difference(right.begin(), right.end(), pairs.begin(), pairs.end(), std::back_inserter(missing));
+    std::set_difference(pairs.begin(), pairs.end(), right.begin(), right.end(), std::back_inserter(extra));
+    if (guarantee == Guarantee::conservative) extra.clear();
+    wrong += static_cast<double>(missing.size() + extra.size());
+    if (out.outcome == "ok" && !(missing.empty() && extra.empty())) {
+      const ProxyPair first = missing.empty() ? extra[0] : missing[0];
+      out.fail("wrong",
+               std::to_string(missing.size()) + " pairs missing, " + std::to_string(extra.size()) +
+                   " too many; first: " + std::to_string(first.a) + "-" + std::to_string(first.b),
+               frame);
+    }
+    flock.advance();
+  }
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(hash)));
+  XXH64_freeState(hash);
+  out.hash = text;
+  const auto mean = [](const std::vector<double>& list) {
+    double sum = 0;
+    for (double x : list) sum += x;
+    return list.empty() ? 0 : sum / static_cast<double>(list.size());
+  };
+  out.metrics = {{"pairs_mean", mean(found)},
+                 {"box_tests_mean", mean(tests)},
+                 {"node_visits_mean", mean(visits)},
+                 {"wrong_pairs", wrong}};
+  if (timed) {
+    out.metrics["ns_per_frame_median"] = quantile(nanoseconds, 0.5);
+    out.metrics["ns_per_frame_p25"] = quantile(nanoseconds, 0.25);
+    out.metrics["ns_per_frame_p75"] = quantile(nanoseconds, 0.75);
+  }
+  return out;
+}
+
+}  // namespace
+
+TrialResult runBoxesTrial(const json& request) {
+  const json& t = request.at("trial");
+  return t.at("dimension").get<int>() == 2 ? runBoxes<2>(t) : runBoxes<3>(t);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

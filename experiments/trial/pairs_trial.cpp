@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Zlib
+// A pair query alone: the same seeded pairs for every method, its time per query, and its error against brute force.
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "experiments/trial/pair_reference.h"
+#include "experiments/trial/trial.h"
+#include "framework/random.h"
+#include "framework/stage_narrowphase.h"
+#include "framework/support_map.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+template <int D>
+struct Pair {
+  Shape<D> a, b;
+  Pose<D> X_AB;
+};
+
+template <int D>
+Shape<D> drawShape(ShapeKind kind, double size, Random& random) {
+  const auto length = [&] { return static_cast<Real>(size * random.uniform(0.2, 1)); };
+  switch (kind) {
+    case ShapeKind::sphere:
+      return Shape<D>::sphere(length());
+    case ShapeKind::capsule: {
+      const Real half = length();
+      return Shape<D>::capsule(half, length() / 2);
+    }
+    case ShapeKind::segment:
+      if constexpr (D == 2) return Shape<D>::segment(length());
+      break;
+    case ShapeKind::box: {
+      Vec<D> half;
+      for (int d = 0; d < D; ++d) half[d] = length();
+      return Shape<D>::box(half);
+    }
+    case ShapeKind::polytope:
+      break;
+  }
+  std::vector<Vec<D>> points;
+  for (int i = 0; i < 12; ++i) {
+    Vec<D> p;
+    for (int d = 0; d < D; ++d) p[d] = static_cast<Real>(size * random.uniform(-1, 1));
+    points.push_back(p);
+  }
+  return Shape<D>::polytope(points);
+}
+
+Rot<2> drawRotation2(Random& random) { return Rot<2>::angle(random.uniform(-3.14159, 3.14159)); }
+Rot<3> drawRotation3(Random& random) {
+  return Rot<3>::vector(Vec<3>(Real(random.uniform(-3, 3)), Real(random.uniform(-3, 3)), Real(random.uniform(-3, 3))));
+}
+
+// Six families in turn: apart, near each other, touching within 1e-9, overlapping, centres together, and faces
+// parallel. They are where methods differ (RELIABILITY: touching, deep, parallel); every third round has sizes 1 : 100.
+template <int D>
+Pair<D> drawPair(ShapeKind kindA, ShapeKind kindB, int index, Random& random) {
+  const int family = index % 6;
+  const double sizeB = index / 6 % 3 == 2 ? 0.01 : 1;
+  Pair<D> pair{drawShape<D>(kindA, 1, random), drawShape<D>(kindB, sizeB, random), {}};
+  Rot<D> q;
+  if constexpr (D == 2) {
+    q = drawRotation2(random);
+  } else {
+    q = drawRotation3(random);
+  }
+  if (family != 5) pair.X_AB.q = q;
+  Vec<D> direction = Vec<D>::Zero();
+  for (int d = 0; d < D; ++d) direction[d] = static_cast<Real>(random.uniform(-1, 1));
+  if (!(direction.norm() > Real(1e-3))) direction[0] = 1;
+  if (family == 5) direction = Vec<D>::Unit(static_cast<int>(random.below(D)));
+  direction.normalize();
+  const Real reach = boundingRadius(pair.a.view()) + boundingRadius(pair.b.view());
+  const double places[] = {random.uniform(1.1, 4), random.uniform(0.8, 1.2), 1, random.uniform(0.1, 0.8), 0, 1};
+  pair.X_AB.p = direction * (reach * static_cast<Real>(places[family]));
+  if (family == 2 || family == 5) {  // move along the line until the distance is about zero
+    for (int turn = 0; turn < 40; ++turn) {
+      const double gap = bruteForceDistance(pair.a.view(), pair.b.view(), pair.X_AB);
+      if (std::abs(gap) < 1e-9) break;
+      pair.X_AB.p -= direction * static_cast<Real>(gap);
+    }
+  }
+  return pair;
+}
+
+template <int D>
+double scaleOf(const Pair<D>& p, double distance) {
+  const double extent = 2 * std::max<double>(boundingRadius(p.a.view()), boundingRadius(p.b.view()));
+  return extent + std::abs(distance) + p.X_AB.p.cwiseAbs().maxCoeff();
+}
+
+template <int D>
+TrialResult runPairs(const json& t) {
+  const ShapeKind kindA = shapeKindFromName(t.at("kind_a").get<std::string>());
+  const ShapeKind kindB = shapeKindFromName(t.at("kind_b").get<std::string>());
+  const int n = t.at("n").get<int>();
+  const Spec spec = Spec::parse(t.at("pair_query").get<std::string>());
+  const auto method = createStage<PairQuery<D>>(spec);
+  // A witness may be asked in a process of its own, where this thread's clock does not see it.
+  const bool witness = Registry::instance().find(StageKind::pairQuery, D, spec.name).info.role == Role::witness;
+  TrialResult out;
+  if (!method->supports(kindA, kindB) || (D == 3 && (kindA == ShapeKind::segment || kindB == ShapeKind::segment))) {
+    out.fail("unsupported", t.at("kind_a").get<std::string>() + " against " + t.at("kind_b").get<std::string>(), 0);
+    return out;
+  }
+  Random random(t.at("seed").get<std::uint64_t>());
+  std::vector<Pair<D>> pairs;
+  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(kindA, kindB, i, random));
+
+  // What is beyond this is a wrong yes or no, not rounding (relative to the pair's size).
+  const double tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
+  double failed = 0, refused = 0, wrong = 0;
+  std::vector<double> errors, nanoseconds;
+  const auto batch = std::make_unique<PairBatch<D>>();
+  const auto answers = std::make_unique<PairAnswers<D>>();
+  Work work;
+  XXH64_state_t* hash = XXH64_createState();
+  XXH64_reset(hash, 0);
+  for (std::size_t begin = 0; begin < pairs.size(); begin += PairBatch<D>::kCapacity) {
+    const std::size_t end = std::min(pairs.size(), begin + PairBatch<D>::kCapacity);
+    batch->clear(kindA, kindB);
+    for (std::size_t i = begin; i < end; ++i) batch->add(pairs[i].a.view(), pairs[i].b.view(), pairs[i].X_AB);
+    const int repeats = t.value("timed", false) && !witness ? 8 : 1;  // the first warms the caches
+    for (int r = 0; r < repeats; ++r) {
+      const double before = cpuSeconds();
+      method->query(*batch, Need::witnesses, *answers, {}, work);
+      if (r > 0) nanoseconds.push_back(1e9 * (cpuSeconds() - before) / static_cast<double>(end - begin));
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      const PairAnswer<D> answer = answers->get(static_cast<int>(i - begin));
+      XXH64_update(hash, &answer.distance, sizeof answer.distance);
+      if (answer.status == QueryStatus::refused) {
+        ++refused;
+        continue;
+      }
+      const double truth = bruteForceDistance(pairs[i].a.view(), pairs[i].b.view(), pairs[i].X_AB);
+      const double scale = scaleOf(pairs[i], truth), found = answer.distance;
+      if (answer.status == QueryStatus::failed || !std::isfinite(found)) {
+        ++failed;
+        continue;
+      }
+      errors.push_back(std::abs(found - truth) / scale);
+      if ((found > 0) != (truth > 0) && std::abs(truth) > tolerance * scale) ++wrong;
+    }
+  }
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(hash)));
+  XXH64_freeState(hash);
+  out.hash = text;
+  out.metrics = {{"asked", static_cast<double>(n)},
+                 {"failed", failed},
+                 {"refused", refused},
+                 {"wrong_boolean", wrong},
+                 {"max_error", quantile(errors, 1)},
+                 {"p99_error", quantile(errors, 0.99)},
+                 {"median_error", quantile(errors, 0.5)}};
+  if (t.value("timed", false)) out.metrics["ns_per_query"] = quantile(nanoseconds, 0.5);
+  if (wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(wrong)) + " wrong yes or no", 0);
+  return out;
+}
+
+}  // namespace
+
+TrialResult runPairsTrial(const json& request) {
+  const json& t = request.at("trial");
+  return t.at("dimension").get<int>() == 2 ? runPairs<2>(t) : runPairs<3>(t);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

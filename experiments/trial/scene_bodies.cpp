@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Zlib
+// Bodies and shapes of scene files.
+#include "experiments/trial/scene_parsed.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+Rot<2> turn(const Ang<2>& vector) { return Rot<2>::angle(vector[0]); }
+Rot<3> turn(const Ang<3>& vector) { return Rot<3>::vector(vector); }
+
+// A number turns about z, in the plane of 2D; a list of three is a rotation vector, of which 2D sees the third.
+template <int D>
+Ang<D> angular(TableReader& table, SceneNumbers& numbers, const std::string& key) {
+  const toml::node* n = table.find(key);
+  Ang<D> out = Ang<D>::Zero();
+  if (!n) return out;
+  const Vec<3> v = n->is_array() ? numbers.vector<3>(*n) : Vec<3>(0, 0, static_cast<Real>(numbers.number(*n)));
+  if constexpr (D == 2) {
+    out[0] = v[2];
+  } else {
+    out = v;
+  }
+  return out;
+}
+
+// 2D points with a `depth` become a prism in 3D: the same file, the same scene.
+template <int D>
+std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
+  const toml::node& list = shape.require("points");
+  if (!list.is_array()) shape.fail(list, "'points' is " + describe(list) + "; valid: a list of points");
+  const double depth = numbers.number(shape, "depth", 0);
+  std::vector<Vec<D>> points;
+  for (const toml::node& n : *list.as_array()) {
+    Vec<D> p = numbers.vector<D>(n);
+    if (D == 3 && depth > 0) {
+      p[D - 1] = static_cast<Real>(-depth);
+      points.push_back(p);
+      p[D - 1] = static_cast<Real>(depth);
+    }
+    points.push_back(p);
+  }
+  return points;
+}
+
+template <int D>
+Shape<D> readCore(TableReader& shape, SceneNumbers& numbers, const std::string& kind) {
+  const auto size = [&](const std::string& key) { return static_cast<Real>(numbers.number(shape.require(key))); };
+  const auto rounding = static_cast<Real>(numbers.number(shape, "rounding", 0));
+  if (kind == "sphere" || kind == "circle") return Shape<D>::sphere(size("radius"));
+  if (kind == "box") return Shape<D>::box(numbers.vector<D>(shape.require("half")), rounding);
+  if (kind == "capsule") return Shape<D>::capsule(size("half_length"), size("radius"));
+  if (kind == "polytope") return Shape<D>::polytope(readPoints<D>(shape, numbers), rounding);
+  if (kind == "segment") {
+    if (D == 3) shape.fail("a segment exists in 2D only");
+    return Shape<D>::segment(size("half_length"));
+  }
+  shape.fail(shape.require("kind"),
+             "unknown shape kind '" + kind + "'; valid: sphere (or circle), box, capsule, segment (2D), polytope");
+}
+
+template <int D>
+ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::table* defaults) {
+  ShapeDef<D> def;
+  const std::string kind = shape.requireString("kind");
+  try {
+    def.shape = readCore<D>(shape, numbers, kind);
+  } catch (const UserError& e) {
+    // Errors of the shape factories know no place; those of this file do.
+    if (std::string_view(e.what()).starts_with(shape.file())) throw;
+    shape.fail(std::string(kind) + ": " + e.what());
+  }
+  def.X_BS.p = numbers.vector<D>(shape, "offset");
+  def.X_BS.q = turn(angular<D>(shape, numbers, "angle"));
+  const auto material = [&](const char* key, Real& value) {
+    if (const toml::node* n = shape.find(key)) {
+      value = static_cast<Real>(numbers.number(*n));
+    } else if (defaults && defaults->get(key)) {
+      value = static_cast<Real>(numbers.number(*defaults->get(key)));
+    }
+  };
+  material("density", def.density);
+  material("friction", def.friction);
+  material("restitution", def.restitution);
+  def.category = static_cast<std::uint32_t>(numbers.number(shape, "category", def.category));
+  def.mask = static_cast<std::uint32_t>(numbers.number(shape, "mask", def.mask));
+  shape.finish();
+  return def;
+}
+
+}  // namespace
+
+double SceneNumbers::number(const toml::node& node) {
+  if (node.is_number()) return *node.value<double>();
+  if (!node.is_string()) failAt(m_file, node, describe(node) + " is found; valid: a number or an expression");
+  try {
+    return expressions.evaluate(*node.value<std::string>());
+  } catch (const UserError& e) {
+    failAt(m_file, node, e.what());
+  }
+}
+
+double SceneNumbers::number(TableReader& table, const std::string& key, double fallback) {
+  const toml::node* n = table.find(key);
+  return n ? number(*n) : fallback;
+}
+
+template <int D>
+Vec<D> SceneNumbers::vector(const toml::node& node) {
+  const toml::array* list = node.as_array();
+  if (!list || list->size() < 2 || list->size() > 3) {
+    failAt(m_file, node, describe(node) + " is found; valid: a list of two or three numbers or expressions");
+  }
+  Vec<D> out = Vec<D>::Zero();
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const double x = number(*list->get(i));
+    if (i < D) out[static_cast<int>(i)] = static_cast<Real>(x);
+  }
+  return out;
+}
+
+template <int D>
+Vec<D> SceneNumbers::vector(TableReader& table, const std::string& key) {
+  const toml::node* n = table.find(key);
+  return n ? vector<D>(*n) : Vec<D>(Vec<D>::Zero());
+}
+
+template <int D>
+BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults) {
+  BodyDef<D> def;
+  const std::string type = body.string("type", "dynamic");
+  if (type == "dynamic") {
+    def.type = BodyType::dynamic;
+  } else if (type == "fixed" || type == "static") {
+    def.type = BodyType::fixed;
+  } else if (type == "kinematic") {
+    def.type = BodyType::kinematic;
+  } else {
+    body.fail(*body.find("type"), "unknown type '" + type + "'; valid: dynamic, fixed, kinematic");
+  }
+  def.X_WB.p = numbers.vector<D>(body, "position");
+  def.X_WB.q = turn(angular<D>(body, numbers, "angle"));
+  def.velocity = numbers.vector<D>(body, "velocity");
+  def.angularVelocity = angular<D>(body, numbers, "angular_velocity");
+  def.pinned = body.flag("pinned", false);
+  def.rotatable = body.flag("rotatable", true);
+  def.canSleep = body.flag("can_sleep", true);
+  def.awake = body.flag("awake", true);
+  const std::vector<const toml::table*> shapes = body.blocks("shapes");
+  if (shapes.empty()) body.fail("a body needs 'shapes'");
+  for (const toml::table* t : shapes) {
+    TableReader shape(*t, body.file(), "a shape");
+    def.shapes.push_back(readShape<D>(shape, numbers, defaults));
+  }
+  return def;
+}
+
+template Vec<2> SceneNumbers::vector<2>(const toml::node&);
+template Vec<3> SceneNumbers::vector<3>(const toml::node&);
+template Vec<2> SceneNumbers::vector<2>(TableReader&, const std::string&);
+template Vec<3> SceneNumbers::vector<3>(TableReader&, const std::string&);
+template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*);
+template BodyDef<3> readBody(TableReader&, SceneNumbers&, const toml::table*);
+
+}  // namespace lpc::inline LPC_PRECISION

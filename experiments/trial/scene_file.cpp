@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/trial/scene_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "experiments/trial/scene_parsed.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+struct FeatureName {
+  const char* name;
+  bool Features::*flag;
+};
+constexpr FeatureName kFeatures[] = {{"cache", &Features::cache},       {"friction", &Features::friction},
+                                     {"joints", &Features::joints},     {"restitution", &Features::restitution},
+                                     {"rotation", &Features::rotation}, {"sleeping", &Features::sleeping}};
+constexpr Features kNothing{false, false, false, false, false, false};
+constexpr const char* kFeatureList = "cache, friction, joints, restitution, rotation, sleeping";
+// A script that makes more bodies than this is a slip of the pen.
+constexpr std::size_t kMaxBodies = 1000000;
+
+void setFeature(Features& features, const std::string& name) {
+  for (const FeatureName& f : kFeatures) {
+    if (name == f.name) {
+      features.*(f.flag) = true;
+      return;
+    }
+  }
+  throw UserError("unknown feature '" + name + "'; valid: " + kFeatureList);
+}
+
+void readHeader(TableReader& top, SceneFile::Parsed& out) {
+  out.name = top.requireString("name");
+  out.summary = top.requireString("summary");
+  const toml::node& dimensions = top.require("dimensions");
+  if (!dimensions.is_array())
+    top.fail(dimensions, "'dimensions' is " + describe(dimensions) + "; valid: [2], [3], [2, 3]");
+  for (const toml::node& n : *dimensions.as_array()) {
+    const auto d = n.value<std::int64_t>();
+    if (!d || (*d != 2 && *d != 3)) top.fail(n, "'dimensions' holds " + describe(n) + "; valid: 2, 3");
+    out.dimensions.push_back(static_cast<int>(*d));
+  }
+  out.seed = static_cast<std::uint64_t>(top.integer("seed", 1));
+  out.needs = kNothing;
+  for (const std::string& need : top.strings("needs")) {
+    try {
+      setFeature(out.needs, need);
+    } catch (const UserError& e) {
+      top.fail(*top.find("needs"), e.what());
+    }
+  }
+  if (const toml::table* parameters = top.table("parameters")) {
+    for (const auto& [name, node] : inFileOrder(*parameters)) {
+      if (!node->is_table()) top.fail(*node, "parameter '" + name + "' is " + describe(*node) + "; valid: a table");
+      TableReader p(*node->as_table(), out.path, "parameter '" + name + "'");
+      SceneParameter parameter{name, p.requireString("meaning"), p.number("default", 0), p.number("min", 0),
+                               p.number("max", 0)};
+      p.require("default"), p.require("min"), p.require("max");
+      p.finish();
+      if (!(parameter.lo <= parameter.value && parameter.value <= parameter.hi)) {
+        top.fail(*node, "the default of '" + name + "' is not between its min and max");
+      }
+      out.parameters.push_back(std::move(parameter));
+    }
+  }
+}
+
+template <int D>
+class Builder {
+ public:
+  Builder(const SceneFile::Parsed& parsed, const ParameterValues& values, std::uint64_t seed)
+      : m_parsed(parsed), m_numbers(parsed.path, seed), m_top(parsed.table, parsed.path, "the scene") {
+    for (const auto& [name, value] : values) m_numbers.expressions.setGlobal(name, value);
+    m_numbers.expressions.setGlobal("dimension", D);
+  }
+
+  SceneSpec<D> build() {
+    for (const char* done : {"name", "summary", "dimensions", "seed", "needs", "parameters"}) m_top.find(done);
+    m_scene.name = m_parsed.name, m_scene.summary = m_parsed.summary;
+    m_scene.settings.features = m_parsed.needs;
+    if (const toml::node* g = m_top.find("gravity")) m_scene.settings.gravity = m_numbers.vector<D>(*g);
+    const auto real = [&](TableReader& t, const char* key, Real& value) {
+      value = static_cast<Real>(m_numbers.number(t, key, value));
+    };
+    real(m_top, "dt", m_scene.dt);
+    real(m_top, "restitution_threshold", m_scene.settings.restitutionThreshold);
+    real(m_top, "margin", m_scene.settings.margin);
+    m_scene.steps = static_cast<long>(m_numbers.number(m_top, "steps", static_cast<double>(m_scene.steps)));
+    if (const toml::table* t = m_top.table("limits")) {
+      TableReader limits(*t, m_parsed.path, "[limits]");
+      real(limits, "drift", m_scene.limits.drift);
+      real(limits, "speed", m_scene.limits.speed);
+      real(limits, "energy", m_scene.limits.energy);
+      limits.finish();
+    }
+    m_defaults = m_top.table("defaults");
+    if (m_defaults) {
+      TableReader defaults(*m_defaults, m_parsed.path, "[defaults]");
+      for (const char* name : {"density", "friction", "restitution"}) defaults.find(name);
+      defaults.finish();
+    }
+    for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t);
+    sortSpawns();
+    for (const toml::table* t : m_top.blocks("pivot")) pivotBlock(*t);
+    for (const toml::table* t : m_top.blocks("spring")) springBlock(*t);
+    m_top.finish();
+    return std::move(m_scene);
+  }
+
+ private:
+  // Runs `once` for every turn of the block's loops. `k` counts the turns over all loops and script steps.
+  void loops(TableReader& block, const std::function<void()>& once) {
+    const toml::node* repeat = block.find("repeat");
+    if (!repeat) return turn(block, once);
+    if (!repeat->is_table()) {
+      const long n = count(*repeat);
+      for (long i = 0; i < n; ++i) turn(block, once);
+      return;
+    }
+    nested(block, inFileOrder(*repeat->as_table()), 0, once);
+  }
+  void nested(TableReader& block, const std::vector<std::pair<std::string, const toml::node*>>& loops,
+              std::size_t depth, const std::function<void()>& once) {
+    if (depth == loops.size()) return turn(block, once);
+    const auto& [name, bound] = loops[depth];
+    local(*bound, name, 0);
+    const long n = count(*bound);
+    for (long i = 0; i < n; ++i) {
+      m_numbers.expressions.setLocal(name, static_cast<double>(i));
+      nested(block, loops, depth + 1, once);
+    }
+  }
+  void turn(TableReader& block, const std::function<void()>& once) {
+    auto& e = m_numbers.expressions;
+    e.setLocal("k", static_cast<double>(m_turns));
+    if (const toml::table* lets = block.table("let")) {
+      for (const auto& [name, node] : inFileOrder(*lets)) local(*node, name, m_numbers.number(*node));
+    }
+    const toml::node* when = block.find("when");
+    if (when && m_numbers.number(*when) == 0) return;
+    ++m_turns;
+    once();
+  }
+  long count(const toml::node& bound) {
+    const double n = m_numbers.number(bound);
+    if (!(n >= 0) || n > static_cast<double>(kMaxBodies) || n != std::floor(n)) {
+      failAt(m_parsed.path, bound,
+             "a loop runs " + std::to_string(n) + " times; valid: a whole number from 0 to 1000000");
+    }
+    return static_cast<long>(n);
+  }
+  void local(const toml::node& node, const std::string& name, double value) {
+    if (std::find(m_locals.begin(), m_locals.end(), name) == m_locals.end()) {
+      if (m_numbers.expressions.knows(name)) {
+        failAt(m_parsed.path, node, "'" + name + "' is already the name of something else");
+      }
+      m_locals.push_back(name);
+    }
+    m_numbers.expressions.setLocal(name, value);
+  }
+  void beginBlock() {
+    m_numbers.expressions.forgetLocals();
+    m_locals.clear();
+    m_turns = 0;
+    m_numbers.expressions.setLocal("k", 0);
+    m_numbers.expressions.setLocal("step", 0);
+  }
+
+  void bodyBlock(const toml::table& table) {
+    TableReader block(table, m_parsed.path, "[[body]]");
+    beginBlock();
+    const std::string name = block.string("name", "");
+    const auto from = static_cast<long>(m_numbers.number(block, "from", 0));
+    const auto every = static_cast<long>(m_numbers.number(block, "every", 0));
+    const auto until = static_cast<long>(m_numbers.number(block, "until", static_cast<double>(from + 1)));
+    if (block.find("until") && every <= 0) block.fail("'until' needs 'every' > 0");
+    for (long step = from; step<until; step += every> 0 ? every : until - from) {
+      m_numbers.expressions.setLocal("step", static_cast<double>(step));
+      loops(block, [&] {
+        typename SceneSpec<D>::Spawn spawn;
+        spawn.step = step;
+        spawn.body = readBody<D>(block, m_numbers, m_defaults);
+        spawn.body.name = name;
+        spawn.removeAt = static_cast<long>(m_numbers.number(block, "remove", -1));
+        if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
+        m_scene.spawns.push_back(std::move(spawn));
+        if (m_scene.spawns.size() > kMaxBodies) block.fail("more than 1000000 bodies");
+      });
+    }
+    if (m_turns > 0) block.finish();
+  }
+
+  // Bodies are known by their place among the spawns, which are sorted by step.
+  void sortSpawns() {
+    auto& spawns = m_scene.spawns;
+    std::vector<std::size_t> order(spawns.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return spawns[a].step < spawns[b].step; });
+    std::vector<typename SceneSpec<D>::Spawn> sorted;
+    std::vector<int> place(spawns.size());
+    for (std::size_t i : order) {
+      place[i] = static_cast<int>(sorted.size());
+      sorted.push_back(std::move(spawns[i]));
+    }
+    spawns = std::move(sorted);
+    for (auto& [name, list] : m_named) {
+      for (int& i : list) i = place[static_cast<std::size_t>(i)];
+    }
+  }
+
+  // "plank[i + 1]", "plank" for the first, "world"
+  int bodyOf(TableReader& block, const std::string& key, bool worldAllowed) {
+    const toml::node& node = block.require(key);
+    const std::string text = block.requireString(key);
+    if (text == "world" && worldAllowed) return -1;
+    const std::size_t bracket = text.find('[');
+    const auto it = m_named.find(text.substr(0, bracket));
+    std::string valid;
+    for (const auto& [name, list] : m_named) valid += (valid.empty() ? "" : ", ") + name;
+    if (it == m_named.end()) block.fail(node, "there is no body named '" + text + "'; valid: " + valid);
+    double index = 0;
+    if (bracket != std::string::npos) {
+      if (text.back() != ']') block.fail(node, "']' is missing in '" + text + "'");
+      try {
+        index = m_numbers.expressions.evaluate(text.substr(bracket + 1, text.size() - bracket - 2));
+      } catch (const UserError& e) {
+        block.fail(node, e.what());
+      }
+    }
+    if (index < 0 || index >= static_cast<double>(it->second.size()) || index != std::floor(index)) {
+      block.fail(node, "'" + it->first + "' has " + std::to_string(it->second.size()) + " bodies, asked is number " +
+                           std::to_string(index));
+    }
+    return it->second[static_cast<std::size_t>(index)];
+  }
+  void pivotBlock(const toml::table& table) {
+    TableReader block(table, m_parsed.path, "[[pivot]]");
+    beginBlock();
+    loops(block, [&] {
+      typename SceneSpec<D>::Pivot pivot;
+      pivot.bodyA = bodyOf(block, "a", false), pivot.bodyB = bodyOf(block, "b", false);
+      pivot.anchor = m_numbers.vector<D>(block.require("anchor"));
+      pivot.collide = block.flag("collide", false);
+      m_scene.pivots.push_back(pivot);
+    });
+    if (m_turns > 0) block.finish();
+  }
+  void springBlock(const toml::table& table) {
+    TableReader block(table, m_parsed.path, "[[spring]]");
+    beginBlock();
+    loops(block, [&] {
+      typename SceneSpec<D>::SpringDef spring;
+      spring.bodyA = bodyOf(block, "a", true), spring.bodyB = bodyOf(block, "b", false);
+      spring.localA = m_numbers.vector<D>(block, "local_a"), spring.localB = m_numbers.vector<D>(block, "local_b");
+      spring.restLength = static_cast<Real>(m_numbers.number(block, "rest_length", 0));
+      spring.stiffness = static_cast<Real>(m_numbers.number(block.require("stiffness")));
+      spring.damping = static_cast<Real>(m_numbers.number(block, "damping", 0));
+      m_scene.springs.push_back(spring);
+    });
+    if (m_turns > 0) block.finish();
+  }
+
+  const SceneFile::Parsed& m_parsed;
+  SceneNumbers m_numbers;
+  TableReader m_top;
+  const toml::table* m_defaults = nullptr;
+  SceneSpec<D> m_scene;
+  std::map<std::string, std::vector<int>> m_named;
+  std::vector<std::string> m_locals;
+  long m_turns = 0;
+};
+
+}  // namespace
+
+SceneFile SceneFile::load(const std::string& path) { return parse(readFile(path), path); }
+
+SceneFile SceneFile::parse(std::string bytes, const std::string& path) {
+  auto parsed = std::make_shared<Parsed>();
+  parsed->path = path;
+  parsed->bytes = std::move(bytes);
+  parsed->table = parseToml(parsed->bytes, path);
+  TableReader top(parsed->table, path, "the scene");
+  readHeader(top, *parsed);
+  SceneFile file;
+  file.m_parsed = std::move(parsed);
+  return file;
+}
+
+const std::string& SceneFile::name() const { return m_parsed->name; }
+const std::string& SceneFile::summary() const { return m_parsed->summary; }
+const std::string& SceneFile::path() const { return m_parsed->path; }
+const std::string& SceneFile::bytes() const { return m_parsed->bytes; }
+const std::vector<int>& SceneFile::dimensions() const { return m_parsed->dimensions; }
+const std::vector<SceneParameter>& SceneFile::parameters() const { return m_parsed->parameters; }
+std::uint64_t SceneFile::defaultSeed() const { return m_parsed->seed; }
+const Features& SceneFile::needs() const { return m_parsed->needs; }
+bool SceneFile::has(int dimension) const {
+  const auto& d = m_parsed->dimensions;
+  return std::find(d.begin(), d.end(), dimension) != d.end();
+}
+
+ParameterValues SceneFile::values(const ParameterValues& given) const {
+  ParameterValues out;
+  std::string valid;
+  for (const SceneParameter& p : m_parsed->parameters) {
+    out[p.name] = p.value;
+    valid += (valid.empty() ? "" : ", ") + p.name;
+  }
+  for (const auto& [name, value] : given) {
+    const auto& all = m_parsed->parameters;
+    const auto p = std::find_if(all.begin(), all.end(), [&](const SceneParameter& x) { return x.name == name; });
+    if (p == all.end()) {
+      throw UserError("scene '" + m_parsed->name + "' has no parameter '" + name +
+                      "'; valid: " + (valid.empty() ? "none" : valid));
+    }
+    if (!(value >= p->lo && value <= p->hi)) {
+      throw UserError("parameter '" + name + "' of scene '" + m_parsed->name + "' is " + std::to_string(value) +
+                      "; valid: " + std::to_string(p->lo) + " to " + std::to_string(p->hi));
+    }
+    out[name] = value;
+  }
+  return out;
+}
+
+template <int D>
+SceneSpec<D> SceneFile::build(const ParameterValues& given, std::uint64_t seed) const {
+  if (!has(D)) {
+    throw UserError("scene '" + m_parsed->name + "' does not exist in " + std::to_string(D) + "D");
+  }
+  return Builder<D>(*m_parsed, values(given), seed).build();
+}
+
+template <int D>
+std::map<std::string, int> census(const SceneSpec<D>& scene) {
+  std::map<std::string, int> out;
+  for (const auto& spawn : scene.spawns) {
+    const BodyDef<D>& b = spawn.body;
+    const std::string type =
+        b.type == BodyType::dynamic ? "dynamic" : (b.type == BodyType::fixed ? "fixed" : "kinematic");
+    ++out[type];
+    if (b.pinned) ++out["pinned"];
+    if (!b.rotatable) ++out["non-rotatable"];
+    if (spawn.step > 0) ++out["scripted"];
+    if (spawn.removeAt >= 0) ++out["removed"];
+    for (const ShapeDef<D>& s : b.shapes) ++out[type + " " + std::string(shapeKindName(s.shape.kind()))];
+  }
+  if (!scene.pivots.empty()) out["pivot"] = static_cast<int>(scene.pivots.size());
+  if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
+  return out;
+}
+
+std::string featuresText(const Features& features) {
+  std::string out;
+  for (const FeatureName& f : kFeatures) {
+    if (features.*(f.flag)) out += (out.empty() ? "" : ",") + std::string(f.name);
+  }
+  return out;
+}
+
+Features featuresFromText(std::string_view text) {
+  Features out = kNothing;
+  while (!text.empty()) {
+    const std::size_t comma = text.find(',');
+    setFeature(out, std::string(text.substr(0, comma)));
+    text = comma == std::string_view::npos ? "" : text.substr(comma + 1);
+  }
+  return out;
+}
+
+template SceneSpec<2> SceneFile::build<2>(const ParameterValues&, std::uint64_t) const;
+template SceneSpec<3> SceneFile::build<3>(const ParameterValues&, std::uint64_t) const;
+template std::map<std::string, int> census(const SceneSpec<2>&);
+template std::map<std::string, int> census(const SceneSpec<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION

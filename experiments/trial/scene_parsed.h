@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+// What is inside a SceneFile; only the two sources of scene reading see it.
+#pragma once
+
+#include "experiments/parse/expression.h"
+#include "experiments/parse/toml_reader.h"
+#include "experiments/trial/scene_file.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct SceneFile::Parsed {
+  std::string path, bytes, name, summary;
+  std::vector<int> dimensions;
+  std::vector<SceneParameter> parameters;
+  std::uint64_t seed = 1;
+  Features needs;
+  toml::table table;
+};
+
+/// Numbers and vectors of one scene file: a TOML number, or an expression in a string.
+class SceneNumbers {
+ public:
+  SceneNumbers(std::string file, std::uint64_t seed) : expressions(seed), m_file(std::move(file)) {}
+
+  double number(const toml::node& node);
+  double number(TableReader& table, const std::string& key, double fallback);
+  /// Two or three numbers; a missing third is 0. All are evaluated in both dimensions, so that both draw the same
+  /// random numbers.
+  template <int D>
+  Vec<D> vector(const toml::node& node);
+  template <int D>
+  Vec<D> vector(TableReader& table, const std::string& key);
+
+  Expressions expressions;
+
+ private:
+  std::string m_file;
+};
+
+/// One [[body]] block at one turn of its loops.
+template <int D>
+BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/trial/trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "experiments/trial/plugin.h"
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+using nlohmann::json;
+
+TrialResult runTrial(const json& request) {
+  for (const auto& path : request.value("plugins", std::vector<std::string>{})) loadPlugin(path);
+  const std::string kind = request.at("trial").at("kind");
+  if (kind == "world") return runWorldTrial(request);
+  if (kind == "boxes") return runBoxesTrial(request);
+  if (kind == "pairs") return runPairsTrial(request);
+  throw UserError("unknown trial kind '" + kind + "'; valid: world, boxes, pairs");
+}
+
+json toJson(const TrialResult& r) {
+  json poses = json::array();
+  for (const auto& [step, data] : r.poses) poses.push_back({{"step", step}, {"data", data}});
+  return {{"outcome", r.outcome}, {"reason", r.reason}, {"step", r.step}, {"hash", r.hash},
+          {"metrics", r.metrics}, {"series", r.series}, {"poses", poses}};
+}
+
+TrialResult resultFromJson(const json& j) {
+  const auto number = [](const json& x) {
+    return x.is_null() ? std::numeric_limits<double>::quiet_NaN() : x.get<double>();
+  };
+  const auto numbers = [&](const json& list) {
+    std::vector<double> out;
+    for (const json& x : list) out.push_back(number(x));
+    return out;
+  };
+  TrialResult r;
+  r.outcome = j.at("outcome"), r.reason = j.at("reason"), r.step = j.at("step"), r.hash = j.at("hash");
+  for (const auto& [name, value] : j.at("metrics").items()) r.metrics[name] = number(value);
+  for (const auto& [name, list] : j.at("series").items()) r.series[name] = numbers(list);
+  for (const json& p : j.at("poses")) r.poses[p.at("step").get<long>()] = numbers(p.at("data"));
+  return r;
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const double at = q * static_cast<double>(values.size() - 1);
+  const auto i = static_cast<std::size_t>(at);
+  const double share = at - static_cast<double>(i);
+  return i + 1 < values.size() ? values[i] * (1 - share) + values[i + 1] * share : values[i];
+}
+
+double cpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

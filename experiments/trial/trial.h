@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+// A trial is one cell of a sweep: what goes in is JSON, what comes out is JSON, and it runs in a process of its own.
+#pragma once
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct TrialResult {
+  std::string outcome = "ok";  // or diverged, exploded, collapsed, wrong, unsupported
+  std::string reason;
+  long step = -1;  // at which it happened
+  std::string hash;
+  std::map<std::string, double> metrics;  // NaN: not defined for this trial
+  std::map<std::string, std::vector<double>> series;
+  std::map<long, std::vector<double>> poses;
+
+  void fail(std::string what, std::string why, long at) {
+    outcome = std::move(what), reason = std::move(why), step = at;
+  }
+};
+
+/// {"trial": {...what the key is made of...}, "scene_file": PATH, "plugins": [...], "profile": PATH, "record": PATH,
+///  "progress": bool}. Throws UserError for requests that make no sense.
+TrialResult runTrial(const nlohmann::json& request);
+
+TrialResult runWorldTrial(const nlohmann::json& request);
+TrialResult runBoxesTrial(const nlohmann::json& request);
+TrialResult runPairsTrial(const nlohmann::json& request);
+
+nlohmann::json toJson(const TrialResult& result);
+TrialResult resultFromJson(const nlohmann::json& json);
+
+/// The q-th part of the values in order, 0.5 for the median; NaN for none.
+double quantile(std::vector<double> values, double q);
+/// Processor time of this thread (s): what other processes do does not count.
+double cpuSeconds();
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Zlib
+// lpc-worker-<precision>: one trial as JSON on stdin, its result as JSON on stdout.
+#include <cstdio>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "experiments/trial/trial.h"
+#include "framework/check.h"
+
+int main() {
+  try {
+    const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+    std::cout << lpc::toJson(lpc::runTrial(nlohmann::json::parse(text))).dump() << std::flush;
+    return std::cout ? 0 : 1;
+  } catch (const lpc::UserError& e) {
+    std::cerr << "error: " << e.what() << "\n";
+    return 2;
+  } catch (const std::exception& e) {
+    std::cerr << "error: " << e.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <limits>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Axis-aligned box in the world, closed: boxes that only touch do overlap. A fresh one is empty and overlaps nothing.
+template <int D>
+struct Aabb {
+  Vec<D> lo = Vec<D>::Constant(std::numeric_limits<Real>::infinity());
+  Vec<D> hi = Vec<D>::Constant(-std::numeric_limits<Real>::infinity());
+
+  bool overlaps(const Aabb& b) const {
+    return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all();
+  }
+  bool contains(const Vec<D>& p) const { return (lo.array() <= p.array()).all() && (p.array() <= hi.array()).all(); }
+  bool contains(const Aabb& b) const {
+    return (lo.array() <= b.lo.array()).all() && (b.hi.array() <= hi.array()).all();
+  }
+  Aabb merged(const Aabb& b) const { return {lo.cwiseMin(b.lo), hi.cwiseMax(b.hi)}; }
+  Aabb grown(Real margin) const { return {lo.array() - margin, hi.array() + margin}; }
+  Vec<D> center() const { return Real(0.5) * (lo + hi); }
+};
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "framework/mass.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// A public handle: the slot of a body or joint, and which of its successive tenants is meant.
+struct Handle {
+  std::int32_t slot = -1;
+  std::uint32_t generation = 0;
+  bool operator==(const Handle&) const = default;
+};
+
+enum class BodyType : std::uint8_t {
+  fixed,      // the field's "static": never moves, infinite mass
+  kinematic,  // moves with the velocity it was given, infinite mass
+  dynamic
+};
+
+/// A shape on a body, as a user adds it.
+template <int D>
+struct ShapeDef {
+  Shape<D> shape = Shape<D>::sphere(Real(0.5));
+  Pose<D> X_BS{};             // of the shape in the body's frame
+  Real density = 1;           // kg/m^D
+  Real friction = Real(0.5);  // Coulomb; a pair uses the geometric mean of its two shapes
+  Real restitution = 0;       // a pair uses the arithmetic mean
+  std::uint32_t category = 1;
+  std::uint32_t mask = ~0u;  // a pair collides when each one's category is in the other's mask
+};
+
+/// A body as a user adds it. Mass, centre of mass and inertia follow from its shapes and their densities.
+template <int D>
+struct BodyDef {
+  BodyType type = BodyType::dynamic;
+  Pose<D> X_WB{};
+  Vec<D> velocity = Vec<D>::Zero();         // of the centre of mass, m/s
+  Ang<D> angularVelocity = Ang<D>::Zero();  // rad/s, world frame
+  bool pinned = false;                      // keeps its centre of mass where it is, may turn
+  bool rotatable = true;
+  bool canSleep = true;
+  bool awake = true;
+  std::vector<ShapeDef<D>> shapes;
+  std::string name;  // for people; may be empty
+};
+
+template <int D>
+struct Motion {
+  Vec<D> v = Vec<D>::Zero();  // of the centre of mass, m/s
+  Ang<D> w = Ang<D>::Zero();  // rad/s, world frame
+};
+
+/// All bodies, by slot. A free slot has `used` = 0 and zeros elsewhere.
+///
+/// invMass and invInertia are what a solver uses: the world refreshes them before each solve. They are zero for static,
+/// kinematic and sleeping bodies (inertia also for those that may not turn, mass also for pinned ones), so that a
+/// solver needs no branch for them.
+template <int D>
+struct Bodies {
+  std::vector<Pose<D>> pose;  // X_WC of the centre-of-mass frame C: body axes, origin at the centre of mass
+  std::vector<Motion<D>> motion;
+  std::vector<Real> invMass;               // 1/kg
+  std::vector<Inertia<D>> invInertia;      // world frame, 1/(kg m^2)
+  std::vector<Real> mass;                  // kg; 0 for static and kinematic bodies
+  std::vector<Inertia<D>> invInertiaBody;  // body frame; zero for bodies that may not turn
+  std::vector<Vec<D>> center;              // p_BC, the centre of mass in the body's own frame
+  std::vector<BodyType> type;
+  std::vector<std::uint8_t> used, awake, canSleep, pinned;
+  std::vector<std::array<Real, 2>> sleep;  // the sleep policy's two scalars
+  std::vector<std::uint32_t> generation;
+
+  int size() const { return static_cast<int>(pose.size()); }
+  /// Moves by forces and contacts this step.
+  bool active(int slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    return used[i] && awake[i] && type[i] == BodyType::dynamic;
+  }
+};
+
+/// All shapes, by slot (= ProxyId).
+template <int D>
+struct ShapeRecord {
+  Shape<D> shape = Shape<D>::sphere(0);
+  Pose<D> X_CS{};          // in its body's centre-of-mass frame
+  std::int32_t body = -1;  // -1: free slot
+  std::int32_t index = 0;  // its number among its body's shapes
+  Real friction = 0, restitution = 0;
+  std::uint32_t category = 1, mask = ~0u;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

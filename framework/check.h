@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Zlib
+// Two kinds of mistake: the programmer's stops the program where it happens, the user's is one clear line at the
+// boundary. Numerical outcomes are neither: they are statuses in the answers.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace lpc {
+
+/// What a user got wrong: what was found, where, and what would be valid. The `lpc` program prints it and exits with 2.
+struct UserError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace lpc
+
+/// On in Debug, in tests and wherever LPC_ENABLE_ASSERT is defined.
+#if defined(LPC_ENABLE_ASSERT) || !defined(NDEBUG)
+#define LPC_ASSERT(condition) \
+  ((condition)                \
+       ? void(0)              \
+       : (std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__, #condition), std::abort()))
+#else
+#define LPC_ASSERT(condition) void(0)
+#endif

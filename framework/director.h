@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "framework/scene_spec.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Plays a scene's script: bodies come and go at step numbers, never at clock times, so every run is the same
+/// (the 2009 report, 6.6.1).
+template <int D>
+class Director {
+ public:
+  explicit Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {}
+
+  /// Does what is due before the world's next step. Call it once before every World::step.
+  void advance(World<D>& world);
+  const SceneSpec<D>& scene() const { return m_scene; }
+  /// The body of spawn i; slot -1 before it came. It stays known after it is removed.
+  Handle body(int spawn) const;
+
+ private:
+  SceneSpec<D> m_scene;
+  std::vector<Handle> m_handles;
+  std::size_t m_next = 0;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/invariants.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <int D>
+void addBodies(const World<D>& world, Invariants<D>& out) {
+  const Bodies<D>& b = world.bodies();
+  const Eigen::Matrix<double, D, 1> gravity = world.settings().gravity.template cast<double>();
+  for (std::size_t i = 0; i < b.pose.size(); ++i) {
+    if (!b.used[i]) continue;
+    const Eigen::Matrix<double, D, 1> p = b.pose[i].p.template cast<double>();
+    const Eigen::Matrix<double, D, 1> v = b.motion[i].v.template cast<double>();
+    const Eigen::Matrix<double, kAngDim<D>, 1> w = b.motion[i].w.template cast<double>();
+    out.finite = out.finite && p.allFinite() && v.allFinite() && w.allFinite() && b.pose[i].q.matrix().allFinite();
+    if (b.type[i] != BodyType::dynamic) continue;
+    const double mass = b.mass[i];
+    out.kinetic += 0.5 * mass * v.squaredNorm();
+    out.potential -= mass * gravity.dot(p);
+    out.momentum += mass * v;
+    if constexpr (D == 2) {
+      out.angularMomentum[0] += mass * (p[0] * v[1] - p[1] * v[0]);
+    } else {
+      out.angularMomentum += mass * p.cross(v);
+    }
+    if (b.invInertiaBody[i].trace() > 0) {
+      const Inertia<D> inverse = rotateInertia(b.pose[i].q, b.invInertiaBody[i]);
+      const Eigen::Matrix<double, kAngDim<D>, 1> spin = inverse.template cast<double>().inverse() * w;
+      out.kinetic += 0.5 * w.dot(spin);
+      out.angularMomentum += spin;
+    }
+    out.maxSpeed = std::max(out.maxSpeed, v.norm());
+  }
+}
+
+template <int D>
+void addContacts(const World<D>& world, Invariants<D>& out) {
+  const Bodies<D>& b = world.bodies();
+  const double dt = std::max<double>(world.lastDt(), 1e-300);
+  double sum = 0;
+  int points = 0;
+  for (const Manifold<D>& m : world.manifolds()) {
+    if (m.ignored) continue;
+    const auto i = static_cast<std::size_t>(m.bodyA), j = static_cast<std::size_t>(m.bodyB);
+    for (int k = 0; k < m.count; ++k) {
+      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+      const double depth = std::max<double>(0, -separationNow(m, c, b.pose[i], b.pose[j]));
+      out.maxPenetration = std::max(out.maxPenetration, depth);
+      sum += depth;
+      ++points;
+      const Vec<D> vA = b.motion[i].v + cross(b.motion[i].w, b.pose[i].q * c.localA);
+      const Vec<D> vB = b.motion[j].v + cross(b.motion[j].w, b.pose[j].q * c.localB);
+      const double normal = c.impulse[0];
+      double tangent = 0;
+      for (std::size_t d = 1; d < D; ++d) tangent += double(c.impulse[d]) * double(c.impulse[d]);
+      out.coulomb = std::max(out.coulomb, std::sqrt(tangent) - m.friction * normal);
+      if (m.restitution == 0) {  // a bounce is right to leave with an impulse
+        const double closing = (vB - vA).dot(m.normal) + std::max<double>(0, c.separation) / dt;
+        out.signorini = std::max(out.signorini, std::abs(closing * normal));
+      }
+    }
+  }
+  out.meanPenetration = points ? sum / points : 0;
+}
+
+}  // namespace
+
+template <int D>
+Invariants<D> invariants(const World<D>& world) {
+  Invariants<D> out;
+  addBodies(world, out);
+  addContacts(world, out);
+  const Bodies<D>& b = world.bodies();
+  for (const PivotJoint<D>& j : world.joints()) {
+    if (j.bodyA < 0) continue;
+    const Vec<D> error =
+        b.pose[static_cast<std::size_t>(j.bodyB)] * j.localB - b.pose[static_cast<std::size_t>(j.bodyA)] * j.localA;
+    out.jointError = std::max<double>(out.jointError, error.norm());
+  }
+  return out;
+}
+
+template Invariants<2> invariants(const World<2>&);
+template Invariants<3> invariants(const World<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/registry.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr std::array<std::string_view, kStageKinds> kStageNames = {
+    "broadphase", "pair_query", "contacts", "cache", "solver", "velocity", "position", "integrator", "sleep"};
+
+// The shortest text that reads back as the same number.
+std::string numberText(Real value) {
+  char buffer[64];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  return {buffer, end};
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
+  return out;
+}
+
+// Reads values out of a spec.
+class Reader final : public ParamVisitor {
+ public:
+  Reader(const Spec& spec, const std::string& algorithm) : m_spec(spec), m_algorithm(algorithm) {}
+
+  void integer(std::string_view name, int& value, int lo, int hi, std::string_view) override {
+    if (const Spec* s = field(name)) {
+      const auto [end, error] = std::from_chars(s->name.data(), s->name.data() + s->name.size(), value);
+      const bool whole = error == std::errc() && end == s->name.data() + s->name.size() && s->fields.empty();
+      if (!whole || value < lo || value > hi) {
+        fail(name, *s, "a whole number from " + std::to_string(lo) + " to " + std::to_string(hi));
+      }
+    }
+  }
+  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view, std::string_view) override {
+    if (const Spec* s = field(name)) {
+      const auto [end, error] = std::from_chars(s->name.data(), s->name.data() + s->name.size(), value);
+      const bool whole = error == std::errc() && end == s->name.data() + s->name.size() && s->fields.empty();
+      if (!whole || !(value >= lo && value <= hi)) {
+        fail(name, *s, "a number from " + numberText(lo) + " to " + numberText(hi));
+      }
+    }
+  }
+  void flag(std::string_view name, bool& value, std::string_view) override {
+    if (const Spec* s = field(name)) {
+      if (s->fields.empty() && (s->name == "true" || s->name == "false")) {
+        value = s->name == "true";
+      } else {
+        fail(name, *s, "true, false");
+      }
+    }
+  }
+  void stage(std::string_view name, Spec& value, StageKind, std::string_view) override {
+    if (const Spec* s = field(name)) value = *s;
+  }
+  void checkAllKnown() const {
+    for (const auto& [key, value] : m_spec.fields) {
+      bool known = false;
+      for (const std::string& n : m_names) known = known || n == key;
+      if (!known) {
+        throw UserError("'" + m_algorithm + "' has no parameter '" + key +
+                        "'; valid: " + (m_names.empty() ? "none" : joined(m_names)));
+      }
+    }
+  }
+
+ protected:
+  void choiceIndex(std::string_view name, int& index, const std::vector<std::string_view>& names,
+                   std::string_view) override {
+    const Spec* s = field(name);
+    if (!s) return;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] == s->name && s->fields.empty()) {
+        index = static_cast<int>(i);
+        return;
+      }
+    }
+    fail(name, *s, joined({names.begin(), names.end()}));
+  }
+
+ private:
+  const Spec* field(std::string_view name) {
+    m_names.emplace_back(name);
+    return m_spec.find(name);
+  }
+  [[noreturn]] void fail(std::string_view name, const Spec& found, const std::string& valid) const {
+    throw UserError("parameter '" + std::string(name) + "' of '" + m_algorithm + "' is '" + found.text() +
+                    "'; valid: " + valid);
+  }
+  const Spec& m_spec;
+  const std::string& m_algorithm;
+  std::vector<std::string> m_names;
+};
+
+class Describer final : public ParamVisitor {
+ public:
+  std::vector<ParamInfo> infos;
+
+  void integer(std::string_view name, int& value, int lo, int hi, std::string_view meaning) override {
+    add(name, "integer", "1", meaning, std::to_string(value)).range = std::to_string(lo) + " .. " + std::to_string(hi);
+  }
+  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit,
+            std::string_view meaning) override {
+    add(name, "real", unit, meaning, numberText(value)).range = numberText(lo) + " .. " + numberText(hi);
+  }
+  void flag(std::string_view name, bool& value, std::string_view meaning) override {
+    add(name, "flag", "1", meaning, value ? "true" : "false").choices = {"true", "false"};
+  }
+  void stage(std::string_view name, Spec& value, StageKind kind, std::string_view meaning) override {
+    add(name, "stage:" + std::string(stageName(kind)), "1", meaning, value.text());
+  }
+
+ protected:
+  void choiceIndex(std::string_view name, int& index, const std::vector<std::string_view>& names,
+                   std::string_view meaning) override {
+    add(name, "choice", "1", meaning, std::string(names[static_cast<std::size_t>(index)])).choices = {names.begin(),
+                                                                                                      names.end()};
+  }
+
+ private:
+  ParamInfo& add(std::string_view name, std::string type, std::string_view unit, std::string_view meaning,
+                 std::string value) {
+    infos.push_back(
+        {std::string(name), std::move(type), std::string(unit), std::string(meaning), std::move(value), {}, {}});
+    return infos.back();
+  }
+};
+
+class Canonical final : public ParamVisitor {
+ public:
+  Canonical(std::string name, int dimension) : spec{std::move(name), {}}, m_dimension(dimension) {}
+  Spec spec;
+
+  void integer(std::string_view name, int& value, int, int, std::string_view) override {
+    spec.set(name, {std::to_string(value), {}});
+  }
+  void real(std::string_view name, Real& value, Real, Real, std::string_view, std::string_view) override {
+    spec.set(name, {numberText(value), {}});
+  }
+  void flag(std::string_view name, bool& value, std::string_view) override {
+    spec.set(name, {value ? "true" : "false", {}});
+  }
+  void stage(std::string_view name, Spec& value, StageKind kind, std::string_view) override {
+    spec.set(name, Registry::instance().find(kind, m_dimension, value.name).canonical(value));
+  }
+
+ protected:
+  void choiceIndex(std::string_view name, int& index, const std::vector<std::string_view>& names,
+                   std::string_view) override {
+    spec.set(name, {std::string(names[static_cast<std::size_t>(index)]), {}});
+  }
+
+ private:
+  int m_dimension;
+};
+
+}  // namespace
+
+std::string_view stageName(StageKind stage) { return kStageNames[static_cast<std::size_t>(stage)]; }
+
+Registry& Registry::instance() {
+  static Registry registry;
+  return registry;
+}
+
+void Registry::add(Registered entry) {
+  Key key{entry.stage, entry.dimension, entry.info.name};
+  if (!m_all.emplace(key, std::move(entry)).second) {
+    std::fprintf(stderr, "lpc: two algorithms are registered as %s %s (%dD)\n",
+                 std::string(stageName(std::get<0>(key))).c_str(), std::get<2>(key).c_str(), std::get<1>(key));
+    std::abort();
+  }
+}
+
+const Registered& Registry::find(StageKind stage, int dimension, std::string_view name) const {
+  const auto it = m_all.find(Key{stage, dimension, std::string(name)});
+  if (it != m_all.end()) return it->second;
+  std::vector<std::string> names;
+  for (const Registered* r : list(stage, dimension)) names.push_back(r->info.name);
+  throw UserError("there is no " + std::string(stageName(stage)) + " '" + std::string(name) + "' in " +
+                  std::to_string(dimension) + "D; valid: " + joined(names));
+}
+
+std::vector<const Registered*> Registry::list(StageKind stage, int dimension) const {
+  std::vector<const Registered*> out;
+  for (const auto& [key, entry] : m_all) {
+    if (entry.stage == stage && entry.dimension == dimension) out.push_back(&entry);
+  }
+  return out;
+}
+
+void readParams(const Spec& spec, const std::string& algorithm, const std::function<void(ParamVisitor&)>& visit) {
+  Reader reader(spec, algorithm);
+  visit(reader);
+  reader.checkAllKnown();
+}
+
+std::vector<ParamInfo> describeParams(const std::function<void(ParamVisitor&)>& visit) {
+  Describer describer;
+  visit(describer);
+  return std::move(describer.infos);
+}
+
+Spec canonicalSpec(const std::string& algorithm, int dimension, const std::function<void(ParamVisitor&)>& visit) {
+  Canonical canonical(algorithm, dimension);
+  visit(canonical);
+  return std::move(canonical.spec);
+}
+
+std::string canonicalText(const Pipeline& pipeline, int dimension) {
+  const auto canonical = [&](StageKind kind, const Spec& spec) {
+    return Registry::instance().find(kind, dimension, spec.name).canonical(spec);
+  };
+  return Pipeline{canonical(StageKind::broadphase, pipeline.broadphase),
+                  canonical(StageKind::contacts, pipeline.contacts), canonical(StageKind::cache, pipeline.cache),
+                  canonical(StageKind::solver, pipeline.solver), canonical(StageKind::sleep, pipeline.sleep)}
+      .text();
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Zlib
+// Algorithms enter by name and nobody includes them. At the foot of an algorithm's one file:
+//
+//   LPC_REGISTER(Broadphase, SortAndSweep, 2, 3);
+//
+// which instantiates SortAndSweep<2> and <3> and files them. The class has a nested `Params`, a constructor from it,
+// and `static Info info()`.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "framework/params.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+enum class Guarantee { exact, conservative, approximate };
+enum class Role { competitor, witness, referee, engine };
+
+/// A way in which a method is known to fail. The test named here is run and must fail.
+struct FailureMode {
+  std::string when, symptom, test;
+};
+
+struct Info {
+  std::string name;     // stable for ever: it stands in result files
+  std::string summary;  // one line
+  std::string paper;    // key in docs/references.bib; empty when there is none
+  std::string complexity;
+  Guarantee guarantee = Guarantee::exact;
+  std::vector<FailureMode> failures = {};
+  Role role = Role::competitor;
+};
+
+/// Base of all stages, so that the registry can hold any of them.
+class Stage {
+ public:
+  virtual ~Stage() = default;
+};
+
+struct Registered {
+  StageKind stage;
+  int dimension;
+  Info info;
+  std::vector<ParamInfo> params;
+  std::string file;                                           // source path as compiled
+  std::function<std::unique_ptr<Stage>(const Spec&)> create;  // throws UserError on a wrong spec
+  std::function<Spec(const Spec&)> canonical;                 // every parameter written out, nested ones too
+};
+
+class Registry {
+ public:
+  using Key = std::tuple<StageKind, int, std::string>;  // ordered: nothing depends on link order
+
+  static Registry& instance();
+  void add(Registered entry);  // a second algorithm of the same name aborts: a programmer's mistake
+  const std::map<Key, Registered>& all() const { return m_all; }
+  /// Throws UserError with the valid names.
+  const Registered& find(StageKind stage, int dimension, std::string_view name) const;
+  std::vector<const Registered*> list(StageKind stage, int dimension) const;
+
+ private:
+  std::map<Key, Registered> m_all;
+};
+
+/// Fills params from a spec; throws UserError for an unknown name (listing the valid ones) or a value out of range.
+void readParams(const Spec& spec, const std::string& algorithm, const std::function<void(ParamVisitor&)>& visit);
+std::vector<ParamInfo> describeParams(const std::function<void(ParamVisitor&)>& visit);
+Spec canonicalSpec(const std::string& algorithm, int dimension, const std::function<void(ParamVisitor&)>& visit);
+
+/// A stage by its spec, for instance createStage<Broadphase<3>>(Spec::parse("uniform_grid{cell=2}")).
+template <class S>
+std::unique_ptr<S> createStage(const Spec& spec) {
+  auto stage = Registry::instance().find(S::kStage, S::kDimension, spec.name).create(spec);
+  return std::unique_ptr<S>(static_cast<S*>(stage.release()));
+}
+
+/// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
+std::string canonicalText(const Pipeline& pipeline, int dimension);
+
+template <template <int> class StageOf, template <int> class Algorithm, int... D>
+class Registrar {
+ public:
+  explicit Registrar(const char* file) { (add<D>(file), ...); }
+
+ private:
+  template <int Dim>
+  static void add(const char* file) {
+    using A = Algorithm<Dim>;
+    using Params = typename A::Params;
+    const Info info = A::info();
+    const auto read = [name = info.name](const Spec& spec) {
+      Params params;
+      readParams(spec, name, [&](ParamVisitor& v) { params.visit(v); });
+      return params;
+    };
+    Params defaults;
+    Registry::instance().add(
+        {StageOf<Dim>::kStage, Dim, info, describeParams([&](ParamVisitor& v) { defaults.visit(v); }), file,
+         [read](const Spec& spec) -> std::unique_ptr<Stage> { return std::make_unique<A>(read(spec)); },
+         [read, name = info.name](const Spec& spec) {
+           Params params = read(spec);
+           return canonicalSpec(name, Dim, [&](ParamVisitor& v) { params.visit(v); });
+         }});
+  }
+};
+
+#define LPC_REGISTER(StageOf, Algorithm, ...) \
+  static const ::lpc::Registrar<StageOf, Algorithm, __VA_ARGS__> registrar##Algorithm { __FILE__ }
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+// A scene as plain data, after its file was read: who comes into the world when.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/joint.h"
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+struct SceneSpec {
+  struct Spawn {
+    long step = 0;  // before this step; 0 = from the start
+    BodyDef<D> body;
+    long removeAt = -1;  // before this step; -1 = never
+  };
+  /// Bodies are named by their place in `spawns`; -1 is the world.
+  struct Pivot {
+    int bodyA = -1, bodyB = -1;
+    Vec<D> anchor = Vec<D>::Zero();  // world, m
+    bool collide = false;
+  };
+  struct SpringDef {
+    int bodyA = -1, bodyB = -1;
+    Vec<D> localA = Vec<D>::Zero(), localB = Vec<D>::Zero();  // in the bodies' own frames; world for -1
+    Real restLength = 0, stiffness = 0, damping = 0;
+  };
+  /// What must hold at every step of a right run, 0 = no demand. A breach ends the trial with that outcome.
+  struct Limits {
+    Real drift = 0;  // "collapsed": a body is farther than this from where it came into the world (m)
+    Real speed = 0;  // "exploded": a body is faster than this (m/s)
+    Real energy =
+        0;  // "exploded": mechanical energy above this many times its start (only from a start above the floor)
+  };
+
+  std::string name, summary;
+  WorldSettings<D> settings;  // with the features that the scene needs
+  Real dt = Real(1) / 60;     // s
+  long steps = 600;
+  std::vector<Spawn> spawns;  // sorted by step
+  std::vector<Pivot> pivots;  // made when the later of their bodies comes
+  std::vector<SpringDef> springs;
+  Limits limits;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Zlib
+// Shapes are "vertices plus a radius" (the 2009 report, 6.2): a convex core and a rounding. The set is closed: shapes
+// are the vocabulary of scenes, algorithms are the variable.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "framework/aabb.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// In this order batches are sorted: a pair of kinds always comes with kindA <= kindB.
+enum class ShapeKind : unsigned char { sphere, capsule, segment, box, polytope };
+inline constexpr int kShapeKinds = 5;
+std::string_view shapeKindName(ShapeKind kind);
+/// Throws UserError with the valid names.
+ShapeKind shapeKindFromName(std::string_view name);
+
+/// A convex polygon (2D) or polytope (3D), immutable, made by `convexHull`.
+template <int D>
+struct Polytope;
+
+template <>
+struct Polytope<2> {
+  std::vector<Vec<2>> vertices;  // counter-clockwise, no three on a line
+  std::vector<Vec<2>> normals;   // unit, outward, of the edge from vertex i to i + 1
+};
+
+template <>
+struct Polytope<3> {
+  struct Face {
+    Vec<3> normal;  // unit, outward
+    Real offset;    // normal . p = offset on the face
+    int begin,
+        end;  // its vertices: loop[begin..end), counter-clockwise seen from outside; coplanar triangles are merged
+  };
+  struct Edge {
+    int v0, v1;  // as they follow each other in faceA's loop
+    int faceA, faceB;
+  };
+  std::vector<Vec<3>> vertices;
+  std::vector<Face> faces;
+  std::vector<int> loop;
+  std::vector<Edge> edges;  // each once
+};
+
+/// The hull of `points` (m), by monotone chain in 2D and Qhull in 3D. Points that lie on the hull within rounding are
+/// dropped. Throws UserError when there are fewer than D+1 points, all lie on one line (plane), or one is not finite.
+std::shared_ptr<const Polytope<2>> convexHull(std::span<const Vec<2>> points);
+std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points);
+
+/// A shape as algorithms see it: plain data, no ownership. Its own frame has its centre at the origin, except a
+/// polytope's, whose points are used as given.
+template <int D>
+struct ShapeView {
+  ShapeKind kind = ShapeKind::sphere;
+  Real radius = 0;                    // rounding around the core (m): a sphere is a rounded point
+  Vec<D> half = Vec<D>::Zero();       // box: half extents; capsule and segment: half[0] = half length along x (m)
+  const Polytope<D>* hull = nullptr;  // polytope only
+};
+
+/// A shape as users hold it. The factories throw UserError for sizes that are negative, not finite, or without volume.
+template <int D>
+class Shape {
+ public:
+  static Shape sphere(Real radius);                                // radius 0 is a point: for queries only
+  static Shape box(const Vec<D>& halfExtents, Real rounding = 0);  // the rounding is added outside
+  static Shape capsule(Real halfLength, Real radius);              // along x
+  static Shape segment(Real halfLength);                           // along x, 2D only
+  static Shape polytope(std::span<const Vec<D>> points, Real rounding = 0);
+  static Shape polytope(std::shared_ptr<const Polytope<D>> hull, Real rounding = 0);
+
+  ShapeKind kind() const { return m_view.kind; }
+  const ShapeView<D>& view() const { return m_view; }
+
+ private:
+  ShapeView<D> m_view;
+  std::shared_ptr<const Polytope<D>> m_hull;
+};
+
+/// The tight box of the shape posed by X_WS.
+template <int D>
+Aabb<D> boundingBox(const ShapeView<D>& shape, const Pose<D>& X_WS);
+
+/// Radius of the smallest sphere around the shape's own origin that contains it (m).
+template <int D>
+Real boundingRadius(const ShapeView<D>& shape);
+
+/// Is the world point p_W in the closed shape?
+template <int D>
+bool containsPoint(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p_W);
+
+/// Do the closed shape and the closed box overlap? Exact but for rounding.
+template <int D>
+bool overlapsBox(const ShapeView<D>& shape, const Pose<D>& X_WS, const Aabb<D>& box);
+
+/// Where the ray p + t * direction (0 <= t <= maxT) enters the shape: t, or a negative number when it misses. A ray
+/// that starts inside gives 0.
+template <int D>
+Real castRay(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction, Real maxT);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/spec.h"
+
+#include <cctype>
+
+namespace lpc {
+namespace {
+
+// spec := name [ '{' [ key '=' spec { ',' key '=' spec } ] '}' ]
+class Parser {
+ public:
+  explicit Parser(std::string_view text) : m_text(text) {}
+
+  Spec spec() {
+    Spec s{word("a name or value"), {}};
+    if (!take('{')) return s;
+    if (take('}')) return s;
+    do {
+      const std::string key = word("a parameter name");
+      if (s.find(key)) fail("parameter '" + key + "' is given twice");
+      if (!take('=')) fail("'=' is missing after '" + key + "'");
+      s.fields.emplace_back(key, spec());
+    } while (take(','));
+    if (!take('}')) fail("',' or '}' is missing");
+    return s;
+  }
+  bool atEnd() {
+    skipSpace();
+    return m_at == m_text.size();
+  }
+  bool take(char c) {
+    skipSpace();
+    if (m_at == m_text.size() || m_text[m_at] != c) return false;
+    ++m_at;
+    return true;
+  }
+  std::string word(const char* what) {
+    skipSpace();
+    const std::size_t begin = m_at;
+    while (m_at < m_text.size() && (std::isalnum(static_cast<unsigned char>(m_text[m_at])) ||
+                                    std::string_view("_.+-").find(m_text[m_at]) != std::string_view::npos)) {
+      ++m_at;
+    }
+    if (m_at == begin) fail(std::string(what) + " is missing");
+    return std::string(m_text.substr(begin, m_at - begin));
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw UserError("'" + std::string(m_text) + "', character " + std::to_string(m_at + 1) + ": " + what);
+  }
+
+ private:
+  void skipSpace() {
+    while (m_at < m_text.size() && std::isspace(static_cast<unsigned char>(m_text[m_at]))) ++m_at;
+  }
+  std::string_view m_text;
+  std::size_t m_at = 0;
+};
+
+struct Slot {
+  std::string_view name;
+  Spec Pipeline::*spec;
+};
+constexpr Slot kSlots[] = {{"broadphase", &Pipeline::broadphase},
+                           {"contacts", &Pipeline::contacts},
+                           {"cache", &Pipeline::cache},
+                           {"solver", &Pipeline::solver},
+                           {"sleep", &Pipeline::sleep}};
+
+}  // namespace
+
+Spec Spec::parse(std::string_view text) {
+  Parser p(text);
+  Spec s = p.spec();
+  if (!p.atEnd()) p.fail("nothing may follow here");
+  return s;
+}
+
+std::string Spec::text() const {
+  std::string out = name;
+  if (fields.empty()) return out;
+  char separator = '{';
+  for (const auto& [key, value] : fields) {
+    out += separator + key + '=' + value.text();
+    separator = ',';
+  }
+  return out + '}';
+}
+
+const Spec* Spec::find(std::string_view key) const {
+  for (const auto& [k, value] : fields) {
+    if (k == key) return &value;
+  }
+  return nullptr;
+}
+
+void Spec::set(std::string_view key, Spec value) {
+  for (auto& [k, old] : fields) {
+    if (k == key) {
+      old = std::move(value);
+      return;
+    }
+  }
+  fields.emplace_back(std::string(key), std::move(value));
+}
+
+Pipeline Pipeline::parse(std::string_view text) {
+  Pipeline pipeline;
+  Parser p(text);
+  std::string seen = " ";
+  while (!p.atEnd()) {
+    const std::string key = p.word("a stage");
+    const Slot* slot = nullptr;
+    for (const Slot& s : kSlots) {
+      if (s.name == key) slot = &s;
+    }
+    if (!slot) p.fail("unknown stage '" + key + "'; valid: broadphase, contacts, cache, solver, sleep");
+    if (seen.find(' ' + key + ' ') != std::string::npos) p.fail("stage '" + key + "' is given twice");
+    seen += key + ' ';
+    if (!p.take('=')) p.fail("'=' is missing after '" + key + "'");
+    pipeline.*(slot->spec) = p.spec();
+  }
+  return pipeline;
+}
+
+std::string Pipeline::text() const {
+  std::string out;
+  for (const Slot& s : kSlots) {
+    out += (out.empty() ? "" : " ") + std::string(s.name) + '=' + (this->*(s.spec)).text();
+  }
+  return out;
+}
+
+}  // namespace lpc

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/stage_broadphase.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr Real kInf = std::numeric_limits<Real>::infinity();
+
+// When `box` moved by t * displacement first meets `target`, 0 <= t <= maxT; negative when it does not. The bounds are
+// compared before they are subtracted, so that t = 0 says the same as Aabb::overlaps.
+template <int D>
+Real sweepBox(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target) {
+  Real enter = 0, leave = maxT;
+  for (int k = 0; k < D; ++k) {
+    const Real d = displacement[k];
+    const bool before = box.hi[k]<target.lo[k], behind = box.lo[k]> target.hi[k];
+    if (before || behind) {
+      const Real gap = before ? target.lo[k] - box.hi[k] : target.hi[k] - box.lo[k];
+      const Real t = gap / d;
+      if (!(t >= 0)) return -1;  // moves away, or d = 0: then t is an infinity of either sign
+      if (t > enter) enter = t;
+    }
+    if (d > 0) leave = std::min(leave, (target.hi[k] - box.lo[k]) / d);
+    if (d < 0) leave = std::min(leave, (target.lo[k] - box.hi[k]) / d);
+  }
+  return enter <= leave && enter < kInf ? enter : Real(-1);
+}
+
+}  // namespace
+
+template <int D>
+void Proxies<D>::resize(int slots) {
+  const auto padded = static_cast<std::size_t>((slots + kPad - 1) / kPad * kPad);
+  // Shrinking to the slots first makes all that is left of old tenants free.
+  const auto kept = static_cast<std::size_t>(std::min(slots, count));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k) {
+    lo[k].resize(kept), lo[k].resize(padded, kInf);
+    hi[k].resize(kept), hi[k].resize(padded, -kInf);
+  }
+  active.resize(kept), active.resize(padded, 0);
+  category.resize(kept), category.resize(padded, 0);
+  mask.resize(kept), mask.resize(padded, 0);
+  body.resize(kept), body.resize(padded, -1);
+  count = slots;
+}
+
+template <int D>
+void Proxies<D>::setBox(ProxyId i, const Aabb<D>& box) {
+  for (int d = 0; d < D; ++d) {
+    const auto k = static_cast<std::size_t>(d), n = static_cast<std::size_t>(i);
+    lo[k][n] = box.lo[d], hi[k][n] = box.hi[d];
+  }
+}
+
+template <int D>
+Aabb<D> Proxies<D>::box(ProxyId i) const {
+  Aabb<D> b;
+  for (int d = 0; d < D; ++d) {
+    const auto k = static_cast<std::size_t>(d), n = static_cast<std::size_t>(i);
+    b.lo[d] = lo[k][n], b.hi[d] = hi[k][n];
+  }
+  return b;
+}
+
+template <int D>
+void Broadphase<D>::overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const {
+  for (ProxyId i = 0; i < proxies.size(); ++i) {
+    if (!proxies.isFree(i) && proxies.box(i).overlaps(box)) out.push_back(i);
+  }
+}
+
+template <int D>
+void Broadphase<D>::at(const Proxies<D>& proxies, const Vec<D>& point, std::vector<ProxyId>& out) const {
+  overlap(proxies, {point, point}, out);
+}
+
+template <int D>
+void Broadphase<D>::ray(const Proxies<D>& proxies, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+                        std::vector<RayHit<D>>& out) const {
+  RayHit<D> first{-1, kInf};
+  for (ProxyId i = 0; i < proxies.size(); ++i) {
+    if (proxies.isFree(i)) continue;
+    const Real t = castRay(proxies.box(i), p, direction, maxT);
+    if (t < 0) continue;
+    if (!firstOnly) {
+      out.push_back({i, t});
+    } else if (t < first.t) {
+      first = {i, t};
+    }
+  }
+  if (first.proxy >= 0) out.push_back(first);
+}
+
+template <int D>
+void Broadphase<D>::sweep(const Proxies<D>& proxies, const Aabb<D>& box, const Vec<D>& displacement,
+                          std::vector<RayHit<D>>& out) const {
+  for (ProxyId i = 0; i < proxies.size(); ++i) {
+    if (proxies.isFree(i)) continue;
+    const Real t = sweepBox(box, displacement, Real(1), proxies.box(i));
+    if (t >= 0) out.push_back({i, t});
+  }
+}
+
+template <int D>
+Real castRay(const Aabb<D>& box, const Vec<D>& p, const Vec<D>& direction, Real maxT) {
+  return sweepBox(Aabb<D>{p, p}, direction, maxT, box);
+}
+
+template struct Proxies<2>;
+template struct Proxies<3>;
+template class Broadphase<2>;
+template class Broadphase<3>;
+template Real castRay(const Aabb<2>&, const Vec<2>&, const Vec<2>&, Real);
+template Real castRay(const Aabb<3>&, const Vec<3>&, const Vec<3>&, Real);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace lpc {
+
+/// What was done, counted: a cost that no noisy machine disturbs. One counter per chart; they are never summed.
+enum class Count {
+  boxTests,       // box-box overlap tests
+  nodeVisits,     // nodes of a tree or cells of a grid
+  sortMoves,      // elements moved while sorting
+  pairQueries,    // shape pairs asked
+  supportCalls,   // support points computed
+  axisTests,      // separating axes projected
+  polytopeFaces,  // faces created by EPA
+  rowUpdates,     // one constraint row solved once
+  forceEvals,     // evaluations of all forces
+  detections,     // collision detections that a solver asked for inside its step
+  kCount
+};
+
+inline constexpr std::array<std::string_view, static_cast<std::size_t>(Count::kCount)> kCountNames = {
+    "box_tests",  "node_visits",    "sort_moves",  "pair_queries", "support_calls",
+    "axis_tests", "polytope_faces", "row_updates", "force_evals",  "detections"};
+
+struct Work {
+  std::array<std::uint64_t, static_cast<std::size_t>(Count::kCount)> counts{};
+
+  std::uint64_t& operator[](Count c) { return counts[static_cast<std::size_t>(c)]; }
+  std::uint64_t operator[](Count c) const { return counts[static_cast<std::size_t>(c)]; }
+};
+
+}  // namespace lpc

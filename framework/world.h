@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <iosfwd>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "framework/force.h"
+#include "framework/profiler.h"
+#include "framework/spec.h"
+#include "framework/stage_broadphase.h"
+#include "framework/stage_narrowphase.h"
+#include "framework/stage_sleep.h"
+#include "framework/stage_solver.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+Vec<D> defaultGravity() {
+  Vec<D> g = Vec<D>::Zero();
+  g[1] = Real(-9.81);  // y is up, in 3D too
+  return g;
+}
+
+template <int D>
+struct WorldSettings {
+  Vec<D> gravity = defaultGravity<D>();  // m/s^2
+  Real restitutionThreshold = kRestitutionThreshold;
+  Real margin = kContactMargin;
+  Features features{};
+};
+
+template <int D>
+class World;
+
+/// Is told about contacts, before the solver, in the order of the manifolds. A pair begins in the first step in which
+/// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent.
+template <int D>
+class ContactListener {
+ public:
+  virtual ~ContactListener() = default;
+  /// False: the contact is kept, and reported again next step, but not solved (a veto, for this step).
+  virtual bool begin(const World<D>&, const Manifold<D>&) { return true; }
+  virtual bool persist(const World<D>&, const Manifold<D>&) { return true; }
+  /// `last` is the manifold of the step before; its bodies may be gone.
+  virtual void end(const World<D>&, const Manifold<D>& /*last*/) {}
+};
+
+template <int D>
+struct BodyRayHit {
+  Handle body;
+  std::int32_t shape;  // number among the body's shapes
+  Real t;
+};
+
+/// Bodies, joints, forces, and one algorithm of each stage. A step: boxes, pairs, cache.select, contacts, cache.carry,
+/// listeners, sleep, solver. Same definitions, same calls, same build: the same bits.
+template <int D>
+class World final : private Detect, private Forces<D> {
+ public:
+  /// Throws UserError when the pipeline names an unknown algorithm or parameter.
+  explicit World(const Pipeline& pipeline = {}, const WorldSettings<D>& settings = {});
+  ~World() override;
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  // --- building, at any time between steps ---------------------------------------------------------------------------
+  /// Throws UserError for poses, velocities or sizes that are not finite, for a dynamic body without mass, and for a
+  /// shape kind that the contact generator does not support.
+  Handle add(const BodyDef<D>& def);
+  void remove(Handle body);  // and its joints
+  Handle add(const PivotDef<D>& def);
+  void removeJoint(Handle joint);
+  void add(std::shared_ptr<const ForceGenerator<D>> generator);
+  void remove(const ForceGenerator<D>* generator);
+  void addListener(ContactListener<D>* listener);  // not owned
+  void removeListener(ContactListener<D>* listener);
+
+  // --- running -------------------------------------------------------------------------------------------------------
+  /// Advances by dt seconds. dt = 0 changes nothing. Throws UserError for a dt that is negative or not finite.
+  void step(Real dt);
+  long stepCount() const { return m_steps; }
+  Real time() const { return m_time; }
+  Real lastDt() const { return m_lastDt; }  // 0 before the first step
+
+  // --- bodies --------------------------------------------------------------------------------------------------------
+  bool valid(Handle body) const;
+  Pose<D> pose(Handle body) const;      // X_WB, of the body's own frame
+  Motion<D> motion(Handle body) const;  // of its centre of mass
+  Real mass(Handle body) const;         // kg, 0 for bodies that forces do not move
+  bool awake(Handle body) const;
+  void setPose(Handle body, const Pose<D>& X_WB);
+  void setMotion(Handle body, const Motion<D>& motion);
+  /// A force (N) at a world point, or a torque, for the coming step only. Wakes the body.
+  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point);
+  void applyTorque(Handle body, const Ang<D>& torque);
+  void wake(Handle body);
+  Handle handle(std::int32_t slot) const;  // of the body now in that slot
+  int bodyCount() const { return m_bodyCount; }
+
+  // --- queries on exact shapes, through the broadphase
+  // -----------------------------------------------------------------
+  std::vector<Handle> at(const Vec<D>& point) const;
+  std::vector<Handle> overlap(const Aabb<D>& box) const;
+  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one.
+  std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const;
+
+  // --- data, for invariants, recordings, drawing; slots as in Bodies
+  // -----------------------------------------------------
+  const Bodies<D>& bodies() const { return m_bodies; }
+  std::span<const ShapeRecord<D>> shapes() const { return m_shapes; }
+  std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
+  std::span<const PivotJoint<D>> joints() const { return m_joints; }
+  const Proxies<D>& proxies() const { return m_proxies; }
+  const WorldSettings<D>& settings() const { return m_settings; }
+  const Pipeline& pipeline() const { return m_pipeline; }
+  Profiler& profiler() { return m_profiler; }
+  const Profiler& profiler() const { return m_profiler; }
+
+  /// 64-bit hash of all poses and velocities, bit by bit: equal for equal histories.
+  std::uint64_t hash() const;
+
+  // --- saving
+  // ----------------------------------------------------------------------------------------------------------
+  /// Everything that a trajectory depends on except force generators and listeners, which the caller adds again. The
+  /// bytes are a function of the state: saved, loaded and continued is the same as continued.
+  void save(std::ostream& out) const;
+  /// Replaces this world's state; its pipeline stays. Throws UserError when the bytes are not a world of this
+  /// dimension, precision and format, or end early; the world is then unchanged.
+  void load(std::istream& in);
+
+ private:
+  void again() override;                                                                   // Detect
+  void eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const override;  // Forces
+  std::size_t slotOf(Handle body) const;  // throws UserError for a handle of nobody
+  std::size_t freeBodySlot();
+  void putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
+  void touched(std::size_t body);  // by the user: its boxes are stale, and it wakes
+  bool proxyActive(std::size_t body) const;
+  void refreshBox(std::size_t shape) const;
+  void sync() const;  // boxes and broadphase follow the state
+  void findPairs();
+  void makeContacts();
+  void tellListeners();
+  void decideSleep(Real dt);
+  void refreshMasses();
+  void collectActive();
+  struct State;  // what save() writes
+
+  Pipeline m_pipeline;
+  WorldSettings<D> m_settings;
+  std::unique_ptr<Broadphase<D>> m_broadphase;
+  std::unique_ptr<ContactGenerator<D>> m_contacts;
+  std::unique_ptr<ContactCache<D>> m_cache;
+  std::unique_ptr<Solver<D>> m_solver;
+  std::unique_ptr<SleepPolicy<D>> m_sleep;
+
+  // State: what save() writes.
+  Bodies<D> m_bodies;
+  std::vector<ShapeRecord<D>> m_shapes;
+  std::vector<PivotJoint<D>> m_joints;
+  std::vector<Manifold<D>> m_manifolds;
+  std::vector<Wrench<D>> m_userForces;  // for the coming step, by body slot
+  std::vector<SleepEvent> m_events;     // since the last decision
+  Real m_time = 0, m_lastDt = 0;
+  long m_steps = 0;
+
+  // Derived from the state, and brought up to date by sync() when somebody asks.
+  mutable Proxies<D> m_proxies;
+  mutable std::vector<ProxyId> m_added, m_removed, m_moved;
+  mutable bool m_stale = false;
+
+  // Scratch and indices, rebuilt in each step.
+  std::vector<Manifold<D>> m_oldManifolds, m_fresh;
+  std::vector<std::uint32_t> m_order;
+  std::vector<ProxyPair> m_proxyPairs;
+  std::vector<ShapePair> m_pairs, m_regenerate;
+  std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted
+  std::vector<int> m_active;
+  std::vector<std::uint8_t> m_awakeBefore;
+  int m_bodyCount = 0, m_shapeCount = 0, m_jointCount = 0;
+  std::array<int, kShapeKinds> m_kindCount{};
+
+  std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
+  std::vector<ContactListener<D>*> m_listeners;
+  Profiler m_profiler;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

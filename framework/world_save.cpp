@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Zlib
+// One list of fields serves writing and reading. Fields are written one by one and never as whole structs: padding
+// bytes are not state, and the bytes of a save must be a function of the state.
+#include <cstring>
+#include <istream>
+#include <ostream>
+#include <type_traits>
+
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr char kMagic[] = "LPCWORLD1";  // a change of the format is a new number
+
+class Archive {
+ public:
+  explicit Archive(std::ostream& out) : m_out(&out) {}
+  explicit Archive(std::istream& in) : m_in(&in) {}
+  bool reading() const { return m_in != nullptr; }
+
+  template <class... T>
+  void operator()(T&... values) {
+    (value(values), ...);
+  }
+
+ private:
+  template <class T>
+  void value(T& x) {
+    if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
+      bytes(&x, sizeof x);
+    } else if constexpr (requires { x.derived(); }) {  // an Eigen matrix
+      bytes(x.data(), sizeof(Real) * static_cast<std::size_t>(x.size()));
+    } else if constexpr (requires { x.emplace_back(); }) {  // a vector
+      std::uint64_t n = x.size();
+      bytes(&n, sizeof n);
+      if (reading()) x.clear();
+      for (std::uint64_t i = 0; i < n; ++i) {  // grows as it reads: a damaged length runs into the end of the file
+        if (reading()) x.emplace_back();
+        value(x[i]);
+      }
+    } else if constexpr (requires { std::tuple_size<T>::value; }) {  // an array
+      for (auto& e : x) value(e);
+    } else {
+      fields(*this, x);
+    }
+  }
+  void bytes(void* data, std::size_t size) {
+    if (m_out) {
+      m_out->write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+    } else {
+      m_in->read(static_cast<char*>(data), static_cast<std::streamsize>(size));
+      if (static_cast<std::size_t>(m_in->gcount()) != size) throw UserError("load: the saved world ends early");
+    }
+  }
+
+  std::ostream* m_out = nullptr;
+  std::istream* m_in = nullptr;
+};
+
+void fields(Archive& a, Rot<2>& q) { a(q.c, q.s); }
+void fields(Archive& a, Rot<3>& q) { a(q.w, q.x, q.y, q.z); }
+template <int D>
+void fields(Archive& a, Pose<D>& x) {
+  a(x.p, x.q);
+}
+template <int D>
+void fields(Archive& a, Motion<D>& m) {
+  a(m.v, m.w);
+}
+template <int D>
+void fields(Archive& a, Wrench<D>& w) {
+  a(w.force, w.torque);
+}
+void fields(Archive& a, SleepEvent& e) { a(e.kind, e.body, e.other, e.speed); }
+template <int D>
+void fields(Archive& a, ContactPoint<D>& c) {
+  a(c.localA, c.localB, c.separation, c.feature, c.impulse, c.memory);
+}
+template <int D>
+void fields(Archive& a, Manifold<D>& m) {
+  a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.child, m.count, m.normal, m.friction, m.restitution, m.begun, m.ignored,
+    m.points);
+}
+template <int D>
+void fields(Archive& a, PivotJoint<D>& j) {
+  a(j.bodyA, j.bodyB, j.localA, j.localB, j.impulse, j.collide, j.generation);
+}
+template <int D>
+void fields(Archive& a, Bodies<D>& b) {
+  a(b.pose, b.motion, b.mass, b.invInertiaBody, b.center, b.type, b.used, b.awake, b.canSleep, b.pinned, b.sleep,
+    b.generation);
+}
+void fields(Archive& a, Features& f) { a(f.friction, f.rotation, f.restitution, f.cache, f.joints, f.sleeping); }
+
+void fields(Archive& a, Polytope<2>& p) { a(p.vertices, p.normals); }
+void fields(Archive& a, Polytope<3>::Face& f) { a(f.normal, f.offset, f.begin, f.end); }
+void fields(Archive& a, Polytope<3>::Edge& e) { a(e.v0, e.v1, e.faceA, e.faceB); }
+void fields(Archive& a, Polytope<3>& p) { a(p.vertices, p.faces, p.loop, p.edges); }
+
+// A hull is stored as it is and not as points: hulling it again might order its vertices anew.
+template <int D>
+void fields(Archive& a, Shape<D>& shape) {
+  ShapeView<D> v = shape.view();
+  a(v.kind, v.radius, v.half);
+  switch (v.kind) {
+    case ShapeKind::sphere:
+      shape = Shape<D>::sphere(v.radius);
+      break;
+    case ShapeKind::capsule:
+      shape = Shape<D>::capsule(v.half[0], v.radius);
+      break;
+    case ShapeKind::segment:
+      shape = Shape<D>::segment(v.half[0]);
+      break;
+    case ShapeKind::box:
+      shape = Shape<D>::box(v.half, v.radius);
+      break;
+    case ShapeKind::polytope: {
+      Polytope<D> hull = a.reading() ? Polytope<D>{} : *v.hull;
+      a(hull);
+      if (a.reading()) shape = Shape<D>::polytope(std::make_shared<const Polytope<D>>(std::move(hull)), v.radius);
+      break;
+    }
+    default:
+      throw UserError("load: the saved world is damaged (a shape of no known kind)");
+  }
+}
+template <int D>
+void fields(Archive& a, ShapeRecord<D>& s) {
+  a(s.body);
+  if (s.body >= 0) a(s.shape, s.X_CS, s.index, s.friction, s.restitution, s.category, s.mask);
+}
+template <int D>
+void fields(Archive& a, WorldSettings<D>& s) {
+  a(s.gravity, s.restitutionThreshold, s.margin, s.features);
+}
+
+}  // namespace
+
+/// Everything that save() writes, in its order.
+template <int D>
+struct World<D>::State {
+  WorldSettings<D> settings;
+  Bodies<D> bodies;
+  std::vector<ShapeRecord<D>> shapes;
+  std::vector<PivotJoint<D>> joints;
+  std::vector<Manifold<D>> manifolds;
+  std::vector<Wrench<D>> userForces;
+  std::vector<SleepEvent> events;
+  Real time = 0, lastDt = 0;
+  std::int64_t steps = 0;
+
+  void exchange(Archive& a) { a(settings, bodies, shapes, joints, manifolds, userForces, events, time, lastDt, steps); }
+};
+
+template <int D>
+void World<D>::save(std::ostream& out) const {
+  std::array<char, sizeof kMagic> magic;
+  std::memcpy(magic.data(), kMagic, sizeof kMagic);
+  std::int32_t dimension = D, realBytes = sizeof(Real);
+  Archive a(out);
+  a(magic, dimension, realBytes);
+  State{m_settings, m_bodies, m_shapes, m_joints, m_manifolds, m_userForces, m_events, m_time, m_lastDt, m_steps}
+      .exchange(a);
+}
+
+template <int D>
+void World<D>::load(std::istream& in) {
+  std::array<char, sizeof kMagic> magic{};
+  std::int32_t dimension = 0, realBytes = 0;
+  Archive a(in);
+  a(magic, dimension, realBytes);
+  if (std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0) throw UserError("load: this is not a saved world");
+  if (dimension != D || realBytes != static_cast<std::int32_t>(sizeof(Real))) {
+    throw UserError("load: the saved world is " + std::to_string(dimension) + "D with " +
+                    std::to_string(8 * realBytes) + "-bit numbers, this one is " + std::to_string(D) + "D with " +
+                    std::to_string(8 * sizeof(Real)) + "-bit numbers");
+  }
+  State s;
+  s.exchange(a);
+  const std::size_t n = s.bodies.pose.size();
+  s.bodies.invMass.assign(n, 0);  // refreshed before each solve
+  s.bodies.invInertia.assign(n, Inertia<D>::Zero());
+
+  m_settings = s.settings, m_bodies = std::move(s.bodies), m_shapes = std::move(s.shapes),
+  m_joints = std::move(s.joints);
+  m_manifolds = std::move(s.manifolds), m_userForces = std::move(s.userForces), m_events = std::move(s.events);
+  m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
+
+  // A new broadphase instead of the old one's structure: its pair set has no history.
+  m_broadphase = createStage<Broadphase<D>>(m_pipeline.broadphase);
+  m_proxies = Proxies<D>{};
+  m_proxies.resize(static_cast<int>(m_shapes.size()));
+  m_added.clear(), m_removed.clear(), m_moved.clear();
+  m_bodyCount = m_shapeCount = m_jointCount = 0;
+  m_kindCount = {};
+  for (std::uint8_t used : m_bodies.used) m_bodyCount += used;
+  for (const PivotJoint<D>& j : m_joints) m_jointCount += j.bodyA >= 0;
+  for (std::size_t i = 0; i < m_shapes.size(); ++i) {
+    const ShapeRecord<D>& r = m_shapes[i];
+    if (r.body < 0) continue;
+    ++m_shapeCount, ++m_kindCount[static_cast<std::size_t>(r.shape.kind())];
+    m_proxies.category[i] = r.category, m_proxies.mask[i] = r.mask, m_proxies.body[i] = r.body;
+    refreshBox(i);
+    m_added.push_back(static_cast<ProxyId>(i));
+  }
+  m_stale = true;
+}
+
+template void World<2>::save(std::ostream&) const;
+template void World<3>::save(std::ostream&) const;
+template void World<2>::load(std::istream&);
+template void World<3>::load(std::istream&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Zlib
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <iomanip>
+#include <limits>
+#include <map>
+#include <ostream>
+#include <sstream>
+
+#include "framework/check.h"
+#include "framework/mass.h"
+#include "framework/stage_narrowphase.h"
+#include "framework/tolerances.h"
+#include "oracles/cases.h"
+#include "oracles/referee.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr bool kDouble = sizeof(Real) == 8;
+// On top of the case's own tolerance, times s. The single precision build reads rounded inputs.
+constexpr double kTolerance = kDouble ? 1e-12 : 1e-5;
+// Mass properties and areas, relative: what is left of a hundredth of a metre far from the origin.
+constexpr double kRelative = kDouble ? 1e-9 : 1e-2;
+constexpr int kWitnessMilliseconds = 2000;
+
+enum class Ending { answered, threw, crashed, hung };
+
+// Asks in a child process. A witness that aborts, faults or never returns takes nothing with it.
+template <int D>
+Ending askGuarded(const std::function<PairAnswer<D>()>& ask, PairAnswer<D>& answer) {
+  constexpr std::size_t kBytes = 1 + sizeof(PairAnswer<D>);
+  int ends[2];
+  if (pipe(ends) != 0) return Ending::crashed;
+  const pid_t child = fork();
+  if (child < 0) {
+    close(ends[0]), close(ends[1]);
+    return Ending::crashed;
+  }
+  if (child == 0) {
+    char bytes[kBytes] = {0};
+    try {
+      const PairAnswer<D> got = ask();
+      bytes[0] = 1;
+      std::memcpy(bytes + 1, static_cast<const void*>(&got), sizeof got);
+    } catch (const std::exception&) {
+      bytes[0] = 2;
+    }
+    const bool written = write(ends[1], bytes, kBytes) == static_cast<ssize_t>(kBytes);
+    _exit(written ? 0 : 1);
+  }
+  close(ends[1]);
+  pollfd wait{ends[0], POLLIN, 0};
+  const bool ready = poll(&wait, 1, kWitnessMilliseconds) > 0;
+  if (!ready) kill(child, SIGKILL);
+  char bytes[kBytes] = {0};
+  const bool whole = ready && read(ends[0], bytes, kBytes) == static_cast<ssize_t>(kBytes);
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!ready) return Ending::hung;
+  if (!whole) return Ending::crashed;
+  if (bytes[0] == 2) return Ending::threw;
+  std::memcpy(static_cast<void*>(&answer), bytes + 1, sizeof answer);
+  return Ending::answered;
+}
+
+// Is the answer right? Values are compared, and a normal is judged by the separation along it.
+template <int D>
+void judge(const CaseGeometry<D>& g, const CaseExpected& expected, const PairAnswer<D>& answer, CaseResult& row) {
+  const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
+  const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, expected.distance);
+  const double allowed = expected.tolerance + kTolerance * s;
+  row.value = static_cast<double>(answer.distance);
+  row.error = std::abs(row.value - expected.distance) / s;
+  row.verdict = CaseVerdict::wrong;
+  if (!std::isfinite(row.value) || !answer.normal.allFinite()) {
+    row.reason = "not finite";
+    return;
+  }
+  if (row.role == Role::witness && answer.status == QueryStatus::degenerate) {
+    // It knows only on which side it is (libccd of shapes that are apart).
+    row.verdict = row.value * expected.distance >= 0 || std::abs(expected.distance) <= allowed ? CaseVerdict::ok
+                                                                                               : CaseVerdict::wrong;
+    row.reason = row.verdict == CaseVerdict::ok ? "" : "side";
+    return;
+  }
+  if (!(std::abs(row.value - expected.distance) <= allowed)) {
+    row.reason = "distance";
+    return;
+  }
+  const Vecd<D> n = (g.a.X_WS.q * answer.normal).template cast<double>();
+  if (n.isZero(0)) {
+    // No direction is an answer only where the boundaries touch, and witnesses may have none.
+    const bool stated = std::abs(expected.distance) <= allowed || row.role != Role::competitor;
+    row.verdict = stated ? CaseVerdict::ok : CaseVerdict::wrong;
+    row.reason = stated ? "" : "no normal";
+    return;
+  }
+  if (std::abs(n.norm() - 1) > 2 * static_cast<double>(kUnitTolerance)) {
+    row.reason = "normal is not unit";
+    return;
+  }
+  const Interval along = separationAlong(a, g.a.X_WS, b, g.b.X_WS, n);
+  if (along.hi < expected.distance - allowed) {
+    std::ostringstream reason;
+    reason << std::setprecision(3) << "normal is short of that by " << expected.distance - along.hi;
+    row.reason = reason.str();
+    return;
+  }
+  row.verdict = CaseVerdict::ok;
+}
+
+// The referee on the case: it judges the file's expected value.
+template <int D>
+CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g) {
+  const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
+  const RefereeAnswer<D> truth = referee(a, g.a.X_WS, b, g.b.X_WS);
+  CaseResult row{.id = c.id, .method = "referee", .role = Role::referee, .expected = c.expected.distance};
+  const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, c.expected.distance);
+  const double off = truth.interval().distanceTo(c.expected.distance);
+  const bool right = truth.decided && off <= c.expected.tolerance + kTolerance * s;
+  row.value = truth.interval().middle();
+  row.error = off / s;
+  row.verdict = right ? CaseVerdict::ok : truth.decided ? CaseVerdict::wrong : CaseVerdict::failed;
+  row.reason = right ? "" : truth.decided ? "the file's expected value is not the distance" : "not finite";
+  return row;
+}
+
+template <int D>
+void runDistance(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
+  if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g));
+  for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
+    CaseResult row{.id = c.id, .method = entry->info.name, .role = entry->info.role, .expected = c.expected.distance};
+    const auto add = [&](CaseVerdict verdict, const std::string& reason) {
+      row.verdict = verdict, row.reason = reason;
+      rows.push_back(row);
+    };
+    if (!g.a.shape || !g.b.shape) {
+      add(CaseVerdict::refused, "unsupported_shape");
+      continue;
+    }
+    const auto method = createStage<PairQuery<D>>(Spec::parse(entry->info.name));
+    const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
+    if (!method->supports(std::min(a.kind, b.kind), std::max(a.kind, b.kind))) {
+      add(CaseVerdict::refused, "unsupported_shape");
+      continue;
+    }
+    const auto ask = [&] { return queryPair(*method, a, b, g.a.X_WS.inverse() * g.b.X_WS); };
+    PairAnswer<D> answer;
+    Ending ending = Ending::answered;
+    if (entry->info.role == Role::competitor) {
+      answer = ask();
+    } else {
+      ending = askGuarded<D>(ask, answer);
+    }
+    if (ending == Ending::hung) {
+      add(CaseVerdict::hang, "no answer in " + std::to_string(kWitnessMilliseconds) + " ms");
+    } else if (ending != Ending::answered) {
+      add(CaseVerdict::failed, ending == Ending::threw ? "exception" : "crash");
+    } else if (answer.status == QueryStatus::refused || answer.status == QueryStatus::failed) {
+      add(answer.status == QueryStatus::refused ? CaseVerdict::refused : CaseVerdict::failed,
+          "declared, yet status " + std::string(queryStatusName(answer.status)));
+    } else {
+      judge<D>(g, c.expected, answer, row);
+      rows.push_back(row);
+    }
+  }
+}
+
+double measureOf(const Polytope<2>& hull) {
+  double twice = 0;
+  const Vecd<2> origin = hull.vertices[0].cast<double>();
+  for (std::size_t i = 1; i + 1 < hull.vertices.size(); ++i) {
+    const Vecd<2> u = hull.vertices[i].cast<double>() - origin, v = hull.vertices[i + 1].cast<double>() - origin;
+    twice += u[0] * v[1] - u[1] * v[0];
+  }
+  return twice / 2;
+}
+
+double measureOf(const Polytope<3>& hull) {
+  double six = 0;
+  const Vecd<3> origin = hull.vertices[0].cast<double>();
+  const auto at = [&](int i) -> Vecd<3> {
+    const auto vertex = static_cast<std::size_t>(hull.loop[static_cast<std::size_t>(i)]);
+    return hull.vertices[vertex].cast<double>() - origin;
+  };
+  for (const auto& face : hull.faces) {
+    for (int i = face.begin + 1; i + 1 < face.end; ++i) six += at(face.begin).dot(at(i).cross(at(i + 1)));
+  }
+  return six / 6;
+}
+
+template <int D>
+CaseResult runHull(const Case& c, const CaseGeometry<D>& g) {
+  CaseResult row{.id = c.id, .method = "convex_hull", .expected = c.expected.measure};
+  std::shared_ptr<const Polytope<D>> hull;
+  try {
+    hull = convexHull(std::span<const Vec<D>>(g.points));
+  } catch (const UserError& error) {
+    row.verdict = c.expected.degenerate ? CaseVerdict::ok : CaseVerdict::failed;
+    row.reason = error.what();
+    return row;
+  }
+  row.value = measureOf(*hull);
+  double extent = 0;
+  for (const Vec<D>& p : g.points) extent = std::max(extent, (p - g.points[0]).template cast<double>().norm());
+  row.verdict = CaseVerdict::ok;
+  if (c.expected.degenerate) return row;  // any end is right that is not an endless loop
+  // Each expected vertex is one of ours and the reverse: points in the middle of an edge are dropped.
+  for (const auto& want : c.expected.hullVertices) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec<D>& have : hull->vertices) {
+      double square = 0;
+      for (std::size_t d = 0; d < D; ++d)
+        square += std::pow(static_cast<double>(have[static_cast<int>(d)]) - want[d], 2);
+      nearest = std::min(nearest, std::sqrt(square));
+    }
+    if (nearest > kTolerance * extent) row.verdict = CaseVerdict::wrong, row.reason = "a vertex is missing";
+  }
+  if (!c.expected.hullVertices.empty() && hull->vertices.size() != c.expected.hullVertices.size()) {
+    row.verdict = CaseVerdict::wrong;
+    row.reason = std::to_string(hull->vertices.size()) + " vertices";
+  }
+  if (std::isfinite(c.expected.measure)) {
+    row.error = std::abs(row.value - c.expected.measure) / std::abs(c.expected.measure);
+  }
+  if (row.error > kRelative) row.verdict = CaseVerdict::wrong, row.reason = "area or volume";
+  return row;
+}
+
+template <int D>
+CaseResult runMass(const Case& c, const CaseGeometry<D>& g) {
+  CaseResult row{.id = c.id, .method = "mass_properties", .expected = c.expected.measure};
+  if (!g.a.shape) {
+    row.verdict = CaseVerdict::refused, row.reason = "unsupported_shape";
+    return row;
+  }
+  const MassProperties<D> m = transformed(massProperties(g.a.shape->view(), static_cast<Real>(c.density)), g.a.X_WS);
+  row.value = static_cast<double>(m.mass);
+  if (std::isfinite(c.expected.measure))
+    row.error = std::abs(row.value / c.density - c.expected.measure) / c.expected.measure;
+  row.verdict = CaseVerdict::wrong;
+  double coordinate = 0, offset = 0, inertia = 0, inertiaOff = 0;
+  for (std::size_t d = 0; d < D && std::isfinite(c.expected.center[d]); ++d) {
+    coordinate = std::max(coordinate, std::abs(c.expected.center[d]));
+    offset = std::max(offset, std::abs(static_cast<double>(m.center[static_cast<int>(d)]) - c.expected.center[d]));
+  }
+  for (std::size_t i = 0; i < c.expected.inertia.size(); ++i) {
+    const int rows = static_cast<int>(m.inertia.rows()), k = static_cast<int>(i);
+    const double have = static_cast<double>(m.inertia(k / rows, k % rows));
+    inertia = std::max(inertia, std::abs(c.expected.inertia[i]));
+    inertiaOff = std::max(inertiaOff, std::abs(have - c.expected.inertia[i]));
+  }
+  if (!(row.error <= kRelative)) {
+    row.reason = "mass";
+  } else if (!(offset <= kTolerance * (1 + coordinate))) {
+    row.reason = "centre of mass";
+  } else if (!(inertiaOff <= kRelative * inertia)) {
+    row.reason = "inertia";
+  } else {
+    row.verdict = CaseVerdict::ok;
+  }
+  return row;
+}
+
+template <int D>
+void runCase(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
+  switch (c.query) {
+    case CaseQuery::signedDistance:
+      runDistance<D>(c, g, rows);
+      return;
+    case CaseQuery::convexHull:
+      rows.push_back(runHull<D>(c, g));
+      return;
+    case CaseQuery::massProperties:
+      rows.push_back(runMass<D>(c, g));
+      return;
+    case CaseQuery::timeOfImpact:
+    case CaseQuery::unknown:
+      rows.push_back({.id = c.id, .method = "-", .reason = "unsupported_query"});
+      return;
+  }
+}
+
+}  // namespace
+
+std::string_view caseVerdictName(CaseVerdict verdict) {
+  constexpr std::array<std::string_view, 5> kNames = {"ok", "wrong", "refused", "failed", "hang"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+std::vector<CaseResult> runCases(const std::vector<Case>& cases) {
+  std::vector<CaseResult> rows;
+  for (const Case& c : cases) {
+    std::visit([&](const auto& geometry) { runCase(c, geometry, rows); }, c.geometry);
+  }
+  return rows;
+}
+
+bool isOurFault(const CaseResult& result) {
+  if (result.role != Role::competitor) return false;
+  const bool undeclared = result.reason == "unsupported_shape" || result.reason == "unsupported_query";
+  return result.verdict != CaseVerdict::ok && !(result.verdict == CaseVerdict::refused && undeclared);
+}
+
+int verifyCases(const std::string& path, std::ostream& out) {
+  const std::vector<CaseResult> rows = runCases(readCases(path));
+  std::map<std::string, std::map<CaseVerdict, int>> summary;
+  int faults = 0;
+  for (const CaseResult& row : rows) {
+    out << std::left << std::setw(40) << row.id << ' ' << std::setw(18) << row.method << ' ' << std::setw(8)
+        << caseVerdictName(row.verdict);
+    if (row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong) {
+      out << std::setprecision(17) << " value " << row.value << " expected " << row.expected << std::setprecision(2)
+          << " error/s " << row.error;
+    }
+    if (!row.reason.empty()) out << "  " << row.reason;
+    out << '\n';
+    ++summary[row.method][row.verdict];
+    faults += isOurFault(row);
+  }
+  for (const auto& [method, counts] : summary) {
+    out << std::left << std::setw(18) << method;
+    for (const auto& [verdict, count] : counts) out << "  " << caseVerdictName(verdict) << ' ' << count;
+    out << '\n';
+  }
+  out << "our faults: " << faults << '\n';
+  return faults == 0 ? 0 : 1;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Zlib
+#include "oracles/cases.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using Json = nlohmann::json;
+
+// The file is at fault, not a shape in it.
+struct BadFile : UserError {
+  using UserError::UserError;
+};
+
+// Where we are in the file, for the one line that a user sees.
+struct Place {
+  const std::string& file;
+  std::string id;
+
+  [[noreturn]] void fail(const std::string& what) const { throw BadFile(file + ": case '" + id + "': " + what); }
+  const Json& field(const Json& object, const char* name) const {
+    if (!object.is_object() || !object.contains(name)) fail(std::string("field '") + name + "' is missing");
+    return object.at(name);
+  }
+  double number(const Json& value, const char* name) const {
+    if (!value.is_number()) fail(std::string("field '") + name + "' holds " + value.dump() + "; valid: a number");
+    return value.get<double>();
+  }
+  double number(const Json& object, const char* name, double otherwise) const {
+    if (!object.contains(name) || object.at(name).is_null()) return otherwise;
+    return number(object.at(name), name);
+  }
+  std::string text(const Json& object, const char* name) const {
+    const Json& value = field(object, name);
+    if (!value.is_string()) fail(std::string("field '") + name + "' holds " + value.dump() + "; valid: a text");
+    return value.get<std::string>();
+  }
+  template <int D>
+  Vec<D> vector(const Json& value, const char* name) const {
+    if (!value.is_array() || value.size() != D) {
+      fail(std::string("field '") + name + "' holds " + value.dump() + "; valid: " + std::to_string(D) + " numbers");
+    }
+    Vec<D> v;
+    for (int d = 0; d < D; ++d) v[d] = static_cast<Real>(number(value[static_cast<std::size_t>(d)], name));
+    return v;
+  }
+  template <int D>
+  std::vector<Vec<D>> points(const Json& object) const {
+    std::vector<Vec<D>> out;
+    for (const Json& p : field(object, "points")) out.push_back(vector<D>(p, "points"));
+    return out;
+  }
+};
+
+Rot<2> readRotation(const Place& at, const Json& pose, Vec<2>) { return Rot<2>::angle(at.number(pose, "angle", 0)); }
+
+Rot<3> readRotation(const Place& at, const Json& pose, Vec<3>) {
+  const auto real = [](double x) { return static_cast<Real>(x); };
+  if (pose.contains("q_wxyz") && pose.at("q_wxyz").is_array() && pose.at("q_wxyz").size() == 4) {
+    const Json& q = pose.at("q_wxyz");
+    double c[4], norm = 0;
+    for (std::size_t i = 0; i < 4; ++i) c[i] = at.number(q[i], "q_wxyz"), norm += c[i] * c[i];
+    if (!(std::abs(norm - 1) < 1e-3)) at.fail("q_wxyz is not a unit quaternion: its square is " + std::to_string(norm));
+    // Within rounding of one it is left as it is: the inputs of a case are its very bits.
+    const double k = std::abs(norm - 1) < 1e-15 ? 1 : 1 / std::sqrt(norm);
+    return {real(k * c[0]), real(k * c[1]), real(k * c[2]), real(k * c[3])};
+  }
+  if (!pose.contains("R")) return {};
+  const Json& rows = pose.at("R");
+  if (!rows.is_array() || rows.size() != 3) at.fail("field 'R' is not a list of three rows");
+  Eigen::Matrix3d m;
+  for (int i = 0; i < 3; ++i) {
+    const Json& row = rows[static_cast<std::size_t>(i)];
+    if (!row.is_array() || row.size() != 3) at.fail("field 'R' is not a list of three rows");
+    for (int j = 0; j < 3; ++j) m(i, j) = at.number(row[static_cast<std::size_t>(j)], "R");
+  }
+  if (!((m * m.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3) || !(m.determinant() > 0)) {
+    at.fail("field 'R' is not a rotation");
+  }
+  const Eigen::Quaterniond q = Eigen::Quaterniond(m).normalized();
+  return {real(q.w()), real(q.x()), real(q.y()), real(q.z())};
+}
+
+template <int D>
+Pose<D> readPose(const Place& at, const Json& pose) {
+  return {at.vector<D>(at.field(pose, "t"), "t"), readRotation(at, pose, Vec<D>{})};
+}
+
+// The rotation that takes x to the unit vector d.
+Rot<2> turnFromX(const Vec<2>& d) { return Rot<2>{d[0], d[1]}.normalized(); }
+Rot<3> turnFromX(const Vec<3>& d) {
+  if (d[0] < Real(-0.999)) return Rot<3>{0, 0, 0, 1} * turnFromX(Vec<3>(-d));  // half a turn, then a small one
+  return Rot<3>{1 + d[0], 0, -d[2], d[1]}.normalized();
+}
+
+// Capsules and segments: an axis name and a half length, or two end points.
+template <int D>
+Pose<D> readAxis(const Place& at, const Json& shape, Real& halfLength) {
+  Vec<D> direction = Vec<D>::Unit(0);
+  Pose<D> X_CS;
+  if (shape.contains("points")) {
+    const std::vector<Vec<D>> ends = at.points<D>(shape);
+    if (ends.size() != 2) at.fail("a capsule or segment has two points");
+    X_CS.p = Real(0.5) * (ends[0] + ends[1]);
+    const Real length = (ends[1] - ends[0]).norm();
+    halfLength = length / 2;
+    if (length > 0) direction = (ends[1] - ends[0]) / length;
+  } else {
+    halfLength = static_cast<Real>(at.number(at.field(shape, "half_length"), "half_length"));
+    const std::string axis = shape.contains("axis") ? at.text(shape, "axis") : "x";
+    const std::size_t k = std::string("xyz").find(axis);
+    if (axis.size() != 1 || k >= D) at.fail("axis is '" + axis + "'; valid: x, y" + (D == 3 ? ", z" : ""));
+    direction = Vec<D>::Unit(static_cast<int>(k));
+  }
+  if (direction != Vec<D>::Unit(0)) X_CS.q = turnFromX(direction);
+  return X_CS;
+}
+
+template <int D>
+CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) {
+  CaseShape<D> out;
+  out.X_WS = X_WC;
+  const std::string type = at.text(shape, "type");
+  const auto length = [&](const char* name) { return static_cast<Real>(at.number(at.field(shape, name), name)); };
+  const Real rounding = static_cast<Real>(at.number(shape, "radius", 0));
+  try {
+    if (type == "sphere" || type == "circle") {
+      out.shape = Shape<D>::sphere(length("radius"));
+    } else if (type == "point") {
+      out.shape = Shape<D>::sphere(rounding);
+    } else if (type == "box") {
+      out.shape = Shape<D>::box(at.vector<D>(at.field(shape, "half_extents"), "half_extents"), rounding);
+    } else if (type == "capsule" || type == "segment") {
+      Real half = 0;
+      const Pose<D> X_CS = readAxis<D>(at, shape, half);
+      out.X_WS = X_WC * X_CS;
+      if (half == 0) {
+        out.shape = Shape<D>::sphere(rounding);
+      } else {
+        out.shape = rounding > 0 ? Shape<D>::capsule(half, rounding) : Shape<D>::segment(half);
+      }
+    } else if (type == "polygon" || type == "convex" || type == "triangle") {
+      const std::vector<Vec<D>> points = at.points<D>(shape);
+      out.shape = Shape<D>::polytope(points, rounding);
+    } else {
+      out.refusal = type;
+    }
+  } catch (const BadFile&) {
+    throw;
+  } catch (const UserError& error) {  // without volume, for instance a triangle in 3D
+    out.refusal = type + ": " + error.what();
+  }
+  return out;
+}
+
+CaseQuery queryFromText(const std::string& text) {
+  if (text.starts_with("signed_distance")) return CaseQuery::signedDistance;
+  if (text.starts_with("convex_hull")) return CaseQuery::convexHull;
+  if (text.starts_with("mass")) return CaseQuery::massProperties;
+  if (text.starts_with("time_of_impact")) return CaseQuery::timeOfImpact;
+  return CaseQuery::unknown;
+}
+
+template <int D>
+std::array<double, 3> readTriple(const Place& at, const Json& value, const char* name) {
+  if (!value.is_array() || value.size() != D) at.fail(std::string("field '") + name + "' has the wrong length");
+  std::array<double, 3> out{};
+  for (std::size_t d = 0; d < D; ++d) out[d] = at.number(value[d], name);
+  return out;
+}
+
+template <int D>
+CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query) {
+  CaseExpected out;
+  if (query == CaseQuery::signedDistance) {
+    out.distance = at.number(at.field(e, "signed_distance"), "signed_distance");
+    out.tolerance = at.number(e, "tolerance_of_this_value", 0);
+  } else if (query == CaseQuery::convexHull) {
+    out.degenerate = e.contains("degenerate") && e.at("degenerate") == true;
+    if (e.contains("hull_vertices")) {
+      for (const Json& p : e.at("hull_vertices")) out.hullVertices.push_back(readTriple<D>(at, p, "hull_vertices"));
+    }
+    out.measure = at.number(e, "measure", kUnknown);
+  } else if (query == CaseQuery::massProperties) {
+    out.measure = at.number(e, D == 2 ? "area" : "volume", kUnknown);
+    if (e.contains("centroid")) out.center = readTriple<D>(at, e.at("centroid"), "centroid");
+    if (e.contains("inertia_about_centroid")) {
+      const Json& inertia = e.at("inertia_about_centroid");
+      for (const Json& row : inertia.flatten()) out.inertia.push_back(at.number(row, "inertia_about_centroid"));
+      if (out.inertia.size() != (D == 2 ? 1u : 9u)) at.fail("inertia_about_centroid: one number in 2D, 3x3 in 3D");
+    }
+  }
+  return out;
+}
+
+template <int D>
+CaseGeometry<D> readGeometry(const Place& at, const Json& c, CaseQuery query) {
+  CaseGeometry<D> out;
+  if (query == CaseQuery::convexHull) {
+    out.points = at.points<D>(c);
+  } else if (query == CaseQuery::signedDistance || query == CaseQuery::massProperties) {
+    const Pose<D> X_WA = readPose<D>(at, at.field(c, "poseA"));
+    out.a = readShape<D>(at, at.field(c, "shapeA"), X_WA);
+    if (query == CaseQuery::signedDistance) {
+      const Pose<D> X_WB = readPose<D>(at, at.field(c, "poseB"));
+      out.b = readShape<D>(at, at.field(c, "shapeB"), X_WB);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Case> readCases(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw UserError(path + ": the file cannot be read");
+  Json file;
+  try {
+    file = Json::parse(in);
+  } catch (const Json::exception& error) {
+    throw UserError(path + ": " + error.what());
+  }
+  if (!file.is_object() || !file.contains("cases") || !file.at("cases").is_array()) {
+    throw UserError(path + ": there is no list 'cases'");
+  }
+  std::vector<Case> out;
+  for (const Json& c : file.at("cases")) {
+    Place at{path, "number " + std::to_string(out.size())};
+    try {
+      Case read;
+      at.id = read.id = at.text(c, "id");
+      read.source = c.contains("source") ? at.text(c, "source") : "";
+      read.queryText = at.text(c, "query");
+      read.query = queryFromText(read.queryText);
+      // "mass properties, density 1"
+      const std::size_t density = read.queryText.find("density ");
+      if (density != std::string::npos) read.density = std::strtod(read.queryText.c_str() + density + 8, nullptr);
+      const Json& expected = at.field(c, "expected");
+      const double dimension = at.number(at.field(c, "dim"), "dim");
+      if (dimension == 2) {
+        read.geometry = readGeometry<2>(at, c, read.query);
+        read.expected = readExpected<2>(at, expected, read.query);
+      } else if (dimension == 3) {
+        read.geometry = readGeometry<3>(at, c, read.query);
+        read.expected = readExpected<3>(at, expected, read.query);
+      } else {
+        at.fail("field 'dim' holds " + std::to_string(dimension) + "; valid: 2, 3");
+      }
+      out.push_back(std::move(read));
+    } catch (const Json::exception& error) {
+      at.fail(error.what());
+    }
+  }
+  return out;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

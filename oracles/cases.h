@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Zlib
+// Corpora of hard inputs: reading a file of cases, and running every method on them. The schema stands at the top of
+// tests/regressions/hard_cases.json, so that corpora can be exchanged with others.
+#pragma once
+
+#include <array>
+#include <iosfwd>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "framework/registry.h"
+#include "framework/shape.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+enum class CaseQuery { signedDistance, convexHull, massProperties, timeOfImpact, unknown };
+
+/// A shape of a case as ours. Frames differ: a case's capsule has an axis or two end points, ours lies along x, so the
+/// pose contains that turn.
+template <int D>
+struct CaseShape {
+  std::optional<Shape<D>> shape;  // empty: refused
+  Pose<D> X_WS;
+  std::string refusal;  // why it is refused, for instance "cylinder"
+};
+
+template <int D>
+struct CaseGeometry {
+  CaseShape<D> a, b;
+  std::vector<Vec<D>> points;  // of a convex hull case
+};
+
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// What must come out. Which fields count depends on the query; of hulls and masses only what the file states is
+/// compared. 2D uses the first two components.
+struct CaseExpected {
+  double distance = 0;        // signed, m
+  double tolerance = 0;       // how well the file knows `distance` (m)
+  double measure = kUnknown;  // area or volume (m^D)
+  bool degenerate = false;    // a hull that may be refused
+  std::vector<std::array<double, 3>> hullVertices;
+  std::array<double, 3> center{kUnknown, kUnknown, kUnknown};
+  std::vector<double> inertia;  // about the centre: one number in 2D, nine in 3D (row by row)
+};
+
+struct Case {
+  std::string id, source, queryText;
+  CaseQuery query = CaseQuery::unknown;
+  double density = 1;  // of a mass case, kg/m^D
+  std::variant<CaseGeometry<2>, CaseGeometry<3>> geometry;
+  CaseExpected expected;
+};
+
+/// Throws UserError that names the file, the case and the field when the file is not in the schema. A shape or query
+/// that we lack is no error: it is read and later refused.
+std::vector<Case> readCases(const std::string& path);
+
+enum class CaseVerdict { ok, wrong, refused, failed, hang };
+std::string_view caseVerdictName(CaseVerdict verdict);
+
+/// One case and one method.
+struct CaseResult {
+  std::string id, method;
+  Role role = Role::competitor;
+  CaseVerdict verdict = CaseVerdict::refused;
+  std::string reason = {};  // unsupported_shape, unsupported_query, or what is wrong
+  double value = 0, expected = 0;
+  double error = 0;  // |value - expected| / s, s as in `errorScale`
+};
+
+/// Every case with every method that takes its query: signed distances with each registered pair query, hulls with
+/// `convexHull`, mass properties with `massProperties`. The referee stands in the table, too: where it is `wrong`, it
+/// contradicts the file. Witnesses run in a process of their own with a time limit,
+/// because some of them crash or never return.
+std::vector<CaseResult> runCases(const std::vector<Case>& cases);
+
+/// Is it one that must not happen: a competitor that is wrong, fails, or refuses what it declares?
+bool isOurFault(const CaseResult& result);
+
+/// `lpc verify --cases FILE`: prints one line per case and method and a summary; 0 when none is our fault, else 1.
+int verifyCases(const std::string& path, std::ostream& out);
+
+}  // namespace lpc::inline LPC_PRECISION

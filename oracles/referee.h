@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Zlib
+// The referee: the signed distance of two posed shapes as an interval that is proved to contain it. Witnesses (FCL,
+// libccd, Bullet) are recorded; this decides.
+//
+// The input is what the numbers say, exactly: each core vertex v becomes p + R v with R the matrix formula of
+// framework/space.h evaluated without rounding, so a quaternion that is unit only within rounding gives a shape that is
+// congruent only within rounding. A polytope is the convex hull of its vertices (its stored faces are not read). The
+// answer is
+//     phi = max over unit d of min over a in A, b in B of d . (b - a)  -  (radius of A + radius of B)
+// with A and B the cores: positive = gap, negative = minus the depth.
+#pragma once
+
+#include <string_view>
+
+#include "framework/shape.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Directions and points of the referee are double whatever Real is.
+template <int D>
+using Vecd = Eigen::Matrix<double, D, 1>;
+
+struct Interval {
+  double lo = 0, hi = 0;
+
+  double width() const { return hi - lo; }
+  double middle() const { return lo + (hi - lo) / 2; }
+  /// How far `x` is from the interval; 0 inside.
+  double distanceTo(double x) const { return x < lo ? lo - x : x > hi ? x - hi : 0; }
+};
+
+/// d's own separation, (min of B along d - max of A along d) / |d| - radii: a proved lower bound of phi for every
+/// nonzero d (world frame, any length), and phi itself for the right one.
+template <int D>
+Interval separationAlong(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB,
+                         const Vecd<D>& d);
+
+/// s of the error measure |phi - phi_ref| / s: largest extent of either shape + distance between them + largest
+/// coordinate (m).
+template <int D>
+double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB, double phi);
+
+template <int D>
+struct RefereeAnswer {
+  bool decided = false;   // false only when a number of the input is not finite, or no method applies
+  double lo = 0, hi = 0;  // phi lies in the closed interval [lo, hi] (m); its sign is decided, too: lo > 0, hi < 0 or
+                          // lo = hi = 0
+  Vecd<D> normal = Vecd<D>::Zero();  // n_AB in the world, unit within rounding; at a tie one of the right ones
+  std::string_view method = "undecidable";
+
+  Interval interval() const { return {lo, hi}; }
+};
+
+/// The quick way first, `refereeExactly` where it proves too little.
+template <int D>
+RefereeAnswer<D> referee(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB);
+
+/// In exact integers: always decided for finite input. The interval is phi rounded outwards.
+template <int D>
+RefereeAnswer<D> refereeExactly(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB);
+
+/// In long double with running error bounds: decided when the interval is narrower than 1e-16 s and does not contain 0.
+template <int D>
+RefereeAnswer<D> refereeByCertificate(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b,
+                                      const Pose<D>& X_WB);
+
+}  // namespace lpc::inline LPC_PRECISION

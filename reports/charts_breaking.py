@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Zlib
+"""Stability where methods fail: a stack's height, a mass ratio, a time step raised until each resolver falls."""
+
+import math
+
+import pandas as pd
+from matplotlib.patches import Patch, Rectangle
+
+from chart import Chart, holes, listing, methods
+from load import axes_of, split, varying
+from style import OUTCOMES, WIDTH, plt, si
+
+SECTION = "When does each resolver fall?"
+NOT_RAISED = ("resolver", "solver", "pipeline", "scene", "dimension", "precision", "seed")
+
+
+def charts(context):
+    cells = context.store.cells("breaking")
+    if not len(cells):
+        return [Chart("breaking_points", SECTION, "Breaking points", "No breaking-point sweep is in this store.",
+                      "breaking_points")]
+    return [_chart(context, part, dimension) for dimension, part in
+            (cells.groupby("dimension", sort=True) if "dimension" in cells else [(2, cells)])]
+
+
+def ladders(context, cells):
+    """(scene, raised axis, cells): one ladder per scene and raised axis, everything else held at its usual value."""
+    axes = axes_of(context.store, cells)
+    found = []
+    for part in split(cells, ["sweep", "scene"] if "scene" in cells else ["sweep"]):
+        raised = [c for c in varying(part, NOT_RAISED) if c in axes and pd.api.types.is_number(part[c].dropna().iloc[0])]
+        for name in raised:
+            held = part
+            for other in raised:
+                if other != name:
+                    held = held[held[other].map(str) == held[other].map(str).mode().iloc[0]]
+            held = held[held[name].notna()]
+            found.append((str(part["scene" if "scene" in cells else "sweep"].iloc[0]), name, held))
+    return found
+
+
+def breaking(ladder, name):
+    """Per method: the largest value that held before the first failure, and the first that failed."""
+    rows = []
+    for method, part in ladder.groupby("method", sort=True):
+        part = part.sort_values(name)
+        held, fell, outcome, step = math.nan, math.nan, "", math.nan
+        for _, row in part.iterrows():
+            if row["outcome"] == "ok":
+                held = row[name]
+            elif row["outcome"] not in ("not run", "unsupported"):
+                fell, outcome, step = row[name], row["outcome"], row["step"]
+                break
+        hole = part["outcome"].isin(["not run", "unsupported"]).all()
+        rows.append((method, held, fell, outcome, step, hole))
+    return pd.DataFrame(rows, columns=["method", "held", "fell", "outcome", "step", "hole"])
+
+
+def _value(name, value):
+    if math.isnan(value):
+        return ""
+    if name == "dt":
+        return si(value, "s")
+    return f"{value / 1000:g}k" if value >= 10000 and value % 1000 == 0 else f"{value:g}"
+
+
+def finding(scene, name, table):
+    known, everyone = table[~table["hole"]], list(table["method"])
+    fallen = known[known["fell"].notna()]
+    if not len(known):
+        return f"{scene}: nothing was run"
+    if not len(fallen):
+        return f"on {scene} nothing falls up to {name} = {_value(name, known['held'].min())}"
+    first = fallen[fallen["fell"] == fallen["fell"].min()]
+    text = (f"on {scene} {methods(first['method'], everyone)} {'falls' if len(first) == 1 else 'fall'} first, at {name} = "
+            f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))})")
+    stood = known[known["fell"].isna()]
+    top = known["held"].max()
+    whole, partly = stood[stood["held"] == top], stood[stood["held"] < top]
+    if len(whole):
+        text += f", while {methods(whole['method'], everyone)} held to the largest tried ({_value(name, top)})"
+    for row in partly.itertuples():
+        text += f", and {row.method} held to {_value(name, row.held)} with no result beyond"
+    if len(stood):
+        return text
+    last = fallen[fallen["fell"] == fallen["fell"].max()]
+    return text + f" and {methods(last['method'], everyone)} last, at {_value(name, last['fell'].iloc[0])}"
+
+
+def _chart(context, cells, dimension):
+    found = ladders(context, cells)
+    if not found:
+        return Chart(f"breaking_points_{dimension}d", SECTION, f"Breaking points, {dimension}D",
+                     "The breaking-point sweep raises no numeric axis.", cells["sweep"].iloc[0])
+    rows_of = sorted(cells["method"].unique())
+    columns = min(3, len(found))
+    rows = math.ceil(len(found) / columns)
+    left, legend_width, gap_x = 1.75, 2.0, 0.85
+    row_height, gap_y, top, bottom = 0.27 * len(rows_of) + 0.1, 0.95, 0.45, 0.65
+    height = top + bottom + rows * row_height + (rows - 1) * gap_y
+    figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
+    cell_width = (WIDTH - left - legend_width - (columns - 1) * gap_x) / columns
+    figure.subplots_adjust(left=left / WIDTH, right=1 - legend_width / WIDTH, top=1 - top / height,
+                           bottom=bottom / height, wspace=gap_x / cell_width, hspace=gap_y / row_height)
+    seen, said, tables = set(), [], []
+    for index, ax in enumerate(axes.flat):
+        if index >= len(found):
+            ax.set_visible(False)
+            continue
+        scene, name, ladder = found[index]
+        table = breaking(ladder, name)
+        said.append(finding(scene, name, table))
+        tables.append(table.assign(scene=scene, raised=name))
+        seen |= _strips(context, ax, ladder, name, rows_of, table, index % columns == 0)
+        ax.set_title(f"{scene}, {dimension}D: {name} raised")
+    handles = [Patch(facecolor=OUTCOMES.get(o, OUTCOMES["not run"])[0], edgecolor="#999999",
+                     label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in OUTCOMES if o in seen]
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - (legend_width - 0.65) / WIDTH, 0.97),
+                  borderaxespad=0, handlelength=1.2)
+    table = pd.concat(tables)[["scene", "raised", "method", "held", "fell", "outcome", "step"]]
+    table = table.rename(columns={"held": "largest that held", "fell": "first that failed"})
+    return Chart(f"breaking_points_{dimension}d", SECTION, f"Breaking points, {dimension}D",
+                 f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
+                 holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
+                       ["scene", "method", *sorted({name for _, name, _ in found})]),
+                 "A square is one run. Beside a row stands the largest value that held before the first failure.")
+
+
+def _strips(context, ax, ladder, name, rows_of, table, labelled):
+    values = sorted(ladder[name].unique())
+    seen = set()
+    by = table.set_index("method")
+    for y, method in enumerate(rows_of):
+        part = ladder[ladder["method"] == method]
+        for x, value in enumerate(values):
+            rows = part[part[name] == value]
+            outcome = rows["outcome"].iloc[0] if len(rows) else None
+            if outcome is None:  # not planned: the axis was not raised so far for this method
+                continue
+            seen.add(outcome)
+            colour, letter = OUTCOMES.get(outcome, ("#FFFFFF", "?"))
+            ax.add_patch(Rectangle((x - 0.5, y - 0.42), 1, 0.84, facecolor=colour, lw=1,
+                                   edgecolor="#BBBBBB" if outcome == "not run" else "white",
+                                   hatch="///" if outcome == "not run" else None))
+            ax.text(x, y, letter, ha="center", va="center", fontsize=8,
+                    color="black" if outcome in ("ok", "not run", "collapsed", "wrong", "unsupported") else "white")
+        if method in by.index and not by["hole"][method]:
+            held = by["held"][method]
+            text = "none held" if math.isnan(held) else _value(name, held)
+            ax.text(len(values) - 0.4, y, text, va="center", fontsize=8, color="#333333")
+    ax.set_xlim(-0.5, len(values) - 0.5)
+    ax.set_ylim(len(rows_of) - 0.4, -0.6)
+    ax.set_xticks(range(len(values)))
+    labels = [_value(name, v).replace(" ", "\n") if name == "dt" else _value(name, v) for v in values]
+    # Long ladders: every second label, so that none overlap.
+    every = max(1, math.ceil(len(values) / (9 if max(map(len, labels)) <= 3 else 6)))
+    ax.set_xticklabels([label if i % every == 0 else "" for i, label in enumerate(labels)])
+    ax.set_yticks(range(len(rows_of)))
+    ax.set_yticklabels([context.looks.name(m) for m in rows_of] if labelled else [])
+    ax.tick_params(length=0)
+    ax.grid(False)
+    ax.set_xlabel({"n": "n: bodies in the stack", "dt": "dt: time step", "ratio": "ratio of the masses"}.get(name, name))
+    for side in ax.spines.values():
+        side.set_visible(False)
+    return seen

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Zlib
+"""Pair queries alone on random pairs of shapes: time against error, and how often they fail."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import metrics
+from chart import Chart, dimension_of, holes, listing, plural
+from load import one_machine
+from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, letter, plt, si
+
+SECTION = "Which pair query is fast and right?"
+FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
+ERRORS = ("median_error", "p99_error", "max_error")
+
+
+def charts(context):
+    cells = context.store.cells("pair_quer")
+    if not len(cells) or "kind_a" not in cells:
+        return [Chart("pair_queries", SECTION, "Time against error", "No sweep of pair queries is in this store.",
+                      "pair_queries")]
+    cells, refused = one_machine(cells)
+    if "precision" in cells and cells["precision"].nunique() > 1:
+        cells["method"] = cells["method"] + " " + cells["precision"].map({"f64": "", "f32": "f32"}).fillna("")
+        cells["method"] = cells["method"].str.strip()
+    cells["pair"] = ["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])]
+    made = []
+    for dimension in sorted(set(dimension_of(cells))):
+        part = cells[dimension_of(cells) == dimension]
+        part, absent = _present(part, dimension)
+        made += [_scatter(context, part, dimension, refused + absent), _failures(context, part, dimension)]
+    return made
+
+
+def _present(cells, dimension):
+    """Methods that exist in this dimension; the others are named once, not drawn in every panel."""
+    supported = cells.groupby("method")["outcome"].apply(lambda o: (o != "unsupported").any())
+    absent = sorted(supported[~supported].index)
+    if len(absent) == len(supported):
+        return cells, []
+    said = [f"{listing(absent)}: unsupported in {dimension}D for every pair of shapes"] if absent else []
+    return cells[~cells["method"].isin(absent)], said
+
+
+def _usable(cells):
+    return (cells["outcome"] == "ok").to_numpy() | (cells["outcome"] == "wrong").to_numpy()
+
+
+def finding(cells, dimension):
+    good = cells[_usable(cells) & np.isfinite(metrics.column(cells, "ns_per_query"))]
+    if not len(good):
+        return f"In {dimension}D no pair query has both a time and an error."
+    fastest = good.loc[good.groupby("pair")["ns_per_query"].idxmin()]
+    wins = fastest.groupby("method").size().sort_values(ascending=False, kind="stable")
+    errors = metrics.column(good, "max_error")
+    worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
+    text = (f"In {dimension}D {wins.index[0]} is the fastest on {wins.iloc[0]} of "
+            f"{plural(len(fastest), 'pair of shapes', 'pairs of shapes')} (down to "
+            f"{si(fastest['ns_per_query'].min(), 'ns')} a query)")
+    if worst is not None:
+        zero = int((errors == 0).sum())
+        text += (f"; the worst error of all is {worst['method']}'s {worst['max_error']:.1e} of the size on {worst['pair']}"
+                 + (f", and {zero} cells have no error at all" if zero else ""))
+    return text + "."
+
+
+def _scatter(context, cells, dimension, refused):
+    pairs = sorted(cells["pair"].unique())
+    methods = sorted(cells["method"].unique())
+    columns = min(4, len(pairs))
+    rows = math.ceil(len(pairs) / columns)
+    legend_width = 1.7
+    figure, axes = grid_of_axes(rows, columns, 1.95, legend_width, left=0.75, gap_x=0.25, gap_y=0.5)
+    usable = _usable(cells)
+    errors = {name: np.where(usable, metrics.column(cells, name), math.nan) for name in ERRORS}
+    time = metrics.column(cells, "ns_per_query")
+    all_errors = np.concatenate(list(errors.values()))
+    for index, ax in enumerate(axes.flat):
+        if index >= len(pairs):
+            ax.set_visible(False)
+            continue
+        mine = np.flatnonzero((cells["pair"] == pairs[index]).to_numpy())
+        across = ZeroLog(ax, "x", time, "ns", failed_name="not timed")
+        up = ZeroLog(ax, "y", list(all_errors[np.isfinite(all_errors)]), "1", floor=FLOOR,
+                     failures=not usable.all() or bool(np.isnan(errors["max_error"]).any()))
+        for i in mine:
+            look = context.looks(cells["method"].iloc[i])
+            x = across.place(time[i])
+            spread = [errors[name][i] for name in ERRORS if math.isfinite(errors[name][i])]
+            if spread:
+                ax.plot([x, x], [up.place(min(spread)), up.place(max(spread))], color=look["color"], lw=1.3, alpha=0.6)
+                middle = errors["p99_error"][i] if math.isfinite(errors["p99_error"][i]) else max(spread)
+                ax.plot([x], [up.place(middle)], **{**look, "linestyle": "none"}, ms=6)
+            else:
+                ax.plot([x], [up.failed], marker=letter(cells["outcome"].iloc[i]), ms=7, ls="none", color=look["color"],
+                        mew=0.3)
+        p99 = np.where(np.isfinite(errors["p99_error"]), errors["p99_error"], errors["max_error"])
+        front = [mine[i] for i in metrics.pareto(time[mine], p99[mine])]
+        ax.step([time[i] for i in front], [up.place(p99[i]) for i in front], where="post", color="#222222", lw=2.4,
+                alpha=0.3, zorder=1)
+        ax.set_title(pairs[index])
+        if index % columns == 0:
+            ax.set_ylabel("error / size")
+        else:
+            ax.tick_params(labelleft=False)
+        if index + columns >= len(pairs):
+            ax.set_xlabel("time per query")
+    handles = [Line2D([], [], label=context.looks.name(m), **context.looks(m)) for m in methods]
+    handles.append(Line2D([], [], color="#222222", lw=2.4, alpha=0.3, label="Pareto front"))
+    handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
+                for o in sorted({o for o in cells["outcome"] if o not in ("ok", "wrong")})]
+    legend_right(figure, handles, legend_width)
+    table = pd.DataFrame({"pair": cells["pair"], "method": cells["method"], "outcome": cells["outcome"],
+                          "time per query": [si(v, "ns") for v in time],
+                          **{name.replace("_", " "): [f"{v:.1e}" if v else "0" for v in errors[name]] for name in ERRORS}})
+    return Chart(f"pair_queries_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
+                 finding(cells, dimension), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
+                 refused + holes(cells, ["pair", "method"]),
+                 "A mark is the error that 99 of 100 queries stay below; its bar goes from the median to the worst. "
+                 "Errors are over the size of the query: largest extent + distance + largest coordinate. "
+                 "Hollow marks are witnesses.")
+
+
+def _failures(context, cells, dimension):
+    pairs, methods = sorted(cells["pair"].unique()), sorted(cells["method"].unique())
+    height = 1.5 + 0.3 * len(methods)
+    figure, ax = plt.subplots(figsize=(WIDTH, height))
+    figure.subplots_adjust(left=2.1 / WIDTH, right=1 - 0.2 / WIDTH, top=1 - 0.2 / height, bottom=1.05 / height)
+    rows, bad = [], []
+    for y, method in enumerate(methods):
+        for x, pair in enumerate(pairs):
+            part = cells[(cells["method"] == method) & (cells["pair"] == pair)]
+            colour, text, ink = "#F4F4F4", "", "#666666"
+            if len(part):
+                row = part.iloc[0]
+                asked = float(row.get("asked", math.nan))
+                counts = [metrics.column(part, name)[0] for name in ("failed", "refused", "wrong_boolean")]
+                known = [c for c in counts if math.isfinite(c)]
+                if row["outcome"] not in ("ok", "wrong"):
+                    colour, text = OUTCOMES.get(row["outcome"], ("#FFFFFF", "?"))
+                    ink = "black" if row["outcome"] in ("unsupported", "not run", "collapsed") else "white"
+                    text = {"unsupported": "no", "not run": "?"}.get(row["outcome"], text)
+                    rate = math.nan
+                elif known and asked > 0:
+                    rate = sum(known) / asked
+                    share = 0 if rate == 0 else min(1.0, max(0.25, 1 + math.log10(rate) / 6))
+                    colour = "#E3F0E8" if rate == 0 else plt.cm.Oranges(0.25 + 0.6 * share)
+                    text, ink = ("0", "#4C7A5E") if rate == 0 else (f"{rate:.1e}", "black")
+                    if rate > 0:
+                        bad.append((rate, method, pair))
+                else:
+                    text, rate = "?", math.nan
+                rows.append({"method": method, "pair": pair, "outcome": row["outcome"], "asked": asked,
+                             "failed": counts[0], "refused": counts[1], "wrong yes or no": counts[2], "rate": rate})
+            ax.add_patch(plt.Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=colour, lw=0))
+            ax.text(x, y, text, ha="center", va="center", fontsize=7.5 if len(pairs) > 10 else 8.5, color=ink)
+    ax.set_xlim(-0.5, len(pairs) - 0.5)
+    ax.set_ylim(len(methods) - 0.5, -0.5)
+    ax.set_xticks(range(len(pairs)))
+    ax.set_xticklabels(pairs, rotation=30 if len(pairs) > 7 else 0, ha="right" if len(pairs) > 7 else "center")
+    ax.set_yticks(range(len(methods)))
+    ax.set_yticklabels([context.looks.name(m) for m in methods])
+    ax.grid(False)
+    ax.tick_params(length=0)
+    for side in ax.spines.values():
+        side.set_visible(False)
+    answered = cells[_usable(cells)]
+    asked = metrics.column(answered, "asked")
+    total = np.nansum(asked)
+    if bad:
+        rate, method, pair = max(bad)
+        clean = [m for m in methods if m not in {b[1] for b in bad} and (answered["method"] == m).any()]
+        text = (f"In {dimension}D the highest rate of failures is {method}'s on {pair}: {rate:.1e} of the queries; without "
+                f"any failure: {listing(clean)} ({total:,.0f} queries in all).")
+    else:
+        text = f"In {dimension}D no query failed, was refused or had a wrong yes or no, of {total:,.0f} asked."
+    return Chart(f"pair_failures_{dimension}d", SECTION, f"Rate of failures by pair of shapes, {dimension}D", text,
+                 cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, ["pair", "method"]),
+                 "Failed, refused and wrong yes-or-no answers over the queries asked; “no” is a pair that the method does "
+                 "not declare.")

@@ -1,0 +1,124 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Zlib
+"""A result store in, charts and one web page out."""
+
+import argparse
+import sys
+from pathlib import Path
+
+EXAMPLE = """example:
+  reports/make.py --store results/quick.db --out reports/out/quick
+  reports/make.py --store results/quick.db --out reports/out/quick --only broadphase_2d
+  reports/make.py --store results/quick.db --chart resolvers_vertical_stack__2d --to docs/chart.svg"""
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(prog="reports/make.py", description=__doc__, epilog=EXAMPLE,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--store", required=True, metavar="FILE.db", help="the store that `lpc sweep` filled")
+    parser.add_argument("--out", metavar="DIR", help="folder for index.html, charts/ and tables/ (made if absent)")
+    parser.add_argument("--only", metavar="ID,ID", default="", help="only the charts whose id begins with one of these, and no page")
+    parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` picks the most telling")
+    parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
+    parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and write nothing")
+    options = parser.parse_args(arguments)
+    if not (options.out or options.list or (options.chart and options.to)):
+        parser.error("give --out DIR, or --chart ID --to FILE, or --list")
+    return options
+
+
+def all_charts(context, only=()):
+    """Every chart of the report in reading order. A theme that the store lacks gives a chart that says so."""
+    import charts_breaking
+    import charts_broadphase
+    import charts_micro
+    import charts_pairs_of_runs
+    import charts_queries
+    import charts_resolvers
+    import charts_stages
+    import coverage
+    from style import plt
+    themes = (charts_broadphase.charts, charts_resolvers.charts, charts_breaking.charts, charts_pairs_of_runs.unneeded,
+              charts_pairs_of_runs.precision, charts_queries.charts, charts_stages.charts, charts_micro.charts,
+              coverage.charts)
+    kept = []
+    for theme in themes:
+        for chart in theme(context):
+            context.ids.append(chart.id)
+            if not only or any(chart.id.startswith(name) for name in only):
+                kept.append(chart)
+            elif chart.figure is not None:
+                plt.close(chart.figure)
+    return kept
+
+
+def most_telling(charts):
+    """The README's chart: resolvers on a stack before anything else, then whatever was drawn first."""
+    drawn = [c for c in charts if c.figure is not None]
+    for wanted in ("resolvers_vertical_stack", "resolvers_pyramid", "resolvers", "breaking", "broadphase"):
+        for chart in drawn:
+            if chart.id.startswith(wanted):
+                return chart
+    return drawn[0] if drawn else None
+
+
+def run(options):
+    from chart import Context
+    from load import Store, UserError
+    import pages
+    store = Store(options.store)
+    context = Context(store)
+    only = [name for name in options.only.split(",") if name]
+    charts = all_charts(context, only)
+    names = ", ".join(context.ids)
+    if not charts:
+        raise UserError(f"--only {options.only}: no such chart; there are {names}")
+    if options.list:
+        for chart in charts:
+            print(f"{chart.id}: {chart.title}\n    {chart.finding}")
+        return
+    if options.chart:
+        found = most_telling(charts) if options.chart == "best" else next((c for c in charts if c.id == options.chart), None)
+        if found is None or found.figure is None:
+            raise UserError(f"--chart {options.chart}: not drawn from this store; there are {names}")
+        target = Path(options.to)
+        if target.suffix not in (".svg", ".png", ".pdf"):
+            raise UserError(f"--to {options.to}: unknown ending; valid are .svg, .png, .pdf")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        dated = {"Date": None} if target.suffix == ".svg" else {}
+        found.figure.savefig(target, dpi=150, metadata=dated)
+        print(f"{target}: {found.finding}")
+        return
+    out = Path(options.out)
+    if out.exists() and not out.is_dir():
+        raise UserError(f"--out {options.out}: not a folder")
+    if only:
+        for path in pages.write_charts(charts, out):
+            print(path)
+    else:
+        pages.forget_earlier(out)
+        print(pages.write(context, charts, out, options.store, options.out))
+
+
+def main(arguments=None):
+    options = parse(arguments)
+    try:
+        import jinja2  # noqa: F401
+        import matplotlib  # noqa: F401
+        import numpy  # noqa: F401
+        import pandas  # noqa: F401
+    except ImportError as error:
+        print(f"reports/make.py: {sys.executable} has no package {error.name}; on Debian: apt install python3-matplotlib "
+              "python3-pandas python3-jinja2", file=sys.stderr)
+        return 2
+    from load import UserError
+    try:
+        run(options)
+    except UserError as error:
+        print(f"reports/make.py: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

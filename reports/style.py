@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: Zlib
+"""How charts look: colours that stay with an algorithm, log axes with a place for zero and for failures, labels."""
+
+import math
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.patheffects as patheffects  # noqa: E402
+import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.ticker as ticker  # noqa: E402
+
+# Okabe and Ito's palette without its yellow, continued by Paul Tol's muted one: told apart by the colour-blind.
+PALETTE = ["#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#332288", "#882255", "#44AA99", "#999933",
+           "#661100", "#777777", "#000000"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "*", "p", "d"]
+# Names keep their colour from report to report; names that are not here take the free ones in alphabetical order.
+KNOWN = {"naive": 0, "sort_and_sweep": 1, "uniform_grid": 2, "region_tree": 3, "naive_sphere": 4, "rebuilt_bvh": 5,
+         "dynamic_tree": 6, "closed_form": 12, "sat": 1, "gjk_epa": 2, "fcl": 4, "libccd": 3, "bullet": 5,
+         "millington": 4, "catto": 1, "catto+none": 11, "catto+linear": 5, "catto+nonlinear": 6, "catto+baumgarte": 3,
+         "catto+split_impulse": 1, "soft_step": 2}
+OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "collapsed": ("#E69F00", "C"),
+            "exploded": ("#D55E00", "E"), "diverged": ("#000000", "N"), "timeout": ("#332288", "T"),
+            "crash": ("#661100", "X"), "wrong": ("#CC79A7", "W"), "out_of_memory": ("#44AA99", "M"),
+            "unsupported": ("#BBBBBB", "U"), "nondeterministic": ("#999933", "D")}
+# From the bottom of a stack of stage times upwards, as World::step goes.
+STAGES = {"boxes": 4, "broadphase": 0, "cache": 9, "contacts": 1, "listeners": 10, "sleep": 3, "solver": 2, "other": 11}
+WIDTH = 11.6  # inches at 100 dots: the page's column
+
+plt.rcParams.update({
+    "font.family": "DejaVu Sans", "font.size": 9.5, "axes.titlesize": 10.5, "axes.labelsize": 9.5,
+    "xtick.labelsize": 8.5, "ytick.labelsize": 8.5, "legend.fontsize": 8.5, "axes.spines.top": False,
+    "axes.spines.right": False, "axes.grid": True, "grid.color": "#E6E6E6", "grid.linewidth": 0.6,
+    "axes.axisbelow": True, "lines.linewidth": 1.6, "lines.markersize": 5.5, "figure.dpi": 100,
+    "figure.max_open_warning": 0,  # a report's figures are all made before they are written
+    # The same store gives the same bytes.
+    "svg.hashsalt": "lpc", "svg.fonttype": "path", "legend.frameon": False, "axes.titlelocation": "left"})
+
+
+class Looks:
+    """Colour and marker of each method label; made once per report so that a label looks alike in every chart."""
+
+    def __init__(self, store, labels):
+        self.store = store
+        self.slots = {}
+        for family in labels:  # one family = the methods that meet in one chart
+            free = [i for i in range(len(PALETTE))]
+            for label in family:
+                slot = KNOWN.get(label, KNOWN.get(label.split("{")[0]))
+                if slot in free:
+                    self.slots.setdefault(label, slot)
+                if label in self.slots and self.slots[label] in free:
+                    free.remove(self.slots[label])
+            for label in sorted(set(family) - set(self.slots)):
+                self.slots[label] = free.pop(0) if free else len(self.slots) % len(PALETTE)
+
+    def __call__(self, label):
+        """Keyword arguments for plot(): a witness is drawn hollow and dashed."""
+        slot = self.slots.get(label, 11)
+        look = {"color": PALETTE[slot], "marker": MARKERS[slot]}
+        if self.store.role(label) != "competitor":
+            look.update(markerfacecolor="white", linestyle="--")
+        return look
+
+    def name(self, label):
+        role = self.store.role(label)
+        return label if role == "competitor" else f"{label} ({role})"
+
+
+def letter(outcome):
+    """The mark of a run that is not ok: the outcome's letter, upright."""
+    return f"$\\mathbf{{{OUTCOMES.get(outcome, ('', '?'))[1] or '?'}}}$"
+
+
+HALO = [patheffects.withStroke(linewidth=2.5, foreground="white")]  # keeps a letter readable on lines
+
+
+def si(value, unit="", digits=3):
+    """A number for a sentence: 0.00123 m -> 1.23 mm. Zero stays 0."""
+    if value is None or math.isnan(value):
+        return "unknown"
+    if math.isinf(value):
+        return "never" if unit == "s" else "infinite"
+    if value == 0:
+        return f"0 {unit}".strip()
+    if unit in ("ms", "ns", "us"):
+        value, unit = value * {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit], "s"
+    if unit in ("", "1", "J", "kg m/s", "rad"):
+        text = f"{value:.{digits}g}" if abs(value) < 10000 else f"{value:,.0f}"
+        return f"{text} {unit}".replace(" 1", "").strip() if unit == "1" else f"{text} {unit}".strip()
+    if abs(value) < 1e-15:
+        return f"{value:.1e} {unit}"
+    power = min(3, max(-15, 3 * math.floor(math.log10(abs(value)) / 3)))
+    if unit == "m":
+        power = min(0, power)
+    prefix = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k"}[power]
+    shown = value / 10**power
+    return f"{shown:.{digits}g} {prefix}{unit}" if shown < 10000 else f"{shown:.1e} {prefix}{unit}"
+
+
+def times(ratio):
+    """A ratio for a sentence."""
+    return f"{ratio:.1f}" if ratio < 20 else f"{ratio:,.0f}"
+
+
+def _tick(value, unit):
+    if unit in ("m", "s", "ms", "ns", "us", "m/s"):
+        return si(value, unit, 3)
+    power = round(math.log10(value))
+    if 1e-2 <= value < 1e5:
+        return f"{value:,.0f}" if value >= 1 else f"{value:g}"
+    return f"$10^{{{power}}}$" if abs(value / 10.0**power - 1) < 1e-9 else f"{value:.0e}"
+
+
+def _ticks(low, high, most):
+    """Round values between 10^low and 10^high: decades, or 1-2-5, or every digit, whatever fits into `most`."""
+    first, last = math.ceil(low - 1e-9), math.floor(high + 1e-9)
+    decades = [10.0**p for p in range(first, last + 1)]
+    if len(decades) >= 3 or len(decades) > most:
+        return decades[::max(1, math.ceil(len(decades) / most))]
+    for digits in ((1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 8)):
+        found = [d * 10.0**p for p in range(math.floor(low), last + 1) for d in digits]
+        found = [v for v in found if low - 1e-9 <= math.log10(v) <= high + 1e-9]
+        if len(found) >= 3 or (digits[1] == 1.5):
+            return found[::max(1, math.ceil(len(found) / most))]
+    return decades
+
+
+class ZeroLog:
+    """A log axis on which nothing vanishes: zeros stand left of (below) a gap at "0", failures beyond the other end.
+
+    `place` gives the position of a value: its own, the zero place, or, for NaN and infinity, the failure place.
+    Values up to `floor` stand with the zeros; the label then says so.
+    """
+
+    def __init__(self, ax, which, values, unit="", failures=None, failed_name="failed", floor=0.0):
+        finite = [math.log10(v) for v in values if math.isfinite(v) and v > floor]
+        low, high = (min(finite), max(finite)) if finite else (-1, 1)
+        if high - low < 0.5:
+            low, high = (low + high) / 2 - 0.25, (low + high) / 2 + 0.25
+        self.floor = floor
+        self.has_zero = any(v <= floor for v in values if math.isfinite(v))
+        self.has_failed = any(not math.isfinite(v) for v in values) if failures is None else failures
+        inches = ax.get_position().width * ax.figure.get_figwidth() if which == "x" else (
+            ax.get_position().height * ax.figure.get_figheight())
+        pad = 0.06 * (high - low)
+        low, high = low - pad, high + pad
+        gap = (0.2 if which == "x" else 0.11) * (high - low) * max(1.0, 2.4 / inches)
+        self.zero, self.failed = 10.0**(low - gap), 10.0**(high + gap)
+        getattr(ax, f"set_{which}scale")("log")
+        bottom = low - gap * 1.6 if self.has_zero else low
+        top = high + gap * 1.6 if self.has_failed else high
+        getattr(ax, f"set_{which}lim")(10.0**bottom, 10.0**top)
+        share = (high - low) / (top - bottom)
+        most = max(2, int(inches * share / (0.66 if which == "x" else 0.3)))
+        ticks = {v: _tick(v, unit) for v in _ticks(low, high, most)}
+        if self.has_zero:
+            below = any(0 < v <= floor for v in values)
+            ticks[self.zero] = f"<{si(floor, unit)}" if below else "0"
+        if self.has_failed:
+            ticks[self.failed] = failed_name
+        axis = getattr(ax, which + "axis")
+        axis.set_major_locator(ticker.FixedLocator(sorted(ticks)))
+        axis.set_major_formatter(ticker.FixedFormatter([ticks[t] for t in sorted(ticks)]))
+        axis.set_minor_locator(ticker.NullLocator())
+        span = ax.axhspan if which == "y" else ax.axvspan
+        line = ax.axhline if which == "y" else ax.axvline
+        if self.has_zero:
+            span(10.0**bottom, 10.0**(low - gap * 0.4), color="#F3F7F0", zorder=0, lw=0)
+            line(10.0**(low - gap * 0.4), color="#999999", lw=0.8, ls=(0, (4, 3)), zorder=0.5)
+        if self.has_failed:
+            span(10.0**(high + gap * 0.4), 10.0**top, color="#FBEDE6", zorder=0, lw=0)
+            line(10.0**(high + gap * 0.4), color="#999999", lw=0.8, ls=(0, (4, 3)), zorder=0.5)
+
+    def place(self, value):
+        if not math.isfinite(value):
+            return self.failed
+        return self.zero if value <= self.floor else value
+
+
+def plain_log(ax, which, values, unit=""):
+    """A log axis with readable ticks for values that are all positive (body counts, iterations)."""
+    return ZeroLog(ax, which, values, unit, failures=False)
+
+
+def direct_labels(ax, ends, size=8.5):
+    """Labels right of the axes at the ends of lines, pushed apart so that none overlap. ends: (y, text, colour)."""
+    if not ends:
+        return
+    ax.figure.canvas.draw()
+    to_axes = ax.transAxes.inverted()
+    height = ax.get_window_extent().height
+    gap = size * 1.3 * ax.figure.dpi / 72 / height
+    spots = sorted([to_axes.transform(ax.transData.transform((ax.get_xlim()[1], y)))[1], y, text, colour]
+                   for y, text, colour in ends)
+    wanted = [spot[0] for spot in spots]
+    for i in range(1, len(spots)):
+        spots[i][0] = max(spots[i][0], spots[i - 1][0] + gap)
+    excess = spots[-1][0] - max(1.0, wanted[-1])
+    for i in range(len(spots) - 1, -1, -1):
+        above = spots[i + 1][0] - gap if i + 1 < len(spots) else spots[i][0] - max(0.0, excess)
+        spots[i][0] = min(spots[i][0], above)
+    for (place, _, text, colour), origin in zip(spots, wanted):
+        ax.plot([1.0, 1.025], [origin, place], transform=ax.transAxes, color=colour, lw=0.8, clip_on=False)
+        ax.text(1.032, place, text, transform=ax.transAxes, color=colour, size=size, va="center", clip_on=False)
+
+
+def overlaps(figure):
+    """(pairs of drawn texts that overlap by more than a pixel, texts cut off by the edge): both empty in a good chart."""
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    hidden = _hidden_ticks(figure)
+    boxes = []
+    for text in figure.findobj(matplotlib.text.Text):
+        # The box round a slanted label is much larger than the label: such ones are judged by eye.
+        if text.get_text().strip() and text.get_visible() and id(text) not in hidden and text.get_rotation() % 90 == 0:
+            boxes.append((text.get_text(), text.get_window_extent(renderer)))
+    found = []
+    for i, (a, box_a) in enumerate(boxes):
+        for b, box_b in boxes[i + 1:]:
+            wide = min(box_a.x1, box_b.x1) - max(box_a.x0, box_b.x0)
+            high = min(box_a.y1, box_b.y1) - max(box_a.y0, box_b.y0)
+            if wide > 1 and high > 1:
+                found.append((a, b))
+    outside = [t for t, box in boxes if box.x0 < -1 or box.y0 < -1 or box.x1 > figure.bbox.x1 + 1 or
+               box.y1 > figure.bbox.y1 + 1]
+    return found, outside
+
+
+def _hidden_ticks(figure):
+    """Matplotlib keeps label objects of ticks outside the limits; they are not drawn."""
+    hidden = set()
+    for ax in figure.axes:
+        for axis, limits in ((ax.xaxis, sorted(ax.get_xlim())), (ax.yaxis, sorted(ax.get_ylim()))):
+            for tick in axis.get_major_ticks() + axis.get_minor_ticks():
+                if not ax.get_visible() or not limits[0] <= tick.get_loc() <= limits[1]:
+                    hidden |= {id(tick.label1), id(tick.label2)}
+        if not ax.get_visible():
+            hidden |= {id(text) for text in ax.findobj(matplotlib.text.Text)}
+    return hidden
+
+
+def grid_of_axes(rows, columns, row_height, legend_width=0.0, width=WIDTH, top=0.45, bottom=0.6, left=0.85, gap_x=0.85,
+                 gap_y=0.75, **kwargs):
+    """Axes at sizes in inches, with room kept at the right for a legend or direct labels."""
+    height = top + bottom + rows * row_height + (rows - 1) * gap_y
+    cell = (width - left - legend_width - 0.15 - (columns - 1) * gap_x) / columns
+    figure, axes = plt.subplots(rows, columns, figsize=(width, height), squeeze=False, **kwargs)
+    figure.subplots_adjust(left=left / width, right=1 - (legend_width + 0.15) / width, top=1 - top / height,
+                           bottom=bottom / height, wspace=gap_x / cell, hspace=gap_y / row_height)
+    return figure, axes
+
+
+def legend_right(figure, handles, legend_width, title=None, width=WIDTH):
+    """A legend in the room that grid_of_axes kept."""
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - legend_width / width, 0.97), title=title,
+                  alignment="left", borderaxespad=0, labelspacing=0.55, handlelength=1.8)

@@ -1,0 +1,364 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the report: nothing vanishes, findings follow the data, charts are readable. Run by ctest, or
+python3 reports/tests/reports_test.py. Every check that guards a promise is seen to fail on a planted bug."""
+
+import itertools
+import json
+import math
+import random
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import numpy as np  # noqa: E402
+
+import chart  # noqa: E402
+import charts_breaking  # noqa: E402
+import charts_broadphase  # noqa: E402
+import charts_micro  # noqa: E402
+import coverage  # noqa: E402
+import load  # noqa: E402
+import make  # noqa: E402
+import metrics  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+
+
+def command(*arguments):
+    return subprocess.run([sys.executable, str(HERE.parent / "make.py"), *map(str, arguments)], capture_output=True,
+                          text=True, check=False)
+
+
+class WithStore(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = Path(cls.folder.name) / "store.db"
+        synthetic_store.write(cls.path)
+        cls.store = load.Store(cls.path)
+        cls.context = chart.Context(cls.store)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.store.db.close()
+        cls.folder.cleanup()
+
+
+# Properties over random points, small enough to be checked against the definition.
+
+def check_pareto(front_of):
+    source = random.Random(11)
+    for _ in range(400):
+        size = source.randrange(1, 12)
+        cost = [source.choice([0.0, 1.0, 2.0, 3.0, math.nan, source.random()]) for _ in range(size)]
+        error = [source.choice([0.0, 0.5, 1.0, math.nan, math.inf, source.random()]) for _ in range(size)]
+        front = front_of(cost, error)
+        known = [i for i in range(size) if math.isfinite(cost[i]) and math.isfinite(error[i])]
+        beaten = {i for i, j in itertools.permutations(known, 2)
+                  if cost[j] <= cost[i] and error[j] <= error[i] and (cost[j] < cost[i] or error[j] < error[i])}
+        wanted = {(cost[i], error[i]) for i in known if i not in beaten}
+        if {(cost[i], error[i]) for i in front} != wanted:
+            return f"cost {cost} error {error}: front {front}"
+    return ""
+
+
+def check_crossover(crossover_of):
+    for n_cross in (60, 158, 700, 1500):
+        n = np.array([50, 100, 200, 500, 1000, 2000], dtype=float)
+        found = crossover_of(n, n**2, n_cross * n)
+        if found is None or abs(found - n_cross) > 1e-6 * n_cross:
+            return f"crossing at {n_cross}, found {found}"
+    wobble = crossover_of(np.array([10, 20, 40, 80.0]), np.array([1, 3, 4, 9.0]), np.array([2, 2, 5, 5.0]))
+    if wobble is None or not 40 < wobble < 80:
+        return f"two crossings: the last counts, found {wobble}"
+    if crossover_of(np.array([1, 2.0]), np.array([1, 1.0]), np.array([2, 2.0])) is not None:
+        return "a crossing where there is none"
+    return ""
+
+
+def pareto_without_zero(cost, error):
+    """Planted bug: `if not x or not y: continue`, which ann-benchmarks has, drops what costs or errs exactly 0."""
+    return [i for i in metrics.pareto(cost, error) if cost[i] and error[i]]
+
+
+def first_crossing(n, a, b):
+    """Planted bug: the first sign change, though the methods cross again."""
+    for i in range(len(n) - 1):
+        if a[i] <= b[i] and a[i + 1] > b[i + 1]:
+            return metrics.crossover(n[i:i + 2], a[i:i + 2], b[i:i + 2])
+    return None
+
+
+class Numbers(unittest.TestCase):
+    def test_pareto_front_is_what_nothing_beats(self):
+        self.assertEqual(check_pareto(metrics.pareto), "")
+        self.assertNotEqual(check_pareto(pareto_without_zero), "", "the planted bug was not seen")
+
+    def test_crossover_is_the_last_one(self):
+        self.assertEqual(check_crossover(metrics.crossover), "")
+        self.assertNotEqual(check_crossover(first_crossing), "", "the planted bug was not seen")
+
+    def test_numbers_in_words(self):
+        self.assertEqual(style.si(0.00123, "m"), "1.23 mm")
+        self.assertEqual(style.si(0.0, "m"), "0 m")
+        self.assertEqual(style.si(158300, "ns"), "158 µs")
+        self.assertEqual(style.si(math.nan, "m"), "unknown")
+
+    def test_every_stored_metric_has_a_direction_and_unit(self):
+        for name, metric in metrics.METRICS.items():
+            self.assertIn(metric.better, ("lower", "higher", ""), name)
+            self.assertTrue(metric.unit and metric.description, name)
+
+
+def check_cells(store, cells_of):
+    """Every planned trial belongs to a cell."""
+    for sweep in store.sweeps():
+        planned = int((store.planned["sweep"] == sweep).sum())
+        cells = cells_of(sweep)
+        cells = cells[cells["sweep"] == sweep]
+        if int(cells["planned_trials"].sum()) != planned:
+            return f"{sweep}: {planned} trials planned, {int(cells['planned_trials'].sum())} in cells"
+    return ""
+
+
+class Loading(WithStore):
+    def test_no_cell_vanishes(self):
+        self.assertEqual(check_cells(self.store, self.store.cells), "")
+        only_finished = lambda sweep: self.store.cells(sweep).query("finished_trials > 0")  # noqa: E731
+        self.assertNotEqual(check_cells(self.store, only_finished), "", "the planted bug was not seen")
+
+    def test_a_cell_takes_errors_from_the_untimed_trial_and_times_from_the_repeats(self):
+        cells = self.store.cells("resolvers")
+        row = cells[(cells["scene"] == "pyramid") & (cells["method"] == "catto+linear") & (cells["iterations"] == 4)].iloc[0]
+        self.assertEqual(row["planned_trials"], 3)
+        self.assertGreater(row["ms_per_step_median"], 1.2)
+        self.assertLessEqual(row["ms_per_step_lo"], row["ms_per_step_hi"])
+        self.assertNotEqual(row["key"], row["key_timed"])
+
+    def test_a_null_metric_is_nan_and_stays(self):
+        cells = self.store.cells("resolvers")
+        bad = cells[(cells["scene"] == "mass_ratio") & (cells["method"] == "millington")]
+        self.assertEqual(len(bad), 3)
+        self.assertTrue((bad["outcome"] == "diverged").all())
+        self.assertTrue(bad["max_penetration"].isna().all())
+
+    def test_slope_error_is_the_distance_from_the_closed_form(self):
+        cells = metrics.add(self.store, self.store.cells("resolvers"), ["slope_error", "jitter", "settle_time"])
+        good = cells[(cells["scene"] == "slope") & (cells["outcome"] == "ok")]
+        self.assertTrue((good["slope_error"] < 0.05).all())
+        self.assertTrue(cells[cells["scene"] == "pyramid"]["slope_error"].isna().all())
+
+    def test_a_cell_planned_again_under_another_key_counts_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = synthetic_store.Maker(Path(folder) / "again.db")
+            axes = {"scene": "pyramid", "resolver": "naive"}
+            made.trial("resolvers", axes, {"max_penetration": 1.0})
+            made.trial("resolvers", axes, {"max_penetration": 2.0})
+            made.close()
+            store = load.Store(Path(folder) / "again.db")
+            self.assertEqual(store.superseded, 1)
+            self.assertEqual(list(store.cells("resolvers")["max_penetration"]), [2.0])
+            made = coverage.charts(chart.Context(store))[0]
+            self.assertIn("1 older plan of the same cells", made.finding)
+            style.plt.close(made.figure)
+
+    def test_tilt_comes_from_the_stored_poses(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = synthetic_store.Maker(Path(folder) / "poses.db")
+            half = math.pi / 4
+            turned = {2: ([0, 0, 0, 0.1], [0, 5, 5, 0.4 + 2 * math.pi]),
+                      3: ([3, 0, 0, 0, 1, 0, 0, 0], [3, 1, 1, 1, -math.cos(half), 0, 0, -math.sin(half)])}
+            keys = {}
+            for dimension, (first, last) in turned.items():
+                axes = {"scene": "pyramid", "dimension": dimension}
+                keys[dimension] = made.trial("resolvers", axes, {}, extra={"dimension": dimension})
+                made.poses(keys[dimension], 0, [first])
+                made.poses(keys[dimension], 60, [last])
+            made.close()
+            store = load.Store(Path(folder) / "poses.db")
+            self.assertAlmostEqual(metrics.tilt_end(metrics.Trial(store, keys[2])), 0.3)
+            self.assertAlmostEqual(metrics.tilt_end(metrics.Trial(store, keys[3])), math.pi / 2)
+
+    def test_times_of_two_machines_are_not_compared(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = synthetic_store.Maker(Path(folder) / "two.db")
+            made.second_machine()
+            for label, machine in (("naive", 1), ("sat", 1), ("stranger", 2)):
+                made.world("resolvers", {"scene": "pyramid", "dimension": 2, "resolver": label}, 1.0, 1e-3, machine=machine)
+            made.close()
+            cells, refused = load.one_machine(load.Store(Path(folder) / "two.db").cells("resolvers"))
+            self.assertEqual(len(refused), 1)
+            self.assertIn("stranger", refused[0])
+            self.assertTrue(cells[cells["method"] == "stranger"]["ms_per_step_median"].isna().all())
+            self.assertTrue(cells[cells["method"] == "stranger"]["max_penetration"].notna().all())
+
+
+class Findings(WithStore):
+    def test_crossover_is_found_where_it_was_planted(self):
+        cells = self.store.cells("broadphase")
+        cross = charts_broadphase.crossings(cells[cells["dimension"] == 2])
+        tree = cross[cross["method"] == "region_tree"]
+        # 0.9 n^2 = 95 n^1.08 of synthetic_store.BROADPHASES
+        for n in tree["n"]:
+            self.assertAlmostEqual(n, (95 / 0.9)**(1 / 0.92), delta=1)
+        self.assertIn("158 bodies", charts_broadphase.finding(cross, "region_tree", 2))
+
+    def test_what_falls_first_and_what_has_no_result_beyond(self):
+        text = " ".join(c.finding for c in charts_breaking.charts(self.context))
+        self.assertIn("vertical_stack naive falls first, at n = 6 (collapsed)", text)
+        self.assertIn("soft_step held to 33.3 ms with no result beyond", text)
+
+    def test_every_outcome_that_is_not_ok_is_listed(self):
+        table = coverage.trials(self.store)
+        bad = coverage.not_ok(table)
+        self.assertEqual(int(bad["trials"].sum()), int((table["outcome"] != "ok").sum()))
+        self.assertEqual(len(table), len(self.store.planned))
+
+    def test_micro_benchmarks_use_their_own_clock_and_show_failures(self):
+        made = charts_micro.charts(self.context)[0]
+        self.assertIn("broken on uniform/100: did not start", made.holes)
+        row = made.table.set_index("algorithm").loc["naive"]
+        self.assertEqual(row["uniform/1000"], style.si(0.9e-9 * 1e6, "s"))
+        self.assertIn("sort_and_sweep", made.finding)
+        style.plt.close(made.figure)
+
+    def test_colours_stay_with_their_method(self):
+        looks = self.context.looks
+        again = style.Looks(self.store, [["sat", "naive", "zzz"], ["catto+linear", "aaa"]])
+        for label in ("naive", "catto+linear", "sat"):
+            self.assertEqual(looks(label)["color"], again(label)["color"])
+        family = [looks(label)["color"] for label in synthetic_store.RESOLVERS]
+        self.assertEqual(len(set(family)), len(family))
+
+
+def check_zero_place(axis_of):
+    """On this axis 0, a small number and a failure have places inside the limits, in this order."""
+    _, ax = style.plt.subplots()
+    axis = axis_of(ax, "y", [0.0, 1e-6, 1e-3, math.nan])
+    low, high = ax.get_ylim()
+    places = [axis.place(v) for v in (0.0, 1e-6, 1e-3, math.nan)]
+    labels = [t.get_text() for t in ax.get_yticklabels()]
+    style.plt.close(ax.figure)
+    return low < places[0] < places[1] < places[2] < places[3] < high and "0" in labels and "failed" in labels
+
+
+class PlainLog(style.ZeroLog):
+    """Planted bug: a plain log axis, on which 0 and NaN are nowhere."""
+
+    def place(self, value):
+        return value
+
+
+class Drawing(WithStore):
+    def test_zero_and_failures_have_a_place(self):
+        self.assertTrue(check_zero_place(style.ZeroLog))
+        self.assertFalse(check_zero_place(PlainLog), "the planted bug was not seen")
+
+    def test_no_labels_overlap_or_are_cut_off(self):
+        for made in make.all_charts(self.context):
+            if made.figure is not None:
+                together, outside = style.overlaps(made.figure)
+                self.assertEqual((together, outside), ([], []), made.id)
+                style.plt.close(made.figure)
+
+    def test_overlapping_labels_are_seen(self):
+        figure, ax = style.plt.subplots()
+        ax.text(0.5, 0.5, "planted")
+        ax.text(0.51, 0.5, "planted twin")
+        ax.text(2.5, 0.5, "planted outside")
+        together, outside = style.overlaps(figure)
+        style.plt.close(figure)
+        self.assertIn(("planted", "planted twin"), together)
+        self.assertIn("planted outside", outside)
+
+    def test_every_theme_survives_an_empty_store(self):
+        with tempfile.TemporaryDirectory() as folder:
+            synthetic_store.write(Path(folder) / "empty.db", themes=())
+            context = chart.Context(load.Store(Path(folder) / "empty.db"))
+            made = make.all_charts(context)
+            self.assertGreaterEqual(len(made), 8)
+            self.assertTrue(all(c.figure is None and c.finding for c in made))
+
+    def test_every_theme_survives_a_store_with_nothing_finished(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "planned.db"
+            synthetic_store.write(path)
+            with sqlite3.connect(path) as db:
+                for table in ("trial", "series"):
+                    db.execute(f"DELETE FROM {table}")
+            made = make.all_charts(chart.Context(load.Store(path)))
+            self.assertTrue(any("not run" in " ".join(c.holes) for c in made))
+            for c in made:
+                if c.figure is not None:
+                    style.plt.close(c.figure)
+
+
+class Command(WithStore):
+    def test_page_names_every_failure_and_links_exist(self):
+        out = Path(self.folder.name) / "out"
+        done = command("--store", self.path, "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "")
+        page = (out / "index.html").read_text(encoding="utf-8")
+        self.assertEqual(done.stdout.strip(), str(out / "index.html"))
+        for source in page.split('src="')[1:]:
+            self.assertTrue((out / source.split('"')[0]).is_file(), source)
+        for word in ("Invented CPU 9000", "g++ 12.2.0", "-ffp-contract=off", "abc1234", "not run", "diverged",
+                     "3 pairs that naive has not", "lpc sweep resolvers --store"):
+            self.assertIn(word, page)
+        self.assertNotIn("http", page.replace("http-equiv", ""), "the page must open from disk alone")
+
+    def test_same_store_gives_the_same_bytes(self):
+        outs = [Path(self.folder.name) / name for name in ("first", "second")]
+        for out in outs:
+            self.assertEqual(command("--store", self.path, "--out", out, "--only", "broadphase_2d,coverage").returncode, 0)
+        for name in ("charts/broadphase_2d.svg", "charts/coverage.png", "tables/broadphase_2d.csv"):
+            self.assertEqual((outs[0] / name).read_bytes(), (outs[1] / name).read_bytes(), name)
+
+    def test_one_chart_for_the_readme(self):
+        target = Path(self.folder.name) / "best.svg"
+        done = command("--store", self.path, "--chart", "best", "--to", target)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("<svg", target.read_text(encoding="utf-8"))
+
+    def refuses(self, expected, *arguments):
+        done = command(*arguments)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn(expected, done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+
+    def test_mistakes_are_told_in_one_line(self):
+        folder = Path(self.folder.name)
+        self.refuses("no such store", "--store", folder / "absent.db", "--out", folder / "o")
+        (folder / "text.db").write_text("this is not a database, only a text that is long enough to be one" * 20)
+        self.refuses("not a result store", "--store", folder / "text.db", "--out", folder / "o")
+        sqlite3.connect(folder / "blank.db").execute("CREATE TABLE other(x)")
+        self.refuses("no table", "--store", folder / "blank.db", "--out", folder / "o")
+        synthetic_store.write(folder / "future.db", themes=())
+        with sqlite3.connect(folder / "future.db") as db:
+            db.execute("UPDATE meta SET value='9' WHERE key='schema_version'")
+        self.refuses("store schema 9, this report reads schema 1", "--store", folder / "future.db", "--out", folder / "o")
+        self.refuses("no such chart", "--store", self.path, "--out", folder / "o", "--only", "nonsense")
+        self.refuses("give --out", "--store", self.path)
+        self.assertFalse((folder / "o").exists(), "a refused command must write nothing")
+
+    def test_a_missing_package_is_named(self):
+        script = ("import builtins, sys\nreal = builtins.__import__\n"
+                  "def fake(name, *a, **k):\n"
+                  "    if name == 'jinja2': raise ImportError('planted', name='jinja2')\n"
+                  "    return real(name, *a, **k)\n"
+                  f"builtins.__import__ = fake\nsys.path.insert(0, {json.dumps(str(HERE.parent))})\nimport make\n"
+                  f"sys.exit(make.main(['--store', {json.dumps(str(self.path))}, '--list']))")
+        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no package jinja2", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

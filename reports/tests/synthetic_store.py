@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Zlib
+"""A small invented store of schema 1 with every kind of trouble in it: failures, holes, zeros, NaN, two machines."""
+
+import json
+import math
+import sqlite3
+
+import numpy as np
+
+SCHEMA = """
+CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT);
+CREATE TABLE machine(id INTEGER PRIMARY KEY, description TEXT UNIQUE);
+CREATE TABLE planned(sweep TEXT, key TEXT, axes TEXT, PRIMARY KEY(sweep, key));
+CREATE TABLE trial(key TEXT PRIMARY KEY, kind TEXT, canonical TEXT, outcome TEXT, reason TEXT, step INTEGER,
+                   metrics TEXT, machine INTEGER, commit_id TEXT, started TEXT, wall REAL, timed INTEGER, hash TEXT);
+CREATE TABLE series(key TEXT, name TEXT, data BLOB, PRIMARY KEY(key, name));
+CREATE TABLE poses(key TEXT, step INTEGER, data BLOB, PRIMARY KEY(key, step));
+CREATE TABLE benchmark(id INTEGER PRIMARY KEY, imported TEXT, data TEXT);
+"""
+MACHINE = {"cpu": "Invented CPU 9000", "cores": 2, "memory_gib": 8, "os": "Debian GNU/Linux 12", "compiler": "g++ 12.2.0",
+           "flags": "-O3 -ffp-contract=off", "governor": "performance"}
+RESOLVERS = {"naive": (0.6, 3e-2, 4), "millington": (2.5, 8e-3, 9), "catto+none": (1.0, 2e-3, 20),
+             "catto+linear": (1.2, 9e-4, 25), "catto+nonlinear": (1.4, 7e-4, 30), "catto+baumgarte": (1.02, 8e-4, 25),
+             "catto+split_impulse": (1.3, 4e-4, 40), "soft_step": (1.1, 1e-4, 60)}
+BROADPHASES = {"naive": (0.9, 2.0, 400), "naive_sphere": (0.7, 2.0, 400), "sort_and_sweep": (28, 1.12, 1500),
+               "uniform_grid": (60, 1.03, 2500), "region_tree": (95, 1.08, 3000)}
+QUERIES = {"closed_form": (9, 0.0), "sat": (60, 2e-16), "gjk_epa": (400, 3e-12), "fcl": (900, 4e-7), "libccd": (1500, 8e-5)}
+
+
+class Maker:
+    def __init__(self, path, seed=7):
+        self.db = sqlite3.connect(path)
+        self.db.executescript(SCHEMA)
+        self.db.execute("INSERT INTO meta VALUES ('schema_version', '1')")
+        self.db.execute("INSERT INTO machine VALUES (1, ?)", (json.dumps(MACHINE),))
+        self.random = np.random.default_rng(seed)
+        self.count = 0
+
+    def second_machine(self):
+        self.db.execute("INSERT INTO machine VALUES (2, ?)", (json.dumps({**MACHINE, "cpu": "Another CPU"}),))
+
+    def plan(self, sweep, **axes):
+        self.count += 1
+        key = f"{self.count:032x}"
+        self.db.execute("INSERT INTO planned VALUES (?, ?, ?)", (sweep, key, json.dumps(axes)))
+        return key
+
+    def trial(self, sweep, axes, metrics, outcome="ok", reason="", step=None, series=None, machine=1, extra=None):
+        """Plans and finishes one trial; returns its key."""
+        key = self.plan(sweep, **axes)
+        timed = 1 if axes.get("timed") else 0
+        canonical = {"schema": 1, "seed": 1, "dt": 1 / 60, **(extra or {}), "axes": axes}
+        clean = {k: None if v is None or math.isnan(v) else v for k, v in metrics.items()}
+        self.db.execute("INSERT INTO trial VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)",
+                        (key, axes.get("kind"), json.dumps(canonical), outcome, reason, step, json.dumps(clean), machine,
+                         "abc1234", "2026-11-21T04:00:00Z", 0.1, timed, "00"))
+        for name, values in (series or {}).items():
+            self.db.execute("INSERT INTO series VALUES (?,?,?)", (key, name, np.asarray(values, "<f8").tobytes()))
+        return key
+
+    def poses(self, key, step, rows):
+        self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
+
+    def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=2,
+              machine=1, steps=300, extra=None):
+        """The untimed trial and the timed repeats of one cell."""
+        axes = {"kind": "world", "precision": "f64", **axes}
+        n = steps if step is None else step
+        at = np.arange(n)
+        noise = self.random.random(n)
+        series = {"max_speed": restless * (0.3 + noise) + 2 * np.exp(-at / 15), "points": np.minimum(at, points) * 1.0,
+                  "kinetic": 10 * np.exp(-at / 20) + restless, "potential": 100 - 5 * (1 - np.exp(-at / 20)),
+                  "drift": error * 3 * at / steps, "mean_penetration": np.full(n, error / 2),
+                  "x_last": at * 0.01, "y_last": -at * 0.005}
+        # The block slides as the closed form of resolvers() says, but for the error.
+        facts = {"max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
+                 "steps_done": n, "max_speed_end": restless, "slope_distance": 5 * (0.2955 - 0.2 * 0.9553) * (n / 60)**2 + error}
+        self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra)
+        if outcome in ("ok", "collapsed"):
+            for repeat in range(repeats):
+                ms = base_ms * (1 + 0.04 * self.random.random())
+                self.trial(sweep, {**axes, "timed": True, "repeat": repeat},
+                           {"ms_per_step_median": ms, "ms_per_step_p25": ms * 0.97, "ms_per_step_p75": ms * 1.05,
+                            **facts}, outcome, reason, step, machine=machine, extra=extra)
+
+    def close(self):
+        self.db.commit()
+        self.db.close()
+
+
+def broadphase(make, sizes=(50, 100, 200, 500, 1000, 2000)):
+    for dimension in (2, 3):
+        for distribution in ("uniform", "cluster"):
+            for name, (scale, power, tests) in BROADPHASES.items():
+                for n in sizes:
+                    axes = {"kind": "boxes", "dimension": dimension, "distribution": distribution, "broadphase": name, "n": n,
+                            "precision": "f64"}
+                    if name == "uniform_grid" and distribution == "cluster" and n == 2000:
+                        make.plan("broadphase_crossover", **axes, timed=False, repeat=0)  # a hole
+                        continue
+                    wrong = name == "naive_sphere" and dimension == 3 and n == 500
+                    ns = scale * n**power * (1.3 if dimension == 3 else 1)
+                    make.trial("broadphase_crossover", {**axes, "timed": False, "repeat": 0},
+                               {"box_tests_mean": tests / 1000 * n**power, "pairs_mean": 2.5 * n, "wrong_pairs": wrong},
+                               "wrong" if wrong else "ok", "3 pairs that naive has not" if wrong else "")
+                    if not wrong:
+                        make.trial("broadphase_crossover", {**axes, "timed": True, "repeat": 0},
+                                   {"ns_per_frame_median": ns, "ns_per_frame_p25": ns * 0.95, "ns_per_frame_p75": ns * 1.1})
+
+
+def resolvers(make):
+    for scene, dimensions in (("vertical_stack", (2, 3)), ("pyramid", (2,)), ("slope", (2,)), ("mass_ratio", (2,))):
+        for dimension in dimensions:
+            for label, (ms, error, _) in RESOLVERS.items():
+                for i, iterations in enumerate((4, 10, 40)):
+                    axes = {"scene": scene, "dimension": dimension, "resolver": label, "iterations": iterations}
+                    extra = {"scene": {"angle": 0.3, "mu": 0.2}} if scene == "slope" else None
+                    e = 0.0 if label == "soft_step" and iterations == 40 else error / (1 + i)
+                    if label == "naive" and iterations < 40:
+                        make.world("resolvers", axes, ms * (1 + i), e, "collapsed", "drift 0.6 m over 0.5 m", 88 + i,
+                                   restless=0.5)
+                    elif label == "millington" and scene == "mass_ratio":
+                        make.world("resolvers", axes, ms, math.nan, "diverged", "nan", 12)
+                    else:
+                        make.world("resolvers", axes, ms * (1 + i), e, restless=error * 5, extra=extra)
+
+
+def breaking(make):
+    for dimension in (2, 3):
+        for label, (_, _, height) in RESOLVERS.items():
+            for n in (2, 4, 6, 8, 10, 15, 20, 30, 40, 60):
+                fell = n > height
+                make.world("breaking_points", {"scene": "vertical_stack", "dimension": dimension, "resolver": label, "n": n},
+                           1, 1e-3, "collapsed" if fell else "ok", "drift" if fell else "", 50 if fell else None, repeats=0)
+            for ratio in (1, 10, 100, 1000, 10000):
+                fell = ratio > height * 10
+                make.world("breaking_points", {"scene": "mass_ratio", "dimension": dimension, "resolver": label,
+                                               "ratio": ratio}, 1, 1e-3, "exploded" if fell else "ok", "speed" if fell else "",
+                           50 if fell else None, repeats=0)
+            for dt in (1 / 240, 1 / 120, 1 / 60, 1 / 30, 1 / 15):
+                axes = {"scene": "vertical_stack", "dimension": dimension, "resolver": label, "n": 8, "dt": dt}
+                if label == "soft_step" and dt > 0.05:
+                    make.plan("breaking_points_dt", **axes)
+                    continue
+                fell = dt * 300 > height
+                make.world("breaking_points_dt", axes, 1, 1e-3, "diverged" if fell else "ok", "nan" if fell else "",
+                           9 if fell else None, repeats=0)
+
+
+def pairs_of_runs(make):
+    for scene in ("circle_towers", "pyramid"):
+        for model, ratio in (("minimal", 1), ("3d", 3.4), ("+friction", 1.5), ("+rotation", 1.2), ("+cache", 1.05),
+                             ("+sleeping", 0.8)):
+            make.world("unneeded", {"scene": scene, "model": model, "dimension": 3 if model == "3d" else 2,
+                                    "resolver": "catto+linear"}, 0.4 * ratio, 0.0 if model == "minimal" else 1e-4 * ratio)
+    for scene in ("vertical_stack", "pyramid"):
+        for label in ("naive", "catto+linear", "soft_step"):
+            for precision in ("f64", "f32"):
+                fell = scene == "pyramid" and label == "naive" and precision == "f32"
+                make.world("precision", {"scene": scene, "dimension": 2, "resolver": label, "precision": precision},
+                           0.5 * (0.8 if precision == "f32" else 1), 1e-4 * (1.3 if precision == "f32" else 1),
+                           "diverged" if fell else "ok", "nan" if fell else "", 4 if fell else None)
+
+
+def queries(make):
+    kinds = {2: ("circle", "box", "polygon"), 3: ("sphere", "capsule", "polytope")}
+    for dimension, names in kinds.items():
+        for i, a in enumerate(names):
+            for b in names[i:]:
+                for label, (ns, error) in QUERIES.items():
+                    axes = {"kind": "pairs", "dimension": dimension, "pair_query": label, "kind_a": a, "kind_b": b,
+                            "precision": "f64", "timed": True, "repeat": 0}
+                    if label == "closed_form" and "poly" in a + b:
+                        make.trial("pair_queries", axes, {}, "unsupported", f"no {a}-{b}")
+                        continue
+                    e = error * (1 + 3 * make.random.random())
+                    failed = 3 if label == "libccd" and b in ("capsule", "box") else 0
+                    make.trial("pair_queries", axes, {"ns_per_query": ns * (1 + make.random.random()), "median_error": e / 50,
+                                                      "p99_error": e, "max_error": e * 40, "failed": failed, "refused": 0,
+                                                      "wrong_boolean": 0, "asked": 10000},
+                               "wrong" if failed else "ok", f"{failed} wrong" if failed else "")
+
+
+def stages(make, steps=1200):
+    at = np.arange(steps)
+    bodies = np.minimum(30 + at // 6, 180)
+    for sleep in ("none", "split_average"):
+        awake = bodies if sleep == "none" else np.where(at > 800, bodies * 0.3, bodies)
+        series = {"bodies": bodies, "awake": awake, "points": awake * 1.8, "pairs": awake * 2.5}
+        axes = {"kind": "world", "scene": "director_1", "dimension": 2, "sleep": sleep}
+        make.trial("stages", {**axes, "timed": False, "repeat": 0}, {"bodies": 180}, series=series)
+        times = {"sec_broadphase": awake * 1e-6, "sec_contacts": awake * 3e-6, "sec_solver": awake * 8e-6,
+                 "sec_solver_iterate": awake * 6e-6, "sec_sleep": awake * 2e-7}
+        times["seconds"] = times["sec_broadphase"] + times["sec_contacts"] + times["sec_solver"] + awake * 5e-7
+        make.trial("stages", {**axes, "timed": True, "repeat": 0}, {"ms_per_step_median": 1.0}, series=times)
+
+
+def benchmark(make):
+    runs = [{"name": f"broadphase/2D/{name}/{layout}/{n}/manual_time", "run_type": "iteration", "cpu_time": 1.0,
+             "real_time": scale * n**power, "time_unit": "ns"}
+            for name, (scale, power, _) in BROADPHASES.items() for layout in ("uniform", "cluster") for n in (100, 1000)]
+    runs.append({"name": "broadphase/2D/broken/uniform/100/manual_time", "run_type": "iteration", "cpu_time": 0,
+                 "real_time": 0, "time_unit": "ns", "error_occurred": True, "error_message": "did not start"})
+    make.db.execute("INSERT INTO benchmark(imported, data) VALUES (?, ?)",
+                    ("2026-11-21", json.dumps({"context": {"num_cpus": 2, "mhz_per_cpu": 2600}, "benchmarks": runs})))
+
+
+THEMES = (broadphase, resolvers, breaking, pairs_of_runs, queries, stages, benchmark)
+
+
+def write(path, themes=THEMES):
+    make = Maker(path)
+    for theme in themes:
+        theme(make)
+    make.close()

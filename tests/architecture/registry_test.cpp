@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Zlib
+// What is registered is what the documents say, and what reports will be able to show.
+#include "framework/registry.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+std::string read(const std::string& path) {
+  std::ifstream in(std::string(LPC_SOURCE_DIR) + "/" + path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(RegistryRules, EveryStageHasACompetitorInBothDimensions) {
+  for (int d : {2, 3}) {
+    for (int k = 0; k < kStageKinds; ++k) {
+      const auto stage = static_cast<StageKind>(k);
+      EXPECT_FALSE(Registry::instance().list(stage, d).empty()) << stageName(stage) << " in " << d << "D";
+    }
+  }
+}
+
+// "| stage | a, b, c |" rows between the marks in docs/architecture.md.
+TEST(RegistryRules, TheArchitecturePageNamesExactlyWhatIsRegistered) {
+  const std::string page = read("docs/architecture.md");
+  const std::size_t begin = page.find("<!-- registry -->"), end = page.find("<!-- end -->");
+  ASSERT_NE(begin, std::string::npos);
+  std::map<std::string, std::string> documented;
+  const std::string table = page.substr(begin, end - begin);
+  const std::regex row("\\| ([a-z_]+) \\| ([a-z0-9_, ]+) \\|");
+  for (auto it = std::sregex_iterator(table.begin(), table.end(), row); it != std::sregex_iterator(); ++it) {
+    documented[(*it)[1]] = (*it)[2];
+  }
+  for (int k = 0; k < kStageKinds; ++k) {
+    std::set<std::string> names;
+    for (int d : {2, 3}) {
+      for (const Registered* r : Registry::instance().list(static_cast<StageKind>(k), d)) {
+        if (r->info.role == Role::competitor) names.insert(r->info.name);
+      }
+    }
+    std::string joined;
+    for (const std::string& n : names) joined += (joined.empty() ? "" : ", ") + n;
+    EXPECT_EQ(documented[std::string(stageName(static_cast<StageKind>(k)))], joined);
+  }
+}
+
+TEST(RegistryRules, EveryAlgorithmDescribesItself) {
+  const std::string papers = read("docs/references.bib");
+  const std::regex name("[a-z][a-z0-9_]*");
+  for (const auto& [key, r] : Registry::instance().all()) {
+    SCOPED_TRACE(r.info.name);
+    EXPECT_TRUE(std::regex_match(r.info.name, name));
+    EXPECT_FALSE(r.info.summary.empty());
+    EXPECT_FALSE(r.info.complexity.empty());
+    EXPECT_EQ(r.info.summary.find('\n'), std::string::npos);
+    if (!r.info.paper.empty()) {
+      EXPECT_NE(papers.find("{" + r.info.paper + ","), std::string::npos)
+          << "docs/references.bib lacks " << r.info.paper;
+    }
+    for (const FailureMode& f : r.info.failures) EXPECT_FALSE(f.when.empty() || f.symptom.empty() || f.test.empty());
+    for (const ParamInfo& p : r.params) EXPECT_FALSE(p.meaning.empty() || p.unit.empty()) << p.name;
+    if (r.info.role != Role::competitor) continue;
+    const std::string folder = "algorithms/" + std::string(stageName(r.stage)) + "/" + r.info.name + ".cpp";
+    EXPECT_TRUE(r.file.ends_with(folder)) << r.file << " should be " << folder;
+  }
+}
+
+TEST(RegistryRules, CanonicalTextIsAFixedPoint) {
+  for (const auto& [key, r] : Registry::instance().all()) {
+    const Spec full = r.canonical(Spec{r.info.name, {}});
+    EXPECT_EQ(r.canonical(full), full) << full.text();
+    EXPECT_EQ(Spec::parse(full.text()), full);
+    EXPECT_NE(r.create(full), nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Zlib
+// No stage allocates once it is warm: what it needs again it keeps. Counted by replacing the allocator of this program.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "framework/random.h"
+#include "framework/world.h"
+
+namespace {
+long allocations = 0;
+
+void* counted(std::size_t size) {
+  ++allocations;
+  void* memory = std::malloc(size > 0 ? size : 1);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size); }
+void* operator new[](std::size_t size) { return counted(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+// Here, and inside the library, too.
+TEST(Allocations, AreCounted) {
+  long before = allocations;
+  delete new int(1);
+  std::vector<int> v(10);
+  EXPECT_EQ(allocations - before, 2);
+  before = allocations;
+  const World<2> world;
+  EXPECT_GT(allocations - before, 5);
+}
+
+// Boxes that wander to and fro, so that every frame is another one and no crowd grows for ever.
+template <int D>
+long allocationsOfWarmFrames(Broadphase<D>& broadphase) {
+  constexpr int kBoxes = 300;
+  Random random(5);
+  Proxies<D> proxies;
+  proxies.resize(kBoxes);
+  std::vector<ProxyId> all;
+  std::vector<Aabb<D>> home;
+  for (ProxyId i = 0; i < kBoxes; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    Aabb<D> box;
+    for (int d = 0; d < D; ++d) {
+      box.lo[d] = static_cast<Real>(random.uniform(0, 12));
+      box.hi[d] = box.lo[d] + static_cast<Real>(random.uniform(0.5, 1.5));
+    }
+    proxies.setBox(i, box);
+    proxies.active[k] = 1, proxies.body[k] = i, proxies.category[k] = proxies.mask[k] = 1;
+    all.push_back(i), home.push_back(box);
+  }
+  std::vector<ProxyPair> pairs;
+  pairs.reserve(kBoxes * kBoxes / 2);
+  Work work;
+  broadphase.update(proxies, {all, {}, {}});
+  long warm = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    const Real shift = static_cast<Real>(frame % 10) / 100;
+    for (ProxyId i : all) {
+      Aabb<D> box = home[static_cast<std::size_t>(i)];
+      box.lo[i % D] += shift, box.hi[i % D] += shift;
+      proxies.setBox(i, box);
+    }
+    pairs.clear();
+    if (frame == 20) warm = allocations;
+    broadphase.update(proxies, {{}, {}, all});
+    broadphase.findPairs(proxies, pairs, work);
+  }
+  return allocations - warm;
+}
+
+template <int D>
+void checkBroadphases() {
+  for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
+    const auto broadphase = createStage<Broadphase<D>>(Spec{algorithm->info.name, {}});
+    EXPECT_EQ(allocationsOfWarmFrames(*broadphase), 0) << algorithm->info.name;
+  }
+}
+TEST(Allocations, Broadphases2) { checkBroadphases<2>(); }
+TEST(Allocations, Broadphases3) { checkBroadphases<3>(); }
+
+// Planted bug: a list of candidates that is made anew in each frame.
+class ForgetsItsMemory final : public Broadphase<2> {
+ public:
+  void findPairs(const Proxies<2>& proxies, std::vector<ProxyPair>&, Work&) override {
+    std::vector<ProxyId> candidates(static_cast<std::size_t>(proxies.size()));
+    m_last = candidates.data();
+  }
+  const ProxyId* m_last = nullptr;
+};
+TEST(Allocations, PlantedBugIsCaught) {
+  ForgetsItsMemory bug;
+  EXPECT_EQ(allocationsOfWarmFrames<2>(bug), 20);
+}
+
+// A pile at rest, with all stages at work.
+template <int D>
+long allocationsOfWarmSteps(const Pipeline& pipeline) {
+  WorldSettings<D> settings;
+  settings.features.sleeping = false;
+  World<D> world(pipeline, settings);
+  const auto add = [&](BodyType type, const Vec<D>& at, const Vec<D>& half) {
+    BodyDef<D> body;
+    body.type = type, body.X_WB.p = at;
+    ShapeDef<D> shape;
+    shape.shape = Shape<D>::box(half);
+    body.shapes.push_back(shape);
+    world.add(body);
+  };
+  Vec<D> under = Vec<D>::Zero();
+  under[1] = -5;
+  add(BodyType::fixed, under, Vec<D>::Constant(5));
+  for (int k = 0; k < 4; ++k) {
+    Vec<D> at = Vec<D>::Zero();
+    at[0] = Real(1.2) * static_cast<Real>(k % 2), at[1] = Real(0.5) + static_cast<Real>(k / 2);
+    add(BodyType::dynamic, at, Vec<D>::Constant(Real(0.5)));
+  }
+  for (int k = 0; k < 30; ++k) world.step(Real(1) / 60);
+  const long before = allocations;
+  for (int k = 0; k < 10; ++k) world.step(Real(1) / 60);
+  return allocations - before;
+}
+
+template <int D>
+void checkWorlds() {
+  const auto each = [](StageKind kind, auto use) {
+    for (const Registered* algorithm : Registry::instance().list(kind, D)) {
+      if (algorithm->info.role == Role::competitor) use(Spec{algorithm->info.name, {}});
+    }
+  };
+  const auto check = [](const Pipeline& pipeline) {
+    EXPECT_EQ(allocationsOfWarmSteps<D>(pipeline), 0) << pipeline.text();
+  };
+  each(StageKind::contacts, [&](const Spec& spec) {
+    Pipeline p;
+    p.contacts = spec;
+    check(p);
+  });
+  each(StageKind::cache, [&](const Spec& spec) {
+    Pipeline p;
+    p.cache = spec;
+    check(p);
+  });
+  each(StageKind::solver, [&](const Spec& spec) {
+    Pipeline p;
+    p.solver = spec;
+    check(p);
+  });
+  each(StageKind::sleep, [&](const Spec& spec) {
+    Pipeline p;
+    p.sleep = spec;
+    check(p);
+  });
+  const std::pair<StageKind, const char*> parts[] = {
+      {StageKind::velocity, "velocity"}, {StageKind::position, "position"}, {StageKind::integrator, "integrator"}};
+  for (const auto& [kind, key] : parts) {
+    each(kind, [&, key = key](const Spec& spec) {
+      Pipeline p;
+      p.solver = {"split_solver", {}};
+      p.solver.set(key, spec);
+      check(p);
+    });
+  }
+}
+TEST(Allocations, Worlds2) { checkWorlds<2>(); }
+TEST(Allocations, Worlds3) { checkWorlds<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Zlib
+// Queries on boxes, asked of every broadphase: overlap and point exactly as brute force, ray and sweep as an oracle in
+// long double wherever the answer does not hang on the last bits.
+#include <cmath>
+
+#include "tests/check_property.h"
+#include "tests/conformance/broadphase_model.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+/// When the box moved by t * displacement meets the target, for t in [0, maxT], and how sure that is.
+struct Meeting {
+  bool hit = false, sure = true;
+  long double t = 0;
+};
+
+// Slabs of the sum of both boxes, without any of the tricks of the code under test.
+template <int D>
+Meeting meeting(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target) {
+  long double enter = 0, leave = maxT;
+  bool apart = false;
+  for (int d = 0; d < D; ++d) {
+    const long double lo = static_cast<long double>(target.lo[d]) - box.hi[d];
+    const long double hi = static_cast<long double>(target.hi[d]) - box.lo[d];
+    const long double v = displacement[d];
+    if (v == 0) {
+      apart = apart || lo > 0 || hi < 0;
+    } else {
+      enter = std::max(enter, std::min(lo / v, hi / v));
+      leave = std::min(leave, std::max(lo / v, hi / v));
+    }
+  }
+  if (apart) return {};
+  const long double doubt = 64 * std::numeric_limits<Real>::epsilon() * (1 + std::abs(enter) + std::abs(leave));
+  return {enter <= leave, std::abs(enter - leave) > doubt, enter};
+}
+
+template <int D>
+struct Hall {
+  Proxies<D> proxies;
+  std::vector<ProxyId> added;
+
+  explicit Hall(BoxFamily family, std::uint64_t seed, int count) {
+    Random random(seed);
+    proxies.resize(count);
+    for (int i = 0; i < count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (random.below(5) == 0) continue;  // a free slot
+      proxies.setBox(i, drawBox<D>(random, family));
+      proxies.body[k] = i, proxies.active[k] = static_cast<std::uint8_t>(random.below(2));
+      proxies.category[k] = proxies.mask[k] = 0;  // queries do not ask
+      added.push_back(i);
+    }
+  }
+};
+
+template <int D>
+void checkMeetings(const Hall<D>& hall, const Aabb<D>& box, const Vec<D>& displacement, Real maxT,
+                   std::vector<RayHit<D>> hits) {
+  std::sort(hits.begin(), hits.end(), [](const auto& a, const auto& b) { return a.proxy < b.proxy; });
+  std::size_t at = 0;
+  for (ProxyId i : hall.added) {
+    const Meeting m = meeting<D>(box, displacement, maxT, hall.proxies.box(i));
+    const bool found = at < hits.size() && hits[at].proxy == i;
+    if (m.sure) RC_ASSERT(found == m.hit);
+    if (found) {
+      const long double error = std::abs(hits[at].t - m.t);
+      if (m.sure) RC_ASSERT(error <= 16 * std::numeric_limits<Real>::epsilon() * (1 + std::abs(m.t)));
+      RC_ASSERT(hits[at].t >= 0);
+      RC_ASSERT(hits[at].t <= maxT);
+      ++at;
+    }
+  }
+  RC_ASSERT(at == hits.size());  // none twice, none of a free slot
+}
+
+template <int D>
+std::vector<ProxyId> sorted(std::vector<RayHit<D>> hits) {
+  std::vector<ProxyId> ids;
+  for (const auto& h : hits) ids.push_back(h.proxy);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+template <int D>
+void checkQueries(Broadphase<D>& broadphase, BoxFamily family, std::uint64_t seed, int count) {
+  Hall<D> hall(family, seed, count);
+  broadphase.update(hall.proxies, {hall.added, {}, hall.added});
+  std::vector<ProxyPair> pairs;
+  Work work;
+  broadphase.findPairs(hall.proxies, pairs, work);
+  Random random(seed + 1);
+  const Aabb<D> box = drawBox<D>(random, family);
+
+  std::vector<ProxyId> found, truth;
+  broadphase.overlap(hall.proxies, box, found);
+  for (ProxyId i : hall.added) {
+    if (box.overlaps(hall.proxies.box(i))) truth.push_back(i);
+  }
+  std::sort(found.begin(), found.end());
+  RC_ASSERT(found == truth);
+
+  // A corner of a box of the crowd, if there is one: a point on the border is in.
+  Vec<D> point = box.lo;
+  if (!hall.added.empty() && random.below(2)) {
+    const Aabb<D> other = hall.proxies.box(hall.added[random.below(hall.added.size())]);
+    for (int d = 0; d < D; ++d) point[d] = random.below(2) ? other.lo[d] : other.hi[d];
+  }
+  found.clear(), truth.clear();
+  broadphase.at(hall.proxies, point, found);
+  for (ProxyId i : hall.added) {
+    if (hall.proxies.box(i).contains(point)) truth.push_back(i);
+  }
+  std::sort(found.begin(), found.end());
+  RC_ASSERT(found == truth);
+
+  Vec<D> direction;
+  for (int d = 0; d < D; ++d) direction[d] = static_cast<Real>(static_cast<int>(random.below(7)) - 3);
+  const Real maxT = static_cast<Real>(random.below(4)) * 3;
+  std::vector<RayHit<D>> hits, first;
+  broadphase.ray(hall.proxies, point, direction, maxT, false, hits);
+  checkMeetings<D>(hall, {point, point}, direction, maxT, hits);
+  broadphase.ray(hall.proxies, point, direction, maxT, true, first);
+  RC_ASSERT(first.size() == std::min<std::size_t>(1, hits.size()));
+  for (const auto& h : hits) RC_ASSERT(first[0].t <= h.t);
+
+  hits.clear();
+  const Vec<D> displacement = 3 * direction;
+  broadphase.sweep(hall.proxies, box, displacement, hits);
+  checkMeetings<D>(hall, box, displacement, Real(1), hits);
+
+  // What does not move meets exactly what it overlaps.
+  hits.clear(), found.clear();
+  broadphase.sweep(hall.proxies, box, Vec<D>::Zero(), hits);
+  broadphase.overlap(hall.proxies, box, found);
+  std::sort(found.begin(), found.end());
+  RC_ASSERT(sorted<D>(hits) == found);
+}
+
+template <int D>
+void checkAllQueries() {
+  for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
+    if (algorithm->info.role != Role::competitor) continue;
+    check(
+        "queries of " + algorithm->info.name + ", " + std::to_string(D) + "D",
+        [&] {
+          const auto family = *rc::gen::element(BoxFamily::scattered, BoxFamily::touching, BoxFamily::identical,
+                                                BoxFamily::huge, BoxFamily::thin, BoxFamily::centerLine);
+          const auto seed = *rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>());
+          const int count = *rc::gen::inRange(0, 80);
+          const auto broadphase = createStage<Broadphase<D>>(Spec{algorithm->info.name, {}});
+          checkQueries<D>(*broadphase, family, seed, count);
+        },
+        500);
+  }
+}
+TEST(BroadphaseQueries, TwoDimensions) { checkAllQueries<2>(); }
+TEST(BroadphaseQueries, ThreeDimensions) { checkAllQueries<3>(); }
+
+// --- planted bugs ----------------------------------------------------------------------------------------------------
+
+/// A box query that leaves out its border.
+template <int D>
+class OpenQuery final : public Broadphase<D> {
+ public:
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, Work&) override {}
+  void overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const override {
+    for (ProxyId i = 0; i < proxies.size(); ++i) {
+      const Aabb<D> b = proxies.box(i);
+      if ((box.lo.array() < b.hi.array()).all() && (b.lo.array() < box.hi.array()).all()) out.push_back(i);
+    }
+  }
+};
+
+/// A ray that also looks behind itself.
+template <int D>
+class LooksBack final : public Broadphase<D> {
+ public:
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, Work&) override {}
+  void ray(const Proxies<D>& proxies, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+           std::vector<RayHit<D>>& out) const override {
+    Broadphase<D>::ray(proxies, p, direction, maxT, firstOnly, out);
+    if (out.empty()) Broadphase<D>::ray(proxies, p, -direction, maxT, firstOnly, out);
+  }
+};
+
+template <template <int> class Bug>
+void expectRefused(const std::string& name) {
+  expectFalsified("planted bug: " + name, [] {
+    Bug<2> bug;
+    checkQueries<2>(bug, BoxFamily::touching, *rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>()),
+                    *rc::gen::inRange(0, 80));
+  });
+}
+TEST(BroadphasePlantedBugs, OpenQuery) { expectRefused<OpenQuery>("open query"); }
+TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

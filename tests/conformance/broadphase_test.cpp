@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Zlib
+// Every broadphase of the registry, in both dimensions: the right pairs after long histories, the right answers to
+// queries, and the failures that it declares.
+#include "tests/planted_bugs/broadphase.h"
+
+#include <charconv>
+#include <map>
+
+#include "tests/check_property.h"
+#include "tests/conformance/broadphase_model.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+// The default, each value of each choice, and both ends of each range.
+std::vector<Spec> variants(const Registered& algorithm) {
+  std::vector<Spec> out = {{algorithm.info.name, {}}};
+  const auto add = [&](const std::string& key, const std::string& value) {
+    Spec spec{algorithm.info.name, {}};
+    spec.set(key, {value, {}});
+    out.push_back(std::move(spec));
+  };
+  for (const ParamInfo& p : algorithm.params) {
+    for (const std::string& choice : p.choices) add(p.name, choice);
+    if (const auto dots = p.range.find(" .. "); dots != std::string::npos) {
+      add(p.name, p.range.substr(0, dots));
+      add(p.name, p.range.substr(dots + 4));
+    }
+  }
+  // Each choice with the other parameters at their ends: a mode may read what the default does not.
+  const std::size_t single = out.size();
+  for (std::size_t i = 1; i < single; ++i) {
+    for (const ParamInfo& p : algorithm.params) {
+      if (p.type != "choice" || out[i].find(p.name)) continue;
+      for (const std::string& choice : p.choices) {
+        Spec both = out[i];
+        both.set(p.name, {choice, {}});
+        out.push_back(std::move(both));
+      }
+    }
+  }
+  return out;
+}
+
+template <int D>
+void checkAllPairs() {
+  const auto list = Registry::instance().list(StageKind::broadphase, D);
+  ASSERT_GE(list.size(), 5u);
+  for (const Registered* algorithm : list) {
+    if (algorithm->info.role != Role::competitor) continue;
+    const std::vector<Spec> specs = variants(*algorithm);
+    std::size_t runs = 0, total = 0;
+    // The lengths grow with the number of the case: half of the cases are the default, so that it sees the long ones.
+    check("pairs of " + algorithm->info.name + " are those of brute force, " + std::to_string(D) + "D", [&] {
+      const auto commandList = *commands();
+      const auto family = static_cast<BoxFamily>(*rc::gen::inRange(0, kBoxFamilies));
+      const int variant = *rc::gen::inRange(0, 2 * static_cast<int>(specs.size()));
+      const Spec& spec = specs[static_cast<std::size_t>(std::max(0, variant - static_cast<int>(specs.size())))];
+      ++runs, total += commandList.size();
+      RC_LOG() << spec.text() << ", family " << static_cast<int>(family) << '\n';
+      checkPairs<D>([&] { return createStage<Broadphase<D>>(spec); }, algorithm->info.guarantee, family, commandList);
+    });
+    if (!::testing::Test::HasFailure() && runs >= 50) {
+      EXPECT_GE(total / runs, 1000u) << "sequences are too short to age a structure";
+    }
+  }
+}
+TEST(BroadphasePairs, TwoDimensions) { checkAllPairs<2>(); }
+TEST(BroadphasePairs, ThreeDimensions) { checkAllPairs<3>(); }
+
+// --- a check that cannot fail is no check ----------------------------------------------------------------------------
+
+template <template <int> class Bug>
+void expectRefused(const std::string& name, Guarantee guarantee = Guarantee::exact) {
+  expectFalsified("planted bug: " + name, [&] {
+    const auto commandList = *commands();
+    const auto family = static_cast<BoxFamily>(*rc::gen::inRange(0, kBoxFamilies));
+    if (*rc::gen::arbitrary<bool>()) {
+      checkPairs<2>([] { return std::make_unique<Bug<2>>(); }, guarantee, family, commandList);
+    } else {
+      checkPairs<3>([] { return std::make_unique<Bug<3>>(); }, guarantee, family, commandList);
+    }
+  });
+}
+TEST(BroadphasePlantedBugs, OpenBoxes) { expectRefused<OpenBoxes>("open boxes"); }
+TEST(BroadphasePlantedBugs, ForgetsCenterLine) { expectRefused<ForgetsCenterLine>("forgets the centre line"); }
+TEST(BroadphasePlantedBugs, StaleSlot) { expectRefused<StaleSlot>("stale slot"); }
+TEST(BroadphasePlantedBugs, Duplicates) { expectRefused<Duplicates>("duplicates"); }
+TEST(BroadphasePlantedBugs, WakesTheDead) { expectRefused<WakesTheDead>("wakes the dead"); }
+TEST(BroadphasePlantedBugs, InnerSpheres) { expectRefused<InnerSpheres>("inner spheres", Guarantee::conservative); }
+
+// The twin without a mistake passes: the others are refused for theirs.
+TEST(BroadphasePlantedBugs, NoneInTheirBase) {
+  check(
+      "twin without a mistake",
+      [] {
+        const auto family = static_cast<BoxFamily>(*rc::gen::inRange(0, kBoxFamilies));
+        checkPairs<3>([] { return std::make_unique<PlantedBug<3>>(); }, Guarantee::exact, family, *commands());
+      },
+      20);
+}
+
+// --- declared failures must happen -----------------------------------------------------------------------------------
+
+template <int D>
+class Boxes {
+ public:
+  void add(const Vec<D>& center, const Vec<D>& half) {
+    const int i = m_proxies.size();
+    m_proxies.resize(i + 1);
+    const auto k = static_cast<std::size_t>(i);
+    m_proxies.setBox(i, {center - half, center + half});
+    m_proxies.active[k] = 1, m_proxies.body[k] = i, m_proxies.category[k] = 1, m_proxies.mask[k] = 1;
+  }
+  struct Outcome {
+    std::uint64_t pairs, boxTests;
+  };
+  Outcome run(const char* spec) const {
+    const auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
+    std::vector<ProxyPair> pairs;
+    Work work;
+    broadphase->update(m_proxies, {});
+    broadphase->findPairs(m_proxies, pairs, work);
+    return {pairs.size(), work[Count::boxTests]};
+  }
+
+ private:
+  Proxies<D> m_proxies;
+};
+
+template <int D>
+Vec<D> along(int axis, Real x) {
+  Vec<D> v = Vec<D>::Zero();
+  v[axis] = x;
+  return v;
+}
+
+constexpr int kCount = 500;
+constexpr std::uint64_t kAllPairs = std::uint64_t{kCount} * (kCount - 1) / 2;
+
+template <int D>
+std::map<std::string, std::function<void()>> declaredFailures() {
+  return {{"sphere_planks_false_pairs",
+           [] {
+             Boxes<D> pile;
+             Vec<D> plank = Vec<D>::Constant(Real(0.05));
+             plank[0] = 5;
+             for (int i = 0; i < kCount; ++i) pile.add(along<D>(1, Real(0.2) * static_cast<Real>(i)), plank);
+             EXPECT_EQ(pile.run("naive").pairs, 0u);
+             EXPECT_GT(pile.run("naive_sphere").pairs, 20u * kCount);
+           }},
+          {"sweep_shared_interval_work",
+           [] {
+             Boxes<D> tower;
+             for (int i = 0; i < kCount; ++i) tower.add(along<D>(1, static_cast<Real>(i)), Vec<D>::Constant(Real(0.5)));
+             EXPECT_GE(tower.run("sort_and_sweep{axis=0}").boxTests, kAllPairs);
+             EXPECT_LT(tower.run("sort_and_sweep{axis=1}").boxTests, kAllPairs / 5);
+             EXPECT_LT(tower.run("sort_and_sweep").boxTests, kAllPairs / 5);
+           }},
+          {"grid_many_large_work",
+           [] {
+             Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
+             Real x = 0;
+             for (int i = 0; i < kCount; ++i) {
+               const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
+               row.add(along<D>(0, x + half), Vec<D>::Constant(half));
+               x += 2 * half + 1;
+             }
+             EXPECT_GE(row.run("uniform_grid").boxTests, kAllPairs / 7);
+             EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
+           }},
+          {"tree_centre_line_work", [] {
+             Boxes<D> tower;
+             for (int i = 0; i < kCount; ++i) {
+               tower.add(along<D>(1, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.75)));
+             }
+             EXPECT_GE(tower.run("region_tree{mode=tight}").boxTests, kAllPairs * 9 / 10);
+             EXPECT_LT(tower.run("region_tree{mode=loose}").boxTests, kAllPairs / 20);
+             EXPECT_LT(tower.run("region_tree{mode=multi}").boxTests, kAllPairs / 20);
+           }}};
+}
+
+template <int D>
+void checkDeclaredFailures() {
+  const auto known = declaredFailures<D>();
+  for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
+    for (const FailureMode& failure : algorithm->info.failures) {
+      SCOPED_TRACE(algorithm->info.name + " declares: " + failure.when + " -> " + failure.symptom);
+      const auto it = known.find(failure.test);
+      if (it == known.end()) {
+        ADD_FAILURE() << "there is no test '" << failure.test << "': add it to declaredFailures";
+      } else {
+        it->second();
+      }
+    }
+  }
+}
+TEST(BroadphaseFailures, TwoDimensions) { checkDeclaredFailures<2>(); }
+TEST(BroadphaseFailures, ThreeDimensions) { checkDeclaredFailures<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

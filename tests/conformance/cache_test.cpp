@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Zlib
+// Every registered contact cache, in both dimensions: what it must carry, and what it must leave alone.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "framework/stage_narrowphase.h"
+#include "tests/check_property.h"
+#include "tests/draw.h"
+#include "tests/planted_bugs/cache_bugs.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr const char* kFriction = "Cache.CarriesFrictionAsAVector";
+constexpr const char* kImpulses = "Cache.CarriesImpulses";
+constexpr const char* kNewFeatures = "Cache.CarriesWhereFeaturesChange";
+
+template <int D>
+ContactPoint<D> drawPoint(Draw& draw, std::uint32_t feature) {
+  ContactPoint<D> p;
+  p.localA = drawVector<D>(draw), p.localB = drawVector<D>(draw);
+  p.separation = draw.signedUnit() / 100;
+  p.feature = feature;
+  for (Real& x : p.impulse) x = draw.signedUnit();
+  p.impulse[0] = std::abs(p.impulse[0]);
+  for (Real& x : p.memory) x = draw.signedUnit();
+  return p;
+}
+
+// A few pairs of shapes out of a small set, so that lists of two steps share some and differ in others.
+template <int D>
+std::vector<Manifold<D>> drawManifolds(Draw& draw) {
+  std::vector<Manifold<D>> out;
+  for (int k = 0; k < 12; ++k) {
+    if (draw.coin()) continue;
+    Manifold<D> m;
+    m.bodyA = k / 4, m.bodyB = 3 + k / 2, m.shapeA = k / 4, m.shapeB = 3 + k, m.child = 0;
+    m.normal = drawDirection<D>(draw);
+    m.begun = draw.coin();
+    for (std::uint32_t feature = 1; feature <= 6 && m.count < kManifoldPoints<D>; ++feature) {
+      if (draw.coin() || feature == 6) m.points[static_cast<std::size_t>(m.count++)] = drawPoint<D>(draw, feature * 7);
+    }
+    out.push_back(m);
+  }
+  return out;
+}
+
+// As a generator leaves them.
+template <int D>
+void clearImpulses(std::vector<Manifold<D>>& manifolds) {
+  for (Manifold<D>& m : manifolds) {
+    for (ContactPoint<D>& p : m.points) p.impulse = {}, p.memory = {};
+  }
+}
+
+template <int D>
+struct Steps {
+  std::vector<Manifold<D>> old, fresh;
+};
+
+template <int D>
+std::ostream& operator<<(std::ostream& out, const Steps<D>& s) {
+  return out << s.old.size() << " old and " << s.fresh.size() << " fresh manifolds";
+}
+
+// Two steps. Where both have a manifold, its normal has moved a little, or is the old one, or has crossed z = 0, where
+// the tangent basis jumps.
+template <int D>
+Steps<D> drawSteps() {
+  return *rc::gen::exec([] {
+    RapidCheckDraw draw;
+    Steps<D> s{drawManifolds<D>(draw), drawManifolds<D>(draw)};
+    for (Manifold<D>& m : s.fresh) {
+      for (Manifold<D>& o : s.old) {
+        if (o.key() != m.key()) continue;
+        const int change = draw.below(3);
+        if (change == 2) o.normal[D - 1] = D == 3 ? Real(1e-12) : o.normal[D - 1];
+        if (o.normal.norm() < Real(0.5)) o.normal[0] = 1;
+        o.normal.normalize();
+        m.normal = o.normal;
+        if (change == 1) m.normal = (m.normal + Real(1e-3) * drawVector<D>(draw)).normalized();
+        if (change == 2 && D == 3) m.normal[2] = -m.normal[2];
+      }
+    }
+    clearImpulses(s.fresh);
+    return s;
+  });
+}
+
+template <int D>
+const Manifold<D>* find(const std::vector<Manifold<D>>& list, const Manifold<D>& like) {
+  for (const Manifold<D>& m : list) {
+    if (m.key() == like.key()) return &m;
+  }
+  return nullptr;
+}
+template <int D>
+const ContactPoint<D>* find(const Manifold<D>* m, std::uint32_t feature) {
+  for (int i = 0; m && i < m->count; ++i) {
+    if (m->points[static_cast<std::size_t>(i)].feature == feature) return &m->points[static_cast<std::size_t>(i)];
+  }
+  return nullptr;
+}
+
+// The same pair of shapes and the same feature: the same normal impulse, and the solver's memory.
+template <int D>
+void carriesImpulses(ContactCache<D>& cache) {
+  Steps<D> s = drawSteps<D>();
+  cache.carry(s.old, s.fresh);
+  for (const Manifold<D>& m : s.fresh) {
+    for (int i = 0; i < m.count; ++i) {
+      const ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];
+      const ContactPoint<D>* o = find(find(s.old, m), p.feature);
+      if (!o) continue;
+      RC_ASSERT(p.impulse[0] == o->impulse[0]);
+      RC_ASSERT(p.memory == o->memory);
+    }
+  }
+}
+
+// Friction as a vector in space stays, whatever tangent basis belongs to the new normal.
+template <int D>
+void carriesFriction(ContactCache<D>& cache) {
+  Steps<D> s = drawSteps<D>();
+  cache.carry(s.old, s.fresh);
+  const auto friction = [](const Vec<D>& n, const ContactPoint<D>& p) {
+    Vec<D> f = Vec<D>::Zero();
+    for (int k = 1; k < D; ++k) f += p.impulse[static_cast<std::size_t>(k)] * tangents(n).col(k - 1);
+    return f;
+  };
+  for (const Manifold<D>& m : s.fresh) {
+    for (int i = 0; i < m.count; ++i) {
+      const ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];
+      const Manifold<D>* o = find(s.old, m);
+      const ContactPoint<D>* q = find(o, p.feature);
+      // A normal that turned by an angle leaves out what is now along it: second order in the length, first along n.
+      if (!q) continue;
+      const Real turn = (m.normal - o->normal).norm();
+      RC_ASSERT((friction(m.normal, p) - friction(o->normal, *q)).norm() <= 4 * turn + 100 * kEps);
+    }
+  }
+}
+
+// Geometry, flags and materials are the fresh ones; what has no old point starts cold; no manifold comes or goes.
+template <int D>
+void leavesTheRestAlone(ContactCache<D>& cache) {
+  Steps<D> s = drawSteps<D>();
+  const auto made = s.fresh;
+  cache.carry(s.old, s.fresh);
+  RC_ASSERT(s.fresh.size() == made.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    const Manifold<D>&m = s.fresh[i], &was = made[i];
+    RC_ASSERT(m.key() == was.key());
+    RC_ASSERT(m.count == was.count && m.normal == was.normal && m.begun == was.begun && m.ignored == was.ignored);
+    for (int k = 0; k < m.count; ++k) {
+      const auto &p = m.points[static_cast<std::size_t>(k)], &q = was.points[static_cast<std::size_t>(k)];
+      RC_ASSERT(p.localA == q.localA && p.localB == q.localB && p.separation == q.separation);
+      RC_ASSERT(p.feature == q.feature);
+      if (!find(s.old, m)) {
+        for (Real x : p.impulse) RC_ASSERT(x == 0);
+      }
+    }
+  }
+}
+
+// A place that keeps its impulse although its feature has another number now.
+template <int D>
+void carriesWhereFeaturesChange(ContactCache<D>& cache) {
+  Steps<D> s = drawSteps<D>();
+  s.fresh = s.old;
+  clearImpulses(s.fresh);
+  for (Manifold<D>& m : s.fresh) {
+    for (ContactPoint<D>& p : m.points) p.feature += 1000;
+  }
+  cache.carry(s.old, s.fresh);
+  for (const Manifold<D>& m : s.fresh) {
+    const Manifold<D>* o = find(s.old, m);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+      RC_ASSERT(m.points[i].impulse[0] == o->points[i].impulse[0]);
+    }
+  }
+}
+
+template <int D, class Property>
+void onEveryCache(const std::string& name, const Property& property) {
+  for (const Registered* r : Registry::instance().list(StageKind::cache, D)) {
+    bool mustFail = false;
+    for (const FailureMode& f : r->info.failures) mustFail = mustFail || f.test == name;
+    const auto cache = createStage<ContactCache<D>>({r->info.name, {}});
+    const std::string title = name + " " + r->info.name + " " + std::to_string(D) + "D";
+    const auto run = [&] { property(*cache); };
+    if (mustFail) {
+      expectFalsified(title + " must fail", run);
+    } else {
+      check(title, run, 200);
+    }
+  }
+}
+
+template <template <int> class Bug, int D, class Property>
+void catches(const std::string& name, const Property& property) {
+  Bug<D> bug;
+  expectFalsified(name + " " + std::to_string(D) + "D", [&] { property(bug); });
+}
+
+TEST(Cache, CarriesImpulses) {
+  onEveryCache<2>(kImpulses, carriesImpulses<2>);
+  onEveryCache<3>(kImpulses, carriesImpulses<3>);
+  catches<MatchesByPlace, 2>("matched by place in the list", carriesImpulses<2>);
+  catches<MatchesByPlace, 3>("matched by place in the list", carriesImpulses<3>);
+}
+
+TEST(Cache, CarriesFrictionAsAVector) {
+  onEveryCache<2>(kFriction, carriesFriction<2>);
+  onEveryCache<3>(kFriction, carriesFriction<3>);
+  catches<FrictionAsNumbers, 3>("friction as two numbers", carriesFriction<3>);
+}
+
+TEST(Cache, LeavesTheRestAlone) {
+  onEveryCache<2>("Cache.LeavesTheRestAlone", leavesTheRestAlone<2>);
+  onEveryCache<3>("Cache.LeavesTheRestAlone", leavesTheRestAlone<3>);
+  catches<StaleManifold, 2>("stale manifold", leavesTheRestAlone<2>);
+  catches<StaleManifold, 3>("stale manifold", leavesTheRestAlone<3>);
+}
+
+TEST(Cache, CarriesWhereFeaturesChange) {
+  onEveryCache<2>(kNewFeatures, carriesWhereFeaturesChange<2>);
+  onEveryCache<3>(kNewFeatures, carriesWhereFeaturesChange<3>);
+}
+
+TEST(Cache, DeclaredFailuresAreTested) {
+  const std::set<std::string> known = {kFriction, kImpulses, kNewFeatures};
+  for (int d : {2, 3}) {
+    for (const Registered* r : Registry::instance().list(StageKind::cache, d)) {
+      for (const FailureMode& f : r->info.failures) EXPECT_TRUE(known.contains(f.test)) << f.test;
+    }
+  }
+}
+
+TEST(Cache, SelectsEveryPairUnlessItBringsItBack) {
+  const std::vector<ShapePair> pairs = {{0, 1}, {0, 2}, {3, 4}};
+  for (const Registered* r : Registry::instance().list(StageKind::cache, 2)) {
+    const auto cache = createStage<ContactCache<2>>({r->info.name, {}});
+    std::vector<ShapePair> regenerate = {{9, 9}};
+    cache->select(pairs, {}, {}, regenerate);
+    EXPECT_EQ(regenerate, pairs) << r->info.name << ": nothing old, so nothing can be left out";
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

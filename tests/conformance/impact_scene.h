@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Zlib
+// Bodies, contacts and joints made by hand or drawn at random, without a world: what a solver owes does not depend on
+// where contacts come from.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/profiler.h"
+#include "framework/stage_solver.h"
+#include "framework/tolerances.h"
+#include "tests/draw.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// A constant acceleration, and a spring to the origin, on every body that has mass.
+template <int D>
+struct Field final : Forces<D> {
+  Vec<D> gravity = Vec<D>::Zero();  // m/s^2
+  Real spring = 0;                  // 1/s^2
+  void eval(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i] = {};
+      out[i].force = state.bodies.mass[i] * (gravity - spring * state.pose[i].p);
+    }
+  }
+};
+
+struct NoDetection final : Detect {
+  void again() override { std::abort(); }
+};
+
+template <int D>
+struct ImpactScene {
+  Bodies<D> bodies;
+  std::vector<Manifold<D>> manifolds;
+  std::vector<int> active;
+  std::vector<PivotJoint<D>> joints;
+  Features features;
+  Field<D> field;
+  Real dt = Real(1) / 60, lastDt = 0, time = 0;
+  Work work;
+  Profiler profiler;
+
+  /// Mass 0: fixed. `inertia` are the principal moments.
+  int add(Real mass, const Ang<D>& inertia, const Pose<D>& pose, const Motion<D>& motion = {}) {
+    Bodies<D>& b = bodies;
+    const bool dynamic = mass > 0;
+    Inertia<D> inverse = Inertia<D>::Zero();
+    for (int k = 0; k < kAngDim<D>; ++k) {
+      if (dynamic && inertia[k] > 0) inverse(k, k) = 1 / inertia[k];
+    }
+    b.pose.push_back(pose), b.motion.push_back(motion);
+    b.mass.push_back(mass), b.invMass.push_back(dynamic ? 1 / mass : Real(0));
+    b.invInertiaBody.push_back(inverse), b.invInertia.push_back(rotateInertia(pose.q, inverse));
+    b.center.push_back(Vec<D>::Zero());
+    b.type.push_back(dynamic ? BodyType::dynamic : BodyType::fixed);
+    b.used.push_back(1), b.awake.push_back(1), b.canSleep.push_back(1), b.pinned.push_back(0);
+    b.sleep.push_back({}), b.generation.push_back(0);
+    return b.size() - 1;
+  }
+
+  /// One contact point at world point p; the anchors are `separation` apart along the normal.
+  void touch(int a, int b, const Vec<D>& n_AB, const Vec<D>& p, Real separation, Real friction, Real restitution) {
+    Manifold<D> m;
+    m.bodyA = a, m.bodyB = b, m.shapeA = a, m.shapeB = b;
+    m.normal = n_AB, m.friction = friction, m.restitution = restitution;
+    m.child = static_cast<std::int32_t>(manifolds.size());
+    manifolds.push_back(m);
+    active.push_back(static_cast<int>(active.size()));
+    addPoint(manifolds.back(), p, separation);
+  }
+  void addPoint(Manifold<D>& m, const Vec<D>& p, Real separation) {
+    ContactPoint<D>& c = m.points[static_cast<std::size_t>(m.count)];
+    c.localA = pose(m.bodyA).inverse() * Vec<D>(p - separation / 2 * m.normal);
+    c.localB = pose(m.bodyB).inverse() * Vec<D>(p + separation / 2 * m.normal);
+    c.separation = separation, c.feature = static_cast<std::uint32_t>(m.count);
+    ++m.count;
+  }
+  /// A pivot whose two ends are `error` apart.
+  void join(int a, int b, const Vec<D>& p, const Vec<D>& error) {
+    PivotJoint<D> j;
+    j.bodyA = a, j.bodyB = b;
+    j.localA = pose(a).inverse() * p, j.localB = pose(b).inverse() * Vec<D>(p + error);
+    joints.push_back(j);
+  }
+
+  const Pose<D>& pose(int i) const { return bodies.pose[static_cast<std::size_t>(i)]; }
+  const Motion<D>& motion(int i) const { return bodies.motion[static_cast<std::size_t>(i)]; }
+
+  void solve(VelocityResolver<D>& resolver, const PositionResolver<D>& position) {
+    resolver.solve(
+        {dt, lastDt, bodies, manifolds, active, joints, position, features, kRestitutionThreshold, work, profiler});
+  }
+  /// One step, after which contacts are where their anchors went.
+  void step(Solver<D>& solver) {
+    NoDetection detect;
+    for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
+      bodies.invInertia[i] = rotateInertia(bodies.pose[i].q, bodies.invInertiaBody[i]);
+    }
+    solver.step({dt, lastDt, time, bodies, manifolds, active, joints, field, detect, features, kRestitutionThreshold,
+                 work, profiler});
+    lastDt = dt, time += dt;
+    for (Manifold<D>& m : manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+        c.separation = separationNow(m, c, pose(m.bodyA), pose(m.bodyB));
+      }
+    }
+  }
+
+  // --- what is measured ---
+  Vec<D> momentum() const {
+    Vec<D> sum = Vec<D>::Zero();
+    for (int i = 0; i < bodies.size(); ++i) sum += bodies.mass[static_cast<std::size_t>(i)] * motion(i).v;
+    return sum;
+  }
+  Inertia<D> inertia(int i) const {
+    const Inertia<D>& inverse = bodies.invInertia[static_cast<std::size_t>(i)];
+    return inverse.trace() > 0 ? Inertia<D>(inverse.inverse()) : Inertia<D>(Inertia<D>::Zero());
+  }
+  /// About the world's origin.
+  Ang<D> angularMomentum() const {
+    Ang<D> sum = Ang<D>::Zero();
+    for (int i = 0; i < bodies.size(); ++i) {
+      sum +=
+          cross(pose(i).p, (bodies.mass[static_cast<std::size_t>(i)] * motion(i).v).eval()) + inertia(i) * motion(i).w;
+    }
+    return sum;
+  }
+  Real energy() const {
+    Real sum = 0;
+    for (int i = 0; i < bodies.size(); ++i) {
+      sum += bodies.mass[static_cast<std::size_t>(i)] * motion(i).v.squaredNorm() / 2 +
+             motion(i).w.dot(inertia(i) * motion(i).w) / 2;
+    }
+    return sum;
+  }
+  /// Of B against A midway between the anchors.
+  Vec<D> contactVelocity(const Manifold<D>& m, const ContactPoint<D>& c) const {
+    const Vec<D> p = (pose(m.bodyA) * c.localA + pose(m.bodyB) * c.localB) / 2;
+    const auto at = [&](int i) -> Vec<D> { return motion(i).v + cross(motion(i).w, (p - pose(i).p).eval()); };
+    return at(m.bodyB) - at(m.bodyA);
+  }
+  Vec<D> jointError(const PivotJoint<D>& j) const { return pose(j.bodyB) * j.localB - pose(j.bodyA) * j.localA; }
+  Vec<D> jointVelocity(const PivotJoint<D>& j) const {
+    const auto at = [&](int i, const Vec<D>& local) -> Vec<D> {
+      return motion(i).v + cross(motion(i).w, (pose(i).q * local).eval());
+    };
+    return at(j.bodyB, j.localB) - at(j.bodyA, j.localA);
+  }
+  bool finite() const {
+    for (int i = 0; i < bodies.size(); ++i) {
+      const Pose<D>& x = pose(i);
+      if (!x.p.allFinite() || !x.q.matrix().allFinite() || !motion(i).v.allFinite() || !motion(i).w.allFinite()) {
+        return false;
+      }
+    }
+    for (const Manifold<D>& m : manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        for (Real x : m.points[static_cast<std::size_t>(k)].impulse) {
+          if (!std::isfinite(x)) return false;
+        }
+      }
+    }
+    for (const PivotJoint<D>& j : joints) {
+      if (!j.impulse.allFinite()) return false;
+    }
+    return true;
+  }
+  /// What speeds, momenta and energies of this scene are compared with.
+  Real speed() const {
+    Real s = 1;
+    for (int i = 0; i < bodies.size(); ++i) s = std::max({s, motion(i).v.norm(), motion(i).w.norm()});
+    return s;
+  }
+};
+
+template <int D>
+std::ostream& operator<<(std::ostream& out, const ImpactScene<D>& s) {
+  for (int i = 0; i < s.bodies.size(); ++i) {
+    out << "body " << i << ": mass " << s.bodies.mass[static_cast<std::size_t>(i)] << ' ' << s.pose(i) << " v=("
+        << s.motion(i).v.transpose() << ") w=(" << s.motion(i).w.transpose() << ")\n";
+  }
+  for (const Manifold<D>& m : s.manifolds) {
+    out << m.bodyA << '-' << m.bodyB << " n=(" << m.normal.transpose() << ") mu=" << m.friction
+        << " e=" << m.restitution;
+    for (int k = 0; k < m.count; ++k) {
+      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+      out << " [separation " << c.separation << " impulse " << c.impulse[0] << ']';
+    }
+    out << '\n';
+  }
+  for (const PivotJoint<D>& j : s.joints) {
+    out << "joint " << j.bodyA << '-' << j.bodyB << " error (" << s.jointError(j).transpose() << ")\n";
+  }
+  return out;
+}
+
+struct Drawn {
+  bool fixed = false;  // one body of infinite mass
+  bool friction = false;
+  Real restitution = 0;
+  Real gap = 0;              // separations are drawn from [-gap, gap]
+  bool approaching = false;  // turn normals so that every contact starts by closing
+  int joints = 0;
+  int contacts = 5;  // at most
+};
+
+/// Two to five bodies, contacts anywhere between them. Where shapes would be does not matter.
+template <int D>
+ImpactScene<D> drawImpact(Draw& draw, const Drawn& wanted) {
+  ImpactScene<D> s;
+  const int n = 2 + draw.below(4);
+  for (int i = 0; i < n; ++i) {
+    Ang<D> inertia;
+    for (int k = 0; k < kAngDim<D>; ++k) inertia[k] = draw.real(0.5, 2);
+    Motion<D> motion;
+    motion.v = 3 * drawVector<D>(draw);
+    for (int k = 0; k < kAngDim<D>; ++k) motion.w[k] = 3 * draw.signedUnit();
+    const Real mass = wanted.fixed && i == 0 ? Real(0) : draw.real(1, 5);
+    s.add(mass, inertia, drawPose<D>(draw, 2), mass > 0 ? motion : Motion<D>{});
+  }
+  const auto pair = [&] {
+    const int a = draw.below(n - 1);
+    return std::pair(a, a + 1 + draw.below(n - 1 - a));
+  };
+  const int contacts = wanted.contacts > 0 ? 1 + draw.below(wanted.contacts) : 0;
+  for (int k = 0; k < contacts; ++k) {
+    const auto [a, b] = pair();
+    const Vec<D> p = (s.pose(a).p + s.pose(b).p) / 2 + Real(0.7) * drawVector<D>(draw);
+    const Real mu = wanted.friction ? draw.real(0, 1) : Real(0);
+    s.touch(a, b, drawDirection<D>(draw), p, wanted.gap * draw.signedUnit(), mu, wanted.restitution);
+    Manifold<D>& m = s.manifolds.back();
+    if (wanted.approaching && s.contactVelocity(m, m.points[0]).dot(m.normal) > 0) m.normal = -m.normal;
+  }
+  for (int k = 0; k < wanted.joints; ++k) {
+    const auto [a, b] = pair();
+    s.join(a, b, (s.pose(a).p + s.pose(b).p) / 2 + Real(0.7) * drawVector<D>(draw), Vec<D>::Zero());
+  }
+  return s;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test

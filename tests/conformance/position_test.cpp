@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Zlib
+// Every registered position resolver, in both dimensions, inside split_solver and away from gravity: errors shrink, no
+// speed is left behind, nothing fixed moves. What info().failures names must be seen to fail.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/check_property.h"
+#include "tests/conformance/impact_scene.h"
+#include "tests/planted_bugs/solver_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr int kSteps = 60;
+
+// What takes the bodies one step on: a solver with the position resolver under test, or a twin alone.
+template <int D>
+using Step = std::function<void(ImpactScene<D>&)>;
+
+template <int D>
+void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
+  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
+  RC_ASSERT(holds);
+}
+
+// Two resting bodies that overlap in one point.
+template <int D>
+ImpactScene<D> overlap(Draw& draw, bool fixed) {
+  ImpactScene<D> s;
+  const Ang<D> inertia = Ang<D>::Constant(draw.real(0.3, 1));
+  s.add(fixed ? Real(0) : draw.real(1, 5), inertia, {Vec<D>::Zero(), drawRotation<D>(draw)});
+  s.add(draw.real(1, 5), inertia, {Vec<D>::Unit(0), drawRotation<D>(draw)});
+  const Vec<D> p = Vec<D>::Unit(0) / 2 + Real(0.3) * drawVector<D>(draw);
+  s.touch(0, 1, drawDirection<D>(draw), p, -draw.real(0.02, 0.1), 0, 0);
+  return s;
+}
+
+template <int D>
+Real deepest(const ImpactScene<D>& s) {
+  Real depth = 0;
+  for (const Manifold<D>& m : s.manifolds) {
+    for (int k = 0; k < m.count; ++k) depth = std::max(depth, -m.points[static_cast<std::size_t>(k)].separation);
+  }
+  return depth;
+}
+
+template <int D>
+void errorShrinks(const Step<D>& step, Draw& draw) {
+  const auto before = overlap<D>(draw, draw.coin());
+  auto after = before;
+  for (int i = 0; i < kSteps; ++i) step(after);
+  // Down to the slop, and not thrown apart either: bodies may not gain more than the depth that there was.
+  const Real depth = -after.manifolds[0].points[0].separation;
+  require<D>(depth <= kLinearSlop * Real(1.1), before, after, depth);
+}
+
+template <int D>
+void addsNoVelocity(const Step<D>& step, Draw& draw) {
+  const auto before = overlap<D>(draw, draw.coin());
+  auto after = before;
+  for (int i = 0; i < kSteps; ++i) step(after);
+  require<D>(after.energy() == 0, before, after, after.energy());
+  const Real gap = after.manifolds[0].points[0].separation;
+  require<D>(gap <= 0, before, after, gap);
+}
+
+template <int D>
+void turnsPinnedBodies(const Step<D>& step, Draw& draw) {
+  auto before = overlap<D>(draw, false);
+  for (std::size_t i = 0; i < 2; ++i) before.bodies.pinned[i] = 1, before.bodies.invMass[i] = 0;
+  // An arm that can turn out of the contact: not along the normal.
+  const Manifold<D>& m = before.manifolds[0];
+  const Vec<D> r = before.pose(1).q * m.points[0].localB;
+  RC_PRE((r - r.dot(m.normal) * m.normal).norm() > 6 * deepest(before));
+  auto after = before;
+  for (int i = 0; i < kSteps / 3; ++i) step(after);  // Baumgarte's bodies go on turning, and come round again
+  require<D>(deepest(after) < Real(0.6) * deepest(before), before, after, deepest(after));
+  require<D>(after.pose(0).p == before.pose(0).p && after.pose(1).p == before.pose(1).p, before, after, 0);
+}
+
+template <int D>
+void fixedBodiesStay(const Step<D>& step, Draw& draw) {
+  auto before = overlap<D>(draw, true);
+  before.join(0, 1, Vec<D>::Unit(0) / 2, Real(0.01) * drawVector<D>(draw));
+  auto after = before;
+  for (int i = 0; i < 5; ++i) step(after);
+  const bool same = after.pose(0).p == before.pose(0).p && after.pose(0).q.matrix() == before.pose(0).q.matrix() &&
+                    after.motion(0).v.isZero(0);
+  require<D>(same, before, after, 0);
+}
+
+template <int D>
+void jointErrorShrinks(const Step<D>& step, Draw& draw) {
+  ImpactScene<D> before;
+  const Ang<D> inertia = Ang<D>::Constant(draw.real(0.3, 1));
+  before.add(draw.coin() ? Real(0) : draw.real(1, 5), inertia, {Vec<D>::Zero(), drawRotation<D>(draw)});
+  before.add(draw.real(1, 5), inertia, {Vec<D>::Unit(0), drawRotation<D>(draw)});
+  before.join(0, 1, drawVector<D>(draw), Real(0.05) * drawDirection<D>(draw));
+  auto after = before;
+  for (int i = 0; i < kSteps; ++i) step(after);
+  const Real error = after.jointError(after.joints[0]).norm();
+  require<D>(error < Real(0.002), before, after, error);
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  std::function<void(const Step<D>&, Draw&)> property;
+};
+
+template <int D>
+std::vector<Named<D>> properties() {
+  return {{"PositionError.Shrinks", errorShrinks<D>},
+          {"PositionError.AddsNoVelocity", addsNoVelocity<D>},
+          {"PositionError.TurnsPinnedBodies", turnsPinnedBodies<D>},
+          {"PositionError.FixedBodiesStay", fixedBodiesStay<D>},
+          {"JointError.Shrinks", jointErrorShrinks<D>}};
+}
+
+template <int D>
+void testAll() {
+  const auto entries = Registry::instance().list(StageKind::position, D);
+  ASSERT_GE(entries.size(), 5u);
+  for (const Registered* entry : entries) {
+    const auto solver = createStage<Solver<D>>(Spec::parse("split_solver{position=" + entry->info.name + "}"));
+    for (const Named<D>& p : properties<D>()) {
+      const std::string name = std::string(p.name) + " " + entry->info.name + " " + std::to_string(D) + "D";
+      SCOPED_TRACE(name);
+      const auto run = [&] {
+        RapidCheckDraw draw;
+        p.property([&](ImpactScene<D>& s) { s.step(*solver); }, draw);
+      };
+      bool known = false;
+      for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
+      if (known) {
+        expectFalsified(name, run, 100);
+      } else {
+        check(name, run, 40);
+      }
+    }
+  }
+}
+
+// Twins run alone, without a velocity resolver.
+template <int D>
+Step<D> alone(PositionResolver<D>& twin) {
+  return [&twin](ImpactScene<D>& s) {
+    twin.correct({s.dt, s.bodies, s.manifolds, s.active, s.joints, s.features, s.work, s.profiler});
+    for (Manifold<D>& m : s.manifolds) {
+      ContactPoint<D>& c = m.points[0];
+      c.separation = separationNow(m, c, s.pose(m.bodyA), s.pose(m.bodyB));
+    }
+  };
+}
+
+template <int D>
+void plantedBugs() {
+  PushesTheWrongBody<D> wrongBody;
+  WrongSign<D> wrongSign;
+  const auto caught = [](const char* name, const auto& property, PositionResolver<D>& twin) {
+    const Step<D> step = alone<D>(twin);
+    expectFalsified(
+        name,
+        [&] {
+          RapidCheckDraw draw;
+          property(step, draw);
+        },
+        100);
+  };
+  caught("shrinks, wrong sign", errorShrinks<D>, wrongSign);
+  caught("joint shrinks, wrong sign", jointErrorShrinks<D>, wrongSign);
+  caught("fixed stays, wrong body", fixedBodiesStay<D>, wrongBody);
+  caught("pinned turns, wrong body", turnsPinnedBodies<D>, wrongBody);
+  // Velocity left behind: what Baumgarte does is the planted bug of this property, declared by the method itself.
+}
+
+TEST(PositionConformance, EveryResolver2) { testAll<2>(); }
+TEST(PositionConformance, EveryResolver3) { testAll<3>(); }
+TEST(PositionConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(PositionConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+TEST(PositionConformance, NonlinearsSearchesAgree) {
+  const auto scan = createStage<Solver<3>>(Spec::parse("split_solver{position=nonlinear{search=scan}}"));
+  const auto tree = createStage<Solver<3>>(Spec::parse("split_solver{position=nonlinear{search=tree}}"));
+  check("scan = tree, positions", [&] {
+    RapidCheckDraw draw;
+    auto a = drawImpact<3>(draw, {.fixed = true, .gap = Real(0.2), .joints = 1});
+    auto b = a;
+    a.step(*scan), b.step(*tree);
+    for (int i = 0; i < a.bodies.size(); ++i) {
+      RC_ASSERT(a.pose(i).p == b.pose(i).p);
+      RC_ASSERT(a.pose(i).q.matrix() == b.pose(i).q.matrix());
+    }
+  });
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Zlib
+// Every registered solver, and split_solver with every part exchanged, through whole steps without a world.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/check_property.h"
+#include "tests/conformance/impact_scene.h"
+#include "tests/planted_bugs/solver_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr bool kDouble = sizeof(Real) == 8;
+
+// Every solver by name; split_solver also with each part that is registered, each order and each loop.
+template <int D>
+std::vector<std::string> allSolvers() {
+  std::vector<std::string> specs;
+  for (const Registered* r : Registry::instance().list(StageKind::solver, D)) {
+    specs.push_back(r->info.name);
+    for (const ParamInfo& p : r->params) {
+      const bool part = p.name == "velocity" || p.name == "position" || p.name == "integrator";
+      const bool manner = p.name == "order" || p.name == "loop";
+      for (const std::string& choice : p.choices) {
+        if (part || manner) specs.push_back(r->info.name + "{" + p.name + "=" + choice + "}");
+      }
+    }
+    if (r->info.name != "split_solver") continue;
+    for (StageKind kind : {StageKind::velocity, StageKind::position, StageKind::integrator}) {
+      for (const Registered* part : Registry::instance().list(kind, D)) {
+        specs.push_back("split_solver{" + std::string(stageName(kind)) + "=" + part->info.name + "}");
+      }
+    }
+  }
+  return specs;
+}
+
+template <int D>
+using Step = std::function<void(ImpactScene<D>&)>;
+
+template <int D>
+void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
+  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
+  RC_ASSERT(holds);
+}
+
+template <int D>
+void keepsLinearMomentum(const Step<D>& step, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.friction = true, .restitution = Real(0.3), .gap = Real(0.05), .joints = 1});
+  auto after = before;
+  for (int i = 0; i < 3; ++i) step(after);
+  const Real error = (after.momentum() - before.momentum()).norm();
+  require<D>(error <= (kDouble ? Real(1e-9) : Real(5e-3)) * before.speed(), before, after, error);
+}
+
+// In a plane only: an Euler step of a turning body in space does not keep it anyway (see FreeTop).
+template <int D>
+void keepsAngularMomentum(const Step<D>& step, Draw& draw) {
+  if (D == 3) return;
+  auto before = drawImpact<D>(draw, {.friction = true, .restitution = Real(0.3)});
+  before.dt = Real(1e-4);  // the arms are those of the start of the step: the error grows with its length
+  auto after = before;
+  step(after);
+  const Real error = (after.angularMomentum() - before.angularMomentum()).norm();
+  require<D>(error <= Real(4e-3) * before.speed(), before, after, error);
+}
+
+template <int D>
+void fixedBodiesStay(const Step<D>& step, Draw& draw) {
+  auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = 1});
+  before.field.gravity = Vec<D>::Unit(1) * Real(-9.81);
+  auto after = before;
+  for (int i = 0; i < 3; ++i) step(after);
+  const bool same = after.pose(0).p == before.pose(0).p && after.pose(0).q.matrix() == before.pose(0).q.matrix() &&
+                    after.motion(0).v.isZero(0) && after.motion(0).w.isZero(0);
+  require<D>(same, before, after, 0);
+}
+
+template <int D>
+void degenerateIsFinite(const Step<D>& step, Draw& draw) {
+  auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .restitution = 1, .gap = Real(0.3), .joints = 2});
+  before.field.gravity = Vec<D>::Unit(1) * Real(-9.81);
+  for (Manifold<D>& m : before.manifolds) m.friction = draw.pick({Real(0), Real(1e6)});
+  for (std::size_t i = 1; i < before.bodies.pose.size(); ++i) {
+    const int what = draw.below(4);
+    if (what == 1 || what == 3) before.bodies.invMass[i] = 0, before.bodies.pinned[i] = 1;
+    if (what == 2 || what == 3) before.bodies.invInertia[i].setZero(), before.bodies.invInertiaBody[i].setZero();
+  }
+  if (draw.coin()) before.dt = draw.pick({Real(1e-6), Real(1)});
+  auto after = before;
+  for (int i = 0; i < 3; ++i) step(after);
+  require<D>(after.finite(), before, after, 0);
+}
+
+// A kinematic body goes where its velocity says, through whatever is in its way.
+template <int D>
+void kinematicObeys(const Step<D>& step, Draw& draw) {
+  auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05)});
+  before.bodies.type[0] = BodyType::kinematic;
+  before.bodies.motion[0].v = Vec<D>::Unit(0);
+  before.field.gravity = Vec<D>::Unit(1) * Real(-9.81);
+  auto after = before;
+  for (int i = 0; i < 3; ++i) step(after);
+  const Real error = (after.pose(0).p - before.pose(0).p - 3 * before.dt * Vec<D>::Unit(0)).norm();
+  require<D>(error <= Real(1e-6), before, after, error);
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  void (*property)(const Step<D>&, Draw&);
+  Bug bug;
+};
+template <int D>
+std::vector<Named<D>> properties() {
+  std::vector<Named<D>> list = {{"Solver.KeepsLinearMomentum", keepsLinearMomentum<D>, Bug::oneBodyOnly},
+                                {"Solver.FixedBodiesStay", fixedBodiesStay<D>, Bug::movesFixed},
+                                {"Solver.KinematicObeys", kinematicObeys<D>, Bug::movesFixed},
+                                {"Solver.DegenerateIsFinite", degenerateIsFinite<D>, Bug::dividesByNothing}};
+  if (D == 2) list.push_back({"Solver.KeepsAngularMomentum", keepsAngularMomentum<D>, Bug::twoPoints});
+  return list;
+}
+
+template <int D>
+void testAll() {
+  const auto specs = allSolvers<D>();
+  ASSERT_GE(specs.size(), 10u);
+  for (const std::string& text : specs) {
+    const auto solver = createStage<Solver<D>>(Spec::parse(text));
+    for (const Named<D>& p : properties<D>()) {
+      const std::string name = std::string(p.name) + " " + text + " " + std::to_string(D) + "D";
+      SCOPED_TRACE(name);
+      check(
+          name,
+          [&] {
+            RapidCheckDraw draw;
+            p.property([&](ImpactScene<D>& s) { s.step(*solver); }, draw);
+          },
+          25);
+    }
+  }
+}
+
+// The twin moves bodies by their velocity and does nothing else.
+template <int D>
+void plantedBugs() {
+  for (const Named<D>& p : properties<D>()) {
+    SCOPED_TRACE(p.name);
+    TwinResolver<D> wrong(p.bug, 5);
+    struct None final : PositionResolver<D> {
+    } none;
+    const Step<D> step = [&](ImpactScene<D>& s) {
+      s.solve(wrong, none);
+      for (std::size_t i = 0; i < s.bodies.pose.size(); ++i) s.bodies.pose[i].p += s.dt * s.bodies.motion[i].v;
+    };
+    expectFalsified(
+        std::string(p.name) + " planted bug",
+        [&] {
+          RapidCheckDraw draw;
+          p.property(step, draw);
+        },
+        200);
+  }
+}
+
+TEST(SolverConformance, EverySolver2) { testAll<2>(); }
+TEST(SolverConformance, EverySolver3) { testAll<3>(); }
+TEST(SolverConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(SolverConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+// A box on the ground, by its corners. What rests stays at rest, with the impulse m g dt.
+template <int D>
+ImpactScene<D> restingBox() {
+  ImpactScene<D> s;
+  s.add(0, Ang<D>::Zero(), {});
+  Vec<D> center = Vec<D>::Zero();
+  center[1] = Real(0.5);
+  s.add(2, Ang<D>::Constant(Real(1) / 3), {center, {}});
+  s.field.gravity[1] = Real(-9.81);
+  for (int corner = 0; corner < kManifoldPoints<D>; ++corner) {
+    Vec<D> p = Vec<D>::Zero();
+    p[0] = Real(corner % 2 ? 0.5 : -0.5);
+    if constexpr (D == 3) p[2] = Real(corner / 2 ? 0.5 : -0.5);
+    if (corner == 0) {
+      s.touch(0, 1, Vec<D>::Unit(1), p, 0, Real(0.5), 0);
+    } else {
+      s.addPoint(s.manifolds[0], p, 0);
+    }
+  }
+  return s;
+}
+
+template <int D>
+void rests() {
+  for (const std::string& text : allSolvers<D>()) {
+    const auto solver = createStage<Solver<D>>(Spec::parse(text));
+    auto s = restingBox<D>();
+    for (int i = 0; i < 240; ++i) s.step(*solver);
+    // Without accumulation friction is uneven from corner to corner, and the box trembles; explicit integrators float.
+    const bool trembles = text.find("=naive") != text.npos || text.find("=millington") != text.npos;
+    EXPECT_NEAR(s.pose(1).p[1], 0.5, 0.02) << text;
+    EXPECT_LT(std::abs(s.motion(1).v[0]), trembles ? 0.1 : 1e-3) << text;
+    Real impulse = 0;
+    for (int k = 0; k < s.manifolds[0].count; ++k)
+      impulse += s.manifolds[0].points[static_cast<std::size_t>(k)].impulse[0];
+    if (text == "split_solver" || text == "soft_step") {
+      EXPECT_NEAR(impulse, 2 * 9.81 / 60, kDouble ? 1e-6 : 1e-3) << text;
+    }
+  }
+}
+TEST(SolverConformance, RestingBoxRests2) { rests<2>(); }
+TEST(SolverConformance, RestingBoxRests3) { rests<3>(); }
+
+// Features that are off cost nothing and do nothing.
+TEST(SolverConformance, FeaturesAreObeyed) {
+  for (const char* text : {"split_solver", "soft_step", "split_solver{velocity=millington}"}) {
+    const auto solver = createStage<Solver<3>>(Spec::parse(text));
+    auto s = restingBox<3>();
+    s.bodies.motion[1] = {Vec<3>(1, 0, 0), Ang<3>(0, 2, 0)};
+    s.features.friction = false, s.features.rotation = false;
+    for (auto& i : s.bodies.invInertiaBody) i.setZero();
+    for (int i = 0; i < 10; ++i) s.step(*solver);
+    EXPECT_NEAR(s.motion(1).v[0], 1, 1e-6) << text;
+    EXPECT_EQ(s.pose(1).q.matrix(), Rot<3>{}.matrix()) << text;
+    auto j = restingBox<3>();
+    j.manifolds.clear(), j.active.clear();
+    j.join(0, 1, Vec<3>(0, 2, 0), Vec<3>::Zero());
+    j.features.joints = false;
+    for (int i = 0; i < 10; ++i) j.step(*solver);
+    EXPECT_NEAR(j.motion(1).v[1], -9.81 / 6, 1e-4) << text;
+  }
+}
+
+// A pendulum under every solver: the joint stays together.
+template <int D>
+void jointsHold() {
+  for (const std::string& text : allSolvers<D>()) {
+    if (text.find("position=none") != std::string::npos || text.find("explicit_euler") == 0) continue;
+    const auto solver = createStage<Solver<D>>(Spec::parse(text));
+    ImpactScene<D> s;
+    s.add(0, Ang<D>::Zero(), {});
+    s.add(1, Ang<D>::Constant(Real(0.1)), {Vec<D>::Unit(0), {}});
+    s.add(1, Ang<D>::Constant(Real(0.1)), {2 * Vec<D>::Unit(0), {}});
+    s.join(0, 1, Vec<D>::Zero(), Vec<D>::Zero());
+    s.join(1, 2, Real(1.5) * Vec<D>::Unit(0), Vec<D>::Zero());
+    s.field.gravity[1] = Real(-9.81);
+    Real worst = 0;
+    for (int i = 0; i < 300; ++i) {
+      s.step(*solver);
+      for (const PivotJoint<D>& j : s.joints) worst = std::max(worst, s.jointError(j).norm());
+    }
+    EXPECT_LT(worst, 0.1) << text;
+  }
+}
+TEST(SolverConformance, JointsHold2) { jointsHold<2>(); }
+TEST(SolverConformance, JointsHold3) { jointsHold<3>(); }
+
+// Impulses in the manifolds are those of a whole step: half the step, half the impulse, without a jump in between.
+TEST(SolverConformance, StepsOfAnotherLengthKeepTheForce) {
+  for (const char* text : {"split_solver", "soft_step"}) {
+    const auto solver = createStage<Solver<2>>(Spec::parse(text));
+    auto s = restingBox<2>();
+    for (int i = 0; i < 120; ++i) s.step(*solver);
+    const Real y = s.pose(1).p[1];
+    s.dt /= 4;
+    for (int i = 0; i < 20; ++i) {
+      s.step(*solver);
+      EXPECT_NEAR(s.pose(1).p[1], y, 2e-3) << text << i;
+      EXPECT_LT(std::abs(s.motion(1).v[1]), 0.05) << text << i;
+    }
+  }
+}
+
+// Soft contacts sag like springs: more sub-steps do not make them stiffer, more hertz do.
+TEST(SoftStep, SagIsThatOfASpring) {
+  const auto sag = [](const std::string& text) {
+    const auto solver = createStage<Solver<2>>(Spec::parse(text));
+    auto s = restingBox<2>();
+    s.bodies.mass[0] = 1e6;  // two bodies that can move, so that the softer constant is the one in use
+    s.bodies.invMass[0] = Real(1e-6), s.bodies.type[0] = BodyType::dynamic;
+    s.field.gravity.setZero();
+    s.add(0, Ang<2>::Zero(), {});
+    struct Press final : Forces<2> {
+      void eval(const ForceState<2>&, Real, std::span<Wrench<2>> out) const override {
+        for (auto& w : out) w = {};
+        out[1].force[1] = Real(-2 * 9.81 * 20);
+      }
+    } press;
+    NoDetection detect;
+    for (int i = 0; i < 240; ++i) {
+      solver->step({s.dt, s.lastDt, s.time, s.bodies, s.manifolds, s.active, s.joints, press, detect, s.features,
+                    kRestitutionThreshold, s.work, s.profiler});
+      s.lastDt = s.dt;
+    }
+    return -separationNow(s.manifolds[0], s.manifolds[0].points[0], s.pose(0), s.pose(1));
+  };
+  const Real four = sag("soft_step{substeps=4,relax=0}"), sixteen = sag("soft_step{substeps=16,relax=0}");
+  EXPECT_GT(four, 1e-4);
+  EXPECT_NEAR(sixteen / four, 1, 0.5);
+  EXPECT_LT(sag("soft_step{substeps=16,hertz=120,relax=0}"), Real(0.3) * sixteen);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

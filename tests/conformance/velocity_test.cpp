@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Zlib
+// Every registered velocity resolver, in both dimensions, on drawn sets of contacts and joints. What a method says in
+// info().failures that it fails, it must be seen to fail.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+
+#include "tests/check_property.h"
+#include "tests/conformance/impact_scene.h"
+#include "tests/planted_bugs/solver_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+// Rounding: of one solve over a few contacts, relative to the speeds in it.
+constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-4);
+// What is left after many sweeps.
+constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
+
+template <int D>
+struct NoCorrection final : PositionResolver<D> {};
+
+// A resolver as it is, and given so many iterations that only its principle counts.
+template <int D>
+struct Subject {
+  std::unique_ptr<VelocityResolver<D>> normal, patient;
+};
+
+template <int D>
+using Property = std::function<void(VelocityResolver<D>&, VelocityResolver<D>&, Draw&)>;
+
+template <int D>
+void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
+  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
+  RC_ASSERT(holds);
+}
+
+template <int D>
+ImpactScene<D> solved(const ImpactScene<D>& before, VelocityResolver<D>& resolver) {
+  const NoCorrection<D> none;
+  ImpactScene<D> after = before;
+  after.solve(resolver, none);
+  return after;
+}
+
+template <int D>
+void keepsLinearMomentum(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.friction = true, .restitution = Real(0.3), .gap = Real(0.1), .joints = 2});
+  const auto after = solved(before, r);
+  const Real error = (after.momentum() - before.momentum()).norm();
+  require<D>(error <= kTolerance * 20 * before.speed(), before, after, error);
+}
+
+template <int D>
+void keepsAngularMomentum(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.friction = true, .restitution = Real(0.3), .gap = Real(0.1), .joints = 2});
+  const auto after = solved(before, r);
+  const Real error = (after.angularMomentum() - before.angularMomentum()).norm();
+  require<D>(error <= kTolerance * 100 * before.speed(), before, after, error);
+}
+
+template <int D>
+void elasticKeepsEnergy(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.restitution = 1, .approaching = true, .contacts = 1});
+  const Manifold<D>& m = before.manifolds[0];
+  RC_PRE(before.contactVelocity(m, m.points[0]).dot(m.normal) < -Real(0.21));
+  const auto after = solved(before, r);
+  const Real error = after.energy() - before.energy();
+  require<D>(std::abs(error) <= kTolerance * 100 * before.energy(), before, after, error);
+}
+
+// With several contacts and restitution Newton's law promises this only when all of them are closing, and with friction
+// only without restitution (Kane's paradox).
+template <int D>
+void addsNoEnergy(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
+  const bool friction = draw.coin();
+  const Real e = friction ? Real(0) : draw.real(0, 1);
+  const auto before =
+      drawImpact<D>(draw, {.fixed = draw.coin(), .friction = friction, .restitution = e, .approaching = true});
+  const auto after = solved(before, patient);
+  const Real gain = after.energy() - before.energy();
+  require<D>(gain <= kConverged * (1 + before.energy()), before, after, gain);
+}
+
+template <int D>
+void staysInTheCone(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = draw.coin(),
+                                           .friction = true,
+                                           .restitution = draw.real(0, 1),
+                                           .gap = Real(0.1),
+                                           .joints = draw.below(2)});
+  const auto after = solved(before, r);
+  for (const Manifold<D>& m : after.manifolds) {
+    const auto& impulse = m.points[0].impulse;
+    Real sideways = 0;
+    for (std::size_t d = 1; d < D; ++d) sideways += impulse[d] * impulse[d];
+    sideways = std::sqrt(sideways);
+    require<D>(impulse[0] >= 0, before, after, impulse[0]);
+    const Real excess = sideways - m.friction * impulse[0];
+    require<D>(excess <= kTolerance * (1 + impulse[0]), before, after, excess);
+  }
+}
+
+template <int D>
+void opposesSliding(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .friction = true, .approaching = true, .contacts = 1});
+  const auto after = solved(before, r);
+  const Manifold<D>& m = after.manifolds[0];
+  const Vec<D> v = after.contactVelocity(m, m.points[0]);
+  Real power = 0;
+  for (int d = 0; d < D - 1; ++d) {
+    power += m.points[0].impulse[static_cast<std::size_t>(d) + 1] * v.dot(tangents(m.normal).col(d));
+  }
+  require<D>(power <= kConverged * before.speed() * before.speed(), before, after, power);
+}
+
+template <int D>
+void inelasticStops(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .approaching = true, .contacts = 1});
+  const auto after = solved(before, patient);
+  const Manifold<D>& m = after.manifolds[0];
+  const Real v = after.contactVelocity(m, m.points[0]).dot(m.normal);
+  require<D>(std::abs(v) <= kTolerance * 100, before, after, v);
+}
+
+template <int D>
+void takesBack(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.approaching = true});
+  const auto after = solved(before, patient);
+  for (const Manifold<D>& m : after.manifolds) {
+    const Real v = after.contactVelocity(m, m.points[0]).dot(m.normal);
+    require<D>(v >= -kConverged * 100 * before.speed(), before, after, v);
+    const Real residual = std::min(v, m.points[0].impulse[0]);
+    require<D>(residual <= kConverged * 100 * before.speed(), before, after, residual);
+  }
+}
+
+template <int D>
+void secondSolveChangesNothing(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .contacts = 3});
+  auto once = solved(before, patient);
+  for (const Manifold<D>& m : once.manifolds) {  // what is not solved yet may well be changed
+    RC_PRE(once.contactVelocity(m, m.points[0]).dot(m.normal) > -kConverged / 1000);
+  }
+  for (Manifold<D>& m : once.manifolds) m.points[0].impulse.fill(0);
+  for (PivotJoint<D>& j : once.joints) j.impulse.setZero();
+  const auto twice = solved(once, patient);
+  Real change = 0;
+  for (int i = 0; i < once.bodies.size(); ++i) change = std::max(change, (twice.motion(i).v - once.motion(i).v).norm());
+  require<D>(change <= kConverged * 10 * before.speed(), before, twice, change);
+}
+
+template <int D>
+void turnsWithTheFrame(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .friction = true, .contacts = 2});
+  const Pose<D> X{drawVector<D>(draw), drawRotation<D>(draw)};
+  const Vec<D> boost = drawVector<D>(draw);
+  ImpactScene<D> moved = before;
+  for (std::size_t i = 0; i < moved.bodies.pose.size(); ++i) {
+    moved.bodies.pose[i] = X * before.bodies.pose[i];
+    moved.bodies.motion[i].v = X.q * (before.bodies.motion[i].v + boost);
+    if constexpr (D == 3) moved.bodies.motion[i].w = X.q * before.bodies.motion[i].w;
+    moved.bodies.invInertia[i] = rotateInertia(moved.bodies.pose[i].q, moved.bodies.invInertiaBody[i]);
+  }
+  for (Manifold<D>& m : moved.manifolds) m.normal = X.q * m.normal;
+  const auto here = solved(before, patient), there = solved(moved, patient);
+  Real error = 0;
+  for (int i = 0; i < here.bodies.size(); ++i) {
+    error = std::max(error, (X.q * (here.motion(i).v + boost) - there.motion(i).v).norm());
+  }
+  require<D>(error <= kConverged * 20 * before.speed(), before, there, error);
+}
+
+template <int D>
+void fixedBodiesStay(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .restitution = Real(0.5), .joints = 1});
+  const auto after = solved(before, r);
+  require<D>(after.motion(0).v == before.motion(0).v && after.motion(0).w == before.motion(0).w, before, after, 0);
+}
+
+template <int D>
+void jointsStopDrifting(VelocityResolver<D>&, VelocityResolver<D>& patient, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .joints = 2, .contacts = 0});
+  RC_PRE(before.joints[0].bodyA != before.joints[1].bodyA || before.joints[0].bodyB != before.joints[1].bodyB);
+  const auto after = solved(before, patient);
+  for (const PivotJoint<D>& j : after.joints) {
+    const Real v = after.jointVelocity(j).norm();
+    require<D>(v <= kConverged * 100 * before.speed(), before, after, v);
+  }
+}
+
+template <int D>
+void degenerateIsFinite(VelocityResolver<D>& r, VelocityResolver<D>& patient, Draw& draw) {
+  auto s = drawImpact<D>(draw, {.fixed = true, .friction = true, .restitution = 1, .gap = Real(0.2), .joints = 2});
+  for (Manifold<D>& m : s.manifolds) m.friction = draw.pick({Real(0), Real(1e6)});
+  for (int i = 1; i < s.bodies.size(); ++i) {  // what cannot move, cannot turn, or is nearly weightless
+    const auto k = static_cast<std::size_t>(i);
+    const int what = draw.below(5);
+    if (what == 1 || what == 3) s.bodies.invMass[k] = 0;
+    if (what == 2 || what == 3) s.bodies.invInertia[k].setZero();
+    if (what == 4) s.bodies.invMass[k] *= Real(1e6);
+  }
+  if (draw.coin()) {  // several points at one place, at the centre of a body
+    for (Manifold<D>& m : s.manifolds) {
+      m.points[0].localA.setZero(), m.points[0].localB.setZero();
+      m.points[0].separation = s.pose(m.bodyB).p == s.pose(m.bodyA).p ? Real(0) : m.points[0].separation;
+      m.points[1] = m.points[0], m.count = 2;
+    }
+  }
+  const auto once = solved(s, r), often = solved(s, patient);
+  require<D>(once.finite(), s, once, 0);
+  require<D>(often.finite(), s, often, 0);
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  Property<D> property;
+  Bug bug;  // that it must catch
+};
+
+template <int D>
+std::vector<Named<D>> properties() {
+  return {{"Impulse.KeepsLinearMomentum", keepsLinearMomentum<D>, Bug::oneBodyOnly},
+          {"Impulse.KeepsAngularMomentum", keepsAngularMomentum<D>, Bug::twoPoints},
+          {"Impulse.ElasticKeepsEnergy", elasticKeepsEnergy<D>, Bug::addsEnergy},
+          {"Impulse.AddsNoEnergy", addsNoEnergy<D>, Bug::addsEnergy},
+          {"Impulse.StaysInTheCone", staysInTheCone<D>, Bug::frictionUnbounded},
+          {"Impulse.PushesOnly", staysInTheCone<D>, Bug::pulls},
+          {"Impulse.OpposesSliding", opposesSliding<D>, Bug::frictionForward},
+          {"Impulse.InelasticStops", inelasticStops<D>, Bug::addsEnergy},
+          {"Accumulation.TakesBack", takesBack<D>, Bug::keepsFirstImpulse},
+          {"Impulse.SecondSolveChangesNothing", secondSolveChangesNothing<D>, Bug::hastens},
+          {"Impulse.TurnsWithTheFrame", turnsWithTheFrame<D>, D == 3 ? Bug::squareFriction : Bug::slowsInTheWorld},
+          {"Impulse.FixedBodiesStay", fixedBodiesStay<D>, Bug::movesFixed},
+          {"Impulse.JointsStopDrifting", jointsStopDrifting<D>, Bug::stopsEarly},
+          {"Impulse.DegenerateIsFinite", degenerateIsFinite<D>, Bug::dividesByNothing}};
+}
+
+std::unique_ptr<Spec> patientSpec(const Registered& entry) {
+  auto spec = std::make_unique<Spec>(Spec{entry.info.name, {}});
+  for (const ParamInfo& p : entry.params) {
+    if (p.name == "iterations") spec->set("iterations", {"2000", {}});
+    if (p.name == "iteration_factor") spec->set("iteration_factor", {"500", {}});
+    if (p.name == "epsilon") spec->set("epsilon", {"0", {}});
+  }
+  return spec;
+}
+
+template <int D>
+class VelocityConformance : public testing::Test {};
+
+template <int D>
+void testAll() {
+  const auto entries = Registry::instance().list(StageKind::velocity, D);
+  ASSERT_GE(entries.size(), 3u);
+  for (const Registered* entry : entries) {
+    const auto normal = createStage<VelocityResolver<D>>({entry->info.name, {}});
+    const auto patient = createStage<VelocityResolver<D>>(*patientSpec(*entry));
+    for (const Named<D>& p : properties<D>()) {
+      const std::string name = std::string(p.name) + " " + entry->info.name + " " + std::to_string(D) + "D";
+      SCOPED_TRACE(name);
+      const auto run = [&] {
+        RapidCheckDraw draw;
+        p.property(*normal, *patient, draw);
+      };
+      bool known = false;
+      for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
+      if (known) {
+        expectFalsified(name, run, 300);
+      } else {
+        check(name, run, 60);
+      }
+    }
+  }
+}
+
+template <int D>
+void plantedBugs() {
+  TwinResolver<D> right(Bug::none, 10), rightPatient(Bug::none, 600);
+  for (const Named<D>& p : properties<D>()) {
+    SCOPED_TRACE(p.name);
+    check(
+        std::string(p.name) + " twin",
+        [&] {
+          RapidCheckDraw draw;
+          p.property(right, rightPatient, draw);
+        },
+        30);
+    TwinResolver<D> wrong(p.bug, 10), wrongPatient(p.bug, 600);
+    expectFalsified(
+        std::string(p.name) + " planted bug",
+        [&] {
+          RapidCheckDraw draw;
+          p.property(wrong, wrongPatient, draw);
+        },
+        200);
+  }
+}
+
+TEST(VelocityConformance, EveryResolver2) { testAll<2>(); }
+TEST(VelocityConformance, EveryResolver3) { testAll<3>(); }
+TEST(VelocityConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(VelocityConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+// An impulse is a force times dt; half the step needs half of it.
+TEST(VelocityConformance, WarmStartScalesWithTheStep) {
+  ImpactScene<2> s;
+  s.add(0, Ang<2>::Zero(), {});
+  s.add(2, Ang<2>::Constant(1), {{0, 1}, {}});
+  s.touch(0, 1, {0, 1}, {0, Real(0.5)}, 0, 0, 0);
+  s.manifolds[0].points[0].impulse[0] = 4;
+  s.lastDt = 2 * s.dt;
+  const auto resolver = createStage<VelocityResolver<2>>(Spec::parse("catto{iterations=0,warm_factor=0.5}"));
+  const auto after = solved(s, *resolver);
+  EXPECT_NEAR(after.motion(1).v[1], 4 * 0.5 * 0.5 / 2, 1e-6);
+  const auto cold = createStage<VelocityResolver<2>>(Spec::parse("catto{iterations=0,warm_start=false}"));
+  EXPECT_EQ(solved(s, *cold).motion(1).v[1], 0);
+}
+
+// Both searches for the worst contact must lead to the same bits.
+TEST(VelocityConformance, MillingtonsSearchesAgree) {
+  const auto scan = createStage<VelocityResolver<3>>(Spec::parse("millington{search=scan}"));
+  const auto tree = createStage<VelocityResolver<3>>(Spec::parse("millington{search=tree}"));
+  check("scan = tree", [&] {
+    RapidCheckDraw draw;
+    const auto before = drawImpact<3>(draw, {.fixed = true, .friction = true, .restitution = Real(0.4)});
+    const auto a = solved(before, *scan), b = solved(before, *tree);
+    for (int i = 0; i < a.bodies.size(); ++i) {
+      RC_ASSERT(a.motion(i).v == b.motion(i).v);
+      RC_ASSERT(a.motion(i).w == b.motion(i).w);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

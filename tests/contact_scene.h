@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+// Two shapes on two bodies, as a contact generator is given them, and what must be true of its answer.
+#pragma once
+
+#include <memory>
+
+#include "framework/stage_narrowphase.h"
+#include "framework/tolerances.h"
+#include "tests/brute_distance.h"
+#include "tests/generators.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+template <int D>
+struct ContactScene {
+  std::vector<ShapeRecord<D>> shapes;
+  std::vector<Pose<D>> pose;
+  Real margin;
+
+  /// The shapes' frames may differ from their bodies': X_CS is of each shape in its body.
+  ContactScene(const Shape<D>& a, const Shape<D>& b, const Pose<D>& X_WA, const Pose<D>& X_WB, Real contactMargin,
+               const Pose<D>& X_CSa = {}, const Pose<D>& X_CSb = {})
+      : margin(contactMargin) {
+    shapes.push_back({.shape = a, .X_CS = X_CSa, .body = 0});
+    shapes.push_back({.shape = b, .X_CS = X_CSb, .body = 1});
+    pose = {X_WA * X_CSa.inverse(), X_WB * X_CSb.inverse()};
+  }
+  ContactScene(const ShapePairCase<D>& c, Real contactMargin) : ContactScene(c.a, c.b, c.X_WA, c.X_WB, contactMargin) {}
+
+  /// The bodies in the other order.
+  ContactScene swapped() const {
+    ContactScene s = *this;
+    std::swap(s.shapes[0], s.shapes[1]), std::swap(s.pose[0], s.pose[1]);
+    s.shapes[0].body = 0, s.shapes[1].body = 1;
+    return s;
+  }
+  const ShapeView<D>& view(std::size_t i) const { return shapes[i].shape.view(); }
+  Pose<D> shapePose(std::size_t i) const { return pose[i] * shapes[i].X_CS; }
+  Real trueDistance() const { return bruteDistance<D>(view(0), shapePose(0), view(1), shapePose(1)); }
+  /// Largest of the sizes and positions: rounding is relative to it.
+  Real extent() const {
+    Real s = boundingRadius(view(0)) + boundingRadius(view(1));
+    for (int i : {0, 1}) {
+      s += pose[static_cast<std::size_t>(i)].p.norm() + shapes[static_cast<std::size_t>(i)].X_CS.p.norm();
+    }
+    return s;
+  }
+  Real rounding() const { return 1000 * kEps * extent(); }
+  /// By so much a generator may prefer one feature to another (m): a tenth of the slop, 1 % of the smaller shape.
+  Real tolerance() const {
+    const auto coreSize = [](const ShapeView<D>& s) {
+      return s.kind == ShapeKind::sphere ? std::numeric_limits<Real>::max() : boundingRadius(s) - s.radius;
+    };
+    return std::min(kLinearSlop / 10, Real(0.01) * std::min(coreSize(view(0)), coreSize(view(1)))) + rounding();
+  }
+
+  std::vector<Manifold<D>> run(ContactGenerator<D>& generator) const {
+    const ShapePair pair{0, 1};
+    std::vector<Manifold<D>> fresh;
+    Work work;
+    generator.generate({{&pair, 1}, shapes, pose, margin, true}, fresh, work);
+    return fresh;
+  }
+};
+
+template <int D>
+Real deepest(const Manifold<D>& m) {
+  Real s = std::numeric_limits<Real>::infinity();
+  for (int i = 0; i < m.count; ++i) s = std::min(s, m.points[static_cast<std::size_t>(i)].separation);
+  return s;
+}
+
+/// Signed distance of a world point to shape i.
+template <int D>
+Real pointDistance(const ContactScene<D>& scene, std::size_t i, const Vec<D>& p_W) {
+  const Pose<D> X = scene.shapePose(i);
+  Pose<D> X_SP;
+  X_SP.p = X.q.inverse() * Vec<D>(p_W - X.p);
+  return bruteCoreDistance<D>(bruteCore(scene.view(i), Pose<D>{}), bruteCore(Shape<D>::sphere(0).view(), X_SP)) -
+         scene.view(i).radius;
+}
+
+/// -h_A(n) - h_B(-n) of the shapes along the world direction n.
+template <int D>
+Real worldSeparation(const ContactScene<D>& scene, const Vec<D>& n) {
+  const Pose<D> X_WA = scene.shapePose(0), X_WB = scene.shapePose(1);
+  const Pose<D> X_AB{X_WA.q.inverse() * Vec<D>(X_WB.p - X_WA.p), X_WA.q.inverse() * X_WB.q};
+  return separationAlong<D>(bruteCore(scene.view(0), Pose<D>{}), bruteCore(scene.view(1), X_AB), X_WA.q.inverse() * n) -
+         scene.view(0).radius - scene.view(1).radius;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Zlib
+// Random shapes and poses, drawn from small whole numbers so that RapidCheck can shrink them: 0 is always the simplest
+// choice. The same code draws from a plain generator for counting and for long loops.
+#pragma once
+
+#include <rapidcheck.h>
+
+#include <initializer_list>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "framework/random.h"
+#include "framework/shape.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+inline constexpr Real kEps = std::numeric_limits<Real>::epsilon();
+
+/// A source of whole numbers.
+class Draw {
+ public:
+  virtual ~Draw() = default;
+  /// In [0, n).
+  virtual int below(int n) = 0;
+
+  bool coin() { return below(2) == 1; }
+  /// In [lo, hi]; the simplest is lo. Steps of 1e-6 of the range: rarely a round binary number.
+  Real real(double lo, double hi) { return static_cast<Real>(lo + (hi - lo) * below(1000001) / 1e6); }
+  /// In [-1, 1]; the simplest is 0.
+  Real signedUnit() {
+    const int k = below(2000001);
+    return static_cast<Real>((k % 2 ? -1 : 1) * ((k + 1) / 2) / 1e6);
+  }
+  template <class T>
+  T pick(std::initializer_list<T> values) {
+    return values.begin()[below(static_cast<int>(values.size()))];
+  }
+};
+
+/// Inside a property or rc::gen::exec: shrinks.
+class RapidCheckDraw final : public Draw {
+ public:
+  int below(int n) override { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
+};
+
+/// For loops without shrinking.
+class PlainDraw final : public Draw {
+ public:
+  explicit PlainDraw(std::uint64_t seed) : m_random(seed) {}
+  int below(int n) override { return static_cast<int>(m_random.below(static_cast<std::uint64_t>(n))); }
+
+ private:
+  Random m_random;
+};
+
+template <int D>
+Vec<D> drawVector(Draw& draw) {
+  Vec<D> v;
+  for (int k = 0; k < D; ++k) v[k] = draw.signedUnit();
+  return v;
+}
+
+/// A unit vector, every fourth along an axis; the simplest is the x axis.
+template <int D>
+Vec<D> drawDirection(Draw& draw) {
+  if (draw.below(4) == 0) {
+    const int k = draw.below(D);
+    return draw.coin() ? Vec<D>(-Vec<D>::Unit(k)) : Vec<D>(Vec<D>::Unit(k));
+  }
+  const Vec<D> v = drawVector<D>(draw);
+  return v.norm() > Real(1e-3) ? Vec<D>(v / v.norm()) : Vec<D>(Vec<D>::Unit(0));
+}
+
+inline Rot<2> turn(const Ang<2>& v) { return Rot<2>::angle(v[0]); }
+inline Rot<3> turn(const Ang<3>& v) { return Rot<3>::vector(v); }
+
+template <int D>
+Rot<D> drawRotation(Draw& draw) {
+  Ang<D> v;
+  for (int k = 0; k < kAngDim<D>; ++k) v[k] = Real(3.14159) * draw.signedUnit();
+  return turn(v);
+}
+
+/// Positions within `extent` of the origin.
+template <int D>
+Pose<D> drawPose(Draw& draw, Real extent) {
+  Pose<D> X;
+  X.p = extent * drawVector<D>(draw);
+  X.q = drawRotation<D>(draw);
+  return X;
+}
+
+/// What a shape is made from, at scale 1: sizes around 1 m.
+template <int D>
+struct Sketch {
+  ShapeKind kind = ShapeKind::sphere;
+  Vec<D> half = Vec<D>::Zero();
+  Real radius = 0;
+  std::vector<Vec<D>> points;
+
+  Shape<D> build(Real scale) const {
+    switch (kind) {
+      case ShapeKind::sphere:
+        return Shape<D>::sphere(scale * radius);
+      case ShapeKind::capsule:
+        return Shape<D>::capsule(scale * half[0], scale * radius);
+      case ShapeKind::segment:
+        return Shape<D>::segment(scale * half[0]);
+      case ShapeKind::box:
+        return Shape<D>::box(scale * half, scale * radius);
+      case ShapeKind::polytope:
+        break;
+    }
+    std::vector<Vec<D>> scaled;
+    for (const Vec<D>& p : points) scaled.push_back(scale * p);
+    return Shape<D>::polytope(std::span<const Vec<D>>(scaled), scale * radius);
+  }
+};
+
+/// Sizes are thirds: never exactly representable.
+template <int D>
+Vec<D> drawHalf(Draw& draw) {
+  Vec<D> half;
+  for (int k = 0; k < D; ++k) half[k] = Real(1 + draw.below(9)) / 3;
+  return half;
+}
+
+/// A simplex around the origin and up to 12 more points.
+template <int D>
+std::vector<Vec<D>> drawPoints(Draw& draw) {
+  std::vector<Vec<D>> points;
+  const Vec<D> half = drawHalf<D>(draw);
+  points.push_back(-half);
+  for (int k = 0; k < D; ++k) {
+    Vec<D> p = -half;
+    p[k] = 2 * half[k];
+    points.push_back(p);
+  }
+  for (int n = draw.below(13); n > 0; --n) points.push_back(half.cwiseProduct(drawVector<D>(draw)) * Real(1.5));
+  return points;
+}
+
+template <int D>
+Sketch<D> drawSketch(Draw& draw, ShapeKind kind) {
+  Sketch<D> s;
+  s.kind = kind;
+  const Real rounding = draw.below(4) == 3 ? draw.real(0.01, 0.3) : Real(0);
+  if (kind == ShapeKind::polytope) {
+    s.points = drawPoints<D>(draw), s.radius = rounding;
+  } else if (kind == ShapeKind::box) {
+    s.half = drawHalf<D>(draw), s.radius = rounding;
+  } else {
+    if (kind != ShapeKind::sphere) s.half[0] = drawHalf<D>(draw)[0];
+    if (kind != ShapeKind::segment) s.radius = drawHalf<D>(draw)[0] / 2;
+  }
+  return s;
+}
+
+/// Every kind that exists in this dimension, the simplest first.
+template <int D>
+ShapeKind drawKind(Draw& draw) {
+  return D == 2 ? draw.pick(
+                      {ShapeKind::sphere, ShapeKind::box, ShapeKind::capsule, ShapeKind::polytope, ShapeKind::segment})
+                : draw.pick({ShapeKind::sphere, ShapeKind::box, ShapeKind::capsule, ShapeKind::polytope});
+}
+
+inline Real drawScale(Draw& draw) { return draw.pick({Real(1), Real(1e-3), Real(1e3)}); }
+
+template <int D>
+Shape<D> drawShape(Draw& draw) {
+  const Sketch<D> sketch = drawSketch<D>(draw, drawKind<D>(draw));
+  return sketch.build(drawScale(draw));
+}
+
+/// Size of a shape: the largest distance of its points from its origin (m).
+template <int D>
+Real sizeOf(const Shape<D>& s) {
+  return boundingRadius(s.view());
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test
+
+// Beside the types, so that RapidCheck and GoogleTest print counterexamples as values, with all digits.
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+std::ostream& operator<<(std::ostream& out, const Shape<D>& shape) {
+  const ShapeView<D>& v = shape.view();
+  out.precision(std::numeric_limits<Real>::max_digits10);
+  out << shapeKindName(v.kind) << "{radius=" << v.radius;
+  if (v.kind != ShapeKind::sphere && !v.hull) out << ", half=(" << v.half.transpose() << ')';
+  if (v.hull) {
+    out << ", points=";
+    for (const Vec<D>& p : v.hull->vertices) out << '(' << p.transpose() << ')';
+  }
+  return out << '}';
+}
+inline std::ostream& operator<<(std::ostream& out, const Rot<2>& q) {
+  return out << "(c=" << q.c << ", s=" << q.s << ')';
+}
+inline std::ostream& operator<<(std::ostream& out, const Rot<3>& q) {
+  return out << "(w=" << q.w << ", x=" << q.x << ", y=" << q.y << ", z=" << q.z << ')';
+}
+template <int D>
+std::ostream& operator<<(std::ostream& out, const Pose<D>& X) {
+  out.precision(std::numeric_limits<Real>::max_digits10);
+  return out << "p=(" << X.p.transpose() << ") q=" << X.q;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Zlib
+// The `lpc` program as a user meets it.
+#include <nlohmann/json.hpp>
+
+#include "framework/plugin.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::Outcome;
+using test::Workspace;
+
+TEST(CommandLine, helpHasAnExample) {
+  Workspace w;
+  EXPECT_NE(w.lpc("--help").text.find("Examples:"), std::string::npos);
+  for (const char* command : {"list", "run", "sweep", "report", "merge", "import-benchmark"}) {
+    const Outcome help = w.lpc(std::string(command) + " --help");
+    EXPECT_EQ(help.code, 0) << command;
+    EXPECT_NE(help.text.find("Example: lpc " + std::string(command)), std::string::npos) << help.text;
+  }
+}
+
+// The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
+TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
+  Workspace w;
+  const std::pair<const char*, std::vector<const char*>> cases[] = {
+      {"", {"subcommand"}},
+      {"dance", {"dance"}},
+      {"run", {"scene"}},
+      {"run nowhere", {"'nowhere'", "pyramid"}},
+      {"run pyramid --param base=x", {"base=x"}},
+      {"run pyramid --param height=3", {"'height'", "base"}},
+      {"run pyramid --param base=0", {"'base'", "200"}},
+      {"run pyramid --dimension 4", {"4", "2, 3"}},
+      {"run pyramid --dt -1", {"dt"}},
+      {"run pyramid --precision f16", {"f16", "f32"}},
+      {"run pyramid --pipeline brodphase=naive", {"'brodphase'", "broadphase"}},
+      {"run pyramid --pipeline broadphase=niave", {"'niave'", "naive"}},
+      {"run pyramid --pipeline broadphase=sort_and_sweep{axis=9}", {"'axis'", "9"}},
+      {"sweep nowhere", {"'nowhere'", "quick"}},
+      {"sweep broadphase_crossover --only nobody", {"nobody"}},
+      {"merge a.db nowhere.db", {"nowhere.db"}},
+      {"--plugin nowhere.so list", {"nowhere.so"}},
+  };
+  for (const auto& [arguments, parts] : cases) {
+    const Outcome out = w.lpc(arguments);
+    EXPECT_EQ(out.code, 2) << arguments << "\n" << out.text;
+    EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << arguments << "\n" << out.text;
+    for (const char* part : parts) EXPECT_NE(out.text.find(part), std::string::npos) << arguments << "\n" << out.text;
+  }
+}
+
+TEST(CommandLine, listsEverything) {
+  Workspace w;
+  const Outcome out = w.lpc("list --json");
+  ASSERT_EQ(out.code, 0);
+  const auto all = nlohmann::json::parse(out.text);
+  bool found = false;
+  for (const auto& a : all["algorithms"]) {
+    if (a["name"] != "sort_and_sweep") continue;
+    found = true;
+    EXPECT_EQ(a["dimensions"], (nlohmann::json{2, 3}));
+    EXPECT_EQ(a["params"][0]["name"], "axis");
+  }
+  EXPECT_TRUE(found);
+  EXPECT_GE(all["scenes"].size(), 15u);
+  EXPECT_GE(all["sweeps"].size(), 9u);
+}
+
+TEST(CommandLine, refusesAPluginOfAnotherBuild) {
+  Workspace w;
+  const std::string good = LPC_ABI_TEXT;
+  w.write("none.so", "nothing of that kind");
+  EXPECT_NE(w.lpc("--plugin none.so list").text.find("lpc_abi"), std::string::npos);
+  std::string other = good;
+  other.replace(other.find("f64"), 3, "f32");
+  w.write("other.so", std::string("\x7f"
+                                  "ELF") +
+                          '\0' + other + '\0');
+  const Outcome out = w.lpc("--plugin other.so list");
+  EXPECT_EQ(out.code, 2);
+  EXPECT_NE(out.text.find("f32"), std::string::npos) << out.text;
+  EXPECT_NE(out.text.find("f64"), std::string::npos) << out.text;
+}
+
+TEST(CommandLine, versionIsTheProjects) {
+  Workspace w;
+  std::ifstream in(LPC_SOURCE_DIR "/CMakeLists.txt");
+  const std::string cmake{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(cmake.find("project(lpc VERSION " LPC_VERSION_TEXT " "), std::string::npos);
+  EXPECT_NE(w.lpc("--version").text.find(LPC_VERSION_TEXT), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

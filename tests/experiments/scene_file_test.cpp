@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Zlib
+// Reading scene files: expressions, loops, scripts, and mistakes told with file and line.
+#include "experiments/trial/scene_file.h"
+
+#include <gtest/gtest.h>
+
+#include "experiments/parse/expression.h"
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+const std::string kHead = "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\n";  // lines 1 to 3
+
+SceneSpec<2> flat(const std::string& text, const ParameterValues& values = {}) {
+  return SceneFile::parse(kHead + text, "t.toml").build<2>(values, 1);
+}
+
+std::string messageOf(const std::string& text, const ParameterValues& values = {}, bool head = true) {
+  try {
+    SceneFile::parse((head ? kHead : "") + text, "t.toml").build<2>(values, 1);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Expression, computes) {
+  Expressions e(1);
+  e.setGlobal("base", 7);
+  e.setLocal("i", 3);
+  EXPECT_EQ(e.evaluate("base - i * 2"), 1);
+  EXPECT_EQ(e.evaluate("mod(-1, 3)"), 2);
+  EXPECT_EQ(e.evaluate("i == 3 ? 10 : 20"), 10);
+  EXPECT_NEAR(e.evaluate("sin(pi / 6)"), 0.5, 1e-15);
+  EXPECT_NEAR(e.evaluate("cos(pi / 3)"), 0.5, 1e-15);
+  e.setLocal("i", 4);
+  EXPECT_EQ(e.evaluate("base - i * 2"), -1) << "a compiled text must see new values";
+  e.forgetLocals();
+  EXPECT_THROW(e.evaluate("i"), UserError);
+}
+
+TEST(Expression, randomNumbersFollowTheSeed) {
+  Expressions a(5), b(5), c(6);
+  const double first = a.evaluate("rand(2, 3)"), second = a.evaluate("rand(2, 3)");
+  EXPECT_GE(first, 2);
+  EXPECT_LT(first, 3);
+  EXPECT_NE(first, second) << "rand was folded into a constant";
+  EXPECT_EQ(b.evaluate("rand(2, 3)"), first);
+  EXPECT_NE(c.evaluate("rand(2, 3)"), first);
+}
+
+TEST(Expression, refusesLibmAndNonsense) {
+  Expressions e(1);
+  e.setGlobal("height", 1);
+  for (const char* text : {"exp(1)", "tanh(1)", "1 +", "nobody", "1 / 0", "sqrt(-1)", ""}) {
+    EXPECT_THROW(e.evaluate(text), UserError) << text;
+  }
+  try {
+    e.evaluate("heigt");
+    FAIL();
+  } catch (const UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("height"), std::string::npos) << error.what();
+  }
+}
+
+TEST(SceneFile, loopsNestInFileOrder) {
+  const SceneSpec<2> scene = flat(R"(
+[[body]]
+repeat = { z = 2, a = "z + 1" }
+position = ["z", "10 * a + k"]
+shapes = [{ kind = "circle", radius = 1 }]
+)");
+  ASSERT_EQ(scene.spawns.size(), 3u);  // z=0: a=0; z=1: a=0, 1
+  EXPECT_EQ(scene.spawns[0].body.X_WB.p, Vec<2>(0, 0));
+  EXPECT_EQ(scene.spawns[1].body.X_WB.p, Vec<2>(1, 1));
+  EXPECT_EQ(scene.spawns[2].body.X_WB.p, Vec<2>(1, 12));
+}
+
+TEST(SceneFile, scriptsSpawnAndRemove) {
+  const SceneSpec<2> scene = flat(R"(
+[[body]]
+name = "late"
+from = 40
+position = [0, 0]
+shapes = [{ kind = "circle", radius = 1 }]
+[[body]]
+name = "rain"
+from = 10
+every = 20
+until = 71
+remove = "step + 5"
+position = ["step", "k"]
+shapes = [{ kind = "circle", radius = 1 }]
+[[pivot]]
+a = "rain[1]"
+b = "late"
+anchor = [0, 0]
+)");
+  ASSERT_EQ(scene.spawns.size(), 5u);
+  std::vector<long> steps, removals;
+  for (const auto& s : scene.spawns) steps.push_back(s.step), removals.push_back(s.removeAt);
+  EXPECT_EQ(steps, (std::vector<long>{10, 30, 40, 50, 70}));
+  EXPECT_EQ(removals, (std::vector<long>{15, 35, -1, 55, 75}));
+  EXPECT_EQ(scene.spawns[4].body.X_WB.p, Vec<2>(70, 3));
+  ASSERT_EQ(scene.pivots.size(), 1u);
+  EXPECT_EQ(scene.pivots[0].bodyA, 1);
+  EXPECT_EQ(scene.pivots[0].bodyB, 2);
+}
+
+TEST(SceneFile, shapesInBothDimensions) {
+  const SceneFile file = SceneFile::parse(kHead + R"(
+[defaults]
+density = 3
+[[body]]
+position = [1, 2, 3]
+angle = "pi / 2"
+pinned = true
+shapes = [
+  { kind = "polytope", points = [[-1, -1], [1, -1], [0, 1]], depth = 0.5, rounding = 0.1, density = 2 },
+  { kind = "capsule", half_length = 1, radius = 0.5, offset = [4, 5, 6], friction = 0.25 },
+]
+)",
+                                          "t.toml");
+  const auto flatScene = file.build<2>({}, 1);
+  const auto solidScene = file.build<3>({}, 1);
+  EXPECT_EQ(census(flatScene), (std::map<std::string, int>{
+                                   {"dynamic", 1}, {"dynamic capsule", 1}, {"dynamic polytope", 1}, {"pinned", 1}}));
+  const BodyDef<3>& body = solidScene.spawns.at(0).body;
+  EXPECT_EQ(body.shapes[0].shape.view().hull->vertices.size(), 6u);
+  EXPECT_EQ(body.shapes[0].density, 2);
+  EXPECT_EQ(body.shapes[1].density, 3);
+  EXPECT_EQ(body.shapes[1].X_BS.p, Vec<3>(4, 5, 6));
+  EXPECT_LT((body.X_WB.q * Vec<3>(1, 0, 0) - Vec<3>(0, 1, 0)).norm(), 1e-15);
+  EXPECT_LT((flatScene.spawns[0].body.X_WB.q * Vec<2>(1, 0) - Vec<2>(0, 1)).norm(), 1e-15);
+}
+
+// Every mistake is one line: where, what was found, what is valid.
+TEST(SceneFile, mistakesHaveFileAndLine) {
+  struct Case {
+    const char* text;
+    std::vector<const char*> parts;
+  };
+  const std::string body = "[[body]]\nposition = [0, 0]\n";
+  const Case cases[] = {
+      {"gravity = [0, ", {"t.toml:"}},
+      {"gravty = [0, -1]\n", {"t.toml:4: ", "'gravty'", "gravity"}},
+      {"gravity = 3\n", {"t.toml:4: ", "the number 3", "list"}},
+      {"needs = [\"wings\"]\n", {"t.toml:4: ", "'wings'", "friction"}},
+      {"[parameters]\nn = 3\n", {"t.toml:5: ", "'n'", "table"}},
+      {"[parameters]\nn = { default = 9, min = 0, max = 5, meaning = \"m\" }\n", {"t.toml:5: ", "min and max"}},
+      {"[[body]]\nposition = [0, \"hi + 1\"]\nshapes = [{ kind = \"circle\", radius = 1 }]\n",
+       {"t.toml:5: ", "'hi + 1'", "dimension"}},
+      {"[[body]]\nshapes = [\n{ kind = \"blob\", radius = 1 }]\n", {"t.toml:6: ", "'blob'", "capsule"}},
+      {"[[body]]\nshapes = [\n{ kind = \"circle\", radius = -1 }]\n", {"t.toml:6: ", "circle"}},
+      {"[[body]]\nshapes = [\n{ kind = \"circle\" }]\n", {"t.toml:6: ", "'radius' is missing"}},
+      {"[[body]]\ntype = \"soft\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n",
+       {"t.toml:5: ", "'soft'", "kinematic"}},
+      {"[[body]]\nrepeat = { i = \"0 - 1\" }\nshapes = [{ kind = \"circle\", radius = 1 }]\n",
+       {"t.toml:5: ", "whole number"}},
+      {"[[body]]\nrepeat = { k = 3 }\nshapes = [{ kind = \"circle\", radius = 1 }]\n", {"t.toml:5: ", "'k'"}},
+      {"[[body]]\nuntil = 5\nshapes = [{ kind = \"circle\", radius = 1 }]\n", {"t.toml:4: ", "'every'"}},
+      {"[[pivot]]\na = \"nobody\"\nb = \"nobody\"\nanchor = [0, 0]\n", {"t.toml:5: ", "'nobody'"}},
+      {"[defaults]\nfrictoin = 3\n", {"t.toml:5: ", "'frictoin'", "friction"}},
+      {"[limits]\nspin = 3\n", {"t.toml:5: ", "'spin'", "drift"}},
+  };
+  for (const Case& c : cases) {
+    const std::string message = messageOf(c.text);
+    for (const char* part : c.parts) {
+      EXPECT_NE(message.find(part), std::string::npos) << "text: " << c.text << "\nmessage: " << message;
+    }
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+  EXPECT_NE(messageOf("", {{"n", 1}}).find("no parameter 'n'"), std::string::npos);
+  EXPECT_NE(messageOf("name = 3", {}, false).find("t.toml:1: "), std::string::npos);
+}
+
+TEST(SceneFile, featuresAreText) {
+  Features f = featuresFromText("rotation,cache");
+  EXPECT_TRUE(f.rotation && f.cache);
+  EXPECT_FALSE(f.friction || f.joints || f.sleeping || f.restitution);
+  EXPECT_EQ(featuresText(f), "cache,rotation");
+  EXPECT_EQ(featuresFromText(featuresText(Features{})), Features{});
+  EXPECT_THROW(featuresFromText("cache,wings"), UserError);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

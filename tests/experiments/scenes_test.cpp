@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Zlib
+// Scenes build what their names say.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "experiments/runner/locations.h"
+#include "experiments/trial/scene_file.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using Census = std::map<std::string, int>;
+
+SceneFile load(const std::string& name) { return SceneFile::load(findToml("scenes", name)); }
+
+template <int D>
+SceneSpec<D> build(const std::string& name, const ParameterValues& values = {}) {
+  const SceneFile file = load(name);
+  return file.build<D>(values, file.defaultSeed());
+}
+
+// What each scene holds at its default parameters; the same in both dimensions but for the walls of the directors'
+// rooms.
+const std::map<std::string, Census> kExpected = {
+    {"bouncing_ball", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1}, {"dynamic sphere", 1}}},
+    {"box_drop", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1}, {"dynamic box", 1}}},
+    {"box_pile", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 200}, {"dynamic box", 200}}},
+    {"circle_rain", {{"fixed", 3}, {"fixed box", 3}, {"dynamic", 200}, {"dynamic sphere", 200}}},
+    {"circle_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic sphere", 100}}},
+    {"square_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic box", 100}}},
+    {"director_1", {{"fixed", 4}, {"fixed box", 4}, {"dynamic", 236}, {"dynamic sphere", 236}, {"scripted", 190 + 36}}},
+    {"director_2", {{"fixed", 4}, {"fixed box", 4}, {"dynamic", 1500}, {"dynamic sphere", 1500}, {"scripted", 1499}}},
+    {"high_mass_ratio_1", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 165}, {"dynamic box", 165}}},
+    {"large_pyramid", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 5050}, {"dynamic box", 5050}}},
+    {"mass_ratio", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 2}, {"dynamic box", 2}}},
+    {"overlap_recovery", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 10}, {"dynamic box", 10}}},
+    {"pendulum", {{"fixed", 1}, {"fixed sphere", 1}, {"dynamic", 1}, {"dynamic sphere", 1}, {"pivot", 1}}},
+    {"pyramid", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 210}, {"dynamic box", 210}}},
+    {"pyramid_15", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 120}, {"dynamic box", 120}}},
+    {"pyramid_25", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 325}, {"dynamic box", 325}}},
+    {"slope", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1}, {"dynamic box", 1}}},
+    {"towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 20}, {"dynamic sphere", 10}, {"dynamic box", 10}}},
+    {"vertical_stack", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 15}, {"dynamic box", 15}}},
+};
+
+TEST(Scenes, buildWhatTheirNamesSay) {
+  for (const std::string& path : listToml("scenes")) {
+    const std::string name = std::filesystem::path(path).stem().string();
+    SCOPED_TRACE(name);
+    const SceneFile file = SceneFile::load(path);
+    EXPECT_EQ(file.name(), name);
+    EXPECT_FALSE(file.summary().empty());
+    const auto expected = kExpected.find(name);
+    ASSERT_NE(expected, kExpected.end()) << "add what it holds to kExpected";
+    if (file.has(2)) {
+      EXPECT_EQ(census(file.build<2>({}, file.defaultSeed())), expected->second);
+    }
+    if (file.has(3)) {
+      Census solid = expected->second;
+      if (name.starts_with("director")) solid["fixed"] = solid["fixed box"] = 6;  // a room has six walls
+      EXPECT_EQ(census(file.build<3>({}, file.defaultSeed())), solid);
+    }
+  }
+}
+
+TEST(Scenes, parametersScaleThem) {
+  EXPECT_EQ(census(build<2>("vertical_stack", {{"n", 7}}))["dynamic box"], 7);
+  EXPECT_EQ(census(build<3>("pyramid", {{"base", 4}}))["dynamic box"], 10);
+  EXPECT_EQ(census(build<2>("towers", {{"circles", 0}, {"squares", 3}}))["dynamic"], 3);
+  EXPECT_EQ(census(build<2>("box_pile", {{"n", 10000}}))["dynamic box"], 10000);
+  EXPECT_EQ(census(build<2>("director_1", {{"rain_until", 1000}}))["dynamic"], 40 + 36);
+}
+
+// solver2d's numbers: half 0.5, y = 0.55 + 1.1 i, x alternates by a centimetre, friction 0.3.
+TEST(Scenes, verticalStackIsSolver2ds) {
+  const SceneSpec<2> scene = build<2>("vertical_stack");
+  for (std::size_t i = 0; i < 15; ++i) {
+    const auto& body = scene.spawns[1 + i].body;
+    EXPECT_NEAR(body.X_WB.p[0], i % 2 ? -0.01 : 0.01, 1e-12);
+    EXPECT_NEAR(body.X_WB.p[1], 0.55 + 1.1 * static_cast<double>(i), 1e-12);
+    EXPECT_NEAR(body.shapes.at(0).friction, 0.3, 1e-12);
+  }
+  EXPECT_EQ(scene.settings.gravity, Vec<2>(0, -10));
+  EXPECT_FALSE(scene.settings.features.joints);
+  EXPECT_TRUE(scene.settings.features.friction);
+}
+
+// Box2D's numbers: row i from 0, y = (2i + 1) / 2, x = (i + 1) / 2 + (j - i) - base / 2 for j from i.
+TEST(Scenes, largePyramidIsBox2Ds) {
+  const SceneSpec<2> scene = build<2>("large_pyramid");
+  std::size_t at = 1;
+  for (int i = 0; i < 100; ++i) {
+    for (int j = i; j < 100; ++j, ++at) {
+      ASSERT_NEAR(scene.spawns[at].body.X_WB.p[0], 0.5 * (i + 1) + (j - i) - 50, 1e-9);
+      ASSERT_NEAR(scene.spawns[at].body.X_WB.p[1], 0.5 * (2 * i + 1), 1e-9);
+    }
+  }
+}
+
+TEST(Scenes, highMassRatioHasHeavyTops) {
+  std::vector<Real> densities;
+  Real highest = 0;
+  for (const auto& spawn : build<2>("high_mass_ratio_1").spawns) {
+    if (spawn.body.shapes.at(0).density != 1) densities.push_back(spawn.body.shapes.at(0).density);
+    highest = std::max(highest, spawn.body.X_WB.p[1]);
+  }
+  EXPECT_EQ(densities, (std::vector<Real>{100, 200, 300}));
+  EXPECT_NEAR(highest, 1 + 2 * 9 + 2, 1e-12);
+}
+
+// Chapter 7.4.1: ten vertical lines, the rain stops at 5000, 36 small circles in every direction between the two
+// central towers, the end at 10000.
+TEST(Scenes, directorOneFollowsTheReport) {
+  const SceneSpec<2> scene = build<2>("director_1");
+  EXPECT_EQ(scene.steps, 10000);
+  std::map<Real, int> lines;
+  int firework = 0;
+  Vec<2> sum = Vec<2>::Zero();
+  for (const auto& spawn : scene.spawns) {
+    if (spawn.body.name == "rain") {
+      EXPECT_LT(spawn.step, 5000);
+      ++lines[spawn.body.X_WB.p[0]];
+    } else if (spawn.body.name == "firework") {
+      EXPECT_EQ(spawn.step, 5000);
+      EXPECT_LT(std::abs(spawn.body.X_WB.p[0]), 1.0);
+      sum += spawn.body.velocity;
+      ++firework;
+    }
+  }
+  EXPECT_EQ(lines.size(), 10u);
+  for (const auto& [x, count] : lines) EXPECT_EQ(count, 20) << x;
+  EXPECT_EQ(firework, 36);
+  EXPECT_LT(sum.norm(), 1e-9);
+  long last = 0;
+  for (const auto& spawn : scene.spawns) EXPECT_LE(last, spawn.step), last = spawn.step;
+}
+
+TEST(Scenes, directorTwoDrawsTheSameInBothDimensions) {
+  const SceneSpec<2> flat = build<2>("director_2", {{"until", 200}});
+  const SceneSpec<3> solid = build<3>("director_2", {{"until", 200}});
+  ASSERT_EQ(flat.spawns.size() + 2, solid.spawns.size());
+  for (std::size_t i = 4; i < flat.spawns.size(); ++i) {
+    EXPECT_EQ(flat.spawns[i].body.X_WB.p[0], solid.spawns[i + 2].body.X_WB.p[0]);
+    EXPECT_EQ(flat.spawns[i].body.X_WB.p[1], solid.spawns[i + 2].body.X_WB.p[1]);
+    EXPECT_EQ(flat.spawns[i].step, 20 * static_cast<long>(i - 4));
+  }
+  EXPECT_EQ(flat.settings.gravity.norm(), 0);
+  EXPECT_EQ(flat.spawns.back().body.shapes.at(0).restitution, 1);
+  const SceneFile file = load("director_2");
+  const auto other = file.build<2>({{"until", 200}}, 2);
+  EXPECT_NE(other.spawns.back().body.X_WB.p[0], flat.spawns.back().body.X_WB.p[0]) << "the seed means nothing";
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Zlib
+// Sweeps: planning, keys, outcomes, resuming.
+#include <sys/wait.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "experiments/runner/code_identity.h"
+#include "experiments/runner/sweep_file.h"
+#include "framework/random.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::ask;
+using test::Outcome;
+using test::timeless;
+using test::Workspace;
+
+const std::string kPlugin = LPC_BINARY_DIR "/lib/liblpc_planted.so";
+
+std::string boxes(const std::string& axes, const std::string& more = "") {
+  return "summary = \"s\"\nkind = \"boxes\"\n" + more +
+         "[axes]\ndimension = 2\ndistribution = \"uniform\"\nframes = 12\n" + axes;
+}
+
+std::string messageOf(const std::string& path, const std::vector<std::string>& only = {}) {
+  try {
+    planSweeps(path, only);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(SweepPlan, isTheProductOfItsAxes) {
+  Workspace w;
+  const auto sweeps = planSweeps(
+      w.write("s.toml", boxes("n = [8, 16]\nbroadphase = [\"naive\", \"sort_and_sweep{axis=0}\"]\n[[group]]\n"
+                              "[[group]]\naxes = { n = [16, 32], seed = 2 }\n",
+                              "timed = true\nuntimed = true\nrepeats = 3\n")),
+      {});
+  ASSERT_EQ(sweeps.size(), 1u);
+  EXPECT_EQ(sweeps[0].name, "s");
+  EXPECT_EQ(sweeps[0].trials.size(), 2u * 2 * 2 * (1 + 3));
+  EXPECT_EQ(sweeps[0].trials[0].axes["broadphase"], "naive");
+  EXPECT_EQ(sweeps[0].trials[0].axes["kind"], "boxes");
+}
+
+TEST(SweepPlan, onlyKeepsWhatTakesPart) {
+  Workspace w;
+  const std::string path = w.write("s.toml", boxes("n = [8, 16]\nbroadphase = \"*\"\n"));
+  const auto all = planSweeps(path, {}), some = planSweeps(path, {"naive"});
+  EXPECT_EQ(some[0].trials.size(), 2u);
+  EXPECT_GT(all[0].trials.size(), some[0].trials.size());
+  for (const auto& t : some[0].trials) {
+    EXPECT_TRUE(std::any_of(all[0].trials.begin(), all[0].trials.end(), [&](const auto& a) { return a.key == t.key; }));
+  }
+  EXPECT_NE(messageOf(path, {"naive", "nobody"}).find("--only nobody"), std::string::npos);
+}
+
+// A key is made of inputs and of the code that takes part, and of nothing else.
+TEST(SweepPlan, keysAreStable) {
+  Workspace w;
+  const auto one = [&](const std::string& axes) {
+    return planSweeps(w.write("s.toml", boxes(axes)), {})[0].trials.at(0);
+  };
+  const PlannedTrial a = one("n = 8\nbroadphase = \"sort_and_sweep\"\n");
+  EXPECT_EQ(a.key, one("broadphase = \"sort_and_sweep\"\nn = 8\n").key) << "the order of axes";
+  EXPECT_EQ(a.key, one("n = 8\nbroadphase = \"sort_and_sweep{axis=-1}\"\n").key) << "a default written out";
+  EXPECT_NE(a.key, one("n = 9\nbroadphase = \"sort_and_sweep\"\n").key);
+  EXPECT_NE(a.key, one("n = 8\nbroadphase = \"sort_and_sweep{axis=1}\"\n").key);
+  EXPECT_NE(a.key, one("n = 8\nseed = 2\nbroadphase = \"sort_and_sweep\"\n").key);
+  ASSERT_EQ(a.canonical["code"].size(), 1u) << "code of algorithms that take no part";
+  EXPECT_TRUE(a.canonical["code"].contains("broadphase/sort_and_sweep"));
+  EXPECT_FALSE(a.canonical["core"].get<std::string>().empty());
+  EXPECT_EQ(trialKey(a.canonical), a.key);
+  // Hash of the algorithm's content, not of its name: two algorithms differ.
+  EXPECT_NE(codeHashes(StageKind::broadphase, {"naive", {}}, 2)["broadphase/naive"],
+            a.canonical["code"]["broadphase/sort_and_sweep"]);
+}
+
+TEST(SweepPlan, mistakesHaveFileAndLine) {
+  struct Case {
+    std::string text;
+    std::vector<const char*> parts;
+  };
+  const Case cases[] = {
+      {"summary = 3\n", {"s.toml:1: ", "string"}},
+      {"summary = \"s\"\nkind = \"worlds\"\n", {"s.toml:2: ", "'worlds'", "boxes"}},
+      {boxes("n = 8\nbroadphase = \"naiv\"\n"), {"s.toml:", "'naiv'", "naive"}},
+      {boxes("n = 8\nbroadphase = \"naive\"\nspeed = 3\n"), {"s.toml:", "'speed'"}},
+      {boxes("n = 8\nbroadphase = \"sort_and_sweep{axi=0}\"\n"), {"s.toml:", "'axi'", "axis"}},
+      {boxes("broadphase = \"naive\"\n"), {"s.toml:", "'n'"}},
+      {boxes("n = 8\nbroadphase = \"naive\"\n", "repeat = 2\n"), {"s.toml:3: ", "'repeat'", "repeats"}},
+      {"summary = \"s\"\nkind = \"world\"\n[axes]\nscene = [\"nowhere\"]\n", {"s.toml:4: ", "'nowhere'", "pyramid"}},
+      {"summary = \"s\"\nsweeps = [\"nowhere\"]\n", {"s.toml:2: ", "'nowhere'", "quick"}},
+  };
+  Workspace w;
+  for (const Case& c : cases) {
+    const std::string message = messageOf(w.write("s.toml", c.text));
+    for (const char* part : c.parts) {
+      EXPECT_NE(message.find(part), std::string::npos) << c.text << "\nmessage: " << message;
+    }
+  }
+  EXPECT_EQ(w.lpc("sweep s.toml --store never.db").code, 2);
+  EXPECT_FALSE(std::filesystem::exists(w.path("never.db"))) << "half-written";
+}
+
+// A failure is a data point: each planted algorithm ends as a row with its name.
+TEST(SweepRun, failuresAreRows) {
+  Workspace w;
+  w.write("bad.toml", boxes("n = 64\nbroadphase = [\"planted_hang\", \"planted_crash\", \"planted_allocate\", "
+                            "\"planted_forget\", \"naive\"]\n",
+                            "wall_limit = 10\nmemory_limit = 0.3\n"));
+  const Outcome run = w.lpc("--plugin " + kPlugin + " sweep bad.toml --store s.db --quiet");
+  ASSERT_EQ(run.code, 0) << run.text;
+  const std::map<std::string, std::pair<std::string, std::string>> expected = {
+      {"planted_hang", {"timeout", "10 s"}},
+      {"planted_crash", {"crash", "signal 6"}},
+      {"planted_allocate", {"out_of_memory", "GiB"}},
+      {"planted_forget", {"wrong", "1 pairs missing"}},
+      {"naive", {"ok", ""}}};
+  for (const auto& [name, what] : expected) {
+    const std::string where = " FROM trial WHERE json_extract(canonical, '$.broadphase') = '" + name + "'";
+    EXPECT_EQ(ask(w.path("s.db"), "SELECT outcome" + where), what.first) << name;
+    EXPECT_NE(ask(w.path("s.db"), "SELECT reason" + where).find(what.second), std::string::npos) << name;
+  }
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM planned"), "5");
+  // Done is done, except with --retry, and then only what may come out otherwise.
+  EXPECT_NE(w.lpc("--plugin " + kPlugin + " sweep bad.toml --store s.db --quiet").text.find("5 were done, 0 run"),
+            std::string::npos);
+  EXPECT_NE(w.lpc("--plugin " + kPlugin + " sweep bad.toml --store s.db --quiet --retry --only planted_crash,naive")
+                .text.find("1 were done, 1 run"),
+            std::string::npos);
+}
+
+TEST(SweepRun, aRepeatWithAnotherHashIsNondeterministic) {
+  Workspace w;
+  w.write("dice.toml", boxes("n = 64\nbroadphase = [\"planted_dice\", \"naive\"]\n", "repeats = 12\n"));
+  ASSERT_EQ(w.lpc("--plugin " + kPlugin + " sweep dice.toml --store s.db --quiet").code, 0);
+  const std::string where = " WHERE outcome='nondeterministic' AND canonical LIKE ";
+  EXPECT_NE(ask(w.path("s.db"), "SELECT count(*) FROM trial" + where + "'%planted_dice%'"), "0");
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial" + where + "'%broadphase/naive%'"), "0");
+}
+
+TEST(SweepRun, whatCannotRunIsARowToo) {
+  Workspace w;
+  w.write("holes.toml",
+          "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = [2, 3]\ndistribution = \"uniform\"\n"
+          "frames = 12\nn = 8\nbroadphase = \"planted_slow\"\n");
+  ASSERT_EQ(w.lpc("--plugin " + kPlugin + " sweep holes.toml --store s.db --quiet").code, 0);
+  EXPECT_EQ(ask(w.path("s.db"),
+                "SELECT group_concat(outcome) FROM (SELECT outcome FROM trial ORDER BY "
+                "json_extract(canonical, '$.dimension'))"),
+            "ok,unsupported");
+}
+
+// Killed at random moments and started again, a sweep ends with what an uninterrupted one has.
+TEST(SweepRun, resumesAfterSigkill) {
+  Workspace w;
+  std::string text =
+      boxes("n = [8, 16, 24, 32, 40, 48]\nbroadphase = [\"planted_slow\", \"naive\", \"sort_and_sweep\"]\n");
+  text.replace(text.find("frames = 12"), 11, "frames = 40");  // long enough that the first kill comes before the end
+  w.write("s.toml", text);
+  const std::string arguments = "--plugin " + kPlugin + " sweep s.toml --quiet --store ";
+  ASSERT_EQ(w.lpc(arguments + "whole.db").code, 0);
+  Random random(7);
+  int kills = 0;
+  for (int turn = 0; turn < 60; ++turn) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      if (chdir(w.path("").c_str()) != 0) _exit(1);
+      std::freopen("/dev/null", "w", stdout);
+      execl(LPC_BINARY_DIR "/bin/lpc", "lpc", "--plugin", kPlugin.c_str(), "sweep", "s.toml", "--quiet", "--store",
+            "pieces.db", static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(30 + random.below(150)));
+    kill(pid, SIGKILL);
+    int status = 0;
+    waitpid(pid, &status, 0);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
+    ++kills;
+  }
+  EXPECT_GT(kills, 0);
+  const Outcome last = w.lpc(arguments + "pieces.db");
+  ASSERT_EQ(last.code, 0) << last.text;
+  EXPECT_EQ(timeless(w.path("pieces.db")), timeless(w.path("whole.db")));
+}
+
+TEST(SweepRun, interruptKeepsWhatWasFinished) {
+  Workspace w;
+  w.write("s.toml", boxes("n = [8, 16, 24, 32, 40, 48]\nframes = 100\nbroadphase = \"planted_slow\"\n"));
+  // `frames` twice is a mistake of TOML; the sweep below has it once.
+  EXPECT_EQ(w.lpc("--plugin " + kPlugin + " sweep s.toml --store s.db").code, 2);
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\n"
+          "frames = 100\nn = [8, 16, 24, 32, 40, 48]\nbroadphase = \"planted_slow\"\n");
+  const Outcome run = w.lpc("--plugin " + kPlugin +
+                            " sweep s.toml --quiet --jobs 1 --store s.db & p=$!; "
+                            "sleep 0.7; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.code, 130) << run.text;
+  EXPECT_NE(run.text.find("the same command continues"), std::string::npos) << run.text;
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome != 'ok'"), "0");
+  const Outcome rest = w.lpc("--plugin " + kPlugin + " sweep s.toml --quiet --store s.db");
+  EXPECT_EQ(rest.code, 0) << rest.text;
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "6");
+}
+
+TEST(Store, merges) {
+  Workspace w;
+  w.write("a.toml", boxes("n = [8, 16]\nbroadphase = \"naive\"\n"));
+  w.write("b.toml", boxes("n = [16, 32]\nbroadphase = \"naive\"\n"));
+  ASSERT_EQ(w.lpc("sweep a.toml --quiet --store a.db").code, 0);
+  ASSERT_EQ(w.lpc("sweep b.toml --quiet --store b.db").code, 0);
+  const Outcome merged = w.lpc("merge all.db a.db b.db");
+  ASSERT_EQ(merged.code, 0) << merged.text;
+  EXPECT_EQ(ask(w.path("all.db"), "SELECT count(*) FROM trial"), "3");
+  EXPECT_EQ(ask(w.path("all.db"), "SELECT count(*) FROM planned"), "4");
+  EXPECT_EQ(ask(w.path("all.db"), "SELECT count(*) FROM trial t JOIN machine m ON t.machine = m.id"), "3");
+  const std::string before = timeless(w.path("all.db"));
+  ASSERT_EQ(w.lpc("merge all.db a.db").code, 0);
+  EXPECT_EQ(timeless(w.path("all.db")), before);
+}
+
+TEST(Store, refusesWhatIsNone) {
+  Workspace w;
+  w.write("text.db",
+          "this is not a database, but it is long enough to be read as a header of one, is it not? yes it is");
+  w.write("s.toml", boxes("n = 8\nbroadphase = \"naive\"\n"));
+  EXPECT_EQ(w.lpc("sweep s.toml --store text.db").code, 2);
+  EXPECT_EQ(w.lpc("merge all.db nowhere.db").code, 2);
+  EXPECT_EQ(w.lpc("import-benchmark s.toml --store x.db").code, 2);
+  w.write("bench.json", "{\"context\": {}, \"benchmarks\": [{\"name\": \"a\"}]}");
+  ASSERT_EQ(w.lpc("import-benchmark bench.json --store x.db").code, 0);
+  EXPECT_EQ(ask(w.path("x.db"), "SELECT json_extract(data, '$.benchmarks[0].name') FROM benchmark"), "a");
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

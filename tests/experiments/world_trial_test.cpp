@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Zlib
+// World trials: what is measured is right where it is known, and a broken run ends with the outcome of its kind.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/sweep_file.h"
+#include "experiments/trial/trial.h"
+#include "framework/stage_solver.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+using test::ask;
+using test::Workspace;
+
+// Bodies fly free: no contacts, no forces but gravity.
+const std::string kThrow = R"(
+name = "throw"
+summary = "two balls in free flight"
+dimensions = [2, 3]
+needs = []
+gravity = [0, "-g", 0]
+dt = 0.01
+steps = 100
+[parameters]
+g = { default = 10, min = 0, max = 100, meaning = "gravity in m/s^2" }
+speed_limit = { default = 0, min = 0, max = 1000, meaning = "m/s" }
+drift_limit = { default = 0, min = 0, max = 1000, meaning = "m" }
+[limits]
+speed = "speed_limit"
+drift = "drift_limit"
+[[body]]
+position = [0, 0, 0]
+velocity = [3, 0, 0]
+shapes = [{ kind = "circle", radius = 0.5 }]
+[[body]]
+position = [0, 5, 0]
+velocity = [0, 4, 0]
+shapes = [{ kind = "circle", radius = 0.5 }]
+)";
+
+TrialResult run(const Workspace& w, const std::string& scene, const ParameterValues& params = {}, bool timed = false) {
+  Planner planner;
+  WorldCell cell;
+  cell.params = params, cell.timed = timed;
+  const PlannedTrial t = planner.world(w.write("scene.toml", scene), cell);
+  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+}
+
+TEST(WorldTrial, metricsOfFreeFlight) {
+  Workspace w;
+  const TrialResult r = run(w, kThrow, {{"g", 0}});
+  EXPECT_EQ(r.outcome, "ok");
+  EXPECT_EQ(r.metrics.at("steps_done"), 100);
+  EXPECT_EQ(r.metrics.at("bodies"), 2);
+  const double mass = 3.14159265358979323846 / 4;
+  EXPECT_NEAR(r.metrics.at("energy_start"), mass * (9 + 16) / 2, 1e-12);
+  EXPECT_NEAR(r.metrics.at("energy_end"), r.metrics.at("energy_start"), 1e-12);
+  EXPECT_NEAR(r.metrics.at("momentum_error"), 0, 1e-14);
+  EXPECT_NEAR(r.metrics.at("max_drift"), 4, 1e-12);
+  EXPECT_NEAR(r.metrics.at("end_drift_top"), 4, 1e-12) << "the upper ball";
+  EXPECT_NEAR(r.metrics.at("slope_distance"), 4, 1e-12) << "the last ball";
+  EXPECT_NEAR(r.metrics.at("max_speed"), 4, 1e-12);
+  EXPECT_NEAR(r.series.at("x_last").back(), 0, 1e-12);
+  EXPECT_NEAR(r.series.at("height").back(), 9, 1e-12);
+  for (const auto& [name, list] : r.series) EXPECT_EQ(list.size(), 100u) << name;
+  EXPECT_EQ(r.series.count("seconds"), 0u) << "an untimed trial holds no time";
+  // Initial, every 60th, final.
+  ASSERT_EQ(r.poses.size(), 3u);
+  EXPECT_NEAR(r.poses.at(60)[1], 3 * 0.6, 1e-12);
+  EXPECT_EQ(r.poses.at(100).size(), 2u * 4);
+}
+
+TEST(WorldTrial, timedTrialsHoldTimesAndTheSameHistory) {
+  Workspace w;
+  const TrialResult a = run(w, kThrow), b = run(w, kThrow, {}, true);
+  EXPECT_EQ(a.hash, b.hash);
+  for (const char* name : {"seconds", "sec_solver", "sec_broadphase", "sec_contacts"}) {
+    ASSERT_TRUE(b.series.count(name)) << name;
+    EXPECT_EQ(b.series.at(name).size(), 100u);
+  }
+  for (const char* name : {"ms_per_step_median", "ms_per_step_p25", "ms_per_step_p75", "us_solver", "us_broadphase"}) {
+    EXPECT_GE(b.metrics.at(name), 0) << name;
+  }
+  EXPECT_TRUE(std::isnan(a.metrics.at("momentum_error"))) << "gravity acts";
+  const TrialResult back = resultFromJson(json::parse(toJson(b).dump()));
+  EXPECT_EQ(back.series, b.series);
+  EXPECT_TRUE(std::isnan(back.metrics.at("momentum_error"))) << "NaN is kept, not dropped";
+}
+
+TEST(WorldTrial, limitsHaveOutcomes) {
+  Workspace w;
+  const TrialResult fast = run(w, kThrow, {{"speed_limit", 5.05}});
+  EXPECT_EQ(fast.outcome, "exploded");
+  EXPECT_EQ(fast.step, 41) << "|v| = sqrt(9 + (10 t)^2) passes 5.05 at t = 0.406";
+  EXPECT_EQ(fast.metrics.at("steps_done"), 41);
+  const TrialResult far = run(w, kThrow, {{"g", 0}, {"drift_limit", 2}});
+  EXPECT_EQ(far.outcome, "collapsed");
+  EXPECT_NEAR(static_cast<double>(far.step), 51, 1);
+  EXPECT_NE(far.reason.find("body 1"), std::string::npos) << far.reason;
+}
+
+TEST(WorldTrial, unsupportedIsAnOutcome) {
+  Workspace w;
+  std::string stick = kThrow;
+  stick.replace(stick.find("kind = \"circle\", radius = 0.5"), 29, "kind = \"blob\", radius = 0.5 ");
+  EXPECT_THROW(run(w, stick), UserError) << "a broken scene is the user's mistake, not an outcome";
+  Planner planner;
+  WorldCell cell;
+  cell.dimension = 3;
+  std::string flat = kThrow;
+  flat.replace(flat.find("[2, 3]"), 6, "[2]   ");
+  EXPECT_NE(planner.world(w.write("flat.toml", flat), cell).unsupported.find("3D"), std::string::npos);
+}
+
+TEST(WorldSweep, axesMeanWhatTheManualSays) {
+  Workspace w;
+  w.write("throw.toml", kThrow);
+  const auto sweeps = planSweeps(w.write("s.toml", R"(
+summary = "s"
+kind = "world"
+pipeline = "cache=none sleep=split_average"
+[axes]
+scene = "throw"
+g = [1, 2]
+dt = 0.02
+iterations = [3, 5]
+model = ["minimal", "3d", "+friction"]
+sleep = "none"
+[axes.resolver]
+"catto" = "solver=split_solver{velocity=catto{iterations=$iterations}}"
+"soft" = "solver=soft_step{substeps=$iterations}"
+)"),
+                                 {});
+  ASSERT_EQ(sweeps[0].trials.size(), 2u * 2 * 3 * 2);
+  int solid = 0, friction = 0;
+  for (const PlannedTrial& t : sweeps[0].trials) {
+    const std::string pipeline = t.canonical["pipeline"];
+    const std::string n = std::to_string(t.axes["iterations"].get<int>());
+    const std::string resolver = t.axes["resolver"];
+    EXPECT_NE(pipeline.find(resolver == "catto" ? "catto{iterations=" + n : "soft_step{substeps=" + n),
+              std::string::npos);
+    EXPECT_NE(pipeline.find("cache=none"), std::string::npos) << "of the base pipeline";
+    EXPECT_NE(pipeline.find("sleep=none"), std::string::npos) << "the axis overrides, also with a default";
+    EXPECT_EQ(t.canonical["params"]["g"], t.axes["g"].get<double>());
+    EXPECT_EQ(t.canonical["dt"], 0.02);
+    solid += t.canonical["dimension"] == 3, friction += t.canonical["features"] == "friction";
+    if (t.axes["model"] == "minimal") {
+      EXPECT_EQ(t.canonical["features"], "");
+    }
+  }
+  EXPECT_EQ(solid, 8);
+  EXPECT_EQ(friction, 8);
+}
+
+// Both precisions are one sweep: f32 runs in a worker of its own, if this build has one.
+TEST(WorldSweep, runsInTheWorkerOfItsPrecision) {
+  Workspace w;
+  w.write("throw.toml", kThrow);
+  const bool single = std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32");
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"world\"\ntimed = true\nrepeats = 2\n[axes]\nscene = \"throw\"\nprecision = " +
+              std::string(single ? "[\"f64\", \"f32\"]\n" : "\"f64\"\n"));
+  const auto out = w.lpc("sweep s.toml --store s.db --quiet");
+  ASSERT_EQ(out.code, 0) << out.text;
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok' AND timed = 1"), single ? "4" : "2");
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(DISTINCT hash) FROM trial"), single ? "2" : "1");
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT length(data) FROM series WHERE name = 'kinetic'"), "800");
+}
+
+TEST(CommandRun, printsProfilesAndRecords) {
+  Workspace w;
+  w.write("throw.toml", kThrow);
+  const auto out = w.lpc("run throw.toml --param g=5 --profile p.csv --record r.rec");
+  ASSERT_EQ(out.code, 0) << out.text;
+  EXPECT_NE(out.text.find("outcome   ok"), std::string::npos) << out.text;
+  EXPECT_GT(std::filesystem::file_size(w.path("p.csv")), 1000u);
+  EXPECT_GT(std::filesystem::file_size(w.path("r.rec")), 1000u);
+  EXPECT_EQ(w.lpc("run throw.toml --param speed_limit=5").code, 1) << "a run that fails";
+  EXPECT_EQ(json::parse(w.lpc("run throw.toml --json").text)["outcome"], "ok");
+  EXPECT_EQ(w.lpc("run throw.toml --record /nowhere/r.rec").code, 2);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Zlib
+// The generators are tested, too: a family that is never drawn, or pairs that never touch, would prove nothing.
+#include "tests/generators.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/check_property.h"
+#include "tests/direction_search.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+// The separation along d (unit, from A to B): no direction can show more than the true distance.
+template <int D>
+Real along(const ShapePairCase<D>& c, const Vec<D>& d) {
+  const Pose<D> X = c.X_AB();
+  const Vec<D> local = X.q.inverse() * Vec<D>(-d);
+  return X.p.dot(d) - supportValue(c.a.view(), d) - supportValue(c.b.view(), local);
+}
+
+template <int D>
+void familiesAndHits() {
+  PlainDraw draw(1);
+  std::map<std::string, int> drawn, hits;
+  const int n = 3200;
+  int hit = 0, known = 0;
+  for (int i = 0; i < n; ++i) {
+    const auto c = drawShapePair<D>(draw);
+    const Real scale = sizeOf(c.a) + sizeOf(c.b) + c.X_AB().p.norm();
+    const Real distance = maxOverDirections<D>([&](const Vec<D>& d) { return along(c, d); });
+    ++drawn[c.family];
+    if (distance < 0) ++hit, ++hits[c.family];
+    if (c.distance) {
+      ++known;
+      // The direction of the construction is not known here, so the lattice may fall short, never exceed.
+      EXPECT_LE(distance, *c.distance + 64 * kEps * (scale + c.X_WA.p.norm())) << c;
+    }
+  }
+  for (const std::string_view family : kFamilies) {
+    EXPECT_GE(drawn[std::string(family)], n / 32) << family;
+    std::printf("%dD %-16s %5d drawn, %3d %% hit\n", D, std::string(family).c_str(), drawn[std::string(family)],
+                100 * hits[std::string(family)] / std::max(1, drawn[std::string(family)]));
+  }
+  EXPECT_LE(2 * drawn["random"], n) << "families must be at least half";
+  std::printf("%dD all %d, %.1f %% hit, %d with known distance\n", D, n, 100.0 * hit / n, known);
+  EXPECT_GE(hit, n * 30 / 100);
+  EXPECT_LE(hit, n * 70 / 100);
+  EXPECT_GE(known, n / 10);
+}
+
+TEST(Generators, FamiliesAndHits2) { familiesAndHits<2>(); }
+TEST(Generators, FamiliesAndHits3) { familiesAndHits<3>(); }
+
+template <int D>
+void everyKind() {
+  PlainDraw draw(3);
+  std::map<ShapeKind, int> kinds;
+  for (int i = 0; i < 500; ++i) ++kinds[drawShape<D>(draw).kind()];
+  EXPECT_EQ(kinds.size(), D == 2 ? 5u : 4u);
+}
+TEST(Generators, EveryKind) { everyKind<2>(), everyKind<3>(); }
+
+// A planted wrong property must end in a small counterexample: no polytopes, no rotation.
+TEST(Generators, CounterexamplesShrink) {
+  const auto result = runProperty(
+      "no pair lies apart along x", [] { RC_ASSERT((*shapePairs<3>()).X_AB().p[0] <= Real(2)); }, 500);
+  ASSERT_TRUE(result.is<rc::detail::FailureResult>());
+  const auto& failure = result.get<rc::detail::FailureResult>();
+  ASSERT_FALSE(failure.counterExample.empty());
+  const std::string text = failure.counterExample.front().second;
+  EXPECT_EQ(text.find("polytope"), std::string::npos) << text;
+  EXPECT_NE(text.find("X_WA: p=(0 0 0) q=(w=1, x=0, y=0, z=0)"), std::string::npos) << text;
+}
+
+TEST(CheckProperty, SameSeedSameCases) {
+  const auto draws = [] {
+    std::vector<int> seen;
+    runProperty(
+        "seeds", [&] { seen.push_back(*rc::gen::arbitrary<int>()); }, 50);
+    return seen;
+  };
+  EXPECT_EQ(draws(), draws());
+}
+
+TEST(CheckProperty, PlantedBugIsCaught) {
+  expectFalsified("all numbers are below 50", [](int n) { RC_ASSERT(n < 50); });
+  check("all squares are positive", [](int n) { RC_ASSERT(double(n) * n >= 0); });
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Zlib
+// Text that names algorithms, both ways, and the registry that finds them.
+#include "framework/spec.h"
+
+#include <gtest/gtest.h>
+
+#include "framework/registry.h"
+#include "framework/stage_sleep.h"
+#include "tests/check_property.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+template <class F>
+std::string errorOf(F&& f) {
+  try {
+    f();
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+// A word that a name or value may be made of.
+std::string drawWord() {
+  static constexpr std::string_view kLetters = "ab_.+-019";
+  std::string word;
+  const int n = *rc::gen::inRange(1, 6);
+  for (int i = 0; i < n; ++i) word += kLetters[static_cast<std::size_t>(*rc::gen::inRange(0, 9))];
+  return word;
+}
+Spec drawSpec(int depth) {
+  Spec s{drawWord(), {}};
+  for (int n = depth > 0 ? *rc::gen::inRange(0, 4) : 0; n > 0; --n) s.set(drawWord(), drawSpec(depth - 1));
+  return s;
+}
+
+template <class Print>
+void bothWays(Print print) {
+  const Spec s = drawSpec(3);
+  RC_ASSERT(Spec::parse(print(s)) == s);
+  Pipeline p;
+  p.solver = s;
+  RC_ASSERT(Pipeline::parse(p.text()) == p);
+}
+TEST(Spec, BothWays) {
+  check(
+      "text and back", [] { bothWays([](const Spec& s) { return s.text(); }); }, 300);
+  expectFalsified("a printer that forgets what is nested", [] {
+    bothWays([](const Spec& s) {
+      Spec shallow = s;
+      for (auto& [key, value] : shallow.fields) value.fields.clear();
+      return shallow.text();
+    });
+  });
+}
+
+TEST(Spec, Parses) {
+  const Spec s = Spec::parse(" split_solver { velocity = catto{iterations=20} , position=split_impulse } ");
+  EXPECT_EQ(s.name, "split_solver");
+  ASSERT_TRUE(s.find("velocity"));
+  EXPECT_EQ(s.find("velocity")->find("iterations")->name, "20");
+  EXPECT_EQ(s.text(), "split_solver{velocity=catto{iterations=20},position=split_impulse}");
+  EXPECT_EQ(Spec::parse("naive{}").text(), "naive");
+  EXPECT_EQ(s.find("nothing"), nullptr);
+}
+
+TEST(Spec, SaysWhatIsWrongAndWhere) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"", "character 1: a name or value is missing"},      {"a{b=1", "character 6: ',' or '}' is missing"},
+      {"a{b}", "character 4: '=' is missing after 'b'"},    {"a{b=1,b=2}", "parameter 'b' is given twice"},
+      {"a{b=}", "character 5: a name or value is missing"}, {"a b", "character 3: nothing may follow here"},
+      {"a{b=1}}", "character 7: nothing may follow here"},  {"a{;}", "character 3: a parameter name is missing"}};
+  for (const auto& [text, message] : cases) {
+    const std::string error = errorOf([&] { Spec::parse(text); });
+    EXPECT_NE(error.find(message), std::string::npos) << text << ": " << error;
+    EXPECT_NE(error.find("'" + std::string(text) + "'"), std::string::npos) << "the text is quoted";
+  }
+}
+
+TEST(Pipeline, Parses) {
+  const Pipeline p = Pipeline::parse("broadphase=naive solver=soft_step{substeps=4}");
+  EXPECT_EQ(p.broadphase.name, "naive");
+  EXPECT_EQ(p.solver.find("substeps")->name, "4");
+  EXPECT_EQ(p.sleep.name, "none") << "left out: the default";
+  EXPECT_EQ(Pipeline::parse(""), Pipeline{});
+  EXPECT_EQ(Pipeline::parse(Pipeline{}.text()), Pipeline{});
+  EXPECT_NE(errorOf([] {
+              Pipeline::parse("broadfase=naive");
+            }).find("unknown stage 'broadfase'; valid: broadphase, contacts, cache, solver, sleep"),
+            std::string::npos);
+  EXPECT_NE(errorOf([] { Pipeline::parse("sleep=none sleep=none"); }).find("stage 'sleep' is given twice"),
+            std::string::npos);
+  EXPECT_NE(errorOf([] { Pipeline::parse("sleep none"); }).find("'=' is missing after 'sleep'"), std::string::npos);
+}
+
+// --- parameters and the registry
+// ---------------------------------------------------------------------------------------
+
+enum class Mode { tight, loose };
+struct AllKinds {
+  int count = 3;
+  Real length = Real(0.5);
+  bool on = true;
+  Mode mode = Mode::loose;
+  Spec inner{"none", {}};
+  void visit(ParamVisitor& v) {
+    v.integer("count", count, 1, 10, "how many");
+    v.real("length", length, 0, 2, "m", "how long");
+    v.flag("on", on, "whether");
+    v.choice("mode", mode, {"tight", "loose"}, "how");
+    v.stage("inner", inner, StageKind::sleep, "another algorithm");
+  }
+};
+AllKinds read(const std::string& text) {
+  AllKinds p;
+  readParams(Spec::parse(text), "thing", [&](ParamVisitor& v) { p.visit(v); });
+  return p;
+}
+
+TEST(Params, AreRead) {
+  const AllKinds p = read("thing{count=7,length=1.5,on=false,mode=tight,inner=split_average{bias=0.9}}");
+  EXPECT_EQ(p.count, 7);
+  EXPECT_EQ(p.length, Real(1.5));
+  EXPECT_FALSE(p.on);
+  EXPECT_EQ(p.mode, Mode::tight);
+  EXPECT_EQ(p.inner.text(), "split_average{bias=0.9}");
+  EXPECT_EQ(read("thing").count, 3);
+}
+
+TEST(Params, WrongOnesNameTheValid) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"thing{counts=7}", "'thing' has no parameter 'counts'; valid: count, length, on, mode, inner"},
+      {"thing{count=11}", "parameter 'count' of 'thing' is '11'; valid: a whole number from 1 to 10"},
+      {"thing{count=2.5}", "a whole number from 1 to 10"},
+      {"thing{count=99999999999}", "a whole number from 1 to 10"},
+      {"thing{length=-1}", "parameter 'length' of 'thing' is '-1'; valid: a number from 0 to 2"},
+      {"thing{length=nan}", "a number from 0 to 2"},
+      {"thing{length=1m}", "a number from 0 to 2"},
+      {"thing{on=1}", "parameter 'on' of 'thing' is '1'; valid: true, false"},
+      {"thing{mode=wide}", "parameter 'mode' of 'thing' is 'wide'; valid: tight, loose"},
+      {"thing{mode=tight{x=1}}", "valid: tight, loose"}};
+  for (const auto& [text, message] : cases) {
+    const std::string error = errorOf([&] { read(text); });
+    EXPECT_NE(error.find(message), std::string::npos) << text << ": " << error;
+  }
+}
+
+TEST(Params, AreDescribed) {
+  AllKinds p;
+  const auto infos = describeParams([&](ParamVisitor& v) { p.visit(v); });
+  ASSERT_EQ(infos.size(), 5u);
+  EXPECT_EQ(infos[0].range, "1 .. 10");
+  EXPECT_EQ(infos[1].unit, "m");
+  EXPECT_EQ(infos[1].defaultText, "0.5");
+  EXPECT_EQ(infos[3].choices, (std::vector<std::string>{"tight", "loose"}));
+  EXPECT_EQ(infos[4].type, "stage:sleep");
+}
+
+TEST(Registry, FindsByNameAndListsTheValid) {
+  const std::string error = errorOf([] { Registry::instance().find(StageKind::sleep, 3, "nap"); });
+  EXPECT_NE(error.find("there is no sleep 'nap' in 3D; valid: "), std::string::npos) << error;
+  EXPECT_NE(error.find("none"), std::string::npos) << error;
+  EXPECT_NE(error.find("split_average"), std::string::npos) << error;
+  EXPECT_EQ(createStage<SleepPolicy<2>>(Spec::parse("none")) == nullptr, false);
+}
+
+TEST(Registry, CanonicalTextSpellsEverythingOut) {
+  const auto& entry = Registry::instance().find(StageKind::sleep, 2, "split_average");
+  const Spec spelled = entry.canonical(Spec::parse("split_average{bias=0.25}"));
+  EXPECT_EQ(spelled.fields.size(), entry.params.size());
+  EXPECT_EQ(spelled.find("bias")->name, "0.25");
+  EXPECT_EQ(entry.canonical(spelled), spelled);
+  // The order in which parameters are given leaves no trace: it is the key of a result.
+  EXPECT_EQ(entry.canonical(Spec::parse("split_average{angular=1,bias=0.5}")),
+            entry.canonical(Spec::parse("split_average{bias=0.5,angular=1}")));
+  // Nested stages are spelled out, too.
+  AllKinds p;
+  p.inner = Spec::parse("split_average");
+  const Spec nested = canonicalSpec("thing", 2, [&](ParamVisitor& v) { p.visit(v); });
+  EXPECT_EQ(nested.find("inner")->fields.size(), entry.params.size());
+}
+
+TEST(Registry, EveryAlgorithmDescribesItself) {
+  ASSERT_FALSE(Registry::instance().all().empty()) << "registrations were dropped by the linker";
+  for (const auto& [key, r] : Registry::instance().all()) {
+    EXPECT_FALSE(r.info.summary.empty()) << r.info.name;
+    EXPECT_FALSE(r.info.complexity.empty()) << r.info.name;
+    EXPECT_NO_THROW(r.create(Spec{r.info.name, {}})) << r.info.name;
+    for (const ParamInfo& p : r.params) EXPECT_FALSE(p.meaning.empty()) << r.info.name << ' ' << p.name;
+    const Spec spelled = r.canonical(Spec{r.info.name, {}});
+    EXPECT_EQ(r.canonical(Spec::parse(spelled.text())), spelled) << r.info.name;
+  }
+}
+
+template <int D>
+class Twin final : public SleepPolicy<D> {
+ public:
+  using Params = NoParams;
+  explicit Twin(const Params&) {}
+  static Info info() { return {.name = "none", .summary = "a second one", .paper = "", .complexity = "1"}; }
+  void decide(const SleepInput<D>&, std::span<std::uint8_t>, std::span<std::array<Real, 2>>) override {}
+};
+TEST(RegistryDeathTest, ASecondOfTheSameNameAborts) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  using Second = Registrar<SleepPolicy, Twin, 2>;
+  EXPECT_DEATH(Second("here"), "two algorithms are registered as sleep none \\(2D\\)");
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

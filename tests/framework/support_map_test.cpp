@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Zlib
+// M3 to M7 of the support function, which all of GJK, EPA, MPR and the certificates stand on.
+#include "framework/support_map.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/check_property.h"
+#include "tests/generators.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+// Points of the shape's core that span it.
+template <int D>
+std::vector<Vec<D>> corners(const ShapeView<D>& s) {
+  if (s.hull) return s.hull->vertices;
+  std::vector<Vec<D>> out;
+  for (int bits = 0; bits < 1 << D; ++bits) {
+    Vec<D> p;
+    for (int k = 0; k < D; ++k) p[k] = (bits >> k) & 1 ? s.half[k] : -s.half[k];
+    out.push_back(p);
+  }
+  return out;
+}
+
+template <int D, class Support>
+void extreme(Support support) {  // M3
+  const Shape<D> s = *shapes<D>();
+  const Vec<D> d = *directions<D>();
+  const Vec<D> best = support(s.view(), d);
+  bool own = false;
+  for (const Vec<D>& p : corners(s.view())) {
+    RC_ASSERT(p.dot(d) <= best.dot(d) + 4 * kEps * sizeOf(s));
+    own = own || (p - best).norm() <= 4 * kEps * sizeOf(s);
+  }
+  RC_ASSERT(own);  // and it is a point of the core
+}
+template <int D>
+void m3() {
+  check(
+      "M3", [] { extreme<D>([](auto& s, auto& d) { return coreSupport(s, d); }); }, 300);
+  expectFalsified("M3 of a climber that stops at the first vertex that is no better", [] {
+    extreme<D>([](const ShapeView<D>& s, const Vec<D>& d) {
+      if (!s.hull) return coreSupport(s, d);
+      std::size_t i = 0;
+      const auto& v = s.hull->vertices;
+      while (i + 1 < v.size() && v[i + 1].dot(d) > v[i].dot(d)) ++i;
+      return v[i];
+    });
+  });
+}
+TEST(SupportMap, Extreme) { m3<2>(), m3<3>(); }
+
+template <int D>
+void lengths() {  // M4, M5
+  check("M4", [] {
+    const Shape<D> s = *shapes<D>();
+    const Vec<D> d = *directions<D>();
+    const int far = sizeof(Real) == 8 ? 150 : 15;
+    for (const Real k : {Real(std::pow(10, -far)), Real(0.5), Real(std::pow(10, far))}) {
+      const Vec<D> other = coreSupport(s.view(), Vec<D>(k * d));
+      RC_ASSERT(std::abs(other.dot(d) - coreSupport(s.view(), d).dot(d)) <= 4 * kEps * sizeOf(s));
+    }
+    const Real h = supportValue(s.view(), d);
+    RC_ASSERT(std::abs(supportValue(s.view(), Vec<D>(4 * d)) - 4 * h) <= 16 * kEps * sizeOf(s));
+  });
+  check("M5", [] {
+    const Shape<D> s = *shapes<D>();
+    RC_ASSERT(coreSupport(s.view(), Vec<D>(Vec<D>::Zero())).allFinite());
+    RC_ASSERT(supportValue(s.view(), Vec<D>(Vec<D>::Zero())) == 0);
+  });
+}
+TEST(SupportMap, AnyLength) { lengths<2>(), lengths<3>(); }
+
+// M6: the posed shape's support agrees with its points; M7: supports of a Minkowski sum add up.
+template <int D>
+void posed() {
+  check("M6", [] {
+    const Shape<D> s = *shapes<D>();
+    const auto X = *poses<D>(3);
+    const Vec<D> d = *directions<D>();
+    const Vec<D> local = X.q.inverse() * d;
+    const Real h = X.p.dot(d) + supportValue(s.view(), local);
+    Real best = -std::numeric_limits<Real>::infinity();
+    for (const Vec<D>& p : corners(s.view())) best = std::max(best, (X * p).dot(d) + s.view().radius);
+    RC_ASSERT(std::abs(h - best) <= 16 * kEps * (sizeOf(s) + X.p.norm()));
+  });
+  check("M7", [] {
+    RapidCheckDraw draw;
+    const Shape<D> a = Shape<D>::polytope(drawPoints<D>(draw)), b = Shape<D>::polytope(drawPoints<D>(draw));
+    const Vec<D> d = *directions<D>();
+    Real sum = -std::numeric_limits<Real>::infinity();
+    for (const Vec<D>& p : a.view().hull->vertices) {
+      for (const Vec<D>& q : b.view().hull->vertices) sum = std::max(sum, (p + q).dot(d));
+    }
+    RC_ASSERT(std::abs(sum - supportValue(a.view(), d) - supportValue(b.view(), d)) <= 32 * kEps * 10);
+  });
+  expectFalsified("M6 with the direction turned the wrong way", [] {
+    const Shape<D> s = *shapes<D>();
+    const auto X = *poses<D>(3);
+    const Vec<D> d = *directions<D>();
+    const Real h = supportValue(s.view(), Vec<D>(X.q * d));
+    Real best = -std::numeric_limits<Real>::infinity();
+    for (const Vec<D>& p : corners(s.view())) best = std::max(best, (X.q * p).dot(d) + s.view().radius);
+    RC_ASSERT(std::abs(h - best) <= 16 * kEps * sizeOf(s));
+  });
+}
+TEST(SupportMap, PosesAndSums) { posed<2>(), posed<3>(); }
+
+TEST(SupportMap, HintIsTheVertex) {
+  const std::vector<Vec<2>> points = {{0, 0}, {2, 0}, {0, 1}};
+  const auto s = Shape<2>::polytope(points);
+  int hint = -1;
+  const Vec<2> p = coreSupport(s.view(), Vec<2>(1, 0), &hint);
+  EXPECT_EQ(p, s.view().hull->vertices[static_cast<std::size_t>(hint)]);
+  EXPECT_EQ(p, Vec<2>(2, 0));
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Zlib
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+#include "framework/director.h"
+#include "framework/invariants.h"
+#include "framework/recording.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::addGround;
+using test::addHeap;
+using test::at;
+using test::body;
+
+constexpr Real kDt = Real(1) / 60;
+
+std::string messageOf(auto&& f) {
+  try {
+    f();
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+template <class T>
+class WorldTest : public testing::Test {};
+template <int N>
+struct Dim {
+  static constexpr int D = N;
+};
+using Dims = testing::Types<Dim<2>, Dim<3>>;
+TYPED_TEST_SUITE(WorldTest, Dims);
+
+TYPED_TEST(WorldTest, HandlesOfRemovedBodiesAreInvalidAndSlotsAreReused) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  const Handle b = world.add(body<D>(Shape<D>::sphere(1), at<D>(5, 0)));
+  world.remove(a);
+  EXPECT_FALSE(world.valid(a));
+  EXPECT_TRUE(world.valid(b));
+  const Handle c = world.add(body<D>(Shape<D>::sphere(1), at<D>(9, 0)));
+  EXPECT_EQ(c.slot, a.slot);
+  EXPECT_NE(c, a);
+  EXPECT_NE(messageOf([&] { world.pose(a); }), "");
+  EXPECT_EQ(world.bodyCount(), 2);
+}
+
+TYPED_TEST(WorldTest, RefusesWhatIsNotPhysics) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  const Real nan = std::numeric_limits<Real>::quiet_NaN();
+  EXPECT_NE(messageOf([&] { world.add(body<D>(Shape<D>::sphere(1), at<D>(double(nan), 0))); }), "");
+  auto heavy = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
+  heavy.shapes[0].density = -1;
+  EXPECT_NE(messageOf([&] { world.add(heavy); }).find("density"), std::string::npos);
+  auto massless = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
+  massless.shapes[0].density = 0;
+  EXPECT_NE(messageOf([&] { world.add(massless); }).find("mass"), std::string::npos);
+  EXPECT_NE(messageOf([&] { world.step(-1); }), "");
+  EXPECT_NE(messageOf([&] { world.step(nan); }), "");
+  EXPECT_NE(messageOf([&] { World<D> w(Pipeline::parse("broadphase=none_such")); }).find("naive"), std::string::npos);
+  EXPECT_EQ(world.bodyCount(), 0);
+}
+
+TYPED_TEST(WorldTest, NoTimeChangesNothing) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addHeap(world, 5, 1);
+  const std::uint64_t hash = world.hash();
+  world.step(0);
+  EXPECT_EQ(world.hash(), hash);
+  EXPECT_EQ(world.stepCount(), 0);
+}
+
+TYPED_TEST(WorldTest, PoseIsOfTheBodyFrameAndMassFollowsFromShapes) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  BodyDef<D> def;
+  def.X_WB.p = at<D>(1, 2);
+  def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5))), .density = 2});
+  def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5))), .X_BS = {at<D>(1, 0)}, .density = 6});
+  const Handle h = world.add(def);
+  EXPECT_NEAR(world.mass(h), 8, 1e-5);
+  EXPECT_NEAR(world.pose(h).p[0], 1, 1e-6);
+  EXPECT_NEAR(world.bodies().pose[0].p[0], 1.75, 1e-6);  // 6 of 8 kg are 1 m away
+}
+
+TYPED_TEST(WorldTest, QueriesSeeShapesNotBoxesAndPresentPoses) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  EXPECT_EQ(world.at(at<D>(0.5, 0.5)).size(), 1u);
+  EXPECT_TRUE(world.at(at<D>(0.9, 0.9)).empty());  // in the box, not in the ball
+  EXPECT_EQ(world.overlap({at<D>(0.6, 0.6, -1), at<D>(2, 2, 1)}).size(), 1u);
+  EXPECT_TRUE(world.overlap({at<D>(0.8, 0.8, -1), at<D>(2, 2, 1)}).empty());
+  auto hits = world.ray(at<D>(-5, 0), at<D>(1, 0), 100, true);
+  ASSERT_EQ(hits.size(), 1u);
+  EXPECT_NEAR(hits[0].t, 4, 1e-5);
+  EXPECT_TRUE(world.ray(at<D>(-5, 0.99, 0.99), at<D>(1, 0), 100, true).size() == (D == 2 ? 1u : 0u));
+  world.setPose(ball, {at<D>(10, 0)});
+  EXPECT_TRUE(world.at(at<D>(0.5, 0.5)).empty());
+  EXPECT_EQ(world.at(at<D>(10.5, 0.5)).size(), 1u);
+  world.remove(ball);
+  EXPECT_TRUE(world.at(at<D>(10.5, 0.5)).empty());
+}
+
+template <int D>
+class Diary final : public ContactListener<D> {
+ public:
+  std::string text;
+  bool solve = true;
+  bool begin(const World<D>&, const Manifold<D>&) override { return text += 'b', solve; }
+  bool persist(const World<D>&, const Manifold<D>&) override { return text += 'p', solve; }
+  void end(const World<D>&, const Manifold<D>&) override { text += 'e'; }
+};
+
+TYPED_TEST(WorldTest, ListenersHearBeginPersistEnd) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addGround(world);
+  auto def = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.6));
+  def.shapes[0].restitution = 1;
+  world.settings();
+  world.add(def);
+  Diary<D> diary;
+  world.addListener(&diary);
+  for (int i = 0; i < 60; ++i) world.step(kDt);
+  EXPECT_EQ(diary.text.substr(0, 1), "b");
+  EXPECT_NE(diary.text.find('e'), std::string::npos) << diary.text;
+  // Begin and end alternate.
+  std::string edges;
+  for (char c : diary.text) {
+    if (c != 'p') edges += c;
+  }
+  EXPECT_EQ(edges.find("bb"), std::string::npos) << diary.text;
+  EXPECT_EQ(edges.find("ee"), std::string::npos) << diary.text;
+}
+
+TYPED_TEST(WorldTest, VetoLetsBodiesPass) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addGround(world);
+  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.6)));
+  Diary<D> diary;
+  diary.solve = false;
+  world.addListener(&diary);
+  for (int i = 0; i < 120; ++i) world.step(kDt);
+  EXPECT_LT(world.pose(ball).p[1], -5);
+  EXPECT_EQ(diary.text.back(), 'e');
+}
+
+TYPED_TEST(WorldTest, RemovingASupportEndsTheContact) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  const Handle ground = addGround(world);
+  world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
+  Diary<D> diary;
+  world.addListener(&diary);
+  for (int i = 0; i < 5; ++i) world.step(kDt);
+  world.remove(ground);
+  EXPECT_EQ(diary.text, "bppppe");
+  world.step(kDt);
+  EXPECT_EQ(diary.text, "bppppe");
+}
+
+TYPED_TEST(WorldTest, SpringHangsAtItsRestLengthPlusSag) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, -2)));
+  auto spring = std::make_shared<Spring<D>>();
+  spring->bodyB = ball, spring->restLength = 1, spring->stiffness = 100 * world.mass(ball);
+  spring->damping = 10 * world.mass(ball);
+  world.add(std::shared_ptr<const ForceGenerator<D>>(spring));
+  for (int i = 0; i < 1200; ++i) world.step(kDt);
+  EXPECT_NEAR(world.pose(ball).p[1], -(1 + 9.81 / 100), 1e-3);
+}
+
+TYPED_TEST(WorldTest, UserForceActsForOneStep) {
+  constexpr int D = TypeParam::D;
+  WorldSettings<D> settings;
+  settings.gravity = Vec<D>::Zero();
+  World<D> world({}, settings);
+  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0)));
+  world.applyForce(ball, at<D>(double(world.mass(ball)), 0), at<D>(0, 0));
+  world.step(kDt);
+  EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
+  world.step(kDt);
+  EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
+}
+
+TYPED_TEST(WorldTest, PinnedTurnsNonRotatableSlidesKinematicObeys) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  auto pinned = body<D>(Shape<D>::box(Vec<D>::Constant(1)), at<D>(0, 0));
+  pinned.pinned = true;
+  pinned.angularVelocity = Ang<D>::Constant(1);
+  auto stiff = body<D>(Shape<D>::box(Vec<D>::Constant(1)), at<D>(5, 0));
+  stiff.rotatable = false;
+  auto lift = body<D>(Shape<D>::box(Vec<D>::Constant(1)), at<D>(10, 0), BodyType::kinematic);
+  lift.velocity = at<D>(0, 2);
+  const Handle p = world.add(pinned), s = world.add(stiff), k = world.add(lift);
+  world.applyTorque(s, Ang<D>::Constant(1000));
+  for (int i = 0; i < 30; ++i) world.step(kDt);
+  EXPECT_EQ(world.pose(p).p, at<D>(0, 0));
+  EXPECT_GT(world.motion(p).w.norm(), 0.9);
+  EXPECT_EQ(world.motion(s).w.norm(), 0);
+  EXPECT_LT(world.pose(s).p[1], -1);
+  EXPECT_NEAR(world.pose(k).p[1], 1, 1e-5);
+}
+
+TYPED_TEST(WorldTest, JointedBodiesCollideOnlyWhenAsked) {
+  constexpr int D = TypeParam::D;
+  for (bool collide : {false, true}) {
+    World<D> world;
+    const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0), BodyType::fixed));
+    const Handle b = world.add(body<D>(Shape<D>::sphere(1), at<D>(1, 0)));
+    world.add(PivotDef<D>{a, b, at<D>(0.5, 0), collide});
+    world.step(kDt);
+    EXPECT_EQ(world.manifolds().size(), collide ? 1u : 0u);
+  }
+}
+
+TYPED_TEST(WorldTest, ProfilerCsvDescribesItself) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addHeap(world, 5, 1);
+  world.profiler().keepFrames(true);
+  for (int i = 0; i < 3; ++i) world.step(kDt);
+  std::ostringstream csv;
+  world.profiler().writeCsv(csv);
+  std::istringstream in(csv.str());
+  std::string line, header;
+  std::size_t columns = 0, rows = 0;
+  while (std::getline(in, line)) {
+    if (line[0] == '#') continue;
+    const auto n = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+    if (header.empty()) {
+      header = line, columns = n;
+    } else {
+      EXPECT_EQ(n, columns);
+      ++rows;
+    }
+  }
+  EXPECT_EQ(rows, 3u);
+  EXPECT_NE(header.find("seconds_broadphase"), std::string::npos) << header;
+  EXPECT_NE(header.find("row_updates"), std::string::npos);
+}
+
+TYPED_TEST(WorldTest, RecordingReadsBackAndDropsATornFrame) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addHeap(world, 4, 1);
+  std::ostringstream out;
+  Recorder<D> recorder(out);
+  for (int i = 0; i < 5; ++i) world.step(kDt), recorder.frame(world);
+  std::istringstream in(out.str());
+  const Recording<D> r = Recording<D>::read(in);
+  ASSERT_EQ(r.frames.size(), 5u);
+  EXPECT_EQ(r.frames[0].arrivals.size(), 7u);
+  EXPECT_EQ(r.frames[4].arrivals.size(), 0u);
+  EXPECT_EQ(r.frames[4].bodies.size(), 7u);
+  EXPECT_EQ(r.frames[4].bodies[3].X_WC.p, world.bodies().pose[3].p);
+  std::istringstream torn(out.str().substr(0, out.str().size() - 3));
+  EXPECT_EQ(Recording<D>::read(torn).frames.size(), 4u);
+  std::istringstream wrong("no recording at all");
+  EXPECT_NE(messageOf([&] { Recording<D>::read(wrong); }), "");
+}
+
+TYPED_TEST(WorldTest, DirectorBringsAndTakesBodiesAtStepNumbers) {
+  constexpr int D = TypeParam::D;
+  SceneSpec<D> scene;
+  scene.spawns.push_back({0, body<D>(Shape<D>::sphere(1), at<D>(0, 0), BodyType::fixed), -1});
+  scene.spawns.push_back({3, body<D>(Shape<D>::sphere(1), at<D>(4, 0)), 5});
+  scene.pivots.push_back({0, 1, at<D>(0, 0), false});
+  World<D> world;
+  Director<D> director(scene);
+  std::vector<int> bodies, joints;
+  for (int i = 0; i < 7; ++i) {
+    director.advance(world);
+    bodies.push_back(world.bodyCount());
+    joints.push_back(static_cast<int>(std::count_if(world.joints().begin(), world.joints().end(),
+                                                    [](const PivotJoint<D>& j) { return j.bodyA >= 0; })));
+    world.step(kDt);
+  }
+  EXPECT_EQ(bodies, (std::vector<int>{1, 1, 1, 2, 2, 1, 1}));
+  EXPECT_EQ(joints, (std::vector<int>{0, 0, 0, 1, 1, 0, 0}));
+}
+
+TYPED_TEST(WorldTest, InvariantsOfAFreeBodyAreClosedForms) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  auto def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(3, 4));
+  def.velocity = at<D>(1, 2);
+  def.angularVelocity = Ang<D>::Zero();
+  def.angularVelocity[kAngDim<D> - 1] = 3;
+  world.add(def);
+  const Invariants<D> inv = invariants(world);
+  const double inertia = 1.0 / 6;  // unit square or cube of 1 kg
+  EXPECT_NEAR(inv.kinetic, 0.5 * 5 + 0.5 * inertia * 9, 1e-5);
+  EXPECT_NEAR(inv.potential, 9.81 * 4, 1e-4);
+  EXPECT_NEAR(inv.angularMomentum[kAngDim<D> - 1], 3 * 2 - 4 * 1 + inertia * 3, 1e-5);
+  EXPECT_NEAR(inv.maxSpeed, std::sqrt(5), 1e-5);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

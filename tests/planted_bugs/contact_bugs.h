@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Zlib
+// Contact generators with one mistake each. The properties must tell them from the right ones.
+#pragma once
+
+#include "algorithms/contacts/sat_collide3.h"
+#include "tests/contact_scene.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// sat_clip, and then `spoil` on each manifold.
+template <int D>
+class SpoiledContacts : public ContactGenerator<D> {
+ public:
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+    m_right->generate(in, fresh, work);
+    for (Manifold<D>& m : fresh) spoil(in, m);
+  }
+  virtual void spoil(const ContactInput<D>& in, Manifold<D>& m) = 0;
+
+ private:
+  std::unique_ptr<ContactGenerator<D>> m_right = createStage<ContactGenerator<D>>({"sat_clip", {}});
+};
+
+template <int D>
+struct FlippedNormal final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override { m.normal = -m.normal; }
+};
+
+/// The normal points from the lower kind of shape to the higher, whichever is A.
+template <int D>
+struct NormalOfFirstShapeKind final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
+    if (in.shapes[0].shape.kind() > in.shapes[1].shape.kind()) m.normal = -m.normal;
+  }
+};
+
+template <int D>
+struct DuplicateFeatures final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override {
+    if (m.count > 1) m.points[1].feature = m.points[0].feature;
+  }
+};
+
+template <int D>
+struct OnlyOnePoint final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override { m.count = 1; }
+};
+
+/// Numbers that follow from where a point is, not from what touches.
+template <int D>
+struct FeaturesFromPosition final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override {
+    for (int i = 0; i < m.count; ++i) {
+      auto& p = m.points[static_cast<std::size_t>(i)];
+      p.feature = static_cast<std::uint32_t>(static_cast<std::int64_t>(p.localB[0] * Real(1e6))) * 8u +
+                  static_cast<std::uint32_t>(i);
+    }
+  }
+};
+
+/// The vertices of B that are near A's face, wherever the face ends.
+template <int D>
+struct Unclipped final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
+    const Pose<D>&X_WA = in.pose[0], &X_WB = in.pose[1];
+    const ShapeView<D>& b = in.shapes[1].shape.view();
+    const Real plane = m.normal.dot(X_WA * m.points[0].localA);
+    m.count = 0;
+    for (const Vec<D>& v : bruteCore(b, Pose<D>{}).v) {
+      const Vec<D> local = in.shapes[1].X_CS * v;
+      const Vec<D> p = X_WB * local - b.radius * m.normal;
+      const Real s = m.normal.dot(p) - plane;
+      if (s > in.margin || m.count == kManifoldPoints<D>) continue;
+      auto& c = m.points[static_cast<std::size_t>(m.count++)];
+      c.localA = X_WA.inverse() * Vec<D>(p - s * m.normal), c.localB = X_WB.inverse() * p, c.separation = s;
+    }
+  }
+};
+
+/// Face axes only: the 2009 engine's mistake in 3D.
+template <int D>
+class NoEdgeContacts final : public ContactGenerator<D> {
+ public:
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work&) override {
+    for (const ShapePair& pair : in.pairs) {
+      const PlacedPair<3> placed = placePair(in, pair, kLinearSlop / 10);
+      const Core3 c1 = makeCore3(placed.record1->shape.view(), nullptr, m_scratch.first);
+      const Core3 c2 = makeCore3(placed.record2->shape.view(), &placed.X_12, m_scratch.second);
+      const FaceAxis3 f1 = bestFace(c1, c2, placed.limit), f2 = bestFace(c2, c1, placed.limit);
+      if (std::max(f1.separation, f2.separation) > placed.limit || f2.face < 0) continue;
+      const bool first = f1.separation >= f2.separation;
+      const Vec<3> n = first ? c1.n[f1.face] : Vec<3>(-c2.n[f2.face]);
+      clipAgainst(c1, c2, first, first ? f1.face : f2.face, n, std::max(f1.separation, f2.separation), placed,
+                  m_scratch);
+      addPatch(in, pair, placed, n, patchPoints(m_scratch, placed.tolerance), fresh);
+    }
+  }
+
+ private:
+  Scratch3 m_scratch;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+// Broadphases with one failure each, for the tests of the runner: every one must end as a row with its name.
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "framework/plugin.h"
+#include "framework/stage_broadphase.h"
+
+LPC_PLUGIN;
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+enum class Bug { hang, crash, allocate, forget, dice, slow };
+
+template <int D, Bug kBug>
+class Planted : public Broadphase<D> {
+ public:
+  using Params = NoParams;
+  explicit Planted(const Params&) {}
+
+  static Info info() {
+    const char* const names[] = {"planted_hang",   "planted_crash", "planted_allocate",
+                                 "planted_forget", "planted_dice",  "planted_slow"};
+    return {.name = names[static_cast<int>(kBug)], .summary = "planted bug", .paper = "", .complexity = "n^2"};
+  }
+
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work&) override {
+    if (kBug == Bug::hang) {
+      for (;;) usleep(1000);
+    }
+    if (kBug == Bug::crash) std::abort();
+    if (kBug == Bug::slow) usleep(2000);
+    if (kBug == Bug::allocate) {
+      for (;;) {
+        m_hoard.push_back(std::make_unique<char[]>(1 << 22));
+        std::memset(m_hoard.back().get(), 1, 1 << 22);
+        usleep(2000);
+      }
+    }
+    for (ProxyId a = 0; a < proxies.size(); ++a) {
+      for (ProxyId b = a + 1; b < proxies.size(); ++b) {
+        if (proxies.boxesOverlap(a, b) && proxies.mayCollide(a, b)) out.push_back({a, b});
+      }
+    }
+    if (kBug == Bug::forget && !out.empty()) out.pop_back();
+    // Differs from process to process, and so from repeat to repeat. Conservative, so that more pairs are no error.
+    if (kBug == Bug::dice && getpid() % 2) out.push_back({0, proxies.size() - 1});
+  }
+
+ private:
+  std::vector<std::unique_ptr<char[]>> m_hoard;
+};
+
+template <int D>
+using Hang = Planted<D, Bug::hang>;
+template <int D>
+using Crash = Planted<D, Bug::crash>;
+template <int D>
+using Allocate = Planted<D, Bug::allocate>;
+template <int D>
+using Forget = Planted<D, Bug::forget>;
+template <int D>
+using Slow = Planted<D, Bug::slow>;
+
+template <int D>
+class Dice : public Planted<D, Bug::dice> {
+ public:
+  using Planted<D, Bug::dice>::Planted;
+  static Info info() {
+    Info i = Planted<D, Bug::dice>::info();
+    i.guarantee = Guarantee::conservative;
+    return i;
+  }
+};
+
+}  // namespace
+
+LPC_REGISTER(Broadphase, Hang, 2);
+LPC_REGISTER(Broadphase, Crash, 2);
+LPC_REGISTER(Broadphase, Allocate, 2);
+LPC_REGISTER(Broadphase, Forget, 2);
+LPC_REGISTER(Broadphase, Dice, 2);
+LPC_REGISTER(Broadphase, Slow, 2);
+
+}  // namespace lpc::inline LPC_PRECISION

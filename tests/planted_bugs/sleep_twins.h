@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Zlib
+// Sleep policies with one bug each; the conformance test must see them.
+#pragma once
+
+#include "framework/stage_sleep.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// Averages as in the 2009 report, and nothing else: falls asleep at the top of a throw, and asks nobody.
+template <int D>
+class AveragesOnly final : public SleepPolicy<D> {
+ public:
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (in.bodies.type[i] != BodyType::dynamic) continue;
+      memory[i][0] = (memory[i][0] + in.bodies.motion[i].v.norm()) / 2;
+      memory[i][1] = (memory[i][1] + in.bodies.motion[i].w.norm()) / 2;
+      if (memory[i][0] < Real(1.5) && memory[i][1] < Real(0.01)) awake[i] = 0;
+    }
+  }
+};
+
+/// Everybody sleeps, for ever.
+template <int D>
+class SleepsAtOnce final : public SleepPolicy<D> {
+ public:
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>>) override {
+    for (std::size_t i = 0; i < awake.size(); ++i) awake[i] = in.bodies.type[i] != BodyType::dynamic;
+  }
+};
+
+/// A blow wakes whom it hits, and those behind stay walls.
+template <int D>
+class WakesOnlyTheStruck final : public SleepPolicy<D> {
+ public:
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>>) override {
+    for (const SleepEvent& e : in.events) awake[static_cast<std::size_t>(e.body)] = 1;
+  }
+};
+
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Zlib
+// The corpus of published hard cases, through every method that takes them.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "framework/check.h"
+#include "framework/stage_narrowphase.h"
+#include "oracles/cases.h"
+#include "oracles/referee.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+const std::string kCorpus = std::string(LPC_SOURCE_DIR) + "/tests/regressions/hard_cases.json";
+
+TEST(Corpus, IsReadWhole) {
+  const std::vector<Case> cases = readCases(kCorpus);
+  EXPECT_EQ(cases.size(), 95u);
+  std::set<std::string> ids;
+  int distances = 0, shapes = 0;
+  for (const Case& c : cases) {
+    EXPECT_TRUE(ids.insert(c.id).second) << c.id;
+    EXPECT_FALSE(c.source.empty()) << c.id;
+    EXPECT_NE(c.query, CaseQuery::unknown) << c.id << ": " << c.queryText;
+    distances += c.query == CaseQuery::signedDistance;
+    std::visit([&](const auto& g) { shapes += g.a.shape && g.b.shape; }, c.geometry);
+  }
+  EXPECT_EQ(distances, 84);
+  // Refused: seven cylinders of pairs, two pairs of ellipsoids, one capsule against a cylinder, one flat triangle.
+  EXPECT_EQ(shapes, 84 - 10);
+}
+
+TEST(Corpus, CapsulesTurnFromTheirAxis) {
+  for (const Case& c : readCases(kCorpus)) {
+    if (c.id == "fcl-test-capsule-box-1") {
+      const auto& capsule = std::get<CaseGeometry<3>>(c.geometry).a;  // along z in the file
+      ASSERT_TRUE(capsule.shape);
+      const Vec<3> along = capsule.X_WS.q * Vec<3>::Unit(0);
+      EXPECT_NEAR(std::abs(along[2]), 1, 1e-15);
+    }
+    if (c.id == "parry-205-capsule-triangle") {
+      const auto& capsule = std::get<CaseGeometry<2>>(c.geometry).a;  // from (0, -5) to (0, 5)
+      ASSERT_TRUE(capsule.shape);
+      EXPECT_EQ(capsule.shape->view().half[0], 5);
+      EXPECT_NEAR(std::abs((capsule.X_WS.q * Vec<2>::Unit(0))[1]), 1, 1e-15);
+    }
+  }
+}
+
+// The table itself; `lpc verify --cases` prints the same.
+TEST(Corpus, OursAreRight) {
+  std::ostringstream table;
+  const int exitCode = verifyCases(kCorpus, table);
+  std::cout << table.str();
+  EXPECT_EQ(exitCode, 0);
+}
+
+// Pairs on which methods of ours were wrong once.
+TEST(Corpus, FoundCasesStayRight) {
+  std::ostringstream table;
+  const int exitCode = verifyCases(std::string(LPC_SOURCE_DIR) + "/tests/regressions/found_cases.json", table);
+  std::cout << table.str();
+  EXPECT_EQ(exitCode, 0);
+}
+
+TEST(Corpus, TheRefereeConfirmsEveryExpectedValue) {
+  int confirmed = 0;
+  for (const CaseResult& row : runCases(readCases(kCorpus))) {
+    if (row.role != Role::referee) continue;
+    EXPECT_EQ(row.verdict, CaseVerdict::ok) << row.id << ": " << row.value << " against " << row.expected;
+    ++confirmed;
+  }
+  EXPECT_EQ(confirmed, 74);
+}
+
+// A method that is wrong in any of these ways must be seen, and must stop nobody: a corpus that cannot fail is no
+// corpus.
+template <int D>
+class WrongQuery final : public PairQuery<D> {
+ public:
+  static inline int mode = 0;  // 0 right, 1 too deep, 2 flipped normal, 3 NaN, 4 throws, 5 aborts, 6 never returns
+  using Params = NoParams;
+  explicit WrongQuery(const Params&) {}
+  static Info info() {
+    return {
+        .name = "planted_wrong", .summary = "wrong on purpose", .paper = "", .complexity = "1", .role = Role::witness};
+  }
+  bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::box && b == ShapeKind::box; }
+  void query(const PairBatch<D>&, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+    if (mode == 4) throw std::runtime_error("planted");
+    if (mode == 5) std::abort();
+    while (mode == 6) sleep(1);
+    // libccd-25-cubes: depth 0.1 along z, the one case that it knows.
+    PairAnswer<D> answer;
+    answer.status = QueryStatus::converged;
+    answer.distance = mode == 1 ? Real(-0.11) : mode == 3 ? std::nan("") : Real(-0.1);
+    answer.normal = Vec<D>::Unit(D - 1) * Real(mode == 2 ? -1 : 1);
+    answers.set(0, answer);
+  }
+};
+
+CaseResult cubes(int mode) {
+  static const Registrar<PairQuery, WrongQuery, 2, 3> planted(__FILE__);  // only here: the table above is without it
+  WrongQuery<3>::mode = mode;
+  std::vector<Case> cases = readCases(kCorpus);
+  std::erase_if(cases, [](const Case& c) { return c.id != "libccd-25-cubes"; });
+  for (const CaseResult& row : runCases(cases)) {
+    if (row.method == "planted_wrong") return row;
+  }
+  return {};
+}
+
+TEST(Corpus, SeesPlantedWrongMethods) {
+  EXPECT_EQ(cubes(0).verdict, CaseVerdict::ok);
+  EXPECT_EQ(cubes(1).verdict, CaseVerdict::wrong);
+  EXPECT_EQ(cubes(2).verdict, CaseVerdict::wrong);
+  EXPECT_EQ(cubes(3).verdict, CaseVerdict::wrong);
+  EXPECT_EQ(cubes(4).verdict, CaseVerdict::failed);
+  EXPECT_EQ(cubes(4).reason, "exception");
+  EXPECT_EQ(cubes(5).verdict, CaseVerdict::failed);
+  EXPECT_EQ(cubes(5).reason, "crash");
+  EXPECT_EQ(cubes(6).verdict, CaseVerdict::hang);
+  CaseResult ours = cubes(1);
+  EXPECT_FALSE(isOurFault(ours));  // it is registered as a witness
+  ours.role = Role::competitor;
+  EXPECT_TRUE(isOurFault(ours));
+  WrongQuery<3>::mode = 0;
+}
+
+std::string written(const std::string& text) {
+  const std::string path = std::filesystem::temp_directory_path() / ("lpc_cases_" + std::to_string(getpid()) + ".json");
+  std::ofstream(path) << text;
+  return path;
+}
+
+std::string complaint(const std::string& path) {
+  try {
+    readCases(path);
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Corpus, BadFilesAreRefusedInOneLine) {
+  const std::string head = R"({"cases": [{"id": "x", "dim": 2, "query": "signed_distance", )";
+  const std::vector<std::pair<std::string, std::string>> bad = {
+      {"{", "parse error"},
+      {"{}", "no list 'cases'"},
+      {R"({"cases": [{}]})", "'id' is missing"},
+      {head + R"("shapeA": {"type": "box"}}]})", "'expected' is missing"},
+      {head + R"("expected": {}, "shapeA": {"type": "box"}, "poseA": {"t": [0]}}]})", "valid: 2 numbers"},
+      {head + R"("expected": {}, "shapeA": {"type": "box"}, "poseA": {"t": [0, 0]}}]})", "'half_extents' is missing"},
+  };
+  for (const auto& [text, what] : bad) {
+    const std::string path = written(text), message = complaint(path);
+    EXPECT_NE(message.find(what), std::string::npos) << text << " gave: " << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+    EXPECT_NE(message.find(path), std::string::npos);
+    std::filesystem::remove(path);
+  }
+  EXPECT_NE(complaint("/nowhere.json"), "");
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Zlib
+// A few worlds that tests share: small, quick, and with everything that a step can meet.
+#pragma once
+
+#include "framework/random.h"
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+template <int D>
+Vec<D> at(double x, double y, double z = 0) {
+  Vec<D> p = Vec<D>::Zero();
+  p[0] = static_cast<Real>(x), p[1] = static_cast<Real>(y);
+  if constexpr (D == 3) p[2] = static_cast<Real>(z);
+  return p;
+}
+
+template <int D>
+BodyDef<D> body(const Shape<D>& shape, const Vec<D>& position, BodyType type = BodyType::dynamic) {
+  BodyDef<D> def;
+  def.type = type;
+  def.X_WB.p = position;
+  def.shapes.push_back({.shape = shape});
+  return def;
+}
+
+template <int D>
+Handle addGround(World<D>& world) {
+  Vec<D> half = Vec<D>::Constant(20);
+  half[1] = 1;
+  return world.add(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed));
+}
+
+/// Boxes, balls and capsules fall on a floor and into each other; one pendulum swings above.
+template <int D>
+void addHeap(World<D>& world, int n, std::uint64_t seed) {
+  addGround(world);
+  Random random(seed);
+  for (int i = 0; i < n; ++i) {
+    const Vec<D> p = at<D>(random.uniform(-2, 2), 1 + 0.7 * i, random.uniform(-1, 1));
+    const Shape<D> shapes[] = {Shape<D>::box(Vec<D>::Constant(Real(0.4))), Shape<D>::sphere(Real(0.4)),
+                               Shape<D>::capsule(Real(0.3), Real(0.25))};
+    BodyDef<D> def = body<D>(shapes[random.below(3)], p);
+    def.shapes[0].restitution = Real(0.2);
+    def.angularVelocity = Ang<D>::Constant(static_cast<Real>(random.uniform(-2, 2)));
+    world.add(def);
+  }
+  const Handle post = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0, 12), BodyType::fixed));
+  const Handle bob = world.add(body<D>(Shape<D>::sphere(Real(0.3)), at<D>(2, 12)));
+  world.add(PivotDef<D>{post, bob, at<D>(0, 12), false});
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test
