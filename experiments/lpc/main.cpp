@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // The `lpc` program. Exit codes: 0 fine, 1 it ran and something is not right, 2 the user's mistake, one clear line.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <iostream>
 #include <map>
 
@@ -53,6 +56,13 @@ int run(int argc, char** argv) {
   } catch (const std::exception& e) {
     std::cerr << "lpc: " << e.what() << "\n";
     return 1;
+  }
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) || !std::cout) {
+    std::cerr << "lpc: standard output cannot be written" << (errno ? std::string(": ") + std::strerror(errno) : "")
+              << "\n";
+    return 2;
   }
   return session.exitCode;
 }

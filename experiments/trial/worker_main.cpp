@@ -14,7 +14,7 @@ int main() {
     std::cout << lpc::toJson(lpc::runTrial(nlohmann::json::parse(text))).dump() << std::flush;
     return std::cout ? 0 : 1;
   } catch (const lpc::UserError& e) {
-    std::cerr << "error: " << e.what() << "\n";
+    std::cerr << "lpc: " << e.what() << "\n";
     return 2;
   } catch (const std::exception& e) {
     std::cerr << "error: " << e.what() << "\n";

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "experiments/trial/output_file.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/trial.h"
 #include "framework/director.h"
@@ -23,6 +23,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr long kWarmUp = 10;
 constexpr long kPoseEvery = 60;
 constexpr double kPoseBytes = 1e6;
+// No body of any scene is meant to be faster than light: a run that gets there ends, also without a limit of its own.
+constexpr double kLightSpeed = 299792458;  // m/s
 
 std::string underscored(std::string name) {
   std::replace(name.begin(), name.end(), '.', '_');
@@ -38,19 +40,23 @@ class WorldTrial {
         m_scene(scene),
         m_director(std::move(scene)),
         m_world(Pipeline::parse(request.at("trial").at("pipeline").template get<std::string>()), m_scene.settings) {
-    if (request.contains("record")) {
-      m_recordFile.open(request.at("record").template get<std::string>(), std::ios::binary);
-    }
-    m_world.profiler().keepFrames(request.contains("profile"));
+    const auto open = [&](const char* name, std::unique_ptr<OutputFile>& file) {
+      if (request.contains(name)) file = std::make_unique<OutputFile>(request.at(name).template get<std::string>());
+    };
+    open("record", m_recording), open("profile", m_profile);
+    m_world.profiler().keepFrames(m_profile != nullptr);
   }
 
   TrialResult run() {
     std::unique_ptr<Recorder<D>> recorder;
-    if (m_recordFile.is_open()) recorder = std::make_unique<Recorder<D>>(m_recordFile);
+    if (m_recording) recorder = std::make_unique<Recorder<D>>(m_recording->stream());
+    const auto record = [&] {
+      if (recorder) recorder->frame(m_world), m_recording->check();
+    };
     m_director.advance(m_world);
     start();
     keepPoses(0);
-    if (recorder) recorder->frame(m_world);
+    record();
     long step = 0;
     for (; step < m_scene.steps && m_out.outcome == "ok"; ++step) {
       if (step > 0) m_director.advance(m_world);
@@ -59,14 +65,17 @@ class WorldTrial {
       const double seconds = cpuSeconds() - before;
       observe(step, seconds);
       if ((step + 1) % m_poseEvery == 0 && step + 1 < m_scene.steps) keepPoses(step + 1);
-      if (recorder) recorder->frame(m_world);
+      record();
       if (m_request.value("progress", false) && (step + 1) % 500 == 0) {
         std::fprintf(stderr, "step %ld of %ld, %d bodies\n", step + 1, m_scene.steps, m_world.bodyCount());
       }
     }
     if (step > 0) keepPoses(step);
     finish(step);
-    if (m_request.contains("profile")) writeProfile();
+    if (m_profile) m_world.profiler().writeCsv(m_profile->stream()), m_profile->check();  // both files or none
+    for (const auto& file : {m_recording.get(), m_profile.get()}) {
+      if (file) file->finish();
+    }
     return std::move(m_out);
   }
 
@@ -151,9 +160,9 @@ class WorldTrial {
       std::snprintf(why, sizeof why, "energy %.4g J is over %.3g times the start's %.4g J", energy,
                     static_cast<double>(limits.energy), start);
       m_out.fail("diverged", why, step + 1);
-    } else if (limits.speed > 0 && now.maxSpeed > static_cast<double>(limits.speed)) {
-      std::snprintf(why, sizeof why, "speed %.4g m/s is over %.4g m/s", now.maxSpeed,
-                    static_cast<double>(limits.speed));
+    } else if (const double limit = limits.speed > 0 ? static_cast<double>(limits.speed) : kLightSpeed;
+               now.maxSpeed > limit) {
+      std::snprintf(why, sizeof why, "speed %.4g m/s is over %.4g m/s", now.maxSpeed, limit);
       m_out.fail("exploded", why, step + 1);
     } else if (limits.drift > 0 && drift > static_cast<double>(limits.drift)) {
       std::snprintf(why, sizeof why, "body %d is %.4g m from where it came, over %.4g m", farthest, drift,
@@ -221,17 +230,12 @@ class WorldTrial {
     m_out.hash = text;
   }
 
-  void writeProfile() {
-    std::ofstream out(m_request.at("profile").template get<std::string>());
-    m_world.profiler().writeCsv(out);
-  }
-
   const json& m_request;
   bool m_timed;
   SceneSpec<D> m_scene;
   Director<D> m_director;
   World<D> m_world;
-  std::ofstream m_recordFile;
+  std::unique_ptr<OutputFile> m_recording, m_profile;
   TrialResult m_out;
   std::vector<int> m_dynamic;
   int m_top = -1;
@@ -251,13 +255,10 @@ TrialResult runWorld(const json& request) {
   scene.dt = static_cast<Real>(t.at("dt").get<double>());
   scene.steps = t.at("steps").get<long>();
   scene.settings.features = featuresFromText(t.at("features").get<std::string>());
-  for (const char* name : {"record", "profile"}) {  // a wrong path is the user's mistake, told before hours of running
-    if (request.contains(name) && !std::ofstream(request.at(name).get<std::string>())) {
-      throw UserError("cannot write " + request.at(name).get<std::string>());
-    }
-  }
   try {
     return WorldTrial<D>(request, std::move(scene)).run();
+  } catch (const CannotWrite&) {
+    throw;
   } catch (const UserError& e) {
     // The scene was read before: what is wrong now is this pipeline with this scene.
     TrialResult out;

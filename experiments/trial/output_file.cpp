@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/trial/output_file.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// The system's reason is still in errno: nothing between a failed write and the question for it makes a system call.
+[[noreturn]] void fail(const std::string& path) {
+  throw CannotWrite(path + ": cannot be written: " + std::strerror(errno));
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::string path) : m_path(std::move(path)) {
+  std::error_code ignored;
+  const bool special = std::filesystem::exists(m_path, ignored) && !std::filesystem::is_regular_file(m_path, ignored);
+  m_written = special ? m_path : m_path + ".partial";
+  m_stream.open(m_written, std::ios::binary | std::ios::trunc);
+  if (!m_stream) fail(m_path);
+}
+
+OutputFile::~OutputFile() {
+  if (m_written != m_path) std::remove(m_written.c_str());
+}
+
+void OutputFile::check() {
+  if (!m_stream.flush()) fail(m_path);
+}
+
+void OutputFile::finish() {
+  check();
+  m_stream.close();
+  if (m_written != m_path && std::rename(m_written.c_str(), m_path.c_str()) != 0) fail(m_path);
+  m_written = m_path;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

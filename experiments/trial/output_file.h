@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "framework/check.h"
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Names the file and says why: no such folder, no space left on device, ...
+struct CannotWrite : UserError {
+  using UserError::UserError;
+};
+
+/// A file that is there whole or not at all: written beside its place as NAME.partial and renamed by `finish`. What
+/// exists and is no regular file (a device, a pipe) is written in place.
+class OutputFile {
+ public:
+  /// Throws CannotWrite at once, not after hours of running.
+  explicit OutputFile(std::string path);
+  /// Removes what was not finished.
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  std::ostream& stream() { return m_stream; }
+  /// Throws CannotWrite when something so far could not be written.
+  void check();
+  void finish();
+
+ private:
+  std::string m_path, m_written;  // where it shall be, where it is written
+  std::ofstream m_stream;
+};
+
+}  // namespace lpc::inline LPC_PRECISION
