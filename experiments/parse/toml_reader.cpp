@@ -2,6 +2,8 @@
 #include "experiments/parse/toml_reader.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -14,11 +16,16 @@ void failAt(std::string_view file, const toml::node& node, const std::string& wh
 std::string describe(const toml::node& node) {
   if (const auto s = node.value<std::string>(); s && node.is_string()) return "the string '" + *s + "'";
   if (node.is_integer()) return "the number " + std::to_string(*node.value<std::int64_t>());
-  if (node.is_floating_point()) return "the number " + std::to_string(*node.value<double>());
+  if (node.is_floating_point()) return "the number " + asText(*node.value<double>());
   if (node.is_boolean()) return *node.value<bool>() ? "true" : "false";
   if (node.is_array()) return "a list";
   if (node.is_table()) return "a table";
   return "a date or time";
+}
+
+std::string asText(double number) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
 toml::table parseToml(std::string_view text, const std::string& file) {
@@ -31,9 +38,10 @@ toml::table parseToml(std::string_view text, const std::string& file) {
 
 std::string readFile(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw UserError(path + ": cannot be read");
   std::ostringstream out;
-  out << in.rdbuf();
+  if (!in || (in.peek() != std::ifstream::traits_type::eof() && !(out << in.rdbuf())) || in.bad()) {  // bad: a folder
+    throw UserError(path + ": cannot be read");
+  }
   return out.str();
 }
 
@@ -74,8 +82,9 @@ std::string TableReader::requireString(const std::string& key) {
 double TableReader::number(const std::string& key, double fallback) {
   const toml::node* n = find(key);
   if (!n) return fallback;
-  if (!n->is_number()) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: a number");
-  return *n->value<double>();
+  const auto value = n->is_number() ? n->value<double>() : std::nullopt;
+  if (!value || !std::isfinite(*value)) fail(*n, "'" + key + "' is " + describe(*n) + "; valid: a finite number");
+  return *value;
 }
 
 long TableReader::integer(const std::string& key, long fallback) {

@@ -18,8 +18,10 @@ namespace lpc::inline LPC_PRECISION {
 
 /// "scene.toml:12: what"
 [[noreturn]] void failAt(std::string_view file, const toml::node& node, const std::string& what);
-/// "a string", "a number", ... for messages.
+/// "a list", "the number 3", ... for messages.
 std::string describe(const toml::node& node);
+/// The shortest text that reads back as this number.
+std::string asText(double number);
 /// Throws UserError with the place of a syntax error.
 toml::table parseToml(std::string_view text, const std::string& file);
 /// The bytes of a file; throws UserError when it cannot be read.

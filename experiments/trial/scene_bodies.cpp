@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // Bodies and shapes of scene files.
+#include <cmath>
+
 #include "experiments/trial/scene_parsed.h"
+#include "framework/mass.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -28,7 +31,7 @@ template <int D>
 std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
   const toml::node& list = shape.require("points");
   if (!list.is_array()) shape.fail(list, "'points' is " + describe(list) + "; valid: a list of points");
-  const double depth = numbers.number(shape, "depth", 0);
+  const double depth = numbers.between(shape, "depth", 0, 0, kLargest);
   std::vector<Vec<D>> points;
   for (const toml::node& n : *list.as_array()) {
     Vec<D> p = numbers.vector<D>(n);
@@ -73,16 +76,17 @@ ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::tab
   def.X_BS.q = turn(angular<D>(shape, numbers, "angle"));
   const auto material = [&](const char* key, Real& value) {
     if (const toml::node* n = shape.find(key)) {
-      value = static_cast<Real>(numbers.number(*n));
+      value = static_cast<Real>(numbers.between(*n, key, 0, kLargest));
     } else if (defaults && defaults->get(key)) {
-      value = static_cast<Real>(numbers.number(*defaults->get(key)));
+      value = static_cast<Real>(numbers.between(*defaults->get(key), key, 0, kLargest));
     }
   };
   material("density", def.density);
   material("friction", def.friction);
   material("restitution", def.restitution);
-  def.category = static_cast<std::uint32_t>(numbers.number(shape, "category", def.category));
-  def.mask = static_cast<std::uint32_t>(numbers.number(shape, "mask", def.mask));
+  constexpr long kAllBits = 0xffffffff;
+  def.category = static_cast<std::uint32_t>(numbers.whole(shape, "category", def.category, 0, kAllBits));
+  def.mask = static_cast<std::uint32_t>(numbers.whole(shape, "mask", def.mask, 0, kAllBits));
   shape.finish();
   return def;
 }
@@ -90,7 +94,11 @@ ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::tab
 }  // namespace
 
 double SceneNumbers::number(const toml::node& node) {
-  if (node.is_number()) return *node.value<double>();
+  if (node.is_number()) {
+    const double value = *node.value<double>();
+    if (!std::isfinite(value)) failAt(m_file, node, describe(node) + " is found; valid: a finite number");
+    return value;
+  }
   if (!node.is_string()) failAt(m_file, node, describe(node) + " is found; valid: a number or an expression");
   try {
     return expressions.evaluate(*node.value<std::string>());
@@ -102,6 +110,27 @@ double SceneNumbers::number(const toml::node& node) {
 double SceneNumbers::number(TableReader& table, const std::string& key, double fallback) {
   const toml::node* n = table.find(key);
   return n ? number(*n) : fallback;
+}
+
+double SceneNumbers::between(const toml::node& node, const std::string& key, double lo, double hi) {
+  const double value = number(node);
+  if (value >= lo && value <= hi) return value;
+  failAt(m_file, node,
+         "'" + key + "' is " + asText(value) +
+             "; valid: " + (hi == kLargest ? asText(lo) + " or more" : asText(lo) + " to " + asText(hi)));
+}
+
+double SceneNumbers::between(TableReader& table, const std::string& key, double fallback, double lo, double hi) {
+  const toml::node* n = table.find(key);
+  return n ? between(*n, key, lo, hi) : fallback;
+}
+
+long SceneNumbers::whole(TableReader& table, const std::string& key, long fallback, long lo, long hi) {
+  const toml::node* n = table.find(key);
+  if (!n) return fallback;
+  const double value = between(*n, key, static_cast<double>(lo), static_cast<double>(hi));
+  if (value != std::floor(value)) failAt(m_file, *n, "'" + key + "' is " + asText(value) + "; valid: whole numbers");
+  return static_cast<long>(value);
 }
 
 template <int D>
@@ -150,6 +179,12 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
   for (const toml::table* t : shapes) {
     TableReader shape(*t, body.file(), "a shape");
     def.shapes.push_back(readShape<D>(shape, numbers, defaults));
+  }
+  if (def.type != BodyType::dynamic) return def;
+  double mass = 0;
+  for (const ShapeDef<D>& s : def.shapes) mass += massProperties(s.shape.view(), s.density).mass;
+  if (!(mass > 0) || !std::isfinite(mass)) {
+    body.fail("a dynamic body has a mass of " + asText(mass) + " kg; valid: finite and above 0, or another type");
   }
   return def;
 }

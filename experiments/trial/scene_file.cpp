@@ -22,6 +22,7 @@ constexpr Features kNothing{false, false, false, false, false, false};
 constexpr const char* kFeatureList = "cache, friction, joints, restitution, rotation, sleeping";
 // A script that makes more bodies than this is a slip of the pen.
 constexpr std::size_t kMaxBodies = 1000000;
+constexpr long kMaxSteps = 1000000000;
 
 void setFeature(Features& features, const std::string& name) {
   for (const FeatureName& f : kFeatures) {
@@ -44,7 +45,10 @@ void readHeader(TableReader& top, SceneFile::Parsed& out) {
     if (!d || (*d != 2 && *d != 3)) top.fail(n, "'dimensions' holds " + describe(n) + "; valid: 2, 3");
     out.dimensions.push_back(static_cast<int>(*d));
   }
-  out.seed = static_cast<std::uint64_t>(top.integer("seed", 1));
+  if (out.dimensions.empty()) top.fail(dimensions, "'dimensions' is empty; valid: [2], [3], [2, 3]");
+  const long seed = top.integer("seed", 1);
+  if (seed < 0) top.fail(*top.find("seed"), "'seed' is " + std::to_string(seed) + "; valid: 0 or more");
+  out.seed = static_cast<std::uint64_t>(seed);
   out.needs = kNothing;
   for (const std::string& need : top.strings("needs")) {
     try {
@@ -84,12 +88,15 @@ class Builder {
     m_scene.settings.features = m_parsed.needs;
     if (const toml::node* g = m_top.find("gravity")) m_scene.settings.gravity = m_numbers.vector<D>(*g);
     const auto real = [&](TableReader& t, const char* key, Real& value) {
-      value = static_cast<Real>(m_numbers.number(t, key, value));
+      value = static_cast<Real>(m_numbers.between(t, key, value, 0, kLargest));
     };
-    real(m_top, "dt", m_scene.dt);
+    if (const toml::node* dt = m_top.find("dt")) {
+      m_scene.dt = static_cast<Real>(m_numbers.between(*dt, "dt", 0, kMaxDt));
+      if (!(m_scene.dt > 0)) m_top.fail(*dt, "'dt' is 0 s; valid: above 0");
+    }
     real(m_top, "restitution_threshold", m_scene.settings.restitutionThreshold);
     real(m_top, "margin", m_scene.settings.margin);
-    m_scene.steps = static_cast<long>(m_numbers.number(m_top, "steps", static_cast<double>(m_scene.steps)));
+    m_scene.steps = m_numbers.whole(m_top, "steps", m_scene.steps, 0, kMaxSteps);
     if (const toml::table* t = m_top.table("limits")) {
       TableReader limits(*t, m_parsed.path, "[limits]");
       real(limits, "drift", m_scene.limits.drift);
@@ -148,8 +155,7 @@ class Builder {
   long count(const toml::node& bound) {
     const double n = m_numbers.number(bound);
     if (!(n >= 0) || n > static_cast<double>(kMaxBodies) || n != std::floor(n)) {
-      failAt(m_parsed.path, bound,
-             "a loop runs " + std::to_string(n) + " times; valid: a whole number from 0 to 1000000");
+      failAt(m_parsed.path, bound, "a loop runs " + asText(n) + " times; valid: a whole number from 0 to 1000000");
     }
     return static_cast<long>(n);
   }
@@ -174,10 +180,11 @@ class Builder {
     TableReader block(table, m_parsed.path, "[[body]]");
     beginBlock();
     const std::string name = block.string("name", "");
-    const auto from = static_cast<long>(m_numbers.number(block, "from", 0));
-    const auto every = static_cast<long>(m_numbers.number(block, "every", 0));
-    const auto until = static_cast<long>(m_numbers.number(block, "until", static_cast<double>(from + 1)));
+    const long from = m_numbers.whole(block, "from", 0, 0, kMaxSteps);
+    const long every = m_numbers.whole(block, "every", 0, 0, kMaxSteps);
+    const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
     if (block.find("until") && every <= 0) block.fail("'until' needs 'every' > 0");
+    if (every > 0 && (until - from) / every > static_cast<long>(kMaxBodies)) block.fail("more than 1000000 turns");
     for (long step = from; step<until; step += every> 0 ? every : until - from) {
       m_numbers.expressions.setLocal("step", static_cast<double>(step));
       loops(block, [&] {
@@ -185,7 +192,7 @@ class Builder {
         spawn.step = step;
         spawn.body = readBody<D>(block, m_numbers, m_defaults);
         spawn.body.name = name;
-        spawn.removeAt = static_cast<long>(m_numbers.number(block, "remove", -1));
+        spawn.removeAt = m_numbers.whole(block, "remove", -1, -1, kMaxSteps);
         if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
         m_scene.spawns.push_back(std::move(spawn));
         if (m_scene.spawns.size() > kMaxBodies) block.fail("more than 1000000 bodies");
@@ -233,7 +240,7 @@ class Builder {
     }
     if (index < 0 || index >= static_cast<double>(it->second.size()) || index != std::floor(index)) {
       block.fail(node, "'" + it->first + "' has " + std::to_string(it->second.size()) + " bodies, asked is number " +
-                           std::to_string(index));
+                           asText(index));
     }
     return it->second[static_cast<std::size_t>(index)];
   }
@@ -256,9 +263,9 @@ class Builder {
       typename SceneSpec<D>::SpringDef spring;
       spring.bodyA = bodyOf(block, "a", true), spring.bodyB = bodyOf(block, "b", false);
       spring.localA = m_numbers.vector<D>(block, "local_a"), spring.localB = m_numbers.vector<D>(block, "local_b");
-      spring.restLength = static_cast<Real>(m_numbers.number(block, "rest_length", 0));
-      spring.stiffness = static_cast<Real>(m_numbers.number(block.require("stiffness")));
-      spring.damping = static_cast<Real>(m_numbers.number(block, "damping", 0));
+      spring.restLength = static_cast<Real>(m_numbers.between(block, "rest_length", 0, 0, kLargest));
+      spring.stiffness = static_cast<Real>(m_numbers.between(block.require("stiffness"), "stiffness", 0, kLargest));
+      spring.damping = static_cast<Real>(m_numbers.between(block, "damping", 0, 0, kLargest));
       m_scene.springs.push_back(spring);
     });
     if (m_turns > 0) block.finish();
@@ -318,8 +325,8 @@ ParameterValues SceneFile::values(const ParameterValues& given) const {
                       "'; valid: " + (valid.empty() ? "none" : valid));
     }
     if (!(value >= p->lo && value <= p->hi)) {
-      throw UserError("parameter '" + name + "' of scene '" + m_parsed->name + "' is " + std::to_string(value) +
-                      "; valid: " + std::to_string(p->lo) + " to " + std::to_string(p->hi));
+      throw UserError("parameter '" + name + "' of scene '" + m_parsed->name + "' is " + asText(value) +
+                      "; valid: " + asText(p->lo) + " to " + asText(p->hi));
     }
     out[name] = value;
   }

@@ -13,6 +13,8 @@
 
 namespace lpc::inline LPC_PRECISION {
 
+inline constexpr double kMaxDt = 10;  // longest step that a scene or a sweep may ask for (s)
+
 struct SceneParameter {
   std::string name, meaning;
   double value = 0, lo = 0, hi = 0;

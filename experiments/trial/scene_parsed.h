@@ -2,6 +2,8 @@
 // What is inside a SceneFile; only the two sources of scene reading see it.
 #pragma once
 
+#include <limits>
+
 #include "experiments/parse/expression.h"
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/scene_file.h"
@@ -17,13 +19,20 @@ struct SceneFile::Parsed {
   toml::table table;
 };
 
+inline constexpr double kLargest = std::numeric_limits<double>::max();
+
 /// Numbers and vectors of one scene file: a TOML number, or an expression in a string.
 class SceneNumbers {
  public:
   SceneNumbers(std::string file, std::uint64_t seed) : expressions(seed), m_file(std::move(file)) {}
 
+  /// Always finite.
   double number(const toml::node& node);
   double number(TableReader& table, const std::string& key, double fallback);
+  /// Both ends count as valid.
+  double between(const toml::node& node, const std::string& key, double lo, double hi);
+  double between(TableReader& table, const std::string& key, double fallback, double lo, double hi);
+  long whole(TableReader& table, const std::string& key, long fallback, long lo, long hi);
   /// Two or three numbers; a missing third is 0. All are evaluated in both dimensions, so that both draw the same
   /// random numbers.
   template <int D>
