@@ -2,8 +2,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "experiments/lpc/command.h"
 #include "experiments/runner/child.h"
@@ -20,9 +22,10 @@ using nlohmann::json;
 struct Options {
   std::string scene, pipeline, precision = "f64", profile, record;
   std::vector<std::string> params;
-  int dimension = 0;
-  double dt = 0;
-  long steps = -1, seed = -1;
+  std::optional<int> dimension;
+  std::optional<double> dt;
+  std::optional<long> steps;
+  std::optional<std::uint64_t> seed;
   bool asJson = false;
 };
 
@@ -56,9 +59,7 @@ void runScene(const Options& o, Session& session) {
   WorldCell cell;
   cell.params = readParameters(o.params);
   cell.dimension = o.dimension, cell.pipeline = o.pipeline, cell.precision = o.precision, cell.timed = true;
-  if (o.dt != 0) cell.dt = o.dt;
-  if (o.steps >= 0) cell.steps = o.steps;
-  if (o.seed >= 0) cell.seed = static_cast<std::uint64_t>(o.seed);
+  cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   Planner planner;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
@@ -71,7 +72,10 @@ void runScene(const Options& o, Session& session) {
   Child worker(workerPath(o.precision), request.dump(), -1, true);
   worker.wait();
   if (worker.signal()) throw std::runtime_error("the worker crashed with signal " + std::to_string(worker.signal()));
-  if (worker.exitCode() == 2) throw UserError("the run was refused, see above");
+  if (worker.exitCode() == 2) {  // it has said why
+    session.exitCode = 2;
+    return;
+  }
   if (worker.exitCode()) throw std::runtime_error("the worker ended with " + std::to_string(worker.exitCode()));
   if (o.asJson) {
     std::printf("%s\n", worker.output().c_str());
@@ -93,7 +97,8 @@ void addRun(CLI::App& app, Session& session) {
   command->add_option("--param", o->params, "a parameter of the scene, NAME=NUMBER (may be repeated)");
   command->add_option("--dt", o->dt, "length of a step (s); default: the scene's");
   command->add_option("--steps", o->steps, "number of steps; default: the scene's");
-  command->add_option("--seed", o->seed, "of the scene's random numbers; default: the scene's");
+  command->add_option("--seed", o->seed, "of the scene's random numbers; default: the scene's")
+      ->check(CLI::Range(0L, std::numeric_limits<long>::max()));
   command->add_option("--dimension", o->dimension, "2 or 3; default: the scene's first");
   command->add_option("--precision", o->precision, "f64 or f32");
   command->add_option("--profile", o->profile, "writes times and counts per step as CSV");

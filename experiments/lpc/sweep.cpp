@@ -50,7 +50,8 @@ void addSweep(CLI::App& app, Session& session) {
   command->add_option("--store", o->store, "SQLite file, made if absent")->capture_default_str();
   command->add_option("--only", o->only, "keeps the cells of these labels, algorithms or scenes (comma-separated)")
       ->delimiter(',');
-  command->add_option("--jobs", o->run.jobs, "untimed trials at once; default: one per core");
+  command->add_option("--jobs", o->run.jobs, "untimed trials at once; default: one per core")
+      ->check(CLI::Range(1, 4096));
   command->add_flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
   command->add_flag("--dry-run", o->dryRun, "counts the trials and runs none");
   command->add_flag("--quiet", o->run.quiet, "no progress line");

@@ -2,7 +2,9 @@
 #include "experiments/runner/sweep_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <set>
 
 #include "experiments/parse/toml_reader.h"
@@ -25,6 +27,7 @@ struct Axis {
   bool labelled = false;
 };
 
+constexpr double kMaxTrials = 1e6;  // of one group; more is a slip of the pen
 const std::set<std::string> kStages = {"broadphase", "contacts", "cache", "solver", "sleep"};
 
 std::string numberText(const json& label) { return label.is_string() ? label.get<std::string>() : label.dump(); }
@@ -98,8 +101,8 @@ class Sweep {
     if (m_kind != "world" && m_kind != "boxes" && m_kind != "pairs") {
       top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'; valid: world, boxes, pairs");
     }
-    m_out.wallLimit = top.number("wall_limit", m_out.wallLimit);
-    m_out.memoryLimit = top.number("memory_limit", m_out.memoryLimit);
+    m_out.wallLimit = limit(top, "wall_limit", m_out.wallLimit);
+    m_out.memoryLimit = limit(top, "memory_limit", m_out.memoryLimit);
     Settings settings;
     readSettings(top, settings);
     const auto groups = top.blocks("group");
@@ -112,10 +115,17 @@ class Sweep {
       group.finish();
       product(own, *t);
     }
+    if (m_out.trials.empty() && m_only.empty()) throw UserError(m_path + ": the sweep has no cell");
     return std::move(m_out);
   }
 
  private:
+  static double limit(TableReader& t, const char* key, double fallback) {
+    const double value = t.number(key, fallback);
+    if (!(value > 0)) t.fail(*t.find(key), std::string("'") + key + "' is " + asText(value) + "; valid: above 0");
+    return value;
+  }
+
   struct Settings {
     std::vector<Axis> axes;
     std::string pipeline;
@@ -150,19 +160,20 @@ class Sweep {
         if (!text->is_string()) failAt(m_path, *text, "'" + label + "' is " + describe(*text) + "; valid: a string");
         axis.values.push_back({label, *text->value<std::string>(), text});
       }
+      if (axis.values.empty()) failAt(m_path, node, "axis '" + name + "' is empty");
       return axis;
     }
     const auto add = [&](const toml::node& n) {
       if (n.is_integer()) {
         axis.values.push_back({*n.value<std::int64_t>(), "", &n});
-      } else if (n.is_floating_point()) {
+      } else if (n.is_floating_point() && std::isfinite(*n.value<double>())) {
         axis.values.push_back({*n.value<double>(), "", &n});
       } else if (n.is_string()) {
         const std::string text = *n.value<std::string>();
         if (text.starts_with("*")) return addRegistered(axis, n, text);
         axis.values.push_back({text, "", &n});
       } else {
-        failAt(m_path, n, describe(n) + " in axis '" + name + "'; valid: numbers and strings");
+        failAt(m_path, n, describe(n) + " in axis '" + name + "'; valid: finite numbers and strings");
       }
     };
     if (const toml::array* list = node.as_array()) {
@@ -190,8 +201,14 @@ class Sweep {
 
   void product(const Settings& s, const toml::node& where) {
     std::vector<std::size_t> at(s.axes.size(), 0);
+    double trials = static_cast<double>(s.repeats);
     for (const Axis& axis : s.axes) {
       if (axis.values.empty()) return;
+      trials *= static_cast<double>(axis.values.size());
+    }
+    if (trials > kMaxTrials) {
+      failAt(m_path, where,
+             "the product of all axes is " + asText(trials) + " trials; valid: up to " + asText(kMaxTrials));
     }
     for (;;) {
       cell(s, at, where);
@@ -264,26 +281,25 @@ class Sweep {
       used.insert(axis.name);
     }
     if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
-    const std::string scenePath = beside(axes["scene"].get<std::string>());
+    const std::string scenePath = beside(numberText(axes["scene"]));
     const SceneFile& file = m_planner->scene(scenePath);
     names.insert(file.name());
     for (const auto& [name, value] : axes.items()) {
-      const bool number = value.is_number();
       if (name == "scene") {
-      } else if (name == "dimension" && number) {
-        cell.dimension = value.get<int>();
+      } else if (name == "dimension") {
+        cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));
       } else if (name == "precision") {
         cell.precision = numberText(value);
-      } else if (name == "dt" && number) {
-        cell.dt = value.get<double>();
-      } else if (name == "steps" && number) {
-        cell.steps = value.get<long>();
-      } else if (name == "seed" && number) {
-        cell.seed = value.get<std::uint64_t>();
+      } else if (name == "dt") {
+        cell.dt = number(name, value);
+      } else if (name == "steps") {
+        cell.steps = wholeNumber(axes, name, 0, std::numeric_limits<long>::max());
+      } else if (name == "seed") {
+        cell.seed = static_cast<std::uint64_t>(wholeNumber(axes, name, 0, std::numeric_limits<long>::max()));
       } else if (name == "model") {
         model = numberText(value);
-      } else if (number && isParameter(file, name)) {
-        cell.params[name] = value.get<double>();
+      } else if (isParameter(file, name)) {
+        cell.params[name] = number(name, value);
       } else if (!used.count(name)) {
         std::string valid = "scene, dimension, precision, dt, steps, seed, model, a stage, a table of pipelines, $" +
                             name + " in a pipeline";
@@ -293,6 +309,11 @@ class Sweep {
     }
     if (!model.empty()) applyModel(file, model, cell);
     return m_planner->world(scenePath, cell);
+  }
+
+  static double number(const std::string& axis, const json& value) {
+    if (!value.is_number()) throw UserError("axis '" + axis + "' is " + value.dump() + "; valid: numbers");
+    return value;
   }
 
   // A scene file that lies beside the sweep file comes before the ones in experiments/scenes.
@@ -368,6 +389,7 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
         set.fail(*set.find("sweeps"), e.what());
       }
     }
+    if (files.empty()) set.fail(*set.find("sweeps"), "'sweeps' is empty; valid: names of sweeps");
     set.finish();
   }
   Planner planner;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/trial_plan.h"
 
+#include <limits>
+
+#include "experiments/parse/toml_reader.h"
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
 
@@ -10,6 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kSchema = 1;
+constexpr long kMaxItems = 10000000;  // boxes, frames or pairs of one trial
 
 bool existsIn(StageKind stage, int dimension, const std::string& name) {
   return Registry::instance().all().count({stage, dimension, name}) > 0;
@@ -55,12 +59,39 @@ void require(const json& cell, std::initializer_list<const char*> names) {
   }
 }
 
+void requirePrecision(const std::string& precision) {
+  if (precision != "f64" && precision != "f32") {
+    throw UserError("unknown precision '" + precision + "'; valid: f64, f32");
+  }
+}
+
+std::string text(const json& cell, const char* name) {
+  if (!cell.at(name).is_string()) {
+    throw UserError("axis '" + std::string(name) + "' is " + cell.at(name).dump() + "; valid: a name");
+  }
+  return cell.at(name);
+}
+
+// Of trials without a world.
 void addDefaults(json& cell, const char* sizeName, int size) {
   cell.emplace(sizeName, size);  // emplace leaves what is there
   cell.emplace("seed", 1), cell.emplace("repeat", 0), cell.emplace("timed", false), cell.emplace("precision", "f64");
+  wholeNumber(cell, "dimension", 2, 3);
+  wholeNumber(cell, "n", 1, kMaxItems), wholeNumber(cell, sizeName, 1, kMaxItems);
+  wholeNumber(cell, "seed", 0, std::numeric_limits<long>::max());
+  requirePrecision(text(cell, "precision"));
 }
 
 }  // namespace
+
+long wholeNumber(const json& axes, const std::string& name, long lo, long hi) {
+  const json& value = axes.at(name);
+  if (!value.is_number_integer() || value < lo || value > hi) {
+    throw UserError("axis '" + name + "' is " + value.dump() + "; valid: whole numbers from " + std::to_string(lo) +
+                    " to " + std::to_string(hi));
+  }
+  return value;
+}
 
 std::string trialKey(const json& canonical) { return hexHash(canonical.dump()); }
 
@@ -74,17 +105,17 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   const SceneFile& file = scene(name);
   PlannedTrial out;
   out.sceneFile = file.path();
-  const int dimension = cell.dimension ? cell.dimension : file.dimensions().at(0);
+  const int dimension = cell.dimension.value_or(file.dimensions().at(0));
   if (dimension != 2 && dimension != 3) {
     throw UserError("the dimension is " + std::to_string(dimension) + "; valid: 2, 3");
   }
-  if (cell.dt && !(*cell.dt > 0 && *cell.dt <= 10)) {
-    throw UserError("dt is " + std::to_string(*cell.dt) + " s; valid: above 0, up to 10");
+  if (cell.dt && !(*cell.dt > 0 && *cell.dt <= kMaxDt)) {
+    throw UserError("dt is " + asText(*cell.dt) + " s; valid: above 0, up to " + asText(kMaxDt));
   }
-  if (cell.steps && *cell.steps < 0) throw UserError("steps is negative");
-  if (cell.precision != "f64" && cell.precision != "f32") {
-    throw UserError("unknown precision '" + cell.precision + "'; valid: f64, f32");
+  if (cell.steps && *cell.steps < 0) {
+    throw UserError("the number of steps is " + std::to_string(*cell.steps) + "; valid: 0 or more");
   }
+  requirePrecision(cell.precision);
   const std::uint64_t seed = cell.seed.value_or(file.defaultSeed());
   const ParameterValues params = file.values(cell.params);
   json code = json::object();
@@ -132,13 +163,13 @@ PlannedTrial Planner::boxes(json cell) {
   cell["kind"] = "boxes";
   require(cell, {"dimension", "n", "distribution", "broadphase"});
   addDefaults(cell, "frames", 60);
-  const std::string d = cell["distribution"];
+  const std::string d = text(cell, "distribution");
   if (d != "uniform" && d != "cluster" && d != "director_2") {
     throw UserError("unknown distribution '" + d + "'; valid: uniform, cluster, director_2");
   }
   PlannedTrial out;
   json code = json::object();
-  Spec spec = Spec::parse(cell["broadphase"].get<std::string>());
+  Spec spec = Spec::parse(text(cell, "broadphase"));
   cell["broadphase"] = canonicalStage(code, out.unsupported, StageKind::broadphase, spec, cell["dimension"]);
   cell["code"] = code;
   out.canonical = std::move(cell);
@@ -150,12 +181,12 @@ PlannedTrial Planner::pairs(json cell) {
   cell["kind"] = "pairs";
   require(cell, {"dimension", "kind_a", "kind_b", "pair_query"});
   addDefaults(cell, "n", 1024);
-  if (shapeKindFromName(cell["kind_a"].get<std::string>()) > shapeKindFromName(cell["kind_b"].get<std::string>())) {
+  if (shapeKindFromName(text(cell, "kind_a")) > shapeKindFromName(text(cell, "kind_b"))) {
     std::swap(cell["kind_a"], cell["kind_b"]);
   }
   PlannedTrial out;
   json code = json::object();
-  Spec spec = Spec::parse(cell["pair_query"].get<std::string>());
+  Spec spec = Spec::parse(text(cell, "pair_query"));
   cell["pair_query"] = canonicalStage(code, out.unsupported, StageKind::pairQuery, spec, cell["dimension"]);
   cell["code"] = code;
   out.canonical = std::move(cell);

@@ -25,7 +25,7 @@ struct PlannedTrial {
 /// A world trial as asked for; what is left out comes from the scene.
 struct WorldCell {
   ParameterValues params;
-  int dimension = 0;  // 0: the scene's first
+  std::optional<int> dimension;  // none: the scene's first
   std::string pipeline;
   std::string precision = "f64";
   std::optional<double> dt;
@@ -54,6 +54,9 @@ class Planner {
   std::map<std::string, SceneFile> m_scenes;
   std::map<std::string, Defaults> m_built;
 };
+
+/// The whole number that an axis holds. Throws UserError when it holds something else or is out of range.
+long wholeNumber(const nlohmann::json& axes, const std::string& name, long lo, long hi);
 
 /// The key of a canonical trial.
 std::string trialKey(const nlohmann::json& canonical);
