@@ -25,6 +25,11 @@ void addMerge(CLI::App& app, Session&) {
   command->add_option("from", *from, "stores to read")->required();
   command->footer("Example: lpc merge results/all.db results/host1.db results/host2.db");
   command->callback([into, from] {
+    for (const std::string& path : *from) {  // before anything is made
+      const Store check(path, false);
+      std::error_code absent;
+      if (std::filesystem::equivalent(path, *into, absent)) throw UserError(path + ": a store is merged into itself");
+    }
     Store store(*into, true);
     for (const std::string& path : *from) {
       std::printf("%s: %ld trials taken over\n", path.c_str(), store.merge(path));
@@ -42,23 +47,27 @@ void addImport(CLI::App& app, Session&) {
   command->callback([file, path] {
     const std::string text = readFile(*file);
     const nlohmann::json j = nlohmann::json::parse(text, nullptr, false);
-    if (j.is_discarded() || !j.is_object() || !j.contains("benchmarks")) {
-      throw UserError(*file + ": not the JSON of Google Benchmark: it has no \"benchmarks\"");
+    if (j.is_discarded() || !j.is_object() || !j.contains("benchmarks") || !j["benchmarks"].is_array()) {
+      throw UserError(*file + ": not the JSON of Google Benchmark: it has no list \"benchmarks\"");
     }
     Store(*path, true).addBenchmark(text);
     std::printf("%zu benchmarks imported into %s\n", j["benchmarks"].size(), path->c_str());
   });
 }
 
-// A Python that has matplotlib: LPC_PYTHON, then the system's, then the first in PATH.
+// A Python that has what the report needs: LPC_PYTHON, else the system's, else the first in PATH.
 std::string findPython() {
   const char* given = std::getenv("LPC_PYTHON");
-  for (const std::string& python :
-       {std::string(given ? given : ""), std::string("/usr/bin/python3"), std::string("python3")}) {
-    if (!python.empty() && std::system((python + " -c 'import matplotlib' >/dev/null 2>&1").c_str()) == 0)
-      return python;
+  std::vector<std::string> candidates = {"/usr/bin/python3", "python3"};
+  if (given && *given) candidates = {given};
+  for (const std::string& python : candidates) {
+    const std::string command = "'" + python + "' -c 'import jinja2, matplotlib, numpy, pandas' >/dev/null 2>&1";
+    if (std::system(command.c_str()) == 0) return python;
   }
-  throw UserError("no python3 that imports matplotlib: set LPC_PYTHON, or apt-get install python3-matplotlib");
+  throw UserError(
+      (given && *given ? "LPC_PYTHON=" + candidates[0] + " does not import" : std::string("no python3 imports")) +
+      " jinja2, matplotlib, numpy and pandas; valid: LPC_PYTHON=FILE with one that does, or apt-get install "
+      "python3-jinja2 python3-matplotlib python3-pandas");
 }
 
 int runProgram(const std::vector<std::string>& arguments) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/store.h"
 
+#include <sqlite3.h>
+
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
@@ -26,10 +29,51 @@ CREATE TABLE IF NOT EXISTS poses(key TEXT, step INTEGER, data BLOB, PRIMARY KEY(
 CREATE TABLE IF NOT EXISTS benchmark(id INTEGER PRIMARY KEY, imported TEXT, data TEXT);
 )";
 
+[[noreturn]] void fail(const std::string& path, const SQLite::Exception& e) {
+  const bool foreign = e.getErrorCode() == SQLITE_NOTADB || e.getErrorCode() == SQLITE_CORRUPT;
+  throw UserError(path + (foreign ? ": not a result store, or a damaged one: " : ": ") + e.what());
+}
+
+// LPC_STORE_MAX_PAGES bounds a store (pages of 4 KiB). At the bound it is full as on a full disk, which is how the
+// tests see what a full disk does.
+void boundSize(SQLite::Database& db) {
+  const char* pages = std::getenv("LPC_STORE_MAX_PAGES");
+  if (!pages || !*pages) return;
+  char* end = nullptr;
+  const long n = std::strtol(pages, &end, 10);
+  if (*end || n < 1) throw UserError(std::string("LPC_STORE_MAX_PAGES is '") + pages + "'; valid: 1 or more");
+  db.exec("PRAGMA max_page_count=" + std::to_string(n));
+}
+
+// Gives a database without tables all of ours, or none: where that fails, no empty file stays behind.
+void make(const std::string& path) try {
+  SQLite::Database db(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  db.setBusyTimeout(30000);
+  boundSize(db);
+  const auto tables = [&] { return db.execAndGet("SELECT count(*) FROM sqlite_master").getInt(); };
+  if (tables() > 0) return;
+  SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);  // two programs may start at once
+  if (tables() > 0) return;
+  db.exec(kTables);
+  db.exec(std::string("INSERT INTO meta VALUES ('schema_version', '") + kSchemaVersion + "')");
+  transaction.commit();
+} catch (...) {
+  std::error_code ignored;
+  if (std::filesystem::file_size(path, ignored) == 0) std::filesystem::remove(path, ignored);
+  throw;
+}
+
 std::string prepared(const std::string& path, bool create) {
-  if (!create && !std::filesystem::is_regular_file(path)) throw UserError(path + ": there is no such store");
-  const auto parent = std::filesystem::path(path).parent_path();
-  if (create && !parent.empty()) std::filesystem::create_directories(parent);
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const bool exists = fs::exists(path, error);
+  if (exists && !fs::is_regular_file(path)) throw UserError(path + ": not a result store: it is no file");
+  if (!create && !exists) throw UserError(path + ": there is no such store");
+  if (!create) return path;
+  const auto parent = fs::path(path).parent_path();
+  if (!exists && !parent.empty()) fs::create_directories(parent, error);
+  if (error) throw UserError(path + ": cannot be made: " + error.message());
+  make(path);
   return path;
 }
 
@@ -47,43 +91,49 @@ std::optional<std::string> one(SQLite::Statement& s) {
 }  // namespace
 
 Store::Store(const std::string& path, bool create) try
-    : m_db(prepared(path, create), create ? SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE : SQLite::OPEN_READWRITE),
-      m_commit(commitOfSources()) {
+    : m_db(prepared(path, create), SQLite::OPEN_READWRITE), m_commit(commitOfSources()) {
   m_db.setBusyTimeout(30000);
+  // Nothing is written before we know that the file is ours.
+  if (!m_db.tableExists("meta")) throw UserError(path + ": not a result store: it has no table 'meta'");
+  SQLite::Statement version(m_db, "SELECT value FROM meta WHERE key='schema_version'");
+  const std::string found = one(version).value_or("none");
+  if (found != kSchemaVersion) {
+    throw UserError(path + ": the store has schema " + found + ", this program reads schema " + kSchemaVersion);
+  }
+  version.reset();
   m_db.exec("PRAGMA journal_mode=WAL");
   m_db.exec("PRAGMA synchronous=NORMAL");  // with WAL a killed process loses nothing; only a dying machine may
-  if (create) m_db.exec(kTables);
-  SQLite::Statement version(m_db, "SELECT value FROM meta WHERE key='schema_version'");
-  const auto found = one(version);
-  if (!found) {
-    setMeta("schema_version", kSchemaVersion);
-  } else if (*found != kSchemaVersion) {
-    throw UserError(path + ": the store has schema " + *found + ", this program reads schema " + kSchemaVersion);
-  }
+  boundSize(m_db);
 } catch (const SQLite::Exception& e) {
-  throw UserError(path + ": not a result store: " + e.what());
+  fail(path, e);
 }
 
-std::optional<std::string> Store::outcome(const std::string& key) {
+std::optional<std::string> Store::outcome(const std::string& key) try {
   SQLite::Statement s(m_db, "SELECT outcome FROM trial WHERE key=?");
   s.bind(1, key);
   return one(s);
+} catch (const SQLite::Exception& e) {
+  fail(m_db.getFilename(), e);
 }
 
-std::optional<std::string> Store::hash(const std::string& key) {
+std::optional<std::string> Store::hash(const std::string& key) try {
   SQLite::Statement s(m_db, "SELECT hash FROM trial WHERE key=? AND outcome='ok'");
   s.bind(1, key);
   return one(s);
+} catch (const SQLite::Exception& e) {
+  fail(m_db.getFilename(), e);
 }
 
-std::optional<double> Store::wall(const std::string& key) {
+std::optional<double> Store::wall(const std::string& key) try {
   SQLite::Statement s(m_db, "SELECT wall FROM trial WHERE key=?");
   s.bind(1, key);
   if (!s.executeStep()) return std::nullopt;
   return s.getColumn(0).getDouble();
+} catch (const SQLite::Exception& e) {
+  fail(m_db.getFilename(), e);
 }
 
-void Store::plan(const std::string& sweep, const std::vector<PlannedTrial>& trials, bool replace) {
+void Store::plan(const std::string& sweep, const std::vector<PlannedTrial>& trials, bool replace) try {
   SQLite::Transaction transaction(m_db);
   if (replace) {
     SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=?");
@@ -97,6 +147,8 @@ void Store::plan(const std::string& sweep, const std::vector<PlannedTrial>& tria
     s.reset();
   }
   transaction.commit();
+} catch (const SQLite::Exception& e) {
+  fail(m_db.getFilename(), e);
 }
 
 long Store::machineId() {
@@ -111,7 +163,7 @@ long Store::machineId() {
   return m_machine = static_cast<long>(s.getColumn(0).getInt64());
 }
 
-void Store::put(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall) {
+void Store::put(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall) try {
   SQLite::Transaction transaction(m_db);
   const long machine = machineId();
   for (const char* table : {"series", "poses"}) {
@@ -138,21 +190,27 @@ void Store::put(const PlannedTrial& trial, const TrialResult& result, const std:
     row.exec();
   }
   transaction.commit();
+} catch (const SQLite::Exception& e) {
+  fail(m_db.getFilename(), e);
 }
 
-void Store::setMeta(const std::string& key, const std::string& value) {
+void Store::setMeta(const std::string& key, const std::string& value) try {
   SQLite::Statement s(m_db, "INSERT OR REPLACE INTO meta VALUES (?,?)");
   s.bind(1, key), s.bind(2, value);
   s.exec();
+} catch (const SQLite::Exception& e) {
+  fail(m_db.getFilename(), e);
 }
 
-void Store::addBenchmark(const std::string& text) {
+void Store::addBenchmark(const std::string& text) try {
   SQLite::Statement s(m_db, "INSERT INTO benchmark(imported, data) VALUES (?,?)");
   s.bind(1, timeStamp()), s.bind(2, text);
   s.exec();
+} catch (const SQLite::Exception& e) {
+  fail(m_db.getFilename(), e);
 }
 
-long Store::merge(const std::string& path) {
+long Store::merge(const std::string& path) try {
   { const Store check(path, false); }  // is it one?
   SQLite::Statement attach(m_db, "ATTACH DATABASE ? AS other");
   attach.bind(1, path);
@@ -175,6 +233,8 @@ long Store::merge(const std::string& path) {
   transaction.commit();
   m_db.exec("DETACH DATABASE other");
   return trials;
+} catch (const SQLite::Exception& e) {
+  fail(path + " into " + m_db.getFilename(), e);
 }
 
 std::string timeStamp() {
