@@ -132,11 +132,17 @@ Recording<D> Recording<D>::read(std::istream& in) {
   std::int32_t dimension = 0;
   in.read(magic, sizeof magic);
   if (std::memcmp(magic, kMagic, sizeof kMagic) != 0) throw UserError("this is not a recording of a world");
-  if (!get(in, dimension) || dimension != D) {
+  if (!get(in, dimension)) throw UserError("the recording ends early");
+  if (dimension != D) {
     throw UserError("the recording is " + std::to_string(dimension) + "D, asked was " + std::to_string(D) + "D");
   }
   Recording r;
-  for (Frame f; getFrame<D>(in, f); f = {}) r.frames.push_back(std::move(f));
+  while (in.peek() != std::istream::traits_type::eof()) {
+    Frame f;
+    r.torn = !getFrame<D>(in, f);
+    if (r.torn) break;
+    r.frames.push_back(std::move(f));
+  }
   return r;
 }
 

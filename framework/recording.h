@@ -38,8 +38,9 @@ struct Recording {
     std::vector<Body> bodies;  // all that are in the world, by slot
   };
   std::vector<Frame> frames;
+  bool torn = false;  // the bytes ended within a frame, which was dropped
 
-  /// Throws UserError when the bytes are not a recording of this dimension. A torn last frame is dropped.
+  /// Throws UserError when the bytes are not a recording of this dimension.
   static Recording read(std::istream& in);
 };
 

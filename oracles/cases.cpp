@@ -219,7 +219,9 @@ CaseGeometry<D> readGeometry(const Place& at, const Json& c, CaseQuery query) {
 
 std::vector<Case> readCases(const std::string& path) {
   std::ifstream in(path);
-  if (!in) throw UserError(path + ": the file cannot be read");
+  if (!in || in.peek() == std::ifstream::traits_type::eof()) {  // a folder opens and has no bytes
+    throw UserError(path + ": the file is empty or cannot be read");
+  }
   Json file;
   try {
     file = Json::parse(in);
@@ -229,6 +231,7 @@ std::vector<Case> readCases(const std::string& path) {
   if (!file.is_object() || !file.contains("cases") || !file.at("cases").is_array()) {
     throw UserError(path + ": there is no list 'cases'");
   }
+  if (file.at("cases").empty()) throw UserError(path + ": the list 'cases' is empty");
   std::vector<Case> out;
   for (const Json& c : file.at("cases")) {
     Place at{path, "number " + std::to_string(out.size())};

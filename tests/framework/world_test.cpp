@@ -268,7 +268,12 @@ TYPED_TEST(WorldTest, RecordingReadsBackAndDropsATornFrame) {
   EXPECT_EQ(r.frames[4].bodies.size(), 7u);
   EXPECT_EQ(r.frames[4].bodies[3].X_WC.p, world.bodies().pose[3].p);
   std::istringstream torn(out.str().substr(0, out.str().size() - 3));
-  EXPECT_EQ(Recording<D>::read(torn).frames.size(), 4u);
+  const Recording<D> rest = Recording<D>::read(torn);
+  EXPECT_EQ(rest.frames.size(), 4u);
+  EXPECT_TRUE(rest.torn);
+  EXPECT_FALSE(r.torn);
+  std::istringstream header(out.str().substr(0, 10));
+  EXPECT_NE(messageOf([&] { Recording<D>::read(header); }).find("ends early"), std::string::npos);
   std::istringstream wrong("no recording at all");
   EXPECT_NE(messageOf([&] { Recording<D>::read(wrong); }), "");
 }
