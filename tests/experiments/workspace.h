@@ -37,11 +37,13 @@ class Workspace {
     std::ofstream(path(name)) << text;
     return path(name);
   }
-  /// Runs `lpc ARGUMENTS` in the folder.
-  Outcome lpc(const std::string& arguments) const {
+  /// Runs `lpc ARGUMENTS` in the folder, with variables such as "A=1 B=2" in its environment.
+  Outcome lpc(const std::string& arguments, const std::string& environment = "") const {
+    return shell(environment + " " LPC_BINARY_DIR "/bin/lpc " + arguments);
+  }
+  Outcome shell(const std::string& command) const {
     Outcome out;
-    FILE* pipe =
-        popen(("cd " + m_path.string() + " && " LPC_BINARY_DIR "/bin/lpc " + arguments + " 2>&1").c_str(), "r");
+    FILE* pipe = popen(("cd " + m_path.string() + " && " + command + " 2>&1").c_str(), "r");
     char buffer[4096];
     for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) out.text.append(buffer, n);
     const int status = pclose(pipe);
