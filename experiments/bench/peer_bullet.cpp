@@ -16,7 +16,7 @@ int index(const btBroadphaseProxy* proxy) {
 }
 
 // Bullet keeps fat pairs from frame to frame; the tight ones are filtered out of them, inside the timing, as a user who
-// wants what we return must do. In float: a pair that touches within its rounding may differ.
+// wants what we return must do.
 class Bullet : public BoxPeer {
  public:
   void build(const std::vector<Box>& boxes) override {
