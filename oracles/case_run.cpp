@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include <poll.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <exception>
-#include <functional>
 #include <iomanip>
 #include <limits>
 #include <map>
@@ -21,6 +13,7 @@
 #include "framework/tolerances.h"
 #include "oracles/cases.h"
 #include "oracles/referee.h"
+#include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -30,50 +23,30 @@ constexpr bool kDouble = sizeof(Real) == 8;
 constexpr double kTolerance = kDouble ? 1e-12 : 1e-5;
 // Mass properties and areas, relative: what is left of a hundredth of a metre far from the origin.
 constexpr double kRelative = kDouble ? 1e-9 : 1e-2;
-constexpr int kWitnessMilliseconds = 2000;
 
-enum class Ending { answered, threw, crashed, hung };
-
-// Asks in a child process. A witness that aborts, faults or never returns takes nothing with it.
+// The registered pair queries of one dimension, made once: a witness keeps its process from case to case.
 template <int D>
-Ending askGuarded(const std::function<PairAnswer<D>()>& ask, PairAnswer<D>& answer) {
-  constexpr std::size_t kBytes = 1 + sizeof(PairAnswer<D>);
-  int ends[2];
-  if (pipe(ends) != 0) return Ending::crashed;
-  const pid_t child = fork();
-  if (child < 0) {
-    close(ends[0]), close(ends[1]);
-    return Ending::crashed;
+struct Method {
+  const Registered* entry;
+  std::unique_ptr<PairQuery<D>> query;
+
+  Ending ending() const {
+    const auto* witness = dynamic_cast<const Witness<D>*>(query.get());
+    return witness ? witness->endings()[0] : Ending::answered;
   }
-  if (child == 0) {
-    char bytes[kBytes] = {0};
-    try {
-      const PairAnswer<D> got = ask();
-      bytes[0] = 1;
-      std::memcpy(bytes + 1, static_cast<const void*>(&got), sizeof got);
-    } catch (const std::exception&) {
-      bytes[0] = 2;
-    }
-    const bool written = write(ends[1], bytes, kBytes) == static_cast<ssize_t>(kBytes);
-    _exit(written ? 0 : 1);
+};
+template <int D>
+using Methods = std::vector<Method<D>>;
+
+template <int D>
+Methods<D> methods() {
+  Methods<D> out;
+  for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
+    out.push_back({entry, createStage<PairQuery<D>>(Spec::parse(entry->info.name))});
   }
-  close(ends[1]);
-  pollfd wait{ends[0], POLLIN, 0};
-  const bool ready = poll(&wait, 1, kWitnessMilliseconds) > 0;
-  if (!ready) kill(child, SIGKILL);
-  char bytes[kBytes] = {0};
-  const bool whole = ready && read(ends[0], bytes, kBytes) == static_cast<ssize_t>(kBytes);
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (!ready) return Ending::hung;
-  if (!whole) return Ending::crashed;
-  if (bytes[0] == 2) return Ending::threw;
-  std::memcpy(static_cast<void*>(&answer), bytes + 1, sizeof answer);
-  return Ending::answered;
+  return out;
 }
 
-// Is the answer right? Values are compared, and a normal is judged by the separation along it.
 template <int D>
 void judge(const CaseGeometry<D>& g, const CaseExpected& expected, const PairAnswer<D>& answer, CaseResult& row) {
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
@@ -136,43 +109,32 @@ CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g) {
 }
 
 template <int D>
-void runDistance(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
+void askMethod(const Case& c, const CaseGeometry<D>& g, Method<D>& method, CaseResult& row) {
+  const auto end = [&](CaseVerdict verdict, const std::string& reason) { row.verdict = verdict, row.reason = reason; };
+  if (!g.a.shape || !g.b.shape) return end(CaseVerdict::refused, "unsupported_shape");
+  const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
+  if (!method.query->supports(std::min(a.kind, b.kind), std::max(a.kind, b.kind))) {
+    return end(CaseVerdict::refused, "unsupported_shape");
+  }
+  const PairAnswer<D> answer = queryPair(*method.query, a, b, g.a.X_WS.inverse() * g.b.X_WS);
+  if (const Ending ending = method.ending(); ending == Ending::hung)
+    return end(CaseVerdict::hang, "no answer in time");
+  else if (ending != Ending::answered)
+    return end(CaseVerdict::failed, std::string(endingName(ending)));
+  if (answer.status == QueryStatus::refused || answer.status == QueryStatus::failed) {
+    return end(answer.status == QueryStatus::refused ? CaseVerdict::refused : CaseVerdict::failed,
+               "declared, yet status " + std::string(queryStatusName(answer.status)));
+  }
+  judge<D>(g, c.expected, answer, row);
+}
+
+template <int D>
+void runDistance(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::vector<CaseResult>& rows) {
   if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g));
-  for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
-    CaseResult row{.id = c.id, .method = entry->info.name, .role = entry->info.role, .expected = c.expected.distance};
-    const auto add = [&](CaseVerdict verdict, const std::string& reason) {
-      row.verdict = verdict, row.reason = reason;
-      rows.push_back(row);
-    };
-    if (!g.a.shape || !g.b.shape) {
-      add(CaseVerdict::refused, "unsupported_shape");
-      continue;
-    }
-    const auto method = createStage<PairQuery<D>>(Spec::parse(entry->info.name));
-    const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
-    if (!method->supports(std::min(a.kind, b.kind), std::max(a.kind, b.kind))) {
-      add(CaseVerdict::refused, "unsupported_shape");
-      continue;
-    }
-    const auto ask = [&] { return queryPair(*method, a, b, g.a.X_WS.inverse() * g.b.X_WS); };
-    PairAnswer<D> answer;
-    Ending ending = Ending::answered;
-    if (entry->info.role == Role::competitor) {
-      answer = ask();
-    } else {
-      ending = askGuarded<D>(ask, answer);
-    }
-    if (ending == Ending::hung) {
-      add(CaseVerdict::hang, "no answer in " + std::to_string(kWitnessMilliseconds) + " ms");
-    } else if (ending != Ending::answered) {
-      add(CaseVerdict::failed, ending == Ending::threw ? "exception" : "crash");
-    } else if (answer.status == QueryStatus::refused || answer.status == QueryStatus::failed) {
-      add(answer.status == QueryStatus::refused ? CaseVerdict::refused : CaseVerdict::failed,
-          "declared, yet status " + std::string(queryStatusName(answer.status)));
-    } else {
-      judge<D>(g, c.expected, answer, row);
-      rows.push_back(row);
-    }
+  for (Method<D>& method : methods) {
+    const Info& info = method.entry->info;
+    rows.push_back({.id = c.id, .method = info.name, .role = info.role, .expected = c.expected.distance});
+    askMethod(c, g, method, rows.back());
   }
 }
 
@@ -273,10 +235,10 @@ CaseResult runMass(const Case& c, const CaseGeometry<D>& g) {
 }
 
 template <int D>
-void runCase(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
+void runCase(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::vector<CaseResult>& rows) {
   switch (c.query) {
     case CaseQuery::signedDistance:
-      runDistance<D>(c, g, rows);
+      runDistance<D>(c, g, methods, rows);
       return;
     case CaseQuery::convexHull:
       rows.push_back(runHull<D>(c, g));
@@ -300,8 +262,11 @@ std::string_view caseVerdictName(CaseVerdict verdict) {
 
 std::vector<CaseResult> runCases(const std::vector<Case>& cases) {
   std::vector<CaseResult> rows;
+  Methods<2> in2 = methods<2>();
+  Methods<3> in3 = methods<3>();
   for (const Case& c : cases) {
-    std::visit([&](const auto& geometry) { runCase(c, geometry, rows); }, c.geometry);
+    if (const auto* g = std::get_if<CaseGeometry<2>>(&c.geometry)) runCase(c, *g, in2, rows);
+    if (const auto* g = std::get_if<CaseGeometry<3>>(&c.geometry)) runCase(c, *g, in3, rows);
   }
   return rows;
 }
@@ -317,19 +282,22 @@ int verifyCases(const std::string& path, std::ostream& out) {
   std::map<std::string, std::map<CaseVerdict, int>> summary;
   int faults = 0;
   for (const CaseResult& row : rows) {
-    out << std::left << std::setw(40) << row.id << ' ' << std::setw(18) << row.method << ' ' << std::setw(8)
+    const bool answered = row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong;
+    const auto column = [&](double value, int digits) {
+      std::ostringstream text;
+      text << std::setprecision(digits) << value;
+      out << ' ' << (answered ? text.str() : "-");
+    };
+    out << std::left << std::setw(40) << row.id << ' ' << std::setw(19) << row.method << ' ' << std::setw(7)
         << caseVerdictName(row.verdict);
-    if (row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong) {
-      out << std::setprecision(17) << " value " << row.value << " expected " << row.expected << std::setprecision(2)
-          << " error/s " << row.error;
-    }
-    if (!row.reason.empty()) out << "  " << row.reason;
+    column(row.value, 17), column(row.expected, 17), column(row.error, 2);
+    if (!row.reason.empty()) out << ' ' << row.reason;
     out << '\n';
     ++summary[row.method][row.verdict];
     faults += isOurFault(row);
   }
   for (const auto& [method, counts] : summary) {
-    out << std::left << std::setw(18) << method;
+    out << std::left << std::setw(19) << method;
     for (const auto& [verdict, count] : counts) out << "  " << caseVerdictName(verdict) << ' ' << count;
     out << '\n';
   }

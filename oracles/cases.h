@@ -74,8 +74,7 @@ struct CaseResult {
 
 /// Every case with every method that takes its query: signed distances with each registered pair query, hulls with
 /// `convexHull`, mass properties with `massProperties`. The referee stands in the table, too: where it is `wrong`, it
-/// contradicts the file. Witnesses run in a process of their own with a time limit,
-/// because some of them crash or never return.
+/// contradicts the file.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
 /// Is it one that must not happen: a competitor that is wrong, fails, or refuses what it declares?

@@ -3,14 +3,17 @@
 #include <fcl/geometry/shape/capsule.h>
 #include <fcl/geometry/shape/convex.h>
 #include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
-#include "oracles/guarded.h"
+#include "oracles/adapter.h"
+#include "oracles/witness_process.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using Geometry = std::shared_ptr<fcl::CollisionGeometry<double>>;
+using Transform = fcl::Transform3<double>;
 
 Geometry convex(const Polytope<3>& hull) {
   auto vertices = std::make_shared<std::vector<Eigen::Vector3d>>();
@@ -25,21 +28,26 @@ Geometry convex(const Polytope<3>& hull) {
 
 // A shape in FCL's terms. FCL knows no rounding of boxes and polytopes: their cores are asked, and `rounding` is
 // taken off the distance, which is exact.
-struct Translated {
+struct Placed {
   Geometry geometry;
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  // FCL's capsules lie along z
+  Transform X_WS = Transform::Identity();
   double rounding = 0;
 
-  explicit Translated(const ShapeView<3>& shape) {
+  void place(const ShapeView<3>& shape, const Pose<3>& pose) {
+    X_WS.linear() = pose.q.matrix().cast<double>(), X_WS.translation() = pose.p.cast<double>();
+    rounding = 0;
     switch (shape.kind) {
       case ShapeKind::sphere:
         geometry = std::make_shared<fcl::Sphere<double>>(shape.radius);
         break;
       case ShapeKind::capsule:
-      case ShapeKind::segment:
+      case ShapeKind::segment: {
         geometry = std::make_shared<fcl::Capsule<double>>(shape.radius, 2 * shape.half[0]);
+        Eigen::Matrix3d turn;  // FCL's capsules lie along z
         turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+        X_WS.linear() = X_WS.linear() * turn;
         break;
+      }
       case ShapeKind::box:
         geometry = std::make_shared<fcl::Box<double>>(2 * shape.half.cast<double>());
         rounding = shape.radius;
@@ -52,27 +60,74 @@ struct Translated {
   }
 };
 
-fcl::Transform3<double> transform(const Eigen::Matrix3d& r, const Eigen::Vector3d& p) {
-  fcl::Transform3<double> X = fcl::Transform3<double>::Identity();
-  X.linear() = r, X.translation() = p;
-  return X;
-}
-
-// FCL's signed distance: GJK of libccd with FCL's own repair of its EPA.
+// What the three have in common.
 template <int D>
-class FclLibccd final : public PairQuery<3> {
+class FclWitness : public IsolatedWitness {
  public:
   struct Params {
     Real tolerance = Real(1e-6);
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, Real(1e-14), 1, "m", "of FCL's distance; at 1e-10 it aborts on spheres");
+      v.real("tolerance", tolerance, Real(1e-14), 1, "1",
+             "of FCL's GJK and EPA; at 1e-10 its distance aborts on spheres");
     }
   };
-  explicit FclLibccd(const Params& params) : m_params(params) {}
+  explicit FclWitness(const Params& params) : m_params(params) {}
+  bool supports(ShapeKind a, ShapeKind b) const override { return kAllKinds.has(a, b); }
+
+ protected:
+  void place(const PairView<3>& pair) override { m_a.place(pair.a, {}), m_b.place(pair.b, pair.X_AB); }
+
+  PairAnswer<3> distance(fcl::GJKSolverType solver, bool isSigned) const {
+    fcl::DistanceRequest<double> request(true, isSigned);
+    request.gjk_solver_type = solver;
+    request.distance_tolerance = static_cast<double>(m_params.tolerance);
+    fcl::DistanceResult<double> result;
+    const double distance = fcl::distance(m_a.geometry.get(), m_a.X_WS, m_b.geometry.get(), m_b.X_WS, request, result);
+    PairAnswer<3> answer;
+    // Unsigned, an overlap is -1 and no more.
+    answer.status = distance < 0 && !isSigned ? QueryStatus::failed : QueryStatus::converged;
+    answer.distance = static_cast<Real>(distance - m_a.rounding - m_b.rounding);
+    Eigen::Vector3d n = result.nearest_points[1] - result.nearest_points[0];
+    if (distance < 0) n = -n;
+    const double length = n.norm();
+    if (length > 0) answer.normal = (n / length).cast<Real>();  // at a touch FCL has none
+    answer.pA = result.nearest_points[0].cast<Real>() + static_cast<Real>(m_a.rounding) * answer.normal;
+    answer.pB = result.nearest_points[1].cast<Real>() - static_cast<Real>(m_b.rounding) * answer.normal;
+    return answer;
+  }
+
+  PairAnswer<3> collide(fcl::GJKSolverType solver) const {
+    constexpr std::size_t kContacts = 8;  // more than box against box makes; the deepest counts
+    fcl::CollisionRequest<double> request(kContacts, true);
+    request.gjk_solver_type = solver;
+    request.gjk_tolerance = static_cast<double>(m_params.tolerance);
+    fcl::CollisionResult<double> result;
+    fcl::collide(m_a.geometry.get(), m_a.X_WS, m_b.geometry.get(), m_b.X_WS, request, result);
+    if (!result.isCollision()) return apartAnswer(m_a.rounding + m_b.rounding);
+    // GST_INDEP reports minus the depth where its EPA answers, and the depth where a closed form does.
+    const auto depth = [&](std::size_t i) { return std::abs(result.getContact(i).penetration_depth); };
+    std::size_t deepest = 0;
+    for (std::size_t i = 1; i < result.numContacts(); ++i) {
+      if (depth(i) > depth(deepest)) deepest = i;
+    }
+    const fcl::Contact<double>& contact = result.getContact(deepest);
+    return depthAnswer(depth(deepest), contact.normal, contact.pos, m_a.rounding, m_b.rounding);
+  }
+
+ private:
+  Params m_params;
+  Placed m_a, m_b;
+};
+
+template <int D>
+class FclLibccd final : public FclWitness<D> {
+ public:
+  using FclWitness<D>::FclWitness;
+  using typename FclWitness<D>::Params;
 
   static Info info() {
     return {.name = "fcl_libccd",
-            .summary = "FCL's signed distance with its libccd solver",
+            .summary = "FCL's signed distance with its libccd solver: GJK of libccd, EPA with FCL's repairs",
             .paper = "",
             .complexity = "GJK and EPA",
             .guarantee = Guarantee::approximate,
@@ -81,44 +136,66 @@ class FclLibccd final : public PairQuery<3> {
                           .test = "Witnesses.FclDistanceOfCubesIsWrong"}},
             .role = Role::witness};
   }
-  bool supports(ShapeKind a, ShapeKind b) const override { return a != ShapeKind::segment && b != ShapeKind::segment; }
 
-  void query(const PairBatch<3>& batch, Need, PairAnswers<3>& answers, std::span<PairMemory>, Work& work) override {
-    work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
-    askGuarded(
-        batch.count, kWitnessMilliseconds, [&](int i) { return ask(batch.pair(i)); }, answers);
+ private:
+  PairAnswer<3> measure() override { return this->distance(fcl::GST_LIBCCD, true); }
+};
+
+template <int D>
+class FclLibccdCollide final : public FclWitness<D> {
+ public:
+  using FclWitness<D>::FclWitness;
+  using typename FclWitness<D>::Params;
+
+  static Info info() {
+    return {
+        .name = "fcl_libccd_collide",
+        .summary = "FCL's collide with its libccd solver: portal refinement, closed forms for spheres, ODE for boxes",
+        .paper = "",
+        .complexity = "5 to 20 support points",
+        .guarantee = Guarantee::approximate,
+        .failures = {{.when = "the least depth is not along the line of centres",
+                      .symptom = "the depth is too large, up to many times",
+                      .test = "Witnesses.FclCollideDepthIsNotMinimal"}},
+        .role = Role::witness};
   }
 
  private:
-  PairAnswer<3> ask(const PairView<3>& pair) const {
-    const Translated a(pair.a), b(pair.b);
-    fcl::DistanceRequest<double> request(true, true);
-    request.gjk_solver_type = fcl::GST_LIBCCD;
-    request.distance_tolerance = m_params.tolerance;
-    fcl::DistanceResult<double> result;
-    const Eigen::Matrix3d r = pair.X_AB.q.matrix().cast<double>();
-    const double distance =
-        fcl::distance(a.geometry.get(), transform(a.turn, Eigen::Vector3d::Zero()), b.geometry.get(),
-                      transform(r * b.turn, pair.X_AB.p.cast<double>()), request, result);
-    PairAnswer<3> answer;
-    answer.status = QueryStatus::converged;
-    answer.distance = static_cast<Real>(distance - a.rounding - b.rounding);
-    // A pair of kinds that FCL lacks comes back as "infinitely far", with a warning and no error.
-    if (distance >= std::numeric_limits<double>::max()) answer.status = QueryStatus::failed;
-    Eigen::Vector3d n = result.nearest_points[1] - result.nearest_points[0];
-    if (distance < 0) n = -n;
-    const double length = n.norm();
-    if (length > 0) answer.normal = (n / length).cast<Real>();  // at a touch FCL has none
-    answer.pA = (result.nearest_points[0]).cast<Real>() + static_cast<Real>(a.rounding) * answer.normal;
-    answer.pB = (result.nearest_points[1]).cast<Real>() - static_cast<Real>(b.rounding) * answer.normal;
-    return answer;
+  PairAnswer<3> measure() override { return this->collide(fcl::GST_LIBCCD); }
+};
+
+// Two calls, because this solver has no signed distance.
+template <int D>
+class FclIndep final : public FclWitness<D> {
+ public:
+  using FclWitness<D>::FclWitness;
+  using typename FclWitness<D>::Params;
+
+  static Info info() {
+    return {.name = "fcl_indep",
+            .summary = "FCL's own GJK for the distance, and where shapes overlap its own EPA by collide",
+            .paper = "",
+            .complexity = "GJK and EPA",
+            .guarantee = Guarantee::approximate,
+            .failures = {{.when = "capsules or polytopes deep in one another",
+                          .symptom = "EPA ends early: a depth that is off by up to a third of the size",
+                          .test = "Witnesses.FclIndepDepthOfCapsulesIsOff"}},
+            .role = Role::witness};
   }
 
-  Params m_params;
+ private:
+  PairAnswer<3> measure() override {
+    const PairAnswer<3> apart = this->distance(fcl::GST_INDEP, false);
+    if (apart.status == QueryStatus::converged) return apart;
+    const PairAnswer<3> overlap = this->collide(fcl::GST_INDEP);
+    return overlap.status == QueryStatus::converged ? overlap : apart;  // neither apart nor in contact: no value
+  }
 };
 
 }  // namespace
 
 LPC_REGISTER(PairQuery, FclLibccd, 3);
+LPC_REGISTER(PairQuery, FclLibccdCollide, 3);
+LPC_REGISTER(PairQuery, FclIndep, 3);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -2,7 +2,8 @@
 #include <ccd/ccd.h>
 
 #include "framework/support_map.h"
-#include "oracles/guarded.h"
+#include "oracles/adapter.h"
+#include "oracles/witness_process.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -36,50 +37,38 @@ void center(const void* object, ccd_vec3_t* out) {
 }
 
 // libccd 2.1 measures depths only. Of shapes that are apart it says no more than that.
-class LibccdQuery : public PairQuery<3> {
+class LibccdWitness : public IsolatedWitness {
  public:
-  bool supports(ShapeKind a, ShapeKind b) const override { return a != ShapeKind::segment && b != ShapeKind::segment; }
+  bool supports(ShapeKind a, ShapeKind b) const override { return kAllKinds.has(a, b); }
 
  protected:
-  using Measure = int (*)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
+  using Call = int (*)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
 
-  void ask(const PairBatch<3>& batch, PairAnswers<3>& answers, Work& work, const ccd_t& settings, Measure measure) {
-    work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
-    const auto one = [&](int i) {
-      const PairView<3> pair = batch.pair(i);
-      Placed a{pair.a}, b{pair.b};
-      b.r = pair.X_AB.q.matrix().cast<double>(), b.p = pair.X_AB.p.cast<double>();
-      ccd_real_t depth = 0;
-      ccd_vec3_t direction, position;
-      ccdVec3Set(&direction, 0, 0, 0), ccdVec3Set(&position, 0, 0, 0);
-      const int result = measure(&a, &b, &settings, &depth, &direction, &position);
-      PairAnswer<3> answer;
-      if (result < -1) {
-        answer.status = QueryStatus::failed;
-      } else if (result == -1) {
-        answer.status = QueryStatus::degenerate;  // the sign is all there is
-        answer.distance = std::numeric_limits<Real>::min();
-      } else {
-        answer.status = QueryStatus::converged;
-        answer.distance = static_cast<Real>(-depth);
-        answer.normal = vectorOf(&direction).normalized().cast<Real>();
-        const Vec<3> middle = vectorOf(&position).cast<Real>();
-        answer.pA = middle - answer.distance / 2 * answer.normal;
-        answer.pB = middle + answer.distance / 2 * answer.normal;
-      }
-      return answer;
-    };
-    askGuarded(batch.count, kWitnessMilliseconds, one, answers);
+  void place(const PairView<3>& pair) override {
+    m_a = {pair.a}, m_b = {pair.b, pair.X_AB.q.matrix().cast<double>(), pair.X_AB.p.cast<double>()};
   }
+  PairAnswer<3> depth(const ccd_t& settings, Call call) const {
+    ccd_real_t depth = 0;
+    ccd_vec3_t direction, position;
+    ccdVec3Set(&direction, 0, 0, 0), ccdVec3Set(&position, 0, 0, 0);
+    const int result = call(&m_a, &m_b, &settings, &depth, &direction, &position);
+    if (result == -1) return apartAnswer(0);
+    PairAnswer<3> answer = depthAnswer(depth, vectorOf(&direction).normalized(), vectorOf(&position), 0, 0);
+    if (result < -1) answer.status = QueryStatus::failed;  // out of memory
+    return answer;
+  }
+
+ private:
+  Placed m_a, m_b;
 };
 
 template <int D>
-class LibccdGjk final : public LibccdQuery {
+class LibccdGjk final : public LibccdWitness {
  public:
   struct Params {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, Real(1e-14), 1, "m^2", "EPA stops below; libccd's own default is 1e-4");
+      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "EPA stops below; libccd's own default is 1e-4");
     }
   };
   explicit LibccdGjk(const Params& params) : m_params(params) {}
@@ -95,26 +84,27 @@ class LibccdGjk final : public LibccdQuery {
                           .test = "Witnesses.LibccdGjkHasNoDirectionAtTouch"}},
             .role = Role::witness};
   }
-  void query(const PairBatch<3>& batch, Need, PairAnswers<3>& answers, std::span<PairMemory>, Work& work) override {
+
+ private:
+  PairAnswer<3> measure() override {
     ccd_t settings;
     CCD_INIT(&settings);
     settings.support1 = settings.support2 = support;
     settings.max_iterations = 500;  // the default has no end
     settings.epa_tolerance = m_params.tolerance;
-    ask(batch, answers, work, settings, ccdGJKPenetration);
+    return depth(settings, ccdGJKPenetration);
   }
 
- private:
   Params m_params;
 };
 
 template <int D>
-class LibccdMpr final : public LibccdQuery {
+class LibccdMpr final : public LibccdWitness {
  public:
   struct Params {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
-      v.real("tolerance", tolerance, Real(1e-14), 1, "m", "the portal stops below; libccd's own default is 1e-4");
+      v.real("tolerance", tolerance, Real(1e-14), 1, "1", "the portal stops below; libccd's own default is 1e-4");
     }
   };
   explicit LibccdMpr(const Params& params) : m_params(params) {}
@@ -130,17 +120,18 @@ class LibccdMpr final : public LibccdQuery {
                           .test = "Witnesses.LibccdMprDepthIsNotMinimal"}},
             .role = Role::witness};
   }
-  void query(const PairBatch<3>& batch, Need, PairAnswers<3>& answers, std::span<PairMemory>, Work& work) override {
+
+ private:
+  PairAnswer<3> measure() override {
     ccd_t settings;
     CCD_INIT(&settings);
     settings.support1 = settings.support2 = support;
     settings.center1 = settings.center2 = center;
     settings.max_iterations = 500;
     settings.mpr_tolerance = m_params.tolerance;
-    ask(batch, answers, work, settings, ccdMPRPenetration);
+    return depth(settings, ccdMPRPenetration);
   }
 
- private:
   Params m_params;
 };
 

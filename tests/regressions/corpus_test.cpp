@@ -16,6 +16,7 @@
 #include "framework/stage_narrowphase.h"
 #include "oracles/cases.h"
 #include "oracles/referee.h"
+#include "oracles/witness_process.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -85,32 +86,37 @@ TEST(Corpus, TheRefereeConfirmsEveryExpectedValue) {
 // A method that is wrong in any of these ways must be seen, and must stop nobody: a corpus that cannot fail is no
 // corpus.
 template <int D>
-class WrongQuery final : public PairQuery<D> {
+class WrongWitness final : public IsolatedWitness {
  public:
   static inline int mode = 0;  // 0 right, 1 too deep, 2 flipped normal, 3 NaN, 4 throws, 5 aborts, 6 never returns
   using Params = NoParams;
-  explicit WrongQuery(const Params&) {}
+  explicit WrongWitness(const Params&) {}
   static Info info() {
     return {
         .name = "planted_wrong", .summary = "wrong on purpose", .paper = "", .complexity = "1", .role = Role::witness};
   }
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::box && b == ShapeKind::box; }
-  void query(const PairBatch<D>&, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+
+ private:
+  void place(const PairView<3>& pair) override { m_depth = 2 * pair.a.half[2] - std::abs(pair.X_AB.p[2]); }
+  PairAnswer<3> measure() override {
     if (mode == 4) throw std::runtime_error("planted");
     if (mode == 5) std::abort();
-    while (mode == 6) sleep(1);
-    // libccd-25-cubes: depth 0.1 along z, the one case that it knows.
-    PairAnswer<D> answer;
+    for (volatile int turns = 0; mode == 6;) turns = turns + 1;
+    // libccd-25-cubes, along z: the one case that it knows.
+    PairAnswer<3> answer;
     answer.status = QueryStatus::converged;
-    answer.distance = mode == 1 ? Real(-0.11) : mode == 3 ? std::nan("") : Real(-0.1);
-    answer.normal = Vec<D>::Unit(D - 1) * Real(mode == 2 ? -1 : 1);
-    answers.set(0, answer);
+    answer.distance = mode == 1 ? Real(-1.1) * m_depth : mode == 3 ? std::nan("") : -m_depth;
+    answer.normal = Vec<3>::Unit(2) * Real(mode == 2 ? -1 : 1);
+    return answer;
   }
+
+  Real m_depth = 0;
 };
 
 CaseResult cubes(int mode) {
-  static const Registrar<PairQuery, WrongQuery, 2, 3> planted(__FILE__);  // only here: the table above is without it
-  WrongQuery<3>::mode = mode;
+  static const Registrar<PairQuery, WrongWitness, 3> planted(__FILE__);  // only here: the table above is without it
+  WrongWitness<3>::mode = mode;
   std::vector<Case> cases = readCases(kCorpus);
   std::erase_if(cases, [](const Case& c) { return c.id != "libccd-25-cubes"; });
   for (const CaseResult& row : runCases(cases)) {
@@ -123,17 +129,18 @@ TEST(Corpus, SeesPlantedWrongMethods) {
   EXPECT_EQ(cubes(0).verdict, CaseVerdict::ok);
   EXPECT_EQ(cubes(1).verdict, CaseVerdict::wrong);
   EXPECT_EQ(cubes(2).verdict, CaseVerdict::wrong);
-  EXPECT_EQ(cubes(3).verdict, CaseVerdict::wrong);
+  EXPECT_EQ(cubes(3).verdict, CaseVerdict::failed);
+  EXPECT_EQ(cubes(3).reason, "not_finite");
   EXPECT_EQ(cubes(4).verdict, CaseVerdict::failed);
-  EXPECT_EQ(cubes(4).reason, "exception");
+  EXPECT_EQ(cubes(4).reason, "threw");
   EXPECT_EQ(cubes(5).verdict, CaseVerdict::failed);
-  EXPECT_EQ(cubes(5).reason, "crash");
+  EXPECT_EQ(cubes(5).reason, "crashed");
   EXPECT_EQ(cubes(6).verdict, CaseVerdict::hang);
   CaseResult ours = cubes(1);
   EXPECT_FALSE(isOurFault(ours));  // it is registered as a witness
   ours.role = Role::competitor;
   EXPECT_TRUE(isOurFault(ours));
-  WrongQuery<3>::mode = 0;
+  WrongWitness<3>::mode = 0;
 }
 
 std::string written(const std::string& text) {

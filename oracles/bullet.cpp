@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Zlib
+// Bullet in double precision: Debian builds the library twice, and this file is compiled for the one whose btScalar is
+// double. The usual one computes in float and is no witness for the last ten digits.
+#include <BulletCollision/CollisionDispatch/btBoxBoxDetector.h>
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
+#include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
+#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
+
+#include <optional>
+
+#include "oracles/adapter.h"
+#include "oracles/witness_process.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+static_assert(sizeof(btScalar) == sizeof(double), "BT_USE_DOUBLE_PRECISION and the -float64 libraries");
+
+btVector3 vector(const Vec<3>& v) { return {btScalar(v[0]), btScalar(v[1]), btScalar(v[2])}; }
+Eigen::Vector3d vectorOf(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+btTransform transform(const Pose<3>& X) {
+  const Eigen::Matrix3d r = X.q.matrix().cast<double>();
+  return btTransform({r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)}, vector(X.p));
+}
+
+// Bullet rounds every shape by its margin, 4 cm unless told. Ours is the shape's own radius, around the core: Bullet's
+// boxes count their margin into the half extents.
+std::unique_ptr<btConvexShape> shapeOf(const ShapeView<3>& shape) {
+  const double radius = static_cast<double>(shape.radius);
+  switch (shape.kind) {
+    case ShapeKind::sphere:
+      return std::make_unique<btSphereShape>(radius);
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+      return std::make_unique<btCapsuleShapeX>(radius, 2 * static_cast<double>(shape.half[0]));
+    case ShapeKind::box: {
+      auto box = std::make_unique<btBoxShape>(vector(shape.half) + btVector3(radius, radius, radius));
+      box->setMargin(radius);
+      return box;
+    }
+    case ShapeKind::polytope:
+      break;
+  }
+  auto hull = std::make_unique<btConvexHullShape>();
+  for (const Vec<3>& v : shape.hull->vertices) hull->addPoint(vector(v), false);
+  hull->recalcLocalAabb();
+  hull->setMargin(radius);
+  return hull;
+}
+
+// Bullet's normals point from B to A, its points lie on B.
+PairAnswer<3> answerOf(const btPointCollector& found, double roundingA, double roundingB) {
+  const Eigen::Vector3d normal = -vectorOf(found.m_normalOnBInWorld), onB = vectorOf(found.m_pointInWorld);
+  const double depth = -found.m_distance;
+  return depthAnswer(depth, normal, onB + depth / 2 * normal, roundingA, roundingB);
+}
+
+template <int D>
+class BulletGjkEpa final : public IsolatedWitness {
+ public:
+  using Params = NoParams;
+  explicit BulletGjkEpa(const Params&) {}
+
+  static Info info() {
+    return {.name = "bullet_gjk_epa",
+            .summary = "Bullet's btGjkPairDetector with its EPA as depth solver, in double precision",
+            .paper = "",
+            .complexity = "GJK and EPA",
+            .guarantee = Guarantee::approximate,
+            .failures = {{.when = "boxes of equal orientation, one deep in the other",
+                          .symptom = "a depth that is too small, along no separating direction (0.346 for 0.5)",
+                          .test = "Witnesses.BulletDepthOfAlignedBoxesIsOff"}},
+            .role = Role::witness};
+  }
+  bool supports(ShapeKind a, ShapeKind b) const override { return kAllKinds.has(a, b); }
+
+ private:
+  void place(const PairView<3>& pair) override {
+    m_a = shapeOf(pair.a), m_b = shapeOf(pair.b);
+    m_input.m_transformA.setIdentity(), m_input.m_transformB = transform(pair.X_AB);
+  }
+  PairAnswer<3> measure() override {
+    btVoronoiSimplexSolver simplex;
+    btGjkEpaPenetrationDepthSolver depth;
+    btGjkPairDetector detector(m_a.get(), m_b.get(), &simplex, &depth);
+    btPointCollector found;
+    detector.getClosestPoints(m_input, found, nullptr);
+    if (found.m_hasResult) return answerOf(found, 0, 0);
+    PairAnswer<3> answer;
+    answer.status = QueryStatus::failed;
+    return answer;
+  }
+
+  std::unique_ptr<btConvexShape> m_a, m_b;
+  btGjkPairDetector::ClosestPointInput m_input;
+};
+
+template <int D>
+class BulletBoxBox final : public IsolatedWitness {
+ public:
+  using Params = NoParams;
+  explicit BulletBoxBox(const Params&) {}
+
+  static Info info() {
+    return {.name = "bullet_box_box",
+            .summary = "Bullet's btBoxBoxDetector: separating axes of ODE, depths only, in double precision",
+            .paper = "",
+            .complexity = "15 axes",
+            .guarantee = Guarantee::approximate,
+            .failures = {{.when = "the least depth is between two edges, by less than 5 %",
+                          .symptom = "the depth of a face: the two are weighed 1 to 1.05",
+                          .test = "Witnesses.BulletBoxBoxPrefersFaces"}},
+            .role = Role::witness};
+  }
+  bool supports(ShapeKind a, ShapeKind b) const override { return kBoxes.has(a, b); }
+
+ private:
+  static constexpr KindTable kBoxes = {{"-----", ".----", "..---", "...x-", "....-"}};
+
+  // The cores without a margin: this detector takes a margin for a part of a sharp box.
+  void place(const PairView<3>& pair) override {
+    m_a.emplace(vector(pair.a.half)), m_b.emplace(vector(pair.b.half));
+    m_a->setMargin(0), m_b->setMargin(0);
+    m_input.m_transformA.setIdentity(), m_input.m_transformB = transform(pair.X_AB);
+    m_roundingA = static_cast<double>(pair.a.radius), m_roundingB = static_cast<double>(pair.b.radius);
+  }
+  PairAnswer<3> measure() override {
+    btBoxBoxDetector detector(&*m_a, &*m_b);
+    btPointCollector found;  // keeps the deepest of up to eight
+    detector.getClosestPoints(m_input, found, nullptr);
+    if (!found.m_hasResult) return apartAnswer(m_roundingA + m_roundingB);
+    return answerOf(found, m_roundingA, m_roundingB);
+  }
+
+  std::optional<btBoxShape> m_a, m_b;
+  double m_roundingA = 0, m_roundingB = 0;
+  btBoxBoxDetector::ClosestPointInput m_input;
+};
+
+}  // namespace
+
+LPC_REGISTER(PairQuery, BulletGjkEpa, 3);
+LPC_REGISTER(PairQuery, BulletBoxBox, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Zlib
+#include "oracles/witness_process.h"
+
+#include <fcntl.h>
+#include <semaphore.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <ctime>
+#include <system_error>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr std::size_t kBlock = 1000;                // pairs that the child is given at once
+constexpr std::size_t kHullBytes = 8 << 20;         // for their hulls, at first
+constexpr std::int64_t kBusyLimit = 500'000'000;    // ns of its own processor time on one pair: it will not come back
+constexpr std::int64_t kIdleLimit = 3'000'000'000;  // ns by the clock, for one that sleeps; a loaded machine is no hang
+constexpr int kVainStarts = 3;
+
+using Face = Polytope<3>::Face;
+
+// Both processes see the shared memory at the same address: pointers into it hold in either.
+struct StoredHull {
+  std::span<const Vec<3>> vertices;
+  std::span<const Face> faces;
+  std::span<const int> loop;
+
+  void restore(Polytope<3>& hull) const {
+    hull.vertices.assign(vertices.begin(), vertices.end());
+    hull.faces.assign(faces.begin(), faces.end());
+    hull.loop.assign(loop.begin(), loop.end());
+  }
+};
+
+// A power of two in which the larger shape is about 1. 1 for shapes without any size.
+Real unitFor(const PairView<3>& pair) {
+  int exponent = 0;
+  const Real size = std::max(boundingRadius(pair.a), boundingRadius(pair.b));
+  if (std::isfinite(size)) std::frexp(size, &exponent);
+  return std::ldexp(Real(1), exponent);
+}
+
+// hull: where to keep the scaled one.
+void divide(ShapeView<3>& shape, Polytope<3>& hull, Real unit) {
+  shape.radius /= unit, shape.half /= unit;
+  if (!shape.hull) return;
+  for (Vec<3>& v : hull.vertices) v /= unit;
+  for (Face& f : hull.faces) f.offset /= unit;
+  shape.hull = &hull;
+}
+
+struct StoredPair {
+  PairView<3> view;
+  Real unit = 1;
+  StoredHull hullA, hullB;
+};
+
+struct Block {
+  sem_t asked, answered;
+  // Pairs begun and pairs done, counted by the child; the parent corrects `done` when the child is dead.
+  std::atomic<int> begun = 0, done = 0;
+  int count = 0;
+  std::array<StoredPair, kBlock> pairs;
+  std::array<PairAnswer<3>, kBlock> answers;
+  std::array<Ending, kBlock> endings{};
+  std::array<std::int64_t, kBlock> nanoseconds{};
+};
+static_assert(std::atomic<int>::is_always_lock_free, "or it would not work between processes");
+
+// Where hulls are written, one behind the other.
+struct HullSpace {
+  std::byte* next;
+  std::byte* end;
+
+  template <class T>
+  static std::size_t bytes(const std::vector<T>& items) {
+    static_assert(alignof(T) <= alignof(double));
+    return (items.size() * sizeof(T) + alignof(double) - 1) / alignof(double) * alignof(double);
+  }
+  static std::size_t bytes(const ShapeView<3>& s) {
+    return s.hull ? bytes(s.hull->vertices) + bytes(s.hull->faces) + bytes(s.hull->loop) : 0;
+  }
+  template <class T>
+  std::span<const T> put(const std::vector<T>& items) {
+    T* const first = reinterpret_cast<T*>(next);
+    std::uninitialized_copy(items.begin(), items.end(), first);
+    next += bytes(items);
+    return {first, items.size()};
+  }
+  StoredHull put(const Polytope<3>* hull) {
+    if (!hull) return {};
+    return {put(hull->vertices), put(hull->faces), put(hull->loop)};
+  }
+};
+
+bool isFinite(const PairAnswer<3>& a) {
+  return std::isfinite(a.distance) && a.normal.allFinite() && a.pA.allFinite() && a.pB.allFinite();
+}
+
+PairAnswer<3> failure() {
+  PairAnswer<3> a;
+  a.status = QueryStatus::failed;
+  return a;
+}
+
+std::int64_t nanosecondsOf(clockid_t clock) {
+  timespec t{};
+  return clock_gettime(clock, &t) == 0 ? std::int64_t{1'000'000'000} * t.tv_sec + t.tv_nsec : 0;
+}
+std::int64_t processorTime(pid_t process) {
+  clockid_t clock{};
+  return clock_getcpuclockid(process, &clock) == 0 ? nanosecondsOf(clock) : 0;
+}
+
+}  // namespace
+
+std::string_view endingName(Ending ending) {
+  constexpr std::array<std::string_view, 5> kNames = {"answered", "not_finite", "threw", "crashed", "hung"};
+  return kNames[static_cast<std::size_t>(ending)];
+}
+
+class IsolatedWitness::Process {
+ public:
+  explicit Process(IsolatedWitness& witness) : m_witness(witness) {}
+  ~Process() { release(); }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void run(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers, std::span<Ending> endings,
+           std::int64_t& nanoseconds) {
+    if (m_owner != getpid()) release();  // a forked copy of the witness: the child is the original's
+    for (std::size_t begin = 0; begin < pairs.size();) {
+      const std::size_t count = fill(pairs.subspan(begin));
+      answerBlock();
+      for (std::size_t i = 0; i < count; ++i) {
+        answers[begin + i] = m_block->answers[i];
+        endings[begin + i] = m_block->endings[i];
+        nanoseconds += m_block->nanoseconds[i];
+      }
+      begin += count;
+    }
+  }
+
+ private:
+  // Puts as many pairs into the shared memory as there is room for: at least one.
+  std::size_t fill(std::span<const PairView<3>> pairs) {
+    const std::size_t first = HullSpace::bytes(pairs[0].a) + HullSpace::bytes(pairs[0].b);
+    if (!m_block || first > m_hullBytes) {
+      release();
+      m_hullBytes = std::max(first, kHullBytes);
+      map();
+    }
+    HullSpace space{reinterpret_cast<std::byte*>(m_block + 1), reinterpret_cast<std::byte*>(m_block + 1) + m_hullBytes};
+    std::size_t count = 0;
+    for (; count < pairs.size() && count < kBlock; ++count) {
+      const PairView<3>& pair = pairs[count];
+      const auto room = static_cast<std::size_t>(space.end - space.next);
+      if (HullSpace::bytes(pair.a) + HullSpace::bytes(pair.b) > room) break;
+      m_block->pairs[count] = {pair, unitFor(pair), space.put(pair.a.hull), space.put(pair.b.hull)};
+    }
+    m_block->count = static_cast<int>(count);
+    return count;
+  }
+
+  void answerBlock() {
+    m_block->begun = m_block->done = 0;
+    for (int vain = 0;;) {
+      if (m_child < 0) start();
+      sem_post(&m_block->asked);
+      const Ending ending = watch();
+      if (ending == Ending::answered) return;
+      stop();
+      // Dead before it had a pair in hand (by a signal from outside, or with the thread that forked it): no pair's
+      // fault, so the same block goes to a new child; but not for ever.
+      if (m_block->begun <= m_block->done && ++vain < kVainStarts) continue;
+      vain = 0;
+      const int at = m_block->done++;
+      m_block->begun.store(at + 1);
+      const auto i = static_cast<std::size_t>(at);
+      m_block->answers[i] = failure(), m_block->endings[i] = ending, m_block->nanoseconds[i] = 0;
+      if (at + 1 >= m_block->count) return;
+    }
+  }
+
+  // How the block, or the pair in hand, ended.
+  Ending watch() {
+    int seen = -1;
+    std::int64_t busy = 0, idle = 0;  // when progress was last seen
+    for (;;) {
+      timespec until{};
+      clock_gettime(CLOCK_MONOTONIC, &until);
+      until.tv_nsec += 1'000'000;
+      if (until.tv_nsec >= 1'000'000'000) until.tv_nsec -= 1'000'000'000, ++until.tv_sec;
+      if (sem_clockwait(&m_block->answered, CLOCK_MONOTONIC, &until) == 0) return Ending::answered;
+      if (waitpid(m_child, nullptr, WNOHANG) != 0) {
+        m_child = -1;
+        return Ending::crashed;
+      }
+      const int begun = m_block->begun;
+      const std::int64_t busyNow = processorTime(m_child), idleNow = nanosecondsOf(CLOCK_MONOTONIC);
+      if (begun != seen) {
+        seen = begun, busy = busyNow, idle = idleNow;
+      } else if (busyNow - busy > kBusyLimit || idleNow - idle > kIdleLimit) {
+        return Ending::hung;
+      }
+    }
+  }
+
+  void start() {
+    // A child that was killed may have left them in any state.
+    sem_init(&m_block->asked, 1, 0);
+    sem_init(&m_block->answered, 1, 0);
+    m_child = fork();
+    if (m_child < 0) throw std::system_error(errno, std::generic_category(), "a witness cannot be given a process");
+    if (m_child == 0) serve();
+  }
+
+  [[noreturn]] void serve() {
+    // It dies with its parent, leaves the end by Ctrl-C to it, writes nothing, and keeps none of its files open.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != m_owner) _exit(0);
+    prctl(PR_SET_NAME, "lpc-witness");
+    std::signal(SIGINT, SIG_IGN);
+    std::signal(SIGTERM, SIG_IGN);
+    const rlimit none{0, 0};
+    setrlimit(RLIMIT_CORE, &none);
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (int fd = 0; fd < 3; ++fd) dup2(nowhere, fd);
+    close_range(3, ~0u, 0);
+
+    Polytope<3> hullA, hullB;
+    for (;;) {
+      while (sem_wait(&m_block->asked) != 0) continue;
+      for (int i = m_block->done; i < m_block->count; ++i) {
+        m_block->begun.store(i + 1);
+        answer(static_cast<std::size_t>(i), hullA, hullB);
+        m_block->done.store(i + 1);
+      }
+      sem_post(&m_block->answered);
+    }
+  }
+
+  void answer(std::size_t i, Polytope<3>& hullA, Polytope<3>& hullB) {
+    using Clock = std::chrono::steady_clock;
+    const StoredPair& stored = m_block->pairs[i];
+    PairView<3> pair = stored.view;
+    stored.hullA.restore(hullA), stored.hullB.restore(hullB);
+    divide(pair.a, hullA, stored.unit), divide(pair.b, hullB, stored.unit);
+    pair.X_AB.p /= stored.unit;
+    PairAnswer<3> answer = failure();
+    Ending ending = Ending::threw;
+    Clock::time_point before = Clock::now(), after = before;
+    try {
+      m_witness.place(pair);
+      before = after = Clock::now();
+      answer = m_witness.measure();
+      after = Clock::now();
+      answer.distance *= stored.unit, answer.pA *= stored.unit, answer.pB *= stored.unit;
+      ending = isFinite(answer) ? Ending::answered : Ending::notFinite;
+    } catch (...) {
+      after = Clock::now();
+    }
+    m_block->answers[i] = ending == Ending::answered ? answer : failure();
+    m_block->endings[i] = ending;
+    m_block->nanoseconds[i] = std::chrono::nanoseconds(after - before).count();
+  }
+
+  void stop() {
+    if (m_child > 0) {
+      kill(m_child, SIGKILL);
+      waitpid(m_child, nullptr, 0);
+    }
+    m_child = -1;
+  }
+
+  void map() {
+    void* memory = mmap(nullptr, sizeof(Block) + m_hullBytes, PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (memory == MAP_FAILED)
+      throw std::system_error(errno, std::generic_category(), "a witness cannot be given memory");
+    m_block = new (memory) Block;
+    m_owner = getpid();
+  }
+
+  void release() {
+    if (m_owner == getpid()) stop();
+    m_child = -1;
+    if (m_block) munmap(m_block, sizeof(Block) + m_hullBytes);
+    m_block = nullptr;
+  }
+
+  IsolatedWitness& m_witness;
+  Block* m_block = nullptr;  // followed by m_hullBytes for hulls
+  std::size_t m_hullBytes = 0;
+  pid_t m_owner = -1, m_child = -1;
+};
+
+IsolatedWitness::IsolatedWitness() : m_process(std::make_unique<Process>(*this)) {}
+IsolatedWitness::~IsolatedWitness() = default;
+
+void IsolatedWitness::query(const PairBatch<3>& batch, Need, PairAnswers<3>& answers, std::span<PairMemory>,
+                            Work& work) {
+  work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
+  m_pairs.clear();
+  for (int i = 0; i < batch.count; ++i) m_pairs.push_back(batch.pair(i));
+  m_answers.resize(m_pairs.size());
+  ask(m_pairs, m_answers);
+  for (int i = 0; i < batch.count; ++i) answers.set(i, m_answers[static_cast<std::size_t>(i)]);
+}
+
+void IsolatedWitness::ask(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers) {
+  m_endings.assign(pairs.size(), Ending::answered);
+  m_nanoseconds = 0;
+  m_process->run(pairs, answers, m_endings, m_nanoseconds);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+// A witness whose library runs in a process of its own, as long as the witness lives. Parent and child share one block
+// of memory and no file descriptor, so that nothing leaks into other children. Pairs go in by blocks; the child notes
+// which pair it has in hand before each call, and the parent watches that note: a crash, or no progress, is booked to
+// that pair, and a new child goes on with the next one.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "oracles/witness.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+class IsolatedWitness : public Witness<3> {
+ public:
+  IsolatedWitness();
+  ~IsolatedWitness() override;
+
+  void query(const PairBatch<3>& batch, Need need, PairAnswers<3>& answers, std::span<PairMemory> memory,
+             Work& work) final;
+  std::span<const Ending> endings() const final { return m_endings; }
+  std::int64_t nanoseconds() const final { return m_nanoseconds; }
+
+  /// Any number of pairs, of any kinds that are supported. Fills `answers`, of the same length, and `endings`.
+  void ask(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers);
+
+ protected:
+  // Both run in the child and may throw, abort, fault or never return. The pair comes in a unit in which the larger
+  // shape is about 1, and the answer is taken in that unit, because these libraries have absolute thresholds for shapes
+  // of about a metre. The unit is a power of two: it costs no digit. A hull has vertices, faces and loop, but no edges.
+  virtual void place(const PairView<3>& pair) = 0;  // the pair in the library's own terms; not timed
+  virtual PairAnswer<3> measure() = 0;              // the library's answer to it
+
+ private:
+  class Process;
+  std::unique_ptr<Process> m_process;
+  std::vector<PairView<3>> m_pairs;
+  std::vector<PairAnswer<3>> m_answers;
+  std::vector<Ending> m_endings;
+  std::int64_t m_nanoseconds = 0;
+};
+
+}  // namespace lpc::inline LPC_PRECISION
