@@ -187,11 +187,15 @@ class LooksBack final : public Broadphase<D> {
 
 template <template <int> class Bug>
 void expectRefused(const std::string& name) {
-  expectFalsified("planted bug: " + name, [] {
-    Bug<2> bug;
-    checkQueries<2>(bug, BoxFamily::touching, *rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>()),
-                    *rc::gen::inRange(0, 80));
-  });
+  expectFalsified(
+      "planted bug: " + name,
+      [] {
+        Bug<2> bug;
+        checkQueries<2>(bug, BoxFamily::touching,
+                        *rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>()),
+                        *rc::gen::inRange(0, 80));
+      },
+      500);
 }
 TEST(BroadphasePlantedBugs, OpenQuery) { expectRefused<OpenQuery>("open query"); }
 TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }

@@ -182,6 +182,8 @@ void carriesWhereFeaturesChange(ContactCache<D>& cache) {
   }
 }
 
+constexpr int kRuns = 200;  // cases of each property, and of each bug that it must catch
+
 template <int D, class Property>
 void onEveryCache(const std::string& name, const Property& property) {
   for (const Registered* r : Registry::instance().list(StageKind::cache, D)) {
@@ -191,9 +193,9 @@ void onEveryCache(const std::string& name, const Property& property) {
     const std::string title = name + " " + r->info.name + " " + std::to_string(D) + "D";
     const auto run = [&] { property(*cache); };
     if (mustFail) {
-      expectFalsified(title + " must fail", run);
+      expectFalsified(title + " must fail", run, kRuns);
     } else {
-      check(title, run, 200);
+      check(title, run, kRuns);
     }
   }
 }
@@ -201,7 +203,8 @@ void onEveryCache(const std::string& name, const Property& property) {
 template <template <int> class Bug, int D, class Property>
 void catches(const std::string& name, const Property& property) {
   Bug<D> bug;
-  expectFalsified(name + " " + std::to_string(D) + "D", [&] { property(bug); });
+  expectFalsified(
+      name + " " + std::to_string(D) + "D", [&] { property(bug); }, kRuns);
 }
 
 TEST(Cache, CarriesImpulses) {

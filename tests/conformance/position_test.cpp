@@ -118,6 +118,8 @@ std::vector<Named<D>> properties() {
           {"JointError.Shrinks", jointErrorShrinks<D>}};
 }
 
+constexpr int kRuns = 40;  // cases of each property, and of each bug that it must catch
+
 template <int D>
 void testAll() {
   const auto entries = Registry::instance().list(StageKind::position, D);
@@ -134,9 +136,9 @@ void testAll() {
       bool known = false;
       for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
       if (known) {
-        expectFalsified(name, run, 100);
+        expectFalsified(name, run, kRuns);
       } else {
-        check(name, run, 40);
+        check(name, run, kRuns);
       }
     }
   }
@@ -166,7 +168,7 @@ void plantedBugs() {
           RapidCheckDraw draw;
           property(step, draw);
         },
-        100);
+        kRuns);
   };
   caught("shrinks, wrong sign", errorShrinks<D>, wrongSign);
   caught("joint shrinks, wrong sign", jointErrorShrinks<D>, wrongSign);

@@ -122,6 +122,8 @@ std::vector<Named<D>> properties() {
   return list;
 }
 
+constexpr int kRuns = 25;  // cases of each property, and of each bug that it must catch
+
 template <int D>
 void testAll() {
   const auto specs = allSolvers<D>();
@@ -137,7 +139,7 @@ void testAll() {
             RapidCheckDraw draw;
             p.property([&](ImpactScene<D>& s) { s.step(*solver); }, draw);
           },
-          25);
+          kRuns);
     }
   }
 }
@@ -160,7 +162,7 @@ void plantedBugs() {
           RapidCheckDraw draw;
           p.property(step, draw);
         },
-        200);
+        kRuns);
   }
 }
 

@@ -251,6 +251,8 @@ std::unique_ptr<Spec> patientSpec(const Registered& entry) {
 template <int D>
 class VelocityConformance : public testing::Test {};
 
+constexpr int kRuns = 60;  // cases of each property, and of each bug that it must catch
+
 template <int D>
 void testAll() {
   const auto entries = Registry::instance().list(StageKind::velocity, D);
@@ -268,9 +270,9 @@ void testAll() {
       bool known = false;
       for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
       if (known) {
-        expectFalsified(name, run, 300);
+        expectFalsified(name, run, kRuns);
       } else {
-        check(name, run, 60);
+        check(name, run, kRuns);
       }
     }
   }
@@ -295,7 +297,7 @@ void plantedBugs() {
           RapidCheckDraw draw;
           p.property(wrong, wrongPatient, draw);
         },
-        200);
+        kRuns);
   }
 }
 

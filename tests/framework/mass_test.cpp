@@ -91,7 +91,7 @@ void grid() {
           return m;
         });
       },
-      200);
+      60);
 }
 TEST(Mass, EqualsSumOverCells2) { grid<2>(); }
 TEST(Mass, EqualsSumOverCells3) { grid<3>(); }

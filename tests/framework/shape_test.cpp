@@ -140,13 +140,16 @@ void points() {
   check(
       "contains point", [] { pointsAgree<D>([](auto& s, auto& X, const auto& p) { return containsPoint(s, X, p); }); },
       400);
-  expectFalsified("corners are not rounded", [] {
-    pointsAgree<D>([](const ShapeView<D>& s, const Pose<D>& X, const Vec<D>& p) {
-      if (s.kind != ShapeKind::box) return containsPoint(s, X, p);
-      const Vec<D> local = X.inverse() * p;
-      return (local.cwiseAbs().array() <= s.half.array() + s.radius).all();
-    });
-  });
+  expectFalsified(
+      "corners are not rounded",
+      [] {
+        pointsAgree<D>([](const ShapeView<D>& s, const Pose<D>& X, const Vec<D>& p) {
+          if (s.kind != ShapeKind::box) return containsPoint(s, X, p);
+          const Vec<D> local = X.inverse() * p;
+          return (local.cwiseAbs().array() <= s.half.array() + s.radius).all();
+        });
+      },
+      400);
 }
 TEST(Shape, ContainsPoint) { points<2>(), points<3>(); }
 

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Zlib
+// The tool that finds counterexamples, keeps them and runs them first, and the list of planted bugs.
+#include "tests/check_property.h"
+
+#include <gtest/gtest-spi.h>
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+std::string read(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(CheckProperty, SameSeedSameCases) {
+  const auto draws = [] {
+    std::vector<int> seen;
+    runProperty(
+        "seeds", [&] { seen.push_back(*rc::gen::arbitrary<int>()); }, 50);
+    return seen;
+  };
+  EXPECT_EQ(draws(), draws());
+}
+
+TEST(CheckProperty, FailsWithTheCounterexample) {
+  EXPECT_NONFATAL_FAILURE(check("all numbers are below 50", [](int n) { RC_ASSERT(n < 50); }), "(50)");
+  std::filesystem::remove_all(
+      KeptFailures(LPC_BINARY_DIR "/failures").file(currentTest() + ": all numbers are below 50"));
+  check("all squares are positive", [](int n) { RC_ASSERT(double(n) * n >= 0); });
+}
+
+// An input that failed is run first next time, as it was shrunk, and leaves when it passes.
+TEST(CheckProperty, RunsKeptFailuresFirst) {
+  const std::filesystem::path folder = ::testing::TempDir() + fileNameOf(currentTest());
+  std::filesystem::remove_all(folder);
+  const KeptFailures kept(folder);
+  const std::string id = "an id / of any kind";
+  std::vector<int> drawn;
+  int limit = 50;
+  const auto belowLimit = [&] {
+    drawn.push_back(*rc::gen::inRange(0, 100));
+    RC_ASSERT(drawn.back() < limit);
+  };
+  const auto run = [&] {
+    drawn.clear();
+    return counterexample(kept, id, "numbers are small", belowLimit, 100);
+  };
+  const std::string first = run();
+  EXPECT_NE(first.find("50 < 50"), std::string::npos) << first;
+  EXPECT_NE(first.find("kept in"), std::string::npos) << first;
+  EXPECT_TRUE(std::filesystem::exists(kept.file(id)));
+  const std::size_t steps = drawn.size();
+  const std::string again = run();
+  EXPECT_NE(again.find("kept from an earlier run"), std::string::npos) << again;
+  EXPECT_EQ(drawn.back(), 50);
+  EXPECT_LT(drawn.size(), steps);
+  limit = 100;  // the bug is mended
+  EXPECT_EQ(run(), "");
+  EXPECT_GT(drawn.size(), 100u);  // the kept one and a hundred
+  EXPECT_FALSE(std::filesystem::exists(kept.file(id)));
+  EXPECT_EQ(run(), "");
+  EXPECT_EQ(drawn.size(), 100u);
+
+  limit = 50;
+  run();
+  replaceFile(kept.file(id), "reproduce=torn");
+  EXPECT_NE(run().find("kept in"), std::string::npos) << "a torn file was not replaced";
+  std::filesystem::remove_all(folder);
+}
+
+TEST(CheckProperty, ListsPlantedBugs) {
+  expectFalsified("all numbers are below 50", [](int n) { RC_ASSERT(n < 50); });
+  int calls = 0;
+  const auto thirdFails = [&] {
+    if (++calls == 3) RC_FAIL("the third");
+  };
+  recordPlantedBug("by hand", 7, 9);
+  expectFalsified("a third case", thirdFails, 3);
+  const std::string list = read(std::filesystem::path(LPC_BINARY_DIR "/planted_bugs") / fileNameOf(currentTest()));
+  EXPECT_NE(list.find(currentTest() + " | all numbers are below 50 | "), std::string::npos) << list;
+  EXPECT_NE(list.find(" | by hand | 7 | 9\n"), std::string::npos) << list;
+  EXPECT_NE(list.find(" | a third case | 3 | 3\n"), std::string::npos) << list;
+  calls = 0;
+  EXPECT_NONFATAL_FAILURE(expectFalsified("a third case of two", thirdFails, 2), "was not caught in 2 cases");
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Zlib
+// Inputs on which a property failed, one file each: run first next time, gone once they pass.
+#pragma once
+
+#include <rapidcheck.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// FNV-1a; `start` is the offset basis or a value derived from it.
+inline std::uint64_t hashOf(const std::string& text, std::uint64_t start = 0xcbf29ce484222325u) {
+  for (const char c : text) start = (start ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return start;
+}
+
+/// A file name that says what `text` is and is different for different texts.
+inline std::string fileNameOf(const std::string& text) {
+  std::ostringstream name;
+  for (const char c : text.substr(0, 100)) name << (std::isalnum(static_cast<unsigned char>(c)) || c == '.' ? c : '_');
+  name << '_' << std::hex << hashOf(text);
+  return name.str();
+}
+
+/// Writes all or nothing: a reader never sees half a file.
+inline void replaceFile(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::create_directories(path.parent_path());
+  const std::filesystem::path draft = path.string() + ".part";
+  std::ofstream(draft) << text;
+  std::filesystem::rename(draft, path);
+}
+
+class KeptFailures {
+ public:
+  explicit KeptFailures(std::filesystem::path folder) : m_folder(std::move(folder)) {}
+
+  std::filesystem::path file(const std::string& property) const { return m_folder / fileNameOf(property); }
+
+  /// Nothing when there is none, or when it cannot be read.
+  std::optional<rc::detail::Reproduce> find(const std::string& property) const {
+    std::ifstream in(file(property));
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    try {
+      const auto kept = rc::detail::configFromString(text).reproduce;
+      const auto it = kept.find(property);
+      if (it != kept.end()) return it->second;
+    } catch (const std::exception&) {  // cut short, or of another RapidCheck
+    }
+    return std::nullopt;
+  }
+  void keep(const std::string& property, const rc::detail::Reproduce& input) const {
+    rc::detail::Configuration text;
+    text.reproduce[property] = input;
+    replaceFile(file(property), rc::detail::configToMinimalString(text));
+  }
+  void drop(const std::string& property) const { std::filesystem::remove(file(property)); }
+
+ private:
+  std::filesystem::path m_folder;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::test
