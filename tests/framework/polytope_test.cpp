@@ -151,28 +151,60 @@ void hulls() {
         RC_ASSERT(asSet<D>(again->vertices) == asSet<D>(hull->vertices));
       },
       1000);
-  check("M8: the order of the points plays no part", [] {
-    RapidCheckDraw draw;
-    Points<D> points = drawPoints<D>(draw);  // in general position: at a tie another point may stand for it
-    const auto hull = hullOf<D>(points);
-    for (std::size_t i = points.size(); i > 1; --i) {
-      std::swap(points[i - 1], points[static_cast<std::size_t>(draw.below(static_cast<int>(i)))]);
-    }
-    RC_ASSERT(asSet<D>(hullOf<D>(points)->vertices) == asSet<D>(hull->vertices));
+}
+
+template <int D>
+using HullOf = Points<D> (*)(const Points<D>&);
+template <int D>
+Points<D> right(const Points<D>& points) {
+  return hullOf<D>(points)->vertices;
+}
+
+// M8: in general position, the order of the points plays no part (at a tie another point may stand for one).
+template <int D>
+void orderIsNothing(HullOf<D> verticesOf) {
+  RapidCheckDraw draw;
+  Points<D> points = drawPoints<D>(draw);
+  const auto before = asSet<D>(verticesOf(points));
+  for (std::size_t i = points.size(); i > 1; --i) {
+    std::swap(points[i - 1], points[static_cast<std::size_t>(draw.below(static_cast<int>(i)))]);
+  }
+  RC_ASSERT(asSet<D>(verticesOf(points)) == before);
+}
+
+// Features keep their numbers: vertices come in the order of the points, in 2D counter-clockwise from the first given.
+template <int D>
+void vertexOrder(HullOf<D> verticesOf) {
+  RapidCheckDraw draw;
+  const Points<D> points = drawPoints<D>(draw), vertices = verticesOf(points);
+  const auto place = [&](const Vec<D>& v) { return std::find(points.begin(), points.end(), v) - points.begin(); };
+  if (D == 3) {
+    RC_ASSERT(std::is_sorted(vertices.begin(), vertices.end(), [&](auto& a, auto& b) { return place(a) < place(b); }));
+  } else {
+    for (const Vec<D>& v : vertices) RC_ASSERT(place(vertices[0]) <= place(v));
+  }
+}
+
+template <int D>
+void orders() {
+  check("M8 order of the points", [] { orderIsNothing<D>(right<D>); });
+  expectFalsified("M8 of a hull that forgets the last point", [] {
+    orderIsNothing<D>([](const Points<D>& points) {
+      const bool enough = points.size() > D + 2;
+      return right<D>(enough ? Points<D>(points.begin(), points.end() - 1) : points);
+    });
   });
-  check("vertices keep the order of the points", [] {
-    RapidCheckDraw draw;
-    const Points<D> points = drawPoints<D>(draw);
-    const auto hull = hullOf<D>(points);
-    const auto place = [&](const Vec<D>& v) { return std::find(points.begin(), points.end(), v) - points.begin(); };
-    if (D == 3) {
-      RC_ASSERT(std::is_sorted(hull->vertices.begin(), hull->vertices.end(),
-                               [&](auto& a, auto& b) { return place(a) < place(b); }));
-    } else {  // counter-clockwise, from the point that was given first
-      for (const Vec<D>& v : hull->vertices) RC_ASSERT(place(hull->vertices[0]) <= place(v));
-    }
+  check("order of the vertices", [] { vertexOrder<D>(right<D>); });
+  expectFalsified("order of the vertices turned round", [] {
+    vertexOrder<D>([](const Points<D>& points) {
+      const Points<D> v = right<D>(points);
+      return Points<D>(v.rbegin(), v.rend());
+    });
   });
 }
+TEST(Hull, Orders2) { orders<2>(); }
+TEST(Hull, Orders3) { orders<3>(); }
+
 TEST(Hull, RandomClouds2) { hulls<2>(); }
 TEST(Hull, RandomClouds3) { hulls<3>(); }
 

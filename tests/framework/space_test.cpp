@@ -52,27 +52,25 @@ Rot<3> plainProduct(const Rot<3>& q, const Ang<3>& v) { return Rot<3>::vector(v)
 
 // M1: unit length and an orthonormal matrix after any number of steps.
 template <int D, class Step>
-void staysRotation(Step step, int steps) {
+void staysRotation(Step step) {
   RapidCheckDraw draw;
+  const int steps = draw.pick({1, 100, 3000, 100000});
   Rot<D> q = drawRotation<D>(draw);
   Ang<D> v;
   for (int k = 0; k < kAngDim<D>; ++k) v[k] = draw.signedUnit();
   for (int i = 0; i < steps; ++i) q = step(q, v);
   RC_ASSERT(std::abs(lengthOf(q) - 1) <= 8 * kEps);
   const Mat<D> r = q.matrix();
-  RC_ASSERT((r.transpose() * r - Mat<D>::Identity()).cwiseAbs().maxCoeff() <= 16 * kEps);
+  RC_ASSERT((r.transpose() * r - Mat<D>::Identity()).cwiseAbs().maxCoeff() <= 8 * kEps);
 }
-
-TEST(Rotation, StaysOne) {
+template <int D>
+void staysOne() {
   check(
-      "M1 2D", [] { staysRotation<2>([](auto& q, auto& v) { return integrateRotation(q, v); }, 1000); }, 50);
-  check(
-      "M1 3D", [] { staysRotation<3>([](auto& q, auto& v) { return integrateRotation(q, v); }, 1000); }, 50);
-  expectFalsified("M1 2D without normalising",
-                  [] { staysRotation<2>([](auto& q, auto& v) { return plainProduct(q, v); }, 3000); });
-  expectFalsified("M1 3D without normalising",
-                  [] { staysRotation<3>([](auto& q, auto& v) { return plainProduct(q, v); }, 3000); });
+      "M1", [] { staysRotation<D>([](auto& q, auto& v) { return integrateRotation(q, v); }); }, 40);
+  expectFalsified(
+      "M1 without normalising", [] { staysRotation<D>([](auto& q, auto& v) { return plainProduct(q, v); }); }, 40);
 }
+TEST(Rotation, StaysOne) { staysOne<2>(), staysOne<3>(); }
 
 // M2: there and back.
 template <int D, class Inverse>
@@ -135,13 +133,16 @@ TEST(Tangents, CompleteTheNormal) {
     EXPECT_EQ((tangents(n).transpose() * n).norm(), 0);
   }
   expectFalsified("left-handed", [] { orthonormal<2>([](const Vec<2>& n) { return Vec<2>(n[1], -n[0]); }); });
-  expectFalsified("by a fixed axis", [] {
-    orthonormal<3>([](const Vec<3>& n) {
-      Matrix<3, 2> t;
-      t.col(0) = n.cross(Vec<3>(Vec<3>::Unit(0))).normalized(), t.col(1) = n.cross(Vec<3>(t.col(0)));
-      return t;
-    });
-  });
+  expectFalsified(
+      "by a fixed axis",
+      [] {
+        orthonormal<3>([](const Vec<3>& n) {
+          Matrix<3, 2> t;
+          t.col(0) = n.cross(Vec<3>(Vec<3>::Unit(0))).normalized(), t.col(1) = n.cross(Vec<3>(t.col(0)));
+          return t;
+        });
+      },
+      1000);
 }
 
 // f . (w x r) = w . (r x f): what makes J and its transpose agree in every solver.

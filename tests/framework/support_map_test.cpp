@@ -39,73 +39,96 @@ template <int D>
 void m3() {
   check(
       "M3", [] { extreme<D>([](auto& s, auto& d) { return coreSupport(s, d); }); }, 300);
-  expectFalsified("M3 of a climber that stops at the first vertex that is no better", [] {
-    extreme<D>([](const ShapeView<D>& s, const Vec<D>& d) {
-      if (!s.hull) return coreSupport(s, d);
-      std::size_t i = 0;
-      const auto& v = s.hull->vertices;
-      while (i + 1 < v.size() && v[i + 1].dot(d) > v[i].dot(d)) ++i;
-      return v[i];
-    });
-  });
+  expectFalsified(
+      "M3 of a climber that stops at the first vertex that is no better",
+      [] {
+        extreme<D>([](const ShapeView<D>& s, const Vec<D>& d) {
+          if (!s.hull) return coreSupport(s, d);
+          std::size_t i = 0;
+          const auto& v = s.hull->vertices;
+          while (i + 1 < v.size() && v[i + 1].dot(d) > v[i].dot(d)) ++i;
+          return v[i];
+        });
+      },
+      300);
 }
 TEST(SupportMap, Extreme) { m3<2>(), m3<3>(); }
 
 template <int D>
-void lengths() {  // M4, M5
-  check("M4", [] {
-    const Shape<D> s = *shapes<D>();
-    const Vec<D> d = *directions<D>();
-    const int far = sizeof(Real) == 8 ? 150 : 15;
-    for (const Real k : {Real(std::pow(10, -far)), Real(0.5), Real(std::pow(10, far))}) {
-      const Vec<D> other = coreSupport(s.view(), Vec<D>(k * d));
-      RC_ASSERT(std::abs(other.dot(d) - coreSupport(s.view(), d).dot(d)) <= 4 * kEps * sizeOf(s));
-    }
-    const Real h = supportValue(s.view(), d);
-    RC_ASSERT(std::abs(supportValue(s.view(), Vec<D>(4 * d)) - 4 * h) <= 16 * kEps * sizeOf(s));
+using Support = Vec<D> (*)(const ShapeView<D>&, const Vec<D>&);
+template <int D>
+Vec<D> right(const ShapeView<D>& s, const Vec<D>& d) {
+  return coreSupport(s, d);
+}
+
+template <int D>
+void anyLength(Support<D> support) {  // M4
+  const Shape<D> s = *shapes<D>();
+  const Vec<D> d = *directions<D>();
+  const int far = sizeof(Real) == 8 ? 150 : 15;
+  for (const Real k : {Real(std::pow(10, -far)), Real(0.5), Real(std::pow(10, far))}) {
+    const Vec<D> other = support(s.view(), Vec<D>(k * d));
+    RC_ASSERT(std::abs(other.dot(d) - support(s.view(), d).dot(d)) <= 4 * kEps * sizeOf(s));
+  }
+  const Real h = supportValue(s.view(), d);
+  RC_ASSERT(std::abs(supportValue(s.view(), Vec<D>(4 * d)) - 4 * h) <= 16 * kEps * sizeOf(s));
+}
+template <int D>
+void noDirection(Support<D> support) {  // M5
+  const Shape<D> s = *shapes<D>();
+  RC_ASSERT(support(s.view(), Vec<D>(Vec<D>::Zero())).allFinite());
+  RC_ASSERT(supportValue(s.view(), Vec<D>(Vec<D>::Zero())) == 0);
+}
+template <int D>
+void lengths() {
+  check("M4", [] { anyLength<D>(right<D>); });
+  expectFalsified("M4 of a support that takes short directions for none", [] {
+    anyLength<D>([](const ShapeView<D>& s, const Vec<D>& d) {
+      return coreSupport(s, d.norm() < Real(1e-9) ? Vec<D>(Vec<D>::Unit(0)) : d);
+    });
   });
-  check("M5", [] {
-    const Shape<D> s = *shapes<D>();
-    RC_ASSERT(coreSupport(s.view(), Vec<D>(Vec<D>::Zero())).allFinite());
-    RC_ASSERT(supportValue(s.view(), Vec<D>(Vec<D>::Zero())) == 0);
+  check("M5", [] { noDirection<D>(right<D>); });
+  expectFalsified("M5 of a support that makes the direction unit", [] {
+    noDirection<D>([](const ShapeView<D>& s, const Vec<D>& d) { return Vec<D>(coreSupport(s, d) + 0 * d / d.norm()); });
   });
 }
 TEST(SupportMap, AnyLength) { lengths<2>(), lengths<3>(); }
 
-// M6: the posed shape's support agrees with its points; M7: supports of a Minkowski sum add up.
+// M6: the posed shape's support agrees with its points.
 template <int D>
-void posed() {
-  check("M6", [] {
-    const Shape<D> s = *shapes<D>();
-    const auto X = *poses<D>(3);
-    const Vec<D> d = *directions<D>();
-    const Vec<D> local = X.q.inverse() * d;
-    const Real h = X.p.dot(d) + supportValue(s.view(), local);
-    Real best = -std::numeric_limits<Real>::infinity();
-    for (const Vec<D>& p : corners(s.view())) best = std::max(best, (X * p).dot(d) + s.view().radius);
-    RC_ASSERT(std::abs(h - best) <= 16 * kEps * (sizeOf(s) + X.p.norm()));
-  });
-  check("M7", [] {
-    RapidCheckDraw draw;
-    const Shape<D> a = Shape<D>::polytope(drawPoints<D>(draw)), b = Shape<D>::polytope(drawPoints<D>(draw));
-    const Vec<D> d = *directions<D>();
-    Real sum = -std::numeric_limits<Real>::infinity();
-    for (const Vec<D>& p : a.view().hull->vertices) {
-      for (const Vec<D>& q : b.view().hull->vertices) sum = std::max(sum, (p + q).dot(d));
-    }
-    RC_ASSERT(std::abs(sum - supportValue(a.view(), d) - supportValue(b.view(), d)) <= 32 * kEps * 10);
-  });
-  expectFalsified("M6 with the direction turned the wrong way", [] {
-    const Shape<D> s = *shapes<D>();
-    const auto X = *poses<D>(3);
-    const Vec<D> d = *directions<D>();
-    const Real h = supportValue(s.view(), Vec<D>(X.q * d));
-    Real best = -std::numeric_limits<Real>::infinity();
-    for (const Vec<D>& p : corners(s.view())) best = std::max(best, (X.q * p).dot(d) + s.view().radius);
-    RC_ASSERT(std::abs(h - best) <= 16 * kEps * sizeOf(s));
+void posed(Vec<D> (*local)(const Pose<D>&, const Vec<D>&)) {
+  const Shape<D> s = *shapes<D>();
+  const auto X = *poses<D>(3);
+  const Vec<D> d = *directions<D>();
+  const Real h = X.p.dot(d) + supportValue(s.view(), local(X, d));
+  Real best = -std::numeric_limits<Real>::infinity();
+  for (const Vec<D>& p : corners(s.view())) best = std::max(best, (X * p).dot(d) + s.view().radius);
+  RC_ASSERT(std::abs(h - best) <= 16 * kEps * (sizeOf(s) + X.p.norm()));
+}
+// M7: supports of a Minkowski sum add up.
+template <int D>
+void sumOf(Support<D> support) {
+  RapidCheckDraw draw;
+  const Shape<D> a = Shape<D>::polytope(drawPoints<D>(draw)), b = Shape<D>::polytope(drawPoints<D>(draw));
+  const Vec<D> d = *directions<D>();
+  Real sum = -std::numeric_limits<Real>::infinity();
+  for (const Vec<D>& p : a.view().hull->vertices) {
+    for (const Vec<D>& q : b.view().hull->vertices) sum = std::max(sum, (p + q).dot(d));
+  }
+  const Vec<D> p = coreSupport(a.view(), d) + support(b.view(), d);
+  RC_ASSERT(std::abs(sum - p.dot(d)) <= 32 * kEps * 10);
+}
+template <int D>
+void posesAndSums() {
+  check("M6", [] { posed<D>([](const Pose<D>& X, const Vec<D>& d) { return Vec<D>(X.q.inverse() * d); }); });
+  expectFalsified("M6 with the direction turned the wrong way",
+                  [] { posed<D>([](const Pose<D>& X, const Vec<D>& d) { return Vec<D>(X.q * d); }); });
+  check("M7", [] { sumOf<D>(right<D>); });
+  expectFalsified("M7 of a difference taken for a sum", [] {
+    sumOf<D>([](const ShapeView<D>& s, const Vec<D>& d) { return Vec<D>(-coreSupport(s, Vec<D>(-d))); });
   });
 }
-TEST(SupportMap, PosesAndSums) { posed<2>(), posed<3>(); }
+TEST(SupportMap, PosesAndSums) { posesAndSums<2>(), posesAndSums<3>(); }
 
 TEST(SupportMap, HintIsTheVertex) {
   const std::vector<Vec<2>> points = {{0, 0}, {2, 0}, {0, 1}};

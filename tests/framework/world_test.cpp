@@ -65,6 +65,10 @@ TYPED_TEST(WorldTest, RefusesWhatIsNotPhysics) {
   EXPECT_NE(messageOf([&] { world.add(massless); }).find("mass"), std::string::npos);
   EXPECT_NE(messageOf([&] { world.step(-1); }), "");
   EXPECT_NE(messageOf([&] { world.step(nan); }), "");
+  const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  EXPECT_NE(messageOf([&] { world.setPose(ball, {at<D>(double(nan), 0), {}}); }).find("finite"), std::string::npos);
+  EXPECT_EQ(world.pose(ball).p[0], 0);
+  world.remove(ball);
   EXPECT_NE(messageOf([&] { World<D> w(Pipeline::parse("broadphase=none_such")); }).find("naive"), std::string::npos);
   EXPECT_EQ(world.bodyCount(), 0);
 }
