@@ -8,39 +8,10 @@
 
 #include "tests/check_property.h"
 #include "tests/conformance/broadphase_model.h"
+#include "tests/conformance/broadphase_variants.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
-
-// The default, each value of each choice, and both ends of each range.
-std::vector<Spec> variants(const Registered& algorithm) {
-  std::vector<Spec> out = {{algorithm.info.name, {}}};
-  const auto add = [&](const std::string& key, const std::string& value) {
-    Spec spec{algorithm.info.name, {}};
-    spec.set(key, {value, {}});
-    out.push_back(std::move(spec));
-  };
-  for (const ParamInfo& p : algorithm.params) {
-    for (const std::string& choice : p.choices) add(p.name, choice);
-    if (const auto dots = p.range.find(" .. "); dots != std::string::npos) {
-      add(p.name, p.range.substr(0, dots));
-      add(p.name, p.range.substr(dots + 4));
-    }
-  }
-  // Each choice with the other parameters at their ends: a mode may read what the default does not.
-  const std::size_t single = out.size();
-  for (std::size_t i = 1; i < single; ++i) {
-    for (const ParamInfo& p : algorithm.params) {
-      if (p.type != "choice" || out[i].find(p.name)) continue;
-      for (const std::string& choice : p.choices) {
-        Spec both = out[i];
-        both.set(p.name, {choice, {}});
-        out.push_back(std::move(both));
-      }
-    }
-  }
-  return out;
-}
 
 template <int D>
 void checkAllPairs() {
@@ -87,6 +58,7 @@ TEST(BroadphasePlantedBugs, ForgetsCenterLine) { expectRefused<ForgetsCenterLine
 TEST(BroadphasePlantedBugs, StaleSlot) { expectRefused<StaleSlot>("stale slot"); }
 TEST(BroadphasePlantedBugs, Duplicates) { expectRefused<Duplicates>("duplicates"); }
 TEST(BroadphasePlantedBugs, WakesTheDead) { expectRefused<WakesTheDead>("wakes the dead"); }
+TEST(BroadphasePlantedBugs, MeetsTheLost) { expectRefused<MeetsTheLost>("meets the lost"); }
 TEST(BroadphasePlantedBugs, InnerSpheres) { expectRefused<InnerSpheres>("inner spheres", Guarantee::conservative); }
 
 // The twin without a mistake passes: the others are refused for theirs.

@@ -105,4 +105,94 @@ class InnerSpheres final : public PlantedBug<D> {
   }
 };
 
+/// Compares neighbours of a list that it forgot to sort.
+template <int D>
+class NearbySlots final : public PlantedBug<D> {
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    return b - a < 8 && proxies.boxesOverlap(a, b);
+  }
+};
+
+/// Takes a box in when it is added and never looks at it again.
+template <int D>
+class KeepsFirstBox final : public PlantedBug<D> {
+ public:
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
+    m_boxes.resize(static_cast<std::size_t>(proxies.size()));
+    for (ProxyId i : changes.added) m_boxes[static_cast<std::size_t>(i)] = proxies.box(i);
+  }
+
+ private:
+  bool meet(const Proxies<D>&, ProxyId a, ProxyId b) override {
+    return m_boxes[static_cast<std::size_t>(a)].overlaps(m_boxes[static_cast<std::size_t>(b)]);
+  }
+  std::vector<Aabb<D>> m_boxes;
+};
+
+/// Works through the lists in the wrong order: what left and came back in one update is gone.
+template <int D>
+class RemovesLast final : public PlantedBug<D> {
+ public:
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
+    m_known.resize(static_cast<std::size_t>(proxies.size()));
+    for (ProxyId i : changes.added) m_known[static_cast<std::size_t>(i)] = true;
+    for (ProxyId i : changes.removed) m_known[static_cast<std::size_t>(i)] = false;
+  }
+
+ private:
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    return m_known[static_cast<std::size_t>(a)] && m_known[static_cast<std::size_t>(b)] && proxies.boxesOverlap(a, b);
+  }
+  std::vector<bool> m_known;
+};
+
+/// Boxes without their upper borders: who touches whom depends on the side.
+template <int D>
+class HalfOpenBoxes final : public PlantedBug<D> {
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    const Aabb<D> p = proxies.box(a), q = proxies.box(b);
+    return (p.lo.array() <= q.hi.array()).all() && (q.lo.array() < p.hi.array()).all();
+  }
+};
+
+/// Boxes meet when a corner of one is in the other: a cross, or a plank through a wall, is missed.
+template <int D>
+class CornersOnly final : public PlantedBug<D> {
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    const Aabb<D> p = proxies.box(a), q = proxies.box(b);
+    for (int bits = 0; bits < 1 << D; ++bits) {
+      Vec<D> ofP, ofQ;
+      for (int d = 0; d < D; ++d) {
+        ofP[d] = (bits >> d) & 1 ? p.hi[d] : p.lo[d];
+        ofQ[d] = (bits >> d) & 1 ? q.hi[d] : q.lo[d];
+      }
+      if (p.contains(ofQ) || q.contains(ofP)) return true;
+    }
+    return false;
+  }
+};
+
+/// A tree that is divided until a region holds one box: for equal boxes it is stopped after a thousand levels only.
+template <int D>
+class Bottomless final : public PlantedBug<D> {
+ public:
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+    PlantedBug<D>::findPairs(proxies, out, work);
+    const bool alike = std::any_of(out.begin(), out.end(), [&](const ProxyPair& p) {
+      const Aabb<D> a = proxies.box(p.a), b = proxies.box(p.b);
+      return a.lo == b.lo && a.hi == b.hi;
+    });
+    work[Count::nodeVisits] += alike ? 1000 : out.size();
+  }
+};
+
+/// An empty box, of a body that has become NaN, is compared the wrong way round and meets everything.
+template <int D>
+class MeetsTheLost final : public PlantedBug<D> {
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    const Aabb<D> p = proxies.box(a), q = proxies.box(b);
+    return proxies.boxesOverlap(a, b) || (p.lo[0] > p.hi[0]) != (q.lo[0] > q.hi[0]);
+  }
+};
+
 }  // namespace lpc::inline LPC_PRECISION::test

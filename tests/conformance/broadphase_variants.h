@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <vector>
+
+#include "framework/registry.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// The default, each value of each choice, and both ends of each range.
+inline std::vector<Spec> variants(const Registered& algorithm) {
+  std::vector<Spec> out = {{algorithm.info.name, {}}};
+  const auto add = [&](const std::string& key, const std::string& value) {
+    Spec spec{algorithm.info.name, {}};
+    spec.set(key, {value, {}});
+    out.push_back(std::move(spec));
+  };
+  for (const ParamInfo& p : algorithm.params) {
+    for (const std::string& choice : p.choices) add(p.name, choice);
+    if (const auto dots = p.range.find(" .. "); dots != std::string::npos) {
+      add(p.name, p.range.substr(0, dots));
+      add(p.name, p.range.substr(dots + 4));
+    }
+  }
+  // Each choice with the other parameters at their ends: a mode may read what the default does not.
+  const std::size_t single = out.size();
+  for (std::size_t i = 1; i < single; ++i) {
+    for (const ParamInfo& p : algorithm.params) {
+      if (p.type != "choice" || out[i].find(p.name)) continue;
+      for (const std::string& choice : p.choices) {
+        Spec both = out[i];
+        both.set(p.name, {choice, {}});
+        out.push_back(std::move(both));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test
