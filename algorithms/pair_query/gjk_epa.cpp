@@ -120,6 +120,10 @@ class GjkEpa final : public PairQuery<D> {
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
     if (inside && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
+    if constexpr (D == 3) {
+      static const Real kShallow = std::sqrt(kEpsilon);
+      if (inside && best.bound > -kShallow * pair.scale) m_local.improveAcrossEdges(pair, best, work);
+    }
     const Real length = std::sqrt(nearest.length2);
     const auto isShort = [&] { return !inside && length - best.bound > tolerance && best.bound > -tolerance; };
     if (isShort()) m_local.improve(pair, length - best.bound, best, work);

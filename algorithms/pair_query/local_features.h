@@ -41,8 +41,44 @@ class LocalFeatures {
     }
   }
 
+  /// Cores that barely overlap: a facet of the difference may be a needle that was lost among rounded sums. The edges
+  /// that leave the features at contact are not sums, and give the normals of all facets there.
+  void improveAcrossEdges(const CorePair<3>& pair, BestAxis<3>& best, Work& work) {
+    const Real band = -8 * best.bound + 64 * kEpsilon * pair.scale;
+    for (int round = 0; round < 4; ++round) {
+      const Real before = best.bound;
+      edgesAt(pair.a, best.n, band, m_a);
+      edgesAt(pair.b, Vec<3>(-(pair.r.transpose() * best.n)), band, m_b);
+      for (Vec<3>& e : m_b) e = pair.r * e;
+      m_a.insert(m_a.end(), m_b.begin(), m_b.end());
+      for (std::size_t i = 0; i < m_a.size(); ++i) {
+        for (std::size_t j = i + 1; j < m_a.size(); ++j) {
+          const Vec<3> n = across(m_a[i].cross(m_a[j]), m_a[i]);
+          best.tryDirection(pair, n, work), best.tryDirection(pair, -n, work);
+        }
+      }
+      if (!(best.bound > before)) return;
+    }
+  }
+
  private:
   static constexpr std::size_t kMost = 8;
+
+  // Unit edges with an end within `band` of the core's farthest along n.
+  static void edgesAt(const ShapeView<3>& shape, const Vec<3>& n, Real band, std::vector<Vec<3>>& out) {
+    out.clear();
+    for (int k = 0; k < 3; ++k) {
+      if (shape.half[k] > 0) out.push_back(Vec<3>::Unit(k));
+    }
+    if (shape.kind != ShapeKind::polytope) return;
+    const std::vector<Vec<3>>& vertices = shape.hull->vertices;
+    const Real height = coreSupport(shape, n).dot(n) - band;
+    for (const auto& edge : shape.hull->edges) {
+      const Vec<3>&u = vertices[static_cast<std::size_t>(edge.v0)], &v = vertices[static_cast<std::size_t>(edge.v1)];
+      Vec<3> e = v - u;
+      if ((u.dot(n) >= height || v.dot(n) >= height) && makeUnit<3>(e)) out.push_back(e);
+    }
+  }
 
   template <class F>
   static void forEdges(const std::vector<Vec<D>>& vertices, F&& f) {
