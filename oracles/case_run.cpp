@@ -277,22 +277,42 @@ bool isOurFault(const CaseResult& result) {
   return result.verdict != CaseVerdict::ok && !(result.verdict == CaseVerdict::refused && undeclared);
 }
 
-int verifyCases(const std::string& path, std::ostream& out) {
+namespace {
+
+bool hasValue(const CaseResult& row) { return row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong; }
+
+void print(const CaseResult& row, std::ostream& out) {
+  out << std::left << std::setw(40) << row.id << ' ' << std::setw(19) << row.method << ' ' << std::setw(7)
+      << caseVerdictName(row.verdict) << ' ';
+  if (hasValue(row)) {
+    out << std::setprecision(17) << row.value << ' ' << row.expected << ' ' << std::setprecision(2) << row.error;
+  } else {
+    out << "- - -";
+  }
+  if (!row.reason.empty()) out << ' ' << row.reason;
+  out << '\n';
+}
+
+void write(const CaseResult& row, std::ostream& csv) {
+  csv << row.id << ',' << row.method << ',' << caseVerdictName(row.verdict) << ',' << std::setprecision(17);
+  if (hasValue(row)) {
+    csv << row.value << ',' << row.expected << ',' << row.error;
+  } else {
+    csv << ",,";
+  }
+  csv << ',' << std::quoted(row.reason, '"', '"') << '\n';
+}
+
+}  // namespace
+
+int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv) {
   const std::vector<CaseResult> rows = runCases(readCases(path));
   std::map<std::string, std::map<CaseVerdict, int>> summary;
   int faults = 0;
+  if (csv) *csv << "id,method,verdict,value,expected,error,reason\n";
   for (const CaseResult& row : rows) {
-    const bool answered = row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong;
-    const auto column = [&](double value, int digits) {
-      std::ostringstream text;
-      text << std::setprecision(digits) << value;
-      out << ' ' << (answered ? text.str() : "-");
-    };
-    out << std::left << std::setw(40) << row.id << ' ' << std::setw(19) << row.method << ' ' << std::setw(7)
-        << caseVerdictName(row.verdict);
-    column(row.value, 17), column(row.expected, 17), column(row.error, 2);
-    if (!row.reason.empty()) out << ' ' << row.reason;
-    out << '\n';
+    print(row, out);
+    if (csv) write(row, *csv);
     ++summary[row.method][row.verdict];
     faults += isOurFault(row);
   }

@@ -80,7 +80,9 @@ std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 /// Is it one that must not happen: a competitor that is wrong, fails, or refuses what it declares?
 bool isOurFault(const CaseResult& result);
 
-/// `lpc verify --cases FILE`: prints one line per case and method and a summary; 0 when none is our fault, else 1.
-int verifyCases(const std::string& path, std::ostream& out);
+/// `lpc verify --cases FILE`: prints one line per case and method (id, method, verdict, value, expected value, error/s,
+/// reason; `-` where there is no value) and a summary; into `csv` go the same lines with a head. Returns 0 when none is
+/// our fault, else 1.
+int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv = nullptr);
 
 }  // namespace lpc::inline LPC_PRECISION
