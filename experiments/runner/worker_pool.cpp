@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/worker_pool.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sched.h>
+
+#include <array>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/locations.h"
+#include "experiments/runner/store.h"
+#include "experiments/trial/plugin.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+volatile std::sig_atomic_t interruptFlag = 0;
+void interrupt(int) { interruptFlag = 1; }
+
+constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
+std::array<struct sigaction, 2> oldActions;
+
+}  // namespace
+
+WorkerPool::WorkerPool(const std::vector<std::string>& plugins) {
+  for (const std::string& path : plugins) {
+    m_plugins.emplace_back(pluginPrecision(path), std::filesystem::absolute(path).string());
+  }
+}
+
+void WorkerPool::start(std::size_t job, const std::string& precision, nlohmann::json request,
+                       const WorkerLimits& limits, int core) {
+  for (const auto& [built, path] : m_plugins) {
+    if (built == precision) request["plugins"].push_back(path);
+  }
+  m_running.push_back(
+      {job, limits, std::make_unique<Child>(workerPath(precision), request.dump(), core, false), timeStamp(), "", ""});
+}
+
+std::vector<WorkerEnd> WorkerPool::ended() {
+  waitForOutput();
+  std::vector<WorkerEnd> out;
+  for (std::size_t i = 0; i < m_running.size();) {
+    if (m_running[i].child->poll()) {
+      out.push_back(endOf(m_running[i]));
+      m_running.erase(m_running.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      guard(m_running[i++]);
+    }
+  }
+  return out;
+}
+
+void WorkerPool::waitForOutput() {
+  std::vector<pollfd> descriptors;
+  for (const Running& r : m_running) {
+    if (r.child->outputDescriptor() >= 0) descriptors.push_back({r.child->outputDescriptor(), POLLIN, 0});
+  }
+  // A worker that has closed its output is about to end: look again soon.
+  const bool ending = descriptors.size() < m_running.size();
+  ::poll(descriptors.data(), descriptors.size(), ending ? 1 : 50);
+}
+
+void WorkerPool::guard(Running& r) {
+  if (!r.killedFor.empty()) return;
+  if (r.child->seconds() > r.limits.seconds) {
+    r.killedFor = "timeout", r.why = fmt::format("no result within {:g} s", r.limits.seconds);
+  } else if (const double bytes = static_cast<double>(r.child->residentBytes()); bytes > r.limits.bytes) {
+    r.killedFor = "out_of_memory";
+    r.why = fmt::format("{:.2f} GiB, over {:.2f} GiB", bytes / 1073741824.0, r.limits.bytes / 1073741824.0);
+  }
+  if (!r.killedFor.empty()) r.child->kill();
+}
+
+WorkerEnd WorkerPool::endOf(const Running& r) {
+  const Child& c = *r.child;
+  const std::string last = c.lastError();
+  WorkerEnd end{.job = r.job, .reason = last, .output = {}, .started = r.started, .seconds = c.seconds()};
+  if (!r.killedFor.empty()) {
+    end.outcome = r.killedFor, end.reason = r.why;
+  } else if (c.signal()) {
+    end.outcome = "crash";
+    end.reason = fmt::format("signal {} ({}){}{}", c.signal(), strsignal(c.signal()), last.empty() ? "" : ": ", last);
+  } else if (c.exitCode() == 2) {
+    end.outcome = "unsupported";
+  } else if (c.exitCode() != 0) {
+    end.outcome = last.find("bad_alloc") != std::string::npos ? "out_of_memory" : "crash";
+    end.reason = fmt::format("exit code {}: {}", c.exitCode(), last);
+  } else {
+    end.output = c.output();
+  }
+  return end;
+}
+
+InterruptGuard::InterruptGuard() {
+  interruptFlag = 0;
+  struct sigaction action {};
+  action.sa_handler = interrupt;
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &oldActions[i]);
+}
+
+InterruptGuard::~InterruptGuard() {
+  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &oldActions[i], nullptr);
+}
+
+bool InterruptGuard::interrupted() { return interruptFlag != 0; }
+
+std::vector<int> processors() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> out;
+  if (sched_getaffinity(0, sizeof set, &set) == 0) {
+    for (int i = 0; i < CPU_SETSIZE; ++i) {
+      if (CPU_ISSET(static_cast<unsigned>(i), &set)) out.push_back(i);
+    }
+  }
+  return out;
+}
+
+std::string clockText(double seconds) {
+  const auto s = static_cast<long>(seconds + 0.5);
+  return fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Zlib
+// Workers at work: started with a request each, watched for time and memory, and what became of them.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "experiments/runner/child.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct WorkerLimits {
+  double seconds = 120, bytes = 4294967296.0;
+};
+
+struct WorkerEnd {
+  std::size_t job = 0;
+  std::string outcome = "ok";  // or timeout, out_of_memory, crash (by a signal or an exception), unsupported
+  std::string reason;
+  std::string output;   // of a worker that ended well
+  std::string started;  // UTC
+  double seconds = 0;
+};
+
+class WorkerPool {
+ public:
+  /// `plugins` are paths; each worker gets those of its own precision.
+  explicit WorkerPool(const std::vector<std::string>& plugins);
+
+  std::size_t running() const { return m_running.size(); }
+  /// `core` >= 0 pins it to that processor. `job` comes back with its end.
+  void start(std::size_t job, const std::string& precision, nlohmann::json request, const WorkerLimits& limits,
+             int core);
+  /// Waits a little for output and takes out those that have ended.
+  std::vector<WorkerEnd> ended();
+  void killAll() { m_running.clear(); }
+
+ private:
+  struct Running {
+    std::size_t job;
+    WorkerLimits limits;
+    std::unique_ptr<Child> child;
+    std::string started;
+    std::string killedFor, why;  // timeout or out_of_memory, when we did it
+  };
+  void waitForOutput();
+  static void guard(Running& r);
+  static WorkerEnd endOf(const Running& r);
+
+  std::vector<std::pair<std::string, std::string>> m_plugins;  // precision, absolute path
+  std::vector<Running> m_running;
+};
+
+/// Ctrl-C and SIGTERM set a flag while this lives.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  static bool interrupted();
+};
+
+/// Processors that this process may use.
+std::vector<int> processors();
+
+/// As 3:07.
+std::string clockText(double seconds);
+
+}  // namespace lpc::inline LPC_PRECISION
