@@ -1,47 +1,66 @@
 // SPDX-License-Identifier: Zlib
-// Every pair query, witnesses included, on seeded pairs of every two kinds of shape, against the referee's interval. A
-// method is wrong when the referee's proof says so; methods that merely differ from each other are not compared.
+// `lpc verify`: pair queries, contact generators and broadphases on seeded inputs before the referee. A method is wrong
+// when the referee's proof says so; methods that merely differ from each other are not compared.
 #pragma once
 
 #include <cstdint>
-#include <iosfwd>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
-#include <vector>
 
-#include "framework/registry.h"
-#include "framework/shape.h"
+#include "framework/stage_broadphase.h"
+#include "framework/stage_narrowphase.h"
+#include "oracles/ledger.h"
 
 namespace lpc::inline LPC_PRECISION {
 
-struct VerifyOptions {
-  int dimension = 3;
-  int pairs = 200;  // per two kinds
-  std::uint64_t seed = 1;
-  double scale = 1;                       // size of the shapes (m)
-  std::vector<std::string> methods = {};  // pipeline specs, as gjk_epa{tolerance=1e-10}; empty: all that are registered
-};
-
-/// One method on one pair of kinds. Errors are |distance - referee's interval| / s (errorScale), over the answers with
-/// a value; a wrong side is a wrong yes or no where the true distance is beyond the tolerance.
-struct VerifyRow {
-  ShapeKind a = ShapeKind::sphere, b = ShapeKind::sphere;
-  std::string method;
-  Role role = Role::competitor;
-  bool supported = true;
-  int asked = 0, undecided = 0;  // of the asked, those that the referee could not decide
-  int refused = 0, failed = 0, wrongSide = 0;
-  int disagreements = 0;  // value, or depth along the normal, off by more than the tolerance
-  double maxError = 0, medianError = 0;
-  std::string worst = {};  // the case of the largest error, as a line of a corpus of cases; empty when all agree
+/// A method by the name that the ledger shall show.
+template <class StageOf>
+struct Candidate {
+  std::string name;
+  Info info;
+  std::function<std::unique_ptr<StageOf>()> create;
 };
 
 /// 1e-12 of the pair's size in double precision, 1e-5 in single.
 double verifyTolerance();
 
-std::vector<VerifyRow> verifyPairs(const VerifyOptions& options);
+/// What every method is asked: the inputs numbered first .. first + count - 1 of a seed.
+struct VerifyRange {
+  std::uint64_t seed = 1;
+  int first = 0, count = 0;
+  /// How the process ended that asked this: booked as the verdict, and nobody is asked again.
+  std::optional<Tally> ended = {};
+};
 
-/// The table for people, and below it the worst case of each row that disagrees. Returns the number of competitors'
-/// rows with a refusal, failure, wrong side or disagreement: those are our faults.
-int printVerification(const std::vector<VerifyRow>& rows, std::ostream& out);
+/// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them. Error = |distance -
+/// referee's interval| / s (errorScale), or what the separation along the normal lacks, whichever is more.
+template <int D>
+void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
+                       std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
+
+/// The same pairs as bodies: a manifold if and only if they are within the margin; one unit normal along which they are
+/// as far apart as they are; points on both shapes, the deepest as deep as they. And faces laid on faces, which keep
+/// their features under a small motion (family resting_faces).
+template <int D>
+void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
+                    std::span<const Candidate<ContactGenerator<D>>> methods, Verified& out);
+
+/// Sets of boxes that come, move and go: the pairs of every step, compared with those of every two boxes.
+template <int D>
+void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broadphase<D>>> methods, Verified& out);
+
+/// One stage by name, on methods of the registry: what a worker does. The kinds are ignored by broadphases. Throws
+/// UserError for names that do not exist.
+struct VerifyTask {
+  StageKind stage = StageKind::pairQuery;
+  int dimension = 3;
+  ShapeKind kindA = ShapeKind::sphere, kindB = ShapeKind::sphere;
+  VerifyRange range = {};
+  std::vector<std::string> methods = {};  // specs, as gjk_epa{tolerance=1e-10}
+};
+Verified verify(const VerifyTask& task);
 
 }  // namespace lpc::inline LPC_PRECISION

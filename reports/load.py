@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""A result store (SQLite, schema 1) as pandas tables.
+"""A result store (SQLite, schema 2) as pandas tables.
 
 A *cell* is what a sweep plans: one set of axis values. It holds one untimed trial (errors, counts, series) and any
 number of timed repeats (times). Every planned cell is a row here, whatever became of it: a cell without a result has
@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-SCHEMA = "1"
+SCHEMA = "2"
 TABLES = {"meta", "machine", "planned", "trial", "series", "poses", "benchmark"}
 NOT_RUN = "not run"
 # The worst outcome of a cell's trials is the cell's; an outcome that this list does not know is worse than ok.

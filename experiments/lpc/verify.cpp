@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
-#include "oracles/verify.h"
-
+#include <cstdio>
 #include <iostream>
 #include <memory>
 
 #include "experiments/lpc/command.h"
+#include "experiments/runner/catalogue.h"
+#include "experiments/runner/ledger_table.h"
+#include "experiments/runner/verification.h"
 #include "framework/check.h"
 #include "oracles/cases.h"
 
@@ -12,53 +14,89 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 struct Arguments {
-  VerifyOptions options;
-  std::vector<int> dimensions;
-  std::string cases;
+  VerificationOptions options;
+  std::vector<std::string> stages;
+  std::string role = "all", store = "results/verify.db", cases;
 };
+
+StageKind verifiedStage(const std::string& name) {
+  for (const StageKind stage : VerificationOptions{}.stages) {
+    if (name == stageName(stage)) return stage;
+  }
+  throw UserError("unknown stage '" + name + "'; valid: pair_query, contacts, broadphase");
+}
+
+void readChoices(Arguments& a) {
+  if (!a.stages.empty()) a.options.stages.clear();
+  for (const std::string& name : a.stages) a.options.stages.push_back(verifiedStage(name));
+  for (const std::string& p : a.options.precisions) {
+    if (p != "f64" && p != "f32") throw UserError("unknown precision '" + p + "'; valid: f64, f32");
+  }
+  for (const int d : a.options.dimensions) {
+    if (d != 2 && d != 3) throw UserError("the dimension is " + std::to_string(d) + "; valid: 2, 3");
+  }
+  if (a.role == "competitor") {
+    a.options.role = Role::competitor;
+  } else if (a.role == "witness") {
+    a.options.role = Role::witness;
+  } else if (a.role != "all") {
+    throw UserError("unknown role '" + a.role + "'; valid: competitor, witness, all");
+  }
+}
+
+void verify(Arguments& a, Session& session) {
+  if (!a.cases.empty()) {
+    session.exitCode = verifyCases(a.cases, std::cout);
+    return;
+  }
+  readChoices(a);
+  a.options.plugins = session.plugins;
+  checkVerification(a.options);  // before a store is made
+  Store store(a.store, true);
+  store.setMeta("registry", nlohmann::json{{"algorithms", describeAlgorithms()}}.dump());
+  const VerificationSummary done = runVerification(a.options, store);
+  const int faults = printLedger(ledgerOf(a.options, store), std::cout);
+  for (const std::string& path : writeFoundCases(store, a.store)) {
+    std::cout << "simplest pair of this failure: " << path << "\n";
+  }
+  std::cout << a.store << ": " << done.asked << " inputs asked, " << done.skipped << " were done\n";
+  std::cout << (faults ? "WRONG: " + std::to_string(faults) + " of our own methods" : "our own methods: all right")
+            << "\n";
+  session.exitCode = faults ? 1 : 0;
+  if (done.stopped) {
+    std::cout << "stopped; the same command continues\n";
+    session.exitCode = 130;
+  }
+}
 
 void addVerify(CLI::App& app, Session& session) {
   auto* command = app.add_subcommand(
-      "verify", "Every pair query and witness on seeded pairs of shapes (or on a file of cases) before the referee");
-  auto arguments = std::make_shared<Arguments>();
-  command->add_option("--dimension", arguments->dimensions, "2, 3 or both (default)")->delimiter(',');
-  command->add_option("--pairs", arguments->options.pairs, "pairs per two kinds of shape")
+      "verify", "Pair queries, contacts and broadphases on seeded inputs (or a file of cases) before the referee");
+  auto a = std::make_shared<Arguments>();
+  VerificationOptions& o = a->options;
+  command->add_option("--pairs", o.pairs, "pairs per two kinds of shape and sets of boxes, in blocks of 200")
       ->capture_default_str()
-      ->check(CLI::Range(1, 10000000));
-  command->add_option("--seed", arguments->options.seed, "of the pairs")->capture_default_str();
-  command->add_option("--scale", arguments->options.scale, "size of the shapes (m)")
-      ->capture_default_str()
-      ->check(CLI::Range(1e-6, 1e6));
-  command->add_option("--methods", arguments->options.methods,
-                      "pair queries with parameters, separated by spaces; default: all");
-  command->add_option("--cases", arguments->cases, "a file of cases instead of seeded pairs")->type_name("FILE");
+      ->check(CLI::Range(1L, 1000000000L));
+  command->add_option("--minutes", o.minutes, "goes on with further blocks until then")->check(CLI::Range(0.01, 1e5));
+  command->add_option("--seed", o.seed, "of the inputs")->capture_default_str();
+  command->add_option("--stage", a->stages, "pair_query, contacts, broadphase; default: all")->delimiter(',');
+  command->add_option("--dimension", o.dimensions, "2, 3 or both (default)")->delimiter(',');
+  command->add_option("--precision", o.precisions, "f64 (default), f32 or both")->delimiter(',');
+  command->add_option("--role", a->role, "competitor, witness or all (default)");
+  command->add_option("--methods", o.methods, "methods with parameters, separated by spaces; default: all");
+  command->add_option("--store", a->store, "SQLite file, made if absent; what it has is not asked again")
+      ->capture_default_str();
+  command->add_option("--jobs", o.jobs, "workers at once; default: one per core");
+  command->add_flag("--quiet", o.quiet, "no progress line");
+  command->add_option("--cases", a->cases, "a file of cases instead of seeded inputs")->type_name("FILE");
   command->footer(
       "Exit code 1 when one of our own methods is wrong; witnesses are only recorded.\n"
       "Examples:\n"
       "  lpc verify --pairs 1000 --seed 7\n"
-      "  lpc verify --dimension 3 --methods sat gjk_epa{iterations=20} fcl_libccd\n"
+      "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"
+      "  lpc verify --dimension 3 --stage pair_query --methods sat gjk_epa{iterations=20} fcl_libccd\n"
       "  lpc verify --cases tests/regressions/hard_cases.json");
-  command->callback([arguments, &session] {
-    if (!arguments->cases.empty()) {
-      session.exitCode = verifyCases(arguments->cases, std::cout);
-      return;
-    }
-    std::vector<int> dimensions = arguments->dimensions;
-    if (dimensions.empty()) dimensions = {2, 3};
-    int faults = 0;
-    for (const int d : dimensions) {
-      arguments->options.dimension = d;
-      const std::vector<VerifyRow> rows = verifyPairs(arguments->options);
-      std::cout << d << "D, " << arguments->options.pairs << " pairs per two kinds, seed " << arguments->options.seed
-                << ", tolerance " << verifyTolerance() << " of the pair's size\n";
-      faults += printVerification(rows, std::cout);
-      std::cout << "\n";
-    }
-    std::cout << (faults ? "WRONG: " + std::to_string(faults) + " rows of our own methods"
-                         : std::string("our own methods: all right"))
-              << "\n";
-    session.exitCode = faults ? 1 : 0;
-  });
+  command->callback([a, &session] { verify(*a, session); });
 }
 
 LPC_COMMAND("verify", addVerify);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/catalogue.h"
 
+#include <array>
+
 namespace lpc::inline LPC_PRECISION {
 
 using nlohmann::json;
@@ -10,12 +12,13 @@ namespace {
 const char* guaranteeName(Guarantee g) {
   return g == Guarantee::exact ? "exact" : (g == Guarantee::conservative ? "conservative" : "approximate");
 }
-const char* roleName(Role r) {
-  const char* const names[] = {"competitor", "witness", "referee", "engine"};
-  return names[static_cast<int>(r)];
-}
 
 }  // namespace
+
+std::string_view roleName(Role role) {
+  constexpr std::array<std::string_view, 4> kNames = {"competitor", "witness", "referee", "engine"};
+  return kNames[static_cast<std::size_t>(role)];
+}
 
 json describeAlgorithms() {
   json out = json::array();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "framework/registry.h"
 
@@ -10,5 +11,7 @@ namespace lpc::inline LPC_PRECISION {
 /// All registered algorithms, one entry per name: stage, name, summary, paper, complexity, guarantee, role, dimensions,
 /// params, failures. What `lpc list --json` prints and what every store carries, so that a report knows whom it shows.
 nlohmann::json describeAlgorithms();
+
+std::string_view roleName(Role role);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -43,6 +43,15 @@ std::string keyOf(StageKind stage, const std::string& name) { return std::string
 
 bool isHeader(std::string_view path) { return path.ends_with(".h"); }
 
+// Paths and hashes of the sources in a folder.
+std::string contentOf(std::string_view folder) {
+  std::string all;
+  for (const Content& c : kContents) {
+    if (std::string_view(c.path).starts_with(folder)) all += std::string(c.path) + c.hash;
+  }
+  return all;
+}
+
 std::string codeHash(const Registered& entry) {
   const std::string key = keyOf(entry.stage, entry.info.name);
   if (const auto it = pluginOf().find(key); it != pluginOf().end()) return it->second;
@@ -99,14 +108,13 @@ std::string hexHash(std::string_view bytes) {
 }
 
 const std::string& coreHash() {
-  static const std::string hash = [] {
-    std::string all = std::string(LPC_COMPILER) + "\n" + LPC_FLAGS + "\n";
-    for (const Content& c : kContents) {
-      const std::string_view path = c.path;
-      if (path.starts_with("framework/") || path.starts_with("experiments/")) all += std::string(path) + c.hash;
-    }
-    return hexHash(all);
-  }();
+  static const std::string hash = hexHash(std::string(LPC_COMPILER) + "\n" + LPC_FLAGS + "\n" +
+                                          contentOf("framework/") + contentOf("experiments/"));
+  return hash;
+}
+
+const std::string& oraclesHash() {
+  static const std::string hash = hexHash(contentOf("oracles/"));
   return hash;
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchemaVersion = "1";
+constexpr const char* kSchemaVersion = "2";
 constexpr const char* kTables = R"(
 CREATE TABLE IF NOT EXISTS meta(key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE IF NOT EXISTS machine(id INTEGER PRIMARY KEY, description TEXT UNIQUE);
@@ -27,12 +27,15 @@ CREATE TABLE IF NOT EXISTS trial(key TEXT PRIMARY KEY, kind TEXT, canonical TEXT
 CREATE TABLE IF NOT EXISTS series(key TEXT, name TEXT, data BLOB, PRIMARY KEY(key, name));
 CREATE TABLE IF NOT EXISTS poses(key TEXT, step INTEGER, data BLOB, PRIMARY KEY(key, step));
 CREATE TABLE IF NOT EXISTS benchmark(id INTEGER PRIMARY KEY, imported TEXT, data TEXT);
+CREATE TABLE IF NOT EXISTS ledger(stage TEXT, precision TEXT, dimension INTEGER, kind_a TEXT, kind_b TEXT, axis TEXT,
+  value TEXT, method TEXT, role TEXT, asked INTEGER, agree INTEGER, wrong INTEGER, tie INTEGER, undecided INTEGER,
+  refused INTEGER, not_finite INTEGER, threw INTEGER, crashed INTEGER, hung INTEGER, wrong_side INTEGER, capped INTEGER,
+  max_error REAL, histogram TEXT, ns REAL, worst TEXT,
+  PRIMARY KEY(stage, precision, dimension, kind_a, kind_b, axis, value, method));
+CREATE TABLE IF NOT EXISTS verified_block(key TEXT PRIMARY KEY, stage TEXT, precision TEXT, dimension INTEGER,
+  method TEXT, code TEXT);
+CREATE TABLE IF NOT EXISTS found_case(name TEXT PRIMARY KEY, vertices INTEGER, size REAL, data TEXT);
 )";
-
-[[noreturn]] void fail(const std::string& path, const SQLite::Exception& e) {
-  const bool foreign = e.getErrorCode() == SQLITE_NOTADB || e.getErrorCode() == SQLITE_CORRUPT;
-  throw UserError(path + (foreign ? ": not a result store, or a damaged one: " : ": ") + e.what());
-}
 
 // LPC_STORE_MAX_PAGES bounds a store (pages of 4 KiB). At the bound it is full as on a full disk, which is how the
 // tests see what a full disk does.
@@ -90,6 +93,11 @@ std::optional<std::string> one(SQLite::Statement& s) {
 
 }  // namespace
 
+void failStore(const std::string& path, const SQLite::Exception& e) {
+  const bool foreign = e.getErrorCode() == SQLITE_NOTADB || e.getErrorCode() == SQLITE_CORRUPT;
+  throw UserError(path + (foreign ? ": not a result store, or a damaged one: " : ": ") + e.what());
+}
+
 Store::Store(const std::string& path, bool create) try
     : m_db(prepared(path, create), SQLite::OPEN_READWRITE), m_commit(commitOfSources()) {
   m_db.setBusyTimeout(30000);
@@ -105,7 +113,7 @@ Store::Store(const std::string& path, bool create) try
   m_db.exec("PRAGMA synchronous=NORMAL");  // with WAL a killed process loses nothing; only a dying machine may
   boundSize(m_db);
 } catch (const SQLite::Exception& e) {
-  fail(path, e);
+  failStore(path, e);
 }
 
 std::optional<std::string> Store::outcome(const std::string& key) try {
@@ -113,7 +121,7 @@ std::optional<std::string> Store::outcome(const std::string& key) try {
   s.bind(1, key);
   return one(s);
 } catch (const SQLite::Exception& e) {
-  fail(m_db.getFilename(), e);
+  failStore(m_db.getFilename(), e);
 }
 
 std::optional<std::string> Store::hash(const std::string& key) try {
@@ -121,7 +129,7 @@ std::optional<std::string> Store::hash(const std::string& key) try {
   s.bind(1, key);
   return one(s);
 } catch (const SQLite::Exception& e) {
-  fail(m_db.getFilename(), e);
+  failStore(m_db.getFilename(), e);
 }
 
 std::optional<double> Store::wall(const std::string& key) try {
@@ -130,7 +138,7 @@ std::optional<double> Store::wall(const std::string& key) try {
   if (!s.executeStep()) return std::nullopt;
   return s.getColumn(0).getDouble();
 } catch (const SQLite::Exception& e) {
-  fail(m_db.getFilename(), e);
+  failStore(m_db.getFilename(), e);
 }
 
 void Store::plan(const std::string& sweep, const std::vector<PlannedTrial>& trials, bool replace) try {
@@ -148,7 +156,7 @@ void Store::plan(const std::string& sweep, const std::vector<PlannedTrial>& tria
   }
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  fail(m_db.getFilename(), e);
+  failStore(m_db.getFilename(), e);
 }
 
 long Store::machineId() {
@@ -191,7 +199,7 @@ void Store::put(const PlannedTrial& trial, const TrialResult& result, const std:
   }
   transaction.commit();
 } catch (const SQLite::Exception& e) {
-  fail(m_db.getFilename(), e);
+  failStore(m_db.getFilename(), e);
 }
 
 void Store::setMeta(const std::string& key, const std::string& value) try {
@@ -199,7 +207,7 @@ void Store::setMeta(const std::string& key, const std::string& value) try {
   s.bind(1, key), s.bind(2, value);
   s.exec();
 } catch (const SQLite::Exception& e) {
-  fail(m_db.getFilename(), e);
+  failStore(m_db.getFilename(), e);
 }
 
 void Store::addBenchmark(const std::string& text) try {
@@ -207,7 +215,7 @@ void Store::addBenchmark(const std::string& text) try {
   s.bind(1, timeStamp()), s.bind(2, text);
   s.exec();
 } catch (const SQLite::Exception& e) {
-  fail(m_db.getFilename(), e);
+  failStore(m_db.getFilename(), e);
 }
 
 long Store::merge(const std::string& path) try {
@@ -230,11 +238,12 @@ long Store::merge(const std::string& path) try {
   m_db.exec(
       "INSERT INTO benchmark(imported, data) SELECT imported, data FROM other.benchmark o WHERE NOT EXISTS "
       "(SELECT 1 FROM main.benchmark b WHERE b.imported = o.imported AND b.data = o.data)");
+  mergeLedger();
   transaction.commit();
   m_db.exec("DETACH DATABASE other");
   return trials;
 } catch (const SQLite::Exception& e) {
-  fail(path + " into " + m_db.getFilename(), e);
+  failStore(path + " into " + m_db.getFilename(), e);
 }
 
 std::string timeStamp() {

@@ -3,14 +3,30 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/trial.h"
+#include "oracles/ledger.h"
 
 namespace lpc::inline LPC_PRECISION {
+
+/// Whose ledger it is.
+struct LedgerMethod {
+  std::string stage, precision;
+  int dimension = 3;
+  std::string method;
+};
+
+/// A block of inputs that one method was asked. `code` is all that its answers and verdicts depend on.
+struct VerifiedBlock {
+  std::string key;
+  LedgerMethod method;
+  std::string code;
+};
 
 /// The result store: one SQLite file. A finished trial is one transaction, so whatever is killed whenever, nothing that
 /// was finished is lost and nothing half-written is found. Tables and metric names: docs/manual.md.
@@ -30,16 +46,31 @@ class Store {
   void put(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall);
   void setMeta(const std::string& key, const std::string& value);
   void addBenchmark(const std::string& json);
-  /// Takes over all trials, plans and benchmarks of another store that this one lacks. Returns the number of trials.
+  /// Has this block of a verification been booked for this method?
+  bool isVerified(const std::string& key);
+  /// Books what was verified together with the blocks that it is of; all of it, or nothing when another process has
+  /// booked one of the blocks meanwhile.
+  void addVerified(const std::vector<VerifiedBlock>& blocks, const Verified& verified);
+  /// Drops what the ledger holds of the method with other code than `code`: its numbers would add up to nobody's.
+  void keepOnlyCode(const LedgerMethod& method, const std::string& code);
+  Ledger ledger();
+  /// The simplest pairs on which methods failed, by file name without extension.
+  std::map<std::string, std::string> foundCases();
+  /// Takes over all trials, plans, benchmarks and ledgers of methods of another store that this one lacks. Returns the
+  /// number of trials.
   long merge(const std::string& path);
 
  private:
   long machineId();
+  void mergeLedger();  // from the attached store `other`
 
   SQLite::Database m_db;
   long m_machine = 0;
   std::string m_commit;
 };
+
+/// Tells a user what SQLite cannot do.
+[[noreturn]] void failStore(const std::string& path, const SQLite::Exception& e);
 
 /// Now, UTC, as 2026-11-21T04:05:06Z.
 std::string timeStamp();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// lpc-worker-<precision>: one trial as JSON on stdin, its result as JSON on stdout.
+// lpc-worker-<precision>: one trial (or, with oracles, one task of a verification) as JSON on stdin, its result as JSON
+// on stdout.
 #include <cstdio>
 #include <iostream>
 #include <iterator>
@@ -7,11 +8,25 @@
 
 #include "experiments/trial/trial.h"
 #include "framework/check.h"
+#ifdef LPC_HAS_ORACLES
+#include "experiments/trial/verify_task.h"
+#endif
+
+namespace {
+
+nlohmann::json run(const nlohmann::json& request) {
+#ifdef LPC_HAS_ORACLES
+  if (request.contains("verify")) return lpc::runVerifyTask(request);
+#endif
+  return lpc::toJson(lpc::runTrial(request));
+}
+
+}  // namespace
 
 int main() {
   try {
     const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-    std::cout << lpc::toJson(lpc::runTrial(nlohmann::json::parse(text))).dump() << std::flush;
+    std::cout << run(nlohmann::json::parse(text)).dump() << std::flush;
     return std::cout ? 0 : 1;
   } catch (const lpc::UserError& e) {
     std::cerr << "lpc: " << e.what() << "\n";

@@ -343,7 +343,7 @@ class Command(WithStore):
         synthetic_store.write(folder / "future.db", themes=())
         with sqlite3.connect(folder / "future.db") as db:
             db.execute("UPDATE meta SET value='9' WHERE key='schema_version'")
-        self.refuses("store schema 9, this report reads schema 1", "--store", folder / "future.db", "--out", folder / "o")
+        self.refuses("store schema 9, this report reads schema 2", "--store", folder / "future.db", "--out", folder / "o")
         self.refuses("no such chart", "--store", self.path, "--out", folder / "o", "--only", "nonsense")
         self.refuses("give --out", "--store", self.path)
         self.assertFalse((folder / "o").exists(), "a refused command must write nothing")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""A small invented store of schema 1 with every kind of trouble in it: failures, holes, zeros, NaN, two machines."""
+"""A small invented store of schema 2 with every kind of trouble in it: failures, holes, zeros, NaN, two machines."""
 
 import json
 import math
@@ -31,7 +31,7 @@ class Maker:
     def __init__(self, path, seed=7):
         self.db = sqlite3.connect(path)
         self.db.executescript(SCHEMA)
-        self.db.execute("INSERT INTO meta VALUES ('schema_version', '1')")
+        self.db.execute("INSERT INTO meta VALUES ('schema_version', '2')")
         self.db.execute("INSERT INTO machine VALUES (1, ?)", (json.dumps(MACHINE),))
         self.random = np.random.default_rng(seed)
         self.count = 0

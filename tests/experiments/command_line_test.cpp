@@ -42,6 +42,15 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"sweep broadphase_crossover --only nobody", {"nobody"}},
       {"merge a.db nowhere.db", {"nowhere.db"}},
       {"--plugin nowhere.so list", {"nowhere.so"}},
+      {"verify --stage solver", {"'solver'", "pair_query, contacts, broadphase"}},
+      {"verify --precision f16", {"'f16'", "f64, f32"}},
+      {"verify --dimension 4", {"4", "2, 3"}},
+      {"verify --role judge", {"'judge'", "witness"}},
+      {"verify --pairs 0", {"--pairs"}},
+      {"verify --methods nobody", {"'nobody'", "gjk_epa"}},
+      {"verify --methods gjk_epa{iterations=many}", {"iterations", "many"}},
+      {"verify --dimension 2 --stage broadphase --role witness", {"no method of that role"}},
+      {"verify --cases nowhere.json", {"nowhere.json"}},
   };
   for (const auto& [arguments, parts] : cases) {
     const Outcome out = w.lpc(arguments);

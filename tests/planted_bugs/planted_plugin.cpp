@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Broadphases with one failure each, for the tests of the runner: every one must end as a row with its name.
+// Broadphases and pair queries with one failure each, for the tests of the runner: every one must end as a row with its
+// name.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -8,6 +9,7 @@
 
 #include "framework/plugin.h"
 #include "framework/stage_broadphase.h"
+#include "framework/stage_narrowphase.h"
 
 LPC_PLUGIN;
 
@@ -77,8 +79,43 @@ class Dice : public Planted<D, Bug::dice> {
   }
 };
 
+/// Of circles. One calls a depth half of what it is, the other does not survive large circles with one centre.
+template <int D, bool kCrashes>
+class PlantedQuery : public PairQuery<D> {
+ public:
+  using Params = NoParams;
+  explicit PlantedQuery(const Params&) {}
+
+  static Info info() {
+    return {.name = kCrashes ? "planted_abort" : "planted_half",
+            .summary = "planted bug",
+            .paper = "",
+            .complexity = "one square root"};
+  }
+  bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::sphere && b == ShapeKind::sphere; }
+  void query(const PairBatch<D>& batch, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+    for (int i = 0; i < batch.count; ++i) {
+      const PairView<D> pair = batch.pair(i);
+      const Real length = pair.X_AB.p.norm();
+      if (kCrashes && length == 0 && pair.a.radius > 800) std::abort();
+      PairAnswer<D> answer;
+      answer.status = QueryStatus::converged;
+      answer.normal = length > 0 ? Vec<D>(pair.X_AB.p / length) : Vec<D>(Vec<D>::Unit(0));
+      answer.distance = length - pair.a.radius - pair.b.radius;
+      if (!kCrashes && answer.distance < 0) answer.distance /= 2;
+      answers.set(i, answer);
+    }
+  }
+};
+template <int D>
+using Half = PlantedQuery<D, false>;
+template <int D>
+using Aborts = PlantedQuery<D, true>;
+
 }  // namespace
 
+LPC_REGISTER(PairQuery, Half, 2);
+LPC_REGISTER(PairQuery, Aborts, 2);
 LPC_REGISTER(Broadphase, Hang, 2);
 LPC_REGISTER(Broadphase, Crash, 2);
 LPC_REGISTER(Broadphase, Allocate, 2);

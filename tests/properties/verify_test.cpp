@@ -1,96 +1,325 @@
 // SPDX-License-Identifier: Zlib
+// What `lpc verify` asks and how it judges: right methods are right, planted wrong ones are found out and named.
 #include "oracles/verify.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <set>
-#include <sstream>
 
-#include "framework/stage_narrowphase.h"
 #include "oracles/cases.h"
-#include "oracles/hard_pairs.h"
+#include "oracles/regime.h"
+#include "oracles/witness.h"
 #include "tests/check_property.h"
+#include "tests/planted_bugs/broadphase.h"
+#include "tests/planted_bugs/contact_bugs.h"
+#include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
-VerifyOptions options(int dimension, std::vector<std::string> methods, int pairs) {
-  VerifyOptions o;
-  o.dimension = dimension, o.methods = std::move(methods), o.pairs = test::caseCount(pairs);
-  return o;
-}
-std::vector<std::string> ours(int dimension) {
-  std::vector<std::string> names;
-  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, dimension)) {
-    if (r->info.role == Role::competitor) names.push_back(r->info.name);
+std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension) {
+  std::vector<std::pair<ShapeKind, ShapeKind>> out;
+  for (int a = 0; a < kShapeKinds; ++a) {
+    for (int b = a; b < kShapeKinds; ++b) {
+      const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
+      if (dimension == 3 && (kindA == ShapeKind::segment || kindB == ShapeKind::segment)) continue;
+      out.emplace_back(kindA, kindB);
+    }
   }
-  return names;
+  return out;
 }
 
+// Every competitor of the stage on every two kinds.
+Verified verifyOurs(StageKind stage, int dimension, int count) {
+  VerifyTask task{.stage = stage, .dimension = dimension, .range = {.seed = 2, .first = 0, .count = caseCount(count)}};
+  for (const Registered* r : Registry::instance().list(stage, dimension)) {
+    if (r->info.role == Role::competitor) task.methods.push_back(r->info.name);
+  }
+  Verified sum;
+  for (const auto& [a, b] : kindPairs(dimension)) {
+    task.kindA = a, task.kindB = b;
+    sum.add(verify(task));
+    if (stage == StageKind::broadphase) break;
+  }
+  return sum;
+}
+
+template <class StageOf>
+Candidate<StageOf> planted(std::function<std::unique_ptr<StageOf>()> create, Info info = {}) {
+  return {"planted", std::move(info), std::move(create)};
+}
+template <class StageOf, class Bug>
+Candidate<StageOf> planted() {
+  return planted<StageOf>([] { return std::make_unique<Bug>(); });
+}
+
+LedgerEntry total(const Verified& verified, const std::string& axis = "all", const std::string& value = "") {
+  LedgerEntry sum;
+  for (const auto& [key, entry] : verified.ledger) {
+    if (key.axis == axis && key.value == value) sum.add(entry);
+  }
+  return sum;
+}
+std::set<std::string> failures(const Verified& verified) {
+  std::set<std::string> out;
+  for (const auto& [name, c] : verified.found) out.insert(c.failure);
+  return out;
+}
+
+template <int D>
+Verified verifyQuery(const Candidate<PairQuery<D>>& method, int count, std::uint64_t seed = 3) {
+  Verified out;
+  for (const auto& [a, b] : kindPairs(D)) {
+    verifyPairQueries<D>(a, b, {.seed = seed, .first = 0, .count = count}, {&method, 1}, out);
+  }
+  return out;
+}
+
+// --- what is asked ---------------------------------------------------------------------------------------------------
+
+template <int D>
+void everythingIsDrawn() {
+  std::map<std::string_view, int> families, regimes;
+  std::set<double> scales, offsets;
+  int asked = 0, hits = 0;
+  for (const auto& [a, b] : kindPairs(D)) {
+    for (int i = 0; i < 300; ++i) {
+      const HardPair<D> pair = hardPair<D>(a, b, 5, i);
+      const RefereeAnswer<D> truth = referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB);
+      ASSERT_EQ(pair.a.kind(), a);
+      ASSERT_EQ(pair.b.kind(), b);
+      ++asked, ++families[pair.family], ++regimes[regimeOf(pair, truth)];
+      hits += truth.hi < 0;
+      scales.insert(pair.scale), offsets.insert(pair.offset);
+    }
+  }
+  const double n = asked;
+  EXPECT_GE(hits, 0.3 * n) << hits << " of " << asked;
+  EXPECT_LE(hits, 0.7 * n) << hits << " of " << asked;
+  EXPECT_LE(families["random"], 0.5 * n);
+  for (const std::string_view family : hardPairFamilies()) EXPECT_GE(families[family], 0.02 * n) << family;
+  EXPECT_EQ(families.size(), hardPairFamilies().size());
+  for (const std::string_view regime : regimeNames()) {
+    if (regime == "undecided") {
+      EXPECT_EQ(regimes[regime], 0);
+    } else {
+      EXPECT_GE(regimes[regime], 0.01 * n) << regime;
+    }
+  }
+  EXPECT_EQ(scales, (std::set<double>{1e-3, 1, 1e3}));
+  EXPECT_TRUE(offsets.contains(0) && offsets.contains(1e2) && offsets.contains(1e5));
+}
+TEST(VerifyInputs, EveryFamilyAndRegimeIsDrawn) { everythingIsDrawn<2>(), everythingIsDrawn<3>(); }
+
+TEST(VerifyInputs, PairsAreTheSameWhereverTheyAreDrawn) {
+  const auto one = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 17);
+  const auto other = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 18);
+  const auto again = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 3, 17);
+  EXPECT_EQ(one.X_AB.p, again.X_AB.p);
+  EXPECT_EQ(one.family, again.family);
+  EXPECT_NE(one.X_AB.p, other.X_AB.p);
+}
+
+// --- our methods -----------------------------------------------------------------------------------------------------
+
 TEST(Verify, OurMethodsAreRight) {
-  for (const int d : {2, 3}) {
-    for (const double scale : {1e-3, 1.0, 1e3}) {
-      VerifyOptions o = options(d, ours(d), 60);
-      o.scale = scale;
-      std::ostringstream table;
-      EXPECT_EQ(printVerification(verifyPairs(o), table), 0) << table.str();
+  for (const StageKind stage : {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase}) {
+    for (const int d : {2, 3}) {
+      const Verified verified = verifyOurs(stage, d, stage == StageKind::pairQuery ? 150 : 40);
+      EXPECT_GT(total(verified)[Tally::asked], 0);
+      for (const auto& [key, entry] : verified.ledger) {
+        if (key.axis != "all") continue;
+        EXPECT_EQ(entry.faults(), 0) << key.stage << " " << d << "D " << key.method << " " << key.kindA << " "
+                                     << key.kindB << "\n"
+                                     << entry.worst;
+      }
     }
   }
 }
 
-// Nobody may be right by construction: a method that is stopped early, and one that is wrong by design, are found out.
-TEST(Verify, SeesWrongMethods) {
-  std::ostringstream table;
-  EXPECT_GT(printVerification(verifyPairs(options(3, {"gjk_epa{iterations=1,faces=8}"}, 60)), table), 0);
-  int disagreements = 0;
-  for (const VerifyRow& r : verifyPairs(options(3, {"libccd_mpr"}, 60))) disagreements += r.disagreements;
-  EXPECT_GT(disagreements, 0);
+// A right answer along another normal than the referee's is a tie, and ties happen.
+TEST(Verify, TiesAreNotWrong) {
+  const LedgerEntry ties = total(verifyOurs(StageKind::pairQuery, 3, 60), "family", "ties");
+  EXPECT_GT(ties[Tally::tie], 0);
+  EXPECT_EQ(ties[Tally::wrong], 0);
 }
 
-TEST(Verify, EveryTwoKindsAreAsked) {
-  std::set<std::pair<ShapeKind, ShapeKind>> kinds;
-  for (const VerifyRow& r : verifyPairs(options(2, {"sat"}, 5))) {
-    EXPECT_EQ(r.asked, test::caseCount(5));
-    EXPECT_EQ(r.undecided, 0);
-    kinds.insert({r.a, r.b});
+// Blocks add up to the whole, whatever they are cut into; only times differ.
+TEST(Verify, LedgersAddUp) {
+  VerifyTask task{.kindA = ShapeKind::box, .kindB = ShapeKind::polytope, .range = {}, .methods = {"sat", "gjk_epa"}};
+  task.range = {.seed = 4, .first = 0, .count = 60};
+  const Verified whole = verify(task);
+  Verified sum;
+  for (const auto& [first, count] : {std::pair(20, 40), std::pair(0, 20)}) {
+    task.range.first = first, task.range.count = count;
+    sum.add(verify(task));
   }
-  EXPECT_EQ(kinds.size(), 15u);
-}
-
-TEST(Verify, PairsAreTheSameWhereverTheyAreDrawn) {
-  const auto one = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 1, 3, 17);
-  hardPair<3>(ShapeKind::box, ShapeKind::polytope, 1, 3, 18);
-  const auto again = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 1, 3, 17);
-  EXPECT_EQ(one.X_AB.p, again.X_AB.p);
-  EXPECT_EQ(one.family, again.family);
-  std::set<std::string_view> families;
-  for (int i = 0; i < 200; ++i) families.insert(hardPair<3>(ShapeKind::box, ShapeKind::box, 1, 3, i).family);
-  EXPECT_EQ(families.size(), 8u);
-}
-
-// The worst case that is printed is a case that can be read: pasted into a file it shows the same error.
-TEST(Verify, WorstCasesCanBePasted) {
-  std::string objects;
-  for (const VerifyRow& r : verifyPairs(options(3, {"libccd_mpr"}, 30))) {
-    if (r.worst.empty()) continue;
-    objects += (objects.empty() ? "" : ",\n") + r.worst;
-    objects.insert(objects.rfind("{\"dim\"") + 1,
-                   "\"id\": \"pasted-" + std::to_string(objects.size()) + "\", \"source\": \"lpc verify\", ");
+  ASSERT_EQ(whole.ledger.size(), sum.ledger.size());
+  for (const auto& [key, entry] : whole.ledger) {
+    const LedgerEntry& other = sum.ledger.at(key);
+    EXPECT_EQ(entry.tallies, other.tallies);
+    EXPECT_EQ(entry.histogram, other.histogram);
+    EXPECT_EQ(entry.maxError, other.maxError);
+    EXPECT_EQ(entry.worst, other.worst);
   }
-  ASSERT_FALSE(objects.empty());
-  const std::string path = ::testing::TempDir() + "pasted_cases.json";
-  std::ofstream(path) << "{\"schema\": {}, \"cases\": [" << objects << "]}";
-  const auto cases = readCases(path);
-  int wrong = 0;
-  for (const CaseResult& r : runCases(cases)) {
-    EXPECT_FALSE(isOurFault(r)) << r.id << " " << r.method << " " << r.reason;
-    wrong += r.method == "libccd_mpr" && r.verdict == CaseVerdict::wrong;
-  }
-  EXPECT_GT(wrong, 0);
 }
 
-TEST(Verify, WrongDimensionIsTheUsersMistake) { EXPECT_THROW(verifyPairs(options(4, {}, 1)), UserError); }
+// --- planted pair queries --------------------------------------------------------------------------------------------
+
+template <template <int> class Bug>
+void isFound(const std::string& failure) {
+  const Verified verified = verifyQuery<3>(planted<PairQuery<3>, Bug<3>>(), 40);
+  EXPECT_GT(total(verified)[Tally::wrong], 0) << failure;
+  EXPECT_TRUE(failures(verified).contains(failure)) << failure;
+}
+TEST(Verify, WrongPairQueriesAreFound) {
+  isFound<wrong_queries::FlippedNormal>("wrong_normal");
+  isFound<wrong_queries::NoEdgeAxes>("wrong_distance");
+  isFound<wrong_queries::CentreRayDepth>("wrong_distance");
+  isFound<wrong_queries::AbsoluteTolerance>("wrong_distance");
+  isFound<wrong_queries::ForgetsRounding>("wrong_side");
+}
+
+// Ends without an answer, one after the other.
+template <int D>
+class Fails final : public PairQuery<D> {
+ public:
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  void query(const PairBatch<D>& batch, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+    for (int i = 0; i < batch.count; ++i) {
+      PairAnswer<D> answer;
+      answer.status = i % 4 == 0 ? QueryStatus::refused : i % 4 == 1 ? QueryStatus::failed : QueryStatus::converged;
+      if (i % 4 == 2) answer.distance = std::numeric_limits<Real>::quiet_NaN();
+      if (i % 4 == 3) answer.normal = Vec<D>::Constant(std::numeric_limits<Real>::infinity());
+      answers.set(i, answer);
+    }
+  }
+};
+TEST(Verify, WhatIsNoAnswerIsBookedAsSuch) {
+  const Verified verified = verifyQuery<2>(planted<PairQuery<2>, Fails<2>>(), 40);
+  const LedgerEntry all = total(verified);
+  EXPECT_EQ(all[Tally::refused], all[Tally::asked] / 4);
+  EXPECT_EQ(all[Tally::notFinite], all[Tally::asked] / 4 * 3);
+  EXPECT_EQ(all.faults(), all[Tally::asked]);
+  EXPECT_EQ(failures(verified), (std::set<std::string>{"not_finite", "refused"}));
+}
+
+class Troubled final : public Witness<3> {
+ public:
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  std::span<const Ending> endings() const override { return m_endings; }
+  std::int64_t nanoseconds() const override { return 1000 * static_cast<std::int64_t>(m_endings.size()); }
+  void query(const PairBatch<3>& batch, Need, PairAnswers<3>& answers, std::span<PairMemory>, Work&) override {
+    m_endings.clear();
+    for (int i = 0; i < batch.count; ++i) {
+      PairAnswer<3> answer;
+      answer.status = QueryStatus::failed;
+      answers.set(i, answer);
+      m_endings.push_back(std::array{Ending::threw, Ending::crashed, Ending::hung, Ending::notFinite}[i % 4u]);
+    }
+  }
+
+ private:
+  std::vector<Ending> m_endings;
+};
+TEST(Verify, EndingsOfWitnessesAreBooked) {
+  Info info;
+  info.role = Role::witness;
+  const auto method = planted<PairQuery<3>>([] { return std::make_unique<Troubled>(); }, info);
+  Verified verified;
+  verifyPairQueries<3>(ShapeKind::box, ShapeKind::box, {.seed = 1, .first = 0, .count = 40}, {&method, 1}, verified);
+  const LedgerEntry all = total(verified);
+  for (const Tally t : {Tally::threw, Tally::crashed, Tally::hung, Tally::notFinite}) EXPECT_EQ(all[t], 10);
+  EXPECT_EQ(all.role, Role::witness);
+  EXPECT_NEAR(all.nanoseconds, 40000, 1e-6);
+}
+
+// What a lost worker would have been asked is booked as its end, and nobody is asked again.
+TEST(Verify, LostWorkersAreBooked) {
+  VerifyTask task{.kindA = ShapeKind::box, .kindB = ShapeKind::box, .range = {}, .methods = {"sat"}};
+  task.range = {.seed = 1, .first = 7, .count = 1, .ended = Tally::crashed};
+  const Verified verified = verify(task);
+  EXPECT_EQ(total(verified)[Tally::crashed], 1);
+  EXPECT_EQ(failures(verified), (std::set<std::string>{"crashed"}));
+}
+
+// Of all failing pairs the one with the fewest vertices is kept, and as a file of cases it shows the failure again.
+TEST(Verify, TheSimplestFailingPairIsKeptAndReplays) {
+  const Verified verified = verifyQuery<3>(planted<PairQuery<3>, wrong_queries::CentreRayDepth<3>>(), 40);
+  const FoundCase& kept = verified.found.at({"planted", "wrong_distance"});
+  EXPECT_LE(kept.vertices, 4) << kept.text;  // two capsules fail, two spheres cannot
+  const std::string path = ::testing::TempDir() + "found_case.json";
+  std::ofstream(path) << "{\"schema\": {}, \"cases\": [" << kept.text << "]}";
+  const std::vector<Case> cases = readCases(path);
+  ASSERT_EQ(cases.size(), 1u);
+  const auto& g = std::get<CaseGeometry<3>>(cases[0].geometry);
+  wrong_queries::CentreRayDepth<3> wrong;
+  const ShapeView<3>&a = g.a.shape->view(), &b = g.b.shape->view();
+  const PairAnswer<3> answer = queryPair<3>(wrong, a, b, g.a.X_WS.inverse() * g.b.X_WS);
+  EXPECT_GT(std::abs(answer.distance - cases[0].expected.distance),
+            verifyTolerance() * errorScale<3>(a, g.a.X_WS, b, g.b.X_WS, cases[0].expected.distance));
+}
+
+// In 2D a file holds an angle: the pair comes back bit for bit.
+TEST(Verify, CasesComeBackExactly) {
+  const std::string path = ::testing::TempDir() + "exact_case.json";
+  for (int i = 0; i < 60; ++i) {
+    const HardPair<2> pair = hardPair<2>(ShapeKind::box, ShapeKind::capsule, 9, i);
+    std::ofstream(path) << "{\"schema\": {}, \"cases\": ["
+                        << caseText<2>("a", pair, ", \"expected\": {\"signed_distance\": 0}") << "]}";
+    const std::vector<Case> cases = readCases(path);
+    const auto& g = std::get<CaseGeometry<2>>(cases.at(0).geometry);
+    const Pose<2> X_AB = g.a.X_WS.inverse() * g.b.X_WS;
+    ASSERT_EQ(X_AB.p, pair.X_AB.p);
+    ASSERT_EQ(X_AB.q.c, pair.X_AB.q.c);
+    ASSERT_EQ(X_AB.q.s, pair.X_AB.q.s);
+    ASSERT_EQ(g.b.shape->view().half, pair.b.view().half);
+  }
+}
+
+// --- planted broadphases and contact generators ----------------------------------------------------------------------
+
+template <template <int> class Bug>
+void broadphaseIsFound(Guarantee guarantee = Guarantee::exact) {
+  Info info;
+  info.guarantee = guarantee;
+  const auto method = planted<Broadphase<2>>([] { return std::make_unique<Bug<2>>(); }, info);
+  Verified verified;
+  verifyBroadphases<2>({.seed = 1, .first = 0, .count = 40}, {&method, 1}, verified);
+  EXPECT_GT(total(verified)[Tally::wrong], 0);
+  EXPECT_EQ(total(verified)[Tally::asked], 40);
+}
+TEST(Verify, WrongBroadphasesAreFound) {
+  broadphaseIsFound<OpenBoxes>();
+  broadphaseIsFound<ForgetsCenterLine>();
+  broadphaseIsFound<StaleSlot>();
+  broadphaseIsFound<Duplicates>();
+  broadphaseIsFound<WakesTheDead>();
+  broadphaseIsFound<InnerSpheres>(Guarantee::conservative);
+}
+
+template <template <int> class Bug>
+void generatorIsFound(const std::string& family) {
+  const auto method = planted<ContactGenerator<3>, Bug<3>>();
+  Verified verified;
+  verifyContacts<3>(ShapeKind::box, ShapeKind::polytope, {.seed = 1, .first = 0, .count = 80}, {&method, 1}, verified);
+  const LedgerEntry entry = family.empty() ? total(verified) : total(verified, "family", family);
+  EXPECT_GT(entry[Tally::wrong], 0);
+}
+TEST(Verify, WrongContactGeneratorsAreFound) {
+  generatorIsFound<FlippedNormal>("");
+  generatorIsFound<DuplicateFeatures>("");
+  generatorIsFound<Unclipped>("");
+  generatorIsFound<NoEdgeContacts>("");
+  generatorIsFound<OnlyOnePoint>("resting_faces");
+  generatorIsFound<FeaturesFromPosition>("resting_faces");
+}
+
+TEST(Verify, WrongDimensionIsTheUsersMistake) {
+  EXPECT_THROW(verify({.dimension = 4, .range = {}, .methods = {"sat"}}), UserError);
+}
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/ledger_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ostream>
+#include <set>
+
+#include "experiments/runner/catalogue.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr int kMethodWidth = 18;
+
+// Lower end of the decade in which the median lies.
+std::string medianOf(const LedgerEntry& e) {
+  std::vector<std::pair<int, long>> decades;
+  long all = 0;
+  for (const auto& [decade, count] : e.histogram) {
+    decades.emplace_back(decade == "zero" ? -1000 : std::stoi(decade), count);
+    all += count;
+  }
+  std::sort(decades.begin(), decades.end());
+  long below = 0;
+  for (const auto& [decade, count] : decades) {
+    below += count;
+    if (2 * below >= all) return decade == -1000 ? "0" : fmt::format("1e{}", decade);
+  }
+  return "-";
+}
+
+long withoutAnswer(const LedgerEntry& e) {
+  return e[Tally::notFinite] + e[Tally::threw] + e[Tally::crashed] + e[Tally::hung];
+}
+
+std::string nanosecondsOf(const LedgerEntry& e) {
+  return e[Tally::asked] ? fmt::format("{:.0f}", e.nanoseconds / static_cast<double>(e[Tally::asked])) : "-";
+}
+
+std::string remark(const LedgerEntry& e) {
+  if (e.role != Role::competitor) return "  (" + std::string(roleName(e.role)) + ")";
+  return e.faults() ? "  WRONG" : "";
+}
+
+/// Stage, dimension and precision: one section of the print.
+using Section = std::tuple<std::string, int, std::string>;
+
+class Printer {
+ public:
+  Printer(const Ledger& ledger, const Section& section, std::ostream& out) : m_out(out) {
+    for (const auto& [key, entry] : ledger) {
+      if (Section(key.stage, key.dimension, key.precision) != section) continue;
+      if (key.axis == "all") {
+        m_methods[key.method].add(entry);
+        m_kinds[{key.kindA, key.kindB}][key.method] = entry;
+      } else {
+        m_axes[key.axis][key.value][key.method].add(entry);
+      }
+    }
+    const auto& [stage, dimension, precision] = section;
+    m_out << fmt::format("{} in {}D, {}\n", stage, dimension, precision);
+  }
+
+  int print() {
+    verdicts();
+    for (const char* axis : {"family", "regime", "scale", "offset"}) faultsBy(axis);
+    if (m_kinds.size() > 1) byKinds();
+    m_out << "\n";
+    return static_cast<int>(std::count_if(m_methods.begin(), m_methods.end(), [](const auto& m) {
+      return m.second.role == Role::competitor && m.second.faults() > 0;
+    }));
+  }
+
+ private:
+  void verdicts() {
+    m_out << fmt::format("\n  {:<{}}", "method", kMethodWidth);
+    for (const char* head : {"asked", "agree", "tie", "wrong", "side", "undecided", "refused", "not_finite", "threw",
+                             "crashed", "hung", "capped", "max error", "median", "ns"}) {
+      m_out << fmt::format("{:>11}", head);
+    }
+    m_out << "\n";
+    for (const auto& [name, e] : m_methods) {
+      m_out << fmt::format("  {:<{}}", name, kMethodWidth);
+      for (const Tally t : {Tally::asked, Tally::agree, Tally::tie, Tally::wrong, Tally::wrongSide, Tally::undecided,
+                            Tally::refused, Tally::notFinite, Tally::threw, Tally::crashed, Tally::hung, Tally::capped})
+        m_out << fmt::format("{:>11}", e[t]);
+      m_out << fmt::format("{:>11.1e}{:>11}{:>11}{}\n", e.maxError, medianOf(e), nanosecondsOf(e), remark(e));
+    }
+  }
+
+  // Who is wrong or has no answer where: the part of what was asked, in per cent.
+  void faultsBy(const std::string& axis) {
+    const auto found = m_axes.find(axis);
+    if (found == m_axes.end()) return;
+    m_out << fmt::format("\n  faults, %, by {:<{}}", axis, kMethodWidth);
+    for (const auto& [name, e] : m_methods) m_out << fmt::format("{:>{}}", name, kMethodWidth);
+    m_out << "\n";
+    for (const auto& [value, entries] : found->second) {
+      m_out << fmt::format("  {:<{}}", value, kMethodWidth + 14);
+      for (const auto& [name, e] : m_methods) {
+        const auto at = entries.find(name);
+        std::string text = "-";
+        if (at != entries.end()) {
+          const double faults = static_cast<double>(at->second.faults());
+          text = faults > 0 ? fmt::format("{:.2g}", 100 * faults / static_cast<double>(at->second[Tally::asked])) : "0";
+        }
+        m_out << fmt::format("{:>{}}", text, kMethodWidth);
+      }
+      m_out << "\n";
+    }
+  }
+
+  void byKinds() {
+    m_out << fmt::format("\n  {:<19}{:<{}}", "shapes", "method", kMethodWidth);
+    for (const char* head : {"asked", "wrong", "side", "refused", "no answer", "max error", "median", "ns"}) {
+      m_out << fmt::format("{:>11}", head);
+    }
+    m_out << "\n";
+    for (const auto& [kinds, entries] : m_kinds) {
+      for (const auto& [name, e] : entries) {
+        m_out << fmt::format("  {:<19}{:<{}}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11.1e}{:>11}{:>11}{}\n",
+                             kinds.first + " " + kinds.second, name, kMethodWidth, e[Tally::asked], e[Tally::wrong],
+                             e[Tally::wrongSide], e[Tally::refused], withoutAnswer(e), e.maxError, medianOf(e),
+                             nanosecondsOf(e), remark(e));
+      }
+    }
+  }
+
+  std::ostream& m_out;
+  std::map<std::string, LedgerEntry> m_methods;                                             // sums over kinds
+  std::map<std::string, std::map<std::string, std::map<std::string, LedgerEntry>>> m_axes;  // axis, value, method
+  std::map<std::pair<std::string, std::string>, std::map<std::string, LedgerEntry>> m_kinds;
+};
+
+}  // namespace
+
+int printLedger(const Ledger& ledger, std::ostream& out) {
+  std::set<Section> sections;
+  for (const auto& [key, entry] : ledger) sections.emplace(key.stage, key.dimension, key.precision);
+  int faults = 0;
+  for (const Section& section : sections) faults += Printer(ledger, section, out).print();
+  return faults;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <iosfwd>
+
+#include "oracles/ledger.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// For people, per stage, dimension and precision: the verdicts of each method, the share of its faults by family,
+/// regime, scale and offset, and a line per pair of kinds. Returns how many methods of ours have a fault.
+int printLedger(const Ledger& ledger, std::ostream& out);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+// Runs a verification: blocks of seeded inputs in workers, one per core, booked in a store. What is booked is not asked
+// again, and a method whose code has changed starts anew.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/runner/store.h"
+#include "framework/registry.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Inputs are booked in blocks of this many.
+inline constexpr int kVerifyBlock = 200;
+
+struct VerificationOptions {
+  std::vector<StageKind> stages = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase};
+  std::vector<int> dimensions = {2, 3};
+  std::vector<std::string> precisions = {"f64"};
+  std::vector<std::string> methods = {};  // specs; empty: all that are registered
+  std::optional<Role> role = {};          // of the methods; none: all
+  std::uint64_t seed = 1;
+  long pairs = kVerifyBlock;  // per two kinds of shape (or sets of boxes), rounded up to whole blocks
+  double minutes = 0;         // above 0: go on until then, whatever `pairs` says
+  int jobs = 0;               // workers at once; 0: one per core
+  bool quiet = false;
+  std::vector<std::string> plugins = {};
+};
+
+struct VerificationSummary {
+  long asked = 0, skipped = 0;  // inputs; skipped ones were booked before
+  bool stopped = false;         // by Ctrl-C
+};
+
+/// Throws UserError for methods that do not exist in any of the stages and dimensions.
+void checkVerification(const VerificationOptions& options);
+
+VerificationSummary runVerification(const VerificationOptions& options, Store& store);
+
+/// What the options are about, out of the store's ledger.
+Ledger ledgerOf(const VerificationOptions& options, Store& store);
+
+/// Writes the store's found cases as one file each into the folder "found" beside it. Returns their paths.
+std::vector<std::string> writeFoundCases(Store& store, const std::string& storePath);
+
+}  // namespace lpc::inline LPC_PRECISION

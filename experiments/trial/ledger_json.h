@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Zlib
+// What a worker has verified, on its way to the program that keeps the ledger.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "oracles/ledger.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+nlohmann::json toJson(const Verified& verified);
+Verified verifiedFromJson(const nlohmann::json& json);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/trial/verify_task.h"
+
+#include <nlohmann/json.hpp>
+
+#include "experiments/trial/ledger_json.h"
+#include "experiments/trial/plugin.h"
+#include "framework/check.h"
+#include "oracles/verify.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <class Names>
+int indexOf(const Names& names, const std::string& name) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) return static_cast<int>(i);
+  }
+  throw UserError("verify: there is no '" + name + "'");
+}
+
+}  // namespace
+
+nlohmann::json runVerifyTask(const nlohmann::json& request) {
+  for (const auto& path : request.value("plugins", std::vector<std::string>{})) loadPlugin(path);
+  const nlohmann::json& t = request.at("verify");
+  std::vector<std::string> stages;
+  for (int i = 0; i < kStageKinds; ++i) stages.emplace_back(stageName(static_cast<StageKind>(i)));
+  VerifyTask task{.stage = static_cast<StageKind>(indexOf(stages, t.at("stage"))),
+                  .dimension = t.at("dimension"),
+                  .range = {.seed = t.at("seed"), .first = t.at("first"), .count = t.at("count")},
+                  .methods = t.at("methods")};
+  if (t.contains("kind_a")) {
+    task.kindA = shapeKindFromName(t.at("kind_a").get<std::string>());
+    task.kindB = shapeKindFromName(t.at("kind_b").get<std::string>());
+  }
+  if (t.contains("ended")) task.range.ended = static_cast<Tally>(indexOf(kTallyNames, t.at("ended")));
+  return toJson(verify(task));
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Zlib
+// The ledger of a verification: who was asked what and how it went, by kinds of shape and by one further axis at a
+// time. Entries add up, so that blocks can be verified in any order, anywhere.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/registry.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// The first ones after `asked` are how a question can end, and add up to it; the last two come on top of an end.
+enum class Tally {
+  asked,
+  agree,
+  wrong,      // value, normal or side, by the referee's proof: candidate or oracle, as the method's role says
+  tie,        // agrees along another normal than the referee's
+  undecided,  // the referee cannot say
+  refused,
+  notFinite,
+  threw,
+  crashed,
+  hung,
+  wrongSide,  // of the wrong ones: a wrong yes or no
+  capped,     // ended at its limit of iterations, or in a case that it cannot finish
+  kCount
+};
+inline constexpr std::size_t kTallies = static_cast<std::size_t>(Tally::kCount);
+inline constexpr std::array<std::string_view, kTallies> kTallyNames = {"asked",     "agree",   "wrong",      "tie",
+                                                                       "undecided", "refused", "not_finite", "threw",
+                                                                       "crashed",   "hung",    "wrong_side", "capped"};
+
+struct LedgerKey {
+  std::string stage, precision;
+  int dimension = 3;
+  std::string kindA, kindB;  // empty for broadphases
+  std::string axis, value;   // all and nothing, or family, regime, scale, offset and which one
+  std::string method;
+  auto operator<=>(const LedgerKey&) const = default;
+};
+
+struct LedgerEntry {
+  Role role = Role::competitor;
+  std::array<long, kTallies> tallies{};
+  double maxError = 0, nanoseconds = 0;   // error / s; time inside the method
+  std::map<std::string, long> histogram;  // of errors, by decade: "-17" for 1e-17 up to 1e-16, "zero"
+  std::string worst;                      // the case of maxError, as a line of a file of cases; axis `all` only
+
+  long& operator[](Tally t) { return tallies[static_cast<std::size_t>(t)]; }
+  long operator[](Tally t) const { return tallies[static_cast<std::size_t>(t)]; }
+  /// Asked, and neither right nor undecided.
+  long faults() const {
+    const LedgerEntry& e = *this;
+    return e[Tally::asked] - e[Tally::agree] - e[Tally::tie] - e[Tally::undecided];
+  }
+
+  void add(const LedgerEntry& other) {
+    role = other.role;
+    for (std::size_t i = 0; i < kTallies; ++i) tallies[i] += other.tallies[i];
+    nanoseconds += other.nanoseconds;
+    for (const auto& [decade, count] : other.histogram) histogram[decade] += count;
+    if (worst.empty() || other.maxError > maxError) worst = other.worst;
+    maxError = maxError < other.maxError ? other.maxError : maxError;
+  }
+};
+
+using Ledger = std::map<LedgerKey, LedgerEntry>;
+
+/// A pair on which a method failed in one way, to be kept while no simpler one is known.
+struct FoundCase {
+  std::string method, failure;
+  int vertices = 0;  // simpler: fewer vertices, then a smaller s
+  double size = 0;
+  std::string text;  // a line of a file of cases
+
+  bool simplerThan(const FoundCase& other) const {
+    return vertices != other.vertices ? vertices < other.vertices : size < other.size;
+  }
+};
+
+struct Verified {
+  Ledger ledger;
+  std::map<std::pair<std::string, std::string>, FoundCase> found;  // by method and failure
+
+  void keep(FoundCase c) {
+    const auto [at, fresh] = found.try_emplace({c.method, c.failure}, c);
+    if (!fresh && c.simplerThan(at->second)) at->second = std::move(c);
+  }
+  void add(const Verified& other) {
+    for (const auto& [key, entry] : other.ledger) ledger[key].add(entry);
+    for (const auto& [name, c] : other.found) keep(c);
+  }
+};
+
+}  // namespace lpc::inline LPC_PRECISION

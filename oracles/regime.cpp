@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Zlib
+#include "oracles/regime.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "framework/support_map.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr std::array<std::string_view, 9> kNames = {"huge_ratio", "thin",    "touching", "parallel_faces", "separated",
+                                                    "contained",  "shallow", "deep",     "undecided"};
+
+// Longest and shortest side of the shape's own box (m).
+template <int D>
+Vecd<2> sides(const ShapeView<D>& shape) {
+  const Aabb<D> box = boundingBox(shape, Pose<D>{});
+  const Vec<D> extent = box.hi - box.lo;
+  return {static_cast<double>(extent.maxCoeff()), static_cast<double>(extent.minCoeff())};
+}
+
+bool isAcross(const Vecd<2>& n, const Vecd<2>& m) { return std::abs(n[0] * m[1] - n[1] * m[0]) < 1e-3; }
+bool isAcross(const Vecd<3>& n, const Vecd<3>& m) { return n.cross(m).norm() < 1e-3; }
+
+bool polytopeFacesAlong(const Polytope<2>& hull, const Vecd<2>& n) {
+  return std::any_of(hull.normals.begin(), hull.normals.end(), [&](const Vec<2>& m) {
+    const Vecd<2> normal = m.cast<double>();
+    return normal.dot(n) > 0 && isAcross(normal, n);
+  });
+}
+bool polytopeFacesAlong(const Polytope<3>& hull, const Vecd<3>& n) {
+  return std::any_of(hull.faces.begin(), hull.faces.end(), [&](const auto& face) {
+    const Vecd<3> normal = face.normal.template cast<double>();
+    return normal.dot(n) > 0 && isAcross(normal, n);
+  });
+}
+
+// Does a face of the shape's core, an edge in 2D, look along n (in the shape's frame)?
+template <int D>
+bool facesAlong(const ShapeView<D>& shape, const Vecd<D>& n) {
+  switch (shape.kind) {
+    case ShapeKind::sphere:
+      return false;
+    case ShapeKind::capsule:
+    case ShapeKind::segment:
+      return D == 2 && isAcross(n, Vecd<D>::Unit(1));
+    case ShapeKind::box:
+      for (int k = 0; k < D; ++k) {
+        if (isAcross(n, Vecd<D>::Unit(k))) return true;
+      }
+      return false;
+    case ShapeKind::polytope:
+      return polytopeFacesAlong(*shape.hull, n);
+  }
+  return false;
+}
+
+template <int D>
+double reach(const ShapeView<D>& shape, const Vecd<D>& n) {
+  return static_cast<double>(supportValue(shape, Vec<D>(n.template cast<Real>())));
+}
+
+}  // namespace
+
+std::span<const std::string_view> regimeNames() { return kNames; }
+
+template <int D>
+std::string_view regimeOf(const HardPair<D>& pair, const RefereeAnswer<D>& truth) {
+  if (!truth.decided) return "undecided";
+  const ShapeView<D>&a = pair.a.view(), &b = pair.b.view();
+  const Vecd<2> sidesA = sides(a), sidesB = sides(b);
+  const auto ratio = std::minmax(sidesA[0], sidesB[0]);
+  const auto isThin = [](const ShapeView<D>& s, const Vecd<2>& side) {
+    return s.kind != ShapeKind::segment && side[1] < 1e-3 * side[0];
+  };
+  const Vecd<D> n = truth.normal, nB = pair.X_AB.q.matrix().template cast<double>().transpose() * n;
+  const double phi = truth.interval().middle(), smaller = ratio.first;
+  if (ratio.second >= 100 * ratio.first) return "huge_ratio";
+  if (isThin(a, sidesA) || isThin(b, sidesB)) return "thin";
+  if (std::abs(phi) < 1e-6 * smaller) return "touching";
+  if (facesAlong<D>(a, n) && facesAlong<D>(b, -nB)) return "parallel_faces";
+  if (phi > 0) return "separated";
+  // Along n, A ends at its reach and B begins at A's end + phi: the far ends tell who lies within whom.
+  const double widthA = reach<D>(a, n) + reach<D>(a, -n), widthB = reach<D>(b, nB) + reach<D>(b, -nB);
+  if (-phi >= std::min(widthA, widthB)) return "contained";
+  return -phi <= 0.1 * smaller ? "shallow" : "deep";
+}
+
+template std::string_view regimeOf(const HardPair<2>&, const RefereeAnswer<2>&);
+template std::string_view regimeOf(const HardPair<3>&, const RefereeAnswer<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION

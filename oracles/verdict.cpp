@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+#include "oracles/verdict.h"
+
+#include <cmath>
+#include <ctime>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+std::string decadeOf(double error) {
+  return error > 0 ? std::to_string(static_cast<int>(std::floor(std::log10(error)))) : "zero";
+}
+
+LedgerEntry& bookUnder(Ledger& ledger, const LedgerKey& key, Role role, const Verdict& verdict, double nanoseconds) {
+  LedgerEntry& entry = ledger[key];
+  entry.role = role;
+  ++entry[Tally::asked], ++entry[verdict.end];
+  if (verdict.wrongSide) ++entry[Tally::wrongSide];
+  if (verdict.capped) ++entry[Tally::capped];
+  if (verdict.error) ++entry.histogram[decadeOf(*verdict.error)];
+  entry.nanoseconds += nanoseconds;
+  return entry;
+}
+
+}  // namespace
+
+Verdict withoutAnswer(Tally end) {
+  Verdict v;
+  v.end = end, v.failure = kTallyNames[static_cast<std::size_t>(end)];
+  return v;
+}
+
+void book(Ledger& ledger, LedgerKey subject, Role role, const Labels& labels, const Verdict& verdict,
+          double nanoseconds, const std::function<std::string()>& text) {
+  const double error = verdict.error.value_or(0);
+  for (const auto& [axis, value] : labels) {
+    subject.axis = axis, subject.value = value;
+    LedgerEntry& entry = bookUnder(ledger, subject, role, verdict, nanoseconds);
+    entry.maxError = std::max(entry.maxError, error);
+  }
+  subject.axis = "all", subject.value.clear();
+  LedgerEntry& entry = bookUnder(ledger, subject, role, verdict, nanoseconds);
+  if (error > entry.maxError || (entry.worst.empty() && verdict.end == Tally::wrong)) {
+    entry.maxError = std::max(entry.maxError, error);
+    entry.worst = text();
+  }
+}
+
+LedgerKey subjectOf(StageKind stage, int dimension, const std::string& method) {
+  LedgerKey key;
+  key.stage = stageName(stage), key.precision = sizeof(Real) == 8 ? "f64" : "f32";
+  key.dimension = dimension, key.method = method;
+  return key;
+}
+
+std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index) {
+  std::string name = subject.stage + "-" + std::to_string(subject.dimension) + "d-" + subject.precision;
+  if (!subject.kindA.empty()) name += "-" + subject.kindA + "-" + subject.kindB;
+  return name + "-" + std::to_string(seed) + "-" + std::to_string(index);
+}
+
+double threadNanoseconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

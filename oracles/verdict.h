@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "framework/registry.h"
+#include "oracles/ledger.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// How one method did on one input.
+struct Verdict {
+  Tally end = Tally::agree;
+  bool wrongSide = false, capped = false;
+  std::optional<double> error;  // over s, of an answer with a value
+  std::string failure;          // what went wrong, as in names of files; empty when nothing did
+};
+
+/// There is no answer: it ended like this.
+Verdict withoutAnswer(Tally end);
+
+/// Values of the further axes: {"family", "ties"}, ...
+using Labels = std::vector<std::pair<std::string, std::string>>;
+
+/// Books the verdict under axis `all` and under each label. `text` is the input as a line of a file of cases; it is
+/// asked for only when the line is kept.
+void book(Ledger& ledger, LedgerKey subject, Role role, const Labels& labels, const Verdict& verdict,
+          double nanoseconds, const std::function<std::string()>& text);
+
+/// A name for one input: of kinds (empty for none), seed and number.
+std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index);
+
+/// The subject of a method in this build's precision; its axis is set by `book`.
+LedgerKey subjectOf(StageKind stage, int dimension, const std::string& method);
+
+/// Processor time of this thread (ns): what other processes do does not count.
+double threadNanoseconds();
+
+}  // namespace lpc::inline LPC_PRECISION

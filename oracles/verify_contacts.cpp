@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "framework/random.h"
+#include "framework/support_map.h"
+#include "framework/tolerances.h"
+#include "oracles/regime.h"
+#include "oracles/verdict.h"
+#include "oracles/verify.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr std::string_view kRestingFaces = "resting_faces";
+constexpr int kRestingEvery = 8;  // of the pairs of boxes and polytopes, one in so many
+// A generator that names this test in its failures keeps one point of a patch on purpose.
+constexpr std::string_view kPatchTest = "Contacts.FaceContactsSpanThePatch";
+
+template <int D>
+struct Placed {
+  HardPair<D> pair;
+  RefereeAnswer<D> truth = {};
+  double s = 0;
+  double allowed = 0;  // a generator may prefer one feature to another by so much (m)
+  Labels labels = {};
+
+  bool resting() const { return pair.family == kRestingFaces; }
+};
+
+bool hasFaces(ShapeKind k) { return k == ShapeKind::box || k == ShapeKind::polytope; }
+
+/// B's face on A's, as bodies rest: a little apart or in each other, turned about the normal, hardly tilted.
+template <int D>
+class RestingFaces {
+ public:
+  explicit RestingFaces(std::uint64_t seed) : m_random(seed) {}
+
+  HardPair<D> draw(ShapeKind kindA, ShapeKind kindB) {
+    Vec<D> halfA, halfB;
+    HardPair<D> pair{.a = block(kindA, halfA), .b = block(kindB, halfB), .family = kRestingFaces};
+    Ang<D> v = Ang<D>::Zero();
+    v[0] = static_cast<Real>(std::array{0.0, 1e-9, 1e-4}[m_random.below(3)]);
+    if constexpr (D == 3) v[2] = uniform(-1, 1);
+    pair.X_AB.q = turned(v);
+    for (int k = 0; k < D - 1; ++k) pair.X_AB.p[k] = Real(0.4) * std::min(halfA[k], halfB[k]) * uniform(-1, 1);
+    const Real gap = kLinearSlop * uniform(-1, 1);
+    pair.X_AB.p[D - 1] = halfA[D - 1] + halfB[D - 1] + pair.a.view().radius + pair.b.view().radius + gap;
+    Ang<D> w;
+    for (int k = 0; k < kAngDim<D>; ++k) w[k] = uniform(-3, 3);
+    for (int k = 0; k < D; ++k) pair.X_WA.p[k] = uniform(-3, 3);
+    pair.X_WA.q = turned(w);
+    pair.X_WB = pair.X_WA * pair.X_AB;
+    return pair;
+  }
+
+  /// A motion of a micrometre and a tenth of a microradian.
+  Pose<D> nudged(Pose<D> X) {
+    for (int k = 0; k < D; ++k) X.p[k] += (sizeof(Real) == 8 ? Real(1e-6) : Real(1e-5)) * uniform(-1, 1);
+    Ang<D> v;
+    for (int k = 0; k < kAngDim<D>; ++k) v[k] = Real(1e-7) * uniform(-1, 1);
+    X.q = turned(v) * X.q;
+    return X;
+  }
+
+ private:
+  Real uniform(double lo, double hi) { return static_cast<Real>(m_random.uniform(lo, hi)); }
+  static Rot<2> turned(const Ang<2>& v) { return Rot<2>::angle(v[0]); }
+  static Rot<3> turned(const Ang<3>& v) { return Rot<3>::vector(v); }
+
+  // A box, or as a polytope its corners; in 3D often those of a prism on an n-gon.
+  Shape<D> block(ShapeKind kind, Vec<D>& half) {
+    for (int k = 0; k < D; ++k) half[k] = uniform(0.3, 1);
+    const Real rounding = m_random.below(4) == 0 ? Real(0.1) : Real(0);
+    if (kind == ShapeKind::box) return Shape<D>::box(half, rounding);
+    std::vector<Vec<D>> points;
+    const auto n = static_cast<int>(4 + m_random.below(5));
+    for (int i = 0; i < n; ++i) {
+      Vec<D> p = half;
+      if constexpr (D == 3) {
+        const double angle = 6.283185307179586 * (i + 0.5) / n;
+        p[0] *= static_cast<Real>(std::cos(angle)), p[1] *= static_cast<Real>(std::sin(angle));
+      } else {
+        p[0] *= i % 2 ? Real(1) : Real(-1);
+      }
+      points.push_back(p);
+      p[D - 1] = -p[D - 1];
+      points.push_back(p);
+    }
+    return Shape<D>::polytope(std::span<const Vec<D>>(points), rounding);
+  }
+
+  Random m_random;
+};
+
+// A length that generators keep their tolerances well below (m): of a core that has no thickness, half its length.
+template <int D>
+double coreSize(const ShapeView<D>& s) {
+  if (s.kind == ShapeKind::sphere) return std::numeric_limits<double>::max();
+  const Aabb<D> box = boundingBox(s, Pose<D>{});
+  const Vecd<D> half = (box.hi - box.lo).template cast<double>() / 2 - Vecd<D>::Constant(static_cast<double>(s.radius));
+  return s.kind == ShapeKind::box ? half.minCoeff() : half.norm();
+}
+
+template <int D>
+Placed<D> placedPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
+  const bool resting = hasFaces(a) && hasFaces(b) && index % kRestingEvery == 0;
+  const std::uint64_t stream = seed * 1000003 + static_cast<std::uint64_t>(index);
+  Placed<D> placed{.pair = resting ? RestingFaces<D>(stream).draw(a, b) : hardPair<D>(a, b, seed, index)};
+  const HardPair<D>& p = placed.pair;
+  placed.truth = referee<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB);
+  placed.s = errorScale<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB, placed.truth.interval().middle());
+  const double thinner = 0.01 * std::min(coreSize(p.a.view()), coreSize(p.b.view()));
+  placed.allowed = std::min(static_cast<double>(kLinearSlop) / 10, thinner) +
+                   1000 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * placed.s;
+  // The regime is told in A's frame.
+  RefereeAnswer<D> inA = placed.truth;
+  inA.normal = p.X_WA.q.matrix().template cast<double>().transpose() * placed.truth.normal;
+  placed.labels = {{"family", std::string(p.family)}, {"regime", std::string(regimeOf(p, inA))}};
+  return placed;
+}
+
+template <int D>
+using Manifolds = std::map<std::int32_t, std::vector<Manifold<D>>>;  // by shapeA
+
+// All pairs in one call, as in a world.
+template <int D>
+Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<Placed<D>>& placed, bool nudge, double& spent) {
+  std::vector<ShapeRecord<D>> shapes;
+  std::vector<Pose<D>> pose;
+  std::vector<ShapePair> pairs;
+  for (const Placed<D>& p : placed) {
+    const auto slot = static_cast<std::int32_t>(shapes.size());
+    if (!nudge || p.resting()) pairs.push_back({slot, slot + 1});
+    shapes.push_back({.shape = p.pair.a, .body = slot});
+    shapes.push_back({.shape = p.pair.b, .body = slot + 1});
+    pose.push_back(p.pair.X_WA);
+    pose.push_back(nudge ? RestingFaces<D>(static_cast<std::uint64_t>(slot)).nudged(p.pair.X_WB) : p.pair.X_WB);
+  }
+  std::vector<Manifold<D>> fresh;
+  Work work;
+  const double before = threadNanoseconds();
+  generator.generate({pairs, shapes, pose, kContactMargin, true}, fresh, work);
+  spent = threadNanoseconds() - before;
+  Manifolds<D> out;
+  for (const Manifold<D>& m : fresh) out[m.shapeA].push_back(m);
+  return out;
+}
+
+// How far the world point is outside the shape, negative inside (m).
+template <int D>
+double pointDistance(const Vec<D>& p_W, const ShapeView<D>& shape, const Pose<D>& X_WS) {
+  return referee<D>(Shape<D>::sphere(0).view(), {p_W, {}}, shape, X_WS).interval().middle();
+}
+
+template <int D>
+bool pointsLieOnShapes(const Placed<D>& k, const Manifold<D>& m) {
+  const HardPair<D>& p = k.pair;
+  for (int i = 0; i < m.count; ++i) {
+    const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
+    const double a = pointDistance<D>(p.X_WA * c.localA, p.a.view(), p.X_WA);
+    const double b = pointDistance<D>(p.X_WB * c.localB, p.b.view(), p.X_WB);
+    if (a > k.allowed || b > k.allowed) return false;
+    if (p.a.view().radius == 0 && a < -k.allowed) return false;  // a core's witness lies on its surface
+    if (p.b.view().radius == 0 && b < -k.allowed) return false;
+  }
+  return true;
+}
+
+template <int D>
+bool sameFeatures(const std::vector<Manifold<D>>& a, const std::vector<Manifold<D>>& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].count != b[i].count) return false;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(a[i].count); ++k) {
+      if (a[i].points[k].feature != b[i].points[k].feature) return false;
+    }
+  }
+  return true;
+}
+
+// What is wrong with the manifold of a pair; empty when nothing is.
+template <int D>
+std::string_view faultOf(const Placed<D>& k, const Manifold<D>& m, double& deepest) {
+  const double phi = k.truth.interval().middle(), allowed = 2 * k.allowed;
+  deepest = std::numeric_limits<double>::infinity();
+  if (m.count < 1 || m.count > kManifoldPoints<D>) return "wrong_count";
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+    if (i > 0 && m.points[i].feature <= m.points[i - 1].feature) return "wrong_features";
+    deepest = std::min(deepest, static_cast<double>(m.points[i].separation));
+  }
+  if (!m.normal.allFinite() || !std::isfinite(deepest)) return "not_finite";
+  const Vecd<D> n = m.normal.template cast<double>();
+  if (!(std::abs(n.norm() - 1) <= static_cast<double>(kUnitTolerance))) return "wrong_normal";
+  const HardPair<D>& p = k.pair;
+  if (separationAlong<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB, n).hi < phi - allowed) return "wrong_normal";
+  if (!(std::abs(deepest - phi) <= allowed)) return "wrong_depth";
+  return pointsLieOnShapes(k, m) ? "" : "wrong_points";
+}
+
+template <int D>
+Verdict judge(const Placed<D>& k, const std::vector<Manifold<D>>* found, const std::vector<Manifold<D>>* nudged,
+              bool onePoint) {
+  Verdict v;
+  const auto wrong = [&](std::string_view failure) {
+    v.end = failure == "not_finite" ? Tally::notFinite : Tally::wrong, v.failure = failure;
+    return v;
+  };
+  if (!k.truth.decided) {
+    v.end = Tally::undecided;
+    return v;
+  }
+  const double phi = k.truth.interval().middle(), margin = static_cast<double>(kContactMargin);
+  if (!found) {
+    v.wrongSide = phi < margin - 2 * k.allowed;
+    return v.wrongSide ? wrong("wrong_side") : v;
+  }
+  v.wrongSide = phi > margin + 2 * k.allowed;
+  if (v.wrongSide) return wrong("wrong_side");
+  if (found->size() != 1) return wrong("wrong_count");
+  double deepest = 0;
+  const std::string_view fault = faultOf(k, found->front(), deepest);
+  if (std::isfinite(deepest)) v.error = std::abs(deepest - phi) / k.s;
+  if (!fault.empty()) return wrong(fault);
+  if (k.resting() && !onePoint && found->front().count < (D == 2 ? 2 : 3)) return wrong("wrong_patch");
+  if (k.resting() && (!nudged || !sameFeatures(*found, *nudged))) return wrong("wrong_features");
+  return v;
+}
+
+}  // namespace
+
+template <int D>
+void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
+                    std::span<const Candidate<ContactGenerator<D>>> methods, Verified& out) {
+  std::vector<Placed<D>> placed;
+  for (int i = 0; i < range.count; ++i) placed.push_back(placedPair<D>(kindA, kindB, range.seed, range.first + i));
+  for (const Candidate<ContactGenerator<D>>& m : methods) {
+    const auto generator = m.create();
+    if (!generator->supports(kindA, kindB)) continue;
+    const auto declares = [](const FailureMode& f) { return f.test == kPatchTest; };
+    const bool onePoint = std::any_of(m.info.failures.begin(), m.info.failures.end(), declares);
+    double spent = 0, ignored = 0;
+    Manifolds<D> fresh, nudged;
+    if (!range.ended) {
+      fresh = generate(*generator, placed, false, spent);
+      nudged = generate(*generator, placed, true, ignored);
+    }
+    LedgerKey subject = subjectOf(StageKind::contacts, D, m.name);
+    subject.kindA = shapeKindName(kindA), subject.kindB = shapeKindName(kindB);
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      const auto of = [slot = static_cast<std::int32_t>(2 * i)](const Manifolds<D>& all) {
+        const auto at = all.find(slot);
+        return at == all.end() ? nullptr : &at->second;
+      };
+      const Verdict verdict =
+          range.ended ? withoutAnswer(*range.ended) : judge(placed[i], of(fresh), of(nudged), onePoint);
+      const auto text = [&] {
+        return caseText<D>(inputName(subject, range.seed, range.first + static_cast<int>(i)), placed[i].pair,
+                           ", \"reported_failure\": \"" + verdict.failure + "\"");
+      };
+      book(out.ledger, subject, m.info.role, placed[i].labels, verdict, spent / range.count, text);
+    }
+  }
+}
+
+template void verifyContacts(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<ContactGenerator<2>>>,
+                             Verified&);
+template void verifyContacts(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<ContactGenerator<3>>>,
+                             Verified&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Zlib
+#include <cmath>
+
+#include "framework/tolerances.h"
+#include "oracles/posed_core.h"
+#include "oracles/regime.h"
+#include "oracles/verdict.h"
+#include "oracles/verify.h"
+#include "oracles/witness.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// A normal that differs from the referee's by more than this and is as good is a tie, not rounding.
+constexpr double kOtherNormal = sizeof(Real) == 8 ? 1e-6 : 1e-3;
+
+template <int D>
+struct Known {
+  HardPair<D> pair;
+  RefereeAnswer<D> truth = {};
+  double s = 0;
+  int vertices = 0;
+  Labels labels = {};
+};
+
+std::string plainNumber(double x) {
+  std::string text = std::to_string(x);
+  text.erase(text.find_last_not_of('0') + 1);
+  return text.back() == '.' ? text.substr(0, text.size() - 1) : text;
+}
+
+template <int D>
+Known<D> knownPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
+  Known<D> known{.pair = hardPair<D>(a, b, seed, index)};
+  const ShapeView<D>&va = known.pair.a.view(), &vb = known.pair.b.view();
+  known.truth = referee<D>(va, {}, vb, known.pair.X_AB);
+  known.s = errorScale<D>(va, {}, vb, known.pair.X_AB, known.truth.interval().middle());
+  std::vector<Vec<D>> core;
+  for (const ShapeView<D>& shape : {va, vb}) {
+    coreVertices(shape, core);
+    known.vertices += static_cast<int>(core.size());
+  }
+  known.labels = {{"family", std::string(known.pair.family)},
+                  {"regime", std::string(regimeOf(known.pair, known.truth))},
+                  {"scale", plainNumber(known.pair.scale)},
+                  {"offset", plainNumber(known.pair.offset)}};
+  return known;
+}
+
+Tally endOf(Ending ending) {
+  switch (ending) {
+    case Ending::notFinite:
+      return Tally::notFinite;
+    case Ending::threw:
+      return Tally::threw;
+    case Ending::crashed:
+      return Tally::crashed;
+    case Ending::hung:
+      return Tally::hung;
+    case Ending::answered:
+      break;
+  }
+  return Tally::agree;
+}
+
+// What the separation along the answer's normal lacks, which is all that a normal is for.
+template <int D>
+double shortfall(const Known<D>& known, const Vecd<D>& n, Role role) {
+  const Interval truth = known.truth.interval();
+  if (n.isZero(0)) {
+    // No direction is an answer only where the boundaries touch, and witnesses may have none.
+    const bool touching = std::abs(truth.middle()) <= verifyTolerance() * known.s;
+    return touching || role != Role::competitor ? 0 : known.s;
+  }
+  const double length = std::abs(n.norm() - 1);
+  if (role == Role::competitor && length > static_cast<double>(kUnitTolerance)) return length * known.s;
+  const Interval along = separationAlong<D>(known.pair.a.view(), {}, known.pair.b.view(), known.pair.X_AB, n);
+  return std::max(0.0, truth.lo - along.hi);
+}
+
+template <int D>
+Verdict judge(const Known<D>& known, const PairAnswer<D>& answer, Role role, Ending ending) {
+  if (!known.truth.decided) return withoutAnswer(Tally::undecided);
+  if (ending != Ending::answered) return withoutAnswer(endOf(ending));
+  if (answer.status == QueryStatus::refused) return withoutAnswer(Tally::refused);
+  const double phi = static_cast<double>(answer.distance);
+  const bool finite = std::isfinite(phi) && answer.normal.allFinite();
+  if (answer.status == QueryStatus::failed || !finite) return withoutAnswer(Tally::notFinite);
+
+  const Interval truth = known.truth.interval();
+  const double allowed = verifyTolerance() * known.s;
+  Verdict v;
+  v.capped = answer.status != QueryStatus::converged;
+  v.wrongSide = (phi < 0 && truth.lo > allowed) || (phi >= 0 && truth.hi < -allowed);
+  // A witness that is `degenerate` knows the side and no value (libccd of shapes that are apart).
+  if (role == Role::competitor || answer.status != QueryStatus::degenerate) {
+    const Vecd<D> n = answer.normal.template cast<double>();
+    const double value = truth.distanceTo(phi), along = shortfall(known, n, role);
+    v.error = std::max(value, along) / known.s;
+    if (*v.error > verifyTolerance()) {
+      v.end = Tally::wrong, v.failure = value > allowed ? "wrong_distance" : "wrong_normal";
+    } else if (!n.isZero(0) && (n.normalized() - known.truth.normal).norm() > kOtherNormal) {
+      v.end = Tally::tie;
+    }
+  }
+  if (v.wrongSide) v.end = Tally::wrong, v.failure = "wrong_side";
+  return v;
+}
+
+std::string numberText(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", x);
+  return std::isfinite(x) ? text : "null";
+}
+
+template <int D>
+std::string textOf(const std::string& id, const Known<D>& known, const PairAnswer<D>& answer, const Verdict& verdict) {
+  const Interval truth = known.truth.interval();
+  const std::string what = verdict.failure.empty() ? "none" : verdict.failure;
+  return caseText<D>(id, known.pair,
+                     ", \"reported_failure\": \"" + what + ": " + numberText(static_cast<double>(answer.distance)) +
+                         "\", \"expected\": {\"signed_distance\": " + numberText(truth.middle()) +
+                         ", \"tolerance_of_this_value\": " + numberText(truth.width()) +
+                         ", \"derived\": true, \"method\": \"referee, " + std::string(known.truth.method) + "\"}");
+}
+
+}  // namespace
+
+template <int D>
+void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
+                       std::span<const Candidate<PairQuery<D>>> methods, Verified& out) {
+  const auto batch = std::make_unique<PairBatch<D>>();
+  const auto answers = std::make_unique<PairAnswers<D>>();
+  std::vector<Known<D>> known;
+  for (int begin = 0; begin < range.count; begin += PairBatch<D>::kCapacity) {
+    const int count = std::min(range.count - begin, PairBatch<D>::kCapacity);
+    known.clear();
+    batch->clear(kindA, kindB);
+    for (int i = 0; i < count; ++i) known.push_back(knownPair<D>(kindA, kindB, range.seed, range.first + begin + i));
+    for (const Known<D>& k : known) batch->add(k.pair.a.view(), k.pair.b.view(), k.pair.X_AB);
+    for (const Candidate<PairQuery<D>>& m : methods) {
+      const auto method = m.create();
+      if (!method->supports(kindA, kindB)) continue;
+      const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
+      Work work;
+      double spent = 0;
+      if (!range.ended) {
+        if (!witness) method->query(*batch, Need::witnesses, *answers, {}, work);  // warms the caches
+        const double before = threadNanoseconds();
+        method->query(*batch, Need::witnesses, *answers, {}, work);
+        spent = witness ? static_cast<double>(witness->nanoseconds()) : threadNanoseconds() - before;
+      }
+      LedgerKey subject = subjectOf(StageKind::pairQuery, D, m.name);
+      subject.kindA = shapeKindName(kindA), subject.kindB = shapeKindName(kindB);
+      for (int i = 0; i < count; ++i) {
+        const Known<D>& k = known[static_cast<std::size_t>(i)];
+        const PairAnswer<D> answer = range.ended ? PairAnswer<D>{} : answers->get(i);
+        const Ending ending =
+            witness && !range.ended ? witness->endings()[static_cast<std::size_t>(i)] : Ending::answered;
+        const Verdict verdict = range.ended ? withoutAnswer(*range.ended) : judge(k, answer, m.info.role, ending);
+        const auto text = [&] {
+          return textOf(inputName(subject, range.seed, range.first + begin + i), k, answer, verdict);
+        };
+        book(out.ledger, subject, m.info.role, k.labels, verdict, spent / count, text);
+        if (!verdict.failure.empty() && verdict.end != Tally::undecided) {
+          out.keep({m.name, verdict.failure, k.vertices, k.s, text()});
+        }
+      }
+    }
+  }
+}
+
+template void verifyPairQueries(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<PairQuery<2>>>,
+                                Verified&);
+template void verifyPairQueries(ShapeKind, ShapeKind, const VerifyRange&, std::span<const Candidate<PairQuery<3>>>,
+                                Verified&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Zlib
+// `lpc verify` as a program: blocks, resuming, lost workers, kept failures.
+#include "experiments/runner/verification.h"
+
+#include <sys/wait.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "experiments/runner/store.h"
+#include "framework/random.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::ask;
+using test::Outcome;
+using test::Workspace;
+
+const std::string kPlugin = LPC_BINARY_DIR "/lib/liblpc_planted.so";
+
+// The ledger as text, without times.
+std::string ledgerText(const std::string& path) {
+  std::string out;
+  for (const auto& [k, e] : Store(path, false).ledger()) {
+    out += k.stage + k.precision + std::to_string(k.dimension) + k.kindA + k.kindB + k.axis + k.value + k.method;
+    for (const long n : e.tallies) out += " " + std::to_string(n);
+    for (const auto& [decade, n] : e.histogram) out += " " + decade + ":" + std::to_string(n);
+    out += " " + std::to_string(e.maxError * 1e20) + e.worst + "\n";
+  }
+  return out;
+}
+
+TEST(Verification, BooksOnceAndGoesOn) {
+  Workspace w;
+  const std::string command = "verify --stage pair_query,broadphase --dimension 2 --methods closed_form naive --quiet";
+  const Outcome first = w.lpc(command);
+  ASSERT_EQ(first.code, 0) << first.text;
+  EXPECT_NE(first.text.find("our own methods: all right"), std::string::npos) << first.text;
+  const std::string store = w.path("results/verify.db"), once = ledgerText(store);
+  EXPECT_NE(once.find("closed_form"), std::string::npos);
+  EXPECT_NE(w.lpc(command).text.find(": 0 inputs asked"), std::string::npos);
+  EXPECT_EQ(ledgerText(store), once);
+  // More pairs and other seeds add up.
+  const std::string all = "SELECT sum(asked) FROM ledger WHERE axis='all' AND method='closed_form'";
+  const long asked = std::stol(ask(store, all));
+  ASSERT_EQ(w.lpc(command + " --pairs 400").code, 0);
+  EXPECT_EQ(std::stol(ask(store, all)), 2 * asked);
+  ASSERT_EQ(w.lpc(command + " --seed 2").code, 0);
+  EXPECT_EQ(std::stol(ask(store, all)), 3 * asked);
+  for (const char* axis : {"family", "regime", "scale", "offset"}) {
+    EXPECT_EQ(std::stol(ask(store, "SELECT sum(asked) FROM ledger WHERE method='closed_form' AND axis='" +
+                                       std::string(axis) + "'")),
+              3 * asked)
+        << axis;
+  }
+}
+
+// Other code, other numbers: what was booked for a method with other code does not stay in its sums.
+TEST(Verification, ChangedCodeStartsAnew) {
+  Workspace w;
+  const std::string command = "verify --stage broadphase --dimension 2 --methods naive sort_and_sweep --quiet";
+  ASSERT_EQ(w.lpc(command).code, 0);
+  const std::string store = w.path("results/verify.db"), before = ledgerText(store);
+  {
+    SQLite::Database db(store, SQLite::OPEN_READWRITE);
+    db.exec("UPDATE verified_block SET key='old' || key, code='old' WHERE method='naive'");
+    db.exec("UPDATE ledger SET asked = asked + 7 WHERE method='naive'");
+  }
+  const Outcome again = w.lpc(command);
+  EXPECT_NE(again.text.find(": 200 inputs asked"), std::string::npos) << again.text;
+  EXPECT_EQ(ledgerText(store), before);
+}
+
+// Killed at random moments and started again, it ends with what an uninterrupted one has.
+TEST(Verification, ResumesAfterSigkill) {
+  Workspace w;
+  const std::string arguments =
+      "verify --stage pair_query --dimension 2 --role competitor --pairs 600 --quiet --store ";
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(w.lpc(arguments + "whole.db").code, 0);
+  const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
+  Random random(7);
+  int kills = 0;
+  for (int turn = 0; turn < 6; ++turn) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      if (chdir(w.path("").c_str()) != 0 || !std::freopen("/dev/null", "w", stdout)) _exit(1);
+      execl("/bin/sh", "sh", "-c", ("exec " LPC_BINARY_DIR "/bin/lpc " + arguments + "pieces.db").c_str(),
+            static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    std::this_thread::sleep_for(took * (10 + static_cast<long>(random.below(40))) / 100);
+    kill(pid, SIGKILL);
+    int status = 0;
+    waitpid(pid, &status, 0);
+    kills += WIFSIGNALED(status);
+  }
+  EXPECT_GT(kills, 0);
+  const Outcome last = w.lpc(arguments + "pieces.db");
+  ASSERT_EQ(last.code, 0) << last.text;
+  EXPECT_EQ(ledgerText(w.path("pieces.db")), ledgerText(w.path("whole.db")));
+}
+
+// A method that takes its worker with it is found out pair by pair; the others keep their answers.
+TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
+  Workspace w;
+  const std::string command = "--plugin " + kPlugin +
+                              " verify --stage pair_query --dimension 2 --quiet --store v/s.db --methods planted_abort "
+                              "planted_half closed_form";
+  const Outcome run = w.lpc(command);
+  ASSERT_EQ(run.code, 1) << run.text;
+  const auto tally = [&](const std::string& column, const std::string& method) {
+    return std::stol(ask(w.path("v/s.db"), "SELECT sum(" + column +
+                                               ") FROM ledger WHERE axis='all' AND kind_a='sphere' "
+                                               "AND kind_b='sphere' AND method='" +
+                                               method + "'"));
+  };
+  EXPECT_EQ(tally("asked", "planted_abort"), kVerifyBlock);
+  EXPECT_GT(tally("crashed", "planted_abort"), 0);
+  EXPECT_EQ(tally("crashed + agree + tie", "planted_abort"), kVerifyBlock);
+  EXPECT_GT(tally("wrong", "planted_half"), 0);
+  EXPECT_EQ(tally("crashed + refused + not_finite", "planted_half"), 0);
+  EXPECT_EQ(tally("agree + tie", "closed_form"), kVerifyBlock);
+  // The simplest pair of each failure is a file that can be replayed before all methods.
+  EXPECT_TRUE(std::filesystem::exists(w.path("v/found/planted_abort-crashed-2d-f64.json")));
+  EXPECT_EQ(w.lpc("verify --cases v/found/planted_half-wrong_distance-2d-f64.json").code, 0);
+  const Outcome replay =
+      w.lpc("--plugin " + kPlugin + " verify --cases v/found/planted_half-wrong_distance-2d-f64.json");
+  EXPECT_EQ(replay.code, 1);
+  EXPECT_NE(replay.text.find("planted_half"), std::string::npos) << replay.text;
+}
+
+TEST(Verification, SinglePrecisionRunsInItsOwnWorker) {
+  Workspace w;
+  ASSERT_EQ(w.lpc("verify --stage pair_query --dimension 2 --precision f32 --methods closed_form --quiet").code, 0);
+  EXPECT_EQ(ask(w.path("results/verify.db"), "SELECT DISTINCT precision FROM ledger"), "f32");
+  EXPECT_GT(std::stod(ask(w.path("results/verify.db"), "SELECT max(max_error) FROM ledger")), 1e-9);
+}
+
+TEST(Verification, StoresMergeByMethod) {
+  Workspace w;
+  const std::string command = "verify --stage broadphase --dimension 2 --quiet --methods ";
+  ASSERT_EQ(w.lpc(command + "naive --store a.db").code, 0);
+  ASSERT_EQ(w.lpc(command + "naive sort_and_sweep --store b.db").code, 0);
+  ASSERT_EQ(w.lpc("merge a.db b.db").code, 0);
+  EXPECT_EQ(ledgerText(w.path("a.db")), ledgerText(w.path("b.db")));
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
