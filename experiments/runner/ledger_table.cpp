@@ -12,7 +12,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr int kMethodWidth = 18;
+constexpr int kMethodWidth = 20;
 
 // Lower end of the decade in which the median lies.
 std::string medianOf(const LedgerEntry& e) {
@@ -104,7 +104,7 @@ class Printer {
         std::string text = "-";
         if (at != entries.end()) {
           const double faults = static_cast<double>(at->second.faults());
-          text = faults > 0 ? fmt::format("{:.2g}", 100 * faults / static_cast<double>(at->second[Tally::asked])) : "0";
+          text = faults > 0 ? fmt::format("{:.3g}", 100 * faults / static_cast<double>(at->second[Tally::asked])) : "0";
         }
         m_out << fmt::format("{:>{}}", text, kMethodWidth);
       }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <map>
 
 #include "experiments/runner/code_identity.h"
@@ -23,7 +24,8 @@ namespace {
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kBlocksPerJob = 5;  // starting a worker costs as much as some hundred pairs
+// Starting a worker costs as much as some hundred pairs of our methods; witnesses take long, and longer when they hang.
+constexpr int kBlocksPerJob = 5, kBlocksPerSlowJob = 1;
 
 /// A method as the ledger knows it, and what its verdicts depend on.
 struct Method {
@@ -168,7 +170,10 @@ class Verification {
         m_subjects(m_plan.subjects()),
         m_pool(options.plugins),
         m_tty(isatty(STDERR_FILENO) == 1) {
-    for (const Method& m : m_plan.methods()) store.keepOnlyCode(m.ledger, m.code);
+    for (const Method& m : m_plan.methods()) {
+      store.keepOnlyCode(m.ledger, m.code);
+      if (m.role == Role::witness) m_blocksPerJob = kBlocksPerSlowJob;
+    }
   }
 
   VerificationSummary run() {
@@ -227,11 +232,12 @@ class Verification {
   // Walks over rounds of blocks, and in each over all subjects, so that a run that is stopped has asked of everything.
   bool nextJob() {
     for (;;) {
-      if (m_subject == m_subjects.size()) m_subject = 0, m_round += kBlocksPerJob, m_block = m_round;
+      if (m_subject == m_subjects.size()) m_subject = 0, m_round += m_blocksPerJob, m_block = m_round;
       const bool timeIsOver = m_options.minutes > 0 && seconds() > 60 * m_options.minutes;
       const long blocks = (m_options.pairs + kVerifyBlock - 1) / kVerifyBlock;
       if (timeIsOver || (m_options.minutes <= 0 && m_round >= blocks)) return false;
-      const long end = m_options.minutes > 0 ? m_round + kBlocksPerJob : std::min(m_round + kBlocksPerJob, blocks);
+      const long all = m_options.minutes > 0 ? std::numeric_limits<long>::max() : blocks;
+      const long end = std::min(m_round + m_blocksPerJob, all);
       const Subject& s = m_subjects[m_subject];
       Job job{.subject = &s, .methods = {}, .blocks = {}};
       const long first = m_block;
@@ -320,7 +326,7 @@ class Verification {
   WorkerPool m_pool;
   bool m_tty;
   std::size_t m_subject = 0;
-  long m_round = 0, m_block = 0;
+  long m_blocksPerJob = kBlocksPerJob, m_round = 0, m_block = 0;
   std::map<std::size_t, Job> m_jobs;
   std::map<std::size_t, Part> m_parts;  // at work, by their number in the pool
   std::vector<Part> m_again;            // to be started
