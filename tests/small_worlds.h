@@ -37,7 +37,8 @@ void addHeap(World<D>& world, int n, std::uint64_t seed) {
   addGround(world);
   Random random(seed);
   for (int i = 0; i < n; ++i) {
-    const Vec<D> p = at<D>(random.uniform(-2, 2), 1 + 0.7 * i, random.uniform(-1, 1));
+    const double z = random.uniform(-1, 1), x = random.uniform(-2, 2);  // one by one: compilers order arguments freely
+    const Vec<D> p = at<D>(x, 1 + 0.7 * i, z);
     const Shape<D> shapes[] = {Shape<D>::box(Vec<D>::Constant(Real(0.4))), Shape<D>::sphere(Real(0.4)),
                                Shape<D>::capsule(Real(0.3), Real(0.25))};
     BodyDef<D> def = body<D>(shapes[random.below(3)], p);

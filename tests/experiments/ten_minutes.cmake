@@ -36,7 +36,8 @@ file(WRITE ${mine} "${text}")
 must(${CMAKE_COMMAND} -G Ninja -S ${tree} -B ${WORK_DIR}/build -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O0
      -DCMAKE_CXX_FLAGS_DEBUG= -DLPC_PRECISIONS=f64 -DLPC_BUILD_TESTS=ON -DLPC_BUILD_ORACLES=OFF
      -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
-must(${CMAKE_COMMAND} --build ${WORK_DIR}/build --target lpc test_broadphase_f64)
+# determinism_f64: this build is the one at -O0 with assertions whose histories are compared with the pinned ones.
+must(${CMAKE_COMMAND} --build ${WORK_DIR}/build --target lpc test_broadphase_f64 determinism_f64)
 set(lpc ${WORK_DIR}/build/bin/lpc)
 must(${lpc} list)
 if(NOT output MATCHES "bucket_sort")
