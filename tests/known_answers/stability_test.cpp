@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Zlib
+// What stands and what falls: tilted boxes, overhangs, arches, cards. Each limit is bisected.
+#include <array>
+
+#include "tests/known_answers/known_answer.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+const char* const kTwo[] = {"split_solver", "soft_step"};
+
+// Between a value at which `holds` and one at which it does not, to within `width`.
+template <class Holds>
+double limit(double yes, double no, double width, const Holds& holds) {
+  while (std::abs(no - yes) > width) {
+    const double middle = (yes + no) / 2;
+    (holds(middle) ? yes : no) = middle;
+  }
+  return (yes + no) / 2;
+}
+
+void setFriction(BodyDef<2>& def, double mu) {
+  for (ShapeDef<2>& s : def.shapes) s.friction = Real(mu);
+}
+BodyDef<2> floorOf(double mu) {
+  BodyDef<2> ground = body<2>(Shape<2>::box({50, 1}), {0, -1}, BodyType::fixed);
+  setFriction(ground, mu);
+  return ground;
+}
+
+// A box of width 0.4 and height 1 tilted on its edge by phi and let go falls back if and only if phi < atan(w / h).
+TEST_F(KnownAnswer, topple_release) {
+  const double w = 0.4, h = 1, reach = std::hypot(w, h) / 2, own = std::atan(w / h);
+  for (const char* solver : kTwo) {
+    const auto fallsBack = [&](double degrees) {
+      World<2> world = worldOf<2>(solver);
+      world.add(floorOf(1));
+      // The right lower corner is at the origin; the centre is left of it and above.
+      const double phi = degrees * kDegree;
+      BodyDef<2> box = body<2>(Shape<2>::box({Real(w / 2), Real(h / 2)}),
+                               at<2>(-reach * std::sin(own - phi), reach * std::cos(own - phi)));
+      box.X_WB.q = Rot<2>::angle(-phi);
+      setFriction(box, 1);
+      const Handle b = world.add(box);
+      for (int i = 0; i < 360; ++i) world.step(kDt);
+      return std::abs(double(world.pose(b).q.radians())) < 0.5;
+    };
+    known("angle, degrees", solver, own / kDegree, limit(20, 24, 0.01, fallsBack));
+  }
+}
+
+// N equal blocks of length L over the edge of a table, one per row: the top one reaches out by L/2 sum 1/k at most.
+TEST_F(KnownAnswer, harmonic_overhang) {
+  for (const char* solver : kTwo) {
+    for (int n : {1, 2, 3, 4, 10}) {
+      double expected = 0;
+      for (int k = 1; k <= n; ++k) expected += 0.5 / k;
+      const auto stands = [&](double overhang) {
+        World<2> world = worldOf<2>(solver);
+        BodyDef<2> table = body<2>(Shape<2>::box({5, 1}), {-5, -1}, BodyType::fixed);
+        setFriction(table, 1);
+        world.add(table);
+        double right = 0, top = 0;
+        for (int row = 0; row < n; ++row) {  // bottom first: row 0 is block n, counted from the top
+          right += 0.5 / (n - row) * overhang / expected;
+          BodyDef<2> block = body<2>(Shape<2>::box({Real(0.5), Real(0.1)}), at<2>(right - 0.5, 0.1 + 0.2 * row));
+          setFriction(block, 1);
+          top = right;
+          world.add(block);
+        }
+        for (int i = 0; i < 300; ++i) world.step(kDt);
+        const Pose<2> last = world.pose(world.handle(n));
+        return double(last.p[1]) > 0.2 * n - 0.2 && std::abs(double(last.p[0]) + 0.5 - top) < 0.3;
+      };
+      known("N = " + std::to_string(n), solver, expected, limit(0.5 * expected, 1.05 * expected, 2e-3, stands));
+    }
+  }
+}
+
+// Two cards lean on each other at alpha from the vertical: mu at the floor must be at least tan(alpha) / 2.
+TEST_F(KnownAnswer, card_house) {
+  const double half = 0.5, radius = 0.02;
+  for (const char* solver : kTwo) {
+    for (int degrees : {10, 20, 30}) {
+      const double alpha = degrees * kDegree, expected = std::tan(alpha) / 2;
+      const auto stands = [&](double mu) {
+        World<2> world = worldOf<2>(solver);
+        world.add(floorOf(mu * mu));  // cards have 1, and a pair the geometric mean
+        std::array<Handle, 2> cards;
+        for (int i = 0; i < 2; ++i) {
+          const double side = i == 0 ? -1 : 1;
+          BodyDef<2> card = body<2>(Shape<2>::capsule(Real(half), Real(radius)),
+                                    at<2>(side * (radius + half * std::sin(alpha)), radius + half * std::cos(alpha)));
+          card.X_WB.q = Rot<2>::angle(side * (kPi / 2 + alpha));
+          setFriction(card, 1);
+          cards[static_cast<std::size_t>(i)] = world.add(card);
+        }
+        const double from = double(world.pose(cards[0]).p[1]);
+        for (int i = 0; i < 300; ++i) world.step(kDt);
+        return double(world.pose(cards[0]).p[1]) > from - 0.03;
+      };
+      known("alpha = " + std::to_string(degrees) + ": mu", solver, expected,
+            limit(1.5 * expected, 0.5 * expected, 1e-3, stands));
+    }
+  }
+}
+
+// A half circle of n equal voussoirs, joints radial: the least thickness over mean radius at which it stands. 0.1075
+// for endless joints (Milankovitch); with few voussoirs the line of thrust may leave the arch between joints, and
+// thinner ones stand. The exact limit for n: the least t for which some line of thrust stays within all joints
+// (thrustLimit).
+bool thrustFits(int n, double t) {
+  // Half the arch, angles from the crown. A level thrust H at height `crown` and the weights so far cut the joint at
+  // angle a in the radius r = (H crown + moment) / (weight sin a + H cos a): two bounds on H for each joint.
+  const double step = kPi / n, inner = 1 - t / 2, outer = 1 + t / 2;
+  const double area = std::sin(step) / 2 * (outer * outer - inner * inner);
+  const double middle = 2.0 / 3 * std::cos(step / 2) * (std::pow(outer, 3) - std::pow(inner, 3)) /
+                        (outer * outer - inner * inner);  // radius of a stone's centroid
+  const auto fits = [&](double crown) {
+    double low = 0, high = 1e9, weight = 0, moment = 0;
+    for (int i = 1; 2 * i <= n; ++i) {
+      const double s = std::sin(i * step), c = std::cos(i * step);
+      weight += area, moment += area * middle * std::sin((i - 0.5) * step);
+      low = std::max(low, (weight * inner * s - moment) / (crown - inner * c));
+      const double reach = crown - outer * c, most = weight * outer * s - moment;
+      if (reach > 0) high = std::min(high, most / reach);
+      if (reach < 0) low = std::max(low, most / reach);
+    }
+    return low <= high;
+  };
+  for (int i = 1; i <= 200; ++i) {
+    if (fits(inner + t * i / 200)) return true;
+  }
+  return false;
+}
+
+TEST_F(KnownAnswer, couplet_arch) {
+  const auto exact = [](int n) { return limit(0.3, 0.01, 1e-6, [&](double t) { return thrustFits(n, t); }); };
+  EXPECT_NEAR(exact(720), 0.1075, 2e-4);
+  for (const char* solver : kTwo) {
+    for (int n : {12, 24}) {
+      const auto stands = [&](double t) {
+        World<2> world = worldOf<2>(solver);
+        world.add(floorOf(1));
+        const double step = kPi / n;
+        std::array<Vec<2>, 4> corners;
+        Handle crown;
+        for (int i = 0; i < n; ++i) {
+          const double middle = (i + 0.5) * step;
+          for (std::size_t k = 0; k < 4; ++k) {
+            const double angle = (k == 0 || k == 3 ? -0.5 : 0.5) * step, r = k < 2 ? 1 - t / 2 : 1 + t / 2;
+            corners[k] = at<2>(10 * (r * std::cos(middle + angle) - std::cos(middle)),
+                               10 * (r * std::sin(middle + angle) - std::sin(middle)));
+          }
+          BodyDef<2> stone = body<2>(Shape<2>::polytope(corners), at<2>(10 * std::cos(middle), 10 * std::sin(middle)));
+          setFriction(stone, 1);
+          const Handle h = world.add(stone);
+          if (i == n / 2) crown = h;
+        }
+        const double from = double(world.pose(crown).p[1]);
+        for (int i = 0; i < 600; ++i) world.step(kDt);
+        return double(world.pose(crown).p[1]) > from - 1;
+      };
+      known("n = " + std::to_string(n) + ": t / R", solver, exact(n), limit(0.3, 0.02, 2e-3, stands));
+    }
+  }
+}
+
+// A rod slides with one end on the floor: for mu > 4/3 there are angles at which no finite force is consistent with
+// rigid motion. A step must end with finite impulses and without more energy.
+TEST_F(KnownAnswer, painleve_rod) {
+  const double half = 0.5, phi = std::atan(2.0);
+  for (double mu : {1.0, 1.6}) {
+    double most = 0;
+    for (const char* solver :
+         {"split_solver", "split_solver{velocity=millington}", "split_solver{velocity=naive}", "soft_step"}) {
+      World<2> world = worldOf<2>(solver);
+      world.add(floorOf(mu));
+      BodyDef<2> rod =
+          body<2>(Shape<2>::box({Real(half), Real(0.005)}), at<2>(0, half * std::sin(phi) + 0.005 * std::cos(phi)));
+      rod.X_WB.q = Rot<2>::angle(kPi - phi);  // the lower end goes ahead
+      rod.velocity = at<2>(3, 0);
+      setFriction(rod, mu);
+      const Handle h = world.add(rod);
+      const double m = double(world.mass(h)), inertia = m * (4 * half * half + 1e-4) / 12;
+      const auto energy = [&] {
+        const Motion<2> motion = world.motion(h);
+        return m * double(motion.v.squaredNorm()) / 2 + inertia * double(motion.w.squaredNorm()) / 2 +
+               m * kG * double(world.pose(h).p[1]);
+      };
+      const double from = energy();
+      for (int i = 0; i < 120; ++i) {
+        world.step(kDt);
+        most = std::max(most, energy() / from - 1);
+        ASSERT_TRUE(std::isfinite(energy())) << solver << " mu=" << mu;
+      }
+    }
+    known("mu = " + std::to_string(mu).substr(0, 3) + ": share of energy gained", "all", 0, most);
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Zlib
+// Weights under stacks, and how fast Gauss-Seidel finds them.
+#include "tests/conformance/impact_scene.h"
+#include "tests/known_answers/known_answer.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+
+template <int D>
+double normalImpulse(const Manifold<D>& m) {
+  double sum = 0;
+  for (int k = 0; k < m.count; ++k) sum += double(m.points[static_cast<std::size_t>(k)].impulse[0]);
+  return sum;
+}
+
+// Boxes of 1 m at rest, bottom first: the impulses of a step under box i are the weights from there on, times dt.
+// Returns them over those, by worst deviation.
+template <int D>
+double worstForce(const std::string& solver, const std::vector<double>& masses, double seconds) {
+  World<D> world = worldOf<D>(solver);
+  addGround(world);
+  std::vector<double> above(masses.size() + 1, 0);
+  for (std::size_t i = masses.size(); i-- > 0;) above[i] = above[i + 1] + masses[i];
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    BodyDef<D> box = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5 + static_cast<double>(i)));
+    box.shapes[0].density = Real(masses[i]);
+    world.add(box);
+  }
+  for (int i = 0; i < static_cast<int>(seconds * 60); ++i) world.step(kDt);
+  EXPECT_EQ(world.manifolds().size(), masses.size()) << solver;
+  double worst = 1;
+  for (const Manifold<D>& m : world.manifolds()) {
+    worst = worse(normalImpulse(m) / (above[static_cast<std::size_t>(m.bodyA)] * kG * double(kDt)), worst, 1);
+  }
+  return worst;
+}
+
+template <int D>
+void stackForces() {
+  for (const char* solver : {"split_solver", "split_solver{order=reverse}", "soft_step"}) {
+    known(in<D>("worst force over weight"), solver, 1, worstForce<D>(solver, std::vector<double>(10, 1.0), 10));
+  }
+}
+TEST_F(KnownAnswer, stack_forces) { stackForces<2>(), stackForces<3>(); }
+
+// 1 : 10 : 100 : 1000, heaviest on top: Gauss-Seidel needs warm starts over many steps to carry it.
+TEST_F(KnownAnswer, mass_ratio_stack) {
+  for (const char* solver : {"split_solver", "split_solver{velocity=catto{iterations=100}}", "soft_step"}) {
+    World<2> world = worldOf<2>(solver);
+    addGround(world);
+    std::vector<Handle> boxes;
+    double y = 0.5;
+    for (double mass : {1.0, 10.0, 100.0, 1000.0}) {
+      BodyDef<2> box = body<2>(Shape<2>::box(Vec<2>::Constant(Real(0.5))), at<2>(0, y));
+      box.shapes[0].density = Real(mass);
+      boxes.push_back(world.add(box));
+      y += 1;
+    }
+    for (int i = 0; i < 600; ++i) world.step(kDt);
+    const double bottom = double(world.pose(boxes[0]).p[1]) - 0.5, second = double(world.pose(boxes[1]).p[1]) - 1.5;
+    known("sinking of the lightest, m", solver, 0, bottom);
+    known("sinking of the second, m", solver, 0, second);
+  }
+}
+
+// 20 rows: the ground carries n (n + 1) / 2 boxes, the left half as much as the right.
+TEST_F(KnownAnswer, pyramid_weight) {
+  for (const char* solver : {"split_solver", "soft_step"}) {
+    World<2> world = worldOf<2>(solver);
+    addGround(world);
+    const int rows = 20;
+    for (int row = 0; row < rows; ++row) {
+      for (int i = 0; i < rows - row; ++i) {
+        world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.25)}),
+                          at<2>(1.1 * (i + 0.5 * row - 0.5 * (rows - 1)), 0.25 + 0.5 * row)));
+      }
+    }
+    for (int i = 0; i < 300; ++i) world.step(kDt);
+    double total = 0, moment = 0;
+    for (const Manifold<2>& m : world.manifolds()) {
+      if (m.bodyA != 0) continue;
+      const double x = double(world.bodies().pose[static_cast<std::size_t>(m.bodyB)].p[0]);
+      total += normalImpulse(m), moment += (x > 0 ? 1 : -1) * normalImpulse(m);
+    }
+    const double weight = rows * (rows + 1) / 2 * 0.5 * kG * double(kDt);  // a box has 0.5 kg
+    known("total over weight", solver, 1, total / weight);
+    known("right minus left over weight", solver, 0, moment / weight);
+  }
+}
+
+// --- convergence: one sweep after another, cold, on a column that gravity has just pulled ---------------------------
+
+// Bodies of the given masses, bottom first, that only move up and down.
+ImpactScene<2> column(const std::vector<double>& masses) {
+  ImpactScene<2> s;
+  s.add(0, Ang<2>::Zero(), {});
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    s.add(Real(masses[i]), Ang<2>::Zero(), {{0, Real(i + 1)}, {}}, {{0, -1}, Ang<2>::Zero()});
+    s.touch(static_cast<int>(i), static_cast<int>(i) + 1, {0, 1}, {0, Real(i) + Real(0.5)}, 0, 0, 0);
+  }
+  return s;
+}
+
+// Error of the impulses after that many sweeps: those of rest are the weights above.
+double impulseError(const std::vector<double>& masses, int sweeps) {
+  struct Unbiased final : PositionResolver<2> {};
+  auto s = column(masses);
+  const auto catto = createStage<VelocityResolver<2>>(
+      Spec::parse("catto{warm_start=false,iterations=" + std::to_string(sweeps) + "}"));
+  s.solve(*catto, Unbiased{});
+  double error = 0, above = 0;
+  for (std::size_t i = masses.size(); i-- > 0;) {
+    above += masses[i];
+    error = std::max(error, std::abs(double(s.manifolds[i].points[0].impulse[0]) - above) / above);
+  }
+  return error;
+}
+double sweepFactor(const std::vector<double>& masses, int k) {
+  return impulseError(masses, k + 1) / impulseError(masses, k);
+}
+
+// Heavy (r m) on light (m) on the ground: the error of a sweep is r / (1 + r) of the last one; light on heavy 1 / (1 +
+// r).
+TEST_F(KnownAnswer, mass_ratio_pgs_rate) {
+  for (int r : {1, 10, 100, 1000}) {
+    const std::string ratio = "r = " + std::to_string(r) + ": factor";
+    known(ratio + ", heavy on light", "catto", r / (1.0 + r), sweepFactor({1, double(r)}, r == 1 ? 8 : 40));
+    if (r <= 10) known(ratio + ", light on heavy", "catto", 1 / (1.0 + r), sweepFactor({double(r), 1}, 3));
+  }
+}
+
+// N equal boxes: the spectral radius of Gauss-Seidel on tridiag(-1, 2, -1) with first diagonal 1, cos^2(pi / 2 N).
+TEST_F(KnownAnswer, stack_pgs_rate) {
+  for (int n : {2, 5, 10, 20, 50}) {
+    if (!kDouble && n > 5) continue;  // an error that a float's rounding drowns
+    const double rho = std::pow(std::cos(kPi / (2 * n)), 2);
+    known("N = " + std::to_string(n) + ": factor", "catto", rho,
+          sweepFactor(std::vector<double>(static_cast<std::size_t>(n), 1.0), n == 2 ? 8 : 20 * n));
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
