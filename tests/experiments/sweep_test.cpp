@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Sweeps: planning, keys, outcomes, resuming.
-#include <sys/wait.h>
-
-#include <chrono>
-#include <csignal>
-#include <thread>
-
+// Sweeps: planning, keys, outcomes, merging. What every store keeps to: sweep_rules_test.cpp.
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/sweep_file.h"
-#include "framework/random.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -156,39 +149,6 @@ TEST(SweepRun, whatCannotRunIsARowToo) {
                 "SELECT group_concat(outcome) FROM (SELECT outcome FROM trial ORDER BY "
                 "json_extract(canonical, '$.dimension'))"),
             "ok,unsupported");
-}
-
-// Killed at random moments and started again, a sweep ends with what an uninterrupted one has.
-TEST(SweepRun, resumesAfterSigkill) {
-  Workspace w;
-  std::string text =
-      boxes("n = [8, 16, 24, 32, 40, 48]\nbroadphase = [\"planted_slow\", \"naive\", \"sort_and_sweep\"]\n");
-  text.replace(text.find("frames = 12"), 11, "frames = 40");  // long enough that the first kill comes before the end
-  w.write("s.toml", text);
-  const std::string arguments = "--plugin " + kPlugin + " sweep s.toml --quiet --store ";
-  ASSERT_EQ(w.lpc(arguments + "whole.db").code, 0);
-  Random random(7);
-  int kills = 0;
-  for (int turn = 0; turn < 60; ++turn) {
-    const pid_t pid = fork();
-    if (pid == 0) {
-      if (chdir(w.path("").c_str()) != 0) _exit(1);
-      std::freopen("/dev/null", "w", stdout);
-      execl(LPC_BINARY_DIR "/bin/lpc", "lpc", "--plugin", kPlugin.c_str(), "sweep", "s.toml", "--quiet", "--store",
-            "pieces.db", static_cast<char*>(nullptr));
-      _exit(127);
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(30 + random.below(150)));
-    kill(pid, SIGKILL);
-    int status = 0;
-    waitpid(pid, &status, 0);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
-    ++kills;
-  }
-  EXPECT_GT(kills, 0);
-  const Outcome last = w.lpc(arguments + "pieces.db");
-  ASSERT_EQ(last.code, 0) << last.text;
-  EXPECT_EQ(timeless(w.path("pieces.db")), timeless(w.path("whole.db")));
 }
 
 TEST(SweepRun, interruptKeepsWhatWasFinished) {
