@@ -149,6 +149,75 @@ void swapMirrors(ContactGenerator<D>& generator) {
   }
 }
 
+/// Two boxes that nearly touch or penetrate a little, turned at random: no two features tie.
+template <int D>
+ContactScene<D> drawBoxes(Draw& draw) {
+  const auto box = [&] { return Shape<D>::box(drawHalf<D>(draw), draw.below(4) == 3 ? Real(0.1) : Real(0)); };
+  const Shape<D> a = box(), b = box();
+  const Vec<D> n = drawDirection<D>(draw);
+  Pose<D> X_AB;
+  X_AB.q = drawRotation<D>(draw);
+  X_AB.p = (supportValue(a.view(), n) + supportValue(b.view(), Vec<D>(X_AB.q.inverse() * Vec<D>(-n)))) * n;
+  X_AB.p += (draw.real(0, 0.1) - Real(0.08)) * n + Real(0.1) * drawVector<D>(draw);
+  const Pose<D> X_WA = drawPose<D>(draw, 3);
+  return {a, b, X_WA, X_WA * X_AB, kContactMargin};
+}
+
+/// The turns that map the axes onto the axes: 4 in 2D, 24 in 3D.
+template <int D>
+std::vector<Rot<D>> axisTurns() {
+  const double quarter = 1.5707963267948966;
+  std::vector<Rot<D>> out;
+  for (int k = 0; k < 4; ++k) {
+    if constexpr (D == 2) {
+      out.push_back(Rot<2>::angle(k * quarter));
+    } else {  // k quarters about x, after x was brought to each of the six directions
+      const Rot<3> about = Rot<3>::vector({static_cast<Real>(k * quarter), 0, 0});
+      for (int turns = 0; turns < 4; ++turns) {
+        out.push_back(Rot<3>::vector({0, 0, static_cast<Real>(turns * quarter)}) * about);
+      }
+      for (const int side : {-1, 1}) out.push_back(Rot<3>::vector({0, static_cast<Real>(side * quarter), 0}) * about);
+    }
+  }
+  return out;
+}
+
+/// A box is the same box with its axes named in another order or turned round: the same normal and the same points, but
+/// for what the tolerance lets a generator merge.
+template <int D>
+void relabelledBoxes(ContactGenerator<D>& generator) {
+  const auto scene = *rc::gen::exec([] {
+    RapidCheckDraw draw;
+    return drawBoxes<D>(draw);
+  });
+  const auto turns = axisTurns<D>();
+  const Rot<D> turn = *rc::gen::elementOf(turns);
+  const std::size_t side = *rc::gen::element(std::size_t{0}, std::size_t{1});
+  ContactScene<D> other = scene;
+  const ShapeView<D>& box = scene.view(side);
+  other.shapes[side].shape = Shape<D>::box((turn.inverse().matrix() * box.half).cwiseAbs(), box.radius);
+  other.shapes[side].X_CS.q = scene.shapes[side].X_CS.q * turn;
+  const auto one = scene.run(generator), same = other.run(generator);
+  const Real tolerance = 2 * scene.tolerance();
+  if (one.empty() || same.empty()) {  // at the margin's very edge
+    if (!one.empty()) RC_ASSERT(deepest(one[0]) >= scene.margin - tolerance);
+    if (!same.empty()) RC_ASSERT(deepest(same[0]) >= scene.margin - tolerance);
+    return;
+  }
+  const Manifold<D>&m = one[0], &w = same[0];
+  RC_LOG() << scene << m << w;
+  RC_ASSERT(worldSeparation<D>(scene, w.normal) >= worldSeparation<D>(scene, m.normal) - tolerance);
+  if ((m.normal - w.normal).norm() > 1000 * kEps) return;  // another axis that is as good within the tolerance
+  const auto covers = [&](const Manifold<D>& all, const ContactPoint<D>& p) {
+    const auto near = [&](const auto& q) {
+      return (p.localA - q.localA).norm() <= tolerance && (p.localB - q.localB).norm() <= tolerance;
+    };
+    return std::any_of(all.points.begin(), all.points.begin() + all.count, near);
+  };
+  for (int i = 0; i < m.count; ++i) RC_ASSERT(covers(w, m.points[static_cast<std::size_t>(i)]));
+  for (int i = 0; i < w.count; ++i) RC_ASSERT(covers(m, w.points[static_cast<std::size_t>(i)]));
+}
+
 /// B rests with a face on a face of A: both may be boxes, hulls or rounded, shifted and turned about the normal. In
 /// half of the cases equal shapes lie exactly on each other, where rounding decides what is inside what.
 template <int D>

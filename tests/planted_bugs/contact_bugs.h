@@ -35,6 +35,17 @@ struct NormalOfFirstShapeKind final : SpoiledContacts<D> {
   }
 };
 
+/// Thins the patch along B's own x axis: which point stays depends on how the box's axes are named.
+template <int D>
+struct ThinsAlongFirstAxis final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
+    const Vec<D> x = in.shapes[1].X_CS.q * Vec<D>(Vec<D>::Unit(0));
+    const auto last = std::max_element(m.points.begin(), m.points.begin() + m.count,
+                                       [&](const auto& p, const auto& q) { return p.localB.dot(x) < q.localB.dot(x); });
+    m.points[0] = *last, m.count = 1;
+  }
+};
+
 template <int D>
 struct DuplicateFeatures final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override {
