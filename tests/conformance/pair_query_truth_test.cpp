@@ -122,7 +122,7 @@ TEST(PairQueryTruth, CompetitorsAgreeWithTheReferee3) { competitorsAgree<3>(); }
 template <int D>
 class Spoiled final : public PairQuery<D> {
  public:
-  enum Way { offByMore, flippedNormal, missedTouch, neverAnswers, leaningNormal };
+  enum Way { offByMore, flippedNormal, missedTouch, neverAnswers, leaningNormal, halfTheDigits };
   Spoiled(PairQuery<D>& method, Way way) : m_method(method), m_way(way) {}
   bool supports(ShapeKind a, ShapeKind b) const override { return m_method.supports(a, b); }
   void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
@@ -134,6 +134,12 @@ class Spoiled final : public PairQuery<D> {
       if (m_way == flippedNormal) answer.normal = -answer.normal;
       if (m_way == missedTouch && answer.distance < 0 && answer.distance > Real(-0.01)) answer.distance = Real(0.01);
       if (m_way == neverAnswers && answer.distance == 0) answer.status = QueryStatus::failed;
+      if (m_way == halfTheDigits) {  // as if the lower precision had slipped in
+        int exponent = 0;
+        const Real kept = std::ldexp(Real(1), std::numeric_limits<Real>::digits / 2);
+        const Real mantissa = std::round(std::frexp(answer.distance, &exponent) * kept) / kept;
+        answer.distance = std::ldexp(mantissa, exponent);
+      }
       if (m_way == leaningNormal) {
         answer.normal += static_cast<Real>(50 * kBound) * tangents(answer.normal).col(0);
         answer.normal /= answer.normal.norm();
@@ -152,12 +158,92 @@ void spoiledAreSeen() {
   const auto method = createStage<PairQuery<D>>(Spec{"gjk_epa", {}});
   const auto pairs = judgedPairs<D>(2000);
   using S = Spoiled<D>;
-  for (const auto way : {S::offByMore, S::flippedNormal, S::missedTouch, S::neverAnswers, S::leaningNormal}) {
+  for (const auto way :
+       {S::offByMore, S::flippedNormal, S::missedTouch, S::neverAnswers, S::leaningNormal, S::halfTheDigits}) {
     S spoiled(*method, way);
     EXPECT_FALSE(against<D>(spoiled, Need::witnesses, pairs).right()) << "way " << way << " was not seen";
   }
 }
 TEST(PairQueryTruth, SpoiledMethodsAreSeen) { spoiledAreSeen<2>(), spoiledAreSeen<3>(); }
+
+// --- N21: the same numbers in both precisions
+// --------------------------------------------------------------------------
+
+// Sizes, points, positions and turns that float holds exactly, so that both builds are asked the very same question and
+// differ by no more than their bounds against the referee together.
+template <int D>
+class FloatPairs {
+ public:
+  JudgedPair<D> draw() {
+    JudgedPair<D> p;
+    p.c.family = "float numbers";
+    p.c.a = shape(), p.c.b = shape();
+    for (int k = 0; k < D; ++k) p.X_AB.p[k] = number(-3, 3);
+    p.X_AB.q = turn();
+    p.c.X_WB = p.X_AB;
+    p.truth = referee(p.c.a.view(), Pose<D>{}, p.c.b.view(), p.X_AB);
+    p.s = errorScale(p.c.a.view(), Pose<D>{}, p.c.b.view(), p.X_AB, p.truth.lo);
+    return p;
+  }
+  std::uint64_t hash() const { return hashOf(m_numbers.str()); }
+
+ private:
+  Real number(double lo, double hi) {
+    const auto x = static_cast<float>(lo + (hi - lo) * m_draw.below(1000001) / 1e6);
+    m_numbers << std::hexfloat << x << ' ';
+    return Real(x);
+  }
+  Shape<D> shape() {
+    const int kind = m_draw.below(4);
+    if (kind == 0) return Shape<D>::sphere(number(0.1, 1));
+    if (kind == 1) return Shape<D>::capsule(number(0.1, 1), number(0.1, 1));
+    if (kind == 2) {
+      Vec<D> half;
+      for (int k = 0; k < D; ++k) half[k] = number(0.1, 1);
+      return Shape<D>::box(half, m_draw.coin() ? number(0.01, 0.1) : Real(0));
+    }
+    std::vector<Vec<D>> points;  // on both sides of each axis, so that they have volume, turned as chance will have it
+    for (int k = 0; k < 2 * D; ++k) {
+      Vec<D> p;
+      for (int d = 0; d < D; ++d) p[d] = number(-0.3, 0.3);
+      p[k / 2] = k % 2 ? number(0.5, 1) : number(-1, -0.5);
+      points.push_back(p);
+    }
+    return Shape<D>::polytope(std::span<const Vec<D>>(points));
+  }
+  // All components are 0, 1 or a half.
+  Rot<D> turn() {
+    const int k = m_draw.below(D == 2 ? 4 : 12);
+    m_numbers << k << ' ';
+    if constexpr (D == 2) {
+      return std::array<Rot<2>, 4>{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}}[static_cast<std::size_t>(k)];
+    } else {
+      const auto half = [&](int bit) { return Real(k >> bit & 1 ? -0.5 : 0.5); };
+      if (k < 8) return {Real(0.5), half(0), half(1), half(2)};
+      return {Real(k == 8), Real(k == 9), Real(k == 10), Real(k == 11)};
+    }
+  }
+  PlainDraw m_draw{21};
+  std::ostringstream m_numbers;
+};
+
+template <int D>
+void bothPrecisions(std::uint64_t inputs) {
+  FloatPairs<D> source;
+  std::vector<JudgedPair<D>> pairs;
+  for (int n = 2000; n > 0; --n) pairs.push_back(source.draw());
+  EXPECT_EQ(source.hash(), inputs) << "the other precision is asked something else";
+  for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
+    if (entry->info.role != Role::competitor) continue;
+    const auto method = createStage<PairQuery<D>>(Spec{entry->info.name, {}});
+    const Tally tally = against<D>(*method, Need::witnesses, pairs);
+    EXPECT_TRUE(tally.right()) << entry->info.name << ", worst error " << tally.errors.back() << ":\n" << tally.worst;
+  }
+}
+TEST(PairQueryTruth, BothPrecisions) {
+  bothPrecisions<2>(12990664900007743841u);
+  bothPrecisions<3>(9946326375794592900u);
+}
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test

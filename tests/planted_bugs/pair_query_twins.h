@@ -9,7 +9,7 @@
 
 namespace lpc::inline LPC_PRECISION::test::wrong_queries {
 
-/// A right method, spoiled.
+/// The right method of all twins, spoiled by each in its own way.
 template <int D>
 class SpoiledQuery : public PairQuery<D> {
  public:
@@ -110,6 +110,152 @@ class CentreWitness final : public SpoiledQuery<D> {
   void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
     answer.pA = Vec<D>::Zero(), answer.pB = answer.distance * answer.normal;
   }
+};
+
+/// Boxes that are not turned are compared by their intervals: beyond a corner the widest gap is called the distance.
+template <int D>
+class AxisAlignedShortcut final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    if (pair.a.kind != ShapeKind::box || pair.b.kind != ShapeKind::box) return;
+    if (pair.X_AB.q.matrix() != Mat<D>::Identity()) return;
+    int widest = 0;
+    const Vec<D> gap = pair.X_AB.p.cwiseAbs() - pair.a.half - pair.b.half;
+    gap.maxCoeff(&widest);
+    this->setAxis(pair, (pair.X_AB.p[widest] < 0 ? Real(-1) : Real(1)) * Vec<D>(Vec<D>::Unit(widest)), answer);
+  }
+};
+
+/// A search that starts along x and never turns back.
+template <int D>
+class NeverTurnsBack final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    if (answer.normal[0] < 0) this->setAxis(pair, Vec<D>(-Vec<D>::Unit(0)), answer);
+  }
+};
+
+/// Half the depth is left to the next step.
+template <int D>
+class HalfDepth final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
+    if (answer.distance < 0) answer.distance /= 2, answer.pB = answer.pA + answer.distance * answer.normal;
+  }
+};
+
+/// Two ways of one method count the rounding, when the shapes penetrate.
+template <int D>
+class RoundingTwiceInside final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    if (answer.distance < 0) answer.distance -= pair.a.radius;
+    answer.pB = answer.pA + answer.distance * answer.normal;
+  }
+};
+
+/// Where it stopped searching because nobody would care is given as the distance.
+template <int D>
+class ReportsItsCutOff final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    answer.distance = std::min(answer.distance, (pair.a.half.norm() + pair.a.radius) / 4);
+  }
+};
+
+/// Asked for yes or no it compares bounding spheres.
+template <int D>
+class SphereBoolean final : public SpoiledQuery<D> {
+ public:
+  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+             Work& work) override {
+    m_boolean = need == Need::boolean;
+    SpoiledQuery<D>::query(batch, need, answers, memory, work);
+  }
+
+ private:
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    if (m_boolean) answer.distance = pair.X_AB.p.norm() - boundingRadius(pair.a) - boundingRadius(pair.b);
+  }
+  bool m_boolean = false;
+};
+
+/// No direction where the shapes just touch.
+template <int D>
+class NoNormalAtTouch final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    if (std::abs(answer.distance) <= Real(1e-5) * boundingRadius(pair.a)) answer.normal = Vec<D>::Zero();
+  }
+};
+
+/// Climbs along the list of vertices and stops at the first peak.
+template <int D>
+class FirstPeak final : public SpoiledQuery<D> {
+  static Real reach(const ShapeView<D>& shape, const Vec<D>& d) {
+    if (!shape.hull) return supportValue(shape, d);
+    const auto& v = shape.hull->vertices;
+    std::size_t i = 0;
+    while (i + 1 < v.size() && v[i + 1].dot(d) >= v[i].dot(d)) ++i;
+    return v[i].dot(d) + shape.radius * d.norm();
+  }
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    const Vec<D>& n = answer.normal;
+    answer.distance = pair.X_AB.p.dot(n) - reach(pair.a, n) - reach(pair.b, Vec<D>(pair.X_AB.q.inverse() * Vec<D>(-n)));
+  }
+};
+
+/// Rounding has the wrong sign: a thicker capsule is farther away.
+template <int D>
+class ThickerIsFarther final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    answer.distance += 2 * pair.a.radius;
+  }
+};
+
+/// A long box is taken for a line.
+template <int D>
+class LongBoxIsALine final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    if (pair.a.kind == ShapeKind::box && pair.a.half.maxCoeff() > 3 * pair.a.half.minCoeff()) {
+      answer.distance += pair.a.half.minCoeff();
+    }
+  }
+};
+
+/// The code for boxes knows no rounding.
+template <int D>
+class SharpBoxes final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    if (pair.a.kind == ShapeKind::box) answer.distance += pair.a.radius;
+  }
+};
+
+/// Sees every second vertex of a hull.
+template <int D>
+class EverySecondVertex final : public SpoiledQuery<D> {
+  static Real reach(const ShapeView<D>& shape, const Vec<D>& d) {
+    if (!shape.hull) return supportValue(shape, d);
+    Real most = -std::numeric_limits<Real>::max();
+    for (std::size_t i = 0; i < shape.hull->vertices.size(); i += 2) {
+      most = std::max(most, shape.hull->vertices[i].dot(d));
+    }
+    return most + shape.radius * d.norm();
+  }
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    const Vec<D>& n = answer.normal;
+    answer.distance = pair.X_AB.p.dot(n) - reach(pair.a, n) - reach(pair.b, Vec<D>(pair.X_AB.q.inverse() * Vec<D>(-n)));
+  }
+};
+
+/// Stopped by its limit, it says that all went well.
+template <int D>
+class SilentLimit final : public PairQuery<D> {
+ public:
+  explicit SilentLimit(PairQuery<D>& limited) : m_limited(limited) {}
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_limited.supports(a, b); }
+  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+             Work& work) override {
+    m_limited.query(batch, need, answers, memory, work);
+    answers.status.fill(QueryStatus::converged);
+  }
+
+ private:
+  PairQuery<D>& m_limited;
 };
 
 }  // namespace lpc::inline LPC_PRECISION::test::wrong_queries

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Zlib
+// Every competing pair query on two or three pairs whose distances are related: a shape and a larger one, its halves,
+// the same shape as another kind or in another dimension. No other method need be right.
+#include <gtest/gtest.h>
+
+#include "framework/check.h"
+#include "tests/check_property.h"
+#include "tests/pair_query_properties.h"
+#include "tests/planted_bugs/pair_query_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+using namespace wrong_queries;
+
+constexpr int kRuns = 400;  // cases of each property, and of each bug that it must catch
+
+template <int D>
+double distanceOf(PairQuery<D>& method, const Asked<D>& pair) {
+  const auto answer = queryPair<D>(method, pair.a.view(), pair.b.view(), pair.X_AB, Need::distance);
+  RC_ASSERT(answer.status == QueryStatus::converged);
+  return static_cast<double>(answer.distance);
+}
+
+/// A drawn pair that the method takes, or none.
+template <int D>
+std::optional<Asked<D>> drawAsked(const PairQuery<D>& method) {
+  const auto c = *shapePairs<D>();
+  RC_LOG() << c;
+  if (!method.supports(std::min(c.a.kind(), c.b.kind()), std::max(c.a.kind(), c.b.kind()))) return std::nullopt;
+  return Asked<D>{c.a, c.b, c.X_AB()};
+}
+
+/// A shape of the same kind that contains it.
+template <int D>
+Shape<D> larger(const Shape<D>& shape, Draw& draw) {
+  const ShapeView<D>& v = shape.view();
+  const Real size = sizeOf(shape) * draw.real(0.01, 1), rounding = draw.coin() ? size : Real(0);
+  switch (v.kind) {
+    case ShapeKind::sphere:
+      return Shape<D>::sphere(v.radius + size);
+    case ShapeKind::capsule:
+      return Shape<D>::capsule(v.half[0] + size, v.radius + rounding);
+    case ShapeKind::segment:
+      return Shape<D>::segment(v.half[0] + size);
+    case ShapeKind::box:
+      return Shape<D>::box(v.half + size * Vec<D>(Vec<D>::Unit(draw.below(D))), v.radius + rounding);
+    case ShapeKind::polytope:
+      break;
+  }
+  std::vector<Vec<D>> points = v.hull->vertices;
+  points.push_back(2 * sizeOf(shape) * drawDirection<D>(draw));
+  return Shape<D>::polytope(std::span<const Vec<D>>(points), v.radius + rounding);
+}
+
+// N12
+template <int D>
+void supersetIsNearer(PairQuery<D>& method) {
+  const auto pair = drawAsked<D>(method);
+  if (!pair) return;
+  RapidCheckDraw draw;
+  const Asked<D> more{larger(pair->a, draw), pair->b, pair->X_AB};
+  const double phi = distanceOf(method, *pair), nearer = distanceOf(method, more);
+  RC_LOG() << "larger: " << more.a << ", distances " << phi << ' ' << nearer << '\n';
+  RC_ASSERT(nearer <= phi + 2 * kPairTolerance * sizeOf(more, phi));
+}
+
+template <int D>
+struct Half {
+  Shape<D> shape;
+  Pose<D> X_WhH;  // of the half in the whole
+};
+
+/// Two shapes whose union it is, where there is a simple way.
+template <int D>
+std::vector<Half<D>> halvesOf(const Shape<D>& shape, Draw& draw) {
+  const ShapeView<D>& v = shape.view();
+  const Real share = draw.real(0.1, 0.9);
+  std::vector<Half<D>> out;
+  if (v.kind == ShapeKind::polytope) {
+    if constexpr (D == 2) {
+      const auto& all = v.hull->vertices;
+      const int n = static_cast<int>(all.size());
+      if (n < 4) return {};
+      const auto k = 2 + draw.below(n - 3);  // the diagonal from vertex 0 to this one
+      const std::vector<Vec<2>> left(all.begin(), all.begin() + k + 1);
+      std::vector<Vec<2>> right(all.begin() + k, all.end());
+      right.push_back(all[0]);
+      try {
+        return {{Shape<2>::polytope(left, v.radius), {}}, {Shape<2>::polytope(right, v.radius), {}}};
+      } catch (const UserError&) {  // too flat for a hull
+      }
+    }
+    return {};
+  }
+  const int k = v.kind == ShapeKind::box ? draw.below(D) : 0;
+  if (!(v.half[k] > 0)) return {};
+  for (const Real side : {Real(-1), Real(1)}) {
+    Vec<D> half = v.half;
+    half[k] *= side < 0 ? share : 1 - share;
+    Pose<D> X;
+    X.p[k] = side * (v.half[k] - half[k]);
+    out.push_back({v.kind == ShapeKind::box       ? Shape<D>::box(half, v.radius)
+                   : v.kind == ShapeKind::capsule ? Shape<D>::capsule(half[0], v.radius)
+                                                  : Shape<D>::segment(half[0]),
+                   X});
+  }
+  return out;
+}
+
+// N13: of shapes whose cores lie apart the distance is that of the nearer half; a core that is penetrated is deeper
+// than its halves, one of which at least is penetrated.
+template <int D>
+void nearerHalfDecides(PairQuery<D>& method) {
+  const auto pair = drawAsked<D>(method);
+  if (!pair) return;
+  RapidCheckDraw draw;
+  const auto halves = halvesOf(pair->a, draw);
+  if (halves.empty()) return;
+  const double phi = distanceOf(method, *pair), T = 4 * kPairTolerance * sizeOf(*pair, phi);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Half<D>& h : halves) {
+    nearest = std::min(nearest, distanceOf(method, {h.shape, pair->b, h.X_WhH.inverse() * pair->X_AB}));
+  }
+  RC_LOG() << "distance " << phi << ", of the nearer half " << nearest << '\n';
+  RC_ASSERT(phi <= nearest + T);
+  const double radii = pair->a.view().radius + pair->b.view().radius;
+  if (phi > -radii + T) RC_ASSERT(nearest <= phi + T);
+  if (phi < -radii - T) RC_ASSERT(nearest <= -radii + T);
+}
+
+// N14: the same box as a hull.
+template <int D>
+void boxIsItsHull(PairQuery<D>& method) {
+  const auto pair = drawAsked<D>(method);
+  if (!pair || !method.supports(ShapeKind::sphere, ShapeKind::polytope)) return;
+  const auto hullOf = [](const Shape<D>& shape) {
+    if (shape.kind() != ShapeKind::box) return shape;
+    std::vector<Vec<D>> points;
+    for (int bits = 0; bits < 1 << D; ++bits) {
+      Vec<D> p = shape.view().half;
+      for (int k = 0; k < D; ++k) p[k] = (bits >> k) & 1 ? p[k] : -p[k];
+      points.push_back(p);
+    }
+    return Shape<D>::polytope(std::span<const Vec<D>>(points), shape.view().radius);
+  };
+  const double box = distanceOf(method, *pair);
+  const double hull = distanceOf(method, {hullOf(pair->a), hullOf(pair->b), pair->X_AB});
+  RC_LOG() << "as boxes " << box << ", as hulls " << hull << '\n';
+  RC_ASSERT(std::abs(box - hull) <= 2 * kPairTolerance * sizeOf(*pair, box));
+}
+
+// N15: a regular polygon with N corners on a circle is farther than the circle by at most r (1 - cos(pi / N)).
+void polygonNearsItsCircle(PairQuery<2>& method) {
+  const auto pair = drawAsked<2>(method);
+  if (!pair || !method.supports(ShapeKind::sphere, ShapeKind::polytope)) return;
+  RapidCheckDraw draw;
+  const int n = 3 + draw.below(62);
+  const double pi = 3.14159265358979324, phase = draw.real(0, 1), r = static_cast<double>(sizeOf(pair->a));
+  std::vector<Vec<2>> points;
+  for (int i = 0; i < n; ++i) {
+    const Rot<2> q = Rot<2>::angle(2 * pi * (i + phase) / n);
+    points.push_back(static_cast<Real>(r) * Vec<2>(q.c, q.s));
+  }
+  const Asked<2> circle{Shape<2>::sphere(static_cast<Real>(r)), pair->b, pair->X_AB};
+  const Asked<2> polygon{Shape<2>::polytope(points), pair->b, pair->X_AB};
+  const double phi = distanceOf(method, circle), more = distanceOf(method, polygon) - phi;
+  const double T = 2 * kPairTolerance * sizeOf(polygon, phi);
+  RC_LOG() << n << " corners: " << more << " farther than the circle with radius " << r << '\n';
+  RC_ASSERT(more >= -T);
+  RC_ASSERT(more <= r * (1 - std::cos(pi / n)) + T);
+}
+
+/// Drawn out along z by `h` to both sides; nothing for kinds whose prism is no shape of ours.
+struct Prism {
+  Shape<3> shape;
+  Pose<3> X_SP;  // of the prism in the frame whose x and y are the flat shape's
+};
+std::optional<Prism> prismOf(const Shape<2>& flat, Real h) {
+  const ShapeView<2>& v = flat.view();
+  Pose<3> X;
+  switch (v.kind) {
+    case ShapeKind::sphere:
+      if (!(v.radius > 0)) return std::nullopt;
+      X.q = Rot<3>::vector({0, Real(-1.5707963267948966), 0});
+      return Prism{Shape<3>::capsule(h, v.radius), X};
+    case ShapeKind::box:
+      return Prism{Shape<3>::box({v.half[0], v.half[1], h}, v.radius), X};
+    case ShapeKind::polytope: {
+      std::vector<Vec<3>> points;
+      for (const Vec<2>& p : v.hull->vertices) {
+        for (const Real z : {-h, h}) points.push_back({p[0], p[1], z});
+      }
+      return Prism{Shape<3>::polytope(points, v.radius), X};
+    }
+    default:
+      return std::nullopt;
+  }
+}
+
+// N18: prisms as high as the pair is wide, so that the way out along z is never the shortest.
+void prismsAreFlat(PairQuery<2>& flat, PairQuery<3>& solid) {
+  const auto pair = drawAsked<2>(flat);
+  if (!pair) return;
+  const double phi = distanceOf(flat, *pair);
+  const Real height = 2 * static_cast<Real>(sizeOf(*pair, phi));
+  const auto a = prismOf(pair->a, height), b = prismOf(pair->b, height);
+  if (!a || !b) return;
+  const Pose<2>& X = pair->X_AB;
+  const Pose<3> turned{{X.p[0], X.p[1], 0}, Rot<3>::vector({0, 0, X.q.radians()})};
+  const Asked<3> prisms{a->shape, b->shape, a->X_SP.inverse() * (turned * b->X_SP)};
+  const double high = distanceOf(solid, prisms);
+  RC_LOG() << "2D " << phi << ", 3D " << high << '\n';
+  RC_ASSERT(std::abs(phi - high) <= 2 * kPairTolerance * sizeOf(prisms, phi));
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  void (*holds)(PairQuery<D>&);
+};
+template <int D>
+std::vector<Named<D>> properties() {
+  std::vector<Named<D>> list = {{"N12 superset", supersetIsNearer<D>},
+                                {"N13 halves", nearerHalfDecides<D>},
+                                {"N14 box as hull", boxIsItsHull<D>}};
+  if constexpr (D == 2) list.push_back({"N15 polygon and circle", polygonNearsItsCircle});
+  return list;
+}
+
+template <int D>
+void everyMethod() {
+  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
+    if (r->info.role != Role::competitor) continue;
+    const auto method = createStage<PairQuery<D>>(Spec{r->info.name, {}});
+    for (const Named<D>& p : properties<D>()) {
+      check(
+          std::string(p.name) + ", " + r->info.name + ", " + std::to_string(D) + "D", [&] { p.holds(*method); }, kRuns);
+    }
+  }
+}
+TEST(PairQueryRelations, TwoDimensions) { everyMethod<2>(); }
+TEST(PairQueryRelations, ThreeDimensions) { everyMethod<3>(); }
+
+TEST(PairQueryRelations, PrismsAreFlat) {
+  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 2)) {
+    const auto flat = createStage<PairQuery<2>>(Spec{r->info.name, {}});
+    const auto solid = createStage<PairQuery<3>>(Spec{r->info.name == "closed_form" ? "sat" : r->info.name, {}});
+    check(
+        "N18 prisms, " + r->info.name, [&] { prismsAreFlat(*flat, *solid); }, kRuns);
+  }
+  const auto right = createStage<PairQuery<2>>(Spec{"sat", {}});
+  LongBoxIsALine<3> wrong;
+  expectFalsified(
+      "N18 prisms: long box is a line", [&] { prismsAreFlat(*right, wrong); }, kRuns);
+}
+
+template <int D>
+void caught(const Named<D>& property, PairQuery<D>& twin) {
+  expectFalsified(
+      std::string(property.name) + ", " + std::to_string(D) + "D", [&] { property.holds(twin); }, kRuns);
+}
+template <int D>
+void bugsAreCaught() {
+  ThickerIsFarther<D> thicker;
+  LongBoxIsALine<D> longBox;
+  SharpBoxes<D> sharp;
+  EverySecondVertex<D> everySecond;
+  const std::array<PairQuery<D>*, 4> twins = {&thicker, &longBox, &sharp, &everySecond};
+  const auto all = properties<D>();
+  for (std::size_t i = 0; i < all.size(); ++i) caught<D>(all[i], *twins.at(i));
+}
+TEST(PairQueryRelations, PlantedBugs2) { bugsAreCaught<2>(); }
+TEST(PairQueryRelations, PlantedBugs3) { bugsAreCaught<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
