@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <regex>
 #include <set>
@@ -68,6 +69,47 @@ TEST(RegistryRules, EveryAlgorithmDescribesItself) {
     const std::string folder = "algorithms/" + std::string(stageName(r.stage)) + "/" + r.info.name + ".cpp";
     EXPECT_TRUE(r.file.ends_with(folder)) << r.file << " should be " << folder;
   }
+}
+
+// What is written in all tests, line breaks and indents made one blank.
+std::string testSources() {
+  std::string all;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(LPC_SOURCE_DIR "/tests")) {
+    const auto kind = entry.path().extension();
+    if (kind != ".cpp" && kind != ".h") continue;
+    std::ifstream in(entry.path());
+    for (std::string word; in >> word;) all += word + ' ';
+  }
+  return all;
+}
+
+/// Is this the name of a test, or of a property in a list of properties that a test runs?
+bool namesATest(const std::string& name, const std::string& sources) {
+  const std::size_t dot = name.find('.');
+  const std::string test =
+      "TEST(" + name.substr(0, dot) + ", " + (dot == std::string::npos ? "" : name.substr(dot + 1)) + ")";
+  return sources.find(test) != std::string::npos || sources.find('"' + name + '"') != std::string::npos;
+}
+
+TEST(RegistryRules, EveryDeclaredFailureNamesATest) {
+  const std::string sources = testSources();
+  for (const auto& [key, r] : Registry::instance().all()) {
+    for (const FailureMode& f : r.info.failures) {
+      EXPECT_TRUE(namesATest(f.test, sources)) << r.info.name << " names '" << f.test << "', which is no test";
+    }
+  }
+  EXPECT_TRUE(namesATest("RegistryRules.CanonicalTextIsAFixedPoint", sources));
+  EXPECT_FALSE(namesATest(std::string("RegistryRules.No") + "SuchTest", sources));
+}
+
+TEST(RegistryRules, ThePropertiesPageNamesTestsThatExist) {
+  const std::string page = read("docs/properties.md"), sources = testSources();
+  const std::regex name("`([A-Z][A-Za-z0-9]*\\.[A-Za-z0-9]+)`");
+  int named = 0;
+  for (auto it = std::sregex_iterator(page.begin(), page.end(), name); it != std::sregex_iterator(); ++it, ++named) {
+    EXPECT_TRUE((*it)[1] == "Suite.Name" || namesATest((*it)[1], sources)) << (*it)[1];
+  }
+  EXPECT_GT(named, 20);
 }
 
 TEST(RegistryRules, CanonicalTextIsAFixedPoint) {
