@@ -331,10 +331,10 @@ TEST(Referee, PlantedWrongRefereesAreCaught) {
   }
   for (const auto& [name, judge] : plantedReferees<3>()) {
     expectFalsified(
-        "3D referee that " + name, [&] { holds<3>(judge); }, 2000);
+        "3D referee that " + name, [&] { holds<3>(judge); }, 1000);
   }
   expectFalsified(
-      "3D referee without edge-edge axes", [] { holds<3>(facesOnly); }, 2000);
+      "3D referee without edge-edge axes", [] { holds<3>(facesOnly); }, 1000);
 }
 
 }  // namespace
