@@ -87,8 +87,9 @@ std::string testSources() {
 bool namesATest(const std::string& name, const std::string& sources) {
   const std::size_t dot = name.find('.');
   const std::string test =
-      "TEST(" + name.substr(0, dot) + ", " + (dot == std::string::npos ? "" : name.substr(dot + 1)) + ")";
-  return sources.find(test) != std::string::npos || sources.find('"' + name + '"') != std::string::npos;
+      "(" + name.substr(0, dot) + ", " + (dot == std::string::npos ? "" : name.substr(dot + 1)) + ")";
+  const auto stands = [&](const std::string& text) { return sources.find(text) != std::string::npos; };
+  return stands("TEST" + test) || stands("TEST_F" + test) || stands('"' + name + '"');
 }
 
 TEST(RegistryRules, EveryDeclaredFailureNamesATest) {
@@ -104,7 +105,7 @@ TEST(RegistryRules, EveryDeclaredFailureNamesATest) {
 
 TEST(RegistryRules, ThePropertiesPageNamesTestsThatExist) {
   const std::string page = read("docs/properties.md"), sources = testSources();
-  const std::regex name("`([A-Z][A-Za-z0-9]*\\.[A-Za-z0-9]+)`");
+  const std::regex name("`([A-Z][A-Za-z0-9]*\\.[A-Za-z0-9_]+)`");
   int named = 0;
   for (auto it = std::sregex_iterator(page.begin(), page.end(), name); it != std::sregex_iterator(); ++it, ++named) {
     EXPECT_TRUE((*it)[1] == "Suite.Name" || namesATest((*it)[1], sources)) << (*it)[1];
