@@ -2,11 +2,13 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "experiments/lpc/command.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/ledger_table.h"
 #include "experiments/runner/verification.h"
+#include "experiments/trial/output_file.h"
 #include "framework/check.h"
 #include "oracles/cases.h"
 
@@ -16,7 +18,8 @@ namespace {
 struct Arguments {
   VerificationOptions options;
   std::vector<std::string> stages;
-  std::string role = "all", store = "results/verify.db", cases;
+  std::string role = "all", store = "results/verify.db", cases, csv;
+  bool storeNamed = false;
 };
 
 StageKind verifiedStage(const std::string& name) {
@@ -44,11 +47,28 @@ void readChoices(Arguments& a) {
   }
 }
 
+// The table goes into a CSV file, and into a store for its report, where one is named.
+int verifyCaseFile(const Arguments& a) {
+  std::unique_ptr<OutputFile> csv;
+  if (!a.csv.empty()) csv = std::make_unique<OutputFile>(a.csv);
+  std::ostringstream table;
+  const int exitCode = verifyCases(a.cases, std::cout, &table);
+  if (csv) csv->stream() << table.str(), csv->finish();
+  if (a.storeNamed) {
+    Store store(a.store, true);
+    store.setMeta("registry", nlohmann::json{{"algorithms", describeAlgorithms()}}.dump());
+    store.setMeta("corpus_file", a.cases);
+    store.setMeta("corpus", table.str());
+  }
+  return exitCode;
+}
+
 void verify(Arguments& a, Session& session) {
   if (!a.cases.empty()) {
-    session.exitCode = verifyCases(a.cases, std::cout);
+    session.exitCode = verifyCaseFile(a);
     return;
   }
+  if (!a.csv.empty()) throw UserError("--csv is the table of --cases FILE, which is not given");
   readChoices(a);
   a.options.plugins = session.plugins;
   checkVerification(a.options);  // before a store is made
@@ -84,19 +104,23 @@ void addVerify(CLI::App& app, Session& session) {
   command->add_option("--precision", o.precisions, "f64 (default), f32 or both")->delimiter(',');
   command->add_option("--role", a->role, "competitor, witness or all (default)");
   command->add_option("--methods", o.methods, "methods with parameters, separated by spaces; default: all");
-  command->add_option("--store", a->store, "SQLite file, made if absent; what it has is not asked again")
-      ->capture_default_str();
+  auto* store = command->add_option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
+  store->capture_default_str();
   command->add_option("--jobs", o.jobs, "workers at once; default: one per core");
   command->add_flag("--quiet", o.quiet, "no progress line");
   command->add_option("--cases", a->cases, "a file of cases instead of seeded inputs")->type_name("FILE");
+  command->add_option("--csv", a->csv, "with --cases: the table as a file")->type_name("FILE");
   command->footer(
       "Exit code 1 when one of our own methods is wrong; witnesses are only recorded.\n"
       "Examples:\n"
       "  lpc verify --pairs 1000 --seed 7\n"
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"
       "  lpc verify --dimension 3 --stage pair_query --methods sat gjk_epa{iterations=20} fcl_libccd\n"
-      "  lpc verify --cases tests/regressions/hard_cases.json");
-  command->callback([a, &session] { verify(*a, session); });
+      "  lpc verify --cases tests/regressions/hard_cases.json --csv verdicts.csv");
+  command->callback([a, store, &session] {
+    a->storeNamed = store->count() > 0;
+    verify(*a, session);
+  });
 }
 
 LPC_COMMAND("verify", addVerify);

@@ -293,7 +293,7 @@ TEST(BadInput, AFullDisk) {
   Outcome out;
   int pages = 0;
   std::string done;
-  for (pages = 20; pages < 60; ++pages) {  // the first bound that lets a trial through
+  for (pages = 20; pages < 200; ++pages) {  // the first bound that lets a trial through
     out = w.lpc("sweep s.toml --quiet --store s.db", "LPC_STORE_MAX_PAGES=" + std::to_string(pages));
     done = ask(w.path("s.db"), "SELECT count(*) FROM trial");
     if (done != "0") break;
@@ -334,6 +334,13 @@ TEST(BadInput, CaseFiles) {
   }
   refused(w, "verify --cases absent.json", {"absent.json: ", "cannot be read"});
   refused(w, "verify --cases folder", {"folder: ", "cannot be read"});
+  w.write("c.json", "[]");
+  refused(w, "verify --cases c.json --csv absent/t.csv", {"absent/t.csv: ", "No such file"});
+  refused(w, "verify --csv t.csv", {"--csv", "--cases"});
+  refused(w, "verify --store c.json/s.db", {"c.json/s.db: ", "Not a directory"});
+  refused(w, "verify --store s.db --pairs 0", {"--pairs", "0"});
+  refused(w, "verify --store s.db --precision f16", {"'f16'", "f64, f32"});
+  refused(w, "verify --store s.db --methods nobody", {"'nobody'"});
 }
 
 TEST(BadInput, BenchmarksPluginsAndScripts) {
