@@ -19,6 +19,7 @@ class Chart:
     table: pd.DataFrame = field(default_factory=pd.DataFrame)
     holes: list = field(default_factory=list)  # sentences: what is missing or refused and why
     note: str = ""  # how to read it
+    made_by: str = ""  # arguments of `lpc` where no sweep made the data
 
 
 class Context:
@@ -34,6 +35,8 @@ class Context:
             for stem in family:
                 cells = store.cells(stem)
                 found |= set(cells["method"]) if len(cells) else set()
+            if family[0] == "pair_quer":  # a verification asks the same methods
+                found |= set(store.ledger().query("stage == 'pair_query'")["method"])
             labels.append(sorted(found))
         self.looks = Looks(store, labels)
 

@@ -76,15 +76,20 @@ def _chart(context, stage, table, machines):
             if error:
                 errors[(name, case)] = error
     panels = math.ceil(len(cases) / PER_PANEL)
+    columns = math.ceil(len(cases) / panels)
     row, head, foot = 0.25, 0.1, 0.35 + 0.045 * max(map(len, cases))
     height = panels * (len(names) * row + head + foot)
-    figure, axes = plt.subplots(panels, 1, figsize=(WIDTH, height), squeeze=False)
-    left = min(4.2, 0.4 + 0.072 * max(len(context.looks.name(name)) for name in names))
-    figure.subplots_adjust(left=left / WIDTH, right=1 - 0.2 / WIDTH, top=1 - head / height, bottom=foot / height,
+    # As wide as its columns need: few of them in a wide picture would leave it half empty.
+    left = max(min(4.2, 0.4 + 0.072 * max(len(context.looks.name(name)) for name in names)),
+               0.1 + 0.065 * max(map(len, cases[::columns])))
+    width = min(WIDTH, left + 0.78 * columns + 0.2)
+    figure, axes = plt.subplots(panels, 1, figsize=(width, height), squeeze=False)
+    figure.subplots_adjust(left=left / width, right=1 - 0.2 / width, top=1 - head / height, bottom=foot / height,
                            hspace=(head + foot) / (len(names) * row))
     best = values.min(axis=0)
     for panel in range(panels):
-        _panel(context, axes[panel][0], values, best, errors, table, cases[panel * PER_PANEL:(panel + 1) * PER_PANEL])
+        _panel(context, axes[panel][0], values, best, errors, table, cases[panel * columns:(panel + 1) * columns],
+               columns)
     shown = values.applymap(lambda v: si(v, "s") if math.isfinite(v) else "").reset_index()
     shown = shown.rename(columns={"index": "algorithm"})
     return Chart("micro_" + stage.replace(" ", "_").lower(), SECTION, f"Micro-benchmark: {stage}", finding(stage, values),
@@ -93,7 +98,7 @@ def _chart(context, stage, table, machines):
                  "measured. Imported " + "; ".join(machines) + ".")
 
 
-def _panel(context, ax, values, best, errors, table, cases):
+def _panel(context, ax, values, best, errors, table, cases, columns):
     for y, name in enumerate(values.index):
         for x, case in enumerate(cases):
             value = values.loc[name, case]
@@ -106,7 +111,7 @@ def _panel(context, ax, values, best, errors, table, cases):
                 colour, ink, text = "#EEEEEE", "black", ""
             ax.add_patch(plt.Rectangle((x - 0.49, y - 0.46), 0.98, 0.92, facecolor=colour, lw=0))
             ax.text(x, y, text, ha="center", va="center", fontsize=7.5, color=ink)
-    ax.set_xlim(-0.5, min(PER_PANEL, max(len(cases), 6)) - 0.5)
+    ax.set_xlim(-0.5, columns - 0.5)
     ax.set_ylim(len(values) - 0.5, -0.5)
     ax.set_xticks(range(len(cases)))
     ax.set_xticklabels(cases, rotation=25, ha="right", fontsize=8)

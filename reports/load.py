@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 SCHEMA = "2"
-TABLES = {"meta", "machine", "planned", "trial", "series", "poses", "benchmark"}
+TABLES = {"meta", "machine", "planned", "trial", "series", "poses", "benchmark", "ledger"}
 NOT_RUN = "not run"
 # The worst outcome of a cell's trials is the cell's; an outcome that this list does not know is worse than ok.
 SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "collapsed", "exploded", "diverged", "timeout",
@@ -47,12 +47,17 @@ class Store:
     def __init__(self, path):
         self.path = Path(path)
         if not self.path.is_file():
-            raise UserError(f"{path}: no such store; make one with: lpc sweep NAME --store {path}")
+            raise UserError(f"{path}: no such store; make one with: build/release/bin/lpc sweep NAME --store {path}")
         try:
             self.db = sqlite3.connect(f"file:{self.path}?mode=ro", uri=True)
-            names = {row[0] for row in self.db.execute("SELECT name FROM sqlite_master WHERE type='table'")}
-        except sqlite3.DatabaseError as error:
-            raise UserError(f"{path}: not a result store ({error})") from error
+            self._read()
+        except (sqlite3.DatabaseError, pd.errors.DatabaseError, json.JSONDecodeError) as error:
+            reason = " ".join(str(error).split())  # pandas tells it in several lines
+            raise UserError(f"{path}: not a result store, or a damaged one ({reason})") from error
+
+    def _read(self):
+        path = self.path
+        names = {row[0] for row in self.db.execute("SELECT name FROM sqlite_master WHERE type='table'")}
         missing = sorted(TABLES - names)
         if missing:
             raise UserError(f"{path}: not a result store: no table {', '.join(missing)}")
@@ -121,6 +126,15 @@ class Store:
 
     def benchmarks(self):
         return [(row[0], json.loads(row[1])) for row in self.db.execute("SELECT imported, data FROM benchmark ORDER BY id")]
+
+    def ledger(self):
+        """What `lpc verify` wrote: one row per method, kinds of shape and value of one axis; histograms as dictionaries."""
+        ledger = pd.read_sql("SELECT * FROM ledger ORDER BY stage, precision, dimension, axis, value, kind_a, kind_b, method",
+                             self.db)
+        ledger["histogram"] = [json.loads(text) if text else {} for text in ledger["histogram"]]
+        # Without an answer there is no error; a zero stays one.
+        ledger["max_error"] = pd.to_numeric(ledger["max_error"]).where(ledger["histogram"].map(bool))
+        return ledger
 
     def cells(self, stem):
         """All cells of the sweeps of a theme, one row each: axes, outcome, reason, step, metrics, keys of the trials."""

@@ -31,16 +31,18 @@ def all_charts(context, only=()):
     """Every chart of the report in reading order. A theme that the store lacks gives a chart that says so."""
     import charts_breaking
     import charts_broadphase
+    import charts_corpus
     import charts_micro
     import charts_pairs_of_runs
     import charts_queries
     import charts_resolvers
     import charts_stages
+    import charts_verify
     import coverage
     from style import plt
     themes = (charts_broadphase.charts, charts_resolvers.charts, charts_breaking.charts, charts_pairs_of_runs.unneeded,
-              charts_pairs_of_runs.precision, charts_queries.charts, charts_stages.charts, charts_micro.charts,
-              coverage.charts)
+              charts_pairs_of_runs.precision, charts_queries.charts, charts_verify.charts, charts_corpus.charts,
+              charts_stages.charts, charts_micro.charts, coverage.charts)
     kept = []
     for theme in themes:
         for chart in theme(context):
@@ -84,9 +86,8 @@ def run(options):
         target = Path(options.to)
         if target.suffix not in (".svg", ".png", ".pdf"):
             raise UserError(f"--to {options.to}: unknown ending; valid are .svg, .png, .pdf")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        dated = {"Date": None} if target.suffix == ".svg" else {}
-        found.figure.savefig(target, dpi=150, metadata=dated)
+        pages.folder(target.parent)
+        pages.save(found.figure, target)
         print(f"{target}: {found.finding}")
         return
     out = Path(options.out)

@@ -10,6 +10,7 @@ import pandas as pd
 
 import coverage
 import metrics
+from load import UserError
 from style import plt
 
 HERE = Path(__file__).resolve().parent
@@ -38,11 +39,38 @@ def cell_text(value):
     return str(value)
 
 
-def save(figure, folder, name):
-    """SVG for the page, PNG for where SVG does not go; no dates inside, so the same store gives the same bytes."""
-    figure.savefig(folder / f"{name}.svg", metadata={"Date": None, "Creator": "LPC reports"})
-    figure.savefig(folder / f"{name}.png", dpi=150, metadata={"Software": "LPC reports"})
-    plt.close(figure)
+def whole(path, write):
+    """Calls write(path) so that the file is there whole or not at all: under another name first, then renamed. What
+    exists and is no regular file (a device, a pipe) is written in place."""
+    special = path.exists() and not path.is_file()
+    target = path if special else path.with_name(path.name + ".partial")
+    try:
+        write(target)
+        if not special:
+            target.replace(path)
+    except OSError as error:
+        raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        if not special:
+            target.unlink(missing_ok=True)
+
+
+def folder(path):
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{path}: cannot be made: {error.strerror}") from error
+
+
+def save(figure, path):
+    """As the ending says; no dates inside, so the same store gives the same bytes."""
+    ending = path.suffix[1:]
+    made_by = {"svg": {"Date": None, "Creator": "LPC reports"}, "png": {"Software": "LPC reports"}}
+    whole(path, lambda target: figure.savefig(target, format=ending, dpi=150, metadata=made_by.get(ending, {})))
+
+
+def save_table(table, path):
+    whole(path, lambda target: table.to_csv(target, index=False))
 
 
 def facts(store):
@@ -77,16 +105,18 @@ def forget_earlier(out):
 
 def write_charts(charts, out):
     """Writes each chart's figure and table; returns the paths of the figures."""
-    folder, tables = out / "charts", out / "tables"
-    for made in (folder, tables):
-        made.mkdir(parents=True, exist_ok=True)
+    pictures, tables = out / "charts", out / "tables"
+    folder(pictures)
+    folder(tables)
     written = []
     for chart in charts:
         if chart.figure is not None:
-            save(chart.figure, folder, chart.id)
-            written.append(folder / f"{chart.id}.svg")
+            for ending in (".svg", ".png"):  # PNG for where SVG does not go
+                save(chart.figure, pictures / (chart.id + ending))
+            plt.close(chart.figure)
+            written.append(pictures / f"{chart.id}.svg")
         if len(chart.table):
-            chart.table.to_csv(tables / f"{chart.id}.csv", index=False)
+            save_table(chart.table, tables / f"{chart.id}.csv")
     return written
 
 
@@ -98,12 +128,13 @@ def write(context, charts, out, store_argument, out_argument):
     for chart in charts:
         item = {"id": chart.id, "title": chart.title, "finding": chart.finding, "note": chart.note,
                 "holes": chart.holes, "drawn": chart.figure is not None,
+                "width": round(100 * chart.figure.get_figwidth()) if chart.figure is not None else 0,
                 "table": table_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),
                 "commands": commands(chart, store_argument, out_argument)}
         items.append(item)
         sections.setdefault(chart.section, []).append(item)
     bad = coverage.not_ok(coverage.trials(context.store))
-    bad.to_csv(tables / "not_ok.csv", index=False)
+    save_table(bad, tables / "not_ok.csv")
     glossary = pd.DataFrame([(name, m.description, m.unit, m.better or "–", "the report" if m.compute else "the trial")
                              for name, m in metrics.METRICS.items()],
                             columns=["metric", "what it is", "unit", "better", "computed by"])
@@ -115,12 +146,13 @@ def write(context, charts, out, store_argument, out_argument):
         not_ok=table_html(bad) if len(bad) else "", not_ok_count=len(bad), glossary=table_html(glossary),
         store=context.store.path.name, mark=MARK)
     path = out / "index.html"
-    path.write_text(page, encoding="utf-8")
+    whole(path, lambda target: target.write_text(page, encoding="utf-8"))
     return path
 
 
 def commands(chart, store, out):
     """What to type to get this figure again: the sweep that measures, the report that draws."""
     store, out = shlex.quote(str(store)), shlex.quote(str(out))
-    lines = [f"lpc sweep {shlex.quote(chart.sweep)} --store {store}"] if chart.sweep else []
+    made_by = f"sweep {shlex.quote(chart.sweep)}" if chart.sweep else chart.made_by
+    lines = [f"build/release/bin/lpc {made_by} --store {store}"] if made_by else []
     return lines + [f"reports/make.py --store {store} --out {out} --only {chart.id}"]

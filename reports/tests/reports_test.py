@@ -21,7 +21,9 @@ import numpy as np  # noqa: E402
 import chart  # noqa: E402
 import charts_breaking  # noqa: E402
 import charts_broadphase  # noqa: E402
+import charts_corpus  # noqa: E402
 import charts_micro  # noqa: E402
+import charts_verify  # noqa: E402
 import coverage  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
@@ -95,7 +97,46 @@ def first_crossing(n, a, b):
     return None
 
 
+def check_median(median_of):
+    source = random.Random(5)
+    for _ in range(200):
+        errors = [source.choice([-20, -17, -16, -8, -1, "zero"]) for _ in range(source.randrange(1, 30))]
+        histogram = {str(e): errors.count(e) for e in set(errors)}
+        ordered = sorted(0.0 if e == "zero" else 10.0**e for e in errors)
+        found = median_of(histogram)
+        if found != ordered[(len(ordered) - 1) // 2]:
+            return f"{histogram}: median {found}"
+    return ""
+
+
+def median_without_zero(histogram):
+    """Planted bug: exact answers are left out, and the median of an exact method is that of its worst answers."""
+    return charts_verify.median_error({name: count for name, count in histogram.items() if name != "zero"})
+
+
+def check_ledger(ledger, by_method_of):
+    """Every question to every method is in the summary, under one of the ways in which it can end."""
+    rows = ledger[ledger["axis"] == "all"]
+    summary = by_method_of(rows)
+    for method, part in rows.groupby("method"):
+        found = summary[summary["method"] == method]
+        ends = found[["agree", "tie", "wrong", "undecided", "refused", "not_finite", "threw", "crashed", "hung"]].to_numpy().sum()
+        if len(found) != 1 or int(found["asked"].iloc[0]) != int(part["asked"].sum()) or ends != int(part["asked"].sum()):
+            return f"{method}: {int(part['asked'].sum())} asked, {ends} in the summary"
+    return ""
+
+
+def only_with_an_error(rows):
+    """Planted bug: a method that refused or failed everywhere has no error, and with it no row."""
+    return charts_verify.by_method(rows.dropna(subset=["max_error"]))
+
+
 class Numbers(unittest.TestCase):
+    def test_median_of_a_histogram(self):
+        self.assertEqual(check_median(charts_verify.median_error), "")
+        self.assertNotEqual(check_median(median_without_zero), "", "the planted bug was not seen")
+        self.assertTrue(math.isnan(charts_verify.median_error({})))
+
     def test_pareto_front_is_what_nothing_beats(self):
         self.assertEqual(check_pareto(metrics.pareto), "")
         self.assertNotEqual(check_pareto(pareto_without_zero), "", "the planted bug was not seen")
@@ -209,6 +250,40 @@ class Findings(WithStore):
             self.assertAlmostEqual(n, (95 / 0.9)**(1 / 0.92), delta=1)
         self.assertIn("158 bodies", charts_broadphase.finding(cross, "region_tree", 2))
 
+    def test_no_question_of_the_ledger_vanishes(self):
+        ledger = self.store.ledger()
+        self.assertEqual(check_ledger(ledger, charts_verify.by_method), "")
+        self.assertNotEqual(check_ledger(ledger, only_with_an_error), "", "the planted bug was not seen")
+
+    def test_every_case_of_the_corpus_is_counted(self):
+        made = charts_corpus.charts(self.context)[0]
+        asked = len(self.store.meta["corpus"].splitlines()) - 2  # a head, and a row of the referee
+        table = charts_corpus.counts(charts_corpus.read(self.store))
+        self.assertEqual(int(table[list(charts_corpus.VERDICTS)].to_numpy().sum()), asked)
+        self.assertEqual(len(made.table), 60)
+        self.assertIn("Of 60 published cases our own methods are right on all that they declare", made.finding)
+        self.assertIn("fcl_libccd fails on 12, the most of 8 witnesses", made.finding)
+        style.plt.close(made.figure)
+
+    def test_who_fails_is_named_with_the_share(self):
+        made = {c.id: c for c in charts_verify.charts(self.context)}
+        solid, flat = made["ledger_pair_query_3d_f64"], made["ledger_pair_query_2d_f64"]
+        self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
+        self.assertIn("of the 8 witnesses libccd_mpr fails most often, 40% of its questions", solid.finding)
+        self.assertNotIn("bullet_box_box", solid.finding, "it refused all")
+        self.assertNotIn("witness", flat.finding)
+        numbers = solid.table.set_index("method")
+        self.assertEqual(numbers.loc["fcl_libccd", "crashed"], 4 * 200)
+        self.assertEqual(numbers.loc["closed_form", "median error"], "0")
+        self.assertEqual(numbers.loc["fcl_libccd", "worst"], '{"id": "planted"}')
+        cost = made["ledger_cost_pair_query_3d_f64"]
+        self.assertIn("bullet_box_box on box–box: refused all 20,000 questions", cost.holes)
+        shown = cost.table.set_index(["pair", "method"])["failed"]
+        self.assertEqual(shown["box–box", "fcl_libccd"], "26%")
+        self.assertEqual(shown["capsule–capsule", "fcl_libccd"], "0")
+        for c in made.values():
+            style.plt.close(c.figure)
+
     def test_what_falls_first_and_what_has_no_result_beyond(self):
         text = " ".join(c.finding for c in charts_breaking.charts(self.context))
         self.assertIn("vertical_stack naive falls first, at n = 6 (collapsed)", text)
@@ -310,7 +385,8 @@ class Command(WithStore):
         for source in page.split('src="')[1:]:
             self.assertTrue((out / source.split('"')[0]).is_file(), source)
         for word in ("Invented CPU 9000", "g++ 12.2.0", "-ffp-contract=off", "abc1234", "not run", "diverged",
-                     "3 pairs that naive has not", "lpc sweep resolvers --store"):
+                     "3 pairs that naive has not", "build/release/bin/lpc sweep resolvers --store",
+                     "build/release/bin/lpc verify --stage pair_query --dimension 3"):
             self.assertIn(word, page)
         self.assertNotIn("http", page.replace("http-equiv", ""), "the page must open from disk alone")
 
@@ -332,6 +408,7 @@ class Command(WithStore):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn(expected, done.stderr)
         self.assertNotIn("Traceback", done.stderr)
+        self.assertLessEqual(done.stderr.count("\n"), 1 + ("usage:" in done.stderr) * 3, done.stderr)
 
     def test_mistakes_are_told_in_one_line(self):
         folder = Path(self.folder.name)
@@ -346,7 +423,40 @@ class Command(WithStore):
         self.refuses("store schema 9, this report reads schema 2", "--store", folder / "future.db", "--out", folder / "o")
         self.refuses("no such chart", "--store", self.path, "--out", folder / "o", "--only", "nonsense")
         self.refuses("give --out", "--store", self.path)
+        whole = self.path.read_bytes()
+        for size in (len(whole) // 2, 4096, 100, 0):
+            (folder / "short.db").write_bytes(whole[:size])
+            self.refuses("not a result store", "--store", folder / "short.db", "--out", folder / "o")
         self.assertFalse((folder / "o").exists(), "a refused command must write nothing")
+
+    def test_what_cannot_be_written_is_told_in_one_line(self):
+        folder = Path(self.folder.name)
+        small = folder / "small.db"
+        synthetic_store.write(small, themes=(synthetic_store.benchmark,))
+        (folder / "file").write_text("a regular file")
+        (folder / "full.svg").symlink_to("/dev/full")
+        self.refuses("cannot be made: Not a directory", "--store", small, "--out", folder / "file" / "out")
+        self.refuses("not a folder", "--store", small, "--out", folder / "file")
+        self.refuses("full.svg: cannot be written: No space left on device", "--store", small, "--chart",
+                     "micro_broadphase_2d", "--to", folder / "full.svg")
+
+    def test_a_full_disk_leaves_no_partial_file(self):
+        """Files of at most 20 kB: the first figure ends in the middle, as on a full disk. An earlier one stays whole."""
+        folder = Path(self.folder.name) / "nearly_full"
+        (folder / "charts").mkdir(parents=True)
+        synthetic_store.write(folder / "small.db", themes=(synthetic_store.benchmark,))
+        picture = folder / "charts" / "micro_broadphase_2d.svg"
+        picture.write_text("the earlier picture")
+        limited = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)); "
+        run = [sys.executable, "-c", limited + "import sys; sys.path.insert(0, sys.argv.pop(1)); import make; "
+               "sys.exit(make.main(sys.argv[1:]))", str(HERE.parent), "--store", str(folder / "small.db"), "--out", str(folder),
+               "--only", "micro"]
+        done = subprocess.run(run, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("micro_broadphase_2d.svg: cannot be written: File too large", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertEqual(picture.read_text(), "the earlier picture")
+        self.assertEqual([p.name for p in folder.rglob("*.partial")], [])
 
     def test_a_missing_package_is_named(self):
         script = ("import builtins, sys\nreal = builtins.__import__\n"

@@ -16,6 +16,11 @@ CREATE TABLE trial(key TEXT PRIMARY KEY, kind TEXT, canonical TEXT, outcome TEXT
 CREATE TABLE series(key TEXT, name TEXT, data BLOB, PRIMARY KEY(key, name));
 CREATE TABLE poses(key TEXT, step INTEGER, data BLOB, PRIMARY KEY(key, step));
 CREATE TABLE benchmark(id INTEGER PRIMARY KEY, imported TEXT, data TEXT);
+CREATE TABLE ledger(stage TEXT, precision TEXT, dimension INTEGER, kind_a TEXT, kind_b TEXT, axis TEXT, value TEXT,
+                    method TEXT, role TEXT, asked INTEGER, agree INTEGER, wrong INTEGER, tie INTEGER, undecided INTEGER,
+                    refused INTEGER, not_finite INTEGER, threw INTEGER, crashed INTEGER, hung INTEGER, wrong_side INTEGER,
+                    capped INTEGER, max_error REAL, histogram TEXT, ns REAL, worst TEXT,
+                    PRIMARY KEY(stage, precision, dimension, kind_a, kind_b, axis, value, method));
 """
 MACHINE = {"cpu": "Invented CPU 9000", "cores": 2, "memory_gib": 8, "os": "Debian GNU/Linux 12", "compiler": "g++ 12.2.0",
            "flags": "-O3 -ffp-contract=off", "governor": "performance"}
@@ -205,7 +210,73 @@ def benchmark(make):
                     ("2026-11-21", json.dumps({"context": {"num_cpus": 2, "mhz_per_cpu": 2600}, "benchmarks": runs})))
 
 
-THEMES = (broadphase, resolvers, breaking, pairs_of_runs, queries, stages, benchmark)
+LEDGER = ("stage", "precision", "dimension", "kind_a", "kind_b", "axis", "value", "method", "role", "asked", "agree", "wrong",
+          "tie", "undecided", "refused", "not_finite", "threw", "crashed", "hung", "wrong_side", "capped", "max_error",
+          "histogram", "ns", "worst")
+# method: role, ns, decade of the median error (None = zero), worst error, share of wrong, refused, crashed answers
+VERIFIED = {"closed_form": ("competitor", 30, None, 0.0, 0, 0, 0), "sat": ("competitor", 90, -17, 3e-16, 0, 0, 0),
+            "gjk_epa": ("competitor", 700, -16, 8e-14, 0, 0, 0), "fcl_libccd": ("witness", 2500, -9, 0.3, 0.25, 0, 0.01),
+            "fcl_libccd_collide": ("witness", 2600, -8, 0.5, 0.31, 0, 0), "fcl_indep": ("witness", 1900, -8, 0.1, 0.02, 0.05, 0),
+            "fcl_indep_collide": ("witness", 1700, -7, 0.2, 3e-5, 0, 0), "libccd_gjk": ("witness", 2900, -9, 0.4, 0.07, 0, 0),
+            "libccd_mpr": ("witness", 1200, -5, 0.9, 0.4, 0.3, 0), "bullet_gjk_epa": ("witness", 800, -7, 0.05, 0.01, 0, 0),
+            "bullet_box_box": ("witness", 300, -8, math.nan, 0, 1.0, 0)}
+FAMILIES = ("random", "aligned_boxes", "edge_on_edge", "touching", "deep", "contained", "needles", "huge_ratio", "far_away",
+            "nasty_hulls", "curved_on_flat")
+REGIMES = ("separated", "touching", "shallow", "deep", "parallel_faces", "thin", "contained", "huge_ratio")
+
+
+def ledger(make, asked=20000):
+    """Wrong only where it is planted: libccd_mpr everywhere, fcl_libccd on boxes, the others in the family `needles`."""
+
+    def row(stage, dimension, kinds, axis, value, method, n, share=1.0, precision="f64"):
+        role, ns, decade, worst, wrong, refused, crashed = VERIFIED[method]
+        wrong, refused, crashed = round(n * wrong * share), round(n * refused), round(n * crashed * share)
+        answered = n - refused - crashed
+        values = {"stage": stage, "precision": precision, "dimension": dimension, "kind_a": kinds[0], "kind_b": kinds[1],
+                  "axis": axis, "value": value, "method": method, "role": role, "asked": n,
+                  "agree": answered - wrong - answered // 50, "wrong": wrong, "tie": answered // 50, "refused": refused,
+                  "crashed": crashed, "max_error": None if math.isnan(worst) or not answered else worst if wrong else min(worst, 1e-13),
+                  "histogram": json.dumps({"zero" if decade is None else str(decade): answered} if answered else {}),
+                  "ns": n * ns * (1 + 0.2 * len(kinds[1]) / 8), "worst": '{"id": "planted"}' if axis == "all" else ""}
+        make.db.execute(f"INSERT INTO ledger({','.join(LEDGER)}) VALUES ({','.join('?' * len(LEDGER))})",
+                        [values.get(name, 0) for name in LEDGER])
+
+    kinds = {2: ("sphere", "polytope"), 3: ("sphere", "capsule", "box", "polytope")}
+    for dimension, names in kinds.items():
+        for i, a in enumerate(names):
+            for b in names[i:]:
+                for method, (role, *_) in VERIFIED.items():
+                    if role == "witness" and dimension == 2 or method == "closed_form" and "polytope" in (a, b):
+                        continue
+                    share = 1.0 if method == "libccd_mpr" or "box" in (a, b) else 0.0
+                    row("pair_query", dimension, (a, b), "all", "", method, asked, share)
+                    for family in FAMILIES:
+                        row("pair_query", dimension, (a, b), "family", family, method, asked // len(FAMILIES),
+                            1.0 if method == "libccd_mpr" or family == "needles" else 0.0)
+                    for regime in REGIMES:
+                        row("pair_query", dimension, (a, b), "regime", regime, method, asked // len(REGIMES), share)
+    for method in ("sat", "gjk_epa"):  # stands for broadphases, which have no kinds of shape
+        row("broadphase", 3, ("", ""), "all", "", method, 400)
+        for family in FAMILIES[:6]:
+            row("broadphase", 3, ("", ""), "family", family, method, 60)
+
+
+def corpus(make, cases=60):
+    """Every method is right but where planted: witnesses fail on every k-th case."""
+    rows, registry = ["id,method,verdict,value,expected,error,reason", 'library-0,referee,ok,1,1,0,""'], []
+    for i, (method, (role, *_)) in enumerate(VERIFIED.items()):
+        registry.append({"name": method, "role": role})
+        for case in range(cases):
+            verdict = "refused" if case % 9 == 8 else "ok"
+            if role == "witness" and case % (i + 2) == 3:
+                verdict = ("wrong", "failed", "hang")[case % 3] if i % 2 else "wrong"
+            rows.append(f'library-{case},{method},{verdict},1,1,0,"a, b"')
+    for name, value in (("corpus", "\n".join(rows) + "\n"), ("corpus_file", "hard_cases.json"),
+                        ("registry", json.dumps({"algorithms": registry}))):
+        make.db.execute("INSERT INTO meta VALUES (?, ?)", (name, value))
+
+
+THEMES = (broadphase, resolvers, breaking, pairs_of_runs, queries, stages, benchmark, ledger, corpus)
 
 
 def write(path, themes=THEMES):

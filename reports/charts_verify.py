@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: Zlib
+"""The ledger of verifications: who is wrong or has no answer where, and what a pair query costs against how wrong it is."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon, Rectangle
+
+from chart import Chart, listing, plural
+from style import WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt, si
+
+SECTION = "Who is right, and who fails where?"
+FAILURES = ("wrong", "not_finite", "threw", "crashed", "hung")
+COUNTS = ("asked", "agree", "tie", "wrong", "wrong_side", "undecided", "refused", "not_finite", "threw", "crashed", "hung",
+          "capped")
+NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadphase": "broadphases"}
+RIGHT, REFUSED, NOT_ASKED = "#E3F0E8", "#B9CFE4", "#F2F2F2"
+FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
+
+
+def charts(context):
+    ledger = context.store.ledger()
+    if not len(ledger):
+        return [Chart("ledger", SECTION, "Ledger of verifications", "No verification is in this store.", "",
+                      made_by="verify --pairs 200")]
+    made = []
+    for (stage, dimension, precision), part in ledger.groupby(["stage", "dimension", "precision"], sort=True):
+        made.append(_heat_map(context, part, stage, dimension, precision))
+        if stage == "pair_query":
+            made.append(_cost(context, part, dimension, precision))
+    order = list(NOUNS)
+    return sorted(made, key=lambda c: order.index(next(s for s in order if s in c.id)))
+
+
+def failures(rows):
+    """How many answers were wrong or none at all; refusals are told apart."""
+    return sum(int(rows[name].sum()) for name in FAILURES)
+
+
+def median_error(histogram):
+    """Lower end of the decade that holds the median: exact zeros are 0, and NaN where nothing was answered."""
+    decades = sorted((-math.inf if name == "zero" else float(name), count) for name, count in histogram.items() if count)
+    total, below = sum(count for _, count in decades), 0
+    for decade, count in decades:
+        below += count
+        if 2 * below >= total:
+            return 0.0 if math.isinf(decade) else 10.0**decade
+    return math.nan
+
+
+def added(histograms):
+    total = {}
+    for histogram in histograms:
+        for name, count in histogram.items():
+            total[name] = total.get(name, 0) + count
+    return total
+
+
+def by_method(rows):
+    """One row per method, summed over kinds of shape: the numbers of the ledger and its worst case."""
+    found = []
+    for method, part in rows.groupby("method", sort=True):
+        asked = int(part["asked"].sum())
+        worst = part.loc[part["max_error"].fillna(-1).idxmax()]
+        found.append({"method": method, "role": part["role"].iloc[0], **{name: int(part[name].sum()) for name in COUNTS},
+                      "max_error": float(worst["max_error"]) if part["max_error"].notna().any() else math.nan,
+                      "median_error": median_error(added(part["histogram"])),
+                      "ns": float(part["ns"].sum()) / asked if asked else math.nan, "worst": worst["worst"] or ""})
+    # Ours first, then the witnesses.
+    return pd.DataFrame(found).sort_values(["role", "method"], kind="stable").reset_index(drop=True)
+
+
+def finding(stage, dimension, precision, rows):
+    methods = by_method(rows)
+    noun, where = NOUNS.get(stage, stage), f"{dimension}D, {precision}"
+    ours = methods[methods["role"] == "competitor"]
+    others = methods[methods["role"] != "competitor"]
+    said = []
+    if len(ours):
+        bad = ours[[failures(ours[ours["method"] == m]) > 0 for m in ours["method"]]]
+        asked = int(ours["asked"].sum())
+        if len(bad):
+            said.append("of our own " + noun + " " + listing([f"{m} fails {_share(failures(ours[ours['method'] == m]) / n)}"
+                        for m, n in zip(bad["method"], bad["asked"])]))
+        else:
+            said.append(f"none of our own {noun} failed on any of {asked:,} questions")
+            if stage == "pair_query" and ours["max_error"].notna().any():
+                said[-1] += f" (largest error {ours['max_error'].max():.1e} of the size)"
+        if int(ours["refused"].sum()):
+            said.append(f"they refused {int(ours['refused'].sum()):,}")
+    shares = {m: failures(others[others["method"] == m]) / n for m, n in zip(others["method"], others["asked"]) if n}
+    if shares:
+        first = max(shares, key=lambda m: (shares[m], m))
+        clean = [m for m, n, no in zip(others["method"], others["asked"], others["refused"]) if shares.get(m) == 0 and no < n]
+        said.append(f"of the {plural(len(shares), 'witness', 'witnesses')} {first} fails most often, {_share(shares[first])} of "
+                    f"its questions" if shares[first] else "no witness failed")
+        if shares[first] and clean:
+            said.append(f"{listing(clean)} never")
+    return f"In {where} " + "; ".join(said) + "."
+
+
+def _share(share):
+    """A share of questions, short enough for a cell."""
+    if share == 0:
+        return "0"
+    return "<0.01%" if share < 1e-4 else f"{100 * share:.2g}%" if share < 0.995 else "100%"
+
+
+def _value(text):
+    """Of an axis: a number short, a name without underscores."""
+    try:
+        return f"{float(text):g}"
+    except ValueError:
+        return text.replace("_", " ")
+
+
+def _order(column):
+    try:
+        return (0, float(column), "")
+    except ValueError:
+        return (1, 0.0, column)
+
+
+def _pairs(rows):
+    return ["–".join((a, b)) if a or b else "all" for a, b in zip(rows["kind_a"], rows["kind_b"])]
+
+
+def _heat_map(context, rows, stage, dimension, precision):
+    everything = rows[rows["axis"] == "all"].copy()
+    everything["column"] = _pairs(everything)
+    panels = [("by kinds of shape", everything)] if everything["column"].nunique() > 1 else []
+    for axis in ("family", "regime", "scale", "offset"):
+        part = rows[rows["axis"] == axis].copy()
+        part["column"] = [_value(text) for text in part["value"]]
+        if part["column"].nunique() > 1:
+            panels.append((f"by {axis}", part))
+    summary = by_method(everything)
+    methods = list(summary["method"])
+    figure, axes = _panel_axes(panels or [("all", everything)], context, methods)
+    for (title, part), ax in zip(panels or [("all", everything)], axes):
+        _panel(ax, part, methods)
+        ax.set_title(title)
+    for ax in axes:
+        first = ax.get_position().x0 == min(a.get_position().x0 for a in axes)
+        ax.set_yticklabels([context.looks.name(m) for m in methods] if first else [])
+    handles = [Patch(facecolor=RIGHT, label="0: always right"), Patch(facecolor=plt.cm.Oranges(0.3), label="seldom wrong"),
+               Patch(facecolor=plt.cm.Oranges(0.85), label="often wrong"), Patch(facecolor=REFUSED, label="refuses, share"),
+               Patch(facecolor=NOT_ASKED, label="–: does not declare it")]
+    figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 0), ncol=5, handlelength=1.2)
+    table = summary.rename(columns={"ns": "ns per question", "max_error": "largest error", "median_error": "median error"})
+    for name in ("largest error", "median error"):
+        table[name] = ["" if math.isnan(v) else "0" if v == 0 else f"{v:.1e}" for v in table[name]]
+    table["ns per question"] = table["ns per question"].round()
+    return Chart(f"ledger_{stage}_{dimension}d_{precision}", SECTION,
+                 f"Ledger of {NOUNS.get(stage, stage)}, {dimension}D, {precision}", finding(stage, dimension, precision, everything),
+                 "", figure, table, [],
+                 "A cell is the share of questions with a wrong answer or none (not finite, thrown, crashed, hung); blue, or a "
+                 "blue corner, are refusals. Witnesses are held to the accuracy that ours must have (f64: 1e-12 of the size of "
+                 "the query, f32: 1e-5), for which they were not made. The numbers hold the worst case of each method; "
+                 "lpc verify --cases replays it.",
+                 made_by=f"verify --stage {stage} --dimension {dimension} --precision {precision} --pairs 200")
+
+
+def _panel_axes(panels, context, methods):
+    """Panels from left to right, as many in a row as have room; all rows as high as the methods need."""
+    left, right, cell, gap = 0.35 + 0.075 * max(len(context.looks.name(m)) for m in methods), 0.2, 0.5, 0.25
+    room, rows = WIDTH - left - right, []
+    for title, part in panels:
+        wide = part["column"].nunique() * cell
+        if rows and sum(w + gap for _, w in rows[-1]) + wide <= room:
+            rows[-1].append((title, wide))
+        else:
+            rows.append([(title, wide)])
+    body, head, legend = 0.24 * len(methods), 0.3, 0.35
+    labels = [0.3 + 0.034 * max(len(c) for title, part in panels if title in [t for t, _ in row] for c in part["column"])
+              for row in rows]
+    height = sum(body + head + foot for foot in labels) + legend
+    figure = plt.figure(figsize=(WIDTH, height))
+    axes, top = [], height
+    for row, foot in zip(rows, labels):
+        stretch = min(1.8, (room - gap * (len(row) - 1)) / sum(w for _, w in row))
+        at = left
+        for _, wide in row:
+            axes.append(figure.add_axes((at / WIDTH, (top - head - body) / height, wide * stretch / WIDTH, body / height)))
+            at += wide * stretch + gap
+        top -= head + body + foot
+    return figure, axes
+
+
+def _panel(ax, rows, methods):
+    columns = sorted(set(rows["column"]), key=_order)
+    groups = {key: part for key, part in rows.groupby(["method", "column"])}
+    for y, method in enumerate(methods):
+        for x, column in enumerate(columns):
+            colour, text, ink, corner = NOT_ASKED, "–", "#888888", False
+            part = groups.get((method, column))
+            asked = int(part["asked"].sum()) if part is not None else 0
+            if asked:
+                bad, refused = failures(part) / asked, int(part["refused"].sum()) / asked
+                text, ink = _share(bad), "black"
+                if bad:
+                    depth = min(1.0, max(0.0, 1 + math.log10(bad) / 4))
+                    colour, ink, corner = plt.cm.Oranges(0.2 + 0.65 * depth), "white" if depth > 0.8 else "black", refused > 0
+                elif refused:
+                    colour, text = REFUSED, _share(refused)
+                else:
+                    colour, ink = RIGHT, "#4C7A5E"
+            ax.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=colour, lw=0))
+            if corner:
+                ax.add_patch(Polygon([(x + 0.48, y - 0.45), (x + 0.48, y - 0.05), (x + 0.28, y - 0.45)], facecolor="#4F86B8", lw=0))
+            ax.text(x, y, text, ha="center", va="center", fontsize=7, color=ink)
+    ax.set_xlim(-0.5, len(columns) - 0.5)
+    ax.set_ylim(len(methods) - 0.5, -0.5)
+    ax.set_xticks(range(len(columns)))
+    ax.set_xticklabels(columns, rotation=30, ha="right", fontsize=7.5)
+    ax.set_yticks(range(len(methods)))
+    ax.grid(False)
+    ax.tick_params(length=0)
+    for side in ax.spines.values():
+        side.set_visible(False)
+
+
+def _cost(context, rows, dimension, precision):
+    rows = rows[(rows["axis"] == "all") & (rows["asked"] > 0)].copy()
+    rows["pair"] = _pairs(rows)
+    rows["median_error"] = [median_error(h) for h in rows["histogram"]]
+    rows["share"] = [sum(row[name] for name in FAILURES) / row["asked"] for _, row in rows.iterrows()]
+    rows["time"] = rows["ns"] / rows["asked"]
+    answered = rows["refused"] < rows["asked"]
+    holes = [f"{row.method} on {row.pair}: refused all {row.asked:,} questions" for row in rows[~answered].itertuples()]
+    rows = rows[answered]
+    pairs, methods = sorted(rows["pair"].unique()), list(by_method(rows)["method"])
+    columns = min(4 if len(methods) <= 5 else 3, len(pairs))
+    legend_width = 0.6 + 0.068 * max(len(context.looks.name(m)) for m in methods)
+    figure, axes = grid_of_axes(math.ceil(len(pairs) / columns), columns, 1.95, legend_width + 0.5, left=0.75, gap_x=0.62,
+                                gap_y=0.55)
+    finite = [v for v in list(rows["max_error"]) + list(rows["median_error"]) if v == v and math.isfinite(v)]
+    for index, ax in enumerate(axes.flat):
+        if index >= len(pairs):
+            ax.set_visible(False)
+            continue
+        part = rows[rows["pair"] == pairs[index]]
+        across = ZeroLog(ax, "x", list(rows["time"]), "ns", failures=False)
+        up = ZeroLog(ax, "y", finite, "1", floor=FLOOR, failures=bool(rows["max_error"].isna().any()))
+        ends = []
+        for row in part.itertuples():
+            look, x = context.looks(row.method), across.place(row.time)
+            worst = up.place(row.max_error)
+            if math.isfinite(row.median_error):
+                ax.plot([x, x], [up.place(row.median_error), worst], color=look["color"], lw=1.2, alpha=0.6)
+                ax.plot([x], [up.place(row.median_error)], color=look["color"], marker="_", ms=8, mew=1.6, ls="none")
+            ax.plot([x], [worst], **{**look, "linestyle": "none"}, ms=6)
+            if row.share > 0:
+                ends.append((worst, _share(row.share), look["color"]))
+        ax.set_title(pairs[index])
+        direct_labels(ax, ends, 7)
+        if index % columns == 0:
+            ax.set_ylabel("error / size")
+        else:
+            ax.tick_params(labelleft=False)
+        if index + columns >= len(pairs):
+            ax.set_xlabel("time per query")
+    handles = [Line2D([], [], label=context.looks.name(m), **context.looks(m)) for m in methods]
+    handles.append(Line2D([], [], color="#555555", marker="_", ms=8, mew=1.6, ls="none", label="median error"))
+    legend_right(figure, handles, legend_width)
+    number = lambda v: "" if math.isnan(v) else "0" if v == 0 else f"{v:.1e}"  # noqa: E731
+    table = pd.DataFrame({"pair": rows["pair"], "method": rows["method"], "asked": rows["asked"],
+                          "time per query": [si(v, "ns") for v in rows["time"]],
+                          "median error": [number(v) for v in rows["median_error"]],
+                          "worst error": [number(v) for v in rows["max_error"]], "failed": [_share(v) for v in rows["share"]]})
+    return Chart(f"ledger_cost_pair_query_{dimension}d_{precision}", SECTION,
+                 f"Pair queries, ours and theirs: time against error, {dimension}D, {precision}",
+                 _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,
+                 "A mark is the worst error of all questions, the dash below it the median (lower end of its decade); the number "
+                 "at the right is the share that failed. Half of the questions and more are of families that broke "
+                 "libraries before. A witness is timed inside its own process. Hollow marks are witnesses.",
+                 made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
+
+
+def _cost_finding(rows, dimension, precision):
+    ours = rows[rows["role"] == "competitor"]
+    if not len(ours):
+        return f"In {dimension}D, {precision}, no competitor was asked."
+    fastest = ours.loc[ours.groupby("pair")["time"].idxmin()]
+    wins = fastest.groupby("method").size().sort_values(ascending=False, kind="stable")
+    text = (f"In {dimension}D, {precision}, {wins.index[0]} is the fastest of ours on {wins.iloc[0]} of "
+            f"{plural(len(fastest), 'pair of shapes', 'pairs of shapes')}")
+    others = rows[rows["role"] != "competitor"]
+    if len(others):
+        quickest = others.loc[others["time"].idxmin()]
+        worst = others.loc[others["max_error"].fillna(-1).idxmax()]
+        text += (f"; the quickest witness is {quickest['method']} on {quickest['pair']} ({si(quickest['time'], 'ns')}), and the "
+                 f"worst error is {worst['method']}'s {worst['max_error']:.1e} of the size on {worst['pair']}")
+    if np.isfinite(ours["max_error"]).any():
+        worst = ours.loc[ours["max_error"].fillna(-1).idxmax()]
+        number, whose = f"{worst['max_error']:.1e}", f"({worst['method']} on {worst['pair']})"
+        text += f", against {number} of ours {whose}" if len(others) else f"; the worst error is {number} of the size {whose}"
+    return text + "."
