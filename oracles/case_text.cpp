@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Zlib
+#include <cmath>
+#include <cstdio>
 #include <iomanip>
 #include <limits>
 #include <sstream>
 
 #include "oracles/hard_pairs.h"
+#include "oracles/posed_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -62,6 +65,19 @@ std::string poseText(const Vec<3>& p, double, const Rot<3>& q) {
 
 }  // namespace
 
+std::string numberText(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", x);
+  return std::isfinite(x) ? text : "null";
+}
+
+template <int D>
+int coreVertexCount(const ShapeView<D>& shape) {
+  std::vector<Vec<D>> core;
+  coreVertices(shape, core);
+  return static_cast<int>(core.size());
+}
+
 template <int D>
 std::string caseText(const std::string& id, const HardPair<D>& pair, const std::string& more) {
   return "{\"id\": \"" + id + "\", \"source\": \"lpc verify\", \"dim\": " + std::to_string(D) +
@@ -71,6 +87,8 @@ std::string caseText(const std::string& id, const HardPair<D>& pair, const std::
          ", \"poseB\": " + poseText(pair.X_AB.p, pair.angle, pair.X_AB.q) + more + "}";
 }
 
+template int coreVertexCount(const ShapeView<2>&);
+template int coreVertexCount(const ShapeView<3>&);
 template std::string caseText(const std::string&, const HardPair<2>&, const std::string&);
 template std::string caseText(const std::string&, const HardPair<3>&, const std::string&);
 

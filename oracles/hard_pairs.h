@@ -36,4 +36,11 @@ HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index);
 template <int D>
 std::string caseText(const std::string& id, const HardPair<D>& pair, const std::string& more);
 
+/// As JSON, with all digits; null when it is not finite.
+std::string numberText(double x);
+
+/// How simple a pair is to look at: vertices of the shape without its rounding.
+template <int D>
+int coreVertexCount(const ShapeView<D>& shape);
+
 }  // namespace lpc::inline LPC_PRECISION

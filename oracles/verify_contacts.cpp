@@ -24,6 +24,7 @@ struct Placed {
   RefereeAnswer<D> truth = {};
   double s = 0;
   double allowed = 0;  // a generator may prefer one feature to another by so much (m)
+  int vertices = 0;
   Labels labels = {};
 
   bool resting() const { return pair.family == kRestingFaces; }
@@ -109,6 +110,7 @@ Placed<D> placedPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
   const std::uint64_t stream = seed * 1000003 + static_cast<std::uint64_t>(index);
   Placed<D> placed{.pair = resting ? RestingFaces<D>(stream).draw(a, b) : hardPair<D>(a, b, seed, index)};
   const HardPair<D>& p = placed.pair;
+  placed.vertices = coreVertexCount<D>(p.a.view()) + coreVertexCount<D>(p.b.view());
   placed.truth = referee<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB);
   placed.s = errorScale<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB, placed.truth.interval().middle());
   const double thinner = 0.01 * std::min(coreSize(p.a.view()), coreSize(p.b.view()));
@@ -257,9 +259,11 @@ void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
           range.ended ? withoutAnswer(*range.ended) : judge(placed[i], of(fresh), of(nudged), onePoint);
       const auto text = [&] {
         return caseText<D>(inputName(subject, range.seed, range.first + static_cast<int>(i)), placed[i].pair,
-                           ", \"reported_failure\": \"" + verdict.failure + "\"");
+                           ", \"reported_failure\": \"" + verdict.failure + "\", \"expected\": {\"signed_distance\": " +
+                               numberText(placed[i].truth.interval().middle()) + "}");
       };
       book(out.ledger, subject, m.info.role, placed[i].labels, verdict, spent / range.count, text);
+      if (!verdict.failure.empty()) out.keep({m.name, verdict.failure, placed[i].vertices, placed[i].s, text()});
     }
   }
 }

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "framework/tolerances.h"
-#include "oracles/posed_core.h"
 #include "oracles/regime.h"
 #include "oracles/verdict.h"
 #include "oracles/verify.h"
@@ -35,11 +34,7 @@ Known<D> knownPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
   const ShapeView<D>&va = known.pair.a.view(), &vb = known.pair.b.view();
   known.truth = referee<D>(va, {}, vb, known.pair.X_AB);
   known.s = errorScale<D>(va, {}, vb, known.pair.X_AB, known.truth.interval().middle());
-  std::vector<Vec<D>> core;
-  for (const ShapeView<D>& shape : {va, vb}) {
-    coreVertices(shape, core);
-    known.vertices += static_cast<int>(core.size());
-  }
+  known.vertices = coreVertexCount<D>(va) + coreVertexCount<D>(vb);
   known.labels = {{"family", std::string(known.pair.family)},
                   {"regime", std::string(regimeOf(known.pair, known.truth))},
                   {"scale", plainNumber(known.pair.scale)},
@@ -105,12 +100,6 @@ Verdict judge(const Known<D>& known, const PairAnswer<D>& answer, Role role, End
   }
   if (v.wrongSide) v.end = Tally::wrong, v.failure = "wrong_side";
   return v;
-}
-
-std::string numberText(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", x);
-  return std::isfinite(x) ? text : "null";
 }
 
 template <int D>

@@ -33,7 +33,7 @@ std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension) {
 
 // Every competitor of the stage on every two kinds.
 Verified verifyOurs(StageKind stage, int dimension, int count) {
-  VerifyTask task{.stage = stage, .dimension = dimension, .range = {.seed = 2, .first = 0, .count = caseCount(count)}};
+  VerifyTask task{.stage = stage, .dimension = dimension, .range = {.seed = 2, .first = 0, .count = count}};
   for (const Registered* r : Registry::instance().list(stage, dimension)) {
     if (r->info.role == Role::competitor) task.methods.push_back(r->info.name);
   }
@@ -127,7 +127,7 @@ TEST(VerifyInputs, PairsAreTheSameWhereverTheyAreDrawn) {
 TEST(Verify, OurMethodsAreRight) {
   for (const StageKind stage : {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase}) {
     for (const int d : {2, 3}) {
-      const Verified verified = verifyOurs(stage, d, stage == StageKind::pairQuery ? 150 : 40);
+      const Verified verified = verifyOurs(stage, d, caseCount(stage == StageKind::pairQuery ? 150 : 40));
       EXPECT_GT(total(verified)[Tally::asked], 0);
       for (const auto& [key, entry] : verified.ledger) {
         if (key.axis != "all") continue;
