@@ -307,21 +307,27 @@ void World<D>::wake(Handle body) {
   touched(slotOf(body));
 }
 
+// The bodies, each once, of those proxies whose shape holds; `holds` is asked with the shape and its pose.
 template <int D>
-std::vector<Handle> World<D>::at(const Vec<D>& point) const {
-  sync();
-  std::vector<ProxyId> found;
-  m_broadphase->at(m_proxies, point, found);
+template <class Holds>
+std::vector<Handle> World<D>::bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const {
   std::sort(found.begin(), found.end());
   std::vector<Handle> out;
   for (ProxyId id : found) {
     const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(id)];
     const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
     const Handle h = handle(s.body);
-    if (containsPoint(s.shape.view(), X_WS, point) && std::find(out.begin(), out.end(), h) == out.end())
-      out.push_back(h);
+    if (holds(s.shape.view(), X_WS) && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
   }
   return out;
+}
+
+template <int D>
+std::vector<Handle> World<D>::at(const Vec<D>& point) const {
+  sync();
+  std::vector<ProxyId> found;
+  m_broadphase->at(m_proxies, point, found);
+  return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
 }
 
 template <int D>
@@ -329,15 +335,7 @@ std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
   sync();
   std::vector<ProxyId> found;
   m_broadphase->overlap(m_proxies, box, found);
-  std::sort(found.begin(), found.end());
-  std::vector<Handle> out;
-  for (ProxyId id : found) {
-    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(id)];
-    const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
-    const Handle h = handle(s.body);
-    if (overlapsBox(s.shape.view(), X_WS, box) && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
-  }
-  return out;
+  return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
 template <int D>

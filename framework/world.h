@@ -141,6 +141,8 @@ class World final : private Detect, private Forces<D> {
   bool proxyActive(std::size_t body) const;
   void refreshBox(std::size_t shape) const;
   void sync() const;  // boxes and broadphase follow the state
+  template <class Holds>
+  std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const;
   void findPairs();
   void makeContacts();
   void tellListeners();
