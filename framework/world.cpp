@@ -20,6 +20,11 @@ bool unit(const Rot<2>& q) { return std::abs(q.c * q.c + q.s * q.s - 1) < 4 * kU
 bool unit(const Rot<3>& q) { return std::abs(q.w * q.w + q.imag().squaredNorm() - 1) < 4 * kUnitTolerance; }
 
 template <int D>
+bool finite(const MassProperties<D>& m) {
+  return std::isfinite(m.mass) && finite(m.center) && m.inertia.allFinite();
+}
+
+template <int D>
 void checkPose(const Pose<D>& x, const std::string& who) {
   if (!finite(x.p)) throw UserError(who + ": the position is not finite");
   if (!unit(x.q)) throw UserError(who + ": the rotation is not a unit complex number or quaternion");
@@ -30,17 +35,17 @@ void checkMotion(const Motion<D>& m, const std::string& who) {
   if (!finite(m.v) || !finite(m.w)) throw UserError(who + ": the velocity is not finite");
 }
 
+void checkAmount(Real value, const std::string& who, const char* what) {
+  if (value >= 0 && std::isfinite(value)) return;
+  throw UserError(who + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");
+}
+
 template <int D>
 void checkShape(const ShapeDef<D>& s, const std::string& who) {
   checkPose(s.X_BS, who + ", shape");
-  const auto demand = [&](Real value, const char* what) {
-    if (!(value >= 0) || !std::isfinite(value)) {
-      throw UserError(who + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");
-    }
-  };
-  demand(s.density, "density");
-  demand(s.friction, "friction");
-  demand(s.restitution, "restitution");
+  checkAmount(s.density, who, "density");
+  checkAmount(s.friction, who, "friction");
+  checkAmount(s.restitution, who, "restitution");
 }
 
 // Slot for one more item: the lowest free one, or a new one at the end. `count` is how many are in use.
@@ -64,7 +69,8 @@ World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
       m_solver(createStage<Solver<D>>(pipeline.solver)),
       m_sleep(createStage<SleepPolicy<D>>(pipeline.sleep)) {
   if (!finite(settings.gravity)) throw UserError("world: gravity is not finite");
-  if (!(settings.margin >= 0)) throw UserError("world: the contact margin is negative or NaN; valid: >= 0 m");
+  checkAmount(settings.margin, "world", "the contact margin");
+  checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");
 }
 
 template <int D>
@@ -100,7 +106,12 @@ Handle World<D>::add(const BodyDef<D>& def) {
   bool kinds[kShapeKinds] = {};
   for (const ShapeDef<D>& s : def.shapes) {
     checkShape(s, who);
-    mass = combined(mass, transformed(massProperties(s.shape.view(), s.density), s.X_BS));
+    const MassProperties<D> part = transformed(massProperties(s.shape.view(), s.density), s.X_BS);
+    mass = combined(mass, part);
+    if (!finite(part) || !finite(mass)) {
+      throw UserError(who + ": its mass, " + std::to_string(part.mass) +
+                      " kg, or its inertia is beyond what numbers hold");
+    }
     kinds[static_cast<int>(s.shape.kind())] = true;
   }
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
@@ -219,6 +230,7 @@ void World<D>::removeJoint(Handle joint) {
 
 template <int D>
 void World<D>::add(std::shared_ptr<const ForceGenerator<D>> generator) {
+  if (!generator) throw UserError("world: the force generator is null");
   m_forces.push_back(std::move(generator));
 }
 template <int D>
@@ -227,6 +239,7 @@ void World<D>::remove(const ForceGenerator<D>* generator) {
 }
 template <int D>
 void World<D>::addListener(ContactListener<D>* listener) {
+  if (!listener) throw UserError("world: the listener is null");
   m_listeners.push_back(listener);
 }
 template <int D>

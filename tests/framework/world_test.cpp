@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <sstream>
 
 #include "framework/director.h"
@@ -50,27 +49,6 @@ TYPED_TEST(WorldTest, HandlesOfRemovedBodiesAreInvalidAndSlotsAreReused) {
   EXPECT_NE(c, a);
   EXPECT_NE(messageOf([&] { world.pose(a); }), "");
   EXPECT_EQ(world.bodyCount(), 2);
-}
-
-TYPED_TEST(WorldTest, RefusesWhatIsNotPhysics) {
-  constexpr int D = TypeParam::D;
-  World<D> world;
-  const Real nan = std::numeric_limits<Real>::quiet_NaN();
-  EXPECT_NE(messageOf([&] { world.add(body<D>(Shape<D>::sphere(1), at<D>(double(nan), 0))); }), "");
-  auto heavy = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
-  heavy.shapes[0].density = -1;
-  EXPECT_NE(messageOf([&] { world.add(heavy); }).find("density"), std::string::npos);
-  auto massless = body<D>(Shape<D>::sphere(1), at<D>(0, 0));
-  massless.shapes[0].density = 0;
-  EXPECT_NE(messageOf([&] { world.add(massless); }).find("mass"), std::string::npos);
-  EXPECT_NE(messageOf([&] { world.step(-1); }), "");
-  EXPECT_NE(messageOf([&] { world.step(nan); }), "");
-  const Handle ball = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
-  EXPECT_NE(messageOf([&] { world.setPose(ball, {at<D>(double(nan), 0), {}}); }).find("finite"), std::string::npos);
-  EXPECT_EQ(world.pose(ball).p[0], 0);
-  world.remove(ball);
-  EXPECT_NE(messageOf([&] { World<D> w(Pipeline::parse("broadphase=none_such")); }).find("naive"), std::string::npos);
-  EXPECT_EQ(world.bodyCount(), 0);
 }
 
 TYPED_TEST(WorldTest, NoTimeChangesNothing) {

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Zlib
+// What a world refuses: one line that says what was found and what is valid, and nothing changed.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN(), kInf = std::numeric_limits<Real>::infinity();
+
+Rot<2> scaled(const Rot<2>& q, Real k) { return {k * q.c, k * q.s}; }
+Rot<3> scaled(const Rot<3>& q, Real k) { return {k * q.w, k * q.x, k * q.y, k * q.z}; }
+
+template <int D>
+struct Refusal {
+  const char* says;  // a part of the line
+  std::function<void(World<D>&)> act;
+};
+
+// A ball with one thing wrong.
+template <int D>
+Refusal<D> ball(const char* says, const std::function<void(BodyDef<D>&)>& spoil) {
+  return {says, [spoil](World<D>& w) {
+            BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(9, 9));
+            spoil(def);
+            w.add(def);
+          }};
+}
+
+template <int D>
+std::vector<Refusal<D>> refusals() {
+  using W = World<D>&;
+  std::vector<Refusal<D>> list;
+  for (const Real bad : {kNan, kInf, Real(-1)}) {
+    if (!(bad < 0)) {
+      const Vec<D> v = bad * Vec<D>::Unit(D - 1);
+      Ang<D> w = Ang<D>::Zero();
+      w[0] = bad;
+      list.push_back(ball<D>("position", [=](BodyDef<D>& b) { b.X_WB.p = v; }));
+      list.push_back(ball<D>("velocity", [=](BodyDef<D>& b) { b.velocity = v; }));
+      list.push_back(ball<D>("velocity", [=](BodyDef<D>& b) { b.angularVelocity = w; }));
+      list.push_back(ball<D>("shape: the position", [=](BodyDef<D>& b) { b.shapes[0].X_BS.p = v; }));
+      const Rot<D> q = scaled(Rot<D>{}, bad);
+      list.push_back(ball<D>("rotation", [=](BodyDef<D>& b) { b.X_WB.q = q; }));
+      list.push_back({"rotation", [=](W x) { x.setPose(x.handle(1), {Vec<D>::Zero(), q}); }});
+      list.push_back({"position", [=](W x) { x.setPose(x.handle(1), {v, {}}); }});
+      list.push_back({"velocity", [=](W x) { x.setMotion(x.handle(1), {v, {}}); }});
+      list.push_back({"velocity", [=](W x) { x.setMotion(x.handle(1), {Vec<D>::Zero(), w}); }});
+      list.push_back({"force", [=](W x) { x.applyForce(x.handle(1), v, Vec<D>::Zero()); }});
+      list.push_back({"force", [=](W x) { x.applyForce(x.handle(1), Vec<D>::Zero(), v); }});
+      list.push_back({"torque", [=](W x) { x.applyTorque(x.handle(1), w); }});
+      list.push_back({"anchor", [=](W x) { x.add(PivotDef<D>{x.handle(0), x.handle(1), v}); }});
+    }
+    list.push_back(ball<D>("density", [=](BodyDef<D>& b) { b.shapes[0].density = bad; }));
+    list.push_back(ball<D>("friction", [=](BodyDef<D>& b) { b.shapes[0].friction = bad; }));
+    list.push_back(ball<D>("restitution", [=](BodyDef<D>& b) { b.shapes[0].restitution = bad; }));
+    list.push_back({"radius", [=](W) { Shape<D>::sphere(bad); }});
+    list.push_back({"capsule", [=](W) { Shape<D>::capsule(bad, 1); }});
+    list.push_back({"box", [=](W) { Shape<D>::box(bad * Vec<D>::Ones()); }});
+    list.push_back({"dt", [=](W x) { x.step(bad); }});
+    list.push_back({"margin", [=](W) {
+                      WorldSettings<D> s;
+                      s.margin = bad;
+                      World<D> w({}, s);
+                    }});
+    list.push_back({"restitution threshold", [=](W) {
+                      WorldSettings<D> s;
+                      s.restitutionThreshold = bad;
+                      World<D> w({}, s);
+                    }});
+  }
+  const Real most = std::numeric_limits<Real>::max();
+  list.push_back(ball<D>("needs mass", [](BodyDef<D>& b) { b.shapes[0].density = 0; }));
+  list.push_back(ball<D>("needs mass", [](BodyDef<D>& b) { b.shapes.clear(); }));
+  list.push_back(ball<D>("beyond", [=](BodyDef<D>& b) { b.shapes[0].density = most; }));
+  list.push_back({"beyond", [=](W x) { x.add(body<D>(Shape<D>::box(most / 4 * Vec<D>::Ones()), at<D>(0, 0))); }});
+  list.push_back(ball<D>("rotation", [](BodyDef<D>& b) { b.X_WB.q = scaled(b.X_WB.q, 2); }));
+  list.push_back({"rotation", [](W x) { x.setPose(x.handle(1), {Vec<D>::Zero(), scaled(Rot<D>{}, 2)}); }});
+  list.push_back({"fixed", [](W x) { x.setMotion(x.handle(0), {}); }});
+  list.push_back({"two bodies", [](W x) { x.add(PivotDef<D>{x.handle(1), x.handle(1), Vec<D>::Zero()}); }});
+  list.push_back({"no body", [](W x) { x.remove({77, 0}); }});
+  list.push_back({"no joint", [](W x) { x.removeJoint({77, 0}); }});
+  list.push_back({"null", [](W x) { x.add(std::shared_ptr<const ForceGenerator<D>>()); }});
+  list.push_back({"null", [](W x) { x.addListener(nullptr); }});
+  list.push_back({"naive", [](W) { World<D> w(Pipeline::parse("broadphase=none_such")); }});
+  list.push_back(
+      {"iterations", [](W) { World<D> w(Pipeline::parse("solver=split_solver{velocity=catto{iterations=-1}}")); }});
+  list.push_back({"gravity", [](W) {
+                    WorldSettings<D> s;
+                    s.gravity[0] = kNan;
+                    World<D> w({}, s);
+                  }});
+  return list;
+}
+
+template <int D>
+void refuses() {
+  World<D> world;
+  addHeap(world, 3, 1);
+  world.step(Real(1) / 60);
+  const auto hash = world.hash();
+  const int bodies = world.bodyCount();
+  int n = 0;
+  for (const Refusal<D>& r : refusals<D>()) {
+    SCOPED_TRACE(std::to_string(n++) + ": " + r.says);
+    try {
+      r.act(world);
+      ADD_FAILURE() << "was taken";
+    } catch (const UserError& e) {
+      const std::string line = e.what();
+      EXPECT_NE(line.find(r.says), std::string::npos) << line;
+      EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    }
+    EXPECT_EQ(world.hash(), hash);
+    EXPECT_EQ(world.bodyCount(), bodies);
+  }
+}
+TEST(Refusal, NothingChanges2) { refuses<2>(); }
+TEST(Refusal, NothingChanges3) { refuses<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
