@@ -157,15 +157,5 @@ void crossIdentity() {
 }
 TEST(Cross, TripleProduct) { check("2D", crossIdentity<2>), check("3D", crossIdentity<3>); }
 
-TEST(Inertia, TurnsWithTheBody) {
-  check("R I R^T w = R (I (R^T w))", [] {
-    RapidCheckDraw draw;
-    const Rot<3> q = drawRotation<3>(draw);
-    const Vec<3> w = drawVector<3>(draw);
-    const Inertia<3> inertia = Vec<3>(1, 2, 3).asDiagonal();
-    RC_ASSERT((rotateInertia(q, inertia) * w - q * Vec<3>(inertia * (q.inverse() * w))).norm() <= 64 * kEps);
-  });
-}
-
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test

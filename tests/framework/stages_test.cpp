@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// What the framework does around the stages: proxies and default queries, single pairs, islands, forces.
+// What the framework does around the stages: proxies and default queries, single pairs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
-#include "framework/force.h"
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
-#include "framework/stage_sleep.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
@@ -229,131 +227,6 @@ TEST(PairBatch, GivesBackWhatWasAdded) {
       EXPECT_EQ(v.X_AB.q.w, X[n].q.w);
     }
   }
-}
-
-// --- islands
-// ----------------------------------------------------------------------------------------------------------
-
-TEST(Islands, AnyGraph) {
-  check(
-      "equal to walking from body to body",
-      [] {
-        RapidCheckDraw draw;
-        const int n = 1 + draw.below(12);
-        Bodies<2> bodies;
-        for (int i = 0; i < n; ++i) {
-          bodies.pose.emplace_back();
-          bodies.used.push_back(draw.below(8) != 1);
-          bodies.type.push_back(
-              draw.pick({BodyType::dynamic, BodyType::dynamic, BodyType::fixed, BodyType::kinematic}));
-        }
-        std::vector<Manifold<2>> manifolds;
-        std::vector<PivotJoint<2>> joints(1);  // a free one
-        std::vector<std::pair<int, int>> links;
-        for (int k = draw.below(15); k > 0; --k) {
-          const int a = draw.below(n), b = draw.below(n);
-          if (a == b) continue;
-          const int kind = draw.below(3);
-          if (kind == 0) {
-            joints.emplace_back();
-            joints.back().bodyA = a, joints.back().bodyB = b;
-          } else {
-            manifolds.emplace_back();
-            manifolds.back().bodyA = std::min(a, b), manifolds.back().bodyB = std::max(a, b);
-            manifolds.back().ignored = kind == 2;
-          }
-          if (kind != 2) links.emplace_back(a, b);
-        }
-        const auto in = [&](int i) {
-          return bodies.used[static_cast<std::size_t>(i)] &&
-                 bodies.type[static_cast<std::size_t>(i)] == BodyType::dynamic;
-        };
-        std::vector<std::int32_t> expected(static_cast<std::size_t>(n), -1);
-        std::int32_t next = 0;
-        for (int i = 0; i < n; ++i) {
-          if (!in(i) || expected[static_cast<std::size_t>(i)] >= 0) continue;
-          expected[static_cast<std::size_t>(i)] = next;
-          for (int round = 0; round < n; ++round) {
-            for (const auto& [a, b] : links) {
-              for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-                if (in(from) && in(to) && expected[static_cast<std::size_t>(from)] == next) {
-                  expected[static_cast<std::size_t>(to)] = next;
-                }
-              }
-            }
-          }
-          ++next;
-        }
-        RC_ASSERT(islands<2>(bodies, manifolds, joints) == expected);
-      },
-      500);
-}
-
-// --- forces
-// -----------------------------------------------------------------------------------------------------------
-
-template <int D>
-struct TwoBodies {
-  Bodies<D> bodies;
-  std::vector<Wrench<D>> out;
-  TwoBodies() : out(2) {
-    bodies.pose.resize(2), bodies.motion.resize(2), bodies.generation = {1, 1}, bodies.used = {1, 1};
-    bodies.type = {BodyType::dynamic, BodyType::dynamic};
-  }
-  void apply(const ForceGenerator<D>& f) { f.apply({bodies, bodies.pose, bodies.motion}, 0, out); }
-};
-
-template <int D>
-void spring() {
-  check("a spring pulls both with one force on one line", [] {
-    RapidCheckDraw draw;
-    TwoBodies<D> s;
-    Spring<D> spring;
-    spring.bodyA = {0, 1}, spring.bodyB = {1, 1};
-    spring.localA = drawVector<D>(draw), spring.localB = drawVector<D>(draw);
-    spring.stiffness = 10, spring.damping = 2, spring.restLength = draw.real(0, 2);
-    for (std::size_t i = 0; i < 2; ++i) {
-      s.bodies.pose[i] = drawPose<D>(draw, 3);
-      s.bodies.motion[i].v = drawVector<D>(draw), s.bodies.motion[i].w.setConstant(draw.signedUnit());
-    }
-    s.apply(spring);
-    RC_ASSERT((s.out[0].force + s.out[1].force).norm() == 0);
-    // No torque about the origin in all: both forces act along the same line.
-    const Ang<D> total = s.out[0].torque + cross(s.bodies.pose[0].p, s.out[0].force) + s.out[1].torque +
-                         cross(s.bodies.pose[1].p, s.out[1].force);
-    RC_ASSERT(total.norm() <= 1000 * kEps * (1 + s.out[0].force.norm()));
-  });
-  TwoBodies<D> s;
-  s.bodies.pose[1].p[0] = 3;
-  s.bodies.motion[1].v[0] = 2;
-  Spring<D> spring;
-  spring.bodyA = {0, 1}, spring.bodyB = {1, 1};
-  spring.stiffness = 10, spring.restLength = 1, spring.damping = 5;
-  s.apply(spring);
-  EXPECT_EQ(s.out[0].force[0], 30) << "stretched by 2, and getting longer";
-  s.out.assign(2, {});
-  spring.bodyA = {};
-  spring.localA[0] = 5;  // now a point of the world
-  s.apply(spring);
-  EXPECT_EQ(s.out[1].force[0], 10 + -5 * 2);
-  s.out.assign(2, {});
-  spring.bodyB = {1, 2};  // another tenant of that slot
-  s.apply(spring);
-  EXPECT_EQ(s.out[1].force.norm(), 0);
-}
-TEST(Force, Spring) { spring<2>(), spring<3>(); }
-
-TEST(Force, Drag) {
-  TwoBodies<3> s;
-  s.bodies.type[1] = BodyType::kinematic;
-  s.bodies.motion[0].v = Vec<3>(3, 0, 4), s.bodies.motion[0].w = Ang<3>(0, 2, 0);
-  s.bodies.motion[1].v = Vec<3>(1, 1, 1);
-  Drag<3> drag;
-  drag.linear = 1, drag.quadratic = Real(0.5);
-  s.apply(drag);
-  EXPECT_EQ(s.out[0].force, Vec<3>(Vec<3>(3, 0, 4) * Real(-3.5)));
-  EXPECT_EQ(s.out[0].torque, Ang<3>(0, -4, 0));
-  EXPECT_EQ(s.out[1].force.norm(), 0);
 }
 
 }  // namespace
