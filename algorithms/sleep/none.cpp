@@ -12,7 +12,11 @@ class None final : public SleepPolicy<D> {
   explicit None(const Params&) {}
 
   static Info info() {
-    return {.name = "none", .summary = "keeps every body awake", .paper = "", .complexity = "bodies"};
+    return {.name = "none",
+            .summary = "keeps every body awake",
+            .paper = "",
+            .complexity = "bodies",
+            .failures = {{"anything that rests", "it costs as much as what moves", "Sleep.PendulumSleeps"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>>) override {

@@ -33,19 +33,17 @@ class SplitAverage final : public SleepPolicy<D> {
   explicit SplitAverage(const Params& params) : m_params(params) {}
 
   static Info info() {
-    return {
-        .name = "split_average",
-        .summary = "two recency-weighted averages of speed; wakes by blows and when support goes",
-        .paper = "lpc2009",
-        .complexity = "bodies + contacts; sweeps over the contacts while somebody may fall asleep",
-        .guarantee = Guarantee::approximate,
-        .failures = {{"a body slides, without turning, slower than `linear`", "it freezes on the slope",
-                      "SplitAverage.FailsOnSlowSlider"},
-                     {"a sleeper is pushed slower than the restitution threshold, or its load grows",
-                      "it stands like a wall", "SplitAverage.FailsOnSlowPush"},
-                     {"the time step is halved", "the averages forget twice as fast",
-                      "SplitAverage.FailsToKeepTimeAtSmallerSteps"},
-                     {"a body hangs on joints alone", "it never falls asleep", "SplitAverage.FailsOnRestingPendulum"}}};
+    return {.name = "split_average",
+            .summary = "two recency-weighted averages of speed; wakes by blows and when support goes",
+            .paper = "lpc2009",
+            .complexity = "bodies + contacts; sweeps over the contacts while somebody may fall asleep",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"a body slides, without turning, slower than `linear`", "it freezes on the slope",
+                          "Sleep.SlowSliderStaysAwake"},
+                         {"a sleeper is pushed slower than the restitution threshold, or its load grows",
+                          "it stands like a wall", "Sleep.SlowPushWakes"},
+                         {"the time step is halved", "the averages forget twice as fast", "Sleep.BySeconds"},
+                         {"a body hangs on joints alone", "it never falls asleep", "Sleep.PendulumSleeps"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {

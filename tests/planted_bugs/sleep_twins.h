@@ -38,4 +38,27 @@ class WakesOnlyTheStruck final : public SleepPolicy<D> {
   }
 };
 
+/// Sleeps after half a second in which a body kept still, wherever it is.
+template <int D>
+class CountsSeconds : public SleepPolicy<D> {
+ public:
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (in.bodies.type[i] != BodyType::dynamic) continue;
+      const bool still = in.bodies.motion[i].v.norm() < Real(0.01) && in.bodies.motion[i].w.norm() < Real(0.01);
+      memory[i][0] = still ? memory[i][0] + tick(in.dt) : Real(0);
+      if (memory[i][0] > Real(0.5)) awake[i] = 0;
+    }
+  }
+
+ protected:
+  virtual Real tick(Real dt) const { return dt; }
+};
+
+/// The same, but by the steps that half a second has at 60 Hz.
+template <int D>
+class CountsSteps final : public CountsSeconds<D> {
+  Real tick(Real) const override { return Real(1) / 60; }
+};
+
 }  // namespace lpc::inline LPC_PRECISION::test
