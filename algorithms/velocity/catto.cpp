@@ -37,7 +37,7 @@ class Catto final : public VelocityResolver<D> {
             .guarantee = Guarantee::approximate,
             .failures = {{"a heavy body on a light one, a tall stack",
                           "linear convergence: the error of a sweep shrinks by r/(1+r) for a mass ratio r",
-                          "KnownAnswer.mass_ratio_pgs_rate"}}};
+                          "Impulse.CarriesHeavyOnLight"}}};
   }
 
   void solve(const VelocityInput<D>& in) override {

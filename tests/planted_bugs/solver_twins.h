@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 
 #include "framework/stage_solver.h"
 
@@ -24,13 +23,18 @@ enum class Bug {
   hastens,            // bounces what is already leaving, too
   slowsInTheWorld,    // takes speed out of bodies, not out of contacts
   movesFixed,         // infinite mass is only large
+  armsOfTheWorld,     // takes torques about the world's origin
+  turnsLeft,          // every blow gives a little spin to the left
+  yields,             // a little more response than the masses give: a compliance in absolute units
+  givesUp,            // is content after ten sweeps
   dividesByNothing    // no guard for bodies that cannot move
 };
 
 template <int D>
 class TwinResolver final : public VelocityResolver<D> {
  public:
-  TwinResolver(Bug bug, int iterations) : m_bug(bug), m_iterations(iterations) {}
+  TwinResolver(Bug bug, int iterations)
+      : m_bug(bug), m_iterations(bug == Bug::givesUp ? std::min(iterations, 10) : iterations) {}
 
   void solve(const VelocityInput<D>& in) override {
     std::vector<Real> targets;
@@ -57,14 +61,12 @@ class TwinResolver final : public VelocityResolver<D> {
       }
       for (PivotJoint<D>& j : in.joints) {
         const Vec<D> p = (in.bodies.pose[slot(j.bodyA)] * j.localA + in.bodies.pose[slot(j.bodyB)] * j.localB) / 2;
-        for (int d = 0; d < D; ++d) {
-          const Vec<D> axis = Vec<D>::Unit(d);
-          const Real impulse = -mass(in.bodies, j.bodyA, j.bodyB, p, axis) *
-                               velocity(in.bodies, j.bodyA, j.bodyB, p).dot(axis) *
-                               (m_bug == Bug::stopsEarly ? Real(0) : Real(1));
-          apply(in.bodies, j.bodyA, j.bodyB, p, axis * impulse);
-          j.impulse += axis * impulse;
-        }
+        const Vec<D> v = velocity(in.bodies, j.bodyA, j.bodyB, p);
+        if (m_bug == Bug::stopsEarly || !(v.norm() > 0)) continue;
+        const Vec<D> along = v.normalized();  // steepest descent: the axes of the world play no part
+        const Vec<D> impulse = -mass(in.bodies, j.bodyA, j.bodyB, p, along) * v;
+        apply(in.bodies, j.bodyA, j.bodyB, p, impulse);
+        j.impulse += impulse;
       }
     }
   }
@@ -87,11 +89,8 @@ class TwinResolver final : public VelocityResolver<D> {
     if (!(m.friction > 0) || !in.features.friction) return;
     Matrix<D, D - 1> t = tangents(m.normal);
     Matrix<D - 1, 1> before, after;
-    Real step = std::numeric_limits<Real>::max();
-    for (int d = 0; d < D - 1; ++d) {
-      before[d] = c.impulse[static_cast<std::size_t>(d) + 1];
-      step = std::min(step, mass(in.bodies, m.bodyA, m.bodyB, p, t.col(d)) / (D - 1));
-    }
+    const Real step = leastMass(in.bodies, m.bodyA, m.bodyB, p);
+    for (int d = 0; d < D - 1; ++d) before[d] = c.impulse[static_cast<std::size_t>(d) + 1];
     const Vec<D> v = relative(in.bodies, m, c);
     for (int d = 0; d < D - 1; ++d) {
       after[d] = before[d] - step * v.dot(t.col(d)) * (m_bug == Bug::frictionForward ? Real(-1) : Real(1));
@@ -123,11 +122,17 @@ class TwinResolver final : public VelocityResolver<D> {
     return m_bug == Bug::movesFixed && !(w > 0) ? Real(1e-3) : w;
   }
   Real mass(const Bodies<D>& bodies, int a, int b, const Vec<D>& p, const Vec<D>& n) const {
-    Real k = invMass(bodies, a) + invMass(bodies, b);
+    Real k = invMass(bodies, a) + invMass(bodies, b) + (m_bug == Bug::yields ? Real(0.01) : Real(0));
     for (int i : {a, b}) {
       const Ang<D> arm = cross((p - bodies.pose[slot(i)].p).eval(), n);
       k += arm.dot(bodies.invInertia[slot(i)] * arm);
     }
+    return k > 0 || m_bug == Bug::dividesByNothing ? 1 / k : Real(0);
+  }
+  /// Below the mass in every direction.
+  Real leastMass(const Bodies<D>& bodies, int a, int b, const Vec<D>& p) const {
+    Real k = invMass(bodies, a) + invMass(bodies, b);
+    for (int i : {a, b}) k += (p - bodies.pose[slot(i)].p).squaredNorm() * bodies.invInertia[slot(i)].trace();
     return k > 0 || m_bug == Bug::dividesByNothing ? 1 / k : Real(0);
   }
   void apply(Bodies<D>& bodies, int a, int b, const Vec<D>& p, const Vec<D>& impulse) const {
@@ -138,6 +143,8 @@ class TwinResolver final : public VelocityResolver<D> {
       if (s == 0 && m_bug == Bug::oneBodyOnly) continue;
       Vec<D> r = p - bodies.pose[i].p;
       if (m_bug == Bug::twoPoints) r *= Real(0.99);
+      if (m_bug == Bug::armsOfTheWorld) r = p;
+      if (m_bug == Bug::turnsLeft) bodies.motion[i].w[kAngDim<D> - 1] += Real(0.01) * impulse.norm();
       bodies.motion[i].v += sign[s] * invMass(bodies, body[s]) * impulse;
       bodies.motion[i].w += sign[s] * (bodies.invInertia[i] * cross(r, impulse));
     }
@@ -145,6 +152,34 @@ class TwinResolver final : public VelocityResolver<D> {
 
   Bug m_bug;
   int m_iterations;
+};
+
+/// Forces, a twin's impulses, and the move by the new velocity; positions are left alone.
+template <int D>
+class TwinSolver final : public Solver<D> {
+ public:
+  TwinSolver(Bug bug, int iterations) : m_resolver(bug, iterations) {}
+
+  void step(const StepInput<D>& in) override {
+    Bodies<D>& bodies = in.bodies;
+    std::vector<Wrench<D>> wrenches(bodies.pose.size());
+    in.forces.eval({bodies, bodies.pose, bodies.motion}, in.time, wrenches);
+    for (std::size_t i = 0; i < wrenches.size(); ++i) {
+      bodies.motion[i].v += (in.dt * bodies.invMass[i]) * wrenches[i].force;
+    }
+    const struct : PositionResolver<D> {
+    } none;
+    m_resolver.solve({in.dt, in.lastDt, bodies, in.manifolds, in.active, in.joints, none, in.features,
+                      in.restitutionThreshold, in.work, in.profiler});
+    for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
+      if (bodies.type[i] == BodyType::fixed) continue;
+      bodies.pose[i].p += in.dt * bodies.motion[i].v;
+      bodies.pose[i].q = integrateRotation(bodies.pose[i].q, Ang<D>(in.dt * bodies.motion[i].w));
+    }
+  }
+
+ private:
+  TwinResolver<D> m_resolver;
 };
 
 /// Moves only one of two bodies apart: fixed ones, too.
