@@ -25,20 +25,20 @@ BodyDef<D> body(const Shape<D>& shape, const Vec<D>& position, BodyType type = B
 }
 
 template <int D>
-Handle addGround(World<D>& world) {
+Handle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
   Vec<D> half = Vec<D>::Constant(20);
   half[1] = 1;
-  return world.add(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed));
+  return world.add(body<D>(Shape<D>::box(half), place - Vec<D>::Unit(1), BodyType::fixed));
 }
 
-/// Boxes, balls and capsules fall on a floor and into each other; one pendulum swings above.
+/// Boxes, balls and capsules fall on a floor and into each other; one pendulum swings above. n + 3 bodies.
 template <int D>
-void addHeap(World<D>& world, int n, std::uint64_t seed) {
-  addGround(world);
+void addHeap(World<D>& world, int n, std::uint64_t seed, const Vec<D>& place = Vec<D>::Zero()) {
+  addGround(world, place);
   Random random(seed);
   for (int i = 0; i < n; ++i) {
     const double z = random.uniform(-1, 1), x = random.uniform(-2, 2);  // one by one: compilers order arguments freely
-    const Vec<D> p = at<D>(x, 1 + 0.7 * i, z);
+    const Vec<D> p = place + at<D>(x, 1 + 0.7 * i, z);
     const Shape<D> shapes[] = {Shape<D>::box(Vec<D>::Constant(Real(0.4))), Shape<D>::sphere(Real(0.4)),
                                Shape<D>::capsule(Real(0.3), Real(0.25))};
     BodyDef<D> def = body<D>(shapes[random.below(3)], p);
@@ -46,9 +46,10 @@ void addHeap(World<D>& world, int n, std::uint64_t seed) {
     def.angularVelocity = Ang<D>::Constant(static_cast<Real>(random.uniform(-2, 2)));
     world.add(def);
   }
-  const Handle post = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0, 12), BodyType::fixed));
-  const Handle bob = world.add(body<D>(Shape<D>::sphere(Real(0.3)), at<D>(2, 12)));
-  world.add(PivotDef<D>{post, bob, at<D>(0, 12), false});
+  const Vec<D> hook = place + at<D>(0, 12);
+  const Handle post = world.add(body<D>(Shape<D>::sphere(Real(0.1)), hook, BodyType::fixed));
+  const Handle bob = world.add(body<D>(Shape<D>::sphere(Real(0.3)), hook + at<D>(2, 0)));
+  world.add(PivotDef<D>{post, bob, hook, false});
 }
 
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -32,7 +32,8 @@ class Nonlinear final : public PositionResolver<D> {
             .paper = "millington2007",
             .complexity = "iterations x (log contacts + neighbours); scan: iterations x contacts",
             .guarantee = Guarantee::approximate,
-            .failures = {}};
+            .failures = {{"contacts elsewhere, that do not touch these", "share their limit of moves",
+                          "Replay.DisjointScenesAreTwoWorlds"}}};
   }
 
   void correct(const PositionInput<D>& in) override {

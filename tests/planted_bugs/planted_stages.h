@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Zlib
+// Stages with one bug each that a whole world can be built from, by the names planted_...: what a property of worlds
+// must catch. They are no competitors, so tests that go through the registry pass them by.
+//
+// Include it in one file of a test program.
+#pragma once
+
+#include "framework/profiler.h"
+#include "framework/stage_broadphase.h"
+#include "framework/stage_narrowphase.h"
+#include "framework/stage_sleep.h"
+#include "framework/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+inline Info planted(const std::string& stage) {
+  return {.name = "planted_" + stage,
+          .summary = "planted bugs",
+          .paper = "",
+          .complexity = "that of what it spoils",
+          .role = Role::witness};
+}
+
+/// The default solver, spoiled.
+template <int D>
+class PlantedSolver final : public Solver<D> {
+ public:
+  enum class Bug {
+    none,
+    remembers,      // has a state of its own that nobody saves
+    remembersRuns,  // and one that outlives the world
+    countsBodies,   // strangers matter
+    watches,        // does something else when it is watched
+    farIsCoarse,    // places in float
+    heats,          // each step adds a thousandth to every speed
+    creeps,         // each step moves everybody a hundredth of a millimetre
+    hops            // every hundredth step lifts everybody
+  };
+  struct Params {
+    Bug bug = Bug::none;
+    void visit(ParamVisitor& v) {
+      v.choice("bug", bug,
+               {"none", "remembers", "remembers_runs", "counts_bodies", "watches", "far_is_coarse", "heats", "creeps",
+                "hops"},
+               "what is wrong");
+    }
+  };
+  explicit PlantedSolver(const Params& params)
+      : m_bug(params.bug), m_right(createStage<Solver<D>>({"split_solver", {}})) {}
+  static Info info() { return planted("solver"); }
+
+  void step(const StepInput<D>& in) override {
+    m_right->step(in);
+    static long runs = 0;
+    ++m_steps, ++runs;
+    for (std::size_t i = 0; i < in.bodies.pose.size(); ++i) {
+      if (in.bodies.active(static_cast<int>(i))) spoil(in, in.bodies.pose[i], in.bodies.motion[i], runs);
+    }
+    if (m_bug == Bug::remembersRuns) in.work[Count::rowUpdates] += static_cast<std::uint64_t>(runs);
+  }
+
+ private:
+  void spoil(const StepInput<D>& in, Pose<D>& pose, Motion<D>& motion, long runs) const {
+    const Real little = Real(1e-9);
+    switch (m_bug) {
+      case Bug::none:
+        break;
+      case Bug::remembers:
+        motion.v[0] += little * static_cast<Real>(m_steps % 7);
+        break;
+      case Bug::remembersRuns:
+        motion.v[0] += little * static_cast<Real>(runs % 7);
+        break;
+      case Bug::countsBodies:
+        motion.v[0] += little * static_cast<Real>(in.bodies.size());
+        break;
+      case Bug::watches:
+        motion.v[0] += little * static_cast<Real>(in.profiler.frames().size());
+        break;
+      case Bug::farIsCoarse:
+        for (int d = 0; d < D; ++d) pose.p[d] = static_cast<float>(pose.p[d]);
+        break;
+      case Bug::heats:
+        motion.v *= Real(1.001), motion.w *= Real(1.001);
+        break;
+      case Bug::creeps:
+        pose.p[0] += Real(1e-5);
+        break;
+      case Bug::hops:
+        if (m_steps % 100 == 0) motion.v[1] += Real(0.01);
+        break;
+    }
+  }
+
+  Bug m_bug;
+  std::unique_ptr<Solver<D>> m_right;
+  long m_steps = 0;
+};
+LPC_REGISTER(Solver, PlantedSolver, 2, 3);
+
+/// split_average, spoiled.
+template <int D>
+class PlantedSleep final : public SleepPolicy<D> {
+ public:
+  enum class Bug {
+    deaf,     // hears of no event: supports go, forces act, and nobody wakes
+    nowhere,  // does not ask who carries: sleeps in the air
+    adrift,   // falls asleep before it has come to rest
+    crowd,    // nobody sleeps while anybody moves
+    wall      // a sleeper that is struck stays asleep
+  };
+  struct Params {
+    Bug bug = Bug::deaf;
+    void visit(ParamVisitor& v) {
+      v.choice("bug", bug, {"deaf", "nowhere", "adrift", "crowd", "wall"}, "what is wrong");
+    }
+  };
+  explicit PlantedSleep(const Params& params)
+      : m_bug(params.bug), m_right(createStage<SleepPolicy<D>>({"split_average", {}})) {}
+  static Info info() { return planted("sleep"); }
+
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
+    SleepInput<D> heard = in;
+    if (m_bug == Bug::deaf) heard.events = {};
+    const std::vector<std::uint8_t> before(awake.begin(), awake.end());
+    m_right->decide(heard, awake, memory);
+    bool anybody = false;
+    for (const Motion<D>& m : in.bodies.motion) anybody = anybody || m.v.norm() > Real(1.5);
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (!in.bodies.used[i] || in.bodies.type[i] != BodyType::dynamic) continue;
+      const Real speed = in.bodies.motion[i].v.norm();
+      if (m_bug == Bug::nowhere && speed < Real(1.5)) awake[i] = 0;
+      if (m_bug == Bug::adrift && speed < Real(0.1) && i % 2 == 0) awake[i] = 0;
+      if (m_bug == Bug::crowd && anybody) awake[i] = 1;
+      if (m_bug == Bug::wall && !before[i]) awake[i] = 0;
+    }
+  }
+
+ private:
+  Bug m_bug;
+  std::unique_ptr<SleepPolicy<D>> m_right;
+};
+LPC_REGISTER(SleepPolicy, PlantedSleep, 2, 3);
+
+/// Forgets the last pair that it found.
+template <int D>
+class PlantedBroadphase final : public Broadphase<D> {
+ public:
+  using Params = NoParams;
+  explicit PlantedBroadphase(const Params&) : m_right(createStage<Broadphase<D>>({"naive", {}})) {}
+  static Info info() { return planted("broadphase"); }
+
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override { m_right->update(proxies, changes); }
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+    m_right->findPairs(proxies, out, work);
+    if (!out.empty()) out.pop_back();
+  }
+
+ private:
+  std::unique_ptr<Broadphase<D>> m_right;
+};
+LPC_REGISTER(Broadphase, PlantedBroadphase, 2, 3);
+
+/// Makes every manifold twice.
+template <int D>
+class PlantedContacts final : public ContactGenerator<D> {
+ public:
+  using Params = NoParams;
+  explicit PlantedContacts(const Params&) : m_right(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
+  static Info info() { return planted("contacts"); }
+
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+    m_right->generate(in, fresh, work);
+    fresh.insert(fresh.end(), fresh.begin(), fresh.end());
+  }
+
+ private:
+  std::unique_ptr<ContactGenerator<D>> m_right;
+};
+LPC_REGISTER(ContactGenerator, PlantedContacts, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Zlib
+// Forces that no physics gives: NaN and 1e30 N from a user's generator. Every stage lives through them, the state says
+// so at once, and whoever is far away feels nothing.
+#include <gtest/gtest.h>
+
+#include "framework/invariants.h"
+#include "tests/every_solver.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr int kSick = 8, kFrom = 5;  // the slot after a heap of five, and the step from which the force acts
+
+template <int D>
+struct Blow final : ForceGenerator<D> {
+  Real force;
+  explicit Blow(Real f) : force(f) {}
+  void apply(const ForceState<D>&, Real t, std::span<Wrench<D>> out) const override {
+    if (t < (kFrom - Real(0.5)) / 60) return;
+    out[kSick].force[0] += force;
+    out[kSick].torque[0] += force;
+  }
+};
+
+template <int D>
+void survives(const std::string& pipeline, Real force, double where) {
+  World<D> well(Pipeline::parse(pipeline)), sick(Pipeline::parse(pipeline));
+  for (World<D>* w : {&well, &sick}) {
+    addHeap(*w, 5, 2);
+    w->add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.3))), at<D>(where, 0.6)));
+  }
+  sick.add(std::make_shared<const Blow<D>>(force));
+  for (int i = 0; i < 20; ++i) {
+    well.step(Real(1) / 60), sick.step(Real(1) / 60);
+    const Invariants<D> now = invariants(sick);
+    if (i < kFrom - 1) {
+      ASSERT_EQ(sick.hash(), well.hash());
+    } else if (i < kFrom) {
+      continue;  // who asks for forces at the end of this step has met it
+    } else {
+      ASSERT_TRUE(!now.finite || (std::isfinite(force) && now.maxSpeed > 1e25)) << "step " << i;
+    }
+    if (where < 100) continue;  // among the others it hits them
+    for (std::size_t b = 0; b < kSick; ++b) {
+      ASSERT_EQ(sick.bodies().pose[b].p, well.bodies().pose[b].p) << "body " << b << ", step " << i;
+    }
+  }
+  // Queries after it find the others, and end.
+  EXPECT_FALSE(sick.at(at<D>(0, -0.5)).empty());
+  sick.ray(at<D>(-50, 0.3), at<D>(1, 0), 1000, false);
+  std::ignore = sick.overlap({at<D>(-1e6, -1e6, -1e6), at<D>(1e6, 1e6, 1e6)});
+}
+
+template <int D>
+void everyStageSurvives() {
+  for (const std::string& pipeline : everyPipeline<D>()) {
+    for (const Real force :
+         {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity(), Real(1e30)}) {
+      for (double where : {300.0, 1.5}) {
+        SCOPED_TRACE(pipeline + " force " + std::to_string(force) + " at " + std::to_string(where));
+        survives<D>(pipeline, force, where);
+      }
+    }
+  }
+}
+TEST(Blowup, EveryStageSurvives2) { everyStageSurvives<2>(); }
+TEST(Blowup, EveryStageSurvives3) { everyStageSurvives<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Zlib
+// S9: what listeners hear balances, whatever happens to the bodies, and comes in the order of the manifolds.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <set>
+
+#include "tests/check_property.h"
+#include "tests/draw.h"
+#include "tests/every_solver.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+/// Keeps the pairs that have begun and not ended, and the first thing that cannot be.
+template <int D>
+class Audit final : public ContactListener<D> {
+ public:
+  using Key = decltype(Manifold<D>{}.key());
+  std::set<Key> live;
+  std::string wrong, story;
+  bool veto = false;
+
+  void newStep() { m_last.reset(), story += '/'; }
+  bool begin(const World<D>&, const Manifold<D>& m) override {
+    demand(live.insert(m.key()).second, "begins twice");
+    return heard('b', m);
+  }
+  bool persist(const World<D>&, const Manifold<D>& m) override {
+    demand(live.count(m.key()) == 1, "persists before it begins");
+    return heard('p', m);
+  }
+  void end(const World<D>&, const Manifold<D>& m) override {
+    demand(live.erase(m.key()) == 1, "ends before it begins");
+    story += 'e' + std::to_string(m.bodyA) + '-' + std::to_string(m.bodyB);
+  }
+
+ private:
+  void demand(bool holds, const char* what) {
+    if (!holds && wrong.empty()) wrong = what;
+  }
+  bool heard(char what, const Manifold<D>& m) {
+    demand(!m_last || *m_last < m.key(), "is told out of order");
+    m_last = m.key();
+    story += what + std::to_string(m.bodyA) + '-' + std::to_string(m.bodyB);
+    return !veto;
+  }
+  std::optional<Key> m_last;
+};
+
+// Draws what happens to a world, and listens.
+template <int D>
+std::string story(const std::string& pipeline, const std::vector<int>& choices, std::string& wrong) {
+  World<D> world(Pipeline::parse(pipeline));
+  Audit<D> audit;
+  world.addListener(&audit);
+  addGround(world);
+  std::vector<Handle> bodies;
+  std::size_t next = 0;
+  const auto choose = [&](int n) { return choices[next++ % choices.size()] % n; };
+  const auto place = [&] { return at<D>(choose(5) - 2, 0.5 + choose(3)); };
+  for (std::size_t command = 0; command < choices.size() / 4; ++command) {
+    const int what = choose(8);
+    if (what <= 1 || bodies.empty()) {
+      const Shape<D> shape = choose(2) ? Shape<D>::sphere(Real(0.5)) : Shape<D>::box(Vec<D>::Constant(Real(0.5)));
+      bodies.push_back(world.add(body<D>(shape, place())));
+    } else if (what == 2) {
+      const auto i = static_cast<std::size_t>(choose(static_cast<int>(bodies.size())));
+      world.remove(bodies[i]);
+      bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(i));
+    } else if (what == 3) {
+      world.setPose(bodies[static_cast<std::size_t>(choose(static_cast<int>(bodies.size())))], {place()});
+    } else if (what == 4) {
+      audit.veto = choose(2) == 1;
+    } else {
+      for (int i = choose(8); i >= 0; --i) {
+        audit.newStep();
+        world.step(Real(1) / 60);
+        std::set<typename Audit<D>::Key> touching;
+        for (const Manifold<D>& m : world.manifolds()) touching.insert(m.key());
+        if (audit.wrong.empty() && touching != audit.live) audit.wrong = "is not what the world says";
+      }
+    }
+  }
+  for (const Handle& b : bodies) world.remove(b);
+  if (audit.wrong.empty() && !audit.live.empty()) audit.wrong = "never ends";
+  wrong = audit.wrong;
+  return audit.story;
+}
+
+template <int D>
+void balances(const std::string& pipeline) {
+  RapidCheckDraw draw;
+  std::vector<int> choices;
+  for (int i = 0; i < 80; ++i) choices.push_back(draw.below(840));
+  std::string wrong, again;
+  const std::string once = story<D>(pipeline, choices, wrong);
+  RC_LOG() << pipeline << ": a pair " << wrong << '\n';
+  RC_ASSERT(wrong.empty());
+  RC_ASSERT(story<D>(pipeline, choices, again) == once);
+}
+
+template <int D>
+void everyStageBalances() {
+  std::vector<std::string> pipelines = everyOtherStage<D>();
+  pipelines.push_back("solver=soft_step");
+  for (const std::string& p : pipelines)
+    check(
+        "events balance " + p, [&] { balances<D>(p); }, 8);
+  expectFalsified(
+      "events balance, contacts twice", [] { balances<D>("contacts=planted_contacts"); }, 8);
+}
+TEST(Events, EveryStageBalances2) { everyStageBalances<2>(); }
+TEST(Events, EveryStageBalances3) { everyStageBalances<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

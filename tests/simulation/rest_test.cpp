@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Zlib
+// R14: what rests goes on resting, for every solver.
+#include <gtest/gtest.h>
+
+#include "framework/invariants.h"
+#include "tests/every_solver.h"
+#include "tests/expect_caught.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+#if defined(__SANITIZE_ADDRESS__)
+constexpr int kSeconds = 10;
+#else
+constexpr int kSeconds = 60;
+#endif
+
+// Three cubes on each other, after a second to settle: the top one stays within a millimetre, nobody has the energy of
+// a fall through a micrometre, nothing sinks in beyond the slop.
+template <int D>
+bool stays(const std::string& solver) {
+  World<D> world(Pipeline::parse("solver=" + solver));
+  addGround(world);
+  Handle top;
+  for (int i = 0; i < 3; ++i) top = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5 + i)));
+  for (int i = 0; i < 60; ++i) world.step(kDt);
+  const Pose<D> from = world.pose(top);
+  for (int i = 60; i < 60 * kSeconds; ++i) {
+    world.step(kDt);
+    const Invariants<D> now = invariants(world);
+    if (now.kinetic > 1e-5 || now.maxPenetration > double(kLinearSlop)) return false;
+    if ((world.pose(top).p - from.p).norm() > Real(1e-3)) return false;
+  }
+  return true;
+}
+
+template <int D>
+void everySolverStays() {
+  for (const std::string& solver : everySolver<D>()) {
+    // The order of 2009: contacts first, so that each step ends with a fall of g dt^2.
+    const bool sinks = solver.find("resolve_then_force_move") != solver.npos;
+    EXPECT_EQ(stays<D>(solver), !sinks && !declares<D>(solver, "Rest.Stays")) << solver << ' ' << D << 'D';
+  }
+  EXPECT_TRUE(stays<D>("planted_solver"));
+  for (const char* bug : {"planted_solver{bug=creeps}", "planted_solver{bug=hops}"}) {
+    expectCaught("Rest.Stays " + std::string(bug) + ' ' + std::to_string(D) + 'D', stays<D>(bug));
+  }
+}
+TEST(Rest, EverySolverStays2) { everySolverStays<2>(); }
+TEST(Rest, EverySolverStays3) { everySolverStays<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

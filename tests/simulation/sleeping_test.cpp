@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Zlib
+// Sleeping in whole worlds (S5), for every policy: who sleeps, who wakes, and that nothing else changes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "framework/invariants.h"
+#include "tests/every_solver.h"
+#include "tests/expect_caught.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+
+template <int D>
+BodyDef<D> cube(double x, double y) {
+  return body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(x, y));
+}
+
+template <int D>
+struct Tower {
+  World<D> world;
+  Handle ground;
+  std::vector<Handle> boxes;
+  explicit Tower(const std::string& sleep, double gap = 0) : world(Pipeline::parse("sleep=" + sleep)) {
+    ground = addGround(world);
+    for (int i = 0; i < 5; ++i) boxes.push_back(world.add(cube<D>(0, 0.5 + gap + (1 + gap) * i)));
+  }
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) world.step(kDt);
+  }
+  int sleepers() const {
+    int n = 0;
+    for (const Handle& b : boxes) n += world.valid(b) && !world.awake(b);
+    return n;
+  }
+  Real height(int i) const { return world.pose(boxes[static_cast<std::size_t>(i)]).p[1]; }
+  std::set<std::pair<int, int>> touching() const {
+    std::set<std::pair<int, int>> pairs;
+    for (const Manifold<D>& m : world.manifolds()) pairs.emplace(m.bodyA, m.bodyB);
+    return pairs;
+  }
+};
+
+// Let down from a little height, everybody ends where they do without sleeping, touches the same others, and has lost
+// hardly any energy (the policy may take that of 1.5 m/s). Sleepers do not creep.
+template <int D>
+bool restsAsWithoutIt(const std::string& policy) {
+  Tower<D> subject(policy, 0.03), awake("none", 0.03);
+  subject.run(300), awake.run(300);
+  for (int i = 0; i < 5; ++i) {
+    if (std::abs(subject.height(i) - awake.height(i)) > 4 * kLinearSlop) return false;
+  }
+  const double energy = invariants(awake.world).kinetic - invariants(subject.world).kinetic;
+  if (subject.touching() != awake.touching() || std::abs(energy) > 1e-3) return false;
+  if (subject.sleepers() < 5) return subject.sleepers() == 0;
+  const auto hash = subject.world.hash();
+  subject.run(100);
+  return subject.world.hash() == hash;
+}
+
+template <int D>
+bool towerSleeps(const std::string& policy) {
+  Tower<D> tower(policy);
+  tower.run(300);
+  tower.world.step(kDt);
+  return tower.sleepers() == 5 && tower.world.profiler().frame().work[Count::rowUpdates] == 0;
+}
+
+// The lowest box is taken away: the others fall by its height, and may sleep again.
+template <int D>
+bool nobodyHangsInTheAir(const std::string& policy) {
+  Tower<D> tower(policy);
+  tower.run(300);
+  const int before = tower.sleepers();
+  tower.world.remove(tower.boxes[0]);
+  tower.run(90);
+  for (int i = 1; i < 5; ++i) {
+    if (std::abs(tower.height(i) - (Real(i) - Real(0.5))) > Real(0.1)) return false;
+  }
+  tower.run(300);
+  return tower.sleepers() == std::min(before, 4);
+}
+
+template <int D>
+bool groundIsMovedAway(const std::string& policy) {
+  Tower<D> tower(policy);
+  tower.run(300);
+  tower.world.setPose(tower.ground, Pose<D>{Vec<D>(-100 * Vec<D>::Unit(1)), {}});
+  tower.run(90);
+  for (int i = 0; i < 5; ++i) {
+    if (tower.height(i) > Real(i - 5)) return false;
+  }
+  return true;
+}
+
+// Thrown up along a wall, and two boxes on each other in the air: the same bits as without sleeping, top of the flight
+// included.
+template <int D>
+bool throwsAreNotStopped(const std::string& policy) {
+  const auto fly = [](const std::string& sleep) {
+    World<D> world(Pipeline::parse("sleep=" + sleep));
+    world.add(body<D>(Shape<D>::box(Real(20) * Vec<D>::Ones()), at<D>(-20.5, 0), BodyType::fixed));
+    auto along = cube<D>(0, 0), lower = cube<D>(5, 0), upper = cube<D>(5, 1);
+    for (auto* b : {&along, &lower, &upper}) b->velocity = 5 * Vec<D>::Unit(1);
+    world.add(along), world.add(lower), world.add(upper);
+    for (int i = 0; i < 70; ++i) world.step(kDt);
+    return world.hash();
+  };
+  return fly(policy) == fly("none");
+}
+
+// A row of sleepers is struck: within one step of the blow all are awake.
+template <int D>
+bool blowsWakeARow(const std::string& policy) {
+  World<D> world(Pipeline::parse("sleep=" + policy));
+  addGround(world);
+  std::vector<Handle> row;
+  for (int i = 0; i < 5; ++i) row.push_back(world.add(cube<D>(i, 0.5)));
+  for (int i = 0; i < 120; ++i) world.step(kDt);
+  auto hammer = cube<D>(-3, 0.5);
+  hammer.velocity = 10 * Vec<D>::Unit(0);
+  const Handle h = world.add(hammer);
+  for (int i = 0; i < 60; ++i) {
+    world.step(kDt);
+    for (const Manifold<D>& m : world.manifolds()) {
+      const bool struck = m.bodyB == h.slot && m.bodyA == row[0].slot;
+      if (!struck || !(m.points[0].impulse[0] > 0)) continue;
+      return std::all_of(row.begin(), row.end(), [&](const Handle& b) { return world.awake(b); });
+    }
+  }
+  return false;
+}
+
+// MuJoCo's two tests: who is far away plays no part, asleep or awake.
+template <int D>
+bool farBodiesDoNotMatter(const std::string& policy) {
+  const auto heights = [&](bool visitor) {
+    Tower<D> tower(policy);
+    if (visitor) {
+      auto ball = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(50, 30));
+      ball.velocity = 3 * Vec<D>::Unit(0);
+      tower.world.add(ball);
+    }
+    tower.run(200);
+    std::vector<Real> out;
+    for (int i = 0; i < 5; ++i) out.push_back(tower.height(i));
+    out.push_back(Real(tower.sleepers()));
+    return out;
+  };
+  return heights(true) == heights(false);
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  bool (*holds)(const std::string& policy);
+  const char* bug;  // of planted_sleep
+};
+template <int D>
+std::vector<Named<D>> properties() {
+  return {{"Sleeping.RestsAsWithoutIt", restsAsWithoutIt<D>, "adrift"},
+          {"Sleeping.NobodyHangsInTheAir", nobodyHangsInTheAir<D>, "deaf"},
+          {"Sleeping.GroundIsMovedAway", groundIsMovedAway<D>, "deaf"},
+          {"Sleeping.ThrowsAreNotStopped", throwsAreNotStopped<D>, "nowhere"},
+          {"Sleeping.BlowsWakeARow", blowsWakeARow<D>, "wall"},
+          {"Sleeping.FarBodiesDoNotMatter", farBodiesDoNotMatter<D>, "crowd"}};
+}
+
+template <int D>
+void everyPolicy() {
+  for (const Named<D>& p : properties<D>()) {
+    for (const Registered* r : Registry::instance().list(StageKind::sleep, D)) {
+      if (!competes(*r)) continue;
+      EXPECT_TRUE(p.holds(r->info.name)) << p.name << ' ' << r->info.name << ' ' << D << 'D';
+    }
+    const std::string bug = "planted_sleep{bug=" + std::string(p.bug) + "}";
+    expectCaught(std::string(p.name) + ' ' + bug + ' ' + std::to_string(D) + 'D', p.holds(bug));
+  }
+}
+TEST(Sleeping, EveryPolicy2) { everyPolicy<2>(); }
+TEST(Sleeping, EveryPolicy3) { everyPolicy<3>(); }
+
+TEST(Sleeping, ATowerFallsAsleepAndCostsNothing) {
+  EXPECT_TRUE(towerSleeps<2>("split_average"));
+  EXPECT_TRUE(towerSleeps<3>("split_average"));
+  EXPECT_FALSE(towerSleeps<2>("none"));
+}
+
+// The last one of a row of sleepers moves as it does when nobody sleeps. With the report's 1.5 m/s the boxes would
+// freeze as sliders do (Sleep.SlowSliderStaysAwake).
+template <int D>
+void blowsGoThroughARow() {
+  const auto strike = [](const std::string& sleep) {
+    World<D> world(Pipeline::parse("sleep=" + sleep));
+    addGround(world);
+    Handle last;
+    for (int i = 0; i < 5; ++i) last = world.add(cube<D>(i, 0.5));
+    for (int i = 0; i < 120; ++i) world.step(kDt);
+    EXPECT_EQ(world.awake(last), sleep == "none");
+    auto hammer = cube<D>(-3, 0.5);
+    hammer.velocity = 10 * Vec<D>::Unit(0);
+    world.add(hammer);
+    for (int i = 0; i < 60; ++i) world.step(kDt);
+    return world.pose(last).p[0] - 4;
+  };
+  const Real awake = strike("none"), asleep = strike("split_average{linear=0.1}");
+  EXPECT_GT(awake, Real(0.05));
+  EXPECT_NEAR(asleep, awake, awake / 10);
+}
+TEST(Sleeping, BlowsGoThroughARow) { blowsGoThroughARow<2>(), blowsGoThroughARow<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
