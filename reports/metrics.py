@@ -172,6 +172,8 @@ METRICS = {
     "max_speed": Metric("fastest body in any step", "m/s", ""),
     "max_speed_end": Metric("fastest body in the last step", "m/s", "lower"),
     "momentum_error": Metric("change of momentum that no outer force explains", "kg m/s", "lower"),
+    "complementarity_max": Metric("worst normal impulse times closing speed, where nothing shall bounce", "J", "lower"),
+    "cone_excess_max": Metric("worst friction impulse beyond Coulomb's cone", "N s", "lower"),
     "joint_error_max": Metric("farthest that the two anchors of a joint are apart", "m", "lower"),
     "max_error": Metric("worst error of the distance or depth, over the size of the query", "1", "lower"),
     "p99_error": Metric("error that 99 of 100 queries stay below, over the size of the query", "1", "lower"),

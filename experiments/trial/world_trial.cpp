@@ -128,6 +128,7 @@ class WorldTrial {
     m_energyMax = std::max(m_energyMax, energy);
     put("kinetic", now.kinetic), put("potential", now.potential), put("max_speed", now.maxSpeed);
     put("max_penetration", now.maxPenetration), put("mean_penetration", now.meanPenetration);
+    put("complementarity", now.signorini), put("cone_excess", now.coulomb);
     put("joint_error", now.jointError), put("drift", drift), put("height", std::isinf(height) ? kNan : height);
     put("pairs", frame.pairs), put("points", frame.points), put("bodies", frame.bodies), put("awake", frame.awake);
     if (last >= 0) {
@@ -204,6 +205,7 @@ class WorldTrial {
     m["max_drift"] = largest("drift"), m["end_drift_max"] = end("drift"), m["end_drift_top"] = m_topDrift;
     m["energy_end"] = end("kinetic") + end("potential"), m["energy_max"] = m_energyMax;
     m["max_speed"] = largest("max_speed"), m["max_speed_end"] = end("max_speed");
+    m["complementarity_max"] = largest("complementarity"), m["cone_excess_max"] = largest("cone_excess");
     m["joint_error_max"] = largest("joint_error"), m["slope_distance"] = m_lastMoved;
     m["momentum_error"] = m_momentumMatters && steps > 0 ? (m_last.momentum - m_momentum).norm() : kNan;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {
