@@ -33,6 +33,7 @@ class PlantedSolver final : public Solver<D> {
     watches,        // does something else when it is watched
     farIsCoarse,    // places in float
     heats,          // each step adds a thousandth to every speed
+    shares,         // everybody feels a little of everybody's speed
     creeps,         // each step moves everybody a hundredth of a millimetre
     hops            // every hundredth step lifts everybody
   };
@@ -40,8 +41,8 @@ class PlantedSolver final : public Solver<D> {
     Bug bug = Bug::none;
     void visit(ParamVisitor& v) {
       v.choice("bug", bug,
-               {"none", "remembers", "remembers_runs", "counts_bodies", "watches", "far_is_coarse", "heats", "creeps",
-                "hops"},
+               {"none", "remembers", "remembers_runs", "counts_bodies", "watches", "far_is_coarse", "heats", "shares",
+                "creeps", "hops"},
                "what is wrong");
     }
   };
@@ -82,6 +83,9 @@ class PlantedSolver final : public Solver<D> {
         break;
       case Bug::heats:
         motion.v *= Real(1.001), motion.w *= Real(1.001);
+        break;
+      case Bug::shares:
+        for (const Motion<D>& other : in.bodies.motion) motion.v += Real(1e-12) * other.v;
         break;
       case Bug::creeps:
         pose.p[0] += Real(1e-5);

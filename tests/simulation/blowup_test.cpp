@@ -3,8 +3,11 @@
 // so at once, and whoever is far away feels nothing.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "framework/invariants.h"
 #include "tests/every_solver.h"
+#include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -24,7 +27,7 @@ struct Blow final : ForceGenerator<D> {
 };
 
 template <int D>
-void survives(const std::string& pipeline, Real force, double where) {
+bool survives(const std::string& pipeline, Real force, double where) {
   World<D> well(Pipeline::parse(pipeline)), sick(Pipeline::parse(pipeline));
   for (World<D>* w : {&well, &sick}) {
     addHeap(*w, 5, 2);
@@ -33,35 +36,28 @@ void survives(const std::string& pipeline, Real force, double where) {
   sick.add(std::make_shared<const Blow<D>>(force));
   for (int i = 0; i < 20; ++i) {
     well.step(Real(1) / 60), sick.step(Real(1) / 60);
+    if (i < kFrom - 1 && sick.hash() != well.hash()) return false;
+    if (i < kFrom) continue;  // who asks for forces at the end of a step has met it one earlier
     const Invariants<D> now = invariants(sick);
-    if (i < kFrom - 1) {
-      ASSERT_EQ(sick.hash(), well.hash());
-    } else if (i < kFrom) {
-      continue;  // who asks for forces at the end of this step has met it
-    } else {
-      ASSERT_TRUE(!now.finite || (std::isfinite(force) && now.maxSpeed > 1e25)) << "step " << i;
-    }
+    if (now.finite && !(std::isfinite(force) && now.maxSpeed > 1e25)) return false;
     if (where < 100) continue;  // among the others it hits them
     for (std::size_t b = 0; b < kSick; ++b) {
-      ASSERT_EQ(sick.bodies().pose[b].p, well.bodies().pose[b].p) << "body " << b << ", step " << i;
+      if (sick.bodies().pose[b].p != well.bodies().pose[b].p) return false;
     }
   }
   // Queries after it find the others, and end.
-  EXPECT_FALSE(sick.at(at<D>(0, -0.5)).empty());
   sick.ray(at<D>(-50, 0.3), at<D>(1, 0), 1000, false);
-  std::ignore = sick.overlap({at<D>(-1e6, -1e6, -1e6), at<D>(1e6, 1e6, 1e6)});
+  return !sick.at(at<D>(0, -0.5)).empty() && !sick.overlap({at<D>(-30, -30, -30), at<D>(30, 30, 30)}).empty();
 }
 
 template <int D>
 void everyStageSurvives() {
-  for (const std::string& pipeline : everyPipeline<D>()) {
-    for (const Real force :
-         {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity(), Real(1e30)}) {
-      for (double where : {300.0, 1.5}) {
-        SCOPED_TRACE(pipeline + " force " + std::to_string(force) + " at " + std::to_string(where));
-        survives<D>(pipeline, force, where);
-      }
+  for (const Real force : {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity(), Real(1e30)}) {
+    for (const std::string& pipeline : everyPipeline<D>()) {
+      for (double where : {300.0, 1.5}) EXPECT_TRUE(survives<D>(pipeline, force, where)) << pipeline << force << where;
     }
+    const char* bug = "solver=planted_solver{bug=shares}";
+    expectCaught("Blowup " + std::string(bug) + ' ' + std::to_string(force), survives<D>(bug, force, 300));
   }
 }
 TEST(Blowup, EveryStageSurvives2) { everyStageSurvives<2>(); }
