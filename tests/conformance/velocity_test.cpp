@@ -213,8 +213,9 @@ void carriesHeavyOnLight(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& dra
   before.add(0, Ang<D>::Zero(), {});
   const Vec<D> up = Vec<D>::Unit(1);
   for (int i = 1; i <= 2; ++i) {
-    before.add(i == 1 ? Real(1) : ratio, Ang<D>::Ones(), {i * up, {}}, {-up, Ang<D>::Zero()});
-    before.touch(i - 1, i, up, (i - Real(0.5)) * up, 0, 0, 0);
+    const auto height = static_cast<Real>(i);
+    before.add(i == 1 ? Real(1) : ratio, Ang<D>::Ones(), {height * up, {}}, {-up, Ang<D>::Zero()});
+    before.touch(i - 1, i, up, (height - Real(0.5)) * up, 0, 0, 0);
   }
   const auto after = solved(before, r);
   for (std::size_t i = 0; i < 2; ++i) {
