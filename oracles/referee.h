@@ -36,7 +36,7 @@ Interval separationAlong(const ShapeView<D>& a, const Pose<D>& X_WA, const Shape
                          const Vecd<D>& d);
 
 /// s of the error measure |phi - phi_ref| / s: largest extent of either shape + distance between them + largest
-/// coordinate (m).
+/// coordinate (m), whether of a vertex in its own frame, of a position, or of what both make in the world.
 template <int D>
 double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB, double phi);
 

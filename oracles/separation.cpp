@@ -47,7 +47,9 @@ double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>
     coreVertices(shape, core);
     Vecd<D> lo = core[0].template cast<double>(), hi = lo;
     const double radius = static_cast<double>(shape.radius);
+    coordinate = std::max(coordinate, X_WS.p.template cast<double>().cwiseAbs().maxCoeff());
     for (const Vec<D>& v : core) {
+      coordinate = std::max(coordinate, v.template cast<double>().cwiseAbs().maxCoeff());
       lo = lo.cwiseMin(v.template cast<double>());
       hi = hi.cwiseMax(v.template cast<double>());
       const Vec<D> world = X_WS * v;
