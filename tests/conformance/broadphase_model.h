@@ -25,6 +25,11 @@ namespace lpc::inline LPC_PRECISION::test {
 enum class BoxFamily { scattered, touching, identical, huge, farOut, thin, centerLine, extreme, mixed };
 inline constexpr int kBoxFamilies = 9;
 
+/// Each with the same chance: by itself RapidCheck would keep the last ones for large cases.
+inline BoxFamily anyFamily() {
+  return static_cast<BoxFamily>(*rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, kBoxFamilies)));
+}
+
 /// `bits` says what to do it with: any value is valid, so that a list of commands without some of them is valid, too.
 struct Command {
   enum Kind : std::uint8_t { add, remove, move, teleport, refilter, sleepOrWake, lose, update, spawnMany, clear };

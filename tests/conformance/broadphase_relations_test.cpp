@@ -26,7 +26,7 @@ struct Boxes {
 
 template <int D>
 Boxes<D> drawBoxes(int atMost = 60) {
-  const auto family = static_cast<BoxFamily>(*rc::gen::inRange(0, kBoxFamilies));
+  const auto family = anyFamily();
   const int count = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, atMost));
   Random random(*rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>()));
   Boxes<D> out;

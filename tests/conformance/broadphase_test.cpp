@@ -24,8 +24,8 @@ void checkAllPairs() {
     // The lengths grow with the number of the case: half of the cases are the default, so that it sees the long ones.
     check("pairs of " + algorithm->info.name + " are those of brute force, " + std::to_string(D) + "D", [&] {
       const auto commandList = *commands();
-      const auto family = static_cast<BoxFamily>(*rc::gen::inRange(0, kBoxFamilies));
-      const int variant = *rc::gen::inRange(0, 2 * static_cast<int>(specs.size()));
+      const auto family = anyFamily();
+      const int variant = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, 2 * static_cast<int>(specs.size())));
       const Spec& spec = specs[static_cast<std::size_t>(std::max(0, variant - static_cast<int>(specs.size())))];
       ++runs, total += commandList.size();
       RC_LOG() << spec.text() << ", family " << static_cast<int>(family) << '\n';
@@ -39,13 +39,49 @@ void checkAllPairs() {
 TEST(BroadphasePairs, TwoDimensions) { checkAllPairs<2>(); }
 TEST(BroadphasePairs, ThreeDimensions) { checkAllPairs<3>(); }
 
+// The generator is tested, too: every command and every family is really drawn, and boxes both meet and miss.
+TEST(BroadphaseGenerator, DrawsEverything) {
+  std::map<int, int> kinds, families;
+  std::uint64_t pairs = 0, overlapping = 0;
+  runProperty(
+      "commands",
+      [&] {
+        const auto list = *commands();
+        const auto family = anyFamily();
+        ++families[static_cast<int>(family)];
+        BoxCrowd<2> crowd(family);
+        for (const Command& c : list) ++kinds[c.kind], crowd.apply(c);
+        const Proxies<2>& proxies = crowd.proxies();
+        for (ProxyId i = 0; i < proxies.size(); ++i) {
+          for (ProxyId j = i + 1; j < proxies.size(); ++j) {
+            if (proxies.isFree(i) || proxies.isFree(j)) continue;
+            ++pairs, overlapping += proxies.boxesOverlap(i, j);
+          }
+        }
+      },
+      100);
+  EXPECT_EQ(kinds.size(), 10u);
+  for (const auto& [kind, count] : kinds) {
+    std::ostringstream name;
+    name << Command{static_cast<Command::Kind>(kind), 0};
+    std::printf("%-16s %d drawn\n", name.str().c_str(), count);
+    EXPECT_GE(count, 20) << name.str();
+  }
+  EXPECT_EQ(families.size(), std::size_t{kBoxFamilies});
+  for (const auto& [family, count] : families) EXPECT_GE(count, 100 / kBoxFamilies / 4) << "family " << family;
+  const double share = static_cast<double>(overlapping) / static_cast<double>(pairs);
+  std::printf("%.1f %% of the pairs of boxes overlap\n", 100 * share);
+  EXPECT_GE(share, 0.05);
+  EXPECT_LE(share, 0.7);
+}
+
 // --- a check that cannot fail is no check ----------------------------------------------------------------------------
 
 template <template <int> class Bug>
 void expectRefused(const std::string& name, Guarantee guarantee = Guarantee::exact) {
   expectFalsified("planted bug: " + name, [&] {
     const auto commandList = *commands();
-    const auto family = static_cast<BoxFamily>(*rc::gen::inRange(0, kBoxFamilies));
+    const auto family = anyFamily();
     if (*rc::gen::arbitrary<bool>()) {
       checkPairs<2>([] { return std::make_unique<Bug<2>>(); }, guarantee, family, commandList);
     } else {
@@ -66,7 +102,7 @@ TEST(BroadphasePlantedBugs, NoneInTheirBase) {
   check(
       "twin without a mistake",
       [] {
-        const auto family = static_cast<BoxFamily>(*rc::gen::inRange(0, kBoxFamilies));
+        const auto family = anyFamily();
         checkPairs<3>([] { return std::make_unique<PlantedBug<3>>(); }, Guarantee::exact, family, *commands());
       },
       20);
