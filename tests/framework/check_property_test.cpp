@@ -4,6 +4,8 @@
 
 #include <gtest/gtest-spi.h>
 
+#include <array>
+
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
@@ -12,7 +14,26 @@ std::string read(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(CheckProperty, SameSeedSameCases) {
+/// With the numbers and seeds of the source, whatever the environment asks of the others.
+class CheckProperty : public ::testing::Test {
+ protected:
+  static constexpr std::array<const char*, 2> kVariables = {"LPC_TEST_CASES", "LPC_TEST_SEED"};
+
+  void SetUp() override {
+    for (const char* name : kVariables) {
+      if (const char* value = std::getenv(name)) m_asked[name] = value;
+      unsetenv(name);
+    }
+  }
+  void TearDown() override {
+    for (const auto& [name, value] : m_asked) setenv(name.c_str(), value.c_str(), 1);
+  }
+
+ private:
+  std::map<std::string, std::string> m_asked;
+};
+
+TEST_F(CheckProperty, SameSeedSameCases) {
   const auto draws = [] {
     std::vector<int> seen;
     runProperty(
@@ -22,7 +43,7 @@ TEST(CheckProperty, SameSeedSameCases) {
   EXPECT_EQ(draws(), draws());
 }
 
-TEST(CheckProperty, FailsWithTheCounterexample) {
+TEST_F(CheckProperty, FailsWithTheCounterexample) {
   EXPECT_NONFATAL_FAILURE(check("all numbers are below 50", [](int n) { RC_ASSERT(n < 50); }), "(50)");
   std::filesystem::remove_all(
       KeptFailures(LPC_BINARY_DIR "/failures").file(currentTest() + ": all numbers are below 50"));
@@ -30,7 +51,7 @@ TEST(CheckProperty, FailsWithTheCounterexample) {
 }
 
 // An input that failed is run first next time, as it was shrunk, and leaves when it passes.
-TEST(CheckProperty, RunsKeptFailuresFirst) {
+TEST_F(CheckProperty, RunsKeptFailuresFirst) {
   const std::filesystem::path folder = ::testing::TempDir() + fileNameOf(currentTest());
   std::filesystem::remove_all(folder);
   const KeptFailures kept(folder);
@@ -68,7 +89,7 @@ TEST(CheckProperty, RunsKeptFailuresFirst) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(CheckProperty, ListsPlantedBugs) {
+TEST_F(CheckProperty, ListsPlantedBugs) {
   expectFalsified("all numbers are below 50", [](int n) { RC_ASSERT(n < 50); });
   int calls = 0;
   const auto thirdFails = [&] {
