@@ -2,6 +2,7 @@
 #include "framework/spec.h"
 
 #include <cctype>
+#include <utility>
 
 namespace lpc {
 namespace {
@@ -19,7 +20,7 @@ class Parser {
       const std::string key = word("a parameter name");
       if (s.find(key)) fail("parameter '" + key + "' is given twice");
       if (!take('=')) fail("'=' is missing after '" + key + "'");
-      s.fields.emplace_back(key, spec());
+      s.fields.push_back({key, spec()});
     } while (take(','));
     if (!take('}')) fail("',' or '}' is missing");
     return s;
@@ -86,6 +87,8 @@ std::string Spec::text() const {
   return out + '}';
 }
 
+bool Spec::operator==(const Spec& other) const { return name == other.name && fields == other.fields; }
+
 const Spec* Spec::find(std::string_view key) const {
   for (const auto& [k, value] : fields) {
     if (k == key) return &value;
@@ -100,7 +103,7 @@ void Spec::set(std::string_view key, Spec value) {
       return;
     }
   }
-  fields.emplace_back(std::string(key), std::move(value));
+  fields.push_back({std::string(key), std::move(value)});
 }
 
 Pipeline Pipeline::parse(std::string_view text) {

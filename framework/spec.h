@@ -6,7 +6,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "framework/check.h"
@@ -15,8 +14,9 @@ namespace lpc {
 
 /// `name` or `name{key=spec,...}`. A plain value is a Spec without fields.
 struct Spec {
+  struct Field;
   std::string name;
-  std::vector<std::pair<std::string, Spec>> fields;  // in the order of the text
+  std::vector<Field> fields;  // in the order of the text
 
   /// Throws UserError that quotes the text and marks the place.
   static Spec parse(std::string_view text);
@@ -25,7 +25,12 @@ struct Spec {
   const Spec* find(std::string_view key) const;
   /// Sets the field, or adds it.
   void set(std::string_view key, Spec value);
-  bool operator==(const Spec&) const = default;
+  bool operator==(const Spec& other) const;
+};
+struct Spec::Field {
+  std::string key;
+  Spec value;
+  bool operator==(const Field&) const = default;
 };
 
 /// One spec per stage of a world. A stage that the text leaves out has its default.
