@@ -5,7 +5,7 @@
 
 #include "framework/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::broadphase {
 
 template <int D>
 struct GatheredBox {
@@ -48,4 +48,4 @@ inline void emitIfPair(const GatheredBox<D>& a, const GatheredBox<D>& b, std::ve
   out.push_back(i < j ? ProxyPair{i, j} : ProxyPair{j, i});
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::broadphase

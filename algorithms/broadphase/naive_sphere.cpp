@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace broadphase;
+
 // Every pair of circles (spheres) around the boxes: one comparison instead of D axes, and nothing to update when a body
 // turns. The 2009 team wanted it beside the boxes. It reports pairs whose boxes are apart, the only method that may.
 template <int D>

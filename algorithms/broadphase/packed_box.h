@@ -7,7 +7,7 @@
 
 #include "algorithms/broadphase/window.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::broadphase {
 
 struct PackedBox {
   std::uint64_t lo, hi;
@@ -81,4 +81,4 @@ inline std::int32_t* listOverlaps(const PackedBox* boxes, const PackedBox& a, st
   return hits;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::broadphase

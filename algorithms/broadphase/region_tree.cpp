@@ -8,6 +8,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace broadphase;
+
 // Quadtree in 2D, octree in 3D, rebuilt each step: the 2009 engine's, in three ways to treat boxes that cross the
 // borders between regions.
 //   tight  the smallest region that contains the box (2009);

@@ -8,6 +8,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace broadphase;
+
 // Sorts the boxes by their lower bounds on one axis and tests each against those that begin before it ends (Baraff
 // 1992). Everything before the exact test works on integers of one monotone map (window.h): keys of 22 bits, two radix
 // passes, and 16-bit bounds on the other axes, of which the compiler tests eight or more at once.

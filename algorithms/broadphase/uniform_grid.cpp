@@ -7,6 +7,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace broadphase;
+
 // A grid rebuilt each step by one counting sort into a flat array. A box stands once, in the cell of its lower corner,
 // and spans at most two cells per axis; so overlapping boxes stand in neighbouring cells, and half of the neighbours of
 // each cell give every pair once. Larger boxes stand apart and look through the cells that they cover.

@@ -9,7 +9,7 @@
 
 #include "framework/stage_broadphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::broadphase {
 
 /// Where the boxes are. Everything outside is clamped to the border, so that one body lost at 1e7 m does not cost the
 /// others their resolution.
@@ -82,4 +82,4 @@ struct Scale {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::broadphase

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/core2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 struct Patch2 {
   Vec<2> normal = Vec<2>::Zero();  // n_12, unit, in frame 1
@@ -85,4 +85,4 @@ inline void closestOfEdges(const Edge2& e1, const Edge2& e2, const Vec<2>& axis,
   out.add(point, pair.limit);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

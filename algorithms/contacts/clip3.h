@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/core3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// A corner of the clipped face. The edges that meet in it are edge k of the incident face, or ~j for edge j of the
 /// reference face.
@@ -234,4 +234,4 @@ inline void reduceToFour(const Vec<3>& n, Real tolerance, std::vector<PatchPoint
   points.resize(count, points[0]);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -5,7 +5,7 @@
 
 #include "algorithms/contacts/clip3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// Below this part of the product of squared lengths the determinant of two directions is rounding.
 inline constexpr Real kParallelDeterminant = 16 * std::numeric_limits<Real>::epsilon();
@@ -143,4 +143,4 @@ inline void touchEdges(const Core3& c1, const Core3& c2, const ClosestEdges3& e,
   if (separation <= pair.limit) out.points.push_back({p1, p2, separation, closestFeature(c1, c2, e)});
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

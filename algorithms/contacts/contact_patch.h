@@ -11,7 +11,7 @@
 
 #include "framework/stage_narrowphase.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// Witnesses on the two cores, in the frame of shape 1, and (p2 - p1) . n.
 template <int D>
@@ -128,4 +128,4 @@ void addPatch(const ContactInput<D>& in, const ShapePair& pair, const PlacedPair
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/point_box.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// A convex polygon in frame 1, counter-clockwise. A capsule's core is a box of no height: its two end "edges" have no
 /// length, but their normals are needed to see that cores on one line are apart.
@@ -63,4 +63,4 @@ inline int edgeAlong(const Core2& c, const Vec<2>& d) {
   return best;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/point_box.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// A core in frame 1: a polytope, or a segment (two vertices, one edge without faces), or a point.
 struct Core3 {
@@ -128,4 +128,4 @@ inline int vertexAlong(const Core3& c, const Vec<3>& d) {
   return best;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -5,6 +5,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace contacts;
+
 // The baseline that shows why manifolds have several points.
 template <int D>
 class DeepestPoint final : public ContactGenerator<D> {

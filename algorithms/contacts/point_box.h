@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/contact_patch.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// Half extents of a core that is a box, flat ones included: a point, a segment along x, a box. Not for polytopes.
 template <int D>
@@ -41,4 +41,4 @@ int collidePointBox(const PlacedPair<D>& pair, Vec<D>& n, PatchPoint<D>& out) {
   return 1;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -5,7 +5,7 @@
 
 #include "algorithms/contacts/contact_patch.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// Asks a nested pair query about many pairs: sorted by kinds, in blocks of PairBatch::kCapacity, answers in the order
 /// of the batches.
@@ -74,4 +74,4 @@ PatchPoint<D> witnessPoint(const PlacedPair<D>& placed, const PairAnswer<D>& ans
   return {p1, p2, (p2 - p1).dot(answer.normal), featureNumber(kNoFeature, kNoFeature)};
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

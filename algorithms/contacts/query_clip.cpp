@@ -7,6 +7,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace contacts;
+
 template <int D>
 struct ScratchOf;
 template <>

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/clip2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 struct QueryClipScratch2 {
   Storage2 first, second;
@@ -28,4 +28,4 @@ inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2
   return {out.points.data(), static_cast<std::size_t>(out.count)};
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/clip_facing3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 struct QueryClipScratch3 {
   Storage3 first, second;
@@ -28,4 +28,4 @@ inline std::span<PatchPoint<3>> clipAlong(const PlacedPair<3>& pair, const Vec<3
   return out.points;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/core2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// The best edge normal of one polygon, and how far the other one lies beyond it (m).
 struct Axis2 {
@@ -38,4 +38,4 @@ inline void bestEdgesOfBoxes(const Vec<2>& half1, const Vec<2>& half2, const Pos
   axis2 = y2 >= x2 ? Axis2{p2[1] > 0 ? 0 : 2, y2} : Axis2{p2[0] > 0 ? 3 : 1, x2};
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

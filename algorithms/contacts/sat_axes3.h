@@ -3,7 +3,7 @@
 
 #include "algorithms/contacts/core3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 /// Edges more parallel than this (sine) span no axis: their cross product is mostly rounding. Their true axis is then
 /// within this angle of one that the faces, or edges at their ends, already give. Smaller: noise. Larger: wrong depth,
@@ -132,4 +132,4 @@ inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, c
   return true;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -4,7 +4,7 @@
 #include "algorithms/contacts/clip2.h"
 #include "algorithms/contacts/sat_axes2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 struct Scratch2 {
   Storage2 first, second;
@@ -72,4 +72,4 @@ inline std::span<PatchPoint<2>> patchPoints(Scratch2& s, Real) {
 }
 inline const Vec<2>& patchNormal(const Scratch2& s) { return s.patch.normal; }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -4,7 +4,7 @@
 #include "algorithms/contacts/clip_facing3.h"
 #include "algorithms/contacts/sat_axes3.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::contacts {
 
 struct Scratch3 {
   Storage3 first, second;
@@ -147,4 +147,4 @@ inline std::span<PatchPoint<3>> patchPoints(Scratch3& s, Real tolerance) {
 }
 inline const Vec<3>& patchNormal(const Scratch3& s) { return s.patch.normal; }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::contacts

@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // Position by the old velocity, velocity by the old force. Free fall comes out g T dt / 2 too high, oscillators gain
 // energy without end.
 template <int D>

@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // The classical method of order four, rotation included. A rotation cannot be averaged like a position, so the stages
 // live in the rotation vector theta of q = exp(theta) q0 (Munthe-Kaas 1999), and its rate is
 //

@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // Position by the new velocity. Symplectic: energy errors stay bounded up to w dt = 2. Free fall comes out g T dt / 2
 // too low.
 template <int D>

@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace pair_query;
+
 // Points, segments and boxes among each other, box against box left out: the nearest points in closed form, the deepest
 // axis from the few there are. Near contact the difference of the nearest points is all rounding, and so is its
 // direction; then, and only then, the axes are tried too, and the best proved bound wins (core_pair.h).

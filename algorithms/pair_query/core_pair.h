@@ -15,7 +15,7 @@
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
 
@@ -94,4 +94,4 @@ struct BestAxis {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/gjk_simplex2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 struct EpaLimits {
   int faces;       // give up beyond
@@ -106,4 +106,4 @@ class Epa<2> {
   std::vector<Edge> m_edges;  // counter-clockwise
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/epa2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 template <>
 class Epa<3> {
@@ -207,4 +207,4 @@ class Epa<3> {
   std::vector<HorizonEdge> m_horizon;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

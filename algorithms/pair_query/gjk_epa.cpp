@@ -8,6 +8,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace pair_query;
+
 // Distance of the cores by GJK (Gilbert, Johnson, Keerthi 1988), depth by EPA (van den Bergen 2001), radii by
 // subtraction. Both only propose directions: what is reported is the bound that the best of them proves (core_pair.h),
 // and the gap to the length of GJK's vector is what decides whether that is the end. Where GJK cannot close the gap

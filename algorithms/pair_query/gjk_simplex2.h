@@ -6,7 +6,7 @@
 
 #include "algorithms/pair_query/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// Up to D + 1 points of the Minkowski difference.
 template <int D>
@@ -82,4 +82,4 @@ inline bool featureDirection(const NearestFeature<2>& nearest, Vec<2>& n) {
   return makeUnit<2>(n);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

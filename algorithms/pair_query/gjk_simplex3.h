@@ -4,7 +4,7 @@
 
 #include "algorithms/pair_query/gjk_simplex2.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// Offers the nearest point of the triangle a b c. Sides are told by planes through the edges along the normal, which
 /// keeps its meaning on slivers where barycentric coordinates from dot products do not; where it does not either, the
@@ -60,4 +60,4 @@ inline bool featureDirection(const NearestFeature<3>& nearest, Vec<3>& n) {
   return makeUnit<3>(n);
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

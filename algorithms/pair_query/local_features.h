@@ -5,7 +5,7 @@
 
 #include "algorithms/pair_query/touching.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 template <int D>
 class LocalFeatures {
@@ -101,4 +101,4 @@ class LocalFeatures {
   std::vector<Vec<D>> m_a, m_b;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -7,6 +7,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace pair_query;
+
 // Separating axes, all of them: face normals, and in 3D the common normals of two edges, which the 2009 engine got
 // wrong. For cores that are apart the directions between the nearest vertices and edges are tested too, so that the
 // answer is the signed distance in both regimes and not the lower bound that axes alone give.

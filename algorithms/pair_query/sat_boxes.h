@@ -4,7 +4,7 @@
 
 #include "algorithms/pair_query/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// All of the pair's candidate directions and the best bound: the signed distance of the cores.
 template <int D>
@@ -101,4 +101,4 @@ class SatBoxes {
   const Vec<D>&m_hA, &m_hB;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

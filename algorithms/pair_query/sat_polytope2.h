@@ -6,7 +6,7 @@
 
 #include "algorithms/pair_query/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 template <int D>
 class SatPolytope;
@@ -84,4 +84,4 @@ class SatPolytope<2> {
   Core m_a, m_b;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -7,7 +7,7 @@
 
 #include "algorithms/pair_query/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 template <int D>
 class SatPolytope;
@@ -217,4 +217,4 @@ class SatPolytope<3> {
   std::vector<const Edge*> m_edgesA, m_edgesB;
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

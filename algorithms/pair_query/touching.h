@@ -8,7 +8,7 @@
 
 #include "algorithms/pair_query/core_pair.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame).
 template <int D>
@@ -244,4 +244,4 @@ PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus
   return answer;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // The 2009 engine's first method: bodies are moved apart along the normal, each by the share of its inverse mass, and
 // never turned. A tilted box that touches with one corner is lifted as a whole.
 template <int D>

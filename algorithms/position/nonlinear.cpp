@@ -7,6 +7,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // The deepest contact first: its depth is shared between moving and turning both bodies, by how easily each of the four
 // gives way, and then measured again where bodies have moved.
 template <int D>

@@ -7,6 +7,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // Errors are removed by a velocity of their own, which moves the bodies once and is then forgotten: no energy stays.
 // The rows are solved in displacements (pseudo velocity x dt), so that "impulses" here are in kg m.
 template <int D>

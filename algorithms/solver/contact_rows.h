@@ -12,7 +12,7 @@
 
 #include "framework/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::solver {
 
 /// One direction d of impulse between two bodies.
 template <int D>
@@ -219,4 +219,4 @@ void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>&
   }
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::solver

@@ -7,7 +7,7 @@
 
 #include "framework/stage_solver.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::solver {
 
 /// (relative velocity at two arms) = K (impulse). Symmetric, positive definite unless both bodies are infinitely heavy.
 template <int D>
@@ -82,4 +82,4 @@ struct PivotRows {
   }
 };
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::solver

@@ -9,6 +9,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 /// A contact or joint as a damped spring, solved implicitly: stable at any stiffness, in units that do not depend on
 /// mass.
 struct Softness {

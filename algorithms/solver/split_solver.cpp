@@ -10,6 +10,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 enum class Order { stored, reverse, random, bottomUp };
 enum class Loop { solveMove, resolveThenForceMove };
 

@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 enum class Sweep { forward, symmetric };
 
 // Sequential impulses: projected Gauss-Seidel on velocities. The accumulated impulse is clamped, never the increment,

@@ -7,6 +7,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // Always the contact whose velocity is most wrong, then look again. One contact is solved with friction as a block, and
 // for good: its impulse is not accumulated and cannot be taken back.
 template <int D>

@@ -6,6 +6,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using namespace solver;
+
 // The 2009 engine's first resolver: contacts in stored order, each made right on its own. Nothing is accumulated, so an
 // impulse that turns out too large is never taken back, and no step learns from the last.
 template <int D>

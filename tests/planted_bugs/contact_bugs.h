@@ -7,6 +7,8 @@
 
 namespace lpc::inline LPC_PRECISION::test {
 
+using namespace contacts;
+
 /// sat_clip, and then `spoil` on each manifold.
 template <int D>
 class SpoiledContacts : public ContactGenerator<D> {
