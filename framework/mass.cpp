@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Closed forms in double. Capsules by the parts they are made of, polytopes by simplices from their own middle.
-#include "framework/mass.h"
-
 #include <numbers>
+
+#include "framework/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -128,16 +128,20 @@ MassProperties<D> ofPolytope(const Polytope<D>& hull, double density) {
 
 template <int D>
 MassProperties<D> massProperties(const ShapeView<D>& shape, Real density) {
-  switch (shape.kind) {
-    case ShapeKind::sphere:
-    case ShapeKind::capsule:
+  switch (shape.core()) {
+    case CoreClass::point:
       return ofCapsule(shape.half, shape.radius, density);
-    case ShapeKind::box:
-      return ofBox(shape.half, density);
-    case ShapeKind::polytope:
-      return ofPolytope<D>(*shape.hull, density);
-    case ShapeKind::segment:
+    case CoreClass::segment:
+      if (shape.radius > 0) return ofCapsule(shape.half, shape.radius, density);
       break;
+    case CoreClass::box:
+      return ofBox(shape.half, density);
+    case CoreClass::hull:
+      return ofPolytope<D>(*shape.hull, density);
+    case CoreClass::curved:
+      return shape.curved->massProperties(density);
+    case CoreClass::plane:  // never moves: no mass is asked for, and none would be right
+      return {};
   }
   MassProperties<D> m;  // a thin rod across every axis but its own: in 2D the only axis is across
   m.mass = density * 2 * shape.half[0];

@@ -14,7 +14,7 @@ struct MassProperties {
 
 /// Mass properties of a solid of uniform density (kg/m^D) in its own frame. A segment has no area: its density is kg/m.
 /// Computed about a point of the shape itself, so a small shape far from its frame's origin keeps its digits.
-/// The rounding of a box or polytope adds no mass.
+/// The rounding of a box, a polytope or a curved core adds no mass. A plane has none.
 template <int D>
 MassProperties<D> massProperties(const ShapeView<D>& shape, Real density);
 

@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 
 #include "framework/check.h"
+#include "framework/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr std::array<std::string_view, kShapeKinds> kKindNames = {"sphere", "capsule", "segment", "box", "polytope"};
+constexpr std::array<std::string_view, kShapeKinds> kKindNames = {"sphere",   "capsule",  "segment",   "box",
+                                                                  "polytope", "cylinder", "ellipsoid", "plane"};
 
 // One line of what was found and what would do; the comparison is written so that NaN is refused, too.
 void requireSize(const char* shape, const char* what, Real value, bool zeroAllowed) {
@@ -84,24 +87,97 @@ Shape<D> Shape<D>::polytope(std::shared_ptr<const Polytope<D>> hull, Real roundi
 }
 
 template <int D>
+std::map<ShapeKind, CurvedKind<D>>& curvedKinds() {
+  static std::map<ShapeKind, CurvedKind<D>> kinds;
+  return kinds;
+}
+
+template <int D>
+const CurvedKind<D>& curvedKind(ShapeKind kind) {
+  const auto found = curvedKinds<D>().find(kind);
+  if (found != curvedKinds<D>().end()) return found->second;
+  std::string valid;
+  for (const auto& [known, unused] : curvedKinds<D>()) {
+    valid += (valid.empty() ? "" : ", ") + std::string(shapeKindName(known));
+  }
+  throw UserError(std::string(shapeKindName(kind)) + ": is no curved kind in " + std::to_string(D) +
+                  "D; valid: " + valid);
+}
+
+template <int D>
+Shape<D> Shape<D>::curved(ShapeKind kind, std::span<const Real> sizes, Real rounding) {
+  const CurvedKind<D>& made = curvedKind<D>(kind);
+  const std::string name(shapeKindName(kind));
+  if (sizes.size() != made.sizes.size()) {
+    throw UserError(name + ": " + std::to_string(sizes.size()) +
+                    " sizes are given; valid: " + std::to_string(made.sizes.size()));
+  }
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    requireSize(name.c_str(), std::string(made.sizes[i]).c_str(), sizes[i], false);
+  }
+  requireSize(name.c_str(), "rounding", rounding, true);
+  Shape s;
+  s.m_curved = made.create(sizes);
+  s.m_view.kind = kind, s.m_view.radius = rounding, s.m_view.half = s.m_curved->half();
+  s.m_view.curved = s.m_curved.get();
+  return s;
+}
+
+template <int D>
+Shape<D> Shape<D>::plane() {
+  Shape s;
+  s.m_view.kind = ShapeKind::plane;
+  return s;
+}
+
+template <int D>
 Aabb<D> boundingBox(const ShapeView<D>& shape, const Pose<D>& X_WS) {
   Aabb<D> box{X_WS.p, X_WS.p};
-  if (shape.kind == ShapeKind::polytope) {
-    box = Aabb<D>{};
-    for (const Vec<D>& v : shape.hull->vertices) {
-      const Vec<D> p = X_WS * v;
-      box.lo = box.lo.cwiseMin(p), box.hi = box.hi.cwiseMax(p);
+  const auto extend = [&](const Vec<D>& extent) { box.lo -= extent, box.hi += extent; };
+  switch (shape.core()) {
+    case CoreClass::point:
+      break;
+    case CoreClass::segment:
+    case CoreClass::box:
+      extend(X_WS.q.matrix().cwiseAbs() * shape.half);  // a segment's half is (h, 0, 0)
+      break;
+    case CoreClass::hull:
+      box = Aabb<D>{};
+      for (const Vec<D>& v : shape.hull->vertices) {
+        const Vec<D> p = X_WS * v;
+        box.lo = box.lo.cwiseMin(p), box.hi = box.hi.cwiseMax(p);
+      }
+      break;
+    case CoreClass::curved: {
+      const Mat<D> r = X_WS.q.matrix();
+      Vec<D> extent;
+      for (int k = 0; k < D; ++k) {
+        const Vec<D> axis = r.row(k).transpose();
+        extent[k] = shape.curved->support(axis).dot(axis);
+      }
+      extend(extent);
+      break;
     }
-  } else if (shape.kind != ShapeKind::sphere) {
-    const Vec<D> extent = X_WS.q.matrix().cwiseAbs() * shape.half;  // capsule and segment: half = (h, 0, 0)
-    box.lo -= extent, box.hi += extent;
+    case CoreClass::plane:
+      extend(Vec<D>::Constant(std::numeric_limits<Real>::infinity()));
+      break;
   }
   return box.grown(shape.radius);
 }
 
 template <int D>
 Real boundingRadius(const ShapeView<D>& shape) {
-  if (shape.kind != ShapeKind::polytope) return shape.half.norm() + shape.radius;
+  switch (shape.core()) {
+    case CoreClass::point:
+    case CoreClass::segment:
+    case CoreClass::box:
+    case CoreClass::curved:  // the corner of its box: not the smallest, but one that holds for every curved core
+      return shape.half.norm() + shape.radius;
+    case CoreClass::plane:
+      return std::numeric_limits<Real>::infinity();
+    case CoreClass::hull:
+      break;
+  }
   Real r = 0;
   for (const Vec<D>& v : shape.hull->vertices) r = std::max(r, v.norm());
   return r + shape.radius;
@@ -109,6 +185,10 @@ Real boundingRadius(const ShapeView<D>& shape) {
 
 template class Shape<2>;
 template class Shape<3>;
+template std::map<ShapeKind, CurvedKind<2>>& curvedKinds();
+template std::map<ShapeKind, CurvedKind<3>>& curvedKinds();
+template const CurvedKind<2>& curvedKind(ShapeKind);
+template const CurvedKind<3>& curvedKind(ShapeKind);
 template Aabb<2> boundingBox(const ShapeView<2>&, const Pose<2>&);
 template Aabb<3> boundingBox(const ShapeView<3>&, const Pose<3>&);
 template Real boundingRadius(const ShapeView<2>&);

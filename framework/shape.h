@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Shapes are "vertices plus a radius" (the 2009 report, 6.2): a convex core and a rounding. The set is closed: shapes
-// are the vocabulary of scenes, algorithms are the variable.
+// are the vocabulary of scenes, algorithms are the variable. What a core is made of is its class: code switches over
+// classes, without a default, so that a new class is a compile error where it matters; a new kind of a class that is
+// there is one more file (framework/curved_core.h).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -12,9 +15,31 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// In this order batches are sorted: a pair of kinds always comes with kindA <= kindB.
-enum class ShapeKind : unsigned char { sphere, capsule, segment, box, polytope };
-inline constexpr int kShapeKinds = 5;
+/// In this order batches are sorted: a pair of kinds always comes with kindA <= kindB. New kinds are appended: the
+/// numbers stand in saved worlds.
+enum class ShapeKind : unsigned char { sphere, capsule, segment, box, polytope, cylinder, ellipsoid, plane };
+inline constexpr int kShapeKinds = 8;
+
+/// What the core of a shape is made of, its rounding left out.
+enum class CoreClass : unsigned char {
+  point,
+  segment,  // along x, half[0] long on both sides
+  box,
+  hull,
+  curved,  // known by its support function and its support faces alone
+  plane    // a half-space, y <= 0 in its own frame: unbounded, for bodies that never move
+};
+constexpr CoreClass coreClass(ShapeKind kind) {
+  constexpr std::array<CoreClass, kShapeKinds> kClass = {CoreClass::point,  CoreClass::segment, CoreClass::segment,
+                                                         CoreClass::box,    CoreClass::hull,    CoreClass::curved,
+                                                         CoreClass::curved, CoreClass::plane};
+  return kClass[static_cast<std::size_t>(kind)];
+}
+/// Is there such a kind in this dimension? A segment is a curve without area, a cylinder has no planar twin but the
+/// box.
+constexpr bool kindExists(ShapeKind kind, int dimension) {
+  return kind == ShapeKind::segment ? dimension == 2 : kind == ShapeKind::cylinder ? dimension == 3 : true;
+}
 std::string_view shapeKindName(ShapeKind kind);
 /// Throws UserError with the valid names.
 ShapeKind shapeKindFromName(std::string_view name);
@@ -52,14 +77,20 @@ struct Polytope<3> {
 std::shared_ptr<const Polytope<2>> convexHull(std::span<const Vec<2>> points);
 std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points);
 
+template <int D>
+class CurvedCore;
+
 /// A shape as algorithms see it: plain data, no ownership. Its own frame has its centre at the origin, except a
 /// polytope's, whose points are used as given.
 template <int D>
 struct ShapeView {
   ShapeKind kind = ShapeKind::sphere;
-  Real radius = 0;                    // rounding around the core (m): a sphere is a rounded point
-  Vec<D> half = Vec<D>::Zero();       // box: half extents; capsule and segment: half[0] = half length along x (m)
-  const Polytope<D>* hull = nullptr;  // polytope only
+  Real radius = 0;                        // rounding around the core (m): a sphere is a rounded point
+  Vec<D> half = Vec<D>::Zero();           // box and curved: half extents of the core; segment: half[0], along x (m)
+  const Polytope<D>* hull = nullptr;      // hull only
+  const CurvedCore<D>* curved = nullptr;  // curved only
+
+  CoreClass core() const { return coreClass(kind); }
 };
 
 /// A shape as users hold it. The factories throw UserError for sizes that are negative, not finite, or without volume.
@@ -72,6 +103,9 @@ class Shape {
   static Shape segment(Real halfLength);                           // along x, 2D only
   static Shape polytope(std::span<const Vec<D>> points, Real rounding = 0);
   static Shape polytope(std::shared_ptr<const Polytope<D>> hull, Real rounding = 0);
+  /// Of a curved kind, by its sizes in the order of `curvedKind(kind).sizes`; the rounding is added outside.
+  static Shape curved(ShapeKind kind, std::span<const Real> sizes, Real rounding = 0);
+  static Shape plane();  // the half-space y <= 0
 
   ShapeKind kind() const { return m_view.kind; }
   const ShapeView<D>& view() const { return m_view; }
@@ -79,13 +113,15 @@ class Shape {
  private:
   ShapeView<D> m_view;
   std::shared_ptr<const Polytope<D>> m_hull;
+  std::shared_ptr<const CurvedCore<D>> m_curved;
 };
 
-/// The tight box of the shape posed by X_WS.
+/// The tight box of the shape posed by X_WS; of a plane all space.
 template <int D>
 Aabb<D> boundingBox(const ShapeView<D>& shape, const Pose<D>& X_WS);
 
-/// Radius of the smallest sphere around the shape's own origin that contains it (m).
+/// Radius of a sphere around the shape's own origin that contains it, of a curved core the one around its box (m); of a
+/// plane infinite.
 template <int D>
 Real boundingRadius(const ShapeView<D>& shape);
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// Points, boxes and rays against one shape. Exact but for rounding and closed: no iteration, no tolerance. A rounded
-// shape is the set of points within `radius` of its core, so every question becomes one about the core's features.
+// Points, boxes and rays against one shape. Exact but for rounding and closed: no tolerance, and an iteration only for
+// curved cores. A rounded shape is the set of points within `radius` of its core, so every question becomes one about
+// the core's features.
 #include <algorithm>
 #include <limits>
 
 #include "framework/stage_broadphase.h"
+#include "framework/support_gap.h"
 #include "framework/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -43,11 +45,21 @@ Vec<D> corner(const Vec<D>& half, int bits) {
   return v;
 }
 
-// f(a, b) for every edge of the core; a sphere's is a point.
+// f(a, b) for every edge of the core; a point's is the point. Curved cores and planes have none.
 template <int D, class F>
 void forEachEdge(const ShapeView<D>& shape, F&& f) {
-  if (shape.kind == ShapeKind::polytope) return forEachEdge(*shape.hull, f);
-  if (shape.kind != ShapeKind::box) return f(Vec<D>(-shape.half), shape.half);
+  switch (shape.core()) {
+    case CoreClass::point:
+    case CoreClass::segment:
+      return f(Vec<D>(-shape.half), shape.half);
+    case CoreClass::hull:
+      return forEachEdge(*shape.hull, f);
+    case CoreClass::curved:
+    case CoreClass::plane:
+      return;
+    case CoreClass::box:
+      break;
+  }
   for (int k = 0; k < D; ++k) {
     for (int bits = 0; bits < 1 << D; ++bits) {
       if (!((bits >> k) & 1)) f(corner<D>(shape.half, bits), corner<D>(shape.half, bits | 1 << k));
@@ -98,10 +110,31 @@ Real pointSegmentSquared(const Vec<D>& p, const Vec<D>& a, const Vec<D>& b) {
   return (p - (a + t * u)).squaredNorm();
 }
 
+// How far p, in the shape's frame, is from a curved core, and the direction from p to it.
+template <int D>
+Gap<D> pointCurvedGap(const CurvedCore<D>& core, const Vec<D>& p) {
+  return gapToOrigin<D>([&](const Vec<D>& d) { return Vec<D>(core.support(d) - p); }, -p);
+}
+
 // Squared distance of p, in the shape's frame, to the core.
 template <int D>
 Real pointCoreSquared(const ShapeView<D>& shape, const Vec<D>& p) {
-  if (shape.kind != ShapeKind::polytope) return (p.cwiseAbs() - shape.half).cwiseMax(Real(0)).squaredNorm();
+  switch (shape.core()) {
+    case CoreClass::point:
+    case CoreClass::segment:
+    case CoreClass::box:
+      return (p.cwiseAbs() - shape.half).cwiseMax(Real(0)).squaredNorm();
+    case CoreClass::curved: {
+      const Real gap = std::max(Real(0), pointCurvedGap<D>(*shape.curved, p).gap);
+      return gap * gap;
+    }
+    case CoreClass::plane: {
+      const Real height = std::max(Real(0), Real(p[1]));
+      return height * height;
+    }
+    case CoreClass::hull:
+      break;
+  }
   bool inside = true;
   forEachPlane(*shape.hull, [&](const Vec<D>& n, Real offset) { inside = inside && n.dot(p) <= offset; });
   if (inside) return 0;
@@ -206,8 +239,26 @@ Real planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d) {
   return enter <= leave ? enter : kInf;
 }
 
-// f(axis): every direction in which a core and an axis-aligned box can be separated. The cross products with the box's
-// axes only swap components, so that a small one is as exact as a large one: nothing has to be skipped.
+// Entry of a ray that starts outside a curved core with rounding r. The nearest point's tangent plane lies before the
+// surface everywhere, so the ray may go on to where it meets that plane; near the surface this is Newton's iteration.
+template <int D>
+Real curvedRay(const CurvedCore<D>& core, Real r, const Vec<D>& p, const Vec<D>& d) {
+  constexpr int kMostSteps = 256;
+  Real t = 0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Vec<D> at = p + t * d;
+    const Gap<D> gap = pointCurvedGap<D>(core, at);
+    const Real ahead = gap.gap - r;
+    if (ahead <= 4 * std::numeric_limits<Real>::epsilon() * (at.norm() + core.half().norm() + r)) return t;
+    const Real speed = gap.n.dot(d);
+    if (!(speed > 0)) return kInf;
+    t += ahead / speed;
+  }
+  return kInf;  // along the surface, nearer and nearer: it grazes
+}
+
+// f(axis): every direction in which a box or hull and an axis-aligned box can be separated. The cross products with the
+// box's axes only swap components, so that a small one is as exact as a large one: nothing has to be skipped.
 template <class F>
 void forEachAxis(const ShapeView<2>& shape, const Rot<2>& q, F&& f) {
   for (int k = 0; k < 2; ++k) f(Vec<2>(Vec<2>::Unit(k)));
@@ -216,7 +267,7 @@ void forEachAxis(const ShapeView<2>& shape, const Rot<2>& q, F&& f) {
 template <class F>
 void forEachAxis(const ShapeView<3>& shape, const Rot<3>& q, F&& f) {
   for (int k = 0; k < 3; ++k) f(Vec<3>(Vec<3>::Unit(k)));
-  if (shape.kind == ShapeKind::polytope) {
+  if (shape.hull) {
     for (const auto& face : shape.hull->faces) f(q * face.normal);
   } else {
     for (int k = 0; k < 3; ++k) f(q * Vec<3>(Vec<3>::Unit(k)));
@@ -238,6 +289,12 @@ bool containsPoint(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>&
 template <int D>
 bool overlapsBox(const ShapeView<D>& shape, const Pose<D>& X_WS, const Aabb<D>& box) {
   // What lies far from the shape plays no part: cutting it off makes huge and unbounded boxes harmless.
+  if (shape.core() == CoreClass::plane) {  // the box's corner that lies lowest
+    const Vec<D> up = X_WS.q * Vec<D>(Vec<D>::Unit(1));
+    Real lowest = 0;
+    for (int k = 0; k < D; ++k) lowest += up[k] == 0 ? Real(0) : up[k] * ((up[k] > 0 ? box.lo : box.hi)[k] - X_WS.p[k]);
+    return lowest <= shape.radius;
+  }
   const Aabb<D> bounds = boundingBox(shape, X_WS);
   if (!bounds.overlaps(box)) return false;
   const Aabb<D> near = bounds.grown((bounds.hi - bounds.lo).maxCoeff() + shape.radius);
@@ -252,10 +309,25 @@ bool overlapsBox(const ShapeView<D>& shape, const Pose<D>& X_WS, const Aabb<D>& 
     });
     return best <= shape.radius * shape.radius;
   };
-  if (shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::capsule) return edgesNear();
-  if (shape.kind == ShapeKind::segment) {
-    const Vec<D> u = X_WS.q * shape.half;
-    return castRay(Aabb<D>{-half, half}, Vec<D>(offset - u), Vec<D>(2 * u), Real(1)) >= 0;
+  switch (shape.core()) {
+    case CoreClass::point:
+      return edgesNear();
+    case CoreClass::segment: {
+      if (shape.radius > 0) return edgesNear();
+      const Vec<D> u = X_WS.q * shape.half;
+      return castRay(Aabb<D>{-half, half}, Vec<D>(offset - u), Vec<D>(2 * u), Real(1)) >= 0;
+    }
+    case CoreClass::curved: {
+      const auto difference = [&](const Vec<D>& d) {
+        const Vec<D> p = offset + X_WS.q * shape.curved->support(X_WS.q.inverse() * d);
+        return Vec<D>(p + (d.array() < 0).select(-half, half));
+      };
+      return gapToOrigin<D>(difference, offset).gap <= shape.radius;
+    }
+    case CoreClass::box:
+    case CoreClass::hull:
+    case CoreClass::plane:
+      break;
   }
 
   bool separated = false, far = false;
@@ -284,15 +356,29 @@ Real castRay(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p_W, 
   if (pointCoreSquared(shape, p) <= shape.radius * shape.radius) return 0;
   if (!(d.squaredNorm() > 0)) return -1;
   Real t = kInf;
+  switch (shape.core()) {
+    case CoreClass::point:
+    case CoreClass::segment:
+      // Without rounding a segment is a flat box, a point an empty one.
+      if (!(shape.radius > 0)) return castRay(Aabb<D>{-shape.half, shape.half}, p, d, maxT);
+      break;
+    case CoreClass::box:
+      if (!(shape.radius > 0)) return castRay(Aabb<D>{-shape.half, shape.half}, p, d, maxT);
+      t = boxFaceRay<D>(shape.half, shape.radius, p, d);
+      break;
+    case CoreClass::hull:
+      t = shape.radius > 0 ? faceRay(*shape.hull, shape.radius, p, d) : planesRay<D>(*shape.hull, p, d);
+      break;
+    case CoreClass::curved:
+      t = curvedRay<D>(*shape.curved, shape.radius, p, d);
+      break;
+    case CoreClass::plane:
+      if (d[1] < 0) t = (p[1] - shape.radius) / -d[1];
+      break;
+  }
   if (shape.radius > 0) {
     forEachEdge(shape,
                 [&](const Vec<D>& a, const Vec<D>& b) { t = std::min(t, capsuleRay<D>(a, b, shape.radius, p, d)); });
-    if (shape.kind == ShapeKind::box) t = std::min(t, boxFaceRay<D>(shape.half, shape.radius, p, d));
-    if (shape.kind == ShapeKind::polytope) t = std::min(t, faceRay(*shape.hull, shape.radius, p, d));
-  } else if (shape.kind == ShapeKind::polytope) {
-    t = planesRay<D>(*shape.hull, p, d);
-  } else {
-    return castRay(Aabb<D>{-shape.half, shape.half}, p, d, maxT);  // a segment is a flat box, a point an empty one
   }
   return t <= maxT ? t : Real(-1);
 }

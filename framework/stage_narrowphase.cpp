@@ -17,6 +17,7 @@ void PairBatch<D>::add(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<
   const auto n = static_cast<std::size_t>(count++);
   radiusA[n] = a.radius, radiusB[n] = b.radius;
   hullA[n] = a.hull, hullB[n] = b.hull;
+  curvedA[n] = a.curved, curvedB[n] = b.curved;
   q[n] = X_AB.q;
   const Mat<D> rotation = X_AB.q.matrix();
   for (int i = 0; i < D; ++i) {

@@ -32,6 +32,7 @@ struct PairBatch {
   std::array<std::array<Real, kCapacity>, D> p;      // p_AB
   std::array<std::array<Real, kCapacity>, D * D> r;  // R_AB, row by row
   std::array<const Polytope<D>*, kCapacity> hullA{}, hullB{};
+  std::array<const CurvedCore<D>*, kCapacity> curvedA{}, curvedB{};
   std::array<Rot<D>, kCapacity> q{};
 
   void clear(ShapeKind a, ShapeKind b) { kindA = a, kindB = b, count = 0; }
@@ -40,8 +41,8 @@ struct PairBatch {
   PairView<D> pair(int i) const {
     const auto n = static_cast<std::size_t>(i);
     PairView<D> v;
-    v.a.kind = kindA, v.a.radius = radiusA[n], v.a.hull = hullA[n];
-    v.b.kind = kindB, v.b.radius = radiusB[n], v.b.hull = hullB[n];
+    v.a.kind = kindA, v.a.radius = radiusA[n], v.a.hull = hullA[n], v.a.curved = curvedA[n];
+    v.b.kind = kindB, v.b.radius = radiusB[n], v.b.hull = hullB[n], v.b.curved = curvedB[n];
     for (int d = 0; d < D; ++d) {
       const auto k = static_cast<std::size_t>(d);
       v.a.half[d] = halfA[k][n], v.b.half[d] = halfB[k][n], v.X_AB.p[d] = p[k][n];

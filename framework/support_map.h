@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "framework/shape.h"
+#include "framework/check.h"
+#include "framework/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 
 /// A point of the shape's core (its rounding left out) that lies farthest along `d`, in the shape's frame. `d` may have
-/// any length; for d = 0 it is some point of the core. For a polytope `hint`, when given, receives the vertex's index.
+/// any length; for d = 0 it is some point of the core. Not for a plane. For a polytope `hint`, when given, receives the
+/// vertex's index.
 template <int D>
 inline Vec<D> coreSupport(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr) {
-  switch (shape.kind) {
-    case ShapeKind::sphere:
+  switch (shape.core()) {
+    case CoreClass::point:
       return Vec<D>::Zero();
-    case ShapeKind::capsule:
-    case ShapeKind::segment: {
+    case CoreClass::segment: {
       Vec<D> p = Vec<D>::Zero();
       p[0] = d[0] >= 0 ? shape.half[0] : -shape.half[0];
       return p;
     }
-    case ShapeKind::box: {
+    case CoreClass::box: {
       Vec<D> p;
       for (int k = 0; k < D; ++k) p[k] = d[k] >= 0 ? shape.half[k] : -shape.half[k];
       return p;
     }
-    case ShapeKind::polytope: {
+    case CoreClass::hull: {
       const auto& vertices = shape.hull->vertices;
       std::size_t best = 0;
       Real bestDot = vertices[0].dot(d);
@@ -34,6 +35,11 @@ inline Vec<D> coreSupport(const ShapeView<D>& shape, const Vec<D>& d, int* hint 
       if (hint) *hint = static_cast<int>(best);
       return vertices[best];
     }
+    case CoreClass::curved:
+      return shape.curved->support(d);
+    case CoreClass::plane:
+      LPC_ASSERT(false);  // unbounded: nothing lies farthest
+      break;
   }
   return Vec<D>::Zero();
 }

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <type_traits>
 
+#include "framework/curved_core.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -103,27 +104,35 @@ template <int D>
 void fields(Archive& a, Shape<D>& shape) {
   ShapeView<D> v = shape.view();
   a(v.kind, v.radius, v.half);
-  switch (v.kind) {
-    case ShapeKind::sphere:
+  if (static_cast<int>(v.kind) >= kShapeKinds) {
+    throw UserError("load: the saved world is damaged (a shape of no known kind)");
+  }
+  switch (v.core()) {
+    case CoreClass::point:
       shape = Shape<D>::sphere(v.radius);
       break;
-    case ShapeKind::capsule:
-      shape = Shape<D>::capsule(v.half[0], v.radius);
+    case CoreClass::segment:
+      shape = v.kind == ShapeKind::segment ? Shape<D>::segment(v.half[0]) : Shape<D>::capsule(v.half[0], v.radius);
       break;
-    case ShapeKind::segment:
-      shape = Shape<D>::segment(v.half[0]);
-      break;
-    case ShapeKind::box:
+    case CoreClass::box:
       shape = Shape<D>::box(v.half, v.radius);
       break;
-    case ShapeKind::polytope: {
+    case CoreClass::hull: {
       Polytope<D> hull = a.reading() ? Polytope<D>{} : *v.hull;
       a(hull);
       if (a.reading()) shape = Shape<D>::polytope(std::make_shared<const Polytope<D>>(std::move(hull)), v.radius);
       break;
     }
-    default:
-      throw UserError("load: the saved world is damaged (a shape of no known kind)");
+    case CoreClass::curved: {
+      std::vector<Real> sizes;
+      if (!a.reading()) sizes.assign(v.curved->sizes().begin(), v.curved->sizes().end());
+      a(sizes);
+      shape = Shape<D>::curved(v.kind, sizes, v.radius);
+      break;
+    }
+    case CoreClass::plane:
+      shape = Shape<D>::plane();
+      break;
   }
 }
 template <int D>

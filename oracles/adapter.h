@@ -16,17 +16,20 @@ struct KindTable {
   std::array<std::string_view, kShapeKinds> rows;
 
   constexpr bool has(ShapeKind a, ShapeKind b) const {
-    return rows[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)] == 'x';
+    const std::string_view row = rows[static_cast<std::size_t>(a)];
+    return static_cast<std::size_t>(b) < row.size() && row[static_cast<std::size_t>(b)] == 'x';
   }
 };
 
 /// Every pair of the kinds that exist in 3D; a segment does not.
-//                                        sphere capsule segment box polytope
-inline constexpr KindTable kAllKinds = {{"xx-xx",    // sphere
-                                         ".x-xx",    // capsule
-                                         "..---",    // segment
-                                         "...xx",    // box
-                                         "....x"}};  // polytope
+//                                        sphere capsule segment box polytope cylinder ellipsoid
+inline constexpr KindTable kAllKinds = {{"xx-xxxx",    // sphere
+                                         ".x-xxxx",    // capsule
+                                         "..-----",    // segment
+                                         "...xxxx",    // box
+                                         "....xxx",    // polytope
+                                         ".....xx",    // cylinder
+                                         "......x"}};  // ellipsoid
 
 /// The answer of a library that says "apart" and no more. Where the cores alone were asked and a rounding lies around
 /// them, that is no answer: refused.

@@ -29,22 +29,44 @@ btTransform transform(const Pose<3>& X) {
   return btTransform({r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)}, vector(X.p));
 }
 
+// A curved core by its support function: Bullet adds the margin.
+class CurvedShape final : public btConvexInternalShape {
+ public:
+  explicit CurvedShape(const ShapeView<3>& shape) : m_core(*shape.curved) {
+    m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
+    setMargin(static_cast<double>(shape.radius));
+  }
+  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& d) const override {
+    return vector(m_core.support(vectorOf(d).cast<Real>()));
+  }
+  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* d, btVector3* out, int count) const override {
+    for (int i = 0; i < count; ++i) out[i] = localGetSupportingVertexWithoutMargin(d[i]);
+  }
+  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
+  const char* getName() const override { return "curved"; }
+
+ private:
+  const CurvedCore<3>& m_core;
+};
+
 // Bullet rounds every shape by its margin, 4 cm unless told. Ours is the shape's own radius, around the core: Bullet's
 // boxes count their margin into the half extents.
 std::unique_ptr<btConvexShape> shapeOf(const ShapeView<3>& shape) {
   const double radius = static_cast<double>(shape.radius);
-  switch (shape.kind) {
-    case ShapeKind::sphere:
+  switch (shape.core()) {
+    case CoreClass::point:
       return std::make_unique<btSphereShape>(radius);
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
+    case CoreClass::segment:
       return std::make_unique<btCapsuleShapeX>(radius, 2 * static_cast<double>(shape.half[0]));
-    case ShapeKind::box: {
+    case CoreClass::box: {
       auto box = std::make_unique<btBoxShape>(vector(shape.half) + btVector3(radius, radius, radius));
       box->setMargin(radius);
       return box;
     }
-    case ShapeKind::polytope:
+    case CoreClass::curved:
+      return std::make_unique<CurvedShape>(shape);
+    case CoreClass::hull:
+    case CoreClass::plane:  // not in the table of kinds
       break;
   }
   auto hull = std::make_unique<btConvexHullShape>();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "framework/curved_core.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/posed_core.h"
 
@@ -27,27 +28,39 @@ std::string listed(const Vec<D>& v) {
 template <int D>
 std::string shapeText(const ShapeView<D>& s) {
   std::ostringstream out = exactStream();
-  switch (s.kind) {
-    case ShapeKind::sphere:
+  switch (s.core()) {
+    case CoreClass::point:
       out << R"({"type": "sphere")";
       break;
-    case ShapeKind::capsule:
-      out << R"({"type": "capsule", "axis": "x", "half_length": )" << static_cast<double>(s.half[0]);
-      break;
-    case ShapeKind::segment:
+    case CoreClass::segment:
+      if (s.radius > 0) {
+        out << R"({"type": "capsule", "axis": "x", "half_length": )" << static_cast<double>(s.half[0]);
+        break;
+      }
       out << R"({"type": "segment", "points": [)" << listed<D>(-s.half) << ", " << listed<D>(s.half) << ']';
       break;
-    case ShapeKind::box:
+    case CoreClass::box:
       out << R"({"type": "box", "half_extents": )" << listed<D>(s.half);
       break;
-    case ShapeKind::polytope:
+    case CoreClass::hull:
       out << R"({"type": "convex", "points": [)";
       for (std::size_t i = 0; i < s.hull->vertices.size(); ++i)
         out << (i ? ", " : "") << listed<D>(s.hull->vertices[i]);
       out << ']';
       break;
+    case CoreClass::curved: {
+      out << R"({"type": ")" << shapeKindName(s.kind) << '"';
+      const std::span<const Real> sizes = s.curved->sizes();
+      for (std::size_t i = 0; i < sizes.size(); ++i) {
+        out << ", \"" << curvedKind<D>(s.kind).sizes[i] << "\": " << static_cast<double>(sizes[i]);
+      }
+      if (s.radius > 0) out << ", \"rounding\": " << static_cast<double>(s.radius);
+      return out.str() + "}";
+    }
+    case CoreClass::plane:
+      return R"({"type": "half_space"})";
   }
-  if (s.radius > 0 || s.kind == ShapeKind::sphere) out << ", \"radius\": " << static_cast<double>(s.radius);
+  if (s.radius > 0 || s.core() == CoreClass::point) out << ", \"radius\": " << static_cast<double>(s.radius);
   return out.str() + "}";
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/check.h"
+#include "framework/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -123,6 +124,29 @@ Pose<D> readAxis(const Place& at, const Json& shape, Real& halfLength) {
 }
 
 template <int D>
+std::optional<ShapeKind> curvedNamed(const std::string& type) {
+  for (const auto& [kind, unused] : curvedKinds<D>()) {
+    if (shapeKindName(kind) == type) return kind;
+  }
+  return std::nullopt;
+}
+
+// By their names, or all in one list, which corpora call radii.
+template <int D>
+std::vector<Real> curvedSizes(const Place& at, const Json& shape, ShapeKind kind) {
+  std::vector<Real> sizes;
+  if (shape.contains("radii")) {
+    const Vec<D> radii = at.vector<D>(at.field(shape, "radii"), "radii");
+    return {radii.data(), radii.data() + D};
+  }
+  for (const std::string_view name : curvedKind<D>(kind).sizes) {
+    const std::string key(name);
+    sizes.push_back(static_cast<Real>(at.number(at.field(shape, key.c_str()), key.c_str())));
+  }
+  return sizes;
+}
+
+template <int D>
 CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) {
   CaseShape<D> out;
   out.X_WS = X_WC;
@@ -148,6 +172,13 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
     } else if (type == "polygon" || type == "convex" || type == "triangle") {
       const std::vector<Vec<D>> points = at.points<D>(shape);
       out.shape = Shape<D>::polytope(points, rounding);
+    } else if (type == "half_space") {
+      out.shape = Shape<D>::plane();
+    } else if (const auto curved = curvedNamed<D>(type)) {
+      Real unused = 0;
+      if (shape.contains("axis")) out.X_WS = X_WC * readAxis<D>(at, shape, unused);
+      const Real own = static_cast<Real>(at.number(shape, "rounding", 0));
+      out.shape = Shape<D>::curved(*curved, curvedSizes<D>(at, shape, *curved), own);
     } else {
       out.refusal = type;
     }

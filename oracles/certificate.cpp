@@ -6,15 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "oracles/bounded.h"
-#include "oracles/expansion2.h"
-#include "oracles/expansion3.h"
+#include "oracles/proof.h"
 #include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-using Real80 = long double;
 constexpr int kMaxIterations = 64;
 // A proof is accepted when it leaves less than this open, times s.
 constexpr double kOpen = 1e-16;
@@ -28,20 +25,6 @@ std::vector<Point<Real80, D>> values(const Posed<D>& posed) {
   for (std::size_t i = 0; i < posed.size(); ++i) {
     for (std::size_t k = 0; k < D; ++k) out[i][k] = posed[i][k].v;
   }
-  return out;
-}
-
-template <std::size_t D>
-Bounded boundedDot(const std::array<Bounded, D>& a, const std::array<Bounded, D>& b) {
-  Bounded sum = a[0] * b[0];
-  for (std::size_t k = 1; k < D; ++k) sum = sum + a[k] * b[k];
-  return sum;
-}
-
-template <int D>
-Point<Bounded, D> exactly(const Point<Real80, D>& d) {
-  Point<Bounded, D> out;
-  for (std::size_t k = 0; k < D; ++k) out[k].v = d[k];
   return out;
 }
 
@@ -70,23 +53,6 @@ Bounded leastAlong(const Posed<D>& a, const Posed<D>& b, const Point<Real80, D>&
   return (low + high) / sqrt(boundedDot(d, d));
 }
 
-// Barycentric coordinates (any common positive factor) of the simplex' point nearest to the origin, by Cramer's rule
-// on its Gram matrix. Only their signs matter for the proof; wrong sizes give a weaker one.
-template <int D>
-std::array<Real80, 4> weights(const Simplex<Real80, D>& s) {
-  std::array<Real80, 4> w{1, 0, 0, 0};
-  if (s.count == 2) {
-    const auto e = minus(s.at(1), s.at(0));
-    w = {dot(e, s.at(1)), -dot(e, s.at(0)), 0, 0};
-  } else if (s.count == 3) {
-    const auto e = minus(s.at(1), s.at(0)), f = minus(s.at(2), s.at(0));
-    const Real80 ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), eo = -dot(e, s.at(0)), fo = -dot(f, s.at(0));
-    w[1] = eo * ff - fo * ef, w[2] = fo * ee - eo * ef, w[0] = ee * ff - ef * ef - w[1] - w[2];
-  }
-  for (Real80& x : w) x = std::max(x, Real80(0));
-  return w;
-}
-
 // Length of a point of M: an upper bound of phi where it is positive.
 template <int D>
 Bounded combinationLength(const Posed<D>& a, const Posed<D>& b, const Simplex<Real80, D>& s) {
@@ -101,35 +67,6 @@ Bounded combinationLength(const Posed<D>& a, const Posed<D>& b, const Simplex<Re
     total = total + weight;
   }
   return sqrt(boundedDot(sum, sum)) / total;
-}
-
-Point<Bounded, 2> facetNormal(const std::array<Point<Bounded, 2>, 2>& v) { return outward(minus(v[1], v[0])); }
-Point<Bounded, 3> facetNormal(const std::array<Point<Bounded, 3>, 3>& v) {
-  return crossProduct(minus(v[1], v[0]), minus(v[2], v[0]));
-}
-
-// Is the surface closed: does each end of a facet meet exactly one other the opposite way?
-bool isClosed(const InnerPolytope<Real80, 2>& p) {
-  std::vector<int> begins, ends;
-  for (const auto& f : p.facets) {
-    if (f.alive) begins.push_back(f.v[0]), ends.push_back(f.v[1]);
-  }
-  std::sort(begins.begin(), begins.end());
-  std::sort(ends.begin(), ends.end());
-  return begins == ends && std::adjacent_find(begins.begin(), begins.end()) == begins.end();
-}
-bool isClosed(const InnerPolytope<Real80, 3>& p) {
-  std::vector<std::pair<int, int>> edges, reversed;
-  for (const auto& f : p.facets) {
-    if (!f.alive) continue;
-    for (std::size_t i = 0; i < 3; ++i) {
-      edges.emplace_back(f.v[i], f.v[(i + 1) % 3]);
-      reversed.emplace_back(f.v[(i + 1) % 3], f.v[i]);
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  std::sort(reversed.begin(), reversed.end());
-  return edges == reversed && std::adjacent_find(edges.begin(), edges.end()) == edges.end();
 }
 
 // Radius of a ball around the origin inside M, or a negative number. Each facet turns the right way around the origin
@@ -203,6 +140,9 @@ RefereeAnswer<D> refereeByCertificate(const ShapeView<D>& a, const Pose<D>& X_WA
 
 template <int D>
 RefereeAnswer<D> referee(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB) {
+  const auto is = [&](CoreClass c) { return a.core() == c || b.core() == c; };
+  if (is(CoreClass::plane)) return refereeOfPlane(a, X_WA, b, X_WB);
+  if (is(CoreClass::curved)) return refereeOfCurved(a, X_WA, b, X_WB);
   const RefereeAnswer<D> quick = refereeByCertificate(a, X_WA, b, X_WB);
   return quick.decided ? quick : refereeExactly(a, X_WA, b, X_WB);
 }

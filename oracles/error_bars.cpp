@@ -36,6 +36,7 @@ constexpr std::array<Row, 7> kRows = {{
 }  // namespace
 
 double errorBar(std::string_view witness, ShapeKind a, ShapeKind b) {
+  if (std::max(a, b) > ShapeKind::polytope) return kNone;  // not measured
   if (a == ShapeKind::segment || b == ShapeKind::segment) return kNone;
   const auto number = [](ShapeKind kind) {  // without the segment
     return static_cast<std::size_t>(kind) - (kind > ShapeKind::segment ? 1 : 0);

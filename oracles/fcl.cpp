@@ -36,18 +36,20 @@ struct Placed {
   void place(const ShapeView<3>& shape, const Pose<3>& pose) {
     X_WS.linear() = pose.q.matrix().cast<double>(), X_WS.translation() = pose.p.cast<double>();
     rounding = 0;
+    const auto lieAlongX = [&] {  // FCL's capsules and cylinders lie along z
+      Eigen::Matrix3d turn;
+      turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+      X_WS.linear() = X_WS.linear() * turn;
+    };
     switch (shape.kind) {
       case ShapeKind::sphere:
         geometry = std::make_shared<fcl::Sphere<double>>(shape.radius);
         break;
       case ShapeKind::capsule:
-      case ShapeKind::segment: {
+      case ShapeKind::segment:
         geometry = std::make_shared<fcl::Capsule<double>>(shape.radius, 2 * shape.half[0]);
-        Eigen::Matrix3d turn;  // FCL's capsules lie along z
-        turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
-        X_WS.linear() = X_WS.linear() * turn;
+        lieAlongX();
         break;
-      }
       case ShapeKind::box:
         geometry = std::make_shared<fcl::Box<double>>(2 * shape.half.cast<double>());
         rounding = shape.radius;
@@ -55,6 +57,17 @@ struct Placed {
       case ShapeKind::polytope:
         geometry = convex(*shape.hull);
         rounding = shape.radius;
+        break;
+      case ShapeKind::cylinder:
+        geometry = std::make_shared<fcl::Cylinder<double>>(shape.half[1], 2 * shape.half[0]);
+        lieAlongX();
+        rounding = shape.radius;
+        break;
+      case ShapeKind::ellipsoid:
+        geometry = std::make_shared<fcl::Ellipsoid<double>>(shape.half[0], shape.half[1], shape.half[2]);
+        rounding = shape.radius;
+        break;
+      case ShapeKind::plane:  // not in the table of kinds
         break;
     }
   }

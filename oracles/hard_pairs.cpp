@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "framework/check.h"
+#include "framework/curved_core.h"
 #include "framework/random.h"
 #include "framework/support_map.h"
 
@@ -54,7 +55,8 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
                      .family = kNames[m_family],
                      .scale = m_scale};
     if (m_family == ties && kindA == kindB && coin()) pair.b = pair.a;
-    layOut(pair);
+    const bool plane = coreClass(kindA) == CoreClass::plane || coreClass(kindB) == CoreClass::plane;
+    plane ? layOnPlane(pair) : layOut(pair);
     place(pair);
     return pair;
   }
@@ -99,22 +101,31 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     bool rounded = m_random.below(4) == 0 && m_family != sharedPlanes;
     if (m_family == curvedOnEdge && !first) rounded = true;
     const Real rounding = rounded ? thin * large * length() / 4 : Real(0);
-    switch (kind) {
-      case ShapeKind::sphere:
+    switch (coreClass(kind)) {
+      case CoreClass::point:
         return Shape<D>::sphere(large * (m_family == sharedPlanes ? m_height : length()));
-      case ShapeKind::capsule: {
+      case CoreClass::segment: {
+        if (kind == ShapeKind::segment) return Shape<D>::segment(large * length());
         const Real radius = m_family == sharedPlanes ? m_height : length() / 2;
         return Shape<D>::capsule(large * length(), thin * large * radius);
       }
-      case ShapeKind::segment:
-        return Shape<D>::segment(large * length());
-      case ShapeKind::box: {
+      case CoreClass::box: {
         Vec<D> h = large * half();
         if (large > 1 && coin()) h[axis()] = length();  // a slab
         h[thinAxis] *= thin;
         return Shape<D>::box(h, rounding);
       }
-      case ShapeKind::polytope:
+      case CoreClass::curved: {
+        std::vector<Real> sizes;
+        for (std::size_t i = 0; i < curvedKind<D>(kind).sizes.size(); ++i) sizes.push_back(large * length());
+        if (m_family == ties && coin()) sizes.assign(sizes.size(), Real(sizes[0]));
+        if (m_family == sharedPlanes) sizes[0] = m_height;
+        sizes[static_cast<std::size_t>(thinAxis) % sizes.size()] *= thin;
+        return Shape<D>::curved(kind, sizes, rounding);
+      }
+      case CoreClass::plane:
+        return Shape<D>::plane();
+      case CoreClass::hull:
         break;
     }
     std::vector<Vec<D>> points = m_family == sharedPlanes ? prism() : m_family == nastyHulls ? nasty() : cloud();
@@ -197,6 +208,40 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     } else {
       pair.X_AB.p = size * uniform(0, 1.2) * n;
     }
+  }
+
+  // The gap between a shape of this size and a plane, as the family has it between two shapes.
+  Real gapOf(Real size) {
+    switch (m_family) {
+      case kissingFaces:
+      case sharedPlanes:
+        return size * std::numeric_limits<Real>::epsilon() * pick({0, 1, -1, 2, -2, 3, -3, 4, -4});
+      case belowTolerance:
+      case curvedOnEdge:
+        return size * pick({1e-4, -1e-4, 1e-6, -1e-6, 1e-8, -1e-8, 1e-9, -1e-9, 1e-12, -1e-12});
+      case coreContact:
+        return -size * pick({1, 0.5, 0});
+      default:
+        return size * uniform(-1.5, 1.5);
+    }
+  }
+  // As a thing lies on the floor, tilted as `nearParallel` and `ties` are, or anyhow.
+  void layOnPlane(HardPair<D>& pair) {
+    const bool planeA = pair.a.view().core() == CoreClass::plane;
+    const ShapeView<D>& body = (planeA ? pair.b : pair.a).view();
+    const Real size = boundingRadius(body), gap = gapOf(size);
+    Pose<D> X_PB;  // the body in the plane's frame
+    Ang<D> v;
+    const double angle = number({0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3}), quarter = kQuarterTurn * number({0, 0.5, 1, 2});
+    for (int k = 0; k < kAngDim<D>; ++k) v[k] = static_cast<Real>(angle * number({1, 0, -1}));
+    v[kAngDim<D> - 1] += static_cast<Real>(quarter);  // about z: from lying to standing
+    const bool tilted =
+        m_family == nearParallel || m_family == ties || m_family == kissingFaces || m_family == sharedPlanes;
+    X_PB.q = tilted ? turn(v) : anyRotation();
+    for (int k = 0; k < D; ++k) X_PB.p[k] = size * uniform(-1, 1);
+    const Vec<D> down = X_PB.q.inverse() * Vec<D>(-Vec<D>::Unit(1));
+    X_PB.p[1] = gap + coreSupport(body, down).dot(down) + body.radius;
+    pair.X_AB = planeA ? X_PB : X_PB.inverse();
   }
 
   // X_AB as meant.
@@ -293,14 +338,26 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
   Real m_height = 0;  // shared by both shapes of `sharedPlanes`
 };
 
+// The five kinds that were there first have numbers, so that their pairs stay what they are; others go by their names.
+std::uint64_t numberOf(ShapeKind a, ShapeKind b) {
+  constexpr int kFirst = 5;
+  if (static_cast<int>(b) < kFirst)
+    return static_cast<std::uint64_t>(static_cast<int>(a) * kFirst + static_cast<int>(b));
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+  for (const std::string_view name : {shapeKindName(a), shapeKindName(b)}) {
+    for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+    hash *= 1099511628211u;
+  }
+  return hash;
+}
+
 }  // namespace
 
 std::span<const std::string_view> hardPairFamilies() { return kNames; }
 
 template <int D>
 HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
-  const auto kinds = static_cast<std::uint64_t>(static_cast<int>(a) * kShapeKinds + static_cast<int>(b));
-  Random stream(seed * 1000003 + kinds * 7919);
+  Random stream(seed * 1000003 + numberOf(a, b) * 7919);
   stream = Random(stream.next() + static_cast<std::uint64_t>(index));
   Drawer<D> drawer(stream.next());
   // In single precision a squeezed cloud can be too flat for a hull, which the factory says: another is drawn.

@@ -29,28 +29,36 @@ std::array<Point<N, 3>, 3> rotationOf(const Rot<3>& q) {
            {two * (x * z - w * y), two * (y * z + w * x), one - two * (x * x + y * y)}}};
 }
 
-/// The vertices of the shape's core (its rounding left out) in its own frame.
+/// Is the core the convex hull of finitely many points?
+template <int D>
+bool hasVertices(const ShapeView<D>& shape) {
+  return shape.core() != CoreClass::curved && shape.core() != CoreClass::plane;
+}
+
+/// The vertices of the shape's core (its rounding left out) in its own frame; none of a core that has none.
 template <int D>
 void coreVertices(const ShapeView<D>& shape, std::vector<Vec<D>>& out) {
   out.clear();
-  switch (shape.kind) {
-    case ShapeKind::sphere:
+  switch (shape.core()) {
+    case CoreClass::point:
       out.push_back(Vec<D>::Zero());
       return;
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
+    case CoreClass::segment:
       out.push_back(Vec<D>::Unit(0) * -shape.half[0]);
       out.push_back(Vec<D>::Unit(0) * shape.half[0]);
       return;
-    case ShapeKind::box:
+    case CoreClass::box:
       for (int corner = 0; corner < (1 << D); ++corner) {
         Vec<D> p;
         for (int d = 0; d < D; ++d) p[d] = (corner >> d) & 1 ? shape.half[d] : -shape.half[d];
         out.push_back(p);
       }
       return;
-    case ShapeKind::polytope:
+    case CoreClass::hull:
       out.assign(shape.hull->vertices.begin(), shape.hull->vertices.end());
+      return;
+    case CoreClass::curved:
+    case CoreClass::plane:
       return;
   }
 }

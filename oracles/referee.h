@@ -42,16 +42,18 @@ double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>
 
 template <int D>
 struct RefereeAnswer {
-  bool decided = false;   // false only when a number of the input is not finite, or no method applies
-  double lo = 0, hi = 0;  // phi lies in the closed interval [lo, hi] (m); its sign is decided, too: lo > 0, hi < 0 or
-                          // lo = hi = 0
+  bool decided = false;  // false when a number of the input is not finite, no method applies, or the bounds of a curved
+                         // core are too far apart
+  double lo = 0, hi = 0;  // phi lies in the closed interval [lo, hi] (m). Of cores with vertices the sign is decided,
+                          // too: lo > 0, hi < 0 or lo = hi = 0
   Vecd<D> normal = Vecd<D>::Zero();  // n_AB in the world, unit within rounding; at a tie one of the right ones
   std::string_view method = "undecidable";
 
   Interval interval() const { return {lo, hi}; }
 };
 
-/// The quick way first, `refereeExactly` where it proves too little.
+/// Of cores with vertices the quick way first, `refereeExactly` where it proves too little; otherwise one of the last
+/// two.
 template <int D>
 RefereeAnswer<D> referee(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB);
 
@@ -63,5 +65,15 @@ RefereeAnswer<D> refereeExactly(const ShapeView<D>& a, const Pose<D>& X_WA, cons
 template <int D>
 RefereeAnswer<D> refereeByCertificate(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b,
                                       const Pose<D>& X_WB);
+
+/// One of the cores is curved, both are bounded; in long double with error bounds. Decided when the interval is at most
+/// 1e-13 s wide (apart) or 1e-6 s (overlapping): what is judged by it must be content with ten times its width.
+template <int D>
+RefereeAnswer<D> refereeOfCurved(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b,
+                                 const Pose<D>& X_WB);
+
+/// One of the cores is a plane; the other's support function at the plane's normal is the answer.
+template <int D>
+RefereeAnswer<D> refereeOfPlane(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB);
 
 }  // namespace lpc::inline LPC_PRECISION

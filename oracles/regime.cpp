@@ -13,9 +13,17 @@ namespace {
 constexpr std::array<std::string_view, 9> kNames = {"huge_ratio", "thin",    "touching", "parallel_faces", "separated",
                                                     "contained",  "shallow", "deep",     "undecided"};
 
-// Longest and shortest side of the shape's own box (m).
+template <int D>
+Vecd<3> direction3(const Vec<D>& v) {
+  Vecd<3> out = Vecd<3>::Zero();
+  for (int k = 0; k < D; ++k) out[k] = static_cast<double>(v[k]);
+  return out;
+}
+
+// Longest and shortest side of the shape's own box (m); a plane has none.
 template <int D>
 Vecd<2> sides(const ShapeView<D>& shape) {
+  if (shape.core() == CoreClass::plane) return {0, 0};
   const Aabb<D> box = boundingBox(shape, Pose<D>{});
   const Vec<D> extent = box.hi - box.lo;
   return {static_cast<double>(extent.maxCoeff()), static_cast<double>(extent.minCoeff())};
@@ -40,19 +48,27 @@ bool polytopeFacesAlong(const Polytope<3>& hull, const Vecd<3>& n) {
 // Does a face of the shape's core, an edge in 2D, look along n (in the shape's frame)?
 template <int D>
 bool facesAlong(const ShapeView<D>& shape, const Vecd<D>& n) {
-  switch (shape.kind) {
-    case ShapeKind::sphere:
+  switch (shape.core()) {
+    case CoreClass::point:
       return false;
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
+    case CoreClass::segment:
       return D == 2 && isAcross(n, Vecd<D>::Unit(1));
-    case ShapeKind::box:
+    case CoreClass::box:
       for (int k = 0; k < D; ++k) {
         if (isAcross(n, Vecd<D>::Unit(k))) return true;
       }
       return false;
-    case ShapeKind::polytope:
+    case CoreClass::hull:
       return polytopeFacesAlong(*shape.hull, n);
+    case CoreClass::curved: {
+      std::vector<Vec<D>> corners;
+      shape.curved->supportFace(n.template cast<Real>(), corners);
+      if (corners.size() <= 2) return D == 2 && corners.size() == 2;
+      const Vecd<3> e = direction3<D>(corners[1] - corners[0]), f = direction3<D>(corners[2] - corners[0]);
+      return D == 3 && isAcross(Vecd<3>(e.cross(f).normalized()), direction3<D>(n.template cast<Real>()));
+    }
+    case CoreClass::plane:
+      return true;
   }
   return false;
 }

@@ -1,23 +1,50 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
 
-#include "oracles/bounded.h"
-#include "oracles/posed_core.h"
+#include "oracles/posed_support.h"
 #include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+// Largest |coordinate| of the shape's core in its own frame, in the world, and its longest side (m).
 template <int D>
-Bounded along(const std::vector<Point<Bounded, D>>& vertices, const Vecd<D>& d, bool least) {
-  Bounded best;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    Bounded dot;
-    for (std::size_t k = 0; k < D; ++k) dot = dot + vertices[i][k] * Bounded(d[static_cast<int>(k)]);
-    if (!least) dot = -dot;
-    best = i == 0 ? dot : lesser(best, dot);
+struct CoreSize {
+  double own = 0, world = 0, side = 0;
+};
+
+template <int D>
+CoreSize<D> sizeOf(const ShapeView<D>& shape, const Pose<D>& X_WS) {
+  CoreSize<D> size;
+  size.world = X_WS.p.template cast<double>().cwiseAbs().maxCoeff();
+  switch (shape.core()) {
+    case CoreClass::plane:  // unbounded: its extent plays no part
+      return size;
+    case CoreClass::curved: {
+      size.own = static_cast<double>(shape.half.maxCoeff()), size.side = 2 * size.own;
+      const Aabb<D> box = boundingBox(shape, X_WS);
+      size.world = std::max<double>(size.world, std::max(box.hi.cwiseAbs().maxCoeff(), box.lo.cwiseAbs().maxCoeff()));
+      return size;
+    }
+    case CoreClass::point:
+    case CoreClass::segment:
+    case CoreClass::box:
+    case CoreClass::hull:
+      break;
   }
-  return best;
+  std::vector<Vec<D>> core;
+  coreVertices(shape, core);
+  Vecd<D> lo = core[0].template cast<double>(), hi = lo;
+  for (const Vec<D>& v : core) {
+    size.own = std::max(size.own, v.template cast<double>().cwiseAbs().maxCoeff());
+    lo = lo.cwiseMin(v.template cast<double>());
+    hi = hi.cwiseMax(v.template cast<double>());
+    const Vec<D> world = X_WS * v;
+    size.world =
+        std::max(size.world, world.template cast<double>().cwiseAbs().maxCoeff() + static_cast<double>(shape.radius));
+  }
+  size.side = (hi - lo).maxCoeff();
+  return size;
 }
 
 }  // namespace
@@ -25,17 +52,17 @@ Bounded along(const std::vector<Point<Bounded, D>>& vertices, const Vecd<D>& d, 
 template <int D>
 Interval separationAlong(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB,
                          const Vecd<D>& d) {
-  std::vector<Vec<D>> core;
-  std::vector<Point<Bounded, D>> posedA, posedB;
-  coreVertices(a, core);
-  poseVertices<Bounded, D>(core, X_WA, posedA);
-  coreVertices(b, core);
-  poseVertices<Bounded, D>(core, X_WB, posedB);
-  Bounded square;
-  for (int k = 0; k < D; ++k) square = square + Bounded(d[k]) * Bounded(d[k]);
-  const Bounded gap = along<D>(posedB, d, true) + along<D>(posedA, d, false);
+  Point<Real80, D> direction;
+  for (std::size_t k = 0; k < D; ++k) direction[k] = d[static_cast<int>(k)];
+  const bool planeA = a.core() == CoreClass::plane, planeB = b.core() == CoreClass::plane;
+  if (planeA || planeB) {
+    // Along any direction but its normal a half-space has no end: of a normal within rounding, the normal is meant.
+    const RefereeAnswer<D> truth = refereeOfPlane(a, X_WA, b, X_WB);
+    const double off = (d.normalized() - truth.normal).norm(), s = errorScale(a, X_WA, b, X_WB, truth.hi);
+    return {truth.lo - off * s, truth.hi - off * s};
+  }
   const Bounded radii = Bounded(static_cast<double>(a.radius)) + Bounded(static_cast<double>(b.radius));
-  const Bounded separation = gap / sqrt(square) - radii;
+  const Bounded separation = separationOfCores(PosedSupport<D>(a, X_WA), PosedSupport<D>(b, X_WB), direction) - radii;
   return {roundDown(separation.lo()), roundUp(separation.hi())};
 }
 
@@ -43,19 +70,9 @@ template <int D>
 double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB, double phi) {
   double extent = 0, coordinate = 0;
   const auto measure = [&](const ShapeView<D>& shape, const Pose<D>& X_WS) {
-    std::vector<Vec<D>> core;
-    coreVertices(shape, core);
-    Vecd<D> lo = core[0].template cast<double>(), hi = lo;
-    const double radius = static_cast<double>(shape.radius);
-    coordinate = std::max(coordinate, X_WS.p.template cast<double>().cwiseAbs().maxCoeff());
-    for (const Vec<D>& v : core) {
-      coordinate = std::max(coordinate, v.template cast<double>().cwiseAbs().maxCoeff());
-      lo = lo.cwiseMin(v.template cast<double>());
-      hi = hi.cwiseMax(v.template cast<double>());
-      const Vec<D> world = X_WS * v;
-      coordinate = std::max(coordinate, world.template cast<double>().cwiseAbs().maxCoeff() + radius);
-    }
-    extent = std::max(extent, (hi - lo).maxCoeff() + 2 * radius);
+    const CoreSize<D> size = sizeOf(shape, X_WS);
+    coordinate = std::max({coordinate, size.own, size.world});
+    extent = std::max(extent, size.side + 2 * static_cast<double>(shape.radius));
   };
   measure(a, X_WA);
   measure(b, X_WB);

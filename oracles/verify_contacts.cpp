@@ -98,10 +98,10 @@ class RestingFaces {
 // A length that generators keep their tolerances well below (m): of a core that has no thickness, half its length.
 template <int D>
 double coreSize(const ShapeView<D>& s) {
-  if (s.kind == ShapeKind::sphere) return std::numeric_limits<double>::max();
+  if (s.core() == CoreClass::point || s.core() == CoreClass::plane) return std::numeric_limits<double>::max();
   const Aabb<D> box = boundingBox(s, Pose<D>{});
   const Vecd<D> half = (box.hi - box.lo).template cast<double>() / 2 - Vecd<D>::Constant(static_cast<double>(s.radius));
-  return s.kind == ShapeKind::box ? half.minCoeff() : half.norm();
+  return s.core() == CoreClass::box || s.core() == CoreClass::curved ? half.minCoeff() : half.norm();
 }
 
 template <int D>

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/curved_core.h"
 #include "framework/random.h"
 #include "framework/shape.h"
 
@@ -101,16 +102,24 @@ struct Sketch {
   std::vector<Vec<D>> points;
 
   Shape<D> build(Real scale) const {
-    switch (kind) {
-      case ShapeKind::sphere:
+    switch (coreClass(kind)) {
+      case CoreClass::point:
         return Shape<D>::sphere(scale * radius);
-      case ShapeKind::capsule:
+      case CoreClass::segment:
+        if (kind == ShapeKind::segment) return Shape<D>::segment(scale * half[0]);
         return Shape<D>::capsule(scale * half[0], scale * radius);
-      case ShapeKind::segment:
-        return Shape<D>::segment(scale * half[0]);
-      case ShapeKind::box:
+      case CoreClass::box:
         return Shape<D>::box(scale * half, scale * radius);
-      case ShapeKind::polytope:
+      case CoreClass::curved: {
+        std::vector<Real> sizes;
+        for (std::size_t i = 0; i < curvedKind<D>(kind).sizes.size(); ++i) {
+          sizes.push_back(scale * half[static_cast<int>(i)]);
+        }
+        return Shape<D>::curved(kind, sizes, scale * radius);
+      }
+      case CoreClass::plane:
+        return Shape<D>::plane();
+      case CoreClass::hull:
         break;
     }
     std::vector<Vec<D>> scaled;
@@ -149,7 +158,7 @@ Sketch<D> drawSketch(Draw& draw, ShapeKind kind) {
   const Real rounding = draw.below(4) == 3 ? draw.real(0.01, 0.3) : Real(0);
   if (kind == ShapeKind::polytope) {
     s.points = drawPoints<D>(draw), s.radius = rounding;
-  } else if (kind == ShapeKind::box) {
+  } else if (kind == ShapeKind::box || coreClass(kind) == CoreClass::curved) {
     s.half = drawHalf<D>(draw), s.radius = rounding;
   } else {
     if (kind != ShapeKind::sphere) s.half[0] = drawHalf<D>(draw)[0];

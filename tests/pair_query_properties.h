@@ -69,16 +69,22 @@ double sizeOf(const Asked<D>& pair, double distance) {
 template <int D>
 Shape<D> resized(const Shape<D>& shape, Real k, Real r = 0) {
   const ShapeView<D>& v = shape.view();
-  switch (v.kind) {
-    case ShapeKind::sphere:
+  switch (v.core()) {
+    case CoreClass::point:
       return Shape<D>::sphere(k * v.radius + r);
-    case ShapeKind::capsule:
-      return Shape<D>::capsule(k * v.half[0], k * v.radius + r);
-    case ShapeKind::segment:
-      return r > 0 ? Shape<D>::capsule(k * v.half[0], r) : Shape<D>::segment(k * v.half[0]);
-    case ShapeKind::box:
+    case CoreClass::segment:
+      return k * v.radius + r > 0 ? Shape<D>::capsule(k * v.half[0], k * v.radius + r)
+                                  : Shape<D>::segment(k * v.half[0]);
+    case CoreClass::box:
       return Shape<D>::box(k * v.half, k * v.radius + r);
-    case ShapeKind::polytope:
+    case CoreClass::curved: {
+      std::vector<Real> sizes;
+      for (const Real size : v.curved->sizes()) sizes.push_back(k * size);
+      return Shape<D>::curved(v.kind, sizes, k * v.radius + r);
+    }
+    case CoreClass::plane:
+      return shape;
+    case CoreClass::hull:
       break;
   }
   std::vector<Vec<D>> points;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "framework/curved_core.h"
 #include "framework/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
@@ -48,24 +49,25 @@ struct PlacedPair {
 /// tolerances must stay well below.
 template <int D>
 Real coreThickness(const ShapeView<D>& s) {
-  switch (s.kind) {
-    case ShapeKind::sphere:
+  switch (s.core()) {
+    case CoreClass::point:
+    case CoreClass::plane:
       return std::numeric_limits<Real>::max();
-    case ShapeKind::capsule:
-    case ShapeKind::segment:
+    case CoreClass::segment:
       return s.half[0];
-    case ShapeKind::box:
+    case CoreClass::box:
+    case CoreClass::curved:
       return s.half.minCoeff();
-    case ShapeKind::polytope:
+    case CoreClass::hull:
       return (s.hull->vertices[s.hull->vertices.size() / 2] - s.hull->vertices[0]).norm() / 2;
   }
   return 0;
 }
 
-/// Some length not below a quarter of the core's reach from its own origin.
+/// Some length not below a quarter of the core's reach from its own origin; a plane's is 0.
 template <int D>
 Real coreReach(const ShapeView<D>& s) {
-  if (s.kind != ShapeKind::polytope) return s.half.template lpNorm<1>();
+  if (s.core() != CoreClass::hull) return s.half.template lpNorm<1>();
   const auto& v = s.hull->vertices;
   return v[0].template lpNorm<1>() + (v[v.size() / 2] - v[0]).template lpNorm<1>();
 }

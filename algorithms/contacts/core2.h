@@ -28,21 +28,33 @@ struct Storage2 {
   std::vector<Vec<2>> v = std::vector<Vec<2>>(4), n = std::vector<Vec<2>>(4);
 };
 
-/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is the identity, and a hull is not copied.
+/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is null, and a hull is not copied. Not for planes and
+/// curved cores.
 inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& storage) {
-  if (s.kind == ShapeKind::polytope) {
-    const auto& hull = *s.hull;
-    const int count = static_cast<int>(hull.vertices.size());
-    if (!X_12) return {hull.vertices.data(), hull.normals.data(), count};
-    storage.v.resize(std::max<std::size_t>(hull.vertices.size(), storage.v.size()));
-    storage.n.resize(storage.v.size());
-    for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
-      storage.v[i] = *X_12 * hull.vertices[i];
-      storage.n[i] = X_12->q * hull.normals[i];
+  switch (s.core()) {
+    case CoreClass::hull: {
+      const auto& hull = *s.hull;
+      const int count = static_cast<int>(hull.vertices.size());
+      if (!X_12) return {hull.vertices.data(), hull.normals.data(), count};
+      storage.v.resize(std::max<std::size_t>(hull.vertices.size(), storage.v.size()));
+      storage.n.resize(storage.v.size());
+      for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
+        storage.v[i] = *X_12 * hull.vertices[i];
+        storage.n[i] = X_12->q * hull.normals[i];
+      }
+      return {storage.v.data(), storage.n.data(), count};
     }
-    return {storage.v.data(), storage.n.data(), count};
+    case CoreClass::curved:
+    case CoreClass::plane:
+      LPC_ASSERT(false);  // has no list of edges
+      return {};
+    case CoreClass::point:
+    case CoreClass::segment:
+    case CoreClass::box:
+      break;
   }
   const Pose<2> X = X_12 ? *X_12 : Pose<2>{};
+  storage.v.resize(std::max<std::size_t>(storage.v.size(), 4));
   const Vec<2> half = coreHalf(s);
   const Vec<2> x = X.q * Vec<2>(1, 0), y(-x[1], x[0]);
   const Vec<2> hx = half[0] * x, hy = half[1] * y;
@@ -50,6 +62,17 @@ inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& sto
   storage.v[2] = X.p + hx + hy, storage.v[3] = X.p - hx + hy;
   storage.n[0] = -y, storage.n[1] = x, storage.n[2] = y, storage.n[3] = -x;
   return {storage.v.data(), storage.n.data(), 4};
+}
+
+/// As `makeCore2`, of a shape that faces the other one along d (frame 1, any length): a curved core is its support face
+/// there, one edge, or one vertex, which has no edge to clip.
+inline Core2 makeFacing2(const ShapeView<2>& s, const Pose<2>* X_12, const Vec<2>& d, Storage2& storage) {
+  if (s.core() != CoreClass::curved) return makeCore2(s, X_12, storage);
+  const Pose<2> X = X_12 ? *X_12 : Pose<2>{};
+  s.curved->supportFace(X.q.inverse() * d, storage.v);
+  if (storage.n.size() < storage.v.size()) storage.n.resize(storage.v.size());
+  for (std::size_t i = 0; i < storage.v.size(); ++i) storage.v[i] = X * storage.v[i], storage.n[i] = d.normalized();
+  return {storage.v.data(), storage.n.data(), static_cast<int>(storage.v.size())};
 }
 
 /// The edge of `c` whose normal is most along `d`.

@@ -64,23 +64,24 @@ struct Storage3 {
   std::vector<Vec<3>> v = std::vector<Vec<3>>(8), n = std::vector<Vec<3>>(6);
 };
 
-/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is null, and a hull is not copied.
+/// Shape 2 is brought into frame 1 by X_12; for shape 1 that is null, and a hull is not copied. Not for planes and
+/// curved cores.
 inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& storage) {
   const Mat<3> R = X_12 ? X_12->q.matrix() : Mat<3>::Identity();
   const Vec<3> p = X_12 ? X_12->p : Vec<3>::Zero();
+  if (storage.v.size() < 8) storage.v.resize(8);
   Vec<3>* v = storage.v.data();
   Vec<3>* n = storage.n.data();
-  switch (s.kind) {
-    case ShapeKind::sphere:
+  switch (s.core()) {
+    case CoreClass::point:
       v[0] = p;
       return {v, n, nullptr, 1};
-    case ShapeKind::capsule:
-    case ShapeKind::segment: {
+    case CoreClass::segment: {
       const Vec<3> h = s.half[0] * R.col(0);
       v[0] = p - h, v[1] = p + h;
       return {v, n, &segmentTopology(), 2};
     }
-    case ShapeKind::box: {
+    case CoreClass::box: {
       const Vec<3> x = s.half[0] * R.col(0), y = s.half[1] * R.col(1), z = s.half[2] * R.col(2);
       const Vec<3> mm = p - y - z, pm = p + y - z, mp = p - y + z, pp = p + y + z;
       v[0] = mm - x, v[1] = mm + x, v[2] = pm - x, v[3] = pm + x;
@@ -88,7 +89,7 @@ inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& sto
       for (int k = 0; k < 3; ++k) n[2 * k] = -R.col(k), n[2 * k + 1] = R.col(k);
       return {v, n, &boxTopology(), 8};
     }
-    case ShapeKind::polytope: {
+    case CoreClass::hull: {
       const Polytope<3>& hull = *s.hull;
       const std::size_t vertices = hull.vertices.size(), faces = hull.faces.size();
       if (storage.n.size() < faces) storage.n.resize(faces);
@@ -99,8 +100,45 @@ inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& sto
       for (std::size_t i = 0; i < vertices; ++i) storage.v[i] = R * hull.vertices[i] + p;
       return {storage.v.data(), storage.n.data(), &hull, static_cast<int>(vertices)};
     }
+    case CoreClass::curved:
+    case CoreClass::plane:
+      LPC_ASSERT(false);  // has no list of faces
+      break;
   }
   return {};
+}
+
+/// One face with so many corners, counter-clockwise seen from outside.
+inline const Polytope<3>& polygonTopology(std::size_t corners) {
+  constexpr std::size_t kMost = 64;
+  static const std::vector<Polytope<3>> polygons = [] {
+    std::vector<Polytope<3>> made(kMost + 1);
+    for (int count = 3; count <= static_cast<int>(kMost); ++count) {
+      Polytope<3>& t = made[static_cast<std::size_t>(count)];
+      t.faces.push_back({Vec<3>::Zero(), 0, 0, count});
+      for (int i = 0; i < count; ++i) {
+        t.loop.push_back(i);
+        t.edges.push_back({i, (i + 1) % count, 0, -1});
+      }
+    }
+    return made;
+  }();
+  LPC_ASSERT(corners >= 3 && corners <= kMost);
+  return polygons[corners];
+}
+
+/// As `makeCore3`, of a shape that faces the other one along d (frame 1, any length): a curved core is its support face
+/// there, a polygon, an edge, or a point.
+inline Core3 makeFacing3(const ShapeView<3>& s, const Pose<3>* X_12, const Vec<3>& d, Storage3& storage) {
+  if (s.core() != CoreClass::curved) return makeCore3(s, X_12, storage);
+  const Pose<3> X = X_12 ? *X_12 : Pose<3>{};
+  s.curved->supportFace(X.q.inverse() * d, storage.v);
+  auto& v = storage.v;
+  for (Vec<3>& corner : v) corner = X * corner;
+  const int count = static_cast<int>(v.size());
+  if (count < 3) return {v.data(), storage.n.data(), count == 2 ? &segmentTopology() : nullptr, count};
+  storage.n[0] = (v[1] - v[0]).cross(v[2] - v[0]).normalized();
+  return {v.data(), storage.n.data(), &polygonTopology(v.size()), count};
 }
 
 /// The face of `c` whose normal is most along `d`; with a vertex, only among the faces around it.

@@ -5,16 +5,30 @@
 
 namespace lpc::inline LPC_PRECISION::contacts {
 
-/// Half extents of a core that is a box, flat ones included: a point, a segment along x, a box. Not for polytopes.
+/// A point, a segment or a box: a box by its half extents, flat ones included.
 template <int D>
-Vec<D> coreHalf(const ShapeView<D>& s) {
-  Vec<D> half = Vec<D>::Zero();
-  if (s.kind == ShapeKind::box) half = s.half;
-  if (s.kind == ShapeKind::capsule || s.kind == ShapeKind::segment) half[0] = s.half[0];
-  return half;
+bool isBox(const ShapeView<D>& s) {
+  switch (s.core()) {
+    case CoreClass::point:
+    case CoreClass::segment:
+    case CoreClass::box:
+      return true;
+    case CoreClass::hull:
+    case CoreClass::curved:
+    case CoreClass::plane:
+      break;
+  }
+  return false;
 }
 
-/// Shape 1 is a sphere, shape 2 anything but a polytope: closed form. Returns the number of points, 0 or 1.
+/// Half extents of such a core.
+template <int D>
+Vec<D> coreHalf(const ShapeView<D>& s) {
+  LPC_ASSERT(isBox(s));
+  return s.half;
+}
+
+/// Shape 1 is a sphere, shape 2 `isBox`: closed form. Returns the number of points, 0 or 1.
 template <int D>
 int collidePointBox(const PlacedPair<D>& pair, Vec<D>& n, PatchPoint<D>& out) {
   const Vec<D> half = coreHalf(pair.record2->shape.view());

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "algorithms/contacts/plane_patch.h"
 #include "algorithms/contacts/query_batches.h"
 #include "algorithms/contacts/query_clip2.h"
 #include "algorithms/contacts/query_clip3.h"
@@ -50,6 +51,10 @@ class QueryClip final : public ContactGenerator<D> {
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
     m_batches.run(
         in, m_params.bias, work, [&](const ShapePair& pair, const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
+          if (hasPlane(placed)) {
+            const Vec<D> down = planePatch(placed, m_plane);
+            return addPatch<D>(in, pair, placed, down, m_plane.points, fresh);
+          }
           const Vec<D> n = answer.normal;
           addPatch<D>(in, pair, placed, n, clipAlong(placed, n, witnessPoint(placed, answer), m_scratch), fresh);
         });
@@ -59,6 +64,7 @@ class QueryClip final : public ContactGenerator<D> {
   Params m_params;
   QueryBatches<D> m_batches;
   typename ScratchOf<D>::type m_scratch;
+  PlaneScratch<D> m_plane;
 };
 
 }  // namespace

@@ -17,8 +17,8 @@ inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2
   const ShapeView<2>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
   Patch2& out = s.patch;
   out.count = 0;
-  if (s1.kind != ShapeKind::sphere) {
-    const Core2 c1 = makeCore2(s1, nullptr, s.first), c2 = makeCore2(s2, &pair.X_12, s.second);
+  const Core2 c1 = makeFacing2(s1, nullptr, n, s.first), c2 = makeFacing2(s2, &pair.X_12, -n, s.second);
+  if (s1.core() != CoreClass::point && c1.count > 1 && c2.count > 1) {
     clipEdges(edgeOf(c1, edgeAlong(c1, n)), edgeOf(c2, edgeAlong(c2, -n)), n, pair, out);
   }
   if (!(out.deepest() <= witness.separation + pair.tolerance)) {

@@ -18,11 +18,11 @@ inline std::span<PatchPoint<3>> clipAlong(const PlacedPair<3>& pair, const Vec<3
   Patch3& out = s.patch;
   out.normal = n;
   out.points.clear();
-  if (s1.kind == ShapeKind::sphere) {
+  const Core3 c1 = makeFacing3(s1, nullptr, n, s.first), c2 = makeFacing3(s2, &pair.X_12, -n, s.second);
+  if (c1.edgeCount() == 0 || c2.edgeCount() == 0) {
     out.points.push_back(witness);
     return out.points;
   }
-  const Core3 c1 = makeCore3(s1, nullptr, s.first), c2 = makeCore3(s2, &pair.X_12, s.second);
   clipFacing(c1, c2, n, witness, pair, s.clip, out);
   reduceToFour(n, pair.tolerance, out.points);
   return out.points;

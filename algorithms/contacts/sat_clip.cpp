@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "algorithms/contacts/plane_patch.h"
 #include "algorithms/contacts/sat_collide2.h"
 #include "algorithms/contacts/sat_collide3.h"
 #include "framework/tolerances.h"
@@ -34,7 +35,7 @@ class SatClip final : public ContactGenerator<D> {
 
   static Info info() {
     return {.name = "sat_clip",
-            .summary = "separating axis test, then clips the incident face against the reference face",
+            .summary = "separating axis test, then clips the incident face against the reference face; no curved cores",
             .paper = "gregorius2013",
             .complexity = "f v + e^2 per pair of hulls, 15 axes per pair of boxes",
             .failures = {{"a body that is more than half through a thin one",
@@ -42,12 +43,21 @@ class SatClip final : public ContactGenerator<D> {
                           "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
   }
 
-  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  bool supports(ShapeKind a, ShapeKind b) const override {
+    const CoreClass first = coreClass(a), second = coreClass(b);
+    if (first == CoreClass::curved || second == CoreClass::curved) return false;  // no list of axes
+    return first != CoreClass::plane || second != CoreClass::plane;
+  }
 
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
     work[Count::pairQueries] += in.pairs.size();
     for (const ShapePair& pair : in.pairs) {
       const PlacedPair<D> placed = placePair(in, pair, m_params.bias);
+      if (hasPlane(placed)) {
+        const Vec<D> n = planePatch(placed, m_plane);
+        addPatch<D>(in, pair, placed, n, m_plane.points, fresh);
+        continue;
+      }
       satCollide(placed, m_scratch, work);
       addPatch(in, pair, placed, patchNormal(m_scratch), patchPoints(m_scratch, placed.tolerance), fresh);
     }
@@ -56,6 +66,7 @@ class SatClip final : public ContactGenerator<D> {
  private:
   Params m_params;
   typename ScratchOf<D>::type m_scratch;
+  PlaneScratch<D> m_plane;
 };
 
 }  // namespace

@@ -27,8 +27,8 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, Work& work)
   Patch2& out = scratch.patch;
   out.count = 0;
   const ShapeView<2>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
-  const bool boxes = s2.kind != ShapeKind::polytope;
-  if (boxes && s1.kind == ShapeKind::sphere) {
+  const bool boxes = isBox(s1) && isBox(s2), point = s1.core() == CoreClass::point;
+  if (boxes && point) {
     out.count = collidePointBox(pair, out.normal, out.points[0]);
     return;
   }
@@ -41,7 +41,7 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, Work& work)
   const Core2 c1 = makeCore2(s1, nullptr, scratch.first);
   const Core2 c2 = makeCore2(s2, &pair.X_12, scratch.second);
   if (!boxes) {
-    if (s1.kind != ShapeKind::sphere) axis1 = bestEdge(c1, c2, pair.limit);
+    if (!point) axis1 = bestEdge(c1, c2, pair.limit);
     work[Count::axisTests] += static_cast<std::uint64_t>(c1.count);
     if (axis1.separation > pair.limit) return;
     axis2 = bestEdge(c2, c1, pair.limit);

@@ -71,13 +71,13 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, Work& work) {
   Patch3& out = s.patch;
   out.points.clear();
   const ShapeView<3>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
-  if (s1.kind == ShapeKind::sphere && s2.kind != ShapeKind::polytope) {
+  if (s1.core() == CoreClass::point && isBox(s2)) {
     PatchPoint<3> p;
     if (collidePointBox(pair, out.normal, p)) out.points.push_back(p);
     return;
   }
   Axes3 axes;
-  const bool boxes = s1.kind == ShapeKind::box && s2.kind == ShapeKind::box;
+  const bool boxes = s1.core() == CoreClass::box && s2.core() == CoreClass::box;
   if (boxes) {
     work[Count::axisTests] += 15;
     if (!boxAxes(s1.half, s2.half, pair.X_12.p, pair.X_12.q.matrix(), pair.limit, pair.tolerance, axes)) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <array>
 
-#include "algorithms/pair_query/touching.h"
+#include "algorithms/pair_query/plane_pair.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -19,23 +19,33 @@ class ClosedForm final : public PairQuery<D> {
 
   static Info info() {
     return {.name = "closed_form",
-            .summary = "formulas for points, segments and boxes with rounding; box-box and polytopes are refused",
+            .summary = "formulas for rounded points, segments and boxes, box-box left out, and for planes",
             .paper = "ericson2004",
             .complexity = "O(1)"};
   }
 
-  bool supports(ShapeKind a, ShapeKind b) const override { return a < ShapeKind::box && b < ShapeKind::polytope; }
+  bool supports(ShapeKind a, ShapeKind b) const override {
+    if (hasPlane(a, b)) return supportsPlane(a, b);
+    const CoreClass first = coreClass(a), second = coreClass(b);
+    const bool thin = first == CoreClass::point || first == CoreClass::segment;
+    return thin && (second == CoreClass::point || second == CoreClass::segment || second == CoreClass::box);
+  }
 
   void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory>,
              Work& work) override {
     work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
-    const bool pointA = batch.kindA == ShapeKind::sphere;
+    const CoreClass classA = coreClass(batch.kindA), classB = coreClass(batch.kindB);
+    const bool pointA = classA == CoreClass::point;
     for (int i = 0; i < batch.count; ++i) {
       const CorePair<D> pair(batch, i);
+      if (hasPlane(batch.kindA, batch.kindB)) {
+        answers.set(i, m_plane.answer(pair, work));
+        continue;
+      }
       BestAxis<D> best;
-      if (batch.kindB == ShapeKind::box) {
+      if (classB == CoreClass::box) {
         pointA ? pointBox(pair, best) : segmentBox(pair, best, work);
-      } else if (batch.kindB == ShapeKind::sphere) {
+      } else if (classB == CoreClass::point) {
         pointPoint(pair, best);
       } else {
         pointA ? pointSegment(pair, best, work) : segmentSegment(pair, best, work);
@@ -173,6 +183,7 @@ class ClosedForm final : public PairQuery<D> {
     best.tryDirection(pair, pair.r * v, work);
   }
 
+  PlanePair<D> m_plane;
   TouchingPoint m_touching;
 };
 

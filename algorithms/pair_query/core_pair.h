@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Two cores (point, segment, box, polytope: the shapes without their rounding) in A's frame, and the one bound on which
+// Two bounded cores (the shapes without their rounding) in A's frame, and the one bound on which
 // all answers of this folder rest. With M = { b - a } and a unit vector n,
 //
 //   L(n) = min over M of n . m = -h_A(n) - h_B(-n)   <=   phi = max over unit d of L(d),
@@ -36,10 +36,19 @@ void removeAlong(Vec<D>& n, const Vec<D>& e) {
   n -= n.dot(e) * e;
 }
 
-/// Largest |coordinate| of the core in its own frame (m).
+/// Largest |coordinate| of the core in its own frame (m); of a plane 0.
 template <int D>
 Real coreReach(const ShapeView<D>& shape) {
-  if (shape.kind != ShapeKind::polytope) return shape.half.maxCoeff();
+  switch (shape.core()) {
+    case CoreClass::point:
+    case CoreClass::segment:
+    case CoreClass::box:
+    case CoreClass::curved:
+    case CoreClass::plane:
+      return shape.half.maxCoeff();
+    case CoreClass::hull:
+      break;
+  }
   Real reach = 0;
   for (const Vec<D>& v : shape.hull->vertices) reach = std::max(reach, v.cwiseAbs().maxCoeff());
   return reach;
@@ -54,8 +63,8 @@ struct CorePair {
 
   CorePair(const PairBatch<D>& batch, int i) {
     const auto n = static_cast<std::size_t>(i);
-    a.kind = batch.kindA, a.radius = batch.radiusA[n], a.hull = batch.hullA[n];
-    b.kind = batch.kindB, b.radius = batch.radiusB[n], b.hull = batch.hullB[n];
+    a.kind = batch.kindA, a.radius = batch.radiusA[n], a.hull = batch.hullA[n], a.curved = batch.curvedA[n];
+    b.kind = batch.kindB, b.radius = batch.radiusB[n], b.hull = batch.hullB[n], b.curved = batch.curvedB[n];
     for (int d = 0; d < D; ++d) {
       const auto k = static_cast<std::size_t>(d);
       a.half[d] = batch.halfA[k][n], b.half[d] = batch.halfB[k][n], p[d] = batch.p[k][n];

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include <cstring>
 
+#include "algorithms/pair_query/curved_polish.h"
 #include "algorithms/pair_query/epa3.h"
 #include "algorithms/pair_query/gjk_simplex3.h"
 #include "algorithms/pair_query/local_features.h"
+#include "algorithms/pair_query/plane_pair.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -37,13 +39,17 @@ class GjkEpa final : public PairQuery<D> {
             .complexity = "about 4 to 12 support points apart, 10 to 40 when penetrating"};
   }
 
-  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  bool supports(ShapeKind a, ShapeKind b) const override { return !hasPlane(a, b) || supportsPlane(a, b); }
 
   void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
              Work& work) override {
     work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
     for (int i = 0; i < batch.count; ++i) {
       const CorePair<D> pair(batch, i);
+      if (hasPlane(batch.kindA, batch.kindB)) {
+        answers.set(i, m_plane.answer(pair, work));
+        continue;
+      }
       PairMemory* remembered = memory.empty() ? nullptr : &memory[static_cast<std::size_t>(i)];
       BestAxis<D> best;
       const QueryStatus status = search(pair, need, remembered, best, work);
@@ -74,11 +80,16 @@ class GjkEpa final : public PairQuery<D> {
     std::memcpy(memory.bytes.data(), stored.data(), sizeof(stored));
   }
 
+  // A curved surface is never met by a facet, only approached: the tolerance is this many times as large there. A facet
+  // that is flatter still has a normal made of rounding.
+  static constexpr Real kCurved = sizeof(Real) == 8 ? 64 : 4;
+
   // Faces lower than a hundredth of the scale are worked over; nearly all are higher.
   static constexpr Real kLeaning = 16;
 
   QueryStatus search(const CorePair<D>& pair, Need need, const PairMemory* memory, BestAxis<D>& best, Work& work) {
-    const Real tolerance = m_params.tolerance * pair.scale;
+    const bool curved = pair.a.curved || pair.b.curved;
+    const Real tolerance = m_params.tolerance * pair.scale * (curved ? kCurved : Real(1));
     const auto support = [&](const Vec<D>& n) {
       work[Count::supportCalls] += 2;
       const Vec<D> w = pair.support(n);
@@ -120,6 +131,7 @@ class GjkEpa final : public PairQuery<D> {
     if (capped) return QueryStatus::iterationLimit;
     const EpaLimits limits{m_params.faces, tolerance};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
+    if (curved && status != QueryStatus::converged) polishCurved(pair, best, work);
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
     if (inside && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
     if constexpr (D == 3) {
@@ -138,6 +150,7 @@ class GjkEpa final : public PairQuery<D> {
   Params m_params;
   Epa<D> m_epa;
   LocalFeatures<D> m_local;
+  PlanePair<D> m_plane;
   TouchingPoint m_touching;
 };
 

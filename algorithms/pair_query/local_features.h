@@ -67,10 +67,20 @@ class LocalFeatures {
   // Unit edges with an end within `band` of the core's farthest along n.
   static void edgesAt(const ShapeView<3>& shape, const Vec<3>& n, Real band, std::vector<Vec<3>>& out) {
     out.clear();
-    for (int k = 0; k < 3; ++k) {
-      if (shape.half[k] > 0) out.push_back(Vec<3>::Unit(k));
+    switch (shape.core()) {
+      case CoreClass::point:
+      case CoreClass::segment:
+      case CoreClass::box:
+        for (int k = 0; k < 3; ++k) {
+          if (shape.half[k] > 0) out.push_back(Vec<3>::Unit(k));
+        }
+        return;
+      case CoreClass::curved:  // has no facets that could be lost
+      case CoreClass::plane:
+        return;
+      case CoreClass::hull:
+        break;
     }
-    if (shape.kind != ShapeKind::polytope) return;
     const std::vector<Vec<3>>& vertices = shape.hull->vertices;
     const Real height = coreSupport(shape, n).dot(n) - band;
     for (const auto& edge : shape.hull->edges) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
+#include "algorithms/pair_query/plane_pair.h"
 #include "algorithms/pair_query/sat_boxes.h"
 #include "algorithms/pair_query/sat_polytope2.h"
 #include "algorithms/pair_query/sat_polytope3.h"
-#include "algorithms/pair_query/touching.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -19,21 +19,29 @@ class Sat final : public PairQuery<D> {
   explicit Sat(const Params&) {}
 
   static Info info() {
-    return {.name = "sat",
-            .summary = "separating axes: face normals, edge-edge normals, and nearest vertices when apart",
-            .paper = "gottschalk1996",
-            .complexity = "boxes O(1); polytopes faces * vertices + edges^2 sign tests"};
+    return {
+        .name = "sat",
+        .summary = "separating axes: face normals, edge-edge normals, and nearest vertices when apart; no curved cores",
+        .paper = "gottschalk1996",
+        .complexity = "boxes O(1); polytopes faces * vertices + edges^2 sign tests"};
   }
 
-  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  bool supports(ShapeKind a, ShapeKind b) const override {
+    if (coreClass(a) == CoreClass::curved || coreClass(b) == CoreClass::curved) return false;
+    return !hasPlane(a, b) || supportsPlane(a, b);
+  }
 
   void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory>,
              Work& work) override {
     work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
     for (int i = 0; i < batch.count; ++i) {
       const CorePair<D> pair(batch, i);
+      if (hasPlane(batch.kindA, batch.kindB)) {
+        answers.set(i, m_plane.answer(pair, work));
+        continue;
+      }
       BestAxis<D> best;
-      if (batch.kindB == ShapeKind::polytope) {
+      if (pair.a.hull || pair.b.hull) {
         m_polytope.run(pair, best, work);
       } else {
         SatBoxes<D>(pair, best, work).run();
@@ -43,6 +51,7 @@ class Sat final : public PairQuery<D> {
   }
 
  private:
+  PlanePair<D> m_plane;
   SatPolytope<D> m_polytope;
   TouchingPoint m_touching;
 };

@@ -14,6 +14,7 @@ class SatBoxes {
       : m_pair(pair), m_best(best), m_work(work), m_hA(pair.a.half), m_hB(pair.b.half) {}
 
   void run() {
+    LPC_ASSERT(m_pair.a.core() <= CoreClass::box && m_pair.b.core() <= CoreClass::box);
     for (int k = 0; k < D; ++k) {
       test(Vec<D>::Unit(k));
       test(m_pair.r.col(k));

@@ -46,21 +46,24 @@ class SatPolytope<2> {
       core.vertices.push_back(p + r * v);
       core.normals.push_back(r * n);
     };
-    switch (shape.kind) {
-      case ShapeKind::sphere:
+    switch (shape.core()) {
+      case CoreClass::point:
         core.vertices.push_back(p);
         break;
-      case ShapeKind::capsule:
-      case ShapeKind::segment:
+      case CoreClass::segment:
         add({x, 0}, {0, 1}), add({-x, 0}, {0, -1});
         break;
-      case ShapeKind::box:
+      case CoreClass::box:
         add({x, -y}, {1, 0}), add({x, y}, {0, 1}), add({-x, y}, {-1, 0}), add({-x, -y}, {0, -1});
         break;
-      case ShapeKind::polytope:
+      case CoreClass::hull:
         for (std::size_t i = 0; i < shape.hull->vertices.size(); ++i) {
           add(shape.hull->vertices[i], shape.hull->normals[i]);
         }
+        break;
+      case CoreClass::curved:
+      case CoreClass::plane:
+        LPC_ASSERT(false);  // has no list of edges
         break;
     }
   }

@@ -48,15 +48,28 @@ class SatPolytope<3> {
 
   static void fill(const ShapeView<3>& shape, const Vec<3>& p, const Mat<3>& r, Core& core) {
     core.vertices.clear(), core.faces.clear(), core.edges.clear();
-    if (shape.kind == ShapeKind::polytope) return fillPolytope(*shape.hull, p, r, core);
     const Vec<3>& h = shape.half;
-    if (shape.kind == ShapeKind::box) return fillBox(h, p, r, core);
-    core.vertices.push_back(p - h[0] * r.col(0));
-    if (shape.kind == ShapeKind::sphere) return;
-    core.vertices.push_back(p + h[0] * r.col(0));
-    Edge edge{0, 1, r.col(0)};
-    edge.bare = true;
-    core.edges.push_back(edge);
+    switch (shape.core()) {
+      case CoreClass::hull:
+        return fillPolytope(*shape.hull, p, r, core);
+      case CoreClass::box:
+        return fillBox(h, p, r, core);
+      case CoreClass::point:
+        core.vertices.push_back(p);
+        return;
+      case CoreClass::segment: {
+        core.vertices.push_back(p - h[0] * r.col(0));
+        core.vertices.push_back(p + h[0] * r.col(0));
+        Edge edge{0, 1, r.col(0)};
+        edge.bare = true;
+        core.edges.push_back(edge);
+        return;
+      }
+      case CoreClass::curved:
+      case CoreClass::plane:
+        LPC_ASSERT(false);  // has no list of edges
+        return;
+    }
   }
 
   static void fillPolytope(const Polytope<3>& hull, const Vec<3>& p, const Mat<3>& r, Core& core) {

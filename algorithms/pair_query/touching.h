@@ -10,17 +10,34 @@
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
-/// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame).
+/// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame); of a
+/// curved core the corners of its support face that do, or its support point.
 template <int D>
 void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, std::vector<Vec<D>>& out) {
   out.clear();
-  if (shape.kind == ShapeKind::polytope) {
-    Real farthest = -std::numeric_limits<Real>::infinity();
-    for (const Vec<D>& v : shape.hull->vertices) farthest = std::max(farthest, v.dot(n));
-    for (const Vec<D>& v : shape.hull->vertices) {
-      if (v.dot(n) >= farthest - band) out.push_back(v);
+  switch (shape.core()) {
+    case CoreClass::hull: {
+      Real farthest = -std::numeric_limits<Real>::infinity();
+      for (const Vec<D>& v : shape.hull->vertices) farthest = std::max(farthest, v.dot(n));
+      for (const Vec<D>& v : shape.hull->vertices) {
+        if (v.dot(n) >= farthest - band) out.push_back(v);
+      }
+      return;
     }
-    return;
+    case CoreClass::curved: {
+      const Vec<D> farthest = coreSupport(shape, n);
+      shape.curved->supportFace(n, out);
+      std::erase_if(out, [&](const Vec<D>& v) { return v.dot(n) < farthest.dot(n) - band; });
+      if (out.size() < 2) out.assign(1, farthest);
+      return;
+    }
+    case CoreClass::plane:
+      LPC_ASSERT(false);  // plane_pair.h answers these
+      return;
+    case CoreClass::point:
+    case CoreClass::segment:
+    case CoreClass::box:
+      break;
   }
   out.push_back(coreSupport(shape, n));
   for (int k = 0; k < D; ++k) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "experiments/bench/bench_groups.h"
+#include "framework/curved_core.h"
 #include "framework/random.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
@@ -32,19 +33,24 @@ Vec<D> drawDirection(Random& random) {
 template <int D>
 Shape<D> drawShape(Random& random, ShapeKind kind, int hullPoints) {
   const auto size = [&] { return static_cast<Real>(random.uniform(0.3, 1)); };
-  switch (kind) {
-    case ShapeKind::sphere:
+  switch (coreClass(kind)) {
+    case CoreClass::point:
       return Shape<D>::sphere(size());
-    case ShapeKind::capsule:
-      return Shape<D>::capsule(size(), size() / 2);
-    case ShapeKind::segment:
-      return Shape<D>::segment(size());
-    case ShapeKind::box: {
+    case CoreClass::segment:
+      return kind == ShapeKind::segment ? Shape<D>::segment(size()) : Shape<D>::capsule(size(), size() / 2);
+    case CoreClass::box: {
       Vec<D> half;
       for (int d = 0; d < D; ++d) half[d] = size();
       return Shape<D>::box(half);
     }
-    case ShapeKind::polytope:
+    case CoreClass::curved: {
+      std::vector<Real> sizes;
+      for (std::size_t i = 0; i < curvedKind<D>(kind).sizes.size(); ++i) sizes.push_back(size());
+      return Shape<D>::curved(kind, sizes);
+    }
+    case CoreClass::plane:
+      return Shape<D>::plane();
+    case CoreClass::hull:
       break;
   }
   std::vector<Vec<D>> points;
@@ -184,7 +190,7 @@ void forKinds(StageKind stage, Add add) {
       for (int a = 0; a < kShapeKinds; ++a) {
         for (int b = a; b < kShapeKinds; ++b) {
           const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
-          const bool exists = D == 2 || (kindA != ShapeKind::segment && kindB != ShapeKind::segment);
+          const bool exists = kindExists(kindA, D) && kindExists(kindB, D);
           if (exists && method->supports(kindA, kindB)) add(algorithm->info.role, spec, kindA, kindB);
         }
       }

@@ -141,8 +141,7 @@ class Plan {
     for (int a = 0; a < kShapeKinds; ++a) {
       for (int b = a; b < kShapeKinds; ++b) {
         const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
-        // Segments exist in 2D only.
-        if (dimension == 3 && (kindA == ShapeKind::segment || kindB == ShapeKind::segment)) continue;
+        if (!kindExists(kindA, dimension) || !kindExists(kindB, dimension)) continue;
         addSubject(precision, dimension, {stage, std::pair(kindA, kindB), {}});
       }
     }

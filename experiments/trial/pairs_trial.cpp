@@ -9,6 +9,7 @@
 
 #include "experiments/trial/pair_reference.h"
 #include "experiments/trial/trial.h"
+#include "framework/curved_core.h"
 #include "framework/random.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
@@ -28,22 +29,27 @@ struct Pair {
 template <int D>
 Shape<D> drawShape(ShapeKind kind, double size, Random& random) {
   const auto length = [&] { return static_cast<Real>(size * random.uniform(0.2, 1)); };
-  switch (kind) {
-    case ShapeKind::sphere:
+  switch (coreClass(kind)) {
+    case CoreClass::point:
       return Shape<D>::sphere(length());
-    case ShapeKind::capsule: {
+    case CoreClass::segment: {
+      if (kind == ShapeKind::segment) return Shape<D>::segment(length());
       const Real half = length();
       return Shape<D>::capsule(half, length() / 2);
     }
-    case ShapeKind::segment:
-      if constexpr (D == 2) return Shape<D>::segment(length());
-      break;
-    case ShapeKind::box: {
+    case CoreClass::box: {
       Vec<D> half;
       for (int d = 0; d < D; ++d) half[d] = length();
       return Shape<D>::box(half);
     }
-    case ShapeKind::polytope:
+    case CoreClass::curved: {
+      std::vector<Real> sizes;
+      for (std::size_t i = 0; i < curvedKind<D>(kind).sizes.size(); ++i) sizes.push_back(length());
+      return Shape<D>::curved(kind, sizes);
+    }
+    case CoreClass::plane:
+      return Shape<D>::plane();
+    case CoreClass::hull:
       break;
   }
   std::vector<Vec<D>> points;
@@ -108,7 +114,7 @@ TrialResult runPairs(const json& t) {
   // A witness works in a process of its own, where this thread's clock does not see it: it tells the time itself.
   const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
   TrialResult out;
-  if (!method->supports(kindA, kindB) || (D == 3 && (kindA == ShapeKind::segment || kindB == ShapeKind::segment))) {
+  if (!method->supports(kindA, kindB) || !kindExists(kindA, D) || !kindExists(kindB, D)) {
     out.fail("unsupported", t.at("kind_a").get<std::string>() + " against " + t.at("kind_b").get<std::string>(), 0);
     return out;
   }

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "experiments/trial/scene_parsed.h"
-#include "framework/mass.h"
+#include "framework/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -57,8 +57,17 @@ Shape<D> readCore(TableReader& shape, SceneNumbers& numbers, const std::string& 
     if (D == 3) shape.fail("a segment exists in 2D only");
     return Shape<D>::segment(size("half_length"));
   }
-  shape.fail(shape.require("kind"),
-             "unknown shape kind '" + kind + "'; valid: sphere (or circle), box, capsule, segment (2D), polytope");
+  if (kind == "plane") return Shape<D>::plane();
+  std::string valid = "sphere (or circle), box, capsule, segment (2D), polytope, plane";
+  for (const auto& [curved, made] : curvedKinds<D>()) {
+    const std::string name(shapeKindName(curved));
+    valid += ", " + name;
+    if (name != kind) continue;
+    std::vector<Real> sizes;
+    for (const std::string_view s : made.sizes) sizes.push_back(size(std::string(s)));
+    return Shape<D>::curved(curved, sizes, rounding);
+  }
+  shape.fail(shape.require("kind"), "unknown shape kind '" + kind + "'; valid: " + valid);
 }
 
 template <int D>

@@ -46,16 +46,22 @@ template <int D>
 Shape<D> larger(const Shape<D>& shape, Draw& draw) {
   const ShapeView<D>& v = shape.view();
   const Real size = sizeOf(shape) * draw.real(0.01, 1), rounding = draw.coin() ? size : Real(0);
-  switch (v.kind) {
-    case ShapeKind::sphere:
+  switch (v.core()) {
+    case CoreClass::point:
       return Shape<D>::sphere(v.radius + size);
-    case ShapeKind::capsule:
+    case CoreClass::segment:
+      if (v.kind == ShapeKind::segment) return Shape<D>::segment(v.half[0] + size);
       return Shape<D>::capsule(v.half[0] + size, v.radius + rounding);
-    case ShapeKind::segment:
-      return Shape<D>::segment(v.half[0] + size);
-    case ShapeKind::box:
+    case CoreClass::box:
       return Shape<D>::box(v.half + size * Vec<D>(Vec<D>::Unit(draw.below(D))), v.radius + rounding);
-    case ShapeKind::polytope:
+    case CoreClass::curved: {
+      std::vector<Real> sizes(v.curved->sizes().begin(), v.curved->sizes().end());
+      for (Real& s : sizes) s += size;
+      return Shape<D>::curved(v.kind, sizes, v.radius + rounding);
+    }
+    case CoreClass::plane:
+      return shape;
+    case CoreClass::hull:
       break;
   }
   std::vector<Vec<D>> points = v.hull->vertices;
