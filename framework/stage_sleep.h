@@ -14,11 +14,12 @@ namespace lpc::inline LPC_PRECISION {
 /// What may wake a body. Gravity and the scene's own forces wake nobody.
 struct SleepEvent {
   enum Kind : std::uint8_t {
-    bodyRemoved,   // a body that touched `body`, or was jointed to it, is gone
+    bodyRemoved,   // a body that touched `body` is gone
     userChange,    // a force, velocity or pose was set by the user
     contactBegun,  // speed: of approach
     contactLost,
-    separationGrown  // speed: growth of the separation since the last step, over dt
+    separationGrown,  // speed: growth of the separation since the last step, over dt
+    jointRemoved      // a joint of `body` and `other` is gone; the number is in saved worlds, so it stays the last
   };
   Kind kind;
   std::int32_t body;   // whom it concerns

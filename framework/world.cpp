@@ -184,9 +184,8 @@ void World<D>::remove(Handle body) {
     return true;
   });
   for (std::size_t j = 0; j < m_joints.size(); ++j) {
-    PivotJoint<D>& joint = m_joints[j];
+    const PivotJoint<D>& joint = m_joints[j];
     if (joint.bodyA < 0 || (joint.bodyA != slot && joint.bodyB != slot)) continue;
-    m_events.push_back({SleepEvent::bodyRemoved, joint.bodyA == slot ? joint.bodyB : joint.bodyA, slot});
     removeJoint({static_cast<std::int32_t>(j), joint.generation});
   }
   std::erase_if(m_events, [&](const SleepEvent& e) { return e.body == slot; });
@@ -222,6 +221,9 @@ void World<D>::removeJoint(Handle joint) {
   if (joint.slot < 0 || i >= m_joints.size() || m_joints[i].bodyA < 0 || m_joints[i].generation != joint.generation) {
     throw UserError("world: there is no joint with handle " + std::to_string(joint.slot) + " (removed?)");
   }
+  const std::int32_t a = m_joints[i].bodyA, b = m_joints[i].bodyB;
+  m_events.push_back({SleepEvent::jointRemoved, a, b});
+  m_events.push_back({SleepEvent::jointRemoved, b, a});
   const std::uint32_t generation = m_joints[i].generation + 1;
   m_joints[i] = PivotJoint<D>{};
   m_joints[i].generation = generation;

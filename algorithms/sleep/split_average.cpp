@@ -77,6 +77,7 @@ class SplitAverage final : public SleepPolicy<D> {
     for (const SleepEvent& e : in.events) {
       switch (e.kind) {
         case SleepEvent::bodyRemoved:
+        case SleepEvent::jointRemoved:
         case SleepEvent::contactLost:
           wake(in, awake, e.body);
           break;

@@ -97,7 +97,8 @@ bool neverSleepsAgainstWill(SleepPolicy<D>& policy) {
 
 template <int D>
 bool wakesWhenSupportGoes(SleepPolicy<D>& policy) {
-  for (const auto kind : {SleepEvent::bodyRemoved, SleepEvent::contactLost, SleepEvent::separationGrown}) {
+  for (const auto kind :
+       {SleepEvent::bodyRemoved, SleepEvent::jointRemoved, SleepEvent::contactLost, SleepEvent::separationGrown}) {
     Stage<D> s;
     const int other = s.add(BodyType::dynamic), sleeper = s.add(BodyType::dynamic, false);
     if (kind == SleepEvent::separationGrown) s.stack(other, sleeper);

@@ -107,16 +107,17 @@ template <int D>
 class PlantedSleep final : public SleepPolicy<D> {
  public:
   enum class Bug {
-    deaf,     // hears of no event: supports go, forces act, and nobody wakes
-    nowhere,  // does not ask who carries: sleeps in the air
-    adrift,   // falls asleep before it has come to rest
-    crowd,    // nobody sleeps while anybody moves
-    wall      // a sleeper that is struck stays asleep
+    deaf,          // hears of no event: supports go, forces act, and nobody wakes
+    deafToJoints,  // hears of all but joints that are removed
+    nowhere,       // does not ask who carries: sleeps in the air
+    adrift,        // falls asleep before it has come to rest
+    crowd,         // nobody sleeps while anybody moves
+    wall           // a sleeper that is struck stays asleep
   };
   struct Params {
     Bug bug = Bug::deaf;
     void visit(ParamVisitor& v) {
-      v.choice("bug", bug, {"deaf", "nowhere", "adrift", "crowd", "wall"}, "what is wrong");
+      v.choice("bug", bug, {"deaf", "deaf_to_joints", "nowhere", "adrift", "crowd", "wall"}, "what is wrong");
     }
   };
   explicit PlantedSleep(const Params& params)
@@ -125,6 +126,9 @@ class PlantedSleep final : public SleepPolicy<D> {
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
     SleepInput<D> heard = in;
+    std::vector<SleepEvent> events(in.events.begin(), in.events.end());
+    const auto unheard = [](const SleepEvent& e) { return e.kind == SleepEvent::jointRemoved; };
+    if (m_bug == Bug::deafToJoints) std::erase_if(events, unheard), heard.events = events;
     if (m_bug == Bug::deaf) heard.events = {};
     const std::vector<std::uint8_t> before(awake.begin(), awake.end());
     m_right->decide(heard, awake, memory);
