@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/force.h"
+#include "framework/manifold_sort.h"
 #include "framework/profiler.h"
 #include "framework/spec.h"
 #include "framework/stage_broadphase.h"
@@ -175,8 +176,8 @@ class World final : private Detect, private Forces<D> {
   mutable bool m_stale = false;
 
   // Scratch and indices, rebuilt in each step.
-  std::vector<Manifold<D>> m_oldManifolds, m_fresh;
-  std::vector<std::uint32_t> m_order;
+  std::vector<Manifold<D>> m_oldManifolds;
+  ManifoldSort<D> m_sort;
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted

@@ -101,7 +101,7 @@ void World<D>::findPairs() {
 template <int D>
 void World<D>::makeContacts() {
   std::swap(m_manifolds, m_oldManifolds);
-  m_fresh.clear();
+  m_manifolds.clear();
   Work& work = m_profiler.frame().work;
   {
     Profiler::Scope scope(m_profiler, "cache");
@@ -110,22 +110,16 @@ void World<D>::makeContacts() {
   {
     Profiler::Scope scope(m_profiler, "contacts");
     m_contacts->generate({m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction},
-                         m_fresh, work);
+                         m_manifolds, work);
   }
   Profiler::Scope scope(m_profiler, "cache");
   // A pair without an active proxy is not reported by the broadphase: it stays as it was.
   for (const Manifold<D>& m : m_oldManifolds) {
     const bool resting =
         !m_proxies.active[static_cast<std::size_t>(m.shapeA)] && !m_proxies.active[static_cast<std::size_t>(m.shapeB)];
-    if (resting) m_fresh.push_back(m);
+    if (resting) m_manifolds.push_back(m);
   }
-  // Sort an index first: manifolds are large.
-  m_order.resize(m_fresh.size());
-  for (std::size_t i = 0; i < m_order.size(); ++i) m_order[i] = static_cast<std::uint32_t>(i);
-  const auto before = [&](std::uint32_t a, std::uint32_t b) { return m_fresh[a].key() < m_fresh[b].key(); };
-  if (!std::is_sorted(m_order.begin(), m_order.end(), before)) std::sort(m_order.begin(), m_order.end(), before);
-  m_manifolds.clear();
-  for (std::uint32_t i : m_order) m_manifolds.push_back(m_fresh[i]);
+  m_sort(m_manifolds);
   if (m_settings.features.cache) m_cache->carry(m_oldManifolds, m_manifolds);
 }
 
