@@ -8,6 +8,7 @@
 #include "framework/contact.h"
 #include "framework/joint.h"
 #include "framework/registry.h"
+#include "framework/work.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -36,6 +37,7 @@ struct SleepInput {
   std::span<const SleepEvent> events;
   Real restitutionThreshold;  // m/s
   Vec<D> gravity;             // m/s^2: tells a body that rests from one that is at the top of its flight
+  Work& work;
 };
 
 /// Decides who is awake, once a step before the solver. Changes `awake` and the two scalars per body; the world zeroes

@@ -48,26 +48,17 @@ void checkShape(const ShapeDef<D>& s, const std::string& who) {
   checkAmount(s.restitution, who, "restitution");
 }
 
-// Slot for one more item: the lowest free one, or a new one at the end. `count` is how many are in use.
-template <class T>
-std::size_t lowestFree(const std::vector<T>& items, int count, auto isFree) {
-  std::size_t i = 0;
-  if (static_cast<std::size_t>(count) == items.size()) return items.size();
-  while (!isFree(items[i])) ++i;
-  return i;
-}
-
 }  // namespace
 
 template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
     : m_pipeline(pipeline),
       m_settings(settings),
-      m_broadphase(createStage<Broadphase<D>>(pipeline.broadphase)),
       m_contacts(createStage<ContactGenerator<D>>(pipeline.contacts)),
       m_cache(createStage<ContactCache<D>>(pipeline.cache)),
       m_solver(createStage<Solver<D>>(pipeline.solver)),
-      m_sleep(createStage<SleepPolicy<D>>(pipeline.sleep)) {
+      m_sleep(createStage<SleepPolicy<D>>(pipeline.sleep)),
+      m_boxes(pipeline.broadphase, settings.margin) {
   if (!finite(settings.gravity)) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");
@@ -85,7 +76,7 @@ std::size_t World<D>::slotOf(Handle body) const {
 template <int D>
 std::size_t World<D>::freeBodySlot() {
   auto& b = m_bodies;
-  const std::size_t i = lowestFree(b.used, m_bodyCount, [](std::uint8_t used) { return !used; });
+  const std::size_t i = m_bodySlots.take(m_visits);
   if (i < b.used.size()) return i;
   b.pose.emplace_back(), b.motion.emplace_back(), b.center.emplace_back(Vec<D>::Zero());
   b.invMass.push_back(0), b.mass.push_back(0);
@@ -141,41 +132,34 @@ Handle World<D>::add(const BodyDef<D>& def) {
   b.invInertiaBody[i] = Inertia<D>::Zero();
   if (dynamic && def.rotatable && mass.inertia.trace() > 0) b.invInertiaBody[i] = mass.inertia.inverse();
   b.sleep[i] = {}, m_userForces[i] = {};
-  ++m_bodyCount;
   for (std::size_t s = 0; s < def.shapes.size(); ++s) {
     putShape(def.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
   }
-  m_stale = true;
   return handle(static_cast<std::int32_t>(i));
 }
 
 template <int D>
 void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index) {
-  const std::size_t i = lowestFree(m_shapes, m_shapeCount, [](const ShapeRecord<D>& r) { return r.body < 0; });
+  const std::size_t i = m_shapeSlots.take(m_visits);
   if (i == m_shapes.size()) m_shapes.emplace_back();
-  ++m_shapeCount, ++m_kindCount[static_cast<std::size_t>(def.shape.kind())];
+  ++m_kindCount[static_cast<std::size_t>(def.shape.kind())];
   const Vec<D>& center = m_bodies.center[static_cast<std::size_t>(body)];
   m_shapes[i] = {def.shape, {def.X_BS.p - center, def.X_BS.q}, body, index, def.friction, def.restitution, def.category,
                  def.mask};
-  m_proxies.resize(static_cast<int>(m_shapes.size()));
-  m_proxies.category[i] = def.category, m_proxies.mask[i] = def.mask, m_proxies.body[i] = body;
-  refreshBox(i);
-  m_added.push_back(static_cast<ProxyId>(i));
+  m_boxes.add(i, m_shapes[i]);
 }
 
 template <int D>
 void World<D>::remove(Handle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
+  m_visits += m_shapes.size() + m_manifolds.size() + m_joints.size();
   for (std::size_t s = 0; s < m_shapes.size(); ++s) {
     if (m_shapes[s].body != slot) continue;
-    --m_shapeCount, --m_kindCount[static_cast<std::size_t>(m_shapes[s].shape.kind())];
+    --m_kindCount[static_cast<std::size_t>(m_shapes[s].shape.kind())];
     m_shapes[s] = ShapeRecord<D>{};
-    m_proxies.setBox(static_cast<ProxyId>(s), Aabb<D>{});
-    m_proxies.body[s] = -1, m_proxies.active[s] = 0;
-    std::erase(m_moved, static_cast<ProxyId>(s));
-    // A slot that the broadphase has not heard of yet needs no farewell.
-    if (std::erase(m_added, static_cast<ProxyId>(s)) == 0) m_removed.push_back(static_cast<ProxyId>(s));
+    m_shapeSlots.give(s, m_visits);
+    m_boxes.remove(s);
   }
   std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
     if (m.bodyA != slot && m.bodyB != slot) return false;
@@ -195,8 +179,7 @@ void World<D>::remove(Handle body) {
   b.type[i] = BodyType::fixed, b.used[i] = b.awake[i] = b.canSleep[i] = b.pinned[i] = 0;
   b.sleep[i] = {}, m_userForces[i] = {};
   ++b.generation[i];
-  --m_bodyCount;
-  m_stale = true;
+  m_bodySlots.give(i, m_visits);
 }
 
 template <int D>
@@ -204,14 +187,12 @@ Handle World<D>::add(const PivotDef<D>& def) {
   const std::size_t a = slotOf(def.bodyA), b = slotOf(def.bodyB);
   if (a == b) throw UserError("world: a pivot needs two bodies");
   if (!finite(def.anchor)) throw UserError("world: the pivot's anchor is not finite");
-  const std::size_t i = lowestFree(m_joints, m_jointCount, [](const PivotJoint<D>& j) { return j.bodyA < 0; });
+  const std::size_t i = m_jointSlots.take(m_visits);
   if (i == m_joints.size()) m_joints.emplace_back();
-  ++m_jointCount;
   PivotJoint<D>& j = m_joints[i];
   j.bodyA = def.bodyA.slot, j.bodyB = def.bodyB.slot;
   j.localA = m_bodies.pose[a].inverse() * def.anchor, j.localB = m_bodies.pose[b].inverse() * def.anchor;
   j.impulse = Vec<D>::Zero(), j.collide = def.collide;
-  m_stale = true;
   return {static_cast<std::int32_t>(i), j.generation};
 }
 
@@ -227,7 +208,7 @@ void World<D>::removeJoint(Handle joint) {
   const std::uint32_t generation = m_joints[i].generation + 1;
   m_joints[i] = PivotJoint<D>{};
   m_joints[i].generation = generation;
-  --m_jointCount;
+  m_jointSlots.give(i, m_visits);
 }
 
 template <int D>
@@ -279,13 +260,10 @@ bool World<D>::awake(Handle body) const {
 
 template <int D>
 void World<D>::touched(std::size_t body) {
-  m_stale = true;
+  ++m_visits;
   m_bodies.awake[body] = 1;
-  const auto slot = static_cast<std::int32_t>(body);
-  m_events.push_back({SleepEvent::userChange, slot, -1});
-  for (std::size_t s = 0; s < m_shapes.size(); ++s) {
-    if (m_shapes[s].body == slot) refreshBox(s), m_moved.push_back(static_cast<ProxyId>(s));
-  }
+  m_events.push_back({SleepEvent::userChange, static_cast<std::int32_t>(body), -1});
+  m_boxes.touch(body);
 }
 template <int D>
 void World<D>::setPose(Handle body, const Pose<D>& X_WB) {
@@ -341,7 +319,7 @@ template <int D>
 std::vector<Handle> World<D>::at(const Vec<D>& point) const {
   sync();
   std::vector<ProxyId> found;
-  m_broadphase->at(m_proxies, point, found);
+  m_boxes.broadphase().at(m_boxes.proxies(), point, found);
   return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
 }
 
@@ -349,7 +327,7 @@ template <int D>
 std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
   sync();
   std::vector<ProxyId> found;
-  m_broadphase->overlap(m_proxies, box, found);
+  m_boxes.broadphase().overlap(m_boxes.proxies(), box, found);
   return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
@@ -357,7 +335,8 @@ template <int D>
 std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const {
   sync();
   std::vector<RayHit<D>> found;
-  m_broadphase->ray(m_proxies, p, direction, maxT, false, found);  // the first box need not hold the first shape
+  m_boxes.broadphase().ray(m_boxes.proxies(), p, direction, maxT, false,
+                           found);  // the first box need not hold the first shape
   std::vector<BodyRayHit<D>> out;
   for (const RayHit<D>& hit : found) {
     const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(hit.proxy)];

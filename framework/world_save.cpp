@@ -189,23 +189,16 @@ void World<D>::load(std::istream& in) {
   m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
 
   // A new broadphase instead of the old one's structure: its pair set has no history.
-  m_broadphase = createStage<Broadphase<D>>(m_pipeline.broadphase);
-  m_proxies = Proxies<D>{};
-  m_proxies.resize(static_cast<int>(m_shapes.size()));
-  m_added.clear(), m_removed.clear(), m_moved.clear();
-  m_bodyCount = m_shapeCount = m_jointCount = 0;
+  m_boxes = BoxIndex<D>(m_pipeline.broadphase, m_settings.margin);
+  m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
+  m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
+  m_jointSlots.read(m_joints, [](const PivotJoint<D>& j) { return j.bodyA < 0; });
   m_kindCount = {};
-  for (std::uint8_t used : m_bodies.used) m_bodyCount += used;
-  for (const PivotJoint<D>& j : m_joints) m_jointCount += j.bodyA >= 0;
   for (std::size_t i = 0; i < m_shapes.size(); ++i) {
-    const ShapeRecord<D>& r = m_shapes[i];
-    if (r.body < 0) continue;
-    ++m_shapeCount, ++m_kindCount[static_cast<std::size_t>(r.shape.kind())];
-    m_proxies.category[i] = r.category, m_proxies.mask[i] = r.mask, m_proxies.body[i] = r.body;
-    refreshBox(i);
-    m_added.push_back(static_cast<ProxyId>(i));
+    if (m_shapes[i].body < 0) continue;
+    ++m_kindCount[static_cast<std::size_t>(m_shapes[i].shape.kind())];
+    m_boxes.add(i, m_shapes[i]);
   }
-  m_stale = true;
 }
 
 template void World<2>::save(std::ostream&) const;

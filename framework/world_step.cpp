@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "framework/world.h"
 
@@ -37,48 +38,9 @@ Real approachSpeed(const Manifold<D>& m, const Bodies<D>& bodies) {
 }  // namespace
 
 template <int D>
-bool World<D>::proxyActive(std::size_t body) const {
-  return m_bodies.awake[body] && m_bodies.type[body] != BodyType::fixed;
-}
-
-template <int D>
-void World<D>::refreshBox(std::size_t shape) const {
-  const ShapeRecord<D>& s = m_shapes[shape];
-  const auto body = static_cast<std::size_t>(s.body);
-  // Both boxes of a pair grow by half the margin, so that they overlap when the shapes are within the whole of it.
-  Aabb<D> box = boundingBox(s.shape.view(), m_bodies.pose[body] * s.X_CS).grown(m_settings.margin / 2);
-  // A body that has become NaN takes no part in collision; it is for the caller to see and stop.
-  if (!box.lo.allFinite() || !box.hi.allFinite()) box = Aabb<D>{};
-  m_proxies.setBox(static_cast<ProxyId>(shape), box);
-  m_proxies.active[shape] = proxyActive(body);
-}
-
-template <int D>
-void World<D>::sync() const {
-  if (!m_stale) return;
-  m_stale = false;
-  for (std::size_t s = 0; s < m_shapes.size(); ++s) {
-    const std::int32_t body = m_shapes[s].body;
-    if (body < 0) continue;
-    const bool active = proxyActive(static_cast<std::size_t>(body));
-    if (active) {
-      refreshBox(s);
-      m_moved.push_back(static_cast<ProxyId>(s));
-    } else if (m_proxies.active[s]) {
-      m_proxies.active[s] = 0;
-      m_moved.push_back(static_cast<ProxyId>(s));
-    }
-  }
-  std::sort(m_moved.begin(), m_moved.end());
-  m_moved.erase(std::unique(m_moved.begin(), m_moved.end()), m_moved.end());
-  m_broadphase->update(m_proxies, {m_added, m_removed, m_moved});
-  m_added.clear(), m_removed.clear(), m_moved.clear();
-}
-
-template <int D>
 void World<D>::findPairs() {
   m_proxyPairs.clear();
-  m_broadphase->findPairs(m_proxies, m_proxyPairs, m_profiler.frame().work);
+  m_boxes.broadphase().findPairs(m_boxes.proxies(), m_proxyPairs, m_profiler.frame().work);
   m_unpaired.clear();
   if (m_settings.features.joints) {
     for (const PivotJoint<D>& j : m_joints) {
@@ -115,9 +77,7 @@ void World<D>::makeContacts() {
   Profiler::Scope scope(m_profiler, "cache");
   // A pair without an active proxy is not reported by the broadphase: it stays as it was.
   for (const Manifold<D>& m : m_oldManifolds) {
-    const bool resting =
-        !m_proxies.active[static_cast<std::size_t>(m.shapeA)] && !m_proxies.active[static_cast<std::size_t>(m.shapeB)];
-    if (resting) m_manifolds.push_back(m);
+    if (resting(m)) m_manifolds.push_back(m);
   }
   m_sort(m_manifolds);
   if (m_settings.features.cache) m_cache->carry(m_oldManifolds, m_manifolds);
@@ -130,10 +90,6 @@ void World<D>::tellListeners() {
   const auto wakeEvent = [&](SleepEvent::Kind kind, const Manifold<D>& m, Real speed) {
     if (asleep(m.bodyA)) m_events.push_back({kind, m.bodyA, m.bodyB, double(speed)});
     if (asleep(m.bodyB)) m_events.push_back({kind, m.bodyB, m.bodyA, double(speed)});
-  };
-  const auto resting = [&](const Manifold<D>& m) {
-    return !m_proxies.active[static_cast<std::size_t>(m.shapeA)] &&
-           !m_proxies.active[static_cast<std::size_t>(m.shapeB)];
   };
   const auto ended = [&](const Manifold<D>& m) {
     wakeEvent(SleepEvent::contactLost, m, 0);
@@ -162,7 +118,8 @@ void World<D>::tellListeners() {
 template <int D>
 void World<D>::decideSleep(Real dt) {
   m_awakeBefore = m_bodies.awake;
-  m_sleep->decide({dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold, m_settings.gravity},
+  m_sleep->decide({dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold, m_settings.gravity,
+                   m_profiler.frame().work},
                   m_bodies.awake, m_bodies.sleep);
   for (std::size_t i = 0; i < m_bodies.awake.size(); ++i) {
     if (m_awakeBefore[i] && !m_bodies.awake[i]) m_bodies.motion[i] = {};
@@ -226,6 +183,7 @@ void World<D>::step(Real dt) {
   if (dt == 0) return;
   const Clock::time_point start = Clock::now();
   m_profiler.beginFrame(m_steps);
+  m_profiler.frame().work[Count::eventVisits] += std::exchange(m_visits, 0);
   {
     Profiler::Scope scope(m_profiler, "boxes");
     sync();
@@ -251,13 +209,13 @@ void World<D>::step(Real dt) {
     m_solver->step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this, m_settings.features,
                     m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler});
   }
-  m_stale = true;
+  m_boxes.outdate();
   std::fill(m_userForces.begin(), m_userForces.end(), Wrench<D>{});
   m_time += dt, m_lastDt = dt;
   ++m_steps;
 
   Profiler::Frame& f = m_profiler.frame();
-  f.bodies = m_bodyCount, f.pairs = static_cast<int>(m_pairs.size()),
+  f.bodies = bodyCount(), f.pairs = static_cast<int>(m_pairs.size()),
   f.manifolds = static_cast<int>(m_manifolds.size());
   f.awake = f.points = 0;
   for (std::size_t i = 0; i < m_bodies.pose.size(); ++i) f.awake += m_bodies.active(static_cast<int>(i));
@@ -286,9 +244,6 @@ std::uint64_t World<D>::hash() const {
 
 // The members of this file; the class as a whole is instantiated in world.cpp.
 #define LPC_INSTANTIATE(D)                                                              \
-  template bool World<D>::proxyActive(std::size_t) const;                               \
-  template void World<D>::refreshBox(std::size_t) const;                                \
-  template void World<D>::sync() const;                                                 \
   template void World<D>::again();                                                      \
   template void World<D>::eval(const ForceState<D>&, Real, std::span<Wrench<D>>) const; \
   template void World<D>::step(Real);                                                   \
