@@ -31,7 +31,13 @@ class BoxIndex {
   // As of the last sync().
   const Proxies<D>& proxies() const { return m_proxies; }
   bool active(std::int32_t shape) const { return m_proxies.active[static_cast<std::size_t>(shape)] != 0; }
-  Broadphase<D>& broadphase() const { return *m_broadphase; }
+  // What the broadphase says of these boxes; see there.
+  void findPairs(std::vector<ProxyPair>& out, Work& work) { m_broadphase->findPairs(m_proxies, out, work); }
+  void overlap(const Aabb<D>& box, std::vector<ProxyId>& out) const { m_broadphase->overlap(m_proxies, box, out); }
+  void at(const Vec<D>& point, std::vector<ProxyId>& out) const { m_broadphase->at(m_proxies, point, out); }
+  void ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, std::vector<RayHit<D>>& out) const {
+    m_broadphase->ray(m_proxies, p, direction, maxT, false, out);
+  }
 
  private:
   void refresh(std::size_t shape, const ShapeRecord<D>& record, const Pose<D>& X_WC);
