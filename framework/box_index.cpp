@@ -45,6 +45,10 @@ template <int D>
 void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies) {
   if (!m_stale) return;
   m_stale = false;
+  if (m_change.size() < shapes.size()) {  // a saved world may end in free slots
+    m_change.resize(shapes.size(), none);
+    m_proxies.resize(static_cast<int>(shapes.size()));
+  }
   m_touched.resize(bodies.pose.size(), 0);
   m_added.clear(), m_removed.clear(), m_moved.clear();
   for (std::size_t s = 0; s < shapes.size(); ++s) {

@@ -51,6 +51,23 @@ TYPED_TEST(WorldTest, HandlesOfRemovedBodiesAreInvalidAndSlotsAreReused) {
   EXPECT_EQ(world.bodyCount(), 2);
 }
 
+TYPED_TEST(WorldTest, ASavedWorldMayEndInFreeSlots) {
+  constexpr int D = TypeParam::D;
+  World<D> saved, loaded;
+  for (int i = 0; i < 40; ++i) saved.add(body<D>(Shape<D>::sphere(1), at<D>(3 * i, 0)));
+  for (int i = 10; i < 40; ++i) saved.remove(saved.handle(i));
+  std::stringstream bytes;
+  saved.save(bytes);
+  loaded.load(bytes);
+  for (World<D>* w : {&saved, &loaded}) {
+    w->step(kDt);
+    EXPECT_EQ(w->proxies().size(), 40);
+    EXPECT_EQ(w->add(body<D>(Shape<D>::sphere(1), at<D>(0, 3))).slot, 10);
+    w->step(kDt);
+  }
+  EXPECT_EQ(loaded.hash(), saved.hash());
+}
+
 TYPED_TEST(WorldTest, NoTimeChangesNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
