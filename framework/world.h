@@ -39,7 +39,8 @@ template <int D>
 class World;
 
 /// Is told about contacts, before the solver, in the order of the manifolds. A pair begins in the first step in which
-/// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent.
+/// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent. A pair is one of shapes:
+/// where shapes have several convex parts, it is told of once, with its first manifold; the others follow that one.
 template <int D>
 class ContactListener {
  public:
@@ -181,6 +182,7 @@ class World final : private Detect, private Forces<D> {
   ManifoldSort<D> m_sort;
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
+  std::vector<ConvexPair<D>> m_children;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted
   std::vector<int> m_active;
   std::vector<std::uint8_t> m_awakeBefore;

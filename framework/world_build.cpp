@@ -2,6 +2,8 @@
 // What a world is built of: bodies with their shapes, and joints. A definition is checked as a whole before anything
 // changes.
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "framework/user_numbers.h"
 #include "framework/world.h"
@@ -112,8 +114,10 @@ void World<D>::remove(Handle body) {
     m_shapeSlots.give(s, m_visits);
     m_boxes.remove(s);
   }
+  std::optional<decltype(Manifold<D>{}.shapeKey())> told;  // once for each pair of shapes
   std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
     if (m.bodyA != slot && m.bodyB != slot) return false;
+    if (std::exchange(told, m.shapeKey()) == m.shapeKey()) return true;
     m_events.push_back({SleepEvent::bodyRemoved, m.bodyA == slot ? m.bodyB : m.bodyA, slot});
     for (ContactListener<D>* l : m_listeners) l->end(*this, m);
     return true;

@@ -8,23 +8,35 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+// The manifolds of the first pair of shapes, one for each pair of their children: they stand together.
+template <class M>
+std::span<M> firstPair(std::span<M> manifolds) {
+  std::size_t n = 0;
+  while (n < manifolds.size() && manifolds[n].shapeKey() == manifolds[0].shapeKey()) ++n;
+  return manifolds.first(n);
+}
+
 template <int D>
-Real smallestSeparation(const Manifold<D>& m) {
-  Real s = m.points[0].separation;
-  for (int i = 1; i < m.count; ++i) s = std::min(s, m.points[static_cast<std::size_t>(i)].separation);
+Real smallestSeparation(std::span<const Manifold<D>> pair) {
+  Real s = pair[0].points[0].separation;
+  for (const Manifold<D>& m : pair) {
+    for (int i = 0; i < m.count; ++i) s = std::min(s, m.points[static_cast<std::size_t>(i)].separation);
+  }
   return s;
 }
 
 // Largest speed of approach over the points, m/s, at least 0.
 template <int D>
-Real approachSpeed(const Manifold<D>& m, const Bodies<D>& bodies) {
-  const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
+  const auto a = static_cast<std::size_t>(pair[0].bodyA), b = static_cast<std::size_t>(pair[0].bodyB);
   Real speed = 0;
-  for (int i = 0; i < m.count; ++i) {
-    const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
-    const Vec<D> vA = bodies.motion[a].v + cross(bodies.motion[a].w, bodies.pose[a].q * c.localA);
-    const Vec<D> vB = bodies.motion[b].v + cross(bodies.motion[b].w, bodies.pose[b].q * c.localB);
-    speed = std::max(speed, -(vB - vA).dot(m.normal));
+  for (const Manifold<D>& m : pair) {
+    for (int i = 0; i < m.count; ++i) {
+      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
+      const Vec<D> vA = bodies.motion[a].v + cross(bodies.motion[a].w, bodies.pose[a].q * c.localA);
+      const Vec<D> vB = bodies.motion[b].v + cross(bodies.motion[b].w, bodies.pose[b].q * c.localB);
+      speed = std::max(speed, -(vB - vA).dot(m.normal));
+    }
   }
   return speed;
 }
@@ -65,7 +77,9 @@ void World<D>::makeContacts() {
   }
   {
     Profiler::Scope scope(m_profiler, "contacts");
-    m_contacts->generate({m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction},
+    m_children.clear();
+    appendChildren<D>(m_regenerate, m_shapes, m_children);
+    m_contacts->generate({m_children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction},
                          m_manifolds, work);
   }
   Profiler::Scope scope(m_profiler, "cache");
@@ -85,28 +99,34 @@ void World<D>::tellListeners() {
     if (asleep(m.bodyA)) m_events.push_back({kind, m.bodyA, m.bodyB, double(speed)});
     if (asleep(m.bodyB)) m_events.push_back({kind, m.bodyB, m.bodyA, double(speed)});
   };
-  const auto ended = [&](const Manifold<D>& m) {
-    wakeEvent(SleepEvent::contactLost, m, 0);
-    for (ContactListener<D>* l : m_listeners) l->end(*this, m);
+  std::span<const Manifold<D>> old = m_oldManifolds;
+  const auto end = [&] {
+    wakeEvent(SleepEvent::contactLost, old[0], 0);
+    for (ContactListener<D>* l : m_listeners) l->end(*this, old[0]);
+    old = old.subspan(firstPair(old).size());
   };
-  std::size_t o = 0;
-  for (Manifold<D>& m : m_manifolds) {
-    while (o < m_oldManifolds.size() && m_oldManifolds[o].key() < m.key()) ended(m_oldManifolds[o++]);
-    const bool known = o < m_oldManifolds.size() && m_oldManifolds[o].key() == m.key();
-    const Manifold<D>* old = known ? &m_oldManifolds[o++] : nullptr;
+  for (std::span<Manifold<D>> rest = m_manifolds; !rest.empty();) {
+    const std::span<Manifold<D>> pair = firstPair(rest);
+    const Manifold<D>& m = pair[0];
+    rest = rest.subspan(pair.size());
+    while (!old.empty() && old[0].shapeKey() < m.shapeKey()) end();
+    const bool known = !old.empty() && old[0].shapeKey() == m.shapeKey();
+    const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
+    old = old.subspan(before.size());
     if (resting(m)) continue;
-    m.begun = !known, m.ignored = 0;
+    for (Manifold<D>& child : pair) child.begun = !known, child.ignored = 0;
     if (!known) {
-      wakeEvent(SleepEvent::contactBegun, m, approachSpeed(m, m_bodies));
+      wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, m_bodies));
     } else if (asleep(m.bodyA) || asleep(m.bodyB)) {
-      const Real growth = smallestSeparation(m) - smallestSeparation(*old);
+      const Real growth = smallestSeparation<D>(pair) - smallestSeparation<D>(before);
       if (growth > 0 && m_lastDt > 0) wakeEvent(SleepEvent::separationGrown, m, growth / m_lastDt);
     }
     for (ContactListener<D>* l : m_listeners) {
-      if (!(known ? l->persist(*this, m) : l->begin(*this, m))) m.ignored = 1;
+      if (known ? l->persist(*this, m) : l->begin(*this, m)) continue;
+      for (Manifold<D>& child : pair) child.ignored = 1;
     }
   }
-  while (o < m_oldManifolds.size()) ended(m_oldManifolds[o++]);
+  while (!old.empty()) end();
 }
 
 template <int D>
@@ -125,8 +145,8 @@ void World<D>::again() {
   // What was begun or vetoed in this step stays so.
   std::size_t o = 0;
   for (Manifold<D>& m : m_manifolds) {
-    while (o < m_oldManifolds.size() && m_oldManifolds[o].key() < m.key()) ++o;
-    if (o < m_oldManifolds.size() && m_oldManifolds[o].key() == m.key()) {
+    while (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() < m.shapeKey()) ++o;
+    if (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() == m.shapeKey()) {
       m.begun = m_oldManifolds[o].begun, m.ignored = m_oldManifolds[o].ignored;
     } else {
       m.begun = 1;

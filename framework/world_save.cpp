@@ -11,7 +11,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD1";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD2";  // a change of the format is a new number
 
 class Archive {
  public:
@@ -79,8 +79,8 @@ void fields(Archive& a, ContactPoint<D>& c) {
 }
 template <int D>
 void fields(Archive& a, Manifold<D>& m) {
-  a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.child, m.count, m.normal, m.friction, m.restitution, m.begun, m.ignored,
-    m.points);
+  a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.childA, m.childB, m.count, m.normal, m.friction, m.restitution, m.begun,
+    m.ignored, m.points);
 }
 template <int D>
 void fields(Archive& a, PivotJoint<D>& j) {
@@ -171,7 +171,11 @@ void World<D>::load(std::istream& in) {
   std::int32_t dimension = 0, realBytes = 0;
   Archive a(in);
   a(magic, dimension, realBytes);
-  if (std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0) throw UserError("load: this is not a saved world");
+  if (std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0) {
+    const std::string_view found(magic.data(), magic.size() - 1);
+    if (!found.starts_with("LPCWORLD")) throw UserError("load: this is not a saved world");
+    throw UserError("load: the saved world has the format " + std::string(found) + ", this program reads " + kMagic);
+  }
   if (dimension != D || realBytes != static_cast<std::int32_t>(sizeof(Real))) {
     throw UserError("load: the saved world is " + std::to_string(dimension) + "D with " +
                     std::to_string(8 * realBytes) + "-bit numbers, this one is " + std::to_string(D) + "D with " +

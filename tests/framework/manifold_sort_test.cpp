@@ -20,7 +20,8 @@ std::vector<Manifold<D>> drawManifolds(Random& random) {
   std::vector<Manifold<D>> manifolds(random.below(400));
   for (std::size_t i = 0; i < manifolds.size(); ++i) {
     Manifold<D>& m = manifolds[i];
-    m.bodyA = number(), m.bodyB = number(), m.shapeA = number(), m.shapeB = number(), m.child = number();
+    m.bodyA = number(), m.bodyB = number(), m.shapeA = number(), m.shapeB = number();
+    m.childA = number(), m.childB = number();
     m.count = static_cast<std::int32_t>(i);  // to tell equal keys apart
   }
   return manifolds;

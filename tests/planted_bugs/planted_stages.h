@@ -188,4 +188,32 @@ class PlantedContacts final : public ContactGenerator<D> {
 };
 LPC_REGISTER(ContactGenerator, PlantedContacts, 2, 3);
 
+/// No bug: deals the points of each manifold to as many children, as shapes of several parts would have.
+template <int D>
+class PlantedChildren final : public ContactGenerator<D> {
+ public:
+  using Params = NoParams;
+  explicit PlantedChildren(const Params&) : m_right(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
+  static Info info() { return planted("children"); }
+
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+    m_whole.clear();
+    m_right->generate(in, m_whole, work);
+    for (const Manifold<D>& whole : m_whole) {
+      for (int i = 0; i < whole.count; ++i) {
+        Manifold<D> m = whole;
+        m.count = 1, m.points = {whole.points[static_cast<std::size_t>(i)]};
+        m.childA = i / 2, m.childB = i % 2;
+        fresh.push_back(m);
+      }
+    }
+  }
+
+ private:
+  std::unique_ptr<ContactGenerator<D>> m_right;
+  std::vector<Manifold<D>> m_whole;
+};
+LPC_REGISTER(ContactGenerator, PlantedChildren, 2, 3);
+
 }  // namespace lpc::inline LPC_PRECISION::test
