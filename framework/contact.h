@@ -14,7 +14,7 @@ struct ContactPoint {
   Vec<D> localA = Vec<D>::Zero();  // p_CaA: the witness on A, in A's centre-of-mass frame
   Vec<D> localB = Vec<D>::Zero();  // p_CbB: the witness on B, in B's
   Real separation = 0;             // (p_WB - p_WA) . n, m; negative when penetrating
-  std::uint32_t feature = 0;       // the same pair of features has the same number in the next step
+  std::uint64_t feature = 0;       // the same pair of features has the same number in the next step
   std::array<Real, D> impulse{};   // accumulated, N s: along n, then along tangents(n). Zero means cold.
   std::array<Real, D> memory{};    // the solver's own, carried with the point
 };
@@ -22,12 +22,12 @@ struct ContactPoint {
 template <int D>
 inline constexpr int kManifoldPoints = D == 2 ? 2 : 4;
 
-/// The contact points of two shapes; bodyA < bodyB.
+/// The contact points of two convex parts, one of each of two shapes; bodyA < bodyB.
 template <int D>
 struct Manifold {
   std::int32_t bodyA = -1, bodyB = -1;
   std::int32_t shapeA = -1, shapeB = -1;  // slots in the world's shapes
-  std::int32_t child = 0;                 // for shapes that have several convex parts
+  std::int32_t childA = 0, childB = 0;    // number of the convex part; 0 for a shape that has one
   std::int32_t count = 0;                 // of points
   Vec<D> normal = Vec<D>::Zero();         // n_AB, unit, world
   Real friction = 0, restitution = 0;     // of the pair
@@ -35,8 +35,10 @@ struct Manifold {
   std::uint8_t ignored = 0;               // 1 when a listener vetoed it: kept, but not solved
   std::array<ContactPoint<D>, kManifoldPoints<D>> points{};
 
-  /// Manifolds are sorted by this, so that the order in which a broadphase finds pairs leaves no trace.
-  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, child); }
+  /// Manifolds are sorted by this, so that the order in which a broadphase finds pairs leaves no trace. The children
+  /// come last: those of one pair of shapes stand together.
+  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, childA, childB); }
+  auto shapeKey() const { return std::tuple(bodyA, shapeA, bodyB, shapeB); }
 };
 
 /// Separation of a contact point at the bodies' present poses (m): what a solver sees after it has moved them.

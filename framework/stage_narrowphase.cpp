@@ -49,8 +49,19 @@ PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const Shape
   return mapped;
 }
 
+template <int D>
+void appendChildren(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
+                    std::vector<ConvexPair<D>>& out) {
+  for (const ShapePair& p : pairs) {
+    const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.a)], &b = shapes[static_cast<std::size_t>(p.b)];
+    out.push_back({p, 0, 0, a.shape.view(), b.shape.view(), a.X_CS, b.X_CS});
+  }
+}
+
 template struct PairBatch<2>;
 template struct PairBatch<3>;
+template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<2>>, std::vector<ConvexPair<2>>&);
+template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<3>>, std::vector<ConvexPair<3>>&);
 template PairAnswer<2> queryPair(PairQuery<2>&, const ShapeView<2>&, const ShapeView<2>&, const Pose<2>&, Need);
 template PairAnswer<3> queryPair(PairQuery<3>&, const ShapeView<3>&, const ShapeView<3>&, const Pose<3>&, Need);
 

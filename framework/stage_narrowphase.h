@@ -132,9 +132,25 @@ struct ShapePair {
   auto operator<=>(const ShapePair&) const = default;
 };
 
+/// Two convex parts (children) of a pair of shapes, as a contact generator is given them.
+template <int D>
+struct ConvexPair {
+  ShapePair shapes;
+  std::int32_t childA = 0, childB = 0;
+  ShapeView<D> a, b;
+  /// Of each child in its body's centre-of-mass frame, not in the world: far from the origin the difference of the two
+  /// bodies is exact, the sum of pose and offset is not.
+  Pose<D> X_CA, X_CB;
+};
+
+/// Appends the pairs of children of these pairs of shapes, in order. A simple shape is its own one child, number 0.
+template <int D>
+void appendChildren(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
+                    std::vector<ConvexPair<D>>& out);
+
 template <int D>
 struct ContactInput {
-  std::span<const ShapePair> pairs;
+  std::span<const ConvexPair<D>> pairs;
   std::span<const ShapeRecord<D>> shapes;  // by slot
   std::span<const Pose<D>> pose;           // X_WC by body slot
   Real margin;                             // contacts are made for separations up to this (m)
@@ -143,17 +159,18 @@ struct ContactInput {
 
 /// A manifold with everything filled in that does not depend on geometry.
 template <int D>
-Manifold<D> startManifold(const ContactInput<D>& in, const ShapePair& pair) {
-  const ShapeRecord<D>& a = in.shapes[static_cast<std::size_t>(pair.a)];
-  const ShapeRecord<D>& b = in.shapes[static_cast<std::size_t>(pair.b)];
+Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) {
+  const ShapeRecord<D>& a = in.shapes[static_cast<std::size_t>(pair.shapes.a)];
+  const ShapeRecord<D>& b = in.shapes[static_cast<std::size_t>(pair.shapes.b)];
   Manifold<D> m;
-  m.bodyA = a.body, m.bodyB = b.body, m.shapeA = pair.a, m.shapeB = pair.b;
+  m.bodyA = a.body, m.bodyB = b.body, m.shapeA = pair.shapes.a, m.shapeB = pair.shapes.b;
+  m.childA = pair.childA, m.childB = pair.childB;
   m.friction = in.friction ? mixFriction(a.friction, b.friction) : Real(0);
   m.restitution = mixRestitution(a.restitution, b.restitution);
   return m;
 }
 
-/// Makes contact points. Writes only fresh manifolds, at most one per pair and child, none without points, in any
+/// Makes contact points. Writes only fresh manifolds, at most one per pair of children, none without points, in any
 /// order, with zero impulses; `points` sorted by feature.
 template <int D>
 class ContactGenerator : public Stage {

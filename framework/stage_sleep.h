@@ -8,17 +8,19 @@
 #include "framework/contact.h"
 #include "framework/joint.h"
 #include "framework/registry.h"
+#include "framework/work.h"
 
 namespace lpc::inline LPC_PRECISION {
 
 /// What may wake a body. Gravity and the scene's own forces wake nobody.
 struct SleepEvent {
   enum Kind : std::uint8_t {
-    bodyRemoved,   // a body that touched `body`, or was jointed to it, is gone
+    bodyRemoved,   // a body that touched `body` is gone
     userChange,    // a force, velocity or pose was set by the user
     contactBegun,  // speed: of approach
     contactLost,
-    separationGrown  // speed: growth of the separation since the last step, over dt
+    separationGrown,  // speed: growth of the separation since the last step, over dt
+    jointRemoved      // a joint of `body` and `other` is gone; the number is in saved worlds, so it stays the last
   };
   Kind kind;
   std::int32_t body;   // whom it concerns
@@ -35,6 +37,7 @@ struct SleepInput {
   std::span<const SleepEvent> events;
   Real restitutionThreshold;  // m/s
   Vec<D> gravity;             // m/s^2: tells a body that rests from one that is at the top of its flight
+  Work& work;
 };
 
 /// Decides who is awake, once a step before the solver. Changes `awake` and the two scalars per body; the world zeroes

@@ -19,12 +19,13 @@ enum class Count {
   rowUpdates,     // one constraint row solved once
   forceEvals,     // evaluations of all forces
   detections,     // collision detections that a solver asked for inside its step
+  eventVisits,    // slots, shapes and contacts looked at for what users did between steps, and for sleep events
   kCount
 };
 
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(Count::kCount)> kCountNames = {
-    "box_tests",  "node_visits",    "sort_moves",  "pair_queries", "support_calls",
-    "axis_tests", "polytope_faces", "row_updates", "force_evals",  "detections"};
+    "box_tests",      "node_visits", "sort_moves",  "pair_queries", "support_calls", "axis_tests",
+    "polytope_faces", "row_updates", "force_evals", "detections",   "event_visits"};
 
 struct Work {
   std::array<std::uint64_t, static_cast<std::size_t>(Count::kCount)> counts{};

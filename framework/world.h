@@ -6,8 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "framework/box_index.h"
 #include "framework/force.h"
+#include "framework/manifold_sort.h"
 #include "framework/profiler.h"
+#include "framework/slots.h"
 #include "framework/spec.h"
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
@@ -36,7 +39,8 @@ template <int D>
 class World;
 
 /// Is told about contacts, before the solver, in the order of the manifolds. A pair begins in the first step in which
-/// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent.
+/// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent. A pair is one of shapes:
+/// where shapes have several convex parts, it is told of once, with its first manifold; the others follow that one.
 template <int D>
 class ContactListener {
  public:
@@ -98,7 +102,7 @@ class World final : private Detect, private Forces<D> {
   void applyTorque(Handle body, const Ang<D>& torque);
   void wake(Handle body);
   Handle handle(std::int32_t slot) const;  // of the body now in that slot
-  int bodyCount() const { return m_bodyCount; }
+  int bodyCount() const { return m_bodySlots.inUse(); }
 
   // --- queries on exact shapes, through the broadphase
   // -----------------------------------------------------------------
@@ -113,7 +117,7 @@ class World final : private Detect, private Forces<D> {
   std::span<const ShapeRecord<D>> shapes() const { return m_shapes; }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
   std::span<const PivotJoint<D>> joints() const { return m_joints; }
-  const Proxies<D>& proxies() const { return m_proxies; }
+  const Proxies<D>& proxies() const { return m_boxes.proxies(); }  // as of the last step or query
   const WorldSettings<D>& settings() const { return m_settings; }
   const Pipeline& pipeline() const { return m_pipeline; }
   Profiler& profiler() { return m_profiler; }
@@ -138,9 +142,8 @@ class World final : private Detect, private Forces<D> {
   std::size_t freeBodySlot();
   void putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
   void touched(std::size_t body);  // by the user: its boxes are stale, and it wakes
-  bool proxyActive(std::size_t body) const;
-  void refreshBox(std::size_t shape) const;
-  void sync() const;  // boxes and broadphase follow the state
+  void sync() const { m_boxes.sync(m_shapes, m_bodies); }
+  bool resting(const Manifold<D>& m) const { return !m_boxes.active(m.shapeA) && !m_boxes.active(m.shapeB); }
   template <class Holds>
   std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const;
   void findPairs();
@@ -153,7 +156,6 @@ class World final : private Detect, private Forces<D> {
 
   Pipeline m_pipeline;
   WorldSettings<D> m_settings;
-  std::unique_ptr<Broadphase<D>> m_broadphase;
   std::unique_ptr<ContactGenerator<D>> m_contacts;
   std::unique_ptr<ContactCache<D>> m_cache;
   std::unique_ptr<Solver<D>> m_solver;
@@ -169,21 +171,21 @@ class World final : private Detect, private Forces<D> {
   Real m_time = 0, m_lastDt = 0;
   long m_steps = 0;
 
-  // Derived from the state, and brought up to date by sync() when somebody asks.
-  mutable Proxies<D> m_proxies;
-  mutable std::vector<ProxyId> m_added, m_removed, m_moved;
-  mutable bool m_stale = false;
+  // Derived from the state; the boxes are brought up to date by sync() when somebody asks.
+  mutable BoxIndex<D> m_boxes;
+  Slots m_bodySlots, m_shapeSlots, m_jointSlots;
+  std::array<int, kShapeKinds> m_kindCount{};
+  std::uint64_t m_visits = 0;  // Count::eventVisits since the last step
 
   // Scratch and indices, rebuilt in each step.
-  std::vector<Manifold<D>> m_oldManifolds, m_fresh;
-  std::vector<std::uint32_t> m_order;
+  std::vector<Manifold<D>> m_oldManifolds;
+  ManifoldSort<D> m_sort;
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
+  std::vector<ConvexPair<D>> m_children;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted
   std::vector<int> m_active;
   std::vector<std::uint8_t> m_awakeBefore;
-  int m_bodyCount = 0, m_shapeCount = 0, m_jointCount = 0;
-  std::array<int, kShapeKinds> m_kindCount{};
 
   std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
   std::vector<ContactListener<D>*> m_listeners;

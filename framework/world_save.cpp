@@ -12,7 +12,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD1";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD2";  // a change of the format is a new number
 
 class Archive {
  public:
@@ -80,8 +80,8 @@ void fields(Archive& a, ContactPoint<D>& c) {
 }
 template <int D>
 void fields(Archive& a, Manifold<D>& m) {
-  a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.child, m.count, m.normal, m.friction, m.restitution, m.begun, m.ignored,
-    m.points);
+  a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.childA, m.childB, m.count, m.normal, m.friction, m.restitution, m.begun,
+    m.ignored, m.points);
 }
 template <int D>
 void fields(Archive& a, PivotJoint<D>& j) {
@@ -180,7 +180,11 @@ void World<D>::load(std::istream& in) {
   std::int32_t dimension = 0, realBytes = 0;
   Archive a(in);
   a(magic, dimension, realBytes);
-  if (std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0) throw UserError("load: this is not a saved world");
+  if (std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0) {
+    const std::string_view found(magic.data(), magic.size() - 1);
+    if (!found.starts_with("LPCWORLD")) throw UserError("load: this is not a saved world");
+    throw UserError("load: the saved world has the format " + std::string(found) + ", this program reads " + kMagic);
+  }
   if (dimension != D || realBytes != static_cast<std::int32_t>(sizeof(Real))) {
     throw UserError("load: the saved world is " + std::to_string(dimension) + "D with " +
                     std::to_string(8 * realBytes) + "-bit numbers, this one is " + std::to_string(D) + "D with " +
@@ -198,23 +202,16 @@ void World<D>::load(std::istream& in) {
   m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
 
   // A new broadphase instead of the old one's structure: its pair set has no history.
-  m_broadphase = createStage<Broadphase<D>>(m_pipeline.broadphase);
-  m_proxies = Proxies<D>{};
-  m_proxies.resize(static_cast<int>(m_shapes.size()));
-  m_added.clear(), m_removed.clear(), m_moved.clear();
-  m_bodyCount = m_shapeCount = m_jointCount = 0;
+  m_boxes = BoxIndex<D>(m_pipeline.broadphase, m_settings.margin);
+  m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
+  m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
+  m_jointSlots.read(m_joints, [](const PivotJoint<D>& j) { return j.bodyA < 0; });
   m_kindCount = {};
-  for (std::uint8_t used : m_bodies.used) m_bodyCount += used;
-  for (const PivotJoint<D>& j : m_joints) m_jointCount += j.bodyA >= 0;
   for (std::size_t i = 0; i < m_shapes.size(); ++i) {
-    const ShapeRecord<D>& r = m_shapes[i];
-    if (r.body < 0) continue;
-    ++m_shapeCount, ++m_kindCount[static_cast<std::size_t>(r.shape.kind())];
-    m_proxies.category[i] = r.category, m_proxies.mask[i] = r.mask, m_proxies.body[i] = r.body;
-    refreshBox(i);
-    m_added.push_back(static_cast<ProxyId>(i));
+    if (m_shapes[i].body < 0) continue;
+    ++m_kindCount[static_cast<std::size_t>(m_shapes[i].shape.kind())];
+    m_boxes.add(i, m_shapes[i]);
   }
-  m_stale = true;
 }
 
 template void World<2>::save(std::ostream&) const;

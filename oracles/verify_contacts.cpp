@@ -140,10 +140,12 @@ Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<Placed<D
     pose.push_back(p.pair.X_WA);
     pose.push_back(nudge ? RestingFaces<D>(static_cast<std::uint64_t>(slot)).nudged(p.pair.X_WB) : p.pair.X_WB);
   }
+  std::vector<ConvexPair<D>> children;
+  appendChildren<D>(pairs, shapes, children);
   std::vector<Manifold<D>> fresh;
   Work work;
   const double before = threadNanoseconds();
-  generator.generate({pairs, shapes, pose, kContactMargin, true}, fresh, work);
+  generator.generate({children, shapes, pose, kContactMargin, true}, fresh, work);
   spent = threadNanoseconds() - before;
   Manifolds<D> out;
   for (const Manifold<D>& m : fresh) out[m.shapeA].push_back(m);

@@ -68,7 +68,7 @@ void wellFormed(ContactGenerator<D>& generator) {
   if (fresh.empty()) return;
   const Manifold<D>& m = fresh[0];
   RC_LOG() << m;
-  RC_ASSERT(m.key() == std::tuple(0, 0, 1, 1, 0));
+  RC_ASSERT(m.key() == std::tuple(0, 0, 1, 1, 0, 0));
   RC_ASSERT(m.count >= 1 && m.count <= kManifoldPoints<D>);
   RC_ASSERT(std::abs(m.normal.norm() - 1) <= kUnitTolerance);
   for (int i = 0; i < m.count; ++i) {

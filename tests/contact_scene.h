@@ -56,9 +56,11 @@ struct ContactScene {
 
   std::vector<Manifold<D>> run(ContactGenerator<D>& generator) const {
     const ShapePair pair{0, 1};
+    std::vector<ConvexPair<D>> children;
+    appendChildren<D>({&pair, 1}, shapes, children);
     std::vector<Manifold<D>> fresh;
     Work work;
-    generator.generate({{&pair, 1}, shapes, pose, margin, true}, fresh, work);
+    generator.generate({children, shapes, pose, margin, true}, fresh, work);
     return fresh;
   }
 };

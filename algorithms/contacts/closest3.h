@@ -99,7 +99,7 @@ inline ClosestEdges3 closestEdges(const Core3& c1, const Core3& c2, const Vec<3>
 }
 
 /// Of the nearest pair: vertices where it lies at their ends, else edges.
-inline std::uint32_t closestFeature(const Core3& c1, const Core3& c2, const ClosestEdges3& e) {
+inline std::uint64_t closestFeature(const Core3& c1, const Core3& c2, const ClosestEdges3& e) {
   int v[4];
   edgeEnds(c1, e.edge1, v[0], v[1]), edgeEnds(c2, e.edge2, v[2], v[3]);
   const auto code = [](int v0, int v1, Real s) {

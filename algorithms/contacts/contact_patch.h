@@ -19,30 +19,36 @@ template <int D>
 struct PatchPoint {
   Vec<D> p1, p2;
   Real separation;        // of the cores, m
-  std::uint32_t feature;  // see featureNumber()
+  std::uint64_t feature;  // see featureNumber()
 };
 
-/// A feature of a shape is a vertex (i, i) or an edge (i, j); none is (255, 255). One byte each, shape A's feature
-/// above B's. So a number does not depend on which face served as reference, and a vertex keeps its number when the
-/// face around it changes. Beyond 256 vertices numbers may coincide: `addPatch` keeps them apart.
+/// A feature of a shape is a vertex (i, i) or an edge (i, j); none is (65535, 65535). Two bytes each, shape A's
+/// feature above B's. So a number does not depend on which face served as reference, and a vertex keeps its number when
+/// the face around it changes. Beyond 65,536 vertices numbers may coincide: `addPatch` keeps them apart.
 inline std::uint32_t featureCode(int i, int j) {
-  const auto lo = static_cast<std::uint32_t>(std::min(i, j)) & 255u, hi = static_cast<std::uint32_t>(std::max(i, j));
-  return lo << 8 | (hi & 255u);
+  const auto lo = static_cast<std::uint32_t>(std::min(i, j)), hi = static_cast<std::uint32_t>(std::max(i, j));
+  return lo << 16 | (hi & 0xffffu);
 }
 inline std::uint32_t featureCode(int vertex) { return featureCode(vertex, vertex); }
-inline constexpr std::uint32_t kNoFeature = 0xffff;
-inline std::uint32_t featureNumber(std::uint32_t code1, std::uint32_t code2) { return code1 << 16 | code2; }
+inline constexpr std::uint32_t kNoFeature = 0xffffffff;
+inline std::uint64_t featureNumber(std::uint32_t code1, std::uint32_t code2) {
+  return std::uint64_t(code1) << 32 | code2;
+}
 
 template <int D>
 struct PlacedPair {
-  const ShapeRecord<D>* record1;
-  const ShapeRecord<D>* record2;
+  const ConvexPair<D>* pair;
   Rot<D> R_W1;
   Pose<D> X_12;
   bool swapped;    // shape 1 is on body B
   Real limit;      // core separations beyond it are no contacts, m
   Real rounding;   // below this, lengths are noise, m
   Real tolerance;  // depths that differ by less than this are alike, m
+
+  const ShapeView<D>& view1() const { return swapped ? pair->b : pair->a; }
+  const ShapeView<D>& view2() const { return swapped ? pair->a : pair->b; }
+  const Pose<D>& X_C1() const { return swapped ? pair->X_CB : pair->X_CA; }  // in its body's frame
+  const Pose<D>& X_C2() const { return swapped ? pair->X_CA : pair->X_CB; }
 };
 
 /// Half the thickness of a core where it is known at no cost, otherwise half of some chord: a length that the
@@ -75,21 +81,22 @@ Real coreReach(const ShapeView<D>& s) {
 /// `bias`: depths that differ by less than this (m) are alike, so that ties do not flip from step to step. It is cut
 /// to 1 % of the thinner shape, and never below rounding.
 template <int D>
-PlacedPair<D> placePair(const ContactInput<D>& in, const ShapePair& pair, Real bias) {
-  const ShapeRecord<D>* a = &in.shapes[static_cast<std::size_t>(pair.a)];
-  const ShapeRecord<D>* b = &in.shapes[static_cast<std::size_t>(pair.b)];
+PlacedPair<D> placePair(const ContactInput<D>& in, const ConvexPair<D>& pair, Real bias) {
+  const auto poseOf = [&](std::int32_t shape) -> const Pose<D>& {
+    return in.pose[static_cast<std::size_t>(in.shapes[static_cast<std::size_t>(shape)].body)];
+  };
   PlacedPair<D> out;
-  out.swapped = a->shape.kind() > b->shape.kind();
-  if (out.swapped) std::swap(a, b);
-  out.record1 = a, out.record2 = b;
-  const Pose<D>& X_W1 = in.pose[static_cast<std::size_t>(a->body)];
-  const Pose<D>& X_W2 = in.pose[static_cast<std::size_t>(b->body)];
-  out.R_W1 = X_W1.q * a->X_CS.q;
+  out.pair = &pair;
+  out.swapped = pair.a.kind > pair.b.kind;
+  const Pose<D>& X_W1 = poseOf(out.swapped ? pair.shapes.b : pair.shapes.a);
+  const Pose<D>& X_W2 = poseOf(out.swapped ? pair.shapes.a : pair.shapes.b);
+  const Pose<D>&X_C1 = out.X_C1(), &X_C2 = out.X_C2();
+  out.R_W1 = X_W1.q * X_C1.q;
   const Rot<D> R_1W = out.R_W1.inverse();
   // Bodies are subtracted first: far from the origin their difference is exact, the sum of pose and offset is not.
-  out.X_12.p = R_1W * ((X_W2.p - X_W1.p) + (X_W2.q * b->X_CS.p - X_W1.q * a->X_CS.p));
-  out.X_12.q = R_1W * (X_W2.q * b->X_CS.q);
-  const ShapeView<D>&s1 = a->shape.view(), &s2 = b->shape.view();
+  out.X_12.p = R_1W * ((X_W2.p - X_W1.p) + (X_W2.q * X_C2.p - X_W1.q * X_C1.p));
+  out.X_12.q = R_1W * (X_W2.q * X_C2.q);
+  const ShapeView<D>&s1 = out.view1(), &s2 = out.view2();
   out.limit = in.margin + s1.radius + s2.radius;
   out.rounding =
       64 * std::numeric_limits<Real>::epsilon() * (coreReach(s1) + coreReach(s2) + out.X_12.p.template lpNorm<1>());
@@ -99,18 +106,18 @@ PlacedPair<D> placePair(const ContactInput<D>& in, const ShapePair& pair, Real b
 
 /// Appends the manifold with these points (at most kManifoldPoints) and the unit normal n_12 (in frame 1).
 template <int D>
-void addPatch(const ContactInput<D>& in, const ShapePair& pair, const PlacedPair<D>& placed, const Vec<D>& n,
-              std::span<PatchPoint<D>> points, std::vector<Manifold<D>>& fresh) {
+void addPatch(const ContactInput<D>& in, const PlacedPair<D>& placed, const Vec<D>& n, std::span<PatchPoint<D>> points,
+              std::vector<Manifold<D>>& fresh) {
   if (points.empty()) return;
   LPC_ASSERT(points.size() <= static_cast<std::size_t>(kManifoldPoints<D>));
-  fresh.push_back(startManifold(in, pair));
+  fresh.push_back(startManifold(in, *placed.pair));
   Manifold<D>& m = fresh.back();
-  const Real r1 = placed.record1->shape.view().radius, r2 = placed.record2->shape.view().radius;
+  const Real r1 = placed.view1().radius, r2 = placed.view2().radius;
   const Vec<D> n_W = placed.R_W1 * n;
   m.normal = placed.swapped ? Vec<D>(-n_W) : n_W;
   m.count = static_cast<std::int32_t>(points.size());
   if (placed.swapped) {
-    for (PatchPoint<D>& p : points) p.feature = p.feature << 16 | p.feature >> 16;
+    for (PatchPoint<D>& p : points) p.feature = p.feature << 32 | p.feature >> 32;
   }
   for (std::size_t i = 1; i < points.size(); ++i) {
     for (std::size_t k = i; k > 0 && points[k].feature < points[k - 1].feature; --k)
@@ -120,8 +127,8 @@ void addPatch(const ContactInput<D>& in, const ShapePair& pair, const PlacedPair
   for (std::size_t i = 0; i < points.size(); ++i) {
     const PatchPoint<D>& p = points[i];
     ContactPoint<D>& c = m.points[i];
-    const Vec<D> local1 = placed.record1->X_CS * Vec<D>(p.p1 + r1 * n);
-    const Vec<D> local2 = placed.record2->X_CS * (X_21 * Vec<D>(p.p2 - r2 * n));
+    const Vec<D> local1 = placed.X_C1() * Vec<D>(p.p1 + r1 * n);
+    const Vec<D> local2 = placed.X_C2() * (X_21 * Vec<D>(p.p2 - r2 * n));
     c.localA = placed.swapped ? local2 : local1;
     c.localB = placed.swapped ? local1 : local2;
     c.separation = p.separation - r1 - r2;

@@ -34,11 +34,10 @@ class DeepestPoint final : public ContactGenerator<D> {
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
 
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
-    m_batches.run(in, kLinearSlop / 10, work,
-                  [&](const ShapePair& pair, const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
-                    PatchPoint<D> point = witnessPoint(placed, answer);
-                    addPatch<D>(in, pair, placed, answer.normal, {&point, 1}, fresh);
-                  });
+    m_batches.run(in, kLinearSlop / 10, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
+      PatchPoint<D> point = witnessPoint(placed, answer);
+      addPatch<D>(in, placed, answer.normal, {&point, 1}, fresh);
+    });
   }
 
  private:

@@ -10,7 +10,7 @@ namespace lpc::inline LPC_PRECISION::contacts {
 
 template <int D>
 bool hasPlane(const PlacedPair<D>& pair) {
-  return pair.record1->shape.view().core() == CoreClass::plane || pair.record2->shape.view().core() == CoreClass::plane;
+  return pair.view1().core() == CoreClass::plane || pair.view2().core() == CoreClass::plane;
 }
 
 /// Keeps one of the deepest and the one farthest from it.
@@ -75,7 +75,7 @@ void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D
 /// Fills scratch.points and returns n_12. Points that are equally deep within the pair's tolerance are alike.
 template <int D>
 Vec<D> planePatch(const PlacedPair<D>& pair, PlaneScratch<D>& scratch) {
-  const ShapeView<D>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
+  const ShapeView<D>&s1 = pair.view1(), &s2 = pair.view2();
   const bool planeSecond = s2.core() == CoreClass::plane;
   const ShapeView<D>& body = planeSecond ? s1 : s2;
   // Up out of the half-space, in frame 1.

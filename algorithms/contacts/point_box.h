@@ -31,7 +31,7 @@ Vec<D> coreHalf(const ShapeView<D>& s) {
 /// Shape 1 is a sphere, shape 2 `isBox`: closed form. Returns the number of points, 0 or 1.
 template <int D>
 int collidePointBox(const PlacedPair<D>& pair, Vec<D>& n, PatchPoint<D>& out) {
-  const Vec<D> half = coreHalf(pair.record2->shape.view());
+  const Vec<D> half = coreHalf(pair.view2());
   const Vec<D> c = -(pair.X_12.q.inverse() * pair.X_12.p);  // the sphere's centre in frame 2
   const Vec<D> nearest = c.cwiseMax(-half).cwiseMin(half);
   const Vec<D> outward = c - nearest;

@@ -16,7 +16,7 @@ class QueryBatches {
 
   bool supports(ShapeKind a, ShapeKind b) const { return m_query->supports(std::min(a, b), std::max(a, b)); }
 
-  /// Calls use(pair, placed, answer) for each pair that is within the margin. The answer is that of the shapes, not of
+  /// Calls use(placed, answer) for each pair that is within the margin. The answer is that of the shapes, not of
   /// their cores, and always has a unit normal.
   template <class Use>
   void run(const ContactInput<D>& in, Real bias, Work& work, const Use& use) {
@@ -24,8 +24,8 @@ class QueryBatches {
     m_placed.clear();
     for (std::size_t i = 0; i < in.pairs.size(); ++i) {
       m_placed.push_back(placePair(in, in.pairs[i], bias));
-      const auto k1 = static_cast<std::size_t>(m_placed.back().record1->shape.kind());
-      const auto k2 = static_cast<std::size_t>(m_placed.back().record2->shape.kind());
+      const auto k1 = static_cast<std::size_t>(m_placed.back().view1().kind);
+      const auto k2 = static_cast<std::size_t>(m_placed.back().view2().kind);
       m_groups[kShapeKinds * k1 + k2].push_back(i);
     }
     work[Count::pairQueries] += in.pairs.size();
@@ -43,7 +43,7 @@ class QueryBatches {
             const Real length = placed.X_12.p.norm();
             answer.normal = length > 0 ? Vec<D>(placed.X_12.p / length) : Vec<D>(Vec<D>::Unit(0));
           }
-          use(in.pairs[group[at + i]], placed, answer);
+          use(placed, answer);
         }
       }
     }
@@ -52,9 +52,9 @@ class QueryBatches {
  private:
   void ask(std::span<const std::size_t> pairs, Work& work) {
     const PlacedPair<D>& first = m_placed[pairs[0]];
-    m_batch->clear(first.record1->shape.kind(), first.record2->shape.kind());
+    m_batch->clear(first.view1().kind, first.view2().kind);
     for (std::size_t i : pairs) {
-      m_batch->add(m_placed[i].record1->shape.view(), m_placed[i].record2->shape.view(), m_placed[i].X_12);
+      m_batch->add(m_placed[i].view1(), m_placed[i].view2(), m_placed[i].X_12);
     }
     m_query->query(*m_batch, Need::witnesses, *m_answers, {}, work);
   }
@@ -69,7 +69,7 @@ class QueryBatches {
 /// A query's answer as a contact point of the cores. In frame 1, as answers are.
 template <int D>
 PatchPoint<D> witnessPoint(const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
-  const Real r1 = placed.record1->shape.view().radius, r2 = placed.record2->shape.view().radius;
+  const Real r1 = placed.view1().radius, r2 = placed.view2().radius;
   const Vec<D> p1 = answer.pA - r1 * answer.normal, p2 = answer.pB + r2 * answer.normal;
   return {p1, p2, (p2 - p1).dot(answer.normal), featureNumber(kNoFeature, kNoFeature)};
 }

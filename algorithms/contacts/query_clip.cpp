@@ -49,15 +49,14 @@ class QueryClip final : public ContactGenerator<D> {
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
 
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
-    m_batches.run(
-        in, m_params.bias, work, [&](const ShapePair& pair, const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
-          if (hasPlane(placed)) {
-            const Vec<D> down = planePatch(placed, m_plane);
-            return addPatch<D>(in, pair, placed, down, m_plane.points, fresh);
-          }
-          const Vec<D> n = answer.normal;
-          addPatch<D>(in, pair, placed, n, clipAlong(placed, n, witnessPoint(placed, answer), m_scratch), fresh);
-        });
+    m_batches.run(in, m_params.bias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
+      if (hasPlane(placed)) {
+        const Vec<D> down = planePatch(placed, m_plane);
+        return addPatch<D>(in, placed, down, m_plane.points, fresh);
+      }
+      const Vec<D> n = answer.normal;
+      addPatch<D>(in, placed, n, clipAlong(placed, n, witnessPoint(placed, answer), m_scratch), fresh);
+    });
   }
 
  private:

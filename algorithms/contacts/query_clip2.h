@@ -14,7 +14,7 @@ struct QueryClipScratch2 {
 /// deep.
 inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2>& n, const PatchPoint<2>& witness,
                                           QueryClipScratch2& s) {
-  const ShapeView<2>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
+  const ShapeView<2>&s1 = pair.view1(), &s2 = pair.view2();
   Patch2& out = s.patch;
   out.count = 0;
   const Core2 c1 = makeFacing2(s1, nullptr, n, s.first), c2 = makeFacing2(s2, &pair.X_12, -n, s.second);

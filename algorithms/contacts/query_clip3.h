@@ -14,7 +14,7 @@ struct QueryClipScratch3 {
 /// Clips the faces that face each other along the unit n_12 of a query.
 inline std::span<PatchPoint<3>> clipAlong(const PlacedPair<3>& pair, const Vec<3>& n, const PatchPoint<3>& witness,
                                           QueryClipScratch3& s) {
-  const ShapeView<3>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
+  const ShapeView<3>&s1 = pair.view1(), &s2 = pair.view2();
   Patch3& out = s.patch;
   out.normal = n;
   out.points.clear();

@@ -51,15 +51,15 @@ class SatClip final : public ContactGenerator<D> {
 
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
     work[Count::pairQueries] += in.pairs.size();
-    for (const ShapePair& pair : in.pairs) {
+    for (const ConvexPair<D>& pair : in.pairs) {
       const PlacedPair<D> placed = placePair(in, pair, m_params.bias);
       if (hasPlane(placed)) {
         const Vec<D> n = planePatch(placed, m_plane);
-        addPatch<D>(in, pair, placed, n, m_plane.points, fresh);
+        addPatch<D>(in, placed, n, m_plane.points, fresh);
         continue;
       }
       satCollide(placed, m_scratch, work);
-      addPatch(in, pair, placed, patchNormal(m_scratch), patchPoints(m_scratch, placed.tolerance), fresh);
+      addPatch(in, placed, patchNormal(m_scratch), patchPoints(m_scratch, placed.tolerance), fresh);
     }
   }
 

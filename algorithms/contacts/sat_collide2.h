@@ -26,7 +26,7 @@ inline void clipAgainst(const Core2& c1, const Core2& c2, bool firstIsReference,
 inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, Work& work) {
   Patch2& out = scratch.patch;
   out.count = 0;
-  const ShapeView<2>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
+  const ShapeView<2>&s1 = pair.view1(), &s2 = pair.view2();
   const bool boxes = isBox(s1) && isBox(s2), point = s1.core() == CoreClass::point;
   if (boxes && point) {
     out.count = collidePointBox(pair, out.normal, out.points[0]);

@@ -70,7 +70,7 @@ inline void collideSegments(const Core3& c1, const Core3& c2, const PlacedPair<3
 inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, Work& work) {
   Patch3& out = s.patch;
   out.points.clear();
-  const ShapeView<3>&s1 = pair.record1->shape.view(), &s2 = pair.record2->shape.view();
+  const ShapeView<3>&s1 = pair.view1(), &s2 = pair.view2();
   if (s1.core() == CoreClass::point && isBox(s2)) {
     PatchPoint<3> p;
     if (collidePointBox(pair, out.normal, p)) out.points.push_back(p);

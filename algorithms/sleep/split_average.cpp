@@ -73,10 +73,15 @@ class SplitAverage final : public SleepPolicy<D> {
     m_woken[index(slot)] = 1;
   }
 
+  // What users did is marked first, so that the contacts are walked once for all of it.
   void wakeByEvents(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+    bool changed = false;
+    m_flag.assign(awake.size(), 0);
+    in.work[Count::eventVisits] += in.events.size();
     for (const SleepEvent& e : in.events) {
       switch (e.kind) {
         case SleepEvent::bodyRemoved:
+        case SleepEvent::jointRemoved:
         case SleepEvent::contactLost:
           wake(in, awake, e.body);
           break;
@@ -84,10 +89,7 @@ class SplitAverage final : public SleepPolicy<D> {
           // What the user does to a body, also to a static one, reaches those who touch it. The body itself was woken
           // by the world already.
           if (dynamic(in, e.body)) m_woken[index(e.body)] = 1;
-          for (const Manifold<D>& m : in.manifolds) {
-            if (m.bodyA == e.body) wake(in, awake, m.bodyB);
-            if (m.bodyB == e.body) wake(in, awake, m.bodyA);
-          }
+          m_flag[index(e.body)] = 1, changed = true;
           break;
         case SleepEvent::contactBegun:
           break;  // a blow is judged by the contact itself, begun or not
@@ -95,6 +97,12 @@ class SplitAverage final : public SleepPolicy<D> {
           if (e.speed > double(m_params.wakeSeparation)) wake(in, awake, e.body);
           break;
       }
+    }
+    if (!changed) return;
+    in.work[Count::eventVisits] += in.manifolds.size();
+    for (const Manifold<D>& m : in.manifolds) {
+      if (m_flag[index(m.bodyA)]) wake(in, awake, m.bodyB);
+      if (m_flag[index(m.bodyB)]) wake(in, awake, m.bodyA);
     }
   }
 

@@ -138,7 +138,9 @@ void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind ki
     poses.push_back(data.X_WA[k]), poses.push_back(data.X_WB[k]);
     pairs.push_back({slot, slot + 1});
   }
-  const ContactInput<D> input{pairs, shapes, poses, Real(0.02), true};
+  std::vector<ConvexPair<D>> children;
+  appendChildren<D>(pairs, shapes, children);
+  const ContactInput<D> input{children, shapes, poses, Real(0.02), true};
   std::vector<Manifold<D>> manifolds;
   Work work;
   for (auto _ : state) {

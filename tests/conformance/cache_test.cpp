@@ -17,7 +17,7 @@ constexpr const char* kImpulses = "Cache.CarriesImpulses";
 constexpr const char* kNewFeatures = "Cache.CarriesWhereFeaturesChange";
 
 template <int D>
-ContactPoint<D> drawPoint(Draw& draw, std::uint32_t feature) {
+ContactPoint<D> drawPoint(Draw& draw, std::uint64_t feature) {
   ContactPoint<D> p;
   p.localA = drawVector<D>(draw), p.localB = drawVector<D>(draw);
   p.separation = draw.signedUnit() / 100;
@@ -35,11 +35,14 @@ std::vector<Manifold<D>> drawManifolds(Draw& draw) {
   for (int k = 0; k < 12; ++k) {
     if (draw.coin()) continue;
     Manifold<D> m;
-    m.bodyA = k / 4, m.bodyB = 3 + k / 2, m.shapeA = k / 4, m.shapeB = 3 + k, m.child = 0;
+    m.bodyA = k / 4, m.bodyB = 3 + k / 2, m.shapeA = k / 4, m.shapeB = 3 + k / 2;
+    m.childA = k % 2, m.childB = k % 4;
     m.normal = drawDirection<D>(draw);
     m.begun = draw.coin();
-    for (std::uint32_t feature = 1; feature <= 6 && m.count < kManifoldPoints<D>; ++feature) {
-      if (draw.coin() || feature == 6) m.points[static_cast<std::size_t>(m.count++)] = drawPoint<D>(draw, feature * 7);
+    // In the upper half of the number, which 32 bits would lose.
+    for (std::uint64_t feature = 1; feature <= 6 && m.count < kManifoldPoints<D>; ++feature) {
+      if (draw.coin() || feature == 6)
+        m.points[static_cast<std::size_t>(m.count++)] = drawPoint<D>(draw, feature * 7 << 32);
     }
     out.push_back(m);
   }
@@ -96,7 +99,7 @@ const Manifold<D>* find(const std::vector<Manifold<D>>& list, const Manifold<D>&
   return nullptr;
 }
 template <int D>
-const ContactPoint<D>* find(const Manifold<D>* m, std::uint32_t feature) {
+const ContactPoint<D>* find(const Manifold<D>* m, std::uint64_t feature) {
   for (int i = 0; m && i < m->count; ++i) {
     if (m->points[static_cast<std::size_t>(i)].feature == feature) return &m->points[static_cast<std::size_t>(i)];
   }
@@ -212,6 +215,8 @@ TEST(Cache, CarriesImpulses) {
   onEveryCache<3>(kImpulses, carriesImpulses<3>);
   catches<MatchesByPlace, 2>("matched by place in the list", carriesImpulses<2>);
   catches<MatchesByPlace, 3>("matched by place in the list", carriesImpulses<3>);
+  catches<MatchesByShape, 2>("matched by shapes, children forgotten", carriesImpulses<2>);
+  catches<MatchesByShape, 3>("matched by shapes, children forgotten", carriesImpulses<3>);
 }
 
 TEST(Cache, CarriesFrictionAsAVector) {

@@ -47,12 +47,14 @@ void pairsAreIndependent() {
     }
     pairs.push_back({2 * i, 2 * i + 1});
   }
+  std::vector<ConvexPair<D>> children;
+  appendChildren<D>(pairs, shapes, children);
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
     Work work;
     std::vector<Manifold<D>> together, alone;
     const auto generator = createStage<ContactGenerator<D>>({r->info.name, {}});
-    generator->generate({pairs, shapes, pose, kContactMargin, true}, together, work);
-    for (const ShapePair& pair : pairs) {
+    generator->generate({children, shapes, pose, kContactMargin, true}, together, work);
+    for (const ConvexPair<D>& pair : children) {
       const auto fresh = createStage<ContactGenerator<D>>({r->info.name, {}});
       fresh->generate({{&pair, 1}, shapes, pose, kContactMargin, true}, alone, work);
     }

@@ -67,7 +67,7 @@ struct ImpactScene {
     Manifold<D> m;
     m.bodyA = a, m.bodyB = b, m.shapeA = a, m.shapeB = b;
     m.normal = n_AB, m.friction = friction, m.restitution = restitution;
-    m.child = static_cast<std::int32_t>(manifolds.size());
+    m.childA = static_cast<std::int32_t>(manifolds.size());
     manifolds.push_back(m);
     active.push_back(static_cast<int>(active.size()));
     addPoint(manifolds.back(), p, separation);

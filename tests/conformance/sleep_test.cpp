@@ -23,6 +23,7 @@ struct Stage {
   std::vector<SleepEvent> events;
   Vec<D> gravity = -kG * Vec<D>::Unit(1);
   Real dt = kDt;
+  Work work;
 
   int add(BodyType type, bool awake = true, Real mass = 1) {
     bodies.pose.push_back({}), bodies.motion.push_back({});
@@ -45,7 +46,7 @@ struct Stage {
   // One decision, and what the world does after it.
   void decide(SleepPolicy<D>& policy) {
     const std::vector<std::uint8_t> before = bodies.awake;
-    policy.decide({dt, bodies, manifolds, joints, events, Real(0.2), gravity}, bodies.awake, bodies.sleep);
+    policy.decide({dt, bodies, manifolds, joints, events, Real(0.2), gravity, work}, bodies.awake, bodies.sleep);
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (before[i] && !bodies.awake[i]) bodies.motion[i] = {};
     }
@@ -97,7 +98,8 @@ bool neverSleepsAgainstWill(SleepPolicy<D>& policy) {
 
 template <int D>
 bool wakesWhenSupportGoes(SleepPolicy<D>& policy) {
-  for (const auto kind : {SleepEvent::bodyRemoved, SleepEvent::contactLost, SleepEvent::separationGrown}) {
+  for (const auto kind :
+       {SleepEvent::bodyRemoved, SleepEvent::jointRemoved, SleepEvent::contactLost, SleepEvent::separationGrown}) {
     Stage<D> s;
     const int other = s.add(BodyType::dynamic), sleeper = s.add(BodyType::dynamic, false);
     if (kind == SleepEvent::separationGrown) s.stack(other, sleeper);

@@ -51,6 +51,23 @@ TYPED_TEST(WorldTest, HandlesOfRemovedBodiesAreInvalidAndSlotsAreReused) {
   EXPECT_EQ(world.bodyCount(), 2);
 }
 
+TYPED_TEST(WorldTest, ASavedWorldMayEndInFreeSlots) {
+  constexpr int D = TypeParam::D;
+  World<D> saved, loaded;
+  for (int i = 0; i < 40; ++i) saved.add(body<D>(Shape<D>::sphere(1), at<D>(3 * i, 0)));
+  for (int i = 10; i < 40; ++i) saved.remove(saved.handle(i));
+  std::stringstream bytes;
+  saved.save(bytes);
+  loaded.load(bytes);
+  for (World<D>* w : {&saved, &loaded}) {
+    w->step(kDt);
+    EXPECT_EQ(w->proxies().size(), 40);
+    EXPECT_EQ(w->add(body<D>(Shape<D>::sphere(1), at<D>(0, 3))).slot, 10);
+    w->step(kDt);
+  }
+  EXPECT_EQ(loaded.hash(), saved.hash());
+}
+
 TYPED_TEST(WorldTest, NoTimeChangesNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
@@ -175,6 +192,47 @@ TYPED_TEST(WorldTest, UserForceActsForOneStep) {
   EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
   world.step(kDt);
   EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
+}
+
+// A ground and n boxes side by side on it, that touch nobody else.
+template <int D>
+std::vector<Handle> addRow(World<D>& world, int n) {
+  Vec<D> half = Vec<D>::Constant(1);
+  half[0] = static_cast<Real>(2 * n);
+  world.add(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed));
+  std::vector<Handle> row;
+  for (int i = 0; i < n; ++i) {
+    row.push_back(world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(2 * i - n, 0.5))));
+  }
+  return row;
+}
+
+// One look at each body, event and contact: ten times the bodies, ten times the cost.
+TYPED_TEST(WorldTest, UserForcesCostWhatTheForcesCost) {
+  constexpr int D = TypeParam::D;
+  for (const int n : {1000, 10'000}) {
+    World<D> world(Pipeline::parse("sleep=split_average"));
+    const std::vector<Handle> row = addRow(world, n);
+    world.step(kDt);
+    ASSERT_EQ(world.manifolds().size(), static_cast<std::size_t>(n));
+    for (const Handle& h : row) world.applyForce(h, at<D>(1, 0), world.pose(h).p);
+    world.step(kDt);
+    EXPECT_EQ(world.profiler().frame().work[Count::eventVisits], static_cast<std::uint64_t>(3 * n));
+  }
+}
+
+TYPED_TEST(WorldTest, FreeSlotsAreNotSearchedFor) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  std::vector<Handle> row = addRow(world, 1000);
+  for (std::size_t i = 1; i < row.size(); i += 2) world.remove(row[i]);
+  world.step(kDt);
+  for (std::size_t i = 1; i < row.size(); i += 2) {
+    EXPECT_EQ(world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 5))).slot, row[i].slot);
+  }
+  world.step(kDt);
+  // A slot for the body and one for its shape, each out of a heap of at most 500.
+  EXPECT_LT(world.profiler().frame().work[Count::eventVisits], 500u * 2 * 2 * 10);
 }
 
 TYPED_TEST(WorldTest, PinnedTurnsNonRotatableSlidesKinematicObeys) {

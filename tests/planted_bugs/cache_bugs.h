@@ -35,6 +35,25 @@ struct MatchesByPlace final : ContactCache<D> {
   }
 };
 
+/// Forgets that shapes have children: the first of the pair of shapes leaves all.
+template <int D>
+struct MatchesByShape final : ContactCache<D> {
+  void carry(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh) override {
+    const auto right = createStage<ContactCache<D>>({"by_feature", {}});
+    for (Manifold<D>& m : fresh) {
+      for (const Manifold<D>& o : old) {
+        if (o.shapeKey() != m.shapeKey()) continue;
+        Manifold<D> renamed = o;
+        renamed.childA = m.childA, renamed.childB = m.childB;
+        std::vector<Manifold<D>> one = {m};
+        right->carry({&renamed, 1}, one);
+        m = one[0];
+        break;
+      }
+    }
+  }
+};
+
 /// Forgets that two normals have two tangent bases.
 template <int D>
 struct FrictionAsNumbers final : ContactCache<D> {

@@ -97,17 +97,17 @@ class NoEdgeContacts final : public ContactGenerator<D> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work&) override {
-    for (const ShapePair& pair : in.pairs) {
+    for (const ConvexPair<D>& pair : in.pairs) {
       const PlacedPair<3> placed = placePair(in, pair, kLinearSlop / 10);
-      const Core3 c1 = makeCore3(placed.record1->shape.view(), nullptr, m_scratch.first);
-      const Core3 c2 = makeCore3(placed.record2->shape.view(), &placed.X_12, m_scratch.second);
+      const Core3 c1 = makeCore3(placed.view1(), nullptr, m_scratch.first);
+      const Core3 c2 = makeCore3(placed.view2(), &placed.X_12, m_scratch.second);
       const FaceAxis3 f1 = bestFace(c1, c2, placed.limit), f2 = bestFace(c2, c1, placed.limit);
       if (std::max(f1.separation, f2.separation) > placed.limit || f2.face < 0) continue;
       const bool first = f1.separation >= f2.separation;
       const Vec<3> n = first ? c1.n[f1.face] : Vec<3>(-c2.n[f2.face]);
       clipAgainst(c1, c2, first, first ? f1.face : f2.face, n, std::max(f1.separation, f2.separation), placed,
                   m_scratch);
-      addPatch(in, pair, placed, n, patchPoints(m_scratch, placed.tolerance), fresh);
+      addPatch(in, placed, n, patchPoints(m_scratch, placed.tolerance), fresh);
     }
   }
 

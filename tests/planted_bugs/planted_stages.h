@@ -107,16 +107,17 @@ template <int D>
 class PlantedSleep final : public SleepPolicy<D> {
  public:
   enum class Bug {
-    deaf,     // hears of no event: supports go, forces act, and nobody wakes
-    nowhere,  // does not ask who carries: sleeps in the air
-    adrift,   // falls asleep before it has come to rest
-    crowd,    // nobody sleeps while anybody moves
-    wall      // a sleeper that is struck stays asleep
+    deaf,          // hears of no event: supports go, forces act, and nobody wakes
+    deafToJoints,  // hears of all but joints that are removed
+    nowhere,       // does not ask who carries: sleeps in the air
+    adrift,        // falls asleep before it has come to rest
+    crowd,         // nobody sleeps while anybody moves
+    wall           // a sleeper that is struck stays asleep
   };
   struct Params {
     Bug bug = Bug::deaf;
     void visit(ParamVisitor& v) {
-      v.choice("bug", bug, {"deaf", "nowhere", "adrift", "crowd", "wall"}, "what is wrong");
+      v.choice("bug", bug, {"deaf", "deaf_to_joints", "nowhere", "adrift", "crowd", "wall"}, "what is wrong");
     }
   };
   explicit PlantedSleep(const Params& params)
@@ -125,6 +126,9 @@ class PlantedSleep final : public SleepPolicy<D> {
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
     SleepInput<D> heard = in;
+    std::vector<SleepEvent> events(in.events.begin(), in.events.end());
+    const auto unheard = [](const SleepEvent& e) { return e.kind == SleepEvent::jointRemoved; };
+    if (m_bug == Bug::deafToJoints) std::erase_if(events, unheard), heard.events = events;
     if (m_bug == Bug::deaf) heard.events = {};
     const std::vector<std::uint8_t> before(awake.begin(), awake.end());
     m_right->decide(heard, awake, memory);
@@ -183,5 +187,33 @@ class PlantedContacts final : public ContactGenerator<D> {
   std::unique_ptr<ContactGenerator<D>> m_right;
 };
 LPC_REGISTER(ContactGenerator, PlantedContacts, 2, 3);
+
+/// No bug: deals the points of each manifold to as many children, as shapes of several parts would have.
+template <int D>
+class PlantedChildren final : public ContactGenerator<D> {
+ public:
+  using Params = NoParams;
+  explicit PlantedChildren(const Params&) : m_right(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
+  static Info info() { return planted("children"); }
+
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+    m_whole.clear();
+    m_right->generate(in, m_whole, work);
+    for (const Manifold<D>& whole : m_whole) {
+      for (int i = 0; i < whole.count; ++i) {
+        Manifold<D> m = whole;
+        m.count = 1, m.points = {whole.points[static_cast<std::size_t>(i)]};
+        m.childA = i / 2, m.childB = i % 2;
+        fresh.push_back(m);
+      }
+    }
+  }
+
+ private:
+  std::unique_ptr<ContactGenerator<D>> m_right;
+  std::vector<Manifold<D>> m_whole;
+};
+LPC_REGISTER(ContactGenerator, PlantedChildren, 2, 3);
 
 }  // namespace lpc::inline LPC_PRECISION::test

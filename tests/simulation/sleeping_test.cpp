@@ -85,6 +85,32 @@ bool nobodyHangsInTheAir(const std::string& policy) {
   return tower.sleepers() == std::min(before, 4);
 }
 
+// A beam lies on two posts, and a ball hangs under it by a pivot. The pivot is removed while they sleep: the ball
+// falls, with every solver.
+template <int D>
+bool nobodyHangsOnARemovedJoint(const std::string& policy) {
+  for (const Registered* solver : Registry::instance().list(StageKind::solver, D)) {
+    if (!competes(*solver)) continue;
+    World<D> world(Pipeline::parse("sleep=" + policy + " solver=" + solver->info.name));
+    for (const int x : {-2, 2}) {
+      Vec<D> half = Vec<D>::Constant(Real(0.5));
+      half[1] = 5;
+      world.add(body<D>(Shape<D>::box(half), at<D>(x, 4.5), BodyType::fixed));
+    }
+    Vec<D> half = Vec<D>::Constant(Real(0.5));
+    half[0] = 3;
+    const Handle beam = world.add(body<D>(Shape<D>::box(half), at<D>(0, 10)));
+    const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 8.5)));
+    const Handle pivot = world.add(PivotDef<D>{beam, ball, at<D>(0, 9.5), false});
+    for (int i = 0; i < 300; ++i) world.step(kDt);
+    if (std::abs(world.pose(ball).p[1] - Real(8.5)) > Real(0.1)) return false;
+    world.removeJoint(pivot);
+    for (int i = 0; i < 60; ++i) world.step(kDt);
+    if (world.pose(ball).p[1] > 5 || std::abs(world.pose(beam).p[1] - 10) > Real(0.1)) return false;
+  }
+  return true;
+}
+
 template <int D>
 bool groundIsMovedAway(const std::string& policy) {
   Tower<D> tower(policy);
@@ -164,6 +190,7 @@ template <int D>
 std::vector<Named<D>> properties() {
   return {{"Sleeping.RestsAsWithoutIt", restsAsWithoutIt<D>, "adrift"},
           {"Sleeping.NobodyHangsInTheAir", nobodyHangsInTheAir<D>, "deaf"},
+          {"Sleeping.NobodyHangsOnARemovedJoint", nobodyHangsOnARemovedJoint<D>, "deaf_to_joints"},
           {"Sleeping.GroundIsMovedAway", groundIsMovedAway<D>, "deaf"},
           {"Sleeping.ThrowsAreNotStopped", throwsAreNotStopped<D>, "nowhere"},
           {"Sleeping.BlowsWakeARow", blowsWakeARow<D>, "wall"},

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/box_index.h"
+
+#include <algorithm>
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+void BoxIndex<D>::add(std::size_t shape, const ShapeRecord<D>& record) {
+  if (shape >= m_change.size()) {
+    m_change.resize(shape + 1, none);
+    m_proxies.resize(static_cast<int>(shape + 1));
+  }
+  m_proxies.category[shape] = record.category, m_proxies.mask[shape] = record.mask;
+  m_proxies.body[shape] = record.body;
+  m_change[shape] |= added;
+  m_stale = true;
+}
+
+template <int D>
+void BoxIndex<D>::remove(std::size_t shape) {
+  m_proxies.setBox(static_cast<ProxyId>(shape), Aabb<D>{});
+  m_proxies.body[shape] = -1, m_proxies.active[shape] = 0;
+  // A slot that the broadphase has not heard of yet needs no farewell.
+  m_change[shape] = m_change[shape] & added ? m_change[shape] & removed : removed;
+  m_stale = true;
+}
+
+template <int D>
+void BoxIndex<D>::touch(std::size_t body) {
+  if (body >= m_touched.size()) m_touched.resize(body + 1, 0);
+  m_touched[body] = 1;
+  m_stale = true;
+}
+
+template <int D>
+void BoxIndex<D>::refresh(std::size_t shape, const ShapeRecord<D>& record, const Pose<D>& X_WC) {
+  Aabb<D> box = boundingBox(record.shape.view(), X_WC * record.X_CS).grown(m_margin / 2);
+  // A body that has become NaN takes no part in collision; it is for the caller to see and stop.
+  if (!box.lo.allFinite() || !box.hi.allFinite()) box = Aabb<D>{};
+  m_proxies.setBox(static_cast<ProxyId>(shape), box);
+}
+
+template <int D>
+void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies) {
+  if (!m_stale) return;
+  m_stale = false;
+  if (m_change.size() < shapes.size()) {  // a saved world may end in free slots
+    m_change.resize(shapes.size(), none);
+    m_proxies.resize(static_cast<int>(shapes.size()));
+  }
+  m_touched.resize(bodies.pose.size(), 0);
+  m_added.clear(), m_removed.clear(), m_moved.clear();
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    if (m_change[s] & removed) m_removed.push_back(static_cast<ProxyId>(s));
+    if (m_change[s] & added) m_added.push_back(static_cast<ProxyId>(s));
+    if (shapes[s].body >= 0) {
+      const auto body = static_cast<std::size_t>(shapes[s].body);
+      const bool active = bodies.awake[body] && bodies.type[body] != BodyType::fixed;
+      const bool moved = active || m_touched[body];
+      if (moved || (m_change[s] & added)) refresh(s, shapes[s], bodies.pose[body]);
+      if (moved || m_proxies.active[s]) m_moved.push_back(static_cast<ProxyId>(s));
+      m_proxies.active[s] = active;
+    }
+    m_change[s] = none;
+  }
+  std::fill(m_touched.begin(), m_touched.end(), std::uint8_t(0));
+  m_broadphase->update(m_proxies, {m_added, m_removed, m_moved});
+}
+
+template class BoxIndex<2>;
+template class BoxIndex<3>;
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "framework/body.h"
+#include "framework/stage_broadphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// The box of each shape of a world, the broadphase over them, and what it has not heard of yet. Changes are noted at
+/// once and brought up to date by sync(), in one walk over the shapes however many there were.
+template <int D>
+class BoxIndex {
+ public:
+  /// Both boxes of a pair grow by half the margin (m), so that they overlap when the shapes are within the whole of it.
+  /// Throws UserError when there is no such broadphase.
+  BoxIndex(const Spec& broadphase, Real margin)
+      : m_broadphase(createStage<Broadphase<D>>(broadphase)), m_margin(margin) {}
+
+  void add(std::size_t shape, const ShapeRecord<D>& record);
+  void remove(std::size_t shape);
+  /// The boxes of this body are stale, also when it does not move by itself.
+  void touch(std::size_t body);
+  /// Those of all who move are.
+  void outdate() { m_stale = true; }
+  void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies);
+
+  // As of the last sync().
+  const Proxies<D>& proxies() const { return m_proxies; }
+  bool active(std::int32_t shape) const { return m_proxies.active[static_cast<std::size_t>(shape)] != 0; }
+  // What the broadphase says of these boxes; see there.
+  void findPairs(std::vector<ProxyPair>& out, Work& work) { m_broadphase->findPairs(m_proxies, out, work); }
+  void overlap(const Aabb<D>& box, std::vector<ProxyId>& out) const { m_broadphase->overlap(m_proxies, box, out); }
+  void at(const Vec<D>& point, std::vector<ProxyId>& out) const { m_broadphase->at(m_proxies, point, out); }
+  void ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, std::vector<RayHit<D>>& out) const {
+    m_broadphase->ray(m_proxies, p, direction, maxT, false, out);
+  }
+
+ private:
+  void refresh(std::size_t shape, const ShapeRecord<D>& record, const Pose<D>& X_WC);
+  enum Change : std::uint8_t { none = 0, added = 1, removed = 2, both = 3 };
+
+  std::unique_ptr<Broadphase<D>> m_broadphase;
+  Real m_margin;
+  Proxies<D> m_proxies;
+  std::vector<std::uint8_t> m_change;                // by shape slot, since the last sync
+  std::vector<std::uint8_t> m_touched;               // by body slot
+  std::vector<ProxyId> m_added, m_removed, m_moved;  // scratch of sync
+  bool m_stale = false;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

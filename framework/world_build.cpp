@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Zlib
+// What a world is built of: bodies with their shapes, and joints. A definition is checked as a whole before anything
+// changes.
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "framework/user_numbers.h"
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <int D>
+bool isFinite(const MassProperties<D>& m) {
+  return std::isfinite(m.mass) && m.center.allFinite() && m.inertia.allFinite();
+}
+
+template <int D>
+void checkShape(const ShapeDef<D>& s, const std::string& who) {
+  checkPose(s.X_BS, who + ", shape");
+  checkAmount(s.density, who, "density");
+  checkAmount(s.friction, who, "friction");
+  checkAmount(s.restitution, who, "restitution");
+}
+
+}  // namespace
+
+template <int D>
+std::size_t World<D>::freeBodySlot() {
+  auto& b = m_bodies;
+  const std::size_t i = m_bodySlots.take(m_visits);
+  if (i < b.used.size()) return i;
+  b.pose.emplace_back(), b.motion.emplace_back(), b.center.emplace_back(Vec<D>::Zero());
+  b.invMass.push_back(0), b.mass.push_back(0);
+  b.invInertia.push_back(Inertia<D>::Zero()), b.invInertiaBody.push_back(Inertia<D>::Zero());
+  b.type.push_back(BodyType::fixed);
+  b.used.push_back(0), b.awake.push_back(0), b.canSleep.push_back(0), b.pinned.push_back(0);
+  b.sleep.push_back({}), b.generation.push_back(0);
+  m_userForces.emplace_back();
+  return i;
+}
+
+template <int D>
+Handle World<D>::add(const BodyDef<D>& def) {
+  const std::string who = def.name.empty() ? "body" : "body '" + def.name + "'";
+  checkPose(def.X_WB, who);
+  checkMotion(Motion<D>{def.velocity, def.angularVelocity}, who);
+  MassProperties<D> mass;
+  bool kinds[kShapeKinds] = {};
+  for (const ShapeDef<D>& s : def.shapes) {
+    checkShape(s, who);
+    const MassProperties<D> part = transformed(massProperties(s.shape.view(), s.density), s.X_BS);
+    mass = combined(mass, part);
+    if (!isFinite(part) || !isFinite(mass)) {
+      throw UserError(who + ": its mass, " + std::to_string(part.mass) +
+                      " kg, or its inertia is beyond what numbers hold");
+    }
+    kinds[static_cast<int>(s.shape.kind())] = true;
+  }
+  if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
+    throw UserError(who + ": a dynamic body needs mass; give it a shape with density > 0, or make it fixed");
+  }
+  for (int k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || m_kindCount[static_cast<std::size_t>(k)] > 0;
+  for (const ShapeDef<D>& s : def.shapes) {
+    for (int k = 0; k < kShapeKinds; ++k) {
+      const auto a = std::min(s.shape.kind(), static_cast<ShapeKind>(k));
+      const auto b = std::max(s.shape.kind(), static_cast<ShapeKind>(k));
+      if (kinds[k] && !m_contacts->supports(a, b)) {
+        throw UserError(who + ": contacts=" + m_pipeline.contacts.name + " does not support " +
+                        std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
+      }
+    }
+  }
+
+  const std::size_t i = freeBodySlot();
+  auto& b = m_bodies;
+  const bool dynamic = def.type == BodyType::dynamic;
+  b.used[i] = 1, b.type[i] = def.type;
+  b.awake[i] = def.awake || !dynamic, b.canSleep[i] = def.canSleep && dynamic, b.pinned[i] = def.pinned;
+  b.center[i] = mass.center;
+  b.pose[i] = {def.X_WB * mass.center, def.X_WB.q};
+  b.motion[i] = def.type == BodyType::fixed ? Motion<D>{} : Motion<D>{def.velocity, def.angularVelocity};
+  b.mass[i] = dynamic ? mass.mass : Real(0);
+  b.invInertiaBody[i] = Inertia<D>::Zero();
+  if (dynamic && def.rotatable && mass.inertia.trace() > 0) b.invInertiaBody[i] = mass.inertia.inverse();
+  b.sleep[i] = {}, m_userForces[i] = {};
+  for (std::size_t s = 0; s < def.shapes.size(); ++s) {
+    putShape(def.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
+  }
+  return handle(static_cast<std::int32_t>(i));
+}
+
+template <int D>
+void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index) {
+  const std::size_t i = m_shapeSlots.take(m_visits);
+  if (i == m_shapes.size()) m_shapes.emplace_back();
+  ++m_kindCount[static_cast<std::size_t>(def.shape.kind())];
+  const Vec<D>& center = m_bodies.center[static_cast<std::size_t>(body)];
+  m_shapes[i] = {def.shape, {def.X_BS.p - center, def.X_BS.q}, body, index, def.friction, def.restitution, def.category,
+                 def.mask};
+  m_boxes.add(i, m_shapes[i]);
+}
+
+template <int D>
+void World<D>::remove(Handle body) {
+  const std::size_t i = slotOf(body);
+  const std::int32_t slot = body.slot;
+  m_visits += m_shapes.size() + m_manifolds.size() + m_joints.size();
+  for (std::size_t s = 0; s < m_shapes.size(); ++s) {
+    if (m_shapes[s].body != slot) continue;
+    --m_kindCount[static_cast<std::size_t>(m_shapes[s].shape.kind())];
+    m_shapes[s] = ShapeRecord<D>{};
+    m_shapeSlots.give(s, m_visits);
+    m_boxes.remove(s);
+  }
+  std::optional<decltype(Manifold<D>{}.shapeKey())> told;  // once for each pair of shapes
+  std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
+    if (m.bodyA != slot && m.bodyB != slot) return false;
+    if (std::exchange(told, m.shapeKey()) == m.shapeKey()) return true;
+    m_events.push_back({SleepEvent::bodyRemoved, m.bodyA == slot ? m.bodyB : m.bodyA, slot});
+    for (ContactListener<D>* l : m_listeners) l->end(*this, m);
+    return true;
+  });
+  for (std::size_t j = 0; j < m_joints.size(); ++j) {
+    const PivotJoint<D>& joint = m_joints[j];
+    if (joint.bodyA < 0 || (joint.bodyA != slot && joint.bodyB != slot)) continue;
+    removeJoint({static_cast<std::int32_t>(j), joint.generation});
+  }
+  std::erase_if(m_events, [&](const SleepEvent& e) { return e.body == slot; });
+  auto& b = m_bodies;
+  b.pose[i] = {}, b.motion[i] = {}, b.invMass[i] = b.mass[i] = 0, b.center[i] = Vec<D>::Zero();
+  b.invInertia[i] = b.invInertiaBody[i] = Inertia<D>::Zero();
+  b.type[i] = BodyType::fixed, b.used[i] = b.awake[i] = b.canSleep[i] = b.pinned[i] = 0;
+  b.sleep[i] = {}, m_userForces[i] = {};
+  ++b.generation[i];
+  m_bodySlots.give(i, m_visits);
+}
+
+template <int D>
+Handle World<D>::add(const PivotDef<D>& def) {
+  const std::size_t a = slotOf(def.bodyA), b = slotOf(def.bodyB);
+  if (a == b) throw UserError("world: a pivot needs two bodies");
+  if (!def.anchor.allFinite()) throw UserError("world: the pivot's anchor is not finite");
+  const std::size_t i = m_jointSlots.take(m_visits);
+  if (i == m_joints.size()) m_joints.emplace_back();
+  PivotJoint<D>& j = m_joints[i];
+  j.bodyA = def.bodyA.slot, j.bodyB = def.bodyB.slot;
+  j.localA = m_bodies.pose[a].inverse() * def.anchor, j.localB = m_bodies.pose[b].inverse() * def.anchor;
+  j.impulse = Vec<D>::Zero(), j.collide = def.collide;
+  return {static_cast<std::int32_t>(i), j.generation};
+}
+
+template <int D>
+void World<D>::removeJoint(Handle joint) {
+  const auto i = static_cast<std::size_t>(joint.slot);
+  if (joint.slot < 0 || i >= m_joints.size() || m_joints[i].bodyA < 0 || m_joints[i].generation != joint.generation) {
+    throw UserError("world: there is no joint with handle " + std::to_string(joint.slot) + " (removed?)");
+  }
+  const std::int32_t a = m_joints[i].bodyA, b = m_joints[i].bodyB;
+  m_events.push_back({SleepEvent::jointRemoved, a, b});
+  m_events.push_back({SleepEvent::jointRemoved, b, a});
+  const std::uint32_t generation = m_joints[i].generation + 1;
+  m_joints[i] = PivotJoint<D>{};
+  m_joints[i].generation = generation;
+  m_jointSlots.give(i, m_visits);
+}
+
+// The members of this file; the class as a whole is instantiated in world.cpp.
+#define LPC_INSTANTIATE(D)                                                          \
+  template std::size_t World<D>::freeBodySlot();                                    \
+  template Handle World<D>::add(const BodyDef<D>&);                                 \
+  template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t); \
+  template void World<D>::remove(Handle);                                           \
+  template Handle World<D>::add(const PivotDef<D>&);                                \
+  template void World<D>::removeJoint(Handle)
+LPC_INSTANTIATE(2);
+LPC_INSTANTIATE(3);
+#undef LPC_INSTANTIATE
+
+}  // namespace lpc::inline LPC_PRECISION

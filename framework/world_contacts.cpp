@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Zlib
+// From pairs of boxes to the manifolds that a solver sees, and who is told: pairs, cache.select, contacts, cache.carry,
+// listeners.
+#include <algorithm>
+
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// The manifolds of the first pair of shapes, one for each pair of their children: they stand together.
+template <class M>
+std::span<M> firstPair(std::span<M> manifolds) {
+  std::size_t n = 0;
+  while (n < manifolds.size() && manifolds[n].shapeKey() == manifolds[0].shapeKey()) ++n;
+  return manifolds.first(n);
+}
+
+template <int D>
+Real smallestSeparation(std::span<const Manifold<D>> pair) {
+  Real s = pair[0].points[0].separation;
+  for (const Manifold<D>& m : pair) {
+    for (int i = 0; i < m.count; ++i) s = std::min(s, m.points[static_cast<std::size_t>(i)].separation);
+  }
+  return s;
+}
+
+// Largest speed of approach over the points, m/s, at least 0.
+template <int D>
+Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
+  const auto a = static_cast<std::size_t>(pair[0].bodyA), b = static_cast<std::size_t>(pair[0].bodyB);
+  Real speed = 0;
+  for (const Manifold<D>& m : pair) {
+    for (int i = 0; i < m.count; ++i) {
+      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
+      const Vec<D> vA = bodies.motion[a].v + cross(bodies.motion[a].w, bodies.pose[a].q * c.localA);
+      const Vec<D> vB = bodies.motion[b].v + cross(bodies.motion[b].w, bodies.pose[b].q * c.localB);
+      speed = std::max(speed, -(vB - vA).dot(m.normal));
+    }
+  }
+  return speed;
+}
+
+}  // namespace
+
+template <int D>
+void World<D>::findPairs() {
+  m_proxyPairs.clear();
+  m_boxes.findPairs(m_proxyPairs, m_profiler.frame().work);
+  m_unpaired.clear();
+  if (m_settings.features.joints) {
+    for (const PivotJoint<D>& j : m_joints) {
+      if (j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
+    }
+    std::sort(m_unpaired.begin(), m_unpaired.end());
+  }
+  m_pairs.clear();
+  for (const ProxyPair& p : m_proxyPairs) {
+    ShapePair pair{p.a, p.b};
+    std::int32_t a = m_shapes[static_cast<std::size_t>(p.a)].body, b = m_shapes[static_cast<std::size_t>(p.b)].body;
+    if (a > b) std::swap(a, b), std::swap(pair.a, pair.b);
+    const bool moves = m_bodies.type[static_cast<std::size_t>(a)] == BodyType::dynamic ||
+                       m_bodies.type[static_cast<std::size_t>(b)] == BodyType::dynamic;
+    if (!moves || std::binary_search(m_unpaired.begin(), m_unpaired.end(), std::pair(a, b))) continue;
+    m_pairs.push_back(pair);
+  }
+}
+
+template <int D>
+void World<D>::makeContacts() {
+  std::swap(m_manifolds, m_oldManifolds);
+  m_manifolds.clear();
+  Work& work = m_profiler.frame().work;
+  {
+    Profiler::Scope scope(m_profiler, "cache");
+    m_cache->select(m_pairs, m_oldManifolds, m_bodies.pose, m_regenerate);
+  }
+  {
+    Profiler::Scope scope(m_profiler, "contacts");
+    m_children.clear();
+    appendChildren<D>(m_regenerate, m_shapes, m_children);
+    m_contacts->generate({m_children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction},
+                         m_manifolds, work);
+  }
+  Profiler::Scope scope(m_profiler, "cache");
+  // A pair without an active proxy is not reported by the broadphase: it stays as it was.
+  for (const Manifold<D>& m : m_oldManifolds) {
+    if (resting(m)) m_manifolds.push_back(m);
+  }
+  m_sort(m_manifolds);
+  if (m_settings.features.cache) m_cache->carry(m_oldManifolds, m_manifolds);
+}
+
+template <int D>
+void World<D>::tellListeners() {
+  const auto asleep = [&](std::int32_t body) { return !m_bodies.awake[static_cast<std::size_t>(body)]; };
+  // Only sleeping bodies need events, and seldom are there any.
+  const auto wakeEvent = [&](SleepEvent::Kind kind, const Manifold<D>& m, Real speed) {
+    if (asleep(m.bodyA)) m_events.push_back({kind, m.bodyA, m.bodyB, double(speed)});
+    if (asleep(m.bodyB)) m_events.push_back({kind, m.bodyB, m.bodyA, double(speed)});
+  };
+  std::span<const Manifold<D>> old = m_oldManifolds;
+  const auto end = [&] {
+    wakeEvent(SleepEvent::contactLost, old[0], 0);
+    for (ContactListener<D>* l : m_listeners) l->end(*this, old[0]);
+    old = old.subspan(firstPair(old).size());
+  };
+  for (std::span<Manifold<D>> rest = m_manifolds; !rest.empty();) {
+    const std::span<Manifold<D>> pair = firstPair(rest);
+    const Manifold<D>& m = pair[0];
+    rest = rest.subspan(pair.size());
+    while (!old.empty() && old[0].shapeKey() < m.shapeKey()) end();
+    const bool known = !old.empty() && old[0].shapeKey() == m.shapeKey();
+    const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
+    old = old.subspan(before.size());
+    if (resting(m)) continue;
+    for (Manifold<D>& child : pair) child.begun = !known, child.ignored = 0;
+    if (!known) {
+      wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, m_bodies));
+    } else if (asleep(m.bodyA) || asleep(m.bodyB)) {
+      const Real growth = smallestSeparation<D>(pair) - smallestSeparation<D>(before);
+      if (growth > 0 && m_lastDt > 0) wakeEvent(SleepEvent::separationGrown, m, growth / m_lastDt);
+    }
+    for (ContactListener<D>* l : m_listeners) {
+      if (known ? l->persist(*this, m) : l->begin(*this, m)) continue;
+      for (Manifold<D>& child : pair) child.ignored = 1;
+    }
+  }
+  while (!old.empty()) end();
+}
+
+template <int D>
+void World<D>::collectActive() {
+  m_active.clear();
+  for (std::size_t i = 0; i < m_manifolds.size(); ++i) {
+    const Manifold<D>& m = m_manifolds[i];
+    if (!m.ignored && (m_bodies.active(m.bodyA) || m_bodies.active(m.bodyB))) m_active.push_back(static_cast<int>(i));
+  }
+}
+
+template <int D>
+void World<D>::again() {
+  ++m_profiler.frame().work[Count::detections];
+  makeContacts();
+  // What was begun or vetoed in this step stays so.
+  std::size_t o = 0;
+  for (Manifold<D>& m : m_manifolds) {
+    while (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() < m.shapeKey()) ++o;
+    if (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() == m.shapeKey()) {
+      m.begun = m_oldManifolds[o].begun, m.ignored = m_oldManifolds[o].ignored;
+    } else {
+      m.begun = 1;
+    }
+  }
+  collectActive();
+}
+
+// The members of this file; the class as a whole is instantiated in world.cpp.
+#define LPC_INSTANTIATE(D)                 \
+  template void World<D>::findPairs();     \
+  template void World<D>::makeContacts();  \
+  template void World<D>::tellListeners(); \
+  template void World<D>::collectActive(); \
+  template void World<D>::again()
+LPC_INSTANTIATE(2);
+LPC_INSTANTIATE(3);
+#undef LPC_INSTANTIATE
+
+}  // namespace lpc::inline LPC_PRECISION

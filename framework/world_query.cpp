@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+// Questions about exact shapes at present poses.
+#include <algorithm>
+
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+// The bodies, each once, of those proxies whose shape holds; `holds` is asked with the shape and its pose.
+template <int D>
+template <class Holds>
+std::vector<Handle> World<D>::bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const {
+  std::sort(found.begin(), found.end());
+  std::vector<Handle> out;
+  for (ProxyId id : found) {
+    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(id)];
+    const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
+    const Handle h = handle(s.body);
+    if (holds(s.shape.view(), X_WS) && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
+  }
+  return out;
+}
+
+template <int D>
+std::vector<Handle> World<D>::at(const Vec<D>& point) const {
+  sync();
+  std::vector<ProxyId> found;
+  m_boxes.at(point, found);
+  return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
+}
+
+template <int D>
+std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
+  sync();
+  std::vector<ProxyId> found;
+  m_boxes.overlap(box, found);
+  return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
+}
+
+template <int D>
+std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const {
+  sync();
+  std::vector<RayHit<D>> found;
+  m_boxes.ray(p, direction, maxT, found);  // the first box need not hold the first shape
+  std::vector<BodyRayHit<D>> out;
+  for (const RayHit<D>& hit : found) {
+    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(hit.proxy)];
+    const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
+    const Real t = castRay(s.shape.view(), X_WS, p, direction, maxT);
+    if (t >= 0) out.push_back({handle(s.body), s.index, t});
+  }
+  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {
+    return std::tuple(a.t, a.body.slot, a.shape) < std::tuple(b.t, b.body.slot, b.shape);
+  });
+  if (firstOnly && out.size() > 1) out.resize(1);
+  return out;
+}
+
+// The members of this file; the class as a whole is instantiated in world.cpp.
+#define LPC_INSTANTIATE(D)                                              \
+  template std::vector<Handle> World<D>::at(const Vec<D>&) const;       \
+  template std::vector<Handle> World<D>::overlap(const Aabb<D>&) const; \
+  template std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>&, const Vec<D>&, Real, bool) const
+LPC_INSTANTIATE(2);
+LPC_INSTANTIATE(3);
+#undef LPC_INSTANTIATE
+
+}  // namespace lpc::inline LPC_PRECISION
