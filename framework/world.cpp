@@ -63,11 +63,11 @@ template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
     : m_pipeline(pipeline),
       m_settings(settings),
-      m_broadphase(createStage<Broadphase<D>>(pipeline.broadphase)),
-      m_contacts(createStage<ContactGenerator<D>>(pipeline.contacts)),
-      m_cache(createStage<ContactCache<D>>(pipeline.cache)),
-      m_solver(createStage<Solver<D>>(pipeline.solver)),
-      m_sleep(createStage<SleepPolicy<D>>(pipeline.sleep)) {
+      m_broadphase(createStage<Broadphase<D>>(pipeline)),
+      m_contacts(createStage<ContactGenerator<D>>(pipeline)),
+      m_cache(createStage<ContactCache<D>>(pipeline)),
+      m_solver(createStage<Solver<D>>(pipeline)),
+      m_sleep(createStage<SleepPolicy<D>>(pipeline)) {
   if (!finite(settings.gravity)) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");
@@ -123,7 +123,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
       const auto a = std::min(s.shape.kind(), static_cast<ShapeKind>(k));
       const auto b = std::max(s.shape.kind(), static_cast<ShapeKind>(k));
       if (kinds[k] && !m_contacts->supports(a, b)) {
-        throw UserError(who + ": contacts=" + m_pipeline.contacts.name + " does not support " +
+        throw UserError(who + ": contacts=" + m_pipeline[StageKind::contacts].name + " does not support " +
                         std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
       }
     }
