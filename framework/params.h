@@ -21,11 +21,6 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-enum class StageKind { broadphase, pairQuery, contacts, cache, solver, velocity, position, integrator, sleep };
-inline constexpr int kStageKinds = 9;
-/// "broadphase", "pair_query", ... as in pipeline texts and folder names.
-std::string_view stageName(StageKind stage);
-
 class ParamVisitor {
  public:
   virtual ~ParamVisitor() = default;
@@ -60,6 +55,8 @@ struct ParamInfo {
   std::string name, type, unit, meaning, defaultText;
   std::string range;                 // "0 .. 10000", or empty
   std::vector<std::string> choices;  // of a choice, flag or stage
+  /// The stage whose algorithms it takes; nullptr for one that takes numbers, choices or flags.
+  const StageInfo* stage = nullptr;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

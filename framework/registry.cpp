@@ -7,9 +7,6 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr std::array<std::string_view, kStageKinds> kStageNames = {
-    "broadphase", "pair_query", "contacts", "cache", "solver", "velocity", "position", "integrator", "sleep"};
-
 // The shortest text that reads back as the same number.
 std::string numberText(Real value) {
   char buffer[64];
@@ -112,7 +109,7 @@ class Describer final : public ParamVisitor {
     add(name, "flag", "1", meaning, value ? "true" : "false").choices = {"true", "false"};
   }
   void stage(std::string_view name, Spec& value, StageKind kind, std::string_view meaning) override {
-    add(name, "stage:" + std::string(stageName(kind)), "1", meaning, value.text());
+    add(name, "stage:" + std::string(stageName(kind)), "1", meaning, value.text()).stage = &stageInfo(kind);
   }
 
  protected:
@@ -126,7 +123,7 @@ class Describer final : public ParamVisitor {
   ParamInfo& add(std::string_view name, std::string type, std::string_view unit, std::string_view meaning,
                  std::string value) {
     infos.push_back(
-        {std::string(name), std::move(type), std::string(unit), std::string(meaning), std::move(value), {}, {}});
+        {std::string(name), std::move(type), std::string(unit), std::string(meaning), std::move(value), {}, {}, {}});
     return infos.back();
   }
 };
@@ -160,8 +157,6 @@ class Canonical final : public ParamVisitor {
 };
 
 }  // namespace
-
-std::string_view stageName(StageKind stage) { return kStageNames[static_cast<std::size_t>(stage)]; }
 
 Registry& Registry::instance() {
   static Registry registry;
@@ -213,13 +208,12 @@ Spec canonicalSpec(const std::string& algorithm, int dimension, const std::funct
 }
 
 std::string canonicalText(const Pipeline& pipeline, int dimension) {
-  const auto canonical = [&](StageKind kind, const Spec& spec) {
-    return Registry::instance().find(kind, dimension, spec.name).canonical(spec);
-  };
-  return Pipeline{canonical(StageKind::broadphase, pipeline.broadphase),
-                  canonical(StageKind::contacts, pipeline.contacts), canonical(StageKind::cache, pipeline.cache),
-                  canonical(StageKind::solver, pipeline.solver), canonical(StageKind::sleep, pipeline.sleep)}
-      .text();
+  Pipeline whole;
+  for (const StageKind stage : kWorldStages) {
+    const Spec& spec = pipeline[stage];
+    whole[stage] = Registry::instance().find(stage, dimension, spec.name).canonical(spec);
+  }
+  return whole.text();
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -80,6 +80,12 @@ std::unique_ptr<S> createStage(const Spec& spec) {
   return std::unique_ptr<S>(static_cast<S*>(stage.release()));
 }
 
+/// The stage of a pipeline.
+template <class S>
+std::unique_ptr<S> createStage(const Pipeline& pipeline) {
+  return createStage<S>(pipeline[S::kStage]);
+}
+
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
 std::string canonicalText(const Pipeline& pipeline, int dimension);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/spec.h"
 
+#include <algorithm>
 #include <cctype>
 #include <utility>
 
@@ -57,15 +58,11 @@ class Parser {
   std::size_t m_at = 0;
 };
 
-struct Slot {
-  std::string_view name;
-  Spec Pipeline::*spec;
-};
-constexpr Slot kSlots[] = {{"broadphase", &Pipeline::broadphase},
-                           {"contacts", &Pipeline::contacts},
-                           {"cache", &Pipeline::cache},
-                           {"solver", &Pipeline::solver},
-                           {"sleep", &Pipeline::sleep}};
+std::string worldStageNames() {
+  std::string names;
+  for (const StageKind stage : kWorldStages) names += (names.empty() ? "" : ", ") + std::string(stageName(stage));
+  return names;
+}
 
 }  // namespace
 
@@ -106,29 +103,41 @@ void Spec::set(std::string_view key, Spec value) {
   fields.push_back({std::string(key), std::move(value)});
 }
 
+Pipeline::Pipeline() {
+  for (const StageKind stage : kWorldStages) (*this)[stage].name = stageInfo(stage).worldDefault;
+}
+
+Spec& Pipeline::operator[](StageKind stage) {
+  LPC_ASSERT(isWorldStage(&stageInfo(stage)));
+  return m_specs[static_cast<std::size_t>(stage)];
+}
+const Spec& Pipeline::operator[](StageKind stage) const { return const_cast<Pipeline&>(*this)[stage]; }
+
 Pipeline Pipeline::parse(std::string_view text) {
   Pipeline pipeline;
+  pipeline.replace(text);
+  return pipeline;
+}
+
+std::vector<StageKind> Pipeline::replace(std::string_view text) {
+  std::vector<StageKind> named;
   Parser p(text);
-  std::string seen = " ";
   while (!p.atEnd()) {
     const std::string key = p.word("a stage");
-    const Slot* slot = nullptr;
-    for (const Slot& s : kSlots) {
-      if (s.name == key) slot = &s;
-    }
-    if (!slot) p.fail("unknown stage '" + key + "'; valid: broadphase, contacts, cache, solver, sleep");
-    if (seen.find(' ' + key + ' ') != std::string::npos) p.fail("stage '" + key + "' is given twice");
-    seen += key + ' ';
+    const StageInfo* stage = stageByName(key);
+    if (!isWorldStage(stage)) p.fail("unknown stage '" + key + "'; valid: " + worldStageNames());
+    if (std::find(named.begin(), named.end(), stage->kind) != named.end()) p.fail("stage '" + key + "' is given twice");
+    named.push_back(stage->kind);
     if (!p.take('=')) p.fail("'=' is missing after '" + key + "'");
-    pipeline.*(slot->spec) = p.spec();
+    (*this)[stage->kind] = p.spec();
   }
-  return pipeline;
+  return named;
 }
 
 std::string Pipeline::text() const {
   std::string out;
-  for (const Slot& s : kSlots) {
-    out += (out.empty() ? "" : " ") + std::string(s.name) + '=' + (this->*(s.spec)).text();
+  for (const StageKind stage : kWorldStages) {
+    out += (out.empty() ? "" : " ") + std::string(stageName(stage)) + '=' + (*this)[stage].text();
   }
   return out;
 }

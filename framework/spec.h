@@ -4,11 +4,13 @@
 //   broadphase=sort_and_sweep{axis=0} solver=split_solver{velocity=catto{iterations=20},position=split_impulse}
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "framework/check.h"
+#include "framework/stages.h"
 
 namespace lpc {
 
@@ -33,19 +35,26 @@ struct Spec::Field {
   bool operator==(const Field&) const = default;
 };
 
-/// One spec per stage of a world. A stage that the text leaves out has its default.
-struct Pipeline {
-  Spec broadphase{"sort_and_sweep", {}};
-  Spec contacts{"sat_clip", {}};
-  Spec cache{"by_feature", {}};
-  Spec solver{"split_solver", {}};
-  Spec sleep{"none", {}};
-
-  /// Stages are separated by spaces. Throws UserError for an unknown stage, listing the valid ones.
+/// One spec per stage of a world (kWorldStages).
+class Pipeline {
+ public:
+  /// Every stage has its default.
+  Pipeline();
+  /// The defaults with what the text names. Stages are separated by spaces. Throws UserError for an unknown stage,
+  /// listing the valid ones.
   static Pipeline parse(std::string_view text);
+  /// Replaces the stages that the text names, and returns which these are.
+  std::vector<StageKind> replace(std::string_view text);
+
+  /// Precondition: a stage of a world.
+  Spec& operator[](StageKind stage);
+  const Spec& operator[](StageKind stage) const;
   /// Every stage, with the parameters that were given.
   std::string text() const;
   bool operator==(const Pipeline&) const = default;
+
+ private:
+  std::array<Spec, kStageKinds> m_specs;  // by kind; empty where it is no stage of a world
 };
 
 }  // namespace lpc

@@ -11,11 +11,11 @@ template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
     : m_pipeline(pipeline),
       m_settings(settings),
-      m_contacts(createStage<ContactGenerator<D>>(pipeline.contacts)),
-      m_cache(createStage<ContactCache<D>>(pipeline.cache)),
-      m_solver(createStage<Solver<D>>(pipeline.solver)),
-      m_sleep(createStage<SleepPolicy<D>>(pipeline.sleep)),
-      m_boxes(pipeline.broadphase, settings.margin) {
+      m_contacts(createStage<ContactGenerator<D>>(pipeline)),
+      m_cache(createStage<ContactCache<D>>(pipeline)),
+      m_solver(createStage<Solver<D>>(pipeline)),
+      m_sleep(createStage<SleepPolicy<D>>(pipeline)),
+      m_boxes(pipeline[StageKind::broadphase], settings.margin) {
   if (!settings.gravity.allFinite()) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");

@@ -67,7 +67,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
       const auto a = std::min(s.shape.kind(), static_cast<ShapeKind>(k));
       const auto b = std::max(s.shape.kind(), static_cast<ShapeKind>(k));
       if (kinds[k] && !m_contacts->supports(a, b)) {
-        throw UserError(who + ": contacts=" + m_pipeline.contacts.name + " does not support " +
+        throw UserError(who + ": contacts=" + m_pipeline[StageKind::contacts].name + " does not support " +
                         std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
       }
     }

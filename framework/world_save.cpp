@@ -202,7 +202,7 @@ void World<D>::load(std::istream& in) {
   m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
 
   // A new broadphase instead of the old one's structure: its pair set has no history.
-  m_boxes = BoxIndex<D>(m_pipeline.broadphase, m_settings.margin);
+  m_boxes = BoxIndex<D>(m_pipeline[StageKind::broadphase], m_settings.margin);
   m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
   m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
   m_jointSlots.read(m_joints, [](const PivotJoint<D>& j) { return j.bodyA < 0; });

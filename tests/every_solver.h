@@ -3,6 +3,7 @@
 // part, order and loop that can be exchanged.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -24,11 +25,10 @@ std::vector<std::string> everySolver() {
         if (manner) specs.push_back(r->info.name + "{" + p.name + "=" + choice + "}");
       }
     }
-    if (r->info.name != "split_solver") continue;
-    for (StageKind kind : {StageKind::velocity, StageKind::position, StageKind::integrator}) {
-      for (const Registered* part : Registry::instance().list(kind, D)) {
-        if (competes(*part))
-          specs.push_back("split_solver{" + std::string(stageName(kind)) + "=" + part->info.name + "}");
+    for (const ParamInfo& p : r->params) {
+      if (!p.stage) continue;
+      for (const Registered* part : Registry::instance().list(p.stage->kind, D)) {
+        if (competes(*part)) specs.push_back(r->info.name + "{" + p.name + "=" + part->info.name + "}");
       }
     }
   }
@@ -39,7 +39,8 @@ std::vector<std::string> everySolver() {
 template <int D>
 std::vector<std::string> everyOtherStage() {
   std::vector<std::string> pipelines;
-  for (StageKind kind : {StageKind::broadphase, StageKind::contacts, StageKind::cache, StageKind::sleep}) {
+  for (const StageKind kind : kWorldStages) {
+    if (kind == StageKind::solver) continue;
     for (const Registered* r : Registry::instance().list(kind, D)) {
       if (competes(*r)) pipelines.push_back(std::string(stageName(kind)) + "=" + r->info.name);
     }
@@ -58,16 +59,16 @@ std::vector<std::string> everyPipeline() {
 /// Does a solver or the part that is named in `spec` say in its info().failures that it fails `property`?
 template <int D>
 bool declares(const std::string& spec, const std::string& property) {
-  for (StageKind kind : {StageKind::solver, StageKind::velocity, StageKind::position, StageKind::integrator}) {
-    for (const Registered* r : Registry::instance().list(kind, D)) {
-      const bool named = kind == StageKind::solver
-                             ? Spec::parse(spec).name == r->info.name
-                             : spec.find("{" + std::string(stageName(kind)) + "=" + r->info.name + "}") != spec.npos;
-      if (!named) continue;
-      for (const FailureMode& f : r->info.failures) {
-        if (f.test == property) return true;
-      }
-    }
+  const auto says = [&](const Registered& r) {
+    return std::any_of(r.info.failures.begin(), r.info.failures.end(),
+                       [&](const FailureMode& f) { return f.test == property; });
+  };
+  const Spec parsed = Spec::parse(spec);
+  const Registered& solver = Registry::instance().find(StageKind::solver, D, parsed.name);
+  if (says(solver)) return true;
+  for (const ParamInfo& p : solver.params) {
+    const Spec* part = p.stage ? parsed.find(p.name) : nullptr;
+    if (part && says(Registry::instance().find(p.stage->kind, D, part->name))) return true;
   }
   return false;
 }

@@ -54,7 +54,7 @@ void runSolver(benchmark::State& state, const std::string& solver) {
     first.save(start);
 
     Pipeline pipeline;
-    pipeline.solver = Spec::parse(solver);
+    pipeline[StageKind::solver] = Spec::parse(solver);
     World<D> world(pipeline, settings);
     Work work;
     double steps = 0, points = 0, whole = 0, moved = 0;
@@ -88,11 +88,9 @@ void addDimension() {
   for (const Registered* solver : Registry::instance().list(StageKind::solver, D)) {
     for (const std::string& spec : specsOf(*solver)) specs.push_back(spec);
     for (const ParamInfo& p : solver->params) {  // a solver made of stages runs with each of them
-      for (StageKind kind : {StageKind::velocity, StageKind::position, StageKind::integrator}) {
-        if (p.type != "stage:" + std::string(stageName(kind))) continue;
-        for (const Registered* part : Registry::instance().list(kind, D)) {
-          specs.push_back(solver->info.name + "{" + p.name + "=" + part->info.name + "}");
-        }
+      if (!p.stage) continue;
+      for (const Registered* part : Registry::instance().list(p.stage->kind, D)) {
+        specs.push_back(solver->info.name + "{" + p.name + "=" + part->info.name + "}");
       }
     }
   }

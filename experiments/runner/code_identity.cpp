@@ -27,13 +27,6 @@ constexpr Content kContents[] = {
 #include "content_hashes.inc"
 };
 
-// Kernel headers are shared inside a group and nowhere else.
-const std::vector<std::vector<std::string>> kGroups = {{"broadphase"},
-                                                       {"pair_query", "contacts", "cache"},
-                                                       {"solver", "velocity", "position", "integrator"},
-                                                       {"sleep"},
-                                                       {"continuous"}};
-
 std::map<std::string, std::string>& pluginOf() {  // "stage/name" -> hash of the plugin's bytes
   static std::map<std::string, std::string> map;
   return map;
@@ -56,16 +49,9 @@ std::string codeHash(const Registered& entry) {
   const std::string key = keyOf(entry.stage, entry.info.name);
   if (const auto it = pluginOf().find(key); it != pluginOf().end()) return it->second;
   std::string all;
-  for (const auto& group : kGroups) {
-    bool mine = false;
-    for (const std::string& folder : group) mine = mine || folder == stageName(entry.stage);
-    if (!mine) continue;
-    for (const Content& c : kContents) {
-      const std::string_view path = c.path;
-      for (const std::string& folder : group) {
-        if (isHeader(path) && path.starts_with("algorithms/" + folder + "/")) all += path, all += c.hash;
-      }
-    }
+  for (const Content& c : kContents) {
+    const StageInfo* home = stageOfPath(c.path);
+    if (isHeader(c.path) && home && home->group == stageInfo(entry.stage).group) all += c.path, all += c.hash;
   }
   for (const Content& c : kContents) {
     if (entry.file.ends_with(std::string("/") + c.path)) all += c.hash;
@@ -77,12 +63,8 @@ void addHashes(json& out, StageKind stage, const Spec& spec, int dimension) {
   const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
   out[keyOf(stage, spec.name)] = codeHash(entry);
   for (const ParamInfo& p : entry.params) {
-    if (!p.type.starts_with("stage:")) continue;
-    for (int s = 0; s < kStageKinds; ++s) {
-      const auto inner = static_cast<StageKind>(s);
-      if (p.type != "stage:" + std::string(stageName(inner))) continue;
-      if (const Spec* value = spec.find(p.name)) addHashes(out, inner, *value, dimension);
-    }
+    if (!p.stage) continue;
+    if (const Spec* value = spec.find(p.name)) addHashes(out, p.stage->kind, *value, dimension);
   }
 }
 

@@ -28,7 +28,6 @@ struct Axis {
 };
 
 constexpr double kMaxTrials = 1e6;  // of one group; more is a slip of the pen
-const std::set<std::string> kStages = {"broadphase", "contacts", "cache", "solver", "sleep"};
 
 std::string numberText(const json& label) { return label.is_string() ? label.get<std::string>() : label.dump(); }
 
@@ -51,39 +50,6 @@ std::string withValues(std::string text, const json& axes, std::set<std::string>
 void collectNames(const Spec& spec, std::set<std::string>& out) {
   out.insert(spec.name);
   for (const auto& [key, value] : spec.fields) collectNames(value, out);
-}
-
-struct Slot {
-  const char* name;
-  Spec Pipeline::*spec;
-};
-constexpr Slot kSlots[] = {{"broadphase", &Pipeline::broadphase},
-                           {"contacts", &Pipeline::contacts},
-                           {"cache", &Pipeline::cache},
-                           {"solver", &Pipeline::solver},
-                           {"sleep", &Pipeline::sleep}};
-
-// Which stages a pipeline text names; those that it leaves out have defaults, which must not override anything.
-std::vector<Slot> namedSlots(const std::string& text) {
-  std::vector<Slot> out;
-  int depth = 0;
-  std::string flat;
-  for (char c : text) {
-    depth += (c == '{') - (c == '}');
-    flat += depth > 0 || c == '}' ? ' ' : c;
-  }
-  for (const Slot& slot : kSlots) {
-    if ((" " + flat).find(std::string(" ") + slot.name) != std::string::npos) out.push_back(slot);
-  }
-  return out;
-}
-
-// "solver=..." over "broadphase=... solver=...": stage by stage.
-std::string merged(const std::string& base, const std::string& part) {
-  Pipeline all = Pipeline::parse(base);
-  const Pipeline over = Pipeline::parse(part);
-  for (const Slot& slot : namedSlots(part)) all.*(slot.spec) = over.*(slot.spec);
-  return all.text();
 }
 
 class Sweep {
@@ -260,7 +226,7 @@ class Sweep {
     WorldCell cell;
     cell.timed = timed, cell.repeat = static_cast<int>(repeat);
     std::set<std::string> used;
-    cell.pipeline = withValues(s.pipeline, axes, used);
+    Pipeline pipeline = Pipeline::parse(withValues(s.pipeline, axes, used));
     std::string model;
     for (std::size_t i = 0; i < at.size(); ++i) {
       const Axis& axis = s.axes[i];
@@ -269,17 +235,16 @@ class Sweep {
       if (axis.labelled) {
         part = value.pipeline;
         names.insert(value.label.get<std::string>());
-      } else if (kStages.count(axis.name)) {
+      } else if (isWorldStage(stageByName(axis.name))) {
         part = axis.name + "=" + numberText(value.label);
       } else {
         continue;
       }
       part = withValues(part, axes, used);
-      const Pipeline parsed = Pipeline::parse(part);
-      for (const Slot& slot : namedSlots(part)) collectNames(parsed.*(slot.spec), names);
-      cell.pipeline = merged(cell.pipeline, part);
+      for (const StageKind stage : pipeline.replace(part)) collectNames(pipeline[stage], names);
       used.insert(axis.name);
     }
+    cell.pipeline = pipeline.text();
     if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
     const std::string scenePath = beside(numberText(axes["scene"]));
     const SceneFile& file = m_planner->scene(scenePath);

@@ -120,11 +120,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   const ParameterValues params = file.values(cell.params);
   json code = json::object();
   Pipeline pipeline = Pipeline::parse(cell.pipeline);
-  canonicalStage(code, out.unsupported, StageKind::broadphase, pipeline.broadphase, dimension);
-  canonicalStage(code, out.unsupported, StageKind::contacts, pipeline.contacts, dimension);
-  canonicalStage(code, out.unsupported, StageKind::cache, pipeline.cache, dimension);
-  canonicalStage(code, out.unsupported, StageKind::solver, pipeline.solver, dimension);
-  canonicalStage(code, out.unsupported, StageKind::sleep, pipeline.sleep, dimension);
+  for (const StageKind stage : kWorldStages) canonicalStage(code, out.unsupported, stage, pipeline[stage], dimension);
 
   Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0)};
   const std::string features = cell.features ? *cell.features : featuresText(file.needs());

@@ -24,9 +24,9 @@ int indexOf(const Names& names, const std::string& name) {
 nlohmann::json runVerifyTask(const nlohmann::json& request) {
   for (const auto& path : request.value("plugins", std::vector<std::string>{})) loadPlugin(path);
   const nlohmann::json& t = request.at("verify");
-  std::vector<std::string> stages;
-  for (int i = 0; i < kStageKinds; ++i) stages.emplace_back(stageName(static_cast<StageKind>(i)));
-  VerifyTask task{.stage = static_cast<StageKind>(indexOf(stages, t.at("stage"))),
+  const StageInfo* stage = stageByName(t.at("stage").get<std::string>());
+  if (!stage) throw UserError("verify: there is no stage " + t.at("stage").dump());
+  VerifyTask task{.stage = stage->kind,
                   .dimension = t.at("dimension"),
                   .range = {.seed = t.at("seed"), .first = t.at("first"), .count = t.at("count")},
                   .methods = t.at("methods")};

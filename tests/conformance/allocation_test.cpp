@@ -7,6 +7,7 @@
 
 #include "framework/random.h"
 #include "framework/world.h"
+#include "tests/every_solver.h"
 
 namespace {
 long allocations = 0;
@@ -134,43 +135,8 @@ long allocationsOfWarmSteps(const Pipeline& pipeline) {
 
 template <int D>
 void checkWorlds() {
-  const auto each = [](StageKind kind, auto use) {
-    for (const Registered* algorithm : Registry::instance().list(kind, D)) {
-      if (algorithm->info.role == Role::competitor) use(Spec{algorithm->info.name, {}});
-    }
-  };
-  const auto check = [](const Pipeline& pipeline) {
-    EXPECT_EQ(allocationsOfWarmSteps<D>(pipeline), 0) << pipeline.text();
-  };
-  each(StageKind::contacts, [&](const Spec& spec) {
-    Pipeline p;
-    p.contacts = spec;
-    check(p);
-  });
-  each(StageKind::cache, [&](const Spec& spec) {
-    Pipeline p;
-    p.cache = spec;
-    check(p);
-  });
-  each(StageKind::solver, [&](const Spec& spec) {
-    Pipeline p;
-    p.solver = spec;
-    check(p);
-  });
-  each(StageKind::sleep, [&](const Spec& spec) {
-    Pipeline p;
-    p.sleep = spec;
-    check(p);
-  });
-  const std::pair<StageKind, const char*> parts[] = {
-      {StageKind::velocity, "velocity"}, {StageKind::position, "position"}, {StageKind::integrator, "integrator"}};
-  for (const auto& [kind, key] : parts) {
-    each(kind, [&, key = key](const Spec& spec) {
-      Pipeline p;
-      p.solver = {"split_solver", {}};
-      p.solver.set(key, spec);
-      check(p);
-    });
+  for (const std::string& pipeline : everyPipeline<D>()) {
+    EXPECT_EQ(allocationsOfWarmSteps<D>(Pipeline::parse(pipeline)), 0) << pipeline;
   }
 }
 TEST(Allocations, Worlds2) { checkWorlds<2>(); }

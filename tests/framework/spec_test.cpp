@@ -40,7 +40,7 @@ void bothWays(Print print) {
   const Spec s = drawSpec(3);
   RC_ASSERT(Spec::parse(print(s)) == s);
   Pipeline p;
-  p.solver = s;
+  p[StageKind::solver] = s;
   RC_ASSERT(Pipeline::parse(p.text()) == p);
 }
 TEST(Spec, BothWays) {
@@ -80,9 +80,9 @@ TEST(Spec, SaysWhatIsWrongAndWhere) {
 
 TEST(Pipeline, Parses) {
   const Pipeline p = Pipeline::parse("broadphase=naive solver=soft_step{substeps=4}");
-  EXPECT_EQ(p.broadphase.name, "naive");
-  EXPECT_EQ(p.solver.find("substeps")->name, "4");
-  EXPECT_EQ(p.sleep.name, "none") << "left out: the default";
+  EXPECT_EQ(p[StageKind::broadphase].name, "naive");
+  EXPECT_EQ(p[StageKind::solver].find("substeps")->name, "4");
+  EXPECT_EQ(p[StageKind::sleep].name, "none") << "left out: the default";
   EXPECT_EQ(Pipeline::parse(""), Pipeline{});
   EXPECT_EQ(Pipeline::parse(Pipeline{}.text()), Pipeline{});
   EXPECT_NE(errorOf([] {
@@ -92,6 +92,21 @@ TEST(Pipeline, Parses) {
   EXPECT_NE(errorOf([] { Pipeline::parse("sleep=none sleep=none"); }).find("stage 'sleep' is given twice"),
             std::string::npos);
   EXPECT_NE(errorOf([] { Pipeline::parse("sleep none"); }).find("'=' is missing after 'sleep'"), std::string::npos);
+}
+
+// Result files hold these texts: they do not change when the list of stages is arranged anew.
+TEST(Pipeline, TextsStandForEver) {
+  EXPECT_EQ(Pipeline{}.text(),
+            "broadphase=sort_and_sweep contacts=sat_clip cache=by_feature solver=split_solver sleep=none");
+  EXPECT_NE(errorOf([] { Pipeline::parse("velocity=catto"); }).find("unknown stage 'velocity'"), std::string::npos)
+      << "a part of another stage is no stage of a world";
+}
+
+TEST(Pipeline, ReplacesWhatTheTextNames) {
+  Pipeline p = Pipeline::parse("solver=soft_step cache=none");
+  EXPECT_EQ(p.replace("sleep=split_average solver=split_solver{velocity=naive}"),
+            (std::vector<StageKind>{StageKind::sleep, StageKind::solver}));
+  EXPECT_EQ(p, Pipeline::parse("cache=none solver=split_solver{velocity=naive} sleep=split_average"));
 }
 
 // --- parameters and the registry

@@ -206,7 +206,7 @@ void everyPipelineReplays() {
     for (const std::string& pipeline : pipelines) {
       // One draw per contact: another number of contacts, another order.
       if (p.holds == disjointScenesAreTwoWorlds<D> && pipeline.find("order=random") != pipeline.npos) continue;
-      const bool fails = declares<D>(Pipeline::parse(pipeline).solver.text(), p.name);
+      const bool fails = declares<D>(Pipeline::parse(pipeline)[StageKind::solver].text(), p.name);
       EXPECT_EQ(p.holds(pipeline), !fails) << p.name << ' ' << pipeline << ' ' << D << 'D';
     }
     EXPECT_TRUE(p.holds("solver=planted_solver")) << p.name;

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Zlib
+// The one list of stages: folder names, pipeline texts, axes of sweeps, `lpc list`, keys of results and the rule on who
+// may include whom follow from it. A new stage: a kind, its row, its interface (stage_<name>.h), its first algorithm,
+// and the call in World::step.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <string_view>
+
+namespace lpc {
+
+enum class StageKind { broadphase, pairQuery, contacts, cache, solver, velocity, position, integrator, sleep };
+
+struct StageInfo {
+  StageKind kind;
+  std::string_view name;   // in pipeline texts and result files, so for ever; its algorithms are in algorithms/<name>/
+  std::string_view group;  // stages of one group share kernel headers; nobody else includes these
+  /// The algorithm that a world has unless its pipeline names another. Empty: no stage of a world but a part of other
+  /// stages, named in their parameters.
+  std::string_view worldDefault;
+};
+
+/// In the order of pipeline texts and of `lpc list`.
+inline constexpr StageInfo kStages[] = {
+    {StageKind::broadphase, "broadphase", "broadphase", "sort_and_sweep"},
+    {StageKind::pairQuery, "pair_query", "narrowphase", ""},
+    {StageKind::contacts, "contacts", "narrowphase", "sat_clip"},
+    {StageKind::cache, "cache", "narrowphase", "by_feature"},
+    {StageKind::solver, "solver", "solver", "split_solver"},
+    {StageKind::velocity, "velocity", "solver", ""},
+    {StageKind::position, "position", "solver", ""},
+    {StageKind::integrator, "integrator", "solver", ""},
+    {StageKind::sleep, "sleep", "sleep", "none"},
+};
+inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));
+
+constexpr const StageInfo& stageInfo(StageKind kind) { return kStages[static_cast<std::size_t>(kind)]; }
+constexpr std::string_view stageName(StageKind kind) { return stageInfo(kind).name; }
+/// False for nullptr.
+constexpr bool isWorldStage(const StageInfo* stage) { return stage && !stage->worldDefault.empty(); }
+
+/// nullptr when no stage has this name.
+constexpr const StageInfo* stageByName(std::string_view name) {
+  for (const StageInfo& s : kStages) {
+    if (s.name == name) return &s;
+  }
+  return nullptr;
+}
+
+/// Whose folder a path of this project lies in; nullptr for one outside algorithms/<name>/.
+constexpr const StageInfo* stageOfPath(std::string_view path) {
+  constexpr std::string_view kFolder = "algorithms/";
+  if (!path.starts_with(kFolder)) return nullptr;
+  path.remove_prefix(kFolder.size());
+  const std::size_t end = path.find('/');
+  return end == path.npos ? nullptr : stageByName(path.substr(0, end));
+}
+
+/// The stages of a world, one algorithm each.
+inline constexpr auto kWorldStages = [] {
+  constexpr std::size_t kCount = [] {
+    std::size_t n = 0;
+    for (const StageInfo& s : kStages) n += isWorldStage(&s);
+    return n;
+  }();
+  std::array<StageKind, kCount> kinds{};
+  std::size_t n = 0;
+  for (const StageInfo& s : kStages) {
+    if (isWorldStage(&s)) kinds[n++] = s.kind;
+  }
+  return kinds;
+}();
+
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < std::size(kStages); ++i) {
+        if (kStages[i].kind != static_cast<StageKind>(i)) return false;
+      }
+      return true;
+    }(),
+    "the rows of kStages stand in the order of StageKind");
+
+}  // namespace lpc
