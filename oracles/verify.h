@@ -12,7 +12,8 @@
 
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
-#include "oracles/ledger.h"
+#include "oracles/hard_pairs.h"
+#include "oracles/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -47,6 +48,13 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
 template <int D>
 void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                     std::span<const Candidate<ContactGenerator<D>>> methods, Verified& out);
+
+/// One pair by the same checks, as a file of cases holds it: the pair query is asked X_AB, the generator both world
+/// poses. Precondition: the method supports the kinds, kindA <= kindB.
+template <int D>
+Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method);
+template <int D>
+Verdict verifyPair(const HardPair<D>& pair, const Candidate<ContactGenerator<D>>& method);
 
 /// Sets of boxes that come, move and go: the pairs of every step, compared with those of every two boxes.
 template <int D>

@@ -29,8 +29,8 @@ std::string plainNumber(double x) {
 }
 
 template <int D>
-Known<D> knownPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
-  Known<D> known{.pair = hardPair<D>(a, b, seed, index)};
+Known<D> knownPair(HardPair<D> pair) {
+  Known<D> known{.pair = std::move(pair)};
   const ShapeView<D>&va = known.pair.a.view(), &vb = known.pair.b.view();
   known.truth = referee<D>(va, {}, vb, known.pair.X_AB);
   known.s = errorScale<D>(va, {}, vb, known.pair.X_AB, known.truth.interval().middle());
@@ -91,7 +91,7 @@ Verdict judge(const Known<D>& known, const PairAnswer<D>& answer, Role role, End
   if (role == Role::competitor || answer.status != QueryStatus::degenerate) {
     const Vecd<D> n = answer.normal.template cast<double>();
     const double value = truth.distanceTo(phi), along = shortfall(known, n, role);
-    v.error = std::max(value, along) / known.s;
+    v.value = phi, v.error = std::max(value, along) / known.s;
     if (*v.error > verifyTolerance()) {
       v.end = Tally::wrong, v.failure = value > allowed ? "wrong_distance" : "wrong_normal";
     } else if (!n.isZero(0) && (n.normalized() - known.truth.normal).norm() > kOtherNormal) {
@@ -102,18 +102,18 @@ Verdict judge(const Known<D>& known, const PairAnswer<D>& answer, Role role, End
   return v;
 }
 
+}  // namespace
+
 template <int D>
-std::string textOf(const std::string& id, const Known<D>& known, const PairAnswer<D>& answer, const Verdict& verdict) {
-  const Interval truth = known.truth.interval();
-  const std::string what = verdict.failure.empty() ? "none" : verdict.failure;
-  return caseText<D>(id, known.pair,
-                     ", \"reported_failure\": \"" + what + ": " + numberText(static_cast<double>(answer.distance)) +
-                         "\", \"expected\": {\"signed_distance\": " + numberText(truth.middle()) +
-                         ", \"tolerance_of_this_value\": " + numberText(truth.width()) +
-                         ", \"derived\": true, \"method\": \"referee, " + std::string(known.truth.method) + "\"}");
+Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method) {
+  const auto query = method.create();
+  const auto* witness = dynamic_cast<const Witness<D>*>(query.get());
+  const PairAnswer<D> answer = queryPair(*query, pair.a.view(), pair.b.view(), pair.X_AB);
+  return judge(knownPair(pair), answer, method.info.role, witness ? witness->endings()[0] : Ending::answered);
 }
 
-}  // namespace
+template Verdict verifyPair(const HardPair<2>&, const Candidate<PairQuery<2>>&);
+template Verdict verifyPair(const HardPair<3>&, const Candidate<PairQuery<3>>&);
 
 template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
@@ -125,7 +125,9 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
     const int count = std::min(range.count - begin, PairBatch<D>::kCapacity);
     known.clear();
     batch->clear(kindA, kindB);
-    for (int i = 0; i < count; ++i) known.push_back(knownPair<D>(kindA, kindB, range.seed, range.first + begin + i));
+    for (int i = 0; i < count; ++i) {
+      known.push_back(knownPair(hardPair<D>(kindA, kindB, range.seed, range.first + begin + i)));
+    }
     for (const Known<D>& k : known) batch->add(k.pair.a.view(), k.pair.b.view(), k.pair.X_AB);
     for (const Candidate<PairQuery<D>>& m : methods) {
       const auto method = m.create();
@@ -148,7 +150,9 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
             witness && !range.ended ? witness->endings()[static_cast<std::size_t>(i)] : Ending::answered;
         const Verdict verdict = range.ended ? withoutAnswer(*range.ended) : judge(k, answer, m.info.role, ending);
         const auto text = [&] {
-          return textOf(inputName(subject, range.seed, range.first + begin + i), k, answer, verdict);
+          const int index = range.first + begin + i;
+          return caseText<D>(inputName(subject, range.seed, index), StageKind::pairQuery, k.pair,
+                             findingText(subject, verdict, range.seed, index) + expectedText(k.truth));
         };
         book(out.ledger, subject, m.info.role, k.labels, verdict, spent / count, text);
         if (!verdict.failure.empty() && verdict.end != Tally::undecided) {
