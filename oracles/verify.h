@@ -14,6 +14,7 @@
 #include "framework/stage_narrowphase.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/verdict.h"
+#include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -36,8 +37,22 @@ struct VerifyRange {
   std::optional<Tally> ended = {};
 };
 
-/// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them. Error = |distance -
-/// referee's interval| / s (errorScale), or what the separation along the normal lacks, whichever is more.
+/// What is true about a pair, whoever is asked.
+template <int D>
+struct PairTruth {
+  RefereeAnswer<D> answer = {};
+  double s = 0;  // errorScale
+};
+template <int D>
+PairTruth<D> pairTruth(const PairView<D>& pair);
+
+/// The one measure of an answer's error, in ledgers and in trials: |distance - referee's interval| / s, or what the
+/// separation along the normal lacks, whichever is more. A side alone (a witness's `degenerate`) has none.
+template <int D>
+Verdict judge(const PairView<D>& pair, const PairTruth<D>& truth, const PairAnswer<D>& answer, Role role,
+              Ending ending = Ending::answered);
+
+/// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them.
 template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                        std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
