@@ -18,15 +18,16 @@ std::ostringstream exactStream() {
   return out;
 }
 
-template <int D>
-std::string listed(const Vec<D>& v) {
+template <int N>
+std::string listed(const Matrix<N, 1>& v) {
   std::ostringstream out = exactStream();
-  for (int k = 0; k < D; ++k) out << (k ? ", " : "[") << static_cast<double>(v[k]);
+  for (int k = 0; k < N; ++k) out << (k ? ", " : "[") << static_cast<double>(v[k]);
   return out.str() + "]";
 }
 
 template <int D>
-std::string shapeText(const ShapeView<D>& s) {
+std::string shapeText(const ShapeView<D>& s, const std::vector<Vec<D>>& given) {
+  const std::vector<Vec<D>>& points = s.hull && given.empty() ? s.hull->vertices : given;
   std::ostringstream out = exactStream();
   switch (s.core()) {
     case CoreClass::point:
@@ -44,8 +45,7 @@ std::string shapeText(const ShapeView<D>& s) {
       break;
     case CoreClass::hull:
       out << R"({"type": "convex", "points": [)";
-      for (std::size_t i = 0; i < s.hull->vertices.size(); ++i)
-        out << (i ? ", " : "") << listed<D>(s.hull->vertices[i]);
+      for (std::size_t i = 0; i < points.size(); ++i) out << (i ? ", " : "") << listed<D>(points[i]);
       out << ']';
       break;
     case CoreClass::curved: {
@@ -64,16 +64,12 @@ std::string shapeText(const ShapeView<D>& s) {
   return out.str() + "}";
 }
 
-std::string poseText(const Vec<2>& p, double angle, const Rot<2>&) {
-  std::ostringstream out = exactStream();
-  out << "{\"t\": " << listed<2>(p) << ", \"angle\": " << angle << "}";
-  return out.str();
-}
-std::string poseText(const Vec<3>& p, double, const Rot<3>& q) {
-  std::ostringstream out = exactStream();
-  out << "{\"t\": " << listed<3>(p) << ", \"q_wxyz\": [" << static_cast<double>(q.w) << ", " << static_cast<double>(q.x)
-      << ", " << static_cast<double>(q.y) << ", " << static_cast<double>(q.z) << "]}";
-  return out.str();
+std::string rotationText(const Rot<2>& q) { return "\"cos_sin\": " + listed<2>(Vec<2>(q.c, q.s)); }
+std::string rotationText(const Rot<3>& q) { return "\"q_wxyz\": " + listed<4>(Matrix<4, 1>(q.w, q.x, q.y, q.z)); }
+
+template <int D>
+std::string poseText(const Pose<D>& X) {
+  return "{\"t\": " + listed<D>(X.p) + ", " + rotationText(X.q) + "}";
 }
 
 }  // namespace
@@ -92,17 +88,29 @@ int coreVertexCount(const ShapeView<D>& shape) {
 }
 
 template <int D>
-std::string caseText(const std::string& id, const HardPair<D>& pair, const std::string& more) {
-  return "{\"id\": \"" + id + "\", \"source\": \"lpc verify\", \"dim\": " + std::to_string(D) +
-         ", \"query\": \"signed_distance\", \"note\": \"" + std::string(pair.family) +
-         "\", \"shapeA\": " + shapeText<D>(pair.a.view()) + ", \"poseA\": " + poseText(Vec<D>::Zero(), 0, Rot<D>{}) +
-         ", \"shapeB\": " + shapeText<D>(pair.b.view()) +
-         ", \"poseB\": " + poseText(pair.X_AB.p, pair.angle, pair.X_AB.q) + more + "}";
+std::string caseText(const std::string& id, StageKind stage, const HardPair<D>& pair, const std::string& more) {
+  const bool inWorld = stage == StageKind::contacts;
+  return "{\"id\": \"" + id + "\", \"source\": \"lpc verify\", \"dim\": " + std::to_string(D) + ", \"query\": \"" +
+         (inWorld ? "contacts" : "signed_distance") + "\", \"note\": \"" + std::string(pair.family) +
+         "\", \"shapeA\": " + shapeText<D>(pair.a.view(), pair.pointsA) +
+         ", \"poseA\": " + poseText(inWorld ? pair.X_WA : Pose<D>{}) +
+         ", \"shapeB\": " + shapeText<D>(pair.b.view(), pair.pointsB) +
+         ", \"poseB\": " + poseText(inWorld ? pair.X_WB : pair.X_AB) +
+         (pair.X_WBNudged ? ", \"poseB_nudged\": " + poseText(*pair.X_WBNudged) : "") + more + "}";
+}
+
+template <int D>
+std::string expectedText(const RefereeAnswer<D>& truth) {
+  return ", \"expected\": {\"signed_distance\": " + numberText(truth.interval().middle()) +
+         ", \"tolerance_of_this_value\": " + numberText(truth.interval().width()) +
+         ", \"derived\": true, \"method\": \"referee, " + std::string(truth.method) + "\"}";
 }
 
 template int coreVertexCount(const ShapeView<2>&);
 template int coreVertexCount(const ShapeView<3>&);
-template std::string caseText(const std::string&, const HardPair<2>&, const std::string&);
-template std::string caseText(const std::string&, const HardPair<3>&, const std::string&);
+template std::string expectedText(const RefereeAnswer<2>&);
+template std::string expectedText(const RefereeAnswer<3>&);
+template std::string caseText(const std::string&, StageKind, const HardPair<2>&, const std::string&);
+template std::string caseText(const std::string&, StageKind, const HardPair<3>&, const std::string&);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -8,6 +8,7 @@
 
 #include "framework/check.h"
 #include "framework/curved_core.h"
+#include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -23,6 +24,7 @@ struct BadFile : UserError {
 struct Place {
   const std::string& file;
   std::string id;
+  bool bits = false;  // the case was found in this precision: its rotations are taken as they stand
 
   [[noreturn]] void fail(const std::string& what) const { throw BadFile(file + ": case '" + id + "': " + what); }
   const Json& field(const Json& object, const char* name) const {
@@ -43,13 +45,17 @@ struct Place {
     return value.get<std::string>();
   }
   template <int D>
-  Vec<D> vector(const Json& value, const char* name) const {
+  Vecd<D> doubles(const Json& value, const char* name) const {
     if (!value.is_array() || value.size() != D) {
       fail(std::string("field '") + name + "' holds " + value.dump() + "; valid: " + std::to_string(D) + " numbers");
     }
-    Vec<D> v;
-    for (int d = 0; d < D; ++d) v[d] = static_cast<Real>(number(value[static_cast<std::size_t>(d)], name));
+    Vecd<D> v;
+    for (int d = 0; d < D; ++d) v[d] = number(value[static_cast<std::size_t>(d)], name);
     return v;
+  }
+  template <int D>
+  Vec<D> vector(const Json& value, const char* name) const {
+    return doubles<D>(value, name).template cast<Real>();
   }
   template <int D>
   std::vector<Vec<D>> points(const Json& object) const {
@@ -59,7 +65,14 @@ struct Place {
   }
 };
 
-Rot<2> readRotation(const Place& at, const Json& pose, Vec<2>) { return Rot<2>::angle(at.number(pose, "angle", 0)); }
+Rot<2> readRotation(const Place& at, const Json& pose, Vec<2>) {
+  if (!pose.contains("cos_sin")) return Rot<2>::angle(at.number(pose, "angle", 0));
+  const Vecd<2> q = at.doubles<2>(pose.at("cos_sin"), "cos_sin");
+  if (!(std::abs(q.squaredNorm() - 1) < 1e-3))
+    at.fail("cos_sin is not a rotation: its square is " + std::to_string(q.squaredNorm()));
+  const Vecd<2> unit = at.bits ? q : q.normalized();
+  return {static_cast<Real>(unit[0]), static_cast<Real>(unit[1])};
+}
 
 Rot<3> readRotation(const Place& at, const Json& pose, Vec<3>) {
   const auto real = [](double x) { return static_cast<Real>(x); };
@@ -69,7 +82,7 @@ Rot<3> readRotation(const Place& at, const Json& pose, Vec<3>) {
     for (std::size_t i = 0; i < 4; ++i) c[i] = at.number(q[i], "q_wxyz"), norm += c[i] * c[i];
     if (!(std::abs(norm - 1) < 1e-3)) at.fail("q_wxyz is not a unit quaternion: its square is " + std::to_string(norm));
     // Within rounding of one it is left as it is: the inputs of a case are its very bits.
-    const double k = std::abs(norm - 1) < 1e-15 ? 1 : 1 / std::sqrt(norm);
+    const double k = at.bits || std::abs(norm - 1) < 1e-15 ? 1 : 1 / std::sqrt(norm);
     return {real(k * c[0]), real(k * c[1]), real(k * c[2]), real(k * c[3])};
   }
   if (!pose.contains("R")) return {};
@@ -192,11 +205,14 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
 
 CaseQuery queryFromText(const std::string& text) {
   if (text.starts_with("signed_distance")) return CaseQuery::signedDistance;
+  if (text.starts_with("contacts")) return CaseQuery::contacts;
   if (text.starts_with("convex_hull")) return CaseQuery::convexHull;
   if (text.starts_with("mass")) return CaseQuery::massProperties;
   if (text.starts_with("time_of_impact")) return CaseQuery::timeOfImpact;
   return CaseQuery::unknown;
 }
+
+bool isPair(CaseQuery query) { return query == CaseQuery::signedDistance || query == CaseQuery::contacts; }
 
 template <int D>
 std::array<double, 3> readTriple(const Place& at, const Json& value, const char* name) {
@@ -209,7 +225,7 @@ std::array<double, 3> readTriple(const Place& at, const Json& value, const char*
 template <int D>
 CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query) {
   CaseExpected out;
-  if (query == CaseQuery::signedDistance) {
+  if (isPair(query)) {
     out.distance = at.number(at.field(e, "signed_distance"), "signed_distance");
     out.tolerance = at.number(e, "tolerance_of_this_value", 0);
   } else if (query == CaseQuery::convexHull) {
@@ -230,23 +246,49 @@ CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query) {
   return out;
 }
 
+CaseFinding readFinding(const Place& at, const Json& found) {
+  const std::string stage = at.text(found, "stage");
+  CaseFinding out;
+  if (stage != stageName(StageKind::pairQuery) && stage != stageName(StageKind::contacts)) {
+    at.fail("field 'stage' holds '" + stage + "'; valid: pair_query, contacts");
+  }
+  out.stage = stage == stageName(StageKind::contacts) ? StageKind::contacts : StageKind::pairQuery;
+  out.precision = at.text(found, "precision");
+  out.method = at.text(found, "method");
+  out.failure = at.text(found, "failure");
+  out.error = at.number(found, "error", kUnknown);
+  out.seed = at.field(found, "seed").get<std::uint64_t>();
+  out.number = at.field(found, "number").get<int>();
+  return out;
+}
+
 template <int D>
 CaseGeometry<D> readGeometry(const Place& at, const Json& c, CaseQuery query) {
   CaseGeometry<D> out;
   if (query == CaseQuery::convexHull) {
     out.points = at.points<D>(c);
-  } else if (query == CaseQuery::signedDistance || query == CaseQuery::massProperties) {
+  } else if (isPair(query) || query == CaseQuery::massProperties) {
     const Pose<D> X_WA = readPose<D>(at, at.field(c, "poseA"));
     out.a = readShape<D>(at, at.field(c, "shapeA"), X_WA);
-    if (query == CaseQuery::signedDistance) {
+    if (isPair(query)) {
       const Pose<D> X_WB = readPose<D>(at, at.field(c, "poseB"));
       out.b = readShape<D>(at, at.field(c, "shapeB"), X_WB);
+      if (c.contains("poseB_nudged")) out.X_WBNudged = readPose<D>(at, c.at("poseB_nudged"));
     }
   }
   return out;
 }
 
 }  // namespace
+
+template <int D>
+HardPair<D> CaseGeometry<D>::pair() const {
+  HardPair<D> out{.a = *a.shape, .b = *b.shape, .X_WA = a.X_WS, .X_WB = b.X_WS, .X_WBNudged = X_WBNudged};
+  out.X_AB = a.X_WS.inverse() * b.X_WS;
+  return out;
+}
+template HardPair<2> CaseGeometry<2>::pair() const;
+template HardPair<3> CaseGeometry<3>::pair() const;
 
 std::vector<Case> readCases(const std::string& path) {
   std::ifstream in(path);
@@ -275,6 +317,8 @@ std::vector<Case> readCases(const std::string& path) {
       // "mass properties, density 1"
       const std::size_t density = read.queryText.find("density ");
       if (density != std::string::npos) read.density = std::strtod(read.queryText.c_str() + density + 8, nullptr);
+      if (c.contains("found")) read.finding = readFinding(at, c.at("found"));
+      at.bits = read.finding && read.finding->precision == (sizeof(Real) == 8 ? "f64" : "f32");
       const Json& expected = at.field(c, "expected");
       const double dimension = at.number(at.field(c, "dim"), "dim");
       if (dimension == 2) {

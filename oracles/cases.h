@@ -13,10 +13,11 @@
 
 #include "framework/registry.h"
 #include "framework/shape.h"
+#include "oracles/hard_pairs.h"
 
 namespace lpc::inline LPC_PRECISION {
 
-enum class CaseQuery { signedDistance, convexHull, massProperties, timeOfImpact, unknown };
+enum class CaseQuery { signedDistance, contacts, convexHull, massProperties, timeOfImpact, unknown };
 
 /// A shape of a case as ours. Frames differ: a case's capsule has an axis or two end points, ours lies along x, so the
 /// pose contains that turn.
@@ -30,7 +31,22 @@ struct CaseShape {
 template <int D>
 struct CaseGeometry {
   CaseShape<D> a, b;
-  std::vector<Vec<D>> points;  // of a convex hull case
+  std::optional<Pose<D>> X_WBNudged = {};  // of a contacts case of faces at rest
+  std::vector<Vec<D>> points;              // of a convex hull case
+
+  /// Both shapes as `lpc verify` asks them; neither may be refused.
+  HardPair<D> pair() const;
+};
+
+/// Of a case that `lpc verify` wrote: what was wrong. Its poses are the bits that the method was asked in this
+/// precision; another build normalises the rotations.
+struct CaseFinding {
+  StageKind stage = StageKind::pairQuery;
+  std::string precision, method;
+  std::string failure;     // as in names of files: wrong_distance
+  double error = 0;        // over s
+  std::uint64_t seed = 0;  // with the kinds of its shapes the name of the pair, on the day when it was found
+  int number = 0;
 };
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -51,6 +67,7 @@ struct Case {
   std::string id, source, queryText;
   CaseQuery query = CaseQuery::unknown;
   double density = 1;  // of a mass case, kg/m^D
+  std::optional<CaseFinding> finding = {};
   std::variant<CaseGeometry<2>, CaseGeometry<3>> geometry;
   CaseExpected expected;
 };
@@ -72,9 +89,9 @@ struct CaseResult {
   double error = 0;  // |value - expected| / s, s as in `errorScale`
 };
 
-/// Every case with every method that takes its query: signed distances with each registered pair query, hulls with
-/// `convexHull`, mass properties with `massProperties`. The referee stands in the table, too: where it is `wrong`, it
-/// contradicts the file.
+/// Every case with every method that takes its query: signed distances with each registered pair query, contacts with
+/// each generator (by the check of verifyContacts), hulls with `convexHull`, mass properties with `massProperties`. The
+/// referee stands in the table, too: where it is `wrong`, it contradicts the file.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
 /// Is it one that must not happen: a competitor that is wrong, fails, or refuses what it declares?

@@ -50,11 +50,13 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     m_height = length();
     const bool largeA = coin();
     const double ratio = m_family == sizeRatio ? number({1e2, 1e3, 1e4}) : 1;
-    HardPair<D> pair{.a = shape(kindA, largeA ? ratio : 1, true),
-                     .b = shape(kindB, largeA ? 1 : ratio, false),
+    std::vector<Vec<D>> pointsA, pointsB;
+    HardPair<D> pair{.a = shape(kindA, largeA ? ratio : 1, true, pointsA),
+                     .b = shape(kindB, largeA ? 1 : ratio, false, pointsB),
                      .family = kNames[m_family],
                      .scale = m_scale};
-    if (m_family == ties && kindA == kindB && coin()) pair.b = pair.a;
+    if (m_family == ties && kindA == kindB && coin()) pair.b = pair.a, pointsB = pointsA;
+    pair.pointsA = std::move(pointsA), pair.pointsB = std::move(pointsB);
     const bool plane = coreClass(kindA) == CoreClass::plane || coreClass(kindB) == CoreClass::plane;
     plane ? layOnPlane(pair) : layOut(pair);
     place(pair);
@@ -94,7 +96,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     return h;
   }
 
-  Shape<D> shape(ShapeKind kind, double ratio, bool first) {
+  Shape<D> shape(ShapeKind kind, double ratio, bool first, std::vector<Vec<D>>& points) {
     const Real large = static_cast<Real>(ratio);
     const int thinAxis = axis();
     const Real thin = m_family == slivers && (first || coin()) ? Real(1e-4) : Real(1);
@@ -128,7 +130,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
       case CoreClass::hull:
         break;
     }
-    std::vector<Vec<D>> points = m_family == sharedPlanes ? prism() : m_family == nastyHulls ? nasty() : cloud();
+    points = m_family == sharedPlanes ? prism() : m_family == nastyHulls ? nasty() : cloud();
     for (Vec<D>& p : points) p *= large, p[thinAxis] *= thin;
     return Shape<D>::polytope(std::span<const Vec<D>>(points), rounding);
   }
@@ -327,8 +329,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
       pair.X_WB = pair.X_AB;
     }
     if constexpr (D == 2) {
-      pair.angle = static_cast<double>(pair.X_AB.q.radians());
-      pair.X_AB.q = Rot<2>::angle(pair.angle);
+      pair.X_AB.q = Rot<2>::angle(static_cast<double>(pair.X_AB.q.radians()));
     }
   }
 

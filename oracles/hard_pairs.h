@@ -4,22 +4,29 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "framework/params.h"
 #include "framework/shape.h"
+#include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {
 
 template <int D>
 struct HardPair {
   Shape<D> a, b;
+  /// What polytopes are hulls of. A hull of its vertices alone may have other faces: points near a face decide which.
+  std::vector<Vec<D>> pointsA = {}, pointsB = {};
   Pose<D> X_WA = {}, X_WB = {};
   /// X_WA^-1 * X_WB as computed in Real, which far from the origin is not what was meant. It is what a pair query is
   /// asked, so it is what the referee judges.
   Pose<D> X_AB = {};
-  double angle = 0;  // 2D: X_AB.q is Rot<2>::angle(angle), bit for bit, so that a file of cases can hold the pair
+  /// X_WB after a motion of a micrometre, under which faces at rest keep their features; other pairs have none.
+  std::optional<Pose<D>> X_WBNudged = {};
   std::string_view family = "random";
   double scale = 1;   // size of the shapes (m)
   double offset = 0;  // distance of the pair from the world's origin, in scales
@@ -32,9 +39,14 @@ std::span<const std::string_view> hardPairFamilies();
 template <int D>
 HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index);
 
-/// As a line of a file of cases, as tests/regressions/*.json; `more` is appended to it, as `, "name": value`.
+/// As a line of a file of cases, as tests/regressions/*.json, with the very bits that a method of the stage is asked:
+/// of a pair query X_AB, of a contact generator both world poses. `more` is appended to it, as `, "name": value`.
 template <int D>
-std::string caseText(const std::string& id, const HardPair<D>& pair, const std::string& more);
+std::string caseText(const std::string& id, StageKind stage, const HardPair<D>& pair, const std::string& more);
+
+/// What must come out, by the referee, to be appended to a line of a file of cases.
+template <int D>
+std::string expectedText(const RefereeAnswer<D>& truth);
 
 /// As JSON, with all digits; null when it is not finite.
 std::string numberText(double x);

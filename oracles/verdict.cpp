@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <ctime>
+#include <limits>
+
+#include "oracles/hard_pairs.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -51,6 +54,17 @@ LedgerKey subjectOf(StageKind stage, int dimension, const std::string& method) {
   key.stage = stageName(stage), key.precision = sizeof(Real) == 8 ? "f64" : "f32";
   key.dimension = dimension, key.method = method;
   return key;
+}
+
+std::string findingText(const LedgerKey& subject, const Verdict& verdict, std::uint64_t seed, int index) {
+  const auto orNull = [&](double x) {
+    return numberText(verdict.error ? x : std::numeric_limits<double>::quiet_NaN());
+  };
+  return ", \"found\": {\"stage\": \"" + subject.stage + "\", \"precision\": \"" + subject.precision +
+         "\", \"method\": \"" + subject.method + "\", \"failure\": \"" +
+         (verdict.failure.empty() ? "none" : verdict.failure) + "\", \"value\": " + orNull(verdict.value) +
+         ", \"error\": " + orNull(verdict.error.value_or(0)) + ", \"seed\": " + std::to_string(seed) +
+         ", \"number\": " + std::to_string(index) + "}";
 }
 
 std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index) {

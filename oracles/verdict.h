@@ -16,6 +16,7 @@ namespace lpc::inline LPC_PRECISION {
 struct Verdict {
   Tally end = Tally::agree;
   bool wrongSide = false, capped = false;
+  double value = 0;             // the distance, or of contacts that of the deepest point (m), where there is an error
   std::optional<double> error;  // over s, of an answer with a value
   std::string failure;          // what went wrong, as in names of files; empty when nothing did
 };
@@ -30,6 +31,9 @@ using Labels = std::vector<std::pair<std::string, std::string>>;
 /// asked for only when the line is kept.
 void book(Ledger& ledger, LedgerKey subject, Role role, const Labels& labels, const Verdict& verdict,
           double nanoseconds, const std::function<std::string()>& text);
+
+/// What was wrong with whom, as a field of a case: see CaseFinding.
+std::string findingText(const LedgerKey& subject, const Verdict& verdict, std::uint64_t seed, int index);
 
 /// A name for one input: of kinds (empty for none), seed and number.
 std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index);

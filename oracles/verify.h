@@ -12,7 +12,9 @@
 
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
-#include "oracles/ledger.h"
+#include "oracles/hard_pairs.h"
+#include "oracles/verdict.h"
+#include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -35,8 +37,22 @@ struct VerifyRange {
   std::optional<Tally> ended = {};
 };
 
-/// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them. Error = |distance -
-/// referee's interval| / s (errorScale), or what the separation along the normal lacks, whichever is more.
+/// What is true about a pair, whoever is asked.
+template <int D>
+struct PairTruth {
+  RefereeAnswer<D> answer = {};
+  double s = 0;  // errorScale
+};
+template <int D>
+PairTruth<D> pairTruth(const PairView<D>& pair);
+
+/// The one measure of an answer's error, in ledgers and in trials: |distance - referee's interval| / s, or what the
+/// separation along the normal lacks, whichever is more. A side alone (a witness's `degenerate`) has none.
+template <int D>
+Verdict judge(const PairView<D>& pair, const PairTruth<D>& truth, const PairAnswer<D>& answer, Role role,
+              Ending ending = Ending::answered);
+
+/// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them.
 template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                        std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
@@ -47,6 +63,13 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
 template <int D>
 void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                     std::span<const Candidate<ContactGenerator<D>>> methods, Verified& out);
+
+/// One pair by the same checks, as a file of cases holds it: the pair query is asked X_AB, the generator both world
+/// poses. Precondition: the method supports the kinds, kindA <= kindB.
+template <int D>
+Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method);
+template <int D>
+Verdict verifyPair(const HardPair<D>& pair, const Candidate<ContactGenerator<D>>& method);
 
 /// Sets of boxes that come, move and go: the pairs of every step, compared with those of every two boxes.
 template <int D>

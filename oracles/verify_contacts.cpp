@@ -27,7 +27,7 @@ struct Placed {
   int vertices = 0;
   Labels labels = {};
 
-  bool resting() const { return pair.family == kRestingFaces; }
+  bool resting() const { return pair.X_WBNudged.has_value(); }
 };
 
 bool hasFaces(ShapeKind k) { return k == ShapeKind::box || k == ShapeKind::polytope; }
@@ -40,7 +40,9 @@ class RestingFaces {
 
   HardPair<D> draw(ShapeKind kindA, ShapeKind kindB) {
     Vec<D> halfA, halfB;
-    HardPair<D> pair{.a = block(kindA, halfA), .b = block(kindB, halfB), .family = kRestingFaces};
+    std::vector<Vec<D>> pointsA, pointsB;
+    HardPair<D> pair{.a = block(kindA, halfA, pointsA), .b = block(kindB, halfB, pointsB), .family = kRestingFaces};
+    pair.pointsA = std::move(pointsA), pair.pointsB = std::move(pointsB);
     Ang<D> v = Ang<D>::Zero();
     v[0] = static_cast<Real>(std::array{0.0, 1e-9, 1e-4}[m_random.below(3)]);
     if constexpr (D == 3) v[2] = uniform(-1, 1);
@@ -53,10 +55,12 @@ class RestingFaces {
     for (int k = 0; k < D; ++k) pair.X_WA.p[k] = uniform(-3, 3);
     pair.X_WA.q = turned(w);
     pair.X_WB = pair.X_WA * pair.X_AB;
+    pair.X_WBNudged = nudged(pair.X_WB);
     return pair;
   }
 
-  /// A motion of a micrometre and a tenth of a microradian.
+ private:
+  // A motion of a micrometre and a tenth of a microradian.
   Pose<D> nudged(Pose<D> X) {
     for (int k = 0; k < D; ++k) X.p[k] += (sizeof(Real) == 8 ? Real(1e-6) : Real(1e-5)) * uniform(-1, 1);
     Ang<D> v;
@@ -64,18 +68,15 @@ class RestingFaces {
     X.q = turned(v) * X.q;
     return X;
   }
-
- private:
   Real uniform(double lo, double hi) { return static_cast<Real>(m_random.uniform(lo, hi)); }
   static Rot<2> turned(const Ang<2>& v) { return Rot<2>::angle(v[0]); }
   static Rot<3> turned(const Ang<3>& v) { return Rot<3>::vector(v); }
 
   // A box, or as a polytope its corners; in 3D often those of a prism on an n-gon.
-  Shape<D> block(ShapeKind kind, Vec<D>& half) {
+  Shape<D> block(ShapeKind kind, Vec<D>& half, std::vector<Vec<D>>& points) {
     for (int k = 0; k < D; ++k) half[k] = uniform(0.3, 1);
     const Real rounding = m_random.below(4) == 0 ? Real(0.1) : Real(0);
     if (kind == ShapeKind::box) return Shape<D>::box(half, rounding);
-    std::vector<Vec<D>> points;
     const auto n = static_cast<int>(4 + m_random.below(5));
     for (int i = 0; i < n; ++i) {
       Vec<D> p = half;
@@ -105,10 +106,14 @@ double coreSize(const ShapeView<D>& s) {
 }
 
 template <int D>
-Placed<D> placedPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
-  const bool resting = hasFaces(a) && hasFaces(b) && index % kRestingEvery == 0;
-  const std::uint64_t stream = seed * 1000003 + static_cast<std::uint64_t>(index);
-  Placed<D> placed{.pair = resting ? RestingFaces<D>(stream).draw(a, b) : hardPair<D>(a, b, seed, index)};
+HardPair<D> drawnPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
+  if (!hasFaces(a) || !hasFaces(b) || index % kRestingEvery != 0) return hardPair<D>(a, b, seed, index);
+  return RestingFaces<D>(seed * 1000003 + static_cast<std::uint64_t>(index)).draw(a, b);
+}
+
+template <int D>
+Placed<D> placedPair(HardPair<D> pair) {
+  Placed<D> placed{.pair = std::move(pair)};
   const HardPair<D>& p = placed.pair;
   placed.vertices = coreVertexCount<D>(p.a.view()) + coreVertexCount<D>(p.b.view());
   placed.truth = referee<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB);
@@ -138,7 +143,7 @@ Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<Placed<D
     shapes.push_back({.shape = p.pair.a, .body = slot});
     shapes.push_back({.shape = p.pair.b, .body = slot + 1});
     pose.push_back(p.pair.X_WA);
-    pose.push_back(nudge ? RestingFaces<D>(static_cast<std::uint64_t>(slot)).nudged(p.pair.X_WB) : p.pair.X_WB);
+    pose.push_back(nudge && p.resting() ? *p.pair.X_WBNudged : p.pair.X_WB);
   }
   std::vector<ConvexPair<D>> children;
   appendChildren<D>(pairs, shapes, children);
@@ -158,18 +163,20 @@ double pointDistance(const Vec<D>& p_W, const ShapeView<D>& shape, const Pose<D>
   return referee<D>(Shape<D>::sphere(0).view(), {p_W, {}}, shape, X_WS).interval().middle();
 }
 
+// How far the contact points are off what they should lie on (m): within a shape, of a core's witness on its surface.
 template <int D>
-bool pointsLieOnShapes(const Placed<D>& k, const Manifold<D>& m) {
+double besideSurfaces(const Placed<D>& k, const Manifold<D>& m) {
   const HardPair<D>& p = k.pair;
+  double most = 0;
   for (int i = 0; i < m.count; ++i) {
     const ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
     const double a = pointDistance<D>(p.X_WA * c.localA, p.a.view(), p.X_WA);
     const double b = pointDistance<D>(p.X_WB * c.localB, p.b.view(), p.X_WB);
-    if (a > k.allowed || b > k.allowed) return false;
-    if (p.a.view().radius == 0 && a < -k.allowed) return false;  // a core's witness lies on its surface
-    if (p.b.view().radius == 0 && b < -k.allowed) return false;
+    most = std::max({most, a, b});
+    if (p.a.view().radius == 0) most = std::max(most, -a);
+    if (p.b.view().radius == 0) most = std::max(most, -b);
   }
-  return true;
+  return most;
 }
 
 template <int D>
@@ -184,9 +191,9 @@ bool sameFeatures(const std::vector<Manifold<D>>& a, const std::vector<Manifold<
   return true;
 }
 
-// What is wrong with the manifold of a pair; empty when nothing is.
+// What is wrong with the manifold of a pair, empty when nothing is, and by how much (m), where that is a length.
 template <int D>
-std::string_view faultOf(const Placed<D>& k, const Manifold<D>& m, double& deepest) {
+std::string_view faultOf(const Placed<D>& k, const Manifold<D>& m, double& deepest, double& off) {
   const double phi = k.truth.interval().middle(), allowed = 2 * k.allowed;
   deepest = std::numeric_limits<double>::infinity();
   if (m.count < 1 || m.count > kManifoldPoints<D>) return "wrong_count";
@@ -198,9 +205,14 @@ std::string_view faultOf(const Placed<D>& k, const Manifold<D>& m, double& deepe
   const Vecd<D> n = m.normal.template cast<double>();
   if (!(std::abs(n.norm() - 1) <= static_cast<double>(kUnitTolerance))) return "wrong_normal";
   const HardPair<D>& p = k.pair;
-  if (separationAlong<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB, n).hi < phi - allowed) return "wrong_normal";
-  if (!(std::abs(deepest - phi) <= allowed)) return "wrong_depth";
-  return pointsLieOnShapes(k, m) ? "" : "wrong_points";
+  off = phi - separationAlong<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB, n).hi;
+  if (off > allowed) return "wrong_normal";
+  off = std::abs(deepest - phi);
+  if (!(off <= allowed)) return "wrong_depth";
+  const double beside = besideSurfaces(k, m);
+  if (beside <= k.allowed) return "";
+  off = beside;
+  return "wrong_points";
 }
 
 template <int D>
@@ -223,27 +235,51 @@ Verdict judge(const Placed<D>& k, const std::vector<Manifold<D>>* found, const s
   v.wrongSide = phi > margin + 2 * k.allowed;
   if (v.wrongSide) return wrong("wrong_side");
   if (found->size() != 1) return wrong("wrong_count");
-  double deepest = 0;
-  const std::string_view fault = faultOf(k, found->front(), deepest);
-  if (std::isfinite(deepest)) v.error = std::abs(deepest - phi) / k.s;
+  double deepest = 0, off = 0;
+  const std::string_view fault = faultOf(k, found->front(), deepest, off);
+  if (std::isfinite(deepest)) v.value = deepest, v.error = std::max(off, std::abs(deepest - phi)) / k.s;
   if (!fault.empty()) return wrong(fault);
   if (k.resting() && !onePoint && found->front().count < (D == 2 ? 2 : 3)) return wrong("wrong_patch");
   if (k.resting() && (!nudged || !sameFeatures(*found, *nudged))) return wrong("wrong_features");
   return v;
 }
 
+template <int D>
+const std::vector<Manifold<D>>* manifoldsOf(const Manifolds<D>& all, std::size_t i) {
+  const auto at = all.find(static_cast<std::int32_t>(2 * i));
+  return at == all.end() ? nullptr : &at->second;
+}
+
+bool keepsOnePoint(const Info& info) {
+  const auto declares = [](const FailureMode& f) { return f.test == kPatchTest; };
+  return std::any_of(info.failures.begin(), info.failures.end(), declares);
+}
+
 }  // namespace
+
+template <int D>
+Verdict verifyPair(const HardPair<D>& pair, const Candidate<ContactGenerator<D>>& method) {
+  const std::vector<Placed<D>> placed{placedPair(pair)};
+  const auto generator = method.create();
+  double spent = 0;
+  const Manifolds<D> fresh = generate(*generator, placed, false, spent),
+                     nudged = generate(*generator, placed, true, spent);
+  return judge(placed[0], manifoldsOf<D>(fresh, 0), manifoldsOf<D>(nudged, 0), keepsOnePoint(method.info));
+}
+
+template Verdict verifyPair(const HardPair<2>&, const Candidate<ContactGenerator<2>>&);
+template Verdict verifyPair(const HardPair<3>&, const Candidate<ContactGenerator<3>>&);
 
 template <int D>
 void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                     std::span<const Candidate<ContactGenerator<D>>> methods, Verified& out) {
   std::vector<Placed<D>> placed;
-  for (int i = 0; i < range.count; ++i) placed.push_back(placedPair<D>(kindA, kindB, range.seed, range.first + i));
+  for (int i = 0; i < range.count; ++i) {
+    placed.push_back(placedPair(drawnPair<D>(kindA, kindB, range.seed, range.first + i)));
+  }
   for (const Candidate<ContactGenerator<D>>& m : methods) {
     const auto generator = m.create();
     if (!generator->supports(kindA, kindB)) continue;
-    const auto declares = [](const FailureMode& f) { return f.test == kPatchTest; };
-    const bool onePoint = std::any_of(m.info.failures.begin(), m.info.failures.end(), declares);
     double spent = 0, ignored = 0;
     Manifolds<D> fresh, nudged;
     if (!range.ended) {
@@ -253,16 +289,13 @@ void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
     LedgerKey subject = subjectOf(StageKind::contacts, D, m.name);
     subject.kindA = shapeKindName(kindA), subject.kindB = shapeKindName(kindB);
     for (std::size_t i = 0; i < placed.size(); ++i) {
-      const auto of = [slot = static_cast<std::int32_t>(2 * i)](const Manifolds<D>& all) {
-        const auto at = all.find(slot);
-        return at == all.end() ? nullptr : &at->second;
-      };
+      const auto of = [i](const Manifolds<D>& all) { return manifoldsOf<D>(all, i); };
       const Verdict verdict =
-          range.ended ? withoutAnswer(*range.ended) : judge(placed[i], of(fresh), of(nudged), onePoint);
+          range.ended ? withoutAnswer(*range.ended) : judge(placed[i], of(fresh), of(nudged), keepsOnePoint(m.info));
       const auto text = [&] {
-        return caseText<D>(inputName(subject, range.seed, range.first + static_cast<int>(i)), placed[i].pair,
-                           ", \"reported_failure\": \"" + verdict.failure + "\", \"expected\": {\"signed_distance\": " +
-                               numberText(placed[i].truth.interval().middle()) + "}");
+        const int index = range.first + static_cast<int>(i);
+        return caseText<D>(inputName(subject, range.seed, index), StageKind::contacts, placed[i].pair,
+                           findingText(subject, verdict, range.seed, index) + expectedText(placed[i].truth));
       };
       book(out.ledger, subject, m.info.role, placed[i].labels, verdict, spent / range.count, text);
       if (!verdict.failure.empty()) out.keep({m.name, verdict.failure, placed[i].vertices, placed[i].s, text()});

@@ -16,10 +16,11 @@ constexpr double kOtherNormal = sizeof(Real) == 8 ? 1e-6 : 1e-3;
 template <int D>
 struct Known {
   HardPair<D> pair;
-  RefereeAnswer<D> truth = {};
-  double s = 0;
+  PairTruth<D> truth = {};
   int vertices = 0;
   Labels labels = {};
+
+  PairView<D> view() const { return {pair.a.view(), pair.b.view(), pair.X_AB}; }
 };
 
 std::string plainNumber(double x) {
@@ -29,14 +30,12 @@ std::string plainNumber(double x) {
 }
 
 template <int D>
-Known<D> knownPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
-  Known<D> known{.pair = hardPair<D>(a, b, seed, index)};
-  const ShapeView<D>&va = known.pair.a.view(), &vb = known.pair.b.view();
-  known.truth = referee<D>(va, {}, vb, known.pair.X_AB);
-  known.s = errorScale<D>(va, {}, vb, known.pair.X_AB, known.truth.interval().middle());
-  known.vertices = coreVertexCount<D>(va) + coreVertexCount<D>(vb);
+Known<D> knownPair(HardPair<D> pair) {
+  Known<D> known{.pair = std::move(pair)};
+  known.truth = pairTruth(known.view());
+  known.vertices = coreVertexCount<D>(known.pair.a.view()) + coreVertexCount<D>(known.pair.b.view());
   known.labels = {{"family", std::string(known.pair.family)},
-                  {"regime", std::string(regimeOf(known.pair, known.truth))},
+                  {"regime", std::string(regimeOf(known.pair, known.truth.answer))},
                   {"scale", plainNumber(known.pair.scale)},
                   {"offset", plainNumber(known.pair.offset)}};
   return known;
@@ -60,8 +59,8 @@ Tally endOf(Ending ending) {
 
 // What the separation along the answer's normal lacks, which is all that a normal is for.
 template <int D>
-double shortfall(const Known<D>& known, const Vecd<D>& n, Role role) {
-  const Interval truth = known.truth.interval();
+double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<D>& n, Role role) {
+  const Interval truth = known.answer.interval();
   if (n.isZero(0)) {
     // No direction is an answer only where the boundaries touch, and witnesses may have none.
     const bool touching = std::abs(truth.middle()) <= verifyTolerance() * known.s;
@@ -69,20 +68,33 @@ double shortfall(const Known<D>& known, const Vecd<D>& n, Role role) {
   }
   const double length = std::abs(n.norm() - 1);
   if (role == Role::competitor && length > static_cast<double>(kUnitTolerance)) return length * known.s;
-  const Interval along = separationAlong<D>(known.pair.a.view(), {}, known.pair.b.view(), known.pair.X_AB, n);
+  const Interval along = separationAlong<D>(pair.a, {}, pair.b, pair.X_AB, n);
   return std::max(0.0, truth.lo - along.hi);
 }
 
+}  // namespace
+
 template <int D>
-Verdict judge(const Known<D>& known, const PairAnswer<D>& answer, Role role, Ending ending) {
-  if (!known.truth.decided) return withoutAnswer(Tally::undecided);
+PairTruth<D> pairTruth(const PairView<D>& pair) {
+  PairTruth<D> known{.answer = referee<D>(pair.a, {}, pair.b, pair.X_AB)};
+  known.s = errorScale<D>(pair.a, {}, pair.b, pair.X_AB, known.answer.interval().middle());
+  return known;
+}
+
+template PairTruth<2> pairTruth(const PairView<2>&);
+template PairTruth<3> pairTruth(const PairView<3>&);
+
+template <int D>
+Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, Role role,
+              Ending ending) {
+  if (!known.answer.decided) return withoutAnswer(Tally::undecided);
   if (ending != Ending::answered) return withoutAnswer(endOf(ending));
   if (answer.status == QueryStatus::refused) return withoutAnswer(Tally::refused);
   const double phi = static_cast<double>(answer.distance);
   const bool finite = std::isfinite(phi) && answer.normal.allFinite();
   if (answer.status == QueryStatus::failed || !finite) return withoutAnswer(Tally::notFinite);
 
-  const Interval truth = known.truth.interval();
+  const Interval truth = known.answer.interval();
   const double allowed = verifyTolerance() * known.s;
   Verdict v;
   v.capped = answer.status != QueryStatus::converged;
@@ -90,11 +102,11 @@ Verdict judge(const Known<D>& known, const PairAnswer<D>& answer, Role role, End
   // A witness that is `degenerate` knows the side and no value (libccd of shapes that are apart).
   if (role == Role::competitor || answer.status != QueryStatus::degenerate) {
     const Vecd<D> n = answer.normal.template cast<double>();
-    const double value = truth.distanceTo(phi), along = shortfall(known, n, role);
-    v.error = std::max(value, along) / known.s;
+    const double value = truth.distanceTo(phi), along = shortfall(pair, known, n, role);
+    v.value = phi, v.error = std::max(value, along) / known.s;
     if (*v.error > verifyTolerance()) {
       v.end = Tally::wrong, v.failure = value > allowed ? "wrong_distance" : "wrong_normal";
-    } else if (!n.isZero(0) && (n.normalized() - known.truth.normal).norm() > kOtherNormal) {
+    } else if (!n.isZero(0) && (n.normalized() - known.answer.normal).norm() > kOtherNormal) {
       v.end = Tally::tie;
     }
   }
@@ -102,18 +114,20 @@ Verdict judge(const Known<D>& known, const PairAnswer<D>& answer, Role role, End
   return v;
 }
 
+template Verdict judge(const PairView<2>&, const PairTruth<2>&, const PairAnswer<2>&, Role, Ending);
+template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer<3>&, Role, Ending);
+
 template <int D>
-std::string textOf(const std::string& id, const Known<D>& known, const PairAnswer<D>& answer, const Verdict& verdict) {
-  const Interval truth = known.truth.interval();
-  const std::string what = verdict.failure.empty() ? "none" : verdict.failure;
-  return caseText<D>(id, known.pair,
-                     ", \"reported_failure\": \"" + what + ": " + numberText(static_cast<double>(answer.distance)) +
-                         "\", \"expected\": {\"signed_distance\": " + numberText(truth.middle()) +
-                         ", \"tolerance_of_this_value\": " + numberText(truth.width()) +
-                         ", \"derived\": true, \"method\": \"referee, " + std::string(known.truth.method) + "\"}");
+Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method) {
+  const auto query = method.create();
+  const auto* witness = dynamic_cast<const Witness<D>*>(query.get());
+  const PairAnswer<D> answer = queryPair(*query, pair.a.view(), pair.b.view(), pair.X_AB);
+  const PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
+  return judge(view, pairTruth(view), answer, method.info.role, witness ? witness->endings()[0] : Ending::answered);
 }
 
-}  // namespace
+template Verdict verifyPair(const HardPair<2>&, const Candidate<PairQuery<2>>&);
+template Verdict verifyPair(const HardPair<3>&, const Candidate<PairQuery<3>>&);
 
 template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
@@ -125,7 +139,9 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
     const int count = std::min(range.count - begin, PairBatch<D>::kCapacity);
     known.clear();
     batch->clear(kindA, kindB);
-    for (int i = 0; i < count; ++i) known.push_back(knownPair<D>(kindA, kindB, range.seed, range.first + begin + i));
+    for (int i = 0; i < count; ++i) {
+      known.push_back(knownPair(hardPair<D>(kindA, kindB, range.seed, range.first + begin + i)));
+    }
     for (const Known<D>& k : known) batch->add(k.pair.a.view(), k.pair.b.view(), k.pair.X_AB);
     for (const Candidate<PairQuery<D>>& m : methods) {
       const auto method = m.create();
@@ -146,13 +162,16 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
         const PairAnswer<D> answer = range.ended ? PairAnswer<D>{} : answers->get(i);
         const Ending ending =
             witness && !range.ended ? witness->endings()[static_cast<std::size_t>(i)] : Ending::answered;
-        const Verdict verdict = range.ended ? withoutAnswer(*range.ended) : judge(k, answer, m.info.role, ending);
+        const Verdict verdict =
+            range.ended ? withoutAnswer(*range.ended) : judge(k.view(), k.truth, answer, m.info.role, ending);
         const auto text = [&] {
-          return textOf(inputName(subject, range.seed, range.first + begin + i), k, answer, verdict);
+          const int index = range.first + begin + i;
+          return caseText<D>(inputName(subject, range.seed, index), StageKind::pairQuery, k.pair,
+                             findingText(subject, verdict, range.seed, index) + expectedText(k.truth.answer));
         };
         book(out.ledger, subject, m.info.role, k.labels, verdict, spent / count, text);
         if (!verdict.failure.empty() && verdict.end != Tally::undecided) {
-          out.keep({m.name, verdict.failure, k.vertices, k.s, text()});
+          out.keep({m.name, verdict.failure, k.vertices, k.truth.s, text()});
         }
       }
     }

@@ -6,7 +6,7 @@
 
 #include "framework/stage_narrowphase.h"
 #include "framework/tolerances.h"
-#include "tests/brute_distance.h"
+#include "oracles/referee.h"
 #include "tests/generators.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -36,7 +36,9 @@ struct ContactScene {
   }
   const ShapeView<D>& view(std::size_t i) const { return shapes[i].shape.view(); }
   Pose<D> shapePose(std::size_t i) const { return pose[i] * shapes[i].X_CS; }
-  Real trueDistance() const { return bruteDistance<D>(view(0), shapePose(0), view(1), shapePose(1)); }
+  Real trueDistance() const {
+    return static_cast<Real>(referee<D>(view(0), shapePose(0), view(1), shapePose(1)).interval().middle());
+  }
   /// Largest of the sizes and positions: rounding is relative to it.
   Real extent() const {
     Real s = boundingRadius(view(0)) + boundingRadius(view(1));
@@ -75,20 +77,17 @@ Real deepest(const Manifold<D>& m) {
 /// Signed distance of a world point to shape i.
 template <int D>
 Real pointDistance(const ContactScene<D>& scene, std::size_t i, const Vec<D>& p_W) {
-  const Pose<D> X = scene.shapePose(i);
-  Pose<D> X_SP;
-  X_SP.p = X.q.inverse() * Vec<D>(p_W - X.p);
-  return bruteCoreDistance<D>(bruteCore(scene.view(i), Pose<D>{}), bruteCore(Shape<D>::sphere(0).view(), X_SP)) -
-         scene.view(i).radius;
+  const auto point = Shape<D>::sphere(0);
+  const RefereeAnswer<D> truth = referee<D>(point.view(), {p_W, {}}, scene.view(i), scene.shapePose(i));
+  return static_cast<Real>(truth.interval().middle());
 }
 
-/// -h_A(n) - h_B(-n) of the shapes along the world direction n.
+/// The separation of the shapes along the world direction n.
 template <int D>
 Real worldSeparation(const ContactScene<D>& scene, const Vec<D>& n) {
-  const Pose<D> X_WA = scene.shapePose(0), X_WB = scene.shapePose(1);
-  const Pose<D> X_AB{X_WA.q.inverse() * Vec<D>(X_WB.p - X_WA.p), X_WA.q.inverse() * X_WB.q};
-  return separationAlong<D>(bruteCore(scene.view(0), Pose<D>{}), bruteCore(scene.view(1), X_AB), X_WA.q.inverse() * n) -
-         scene.view(0).radius - scene.view(1).radius;
+  const Interval along = separationAlong<D>(scene.view(0), scene.shapePose(0), scene.view(1), scene.shapePose(1),
+                                            n.template cast<double>());
+  return static_cast<Real>(along.middle());
 }
 
 }  // namespace lpc::inline LPC_PRECISION::test

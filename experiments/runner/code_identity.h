@@ -15,7 +15,7 @@ namespace lpc::inline LPC_PRECISION {
 std::string hexHash(std::string_view bytes);
 /// Over framework, trial code, compiler and flags, as built into this program.
 const std::string& coreHash();
-/// Over the oracles, as built into this program: families, referee, verdicts.
+/// Over the oracles, as built into this program: families, referee, verdicts; "not built" without them.
 const std::string& oraclesHash();
 /// {"velocity/catto": hash, ...} for the algorithm of `spec` (canonical: nested stages are followed) in `dimension`:
 /// its own file and its group's kernel headers; for one of a plugin, the plugin's bytes.

@@ -184,6 +184,7 @@ PlannedTrial Planner::pairs(json cell) {
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "pair_query"));
   cell["pair_query"] = canonicalStage(code, out.unsupported, StageKind::pairQuery, spec, cell["dimension"]);
+  code["oracles"] = oraclesHash();  // the referee tells the errors
   cell["code"] = code;
   out.canonical = std::move(cell);
   seal(out);

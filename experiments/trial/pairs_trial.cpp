@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A pair query alone: the same seeded pairs for every method, its time per query, and its error against brute force.
+// A pair query alone: the same seeded pairs for every method, its time per query, and its error before the referee.
 #include <xxhash.h>
 
 #include <algorithm>
@@ -7,13 +7,12 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "experiments/trial/pair_reference.h"
 #include "experiments/trial/trial.h"
 #include "framework/curved_core.h"
 #include "framework/random.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
-#include "oracles/witness.h"
+#include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -24,6 +23,8 @@ template <int D>
 struct Pair {
   Shape<D> a, b;
   Pose<D> X_AB;
+
+  PairView<D> view() const { return {a.view(), b.view(), X_AB}; }
 };
 
 template <int D>
@@ -90,7 +91,7 @@ Pair<D> drawPair(ShapeKind kindA, ShapeKind kindB, int index, Random& random) {
   pair.X_AB.p = direction * (reach * static_cast<Real>(places[family]));
   if (family == 2 || family == 5) {  // move along the line until the distance is about zero
     for (int turn = 0; turn < 40; ++turn) {
-      const double gap = bruteForceDistance(pair.a.view(), pair.b.view(), pair.X_AB);
+      const double gap = referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB).interval().middle();
       if (std::abs(gap) < 1e-9) break;
       pair.X_AB.p -= direction * static_cast<Real>(gap);
     }
@@ -98,10 +99,8 @@ Pair<D> drawPair(ShapeKind kindA, ShapeKind kindB, int index, Random& random) {
   return pair;
 }
 
-template <int D>
-double scaleOf(const Pair<D>& p, double distance) {
-  const double extent = 2 * std::max<double>(boundingRadius(p.a.view()), boundingRadius(p.b.view()));
-  return extent + std::abs(distance) + p.X_AB.p.cwiseAbs().maxCoeff();
+bool endedWithoutAnswer(Tally end) {
+  return end == Tally::notFinite || end == Tally::threw || end == Tally::crashed || end == Tally::hung;
 }
 
 template <int D>
@@ -111,6 +110,7 @@ TrialResult runPairs(const json& t) {
   const int n = t.at("n").get<int>();
   const Spec spec = Spec::parse(t.at("pair_query").get<std::string>());
   const auto method = createStage<PairQuery<D>>(spec);
+  const Role role = Registry::instance().find(StageKind::pairQuery, D, spec.name).info.role;
   // A witness works in a process of its own, where this thread's clock does not see it: it tells the time itself.
   const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
   TrialResult out;
@@ -122,8 +122,6 @@ TrialResult runPairs(const json& t) {
   std::vector<Pair<D>> pairs;
   for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(kindA, kindB, i, random));
 
-  // What is beyond this is a wrong yes or no, not rounding (relative to the pair's size).
-  const double tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
   double failed = 0, refused = 0, wrong = 0;
   std::vector<double> errors, nanoseconds;
   const auto batch = std::make_unique<PairBatch<D>>();
@@ -145,18 +143,13 @@ TrialResult runPairs(const json& t) {
     for (std::size_t i = begin; i < end; ++i) {
       const PairAnswer<D> answer = answers->get(static_cast<int>(i - begin));
       XXH64_update(hash, &answer.distance, sizeof answer.distance);
-      if (answer.status == QueryStatus::refused) {
-        ++refused;
-        continue;
-      }
-      const double truth = bruteForceDistance(pairs[i].a.view(), pairs[i].b.view(), pairs[i].X_AB);
-      const double scale = scaleOf(pairs[i], truth), found = answer.distance;
-      if (answer.status == QueryStatus::failed || !std::isfinite(found)) {
-        ++failed;
-        continue;
-      }
-      errors.push_back(std::abs(found - truth) / scale);
-      if ((found > 0) != (truth > 0) && std::abs(truth) > tolerance * scale) ++wrong;
+      const Ending ending = witness ? witness->endings()[i - begin] : Ending::answered;
+      const PairView<D> pair = pairs[i].view();
+      const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending);
+      if (verdict.error) errors.push_back(*verdict.error);
+      wrong += verdict.wrongSide;
+      refused += verdict.end == Tally::refused;
+      failed += endedWithoutAnswer(verdict.end);
     }
   }
   char text[20];

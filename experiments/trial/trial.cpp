@@ -19,7 +19,15 @@ TrialResult runTrial(const json& request) {
   const std::string kind = request.at("trial").at("kind");
   if (kind == "world") return runWorldTrial(request);
   if (kind == "boxes") return runBoxesTrial(request);
-  if (kind == "pairs") return runPairsTrial(request);
+  if (kind == "pairs") {
+#ifdef LPC_HAS_ORACLES
+    return runPairsTrial(request);
+#else
+    TrialResult out;
+    out.fail("unsupported", "this build has no referee (LPC_BUILD_ORACLES=OFF)", 0);
+    return out;
+#endif
+  }
   throw UserError("unknown trial kind '" + kind + "'; valid: world, boxes, pairs");
 }
 

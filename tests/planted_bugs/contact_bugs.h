@@ -3,6 +3,7 @@
 #pragma once
 
 #include "algorithms/contacts/sat_collide3.h"
+#include "oracles/posed_core.h"
 #include "tests/contact_scene.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -80,7 +81,9 @@ struct Unclipped final : SpoiledContacts<D> {
     const ShapeView<D>& b = in.shapes[1].shape.view();
     const Real plane = m.normal.dot(X_WA * m.points[0].localA);
     m.count = 0;
-    for (const Vec<D>& v : bruteCore(b, Pose<D>{}).v) {
+    std::vector<Vec<D>> vertices;
+    coreVertices(b, vertices);
+    for (const Vec<D>& v : vertices) {
       const Vec<D> local = in.shapes[1].X_CS * v;
       const Vec<D> p = X_WB * local - b.radius * m.normal;
       const Real s = m.normal.dot(p) - plane;

@@ -166,6 +166,31 @@ TEST(Verify, LedgersAddUp) {
   }
 }
 
+// What a generator is asked does not depend on the cut either, the small motions of resting faces included.
+template <int D>
+class Recorder final : public ContactGenerator<D> {
+ public:
+  static inline std::vector<double> asked;
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  void generate(const ContactInput<D>& input, std::vector<Manifold<D>>&, Work&) override {
+    for (const ShapePair& pair : input.pairs) asked.push_back(input.pose[static_cast<std::size_t>(pair.b)].p[0]);
+  }
+};
+TEST(Verify, ContactsAreAskedTheSameHoweverTheyAreCut) {
+  const auto recorder = planted<ContactGenerator<3>, Recorder<3>>();
+  const auto ask = [&](std::vector<std::pair<int, int>> parts) {
+    Verified ignored;
+    Recorder<3>::asked.clear();
+    for (const auto& [first, count] : parts) {
+      verifyContacts<3>(ShapeKind::box, ShapeKind::box, {.seed = 4, .first = first, .count = count}, {&recorder, 1},
+                        ignored);
+    }
+    std::sort(Recorder<3>::asked.begin(), Recorder<3>::asked.end());
+    return Recorder<3>::asked;
+  };
+  EXPECT_EQ(ask({{0, 40}}), ask({{24, 16}, {0, 24}}));
+}
+
 // --- planted pair queries --------------------------------------------------------------------------------------------
 
 template <template <int> class Bug>
@@ -262,21 +287,64 @@ TEST(Verify, TheSimplestFailingPairIsKeptAndReplays) {
             verifyTolerance() * errorScale<3>(a, g.a.X_WS, b, g.b.X_WS, cases[0].expected.distance));
 }
 
-// In 2D a file holds an angle: the pair comes back bit for bit.
-TEST(Verify, CasesComeBackExactly) {
-  const std::string path = ::testing::TempDir() + "exact_case.json";
-  for (int i = 0; i < 60; ++i) {
-    const HardPair<2> pair = hardPair<2>(ShapeKind::box, ShapeKind::capsule, 9, i);
-    std::ofstream(path) << "{\"schema\": {}, \"cases\": ["
-                        << caseText<2>("a", pair, ", \"expected\": {\"signed_distance\": 0}") << "]}";
-    const std::vector<Case> cases = readCases(path);
-    const auto& g = std::get<CaseGeometry<2>>(cases.at(0).geometry);
-    const Pose<2> X_AB = g.a.X_WS.inverse() * g.b.X_WS;
-    ASSERT_EQ(X_AB.p, pair.X_AB.p);
-    ASSERT_EQ(X_AB.q.c, pair.X_AB.q.c);
-    ASSERT_EQ(X_AB.q.s, pair.X_AB.q.s);
-    ASSERT_EQ(g.b.shape->view().half, pair.b.view().half);
+template <int D>
+std::vector<Real> numbersOf(const Pose<D>& X) {
+  std::vector<Real> out(X.p.begin(), X.p.end());
+  if constexpr (D == 2) {
+    out.insert(out.end(), {X.q.c, X.q.s});
+  } else {
+    out.insert(out.end(), {X.q.w, X.q.x, X.q.y, X.q.z});
   }
+  return out;
+}
+template <int D>
+std::vector<Real> numbersOf(const ShapeView<D>& shape) {
+  std::vector<Real> out(shape.half.begin(), shape.half.end());
+  out.push_back(shape.radius);
+  if (!shape.hull) return out;
+  for (const Vec<D>& v : shape.hull->vertices) out.insert(out.end(), v.begin(), v.end());
+  if constexpr (D == 3) {
+    for (const auto& face : shape.hull->faces) out.insert(out.end(), face.normal.begin(), face.normal.end());
+    for (const int vertex : shape.hull->loop) out.push_back(static_cast<Real>(vertex));
+  }
+  return out;
+}
+
+// What a method was asked comes back from a file with its very numbers, whatever the kinds.
+template <int D>
+void comesBack(StageKind stage) {
+  const std::string path = ::testing::TempDir() + "exact_case.json";
+  std::vector<HardPair<D>> pairs;
+  std::ofstream file(path);
+  for (const auto& [a, b] : kindPairs(D)) {
+    for (int i = 0; i < 40; ++i) {
+      HardPair<D>& pair = pairs.emplace_back(hardPair<D>(a, b, 9, i));
+      if (stage == StageKind::contacts) pair.X_WBNudged = pair.X_WA;
+      file << (pairs.size() == 1 ? "{\"cases\": [" : ",\n")
+           << caseText<D>("a", stage, pair,
+                          findingText(subjectOf(stage, D, "sat"), {}, 9, i) + expectedText(RefereeAnswer<D>{}));
+    }
+  }
+  file << "]}", file.close();
+  const std::vector<Case> cases = readCases(path);
+  ASSERT_EQ(cases.size(), pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const HardPair<D>&pair = pairs[i], back = std::get<CaseGeometry<D>>(cases[i].geometry).pair();
+    ASSERT_EQ(numbersOf<D>(back.a.view()), numbersOf<D>(pair.a.view()));
+    ASSERT_EQ(numbersOf<D>(back.b.view()), numbersOf<D>(pair.b.view()));
+    if (stage == StageKind::pairQuery) {
+      ASSERT_EQ(numbersOf<D>(back.X_AB), numbersOf<D>(pair.X_AB));
+    } else {
+      ASSERT_EQ(numbersOf<D>(back.X_WA), numbersOf<D>(pair.X_WA));
+      ASSERT_EQ(numbersOf<D>(back.X_WB), numbersOf<D>(pair.X_WB));
+      ASSERT_EQ(numbersOf<D>(back.X_WBNudged.value()), numbersOf<D>(*pair.X_WBNudged));
+    }
+    ASSERT_EQ(cases[i].finding.value().stage, stage);
+    ASSERT_EQ(cases[i].finding->number, static_cast<int>(i) % 40);
+  }
+}
+TEST(Verify, CasesComeBackExactly) {
+  for (const StageKind stage : {StageKind::pairQuery, StageKind::contacts}) comesBack<2>(stage), comesBack<3>(stage);
 }
 
 // --- planted broadphases and contact generators ----------------------------------------------------------------------

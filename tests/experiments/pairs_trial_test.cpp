@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Zlib
+// Trials of pairs: there is one truth and one error, in trials and in ledgers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/code_identity.h"
+#include "experiments/runner/trial_plan.h"
+#include "experiments/trial/trial.h"
+#include "oracles/verify.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Wrong by a part of the size, now and then along a wrong normal, and sometimes silent.
+template <int D>
+class Careless final : public PairQuery<D> {
+ public:
+  using Params = NoParams;
+  static inline std::vector<double> errors;  // of what it was asked last, as `lpc verify` tells them
+  static inline int refused = 0, wrongSides = 0;
+  static inline bool retelling = false;
+
+  Careless() = default;
+  explicit Careless(const Params&) {}
+  static Info info() { return {.name = "planted_careless", .summary = "", .paper = "", .complexity = "1"}; }
+  bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::capsule && b == ShapeKind::box; }
+
+  void query(const PairBatch<D>& batch, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+    for (int i = 0; i < batch.count; ++i) {
+      const PairView<D> pair = batch.pair(i);
+      PairAnswer<D> answer;
+      answer.status = number(pair) % 5 == 0 ? QueryStatus::refused : QueryStatus::converged;
+      answer.distance = pair.X_AB.p.norm() - Real(0.5);
+      answer.normal = Vec<D>::Unit(number(pair) % D);
+      answers.set(i, answer);
+      if (!retelling) tell(pair);
+    }
+  }
+
+ private:
+  static int number(const PairView<D>& pair) { return static_cast<int>(std::abs(pair.X_AB.p[0]) * 1000); }
+  void tell(const PairView<D>& pair) {
+    HardPair<D> same{.a = Shape<D>::capsule(pair.a.half[0], pair.a.radius), .b = Shape<D>::box(pair.b.half)};
+    same.X_AB = pair.X_AB;
+    retelling = true;
+    const Verdict verdict = verifyPair<D>(
+        same, Candidate<PairQuery<D>>{"planted_careless", info(), [] { return std::make_unique<Careless>(); }});
+    retelling = false;
+    if (verdict.error) errors.push_back(*verdict.error);
+    refused += verdict.end == Tally::refused, wrongSides += verdict.wrongSide;
+  }
+};
+
+template <int D>
+void sameError() {
+  static const Registrar<PairQuery, Careless, D> planted(__FILE__);
+  Careless<D>::errors.clear();
+  const TrialResult r = runTrial({{"trial",
+                                   {{"kind", "pairs"},
+                                    {"dimension", D},
+                                    {"kind_a", "capsule"},
+                                    {"kind_b", "box"},
+                                    {"n", 240},
+                                    {"seed", 3},
+                                    {"pair_query", "planted_careless"}}}});
+  const std::vector<double>& told = Careless<D>::errors;
+  ASSERT_GT(told.size(), 100u);
+  EXPECT_EQ(r.metrics.at("asked"), 240);
+  EXPECT_EQ(r.metrics.at("refused"), 240 - static_cast<double>(told.size()));
+  EXPECT_EQ(r.metrics.at("max_error"), *std::max_element(told.begin(), told.end()));
+  EXPECT_EQ(r.metrics.at("median_error"), quantile(told, 0.5));
+  EXPECT_EQ(r.metrics.at("refused"), Careless<D>::refused);
+  EXPECT_EQ(r.metrics.at("wrong_boolean"), Careless<D>::wrongSides);
+  EXPECT_GT(Careless<D>::wrongSides, 0);
+  EXPECT_EQ(r.outcome, "wrong");
+}
+TEST(PairsTrial, AnErrorIsThatOfTheLedger) { sameError<2>(), sameError<3>(); }
+
+TEST(PairsTrial, TheRefereesCodeIsPartOfTheKeyOfPairsAlone) {
+  Planner planner;
+  const nlohmann::json pairs =
+      planner
+          .pairs({{"dimension", 3}, {"kind_a", "box"}, {"kind_b", "box"}, {"pair_query", "sat"}, {"precision", "f64"}})
+          .canonical;
+  const nlohmann::json boxes =
+      planner.boxes({{"dimension", 3}, {"n", 8}, {"distribution", "uniform"}, {"broadphase", "naive"}}).canonical;
+  EXPECT_EQ(pairs.at("code").at("oracles"), oraclesHash());
+  EXPECT_FALSE(boxes.at("code").contains("oracles"));
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
