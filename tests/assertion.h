@@ -18,9 +18,10 @@ struct Claim {
   explicit operator bool() const { return holds; }
 };
 
-// Comparisons of whole numbers that differ in sign: the sides are no literals any more.
+// The sides are no literals any more: 0 is an int here, of another sign or width than what it is compared with.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wsign-compare"
+#pragma GCC diagnostic ignored "-Wconversion"
 template <class L>
 struct LeftSide {
   const L& left;
