@@ -2,10 +2,9 @@
 // What must hold for contact manifolds: one function per property, which draws its own cases.
 #pragma once
 
-#include <rapidcheck.h>
-
 #include <set>
 
+#include "tests/assertion.h"
 #include "tests/contact_scene.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -30,10 +29,7 @@ ContactScene<D> drawScene(Draw& draw) {
 
 template <int D>
 ContactScene<D> anyScene() {
-  const auto scene = *rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawScene<D>(draw);
-  });
+  const auto scene = *Gen(drawScene<D>);
   return scene;
 }
 
@@ -186,13 +182,10 @@ std::vector<Rot<D>> axisTurns() {
 /// for what the tolerance lets a generator merge.
 template <int D>
 void relabelledBoxes(ContactGenerator<D>& generator) {
-  const auto scene = *rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawBoxes<D>(draw);
-  });
+  const auto scene = *Gen(drawBoxes<D>);
   const auto turns = axisTurns<D>();
-  const Rot<D> turn = *rc::gen::elementOf(turns);
-  const std::size_t side = *rc::gen::element(std::size_t{0}, std::size_t{1});
+  const Rot<D> turn = turns[drawIndex(turns.size())];
+  const std::size_t side = drawIndex(2);
   ContactScene<D> other = scene;
   const ShapeView<D>& box = scene.view(side);
   other.shapes[side].shape = Shape<D>::box((turn.inverse().matrix() * box.half).cwiseAbs(), box.radius);
@@ -382,10 +375,7 @@ std::ostream& operator<<(std::ostream& out, const FaceContact<D>& c) {
 /// Face on face: at least two points in 2D, three in 3D, that span the common length or half of the common area.
 template <int D>
 void facesSpanPatch(ContactGenerator<D>& generator) {
-  const auto c = *rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawFaceContact<D>(draw);
-  });
+  const auto c = *Gen(drawFaceContact<D>);
   if (isSliver(c)) return;  // it demands nothing
   const auto fresh = c.scene.run(generator);
   RC_ASSERT(fresh.size() == 1u);
@@ -406,12 +396,8 @@ void facesSpanPatch(ContactGenerator<D>& generator) {
 /// A motion of a micrometre leaves the features of a face contact as they are.
 template <int D>
 void featuresAreSteady(ContactGenerator<D>& generator) {
-  auto c = *rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawFaceContact<D>(draw);
-  });
-  const auto motion = *rc::gen::exec([] {
-    RapidCheckDraw draw;
+  auto c = *Gen(drawFaceContact<D>);
+  const auto motion = *Gen([](Draw& draw) {
     return std::pair(drawVector<D>(draw), turn(Ang<D>(Ang<D>::Constant(Real(1e-7) * draw.signedUnit()))));
   });
   if (isSliver(c)) return;
@@ -432,8 +418,7 @@ void featuresAreSteady(ContactGenerator<D>& generator) {
 
 /// The ridges of two boxes, edge along edge and apart: two points span their common stretch.
 inline void parallelEdges(ContactGenerator<3>& generator) {
-  const auto scene = *rc::gen::exec([] {
-    RapidCheckDraw draw;
+  const auto scene = *Gen([](Draw& draw) {
     const auto half = [&] { return Vec<3>(draw.real(0.3, 1), Real(0.3), Real(0.3)); };
     const Shape<3> a = Shape<3>::box(half(), draw.coin() ? Real(0.1) : Real(0)), b = Shape<3>::box(half());
     const Pose<3> tilted{{0, 0, 0}, Rot<3>::vector({Real(0.78539816339744831), 0, 0})};
@@ -459,10 +444,7 @@ inline void parallelEdges(ContactGenerator<3>& generator) {
 /// A body that came from above into a plank is sent back up, even when it is more than half through.
 template <int D>
 void deepBodiesGoBack(ContactGenerator<D>& generator) {
-  const Real deep = *rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return draw.real(-0.02, 0.02);
-  });
+  const Real deep = *Gen([](Draw& draw) { return draw.real(-0.02, 0.02); });
   Vec<D> plank = Vec<D>::Constant(2);
   plank[1] = Real(0.05);
   Pose<D> X_WB;

@@ -3,12 +3,16 @@
 // choice. The same code draws from a plain generator for counting and for long loops.
 #pragma once
 
-#include <rapidcheck.h>
+#include <rapidcheck/Show.h>
 
+#include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <ostream>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "framework/curved_core.h"
@@ -40,11 +44,53 @@ class Draw {
   }
 };
 
-/// Inside a property or rc::gen::exec: shrinks.
+/// Inside a property: shrinks.
 class RapidCheckDraw final : public Draw {
  public:
-  int below(int n) override { return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, n)); }
+  int below(int n) override;
 };
+
+/// Inside a property: in [lo, hi), wider from case to case.
+int growingNumber(int lo, int hi);
+/// Inside a property: any, and it does not shrink.
+std::size_t drawIndex(std::size_t count);
+/// Inside a property: the seed of a plain generator.
+std::uint32_t drawSeed();
+
+/// A value of any type, with what shows it in a counterexample.
+struct DrawnValue {
+  std::shared_ptr<const void> value;
+  void (*show)(const void*, std::ostream&) = nullptr;
+
+  friend std::ostream& operator<<(std::ostream& out, const DrawnValue& drawn) {
+    drawn.show(drawn.value.get(), out);
+    return out;
+  }
+};
+
+/// Inside a property: what `body` draws, shrunk on its own. RapidCheck knows one type of these, in draw.cpp.
+DrawnValue drawValue(const std::function<DrawnValue(Draw&)>& body);
+
+/// What can be drawn inside a property: const auto c = *shapePairs<3>();
+template <class T>
+class Gen {
+ public:
+  template <class Body>
+  explicit Gen(Body body) : m_body(std::move(body)) {}
+
+  T operator*() const {
+    const DrawnValue drawn = drawValue([body = m_body](Draw& draw) {
+      return DrawnValue{std::make_shared<const T>(body(draw)),
+                        [](const void* value, std::ostream& out) { rc::show(*static_cast<const T*>(value), out); }};
+    });
+    return *static_cast<const T*>(drawn.value.get());
+  }
+
+ private:
+  std::function<T(Draw&)> m_body;
+};
+template <class Body>
+Gen(Body) -> Gen<std::decay_t<std::invoke_result_t<Body, Draw&>>>;
 
 /// For loops without shrinking.
 class PlainDraw final : public Draw {
@@ -183,6 +229,22 @@ Shape<D> drawShape(Draw& draw) {
   return sketch.build(drawScale(draw));
 }
 
+// Compiled in draw.cpp.
+extern template std::vector<Vec<2>> drawPoints<2>(Draw&);
+extern template std::vector<Vec<3>> drawPoints<3>(Draw&);
+extern template Sketch<2> drawSketch<2>(Draw&, ShapeKind);
+extern template Sketch<3> drawSketch<3>(Draw&, ShapeKind);
+extern template Shape<2> drawShape<2>(Draw&);
+extern template Shape<3> drawShape<3>(Draw&);
+extern template Pose<2> drawPose<2>(Draw&, Real);
+extern template Pose<3> drawPose<3>(Draw&, Real);
+extern template class Gen<Shape<2>>;
+extern template class Gen<Shape<3>>;
+extern template class Gen<Pose<2>>;
+extern template class Gen<Pose<3>>;
+extern template class Gen<Vec<2>>;
+extern template class Gen<Vec<3>>;
+
 /// Size of a shape: the largest distance of its points from its origin (m).
 template <int D>
 Real sizeOf(const Shape<D>& s) {
@@ -217,5 +279,10 @@ std::ostream& operator<<(std::ostream& out, const Pose<D>& X) {
   out.precision(std::numeric_limits<Real>::max_digits10);
   return out << "p=(" << X.p.transpose() << ") q=" << X.q;
 }
+
+extern template std::ostream& operator<< <2>(std::ostream&, const Shape<2>&);
+extern template std::ostream& operator<< <3>(std::ostream&, const Shape<3>&);
+extern template std::ostream& operator<< <2>(std::ostream&, const Pose<2>&);
+extern template std::ostream& operator<< <3>(std::ostream&, const Pose<3>&);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -276,35 +276,31 @@ ShapePairCase<D> drawShapePair(Draw& draw) {
   return drawShapePairOnce<D>(draw);  // not chance any more: let it be seen
 }
 
-// --- as RapidCheck generators, for use inside properties: const auto c = *shapePairs<3>(); ---------------------------
+extern template ShapePairCase<2> drawShapePair<2>(Draw&);
+extern template ShapePairCase<3> drawShapePair<3>(Draw&);
+extern template std::ostream& operator<< <2>(std::ostream&, const ShapePairCase<2>&);
+extern template std::ostream& operator<< <3>(std::ostream&, const ShapePairCase<3>&);
+extern template class Gen<ShapePairCase<2>>;
+extern template class Gen<ShapePairCase<3>>;
+
+// --- for use inside properties: const auto c = *shapePairs<3>();
+// -------------------------------------------------------
 
 template <int D>
-rc::Gen<ShapePairCase<D>> shapePairs() {
-  return rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawShapePair<D>(draw);
-  });
+Gen<ShapePairCase<D>> shapePairs() {
+  return Gen<ShapePairCase<D>>(drawShapePair<D>);
 }
 template <int D>
-rc::Gen<Shape<D>> shapes() {
-  return rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawShape<D>(draw);
-  });
+Gen<Shape<D>> shapes() {
+  return Gen<Shape<D>>(drawShape<D>);
 }
 template <int D>
-rc::Gen<Pose<D>> poses(Real extent) {
-  return rc::gen::exec([extent] {
-    RapidCheckDraw draw;
-    return drawPose<D>(draw, extent);
-  });
+Gen<Pose<D>> poses(Real extent) {
+  return Gen<Pose<D>>([extent](Draw& draw) { return drawPose<D>(draw, extent); });
 }
 template <int D>
-rc::Gen<Vec<D>> directions() {
-  return rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawDirection<D>(draw);
-  });
+Gen<Vec<D>> directions() {
+  return Gen<Vec<D>>(drawDirection<D>);
 }
 
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -3,8 +3,6 @@
 // the world makes them) and once as plain records, from which the right pairs follow by brute force.
 #pragma once
 
-#include <rapidcheck.h>
-
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -17,6 +15,8 @@
 
 #include "framework/random.h"
 #include "framework/stage_broadphase.h"
+#include "tests/assertion.h"
+#include "tests/draw.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 
@@ -25,10 +25,8 @@ namespace lpc::inline LPC_PRECISION::test {
 enum class BoxFamily { scattered, touching, identical, huge, farOut, thin, centerLine, extreme, mixed };
 inline constexpr int kBoxFamilies = 9;
 
-/// Each with the same chance: by itself RapidCheck would keep the last ones for large cases.
-inline BoxFamily anyFamily() {
-  return static_cast<BoxFamily>(*rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, kBoxFamilies)));
-}
+/// Inside a property, each with the same chance.
+inline BoxFamily anyFamily() { return static_cast<BoxFamily>(RapidCheckDraw().below(kBoxFamilies)); }
 
 /// `bits` says what to do it with: any value is valid, so that a list of commands without some of them is valid, too.
 struct Command {
@@ -42,35 +40,9 @@ inline std::ostream& operator<<(std::ostream& out, const Command& c) {
   return out << names[c.kind] << '(' << c.bits << ')';
 }
 
-/// The length is uniform up to 80 times the size of the case, at most 4000; shrinks by leaving commands out.
-inline rc::Gen<std::vector<Command>> commands() {
-  return rc::Gen<std::vector<Command>>([](const rc::Random& source, int size) {
-    Random random(rc::Random(source).next());
-    static constexpr std::array<std::pair<Command::Kind, int>, 10> weights = {{{Command::add, 600},
-                                                                               {Command::remove, 200},
-                                                                               {Command::move, 900},
-                                                                               {Command::teleport, 200},
-                                                                               {Command::refilter, 200},
-                                                                               {Command::sleepOrWake, 300},
-                                                                               {Command::lose, 5},
-                                                                               {Command::update, 200},
-                                                                               {Command::spawnMany, 3},
-                                                                               {Command::clear, 1}}};
-    int total = 0;
-    for (const auto& w : weights) total += w.second;
-    std::vector<Command> list(random.below(static_cast<std::uint64_t>(std::min(4000, 80 * size)) + 1));
-    for (Command& c : list) {
-      auto at = static_cast<int>(random.below(static_cast<std::uint64_t>(total)));
-      for (const auto& [kind, weight] : weights) {
-        c.kind = kind;
-        if ((at -= weight) < 0) break;
-      }
-      c.bits = random.next();
-    }
-    return rc::shrinkable::shrinkRecur(
-        std::move(list), [](const std::vector<Command>& longer) { return rc::shrink::removeChunks(longer); });
-  });
-}
+/// Inside a property. The length is uniform up to 80 times the size of the case, at most 4000; shrinks by leaving
+/// commands out.
+std::vector<Command> drawCommands();
 
 template <int D>
 Aabb<D> drawBox(Random& random, BoxFamily family) {

@@ -145,10 +145,11 @@ void checkAllQueries() {
     check(
         "queries of " + algorithm->info.name + ", " + std::to_string(D) + "D",
         [&] {
-          const auto family = *rc::gen::element(BoxFamily::scattered, BoxFamily::touching, BoxFamily::identical,
-                                                BoxFamily::huge, BoxFamily::thin, BoxFamily::centerLine);
-          const auto seed = *rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>());
-          const int count = *rc::gen::inRange(0, 80);
+          static constexpr std::array families = {BoxFamily::scattered, BoxFamily::touching, BoxFamily::identical,
+                                                  BoxFamily::huge,      BoxFamily::thin,     BoxFamily::centerLine};
+          const auto family = families[drawIndex(families.size())];
+          const auto seed = drawSeed();
+          const int count = growingNumber(0, 80);
           const auto broadphase = createStage<Broadphase<D>>(Spec{algorithm->info.name, {}});
           checkQueries<D>(*broadphase, family, seed, count);
         },
@@ -191,9 +192,7 @@ void expectRefused(const std::string& name) {
       "planted bug: " + name,
       [] {
         Bug<2> bug;
-        checkQueries<2>(bug, BoxFamily::touching,
-                        *rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>()),
-                        *rc::gen::inRange(0, 80));
+        checkQueries<2>(bug, BoxFamily::touching, drawSeed(), growingNumber(0, 80));
       },
       500);
 }

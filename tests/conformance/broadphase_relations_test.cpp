@@ -27,8 +27,8 @@ struct Boxes {
 template <int D>
 Boxes<D> drawBoxes(int atMost = 60) {
   const auto family = anyFamily();
-  const int count = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, atMost));
-  Random random(*rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>()));
+  const int count = RapidCheckDraw().below(atMost);
+  Random random(drawSeed());
   Boxes<D> out;
   for (int i = 0; i < count; ++i) {
     out.box.push_back(drawBox<D>(random, family));
@@ -38,7 +38,7 @@ Boxes<D> drawBoxes(int atMost = 60) {
   return out;
 }
 
-Random drawRandom() { return Random(*rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint32_t>())); }
+Random drawRandom() { return Random(drawSeed()); }
 
 std::vector<ProxyId> shuffled(int n, Random& random) {
   std::vector<ProxyId> out(static_cast<std::size_t>(n));
@@ -286,7 +286,7 @@ void everyBroadphase() {
     for (const Named<D>& p : properties<D>()) {
       if (!p.concerns(algorithm->info)) continue;
       check(std::string(p.name) + ", " + algorithm->info.name + ", " + std::to_string(D) + "D", [&] {
-        const Spec& spec = *rc::gen::elementOf(specs);
+        const Spec& spec = specs[drawIndex(specs.size())];
         RC_LOG() << spec.text() << '\n';
         p.holds([&] { return createStage<Broadphase<D>>(spec); });
       });

@@ -9,6 +9,7 @@
 #include "tests/check_property.h"
 #include "tests/conformance/broadphase_model.h"
 #include "tests/conformance/broadphase_variants.h"
+#include "tests/run_property.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
@@ -23,9 +24,9 @@ void checkAllPairs() {
     std::size_t runs = 0, total = 0;
     // The lengths grow with the number of the case: half of the cases are the default, so that it sees the long ones.
     check("pairs of " + algorithm->info.name + " are those of brute force, " + std::to_string(D) + "D", [&] {
-      const auto commandList = *commands();
+      const auto commandList = drawCommands();
       const auto family = anyFamily();
-      const int variant = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, 2 * static_cast<int>(specs.size())));
+      const int variant = RapidCheckDraw().below(2 * static_cast<int>(specs.size()));
       const Spec& spec = specs[static_cast<std::size_t>(std::max(0, variant - static_cast<int>(specs.size())))];
       ++runs, total += commandList.size();
       RC_LOG() << spec.text() << ", family " << static_cast<int>(family) << '\n';
@@ -46,7 +47,7 @@ TEST(BroadphaseGenerator, DrawsEverything) {
   runProperty(
       "commands",
       [&] {
-        const auto list = *commands();
+        const auto list = drawCommands();
         const auto family = anyFamily();
         ++families[static_cast<int>(family)];
         BoxCrowd<2> crowd(family);
@@ -80,7 +81,7 @@ TEST(BroadphaseGenerator, DrawsEverything) {
 template <template <int> class Bug>
 void expectRefused(const std::string& name, Guarantee guarantee = Guarantee::exact) {
   expectFalsified("planted bug: " + name, [&] {
-    const auto commandList = *commands();
+    const auto commandList = drawCommands();
     const auto family = anyFamily();
     if (*rc::gen::arbitrary<bool>()) {
       checkPairs<2>([] { return std::make_unique<Bug<2>>(); }, guarantee, family, commandList);
@@ -103,7 +104,7 @@ TEST(BroadphasePlantedBugs, NoneInTheirBase) {
       "twin without a mistake",
       [] {
         const auto family = anyFamily();
-        checkPairs<3>([] { return std::make_unique<PlantedBug<3>>(); }, Guarantee::exact, family, *commands());
+        checkPairs<3>([] { return std::make_unique<PlantedBug<3>>(); }, Guarantee::exact, family, drawCommands());
       },
       20);
 }

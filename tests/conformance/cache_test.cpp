@@ -71,8 +71,7 @@ std::ostream& operator<<(std::ostream& out, const Steps<D>& s) {
 // the tangent basis jumps.
 template <int D>
 Steps<D> drawSteps() {
-  return *rc::gen::exec([] {
-    RapidCheckDraw draw;
+  return *Gen([](Draw& draw) {
     Steps<D> s{drawManifolds<D>(draw), drawManifolds<D>(draw)};
     for (Manifold<D>& m : s.fresh) {
       for (Manifold<D>& o : s.old) {

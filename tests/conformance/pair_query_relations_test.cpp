@@ -103,7 +103,7 @@ std::vector<Half<D>> halvesOf(const Shape<D>& shape, Draw& draw) {
       std::vector<Vec<2>> right(all.begin() + k, all.end());
       right.push_back(all[0]);
       try {
-        return {{Shape<2>::polytope(left, v.radius), {}}, {Shape<2>::polytope(right, v.radius), {}}};
+        return {{Shape<2>::polytope(left, v.radius), Pose<2>{}}, {Shape<2>::polytope(right, v.radius), Pose<2>{}}};
       } catch (const UserError&) {  // too flat for a hull
       }
     }

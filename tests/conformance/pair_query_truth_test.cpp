@@ -12,6 +12,7 @@
 #include "oracles/referee.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
+#include "tests/kept_failures.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "tests/check_property.h"
 #include "tests/direction_search.h"
+#include "tests/run_property.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {

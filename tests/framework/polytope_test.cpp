@@ -131,11 +131,8 @@ Points<D> drawCloud(Draw& draw) {
   return points;
 }
 template <int D>
-rc::Gen<Points<D>> clouds() {
-  return rc::gen::exec([] {
-    RapidCheckDraw draw;
-    return drawCloud<D>(draw);
-  });
+Gen<Points<D>> clouds() {
+  return Gen<Points<D>>(drawCloud<D>);
 }
 
 template <int D>

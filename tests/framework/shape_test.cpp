@@ -48,7 +48,7 @@ Vec<D> provenOutside(const Shape<D>& s, const Pose<D>& X) {
 
 // A float has no digits left for a millimetre three metres away.
 template <int D>
-rc::Gen<Pose<D>> placesOf(const Shape<D>& s) {
+Gen<Pose<D>> placesOf(const Shape<D>& s) {
   return poses<D>(sizeof(Real) == 8 ? Real(3) : 3 * sizeOf(s));
 }
 

@@ -7,6 +7,7 @@
 #include "framework/registry.h"
 #include "framework/stage_sleep.h"
 #include "tests/check_property.h"
+#include "tests/draw.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
@@ -25,13 +26,13 @@ std::string errorOf(F&& f) {
 std::string drawWord() {
   static constexpr std::string_view kLetters = "ab_.+-019";
   std::string word;
-  const int n = *rc::gen::inRange(1, 6);
-  for (int i = 0; i < n; ++i) word += kLetters[static_cast<std::size_t>(*rc::gen::inRange(0, 9))];
+  const int n = growingNumber(1, 6);
+  for (int i = 0; i < n; ++i) word += kLetters[static_cast<std::size_t>(growingNumber(0, 9))];
   return word;
 }
 Spec drawSpec(int depth) {
   Spec s{drawWord(), {}};
-  for (int n = depth > 0 ? *rc::gen::inRange(0, 4) : 0; n > 0; --n) s.set(drawWord(), drawSpec(depth - 1));
+  for (int n = depth > 0 ? growingNumber(0, 4) : 0; n > 0; --n) s.set(drawWord(), drawSpec(depth - 1));
   return s;
 }
 

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Zlib
+// RC_ASSERT of RapidCheck, which takes whole expressions apart: as many templates per assertion as operators, a third
+// of what a test costs to compile. Ours shows the two sides of the comparison and computes everything else as usual.
+#pragma once
+
+#include <rapidcheck/Assertions.h>
+#include <rapidcheck/Log.h>
+
+#include <string>
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// What was claimed, and the values that it was claimed of when it does not hold.
+struct Claim {
+  bool holds;
+  std::string values;
+
+  explicit operator bool() const { return holds; }
+};
+
+// The sides are no literals any more: 0 is an int here, of another sign or width than what it is compared with.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wsign-compare"
+#pragma GCC diagnostic ignored "-Wconversion"
+template <class L>
+struct LeftSide {
+  const L& left;
+
+  explicit operator bool() const { return static_cast<bool>(left); }
+  template <class R>
+  Claim operator==(const R& right) const {
+    return claim(left == right, "==", right);
+  }
+  template <class R>
+  Claim operator!=(const R& right) const {
+    return claim(left != right, "!=", right);
+  }
+  template <class R>
+  Claim operator<(const R& right) const {
+    return claim(left < right, "<", right);
+  }
+  template <class R>
+  Claim operator<=(const R& right) const {
+    return claim(left <= right, "<=", right);
+  }
+  template <class R>
+  Claim operator>(const R& right) const {
+    return claim(left > right, ">", right);
+  }
+  template <class R>
+  Claim operator>=(const R& right) const {
+    return claim(left >= right, ">=", right);
+  }
+
+ private:
+  template <class R>
+  Claim claim(bool holds, const char* relation, const R& right) const {
+    if (holds) return {true, {}};
+    return {false, rc::toString(left) + ' ' + relation + ' ' + rc::toString(right)};
+  }
+};
+#pragma GCC diagnostic pop
+
+/// `claims << a + b < c` is (claims << a + b) < c.
+struct Claims {
+  template <class L>
+  LeftSide<L> operator<<(const L& left) const {
+    return {left};
+  }
+};
+inline constexpr Claims claims;
+
+inline Claim claimOf(Claim c) { return c; }
+inline Claim claimOf(bool holds) { return {holds, holds ? "true" : "false"}; }
+template <class L>
+Claim claimOf(const LeftSide<L>& whole) {
+  return {static_cast<bool>(whole), rc::toString(whole.left)};
+}
+
+/// Ends the running case as a failure.
+[[noreturn]] void failCase(const char* file, int line, const char* assertion, const std::string& values);
+
+}  // namespace lpc::inline LPC_PRECISION::test
+
+#undef RC_ASSERT
+#define RC_ASSERT(expression)                                                                     \
+  do {                                                                                            \
+    if (const auto claim = ::lpc::test::claimOf(::lpc::test::claims << expression); !claim.holds) \
+      ::lpc::test::failCase(__FILE__, __LINE__, "RC_ASSERT(" #expression ")", claim.values);      \
+  } while (false)
