@@ -51,11 +51,15 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
   }
   m_touched.resize(bodies.pose.size(), 0);
   m_added.clear(), m_removed.clear(), m_moved.clear();
+  m_planes.clear();
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     if (m_change[s] & removed) m_removed.push_back(static_cast<ProxyId>(s));
     if (m_change[s] & added) m_added.push_back(static_cast<ProxyId>(s));
     if (shapes[s].body >= 0) {
       const auto body = static_cast<std::size_t>(shapes[s].body);
+      if (shapes[s].shape.view().core() == CoreClass::plane) {
+        m_planes.push_back({static_cast<ProxyId>(s), bodies.pose[body] * shapes[s].X_CS});
+      }
       const bool active = bodies.awake[body] && bodies.type[body] != BodyType::fixed;
       const bool moved = active || m_touched[body];
       if (moved || (m_change[s] & added)) refresh(s, shapes[s], bodies.pose[body]);
@@ -66,6 +70,40 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
   }
   std::fill(m_touched.begin(), m_touched.end(), std::uint8_t(0));
   m_broadphase->update(m_proxies, {m_added, m_removed, m_moved});
+}
+
+template <int D>
+void BoxIndex<D>::findPairs(std::vector<ProxyPair>& out, Work& work) {
+  m_broadphase->findPairs(m_proxies, out, work);
+  const ShapeView<D> plane = Shape<D>::plane().view();
+  for (const Plane& p : m_planes) {
+    for (ProxyId i = 0; i < m_proxies.size(); ++i) {
+      if (m_proxies.isFree(i) || !active(i) || !m_proxies.mayCollide(p.shape, i)) continue;
+      ++work[Count::boxTests];
+      // The other half of the margin, by which a plane's own box would have grown.
+      if (overlapsBox(plane, p.X_WS, m_proxies.box(i).grown(m_margin / 2))) {
+        out.push_back({std::min(p.shape, i), std::max(p.shape, i)});
+      }
+    }
+  }
+}
+
+template <int D>
+void BoxIndex<D>::overlap(const Aabb<D>& box, std::vector<ProxyId>& out) const {
+  m_broadphase->overlap(m_proxies, box, out);
+  for (const Plane& p : m_planes) out.push_back(p.shape);
+}
+
+template <int D>
+void BoxIndex<D>::at(const Vec<D>& point, std::vector<ProxyId>& out) const {
+  m_broadphase->at(m_proxies, point, out);
+  for (const Plane& p : m_planes) out.push_back(p.shape);
+}
+
+template <int D>
+void BoxIndex<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, std::vector<RayHit<D>>& out) const {
+  m_broadphase->ray(m_proxies, p, direction, maxT, false, out);
+  for (const Plane& plane : m_planes) out.push_back({plane.shape, 0});
 }
 
 template class BoxIndex<2>;

@@ -56,6 +56,9 @@ Handle World<D>::add(const BodyDef<D>& def) {
       throw UserError(who + ": its mass, " + std::to_string(part.mass) +
                       " kg, or its inertia is beyond what numbers hold");
     }
+    if (s.shape.view().core() == CoreClass::plane && def.type != BodyType::fixed) {
+      throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
+    }
     kinds[static_cast<int>(s.shape.kind())] = true;
   }
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
@@ -66,7 +69,8 @@ Handle World<D>::add(const BodyDef<D>& def) {
     for (int k = 0; k < kShapeKinds; ++k) {
       const auto a = std::min(s.shape.kind(), static_cast<ShapeKind>(k));
       const auto b = std::max(s.shape.kind(), static_cast<ShapeKind>(k));
-      if (kinds[k] && !m_contacts->supports(a, b)) {
+      const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;  // never meet
+      if (kinds[k] && !planes && !m_contacts->supports(a, b)) {
         throw UserError(who + ": contacts=" + m_pipeline[StageKind::contacts].name + " does not support " +
                         std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
       }
