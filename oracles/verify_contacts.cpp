@@ -223,7 +223,7 @@ Verdict judge(const Placed<D>& k, const std::vector<Manifold<D>>* found, const s
     v.end = failure == "not_finite" ? Tally::notFinite : Tally::wrong, v.failure = failure;
     return v;
   };
-  if (!k.truth.decided) {
+  if (!k.truth.decided || 10 * k.truth.interval().width() > k.allowed) {
     v.end = Tally::undecided;
     return v;
   }

@@ -87,7 +87,9 @@ template PairTruth<3> pairTruth(const PairView<3>&);
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, Role role,
               Ending ending) {
-  if (!known.answer.decided) return withoutAnswer(Tally::undecided);
+  // The bounds of a curved core leave something open: who is judged by them must be content with ten times that.
+  const bool narrow = 10 * known.answer.interval().width() <= verifyTolerance() * known.s;
+  if (!known.answer.decided || !narrow) return withoutAnswer(Tally::undecided);
   if (ending != Ending::answered) return withoutAnswer(endOf(ending));
   if (answer.status == QueryStatus::refused) return withoutAnswer(Tally::refused);
   const double phi = static_cast<double>(answer.distance);

@@ -83,7 +83,9 @@ TEST(Shape, Names) {
     shapeKindFromName("cone");
     FAIL();
   } catch (const UserError& e) {
-    EXPECT_STREQ(e.what(), "there is no shape 'cone'; valid: sphere, capsule, segment, box, polytope");
+    EXPECT_STREQ(e.what(),
+                 "there is no shape 'cone'; valid: sphere, capsule, segment, box, polytope, cylinder, "
+                 "ellipsoid, plane");
   }
 }
 

@@ -24,7 +24,7 @@ std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension) {
   for (int a = 0; a < kShapeKinds; ++a) {
     for (int b = a; b < kShapeKinds; ++b) {
       const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
-      if (dimension == 3 && (kindA == ShapeKind::segment || kindB == ShapeKind::segment)) continue;
+      if (!kindExists(kindA, dimension) || !kindExists(kindB, dimension)) continue;
       out.emplace_back(kindA, kindB);
     }
   }
@@ -91,6 +91,8 @@ void everythingIsDrawn() {
       ASSERT_EQ(pair.a.kind(), a);
       ASSERT_EQ(pair.b.kind(), b);
       ++asked, ++families[pair.family], ++regimes[regimeOf(pair, truth)];
+      const bool curved = coreClass(a) == CoreClass::curved || coreClass(b) == CoreClass::curved;
+      ASSERT_TRUE(truth.decided || curved) << shapeKindName(a) << ' ' << shapeKindName(b) << ' ' << i;
       hits += truth.hi < 0;
       scales.insert(pair.scale), offsets.insert(pair.offset);
     }
@@ -103,7 +105,7 @@ void everythingIsDrawn() {
   EXPECT_EQ(families.size(), hardPairFamilies().size());
   for (const std::string_view regime : regimeNames()) {
     if (regime == "undecided") {
-      EXPECT_EQ(regimes[regime], 0);
+      EXPECT_LE(regimes[regime], 0.03 * n);  // rings of minima of curved pairs; none of any other
     } else {
       EXPECT_GE(regimes[regime], 0.01 * n) << regime;
     }

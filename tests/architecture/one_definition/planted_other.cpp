@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Zlib
+// Planted: with its twin, two functions of one name (see main.cpp).
+namespace lpc::planted {
+
+inline double reach(double x) { return x + 2; }
+double use_other(double x) { return reach(x); }
+
+}  // namespace lpc::planted
