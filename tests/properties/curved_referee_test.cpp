@@ -3,6 +3,9 @@
 // nothing with it, to what it promises of its width; and every method that takes such a pair is held to it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iostream>
+
 #include "framework/curved_core.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/referee.h"
@@ -116,7 +119,8 @@ TEST(CurvedReferee, AgreesWithASweepOverDirections3) { agreesWithTheSweep<3>(); 
 // the families of ties, core contacts and shared planes.
 template <int D>
 void widths() {
-  int apart = 0, overlapping = 0, narrow = 0, undecided = 0, strays = 0;
+  int narrow = 0, undecided = 0, strays = 0;
+  std::vector<double> apart, overlapping;
   forCurvedPairs<D>([&](ShapeKind a, ShapeKind b) {
     for (int i = 0; i < 60; ++i) {
       const HardPair<D> pair = hardPair<D>(a, b, 22, i);
@@ -127,19 +131,26 @@ void widths() {
       if (!answer.decided) {
         ++undecided, strays += !ring;
       } else if (answer.hi > 0) {
-        ++apart;
+        apart.push_back(width);
         EXPECT_LE(width, 1e-13);
       } else {
-        ++overlapping, narrow += width <= 1e-9;
+        overlapping.push_back(width), narrow += width <= 1e-9;
         EXPECT_LE(width, 1e-6);
       }
     }
   });
-  const int asked = apart + overlapping + undecided;
-  EXPECT_GE(apart, asked / 4);
-  EXPECT_GE(narrow, 0.98 * overlapping) << narrow << " of " << overlapping;
+  const double both = static_cast<double>(apart.size() + overlapping.size()), asked = both + undecided;
+  EXPECT_GE(static_cast<double>(apart.size()), asked / 4);
+  EXPECT_GE(narrow, 0.98 * static_cast<double>(overlapping.size())) << narrow << " of " << overlapping.size();
   EXPECT_LE(undecided, 0.05 * asked) << undecided << " of " << asked;
   EXPECT_LE(strays, 0.01 * asked) << strays << " of " << asked;
+  const auto line = [](const char* what, std::vector<double>& w) {
+    std::sort(w.begin(), w.end());
+    std::cout << "  " << what << ' ' << w.size() << ": median " << w[w.size() / 2] << ", 99 % " << w[w.size() * 99 / 100]
+              << ", most " << w.back() << '\n';
+  };
+  std::cout << D << "D, width / s, undecided " << undecided << " of " << asked << '\n';
+  line("apart", apart), line("overlapping", overlapping);
 }
 TEST(CurvedReferee, WidthIsAsPromised2) { widths<2>(); }
 TEST(CurvedReferee, WidthIsAsPromised3) { widths<3>(); }
