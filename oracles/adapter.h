@@ -1,35 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// What the adapters of the witnesses share: which kinds a library answers, and its answers in our conventions.
+// What the adapters of the witnesses share: their answers in our conventions.
 #pragma once
 
-#include <array>
 #include <limits>
-#include <string_view>
 
 #include "framework/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION {
-
-/// Which pairs of kinds a library really answers ('x'), by ShapeKind, a <= b. A library that lacks a pair may pass over
-/// it in silence (FCL prints a warning and calls the shapes apart), so nothing is asked that is not in its table.
-struct KindTable {
-  std::array<std::string_view, kShapeKinds> rows;
-
-  constexpr bool has(ShapeKind a, ShapeKind b) const {
-    const std::string_view row = rows[static_cast<std::size_t>(a)];
-    return static_cast<std::size_t>(b) < row.size() && row[static_cast<std::size_t>(b)] == 'x';
-  }
-};
-
-/// Every pair of the kinds that exist in 3D; a segment does not.
-//                                        sphere capsule segment box polytope cylinder ellipsoid
-inline constexpr KindTable kAllKinds = {{"xx-xxxx",    // sphere
-                                         ".x-xxxx",    // capsule
-                                         "..-----",    // segment
-                                         "...xxxx",    // box
-                                         "....xxx",    // polytope
-                                         ".....xx",    // cylinder
-                                         "......x"}};  // ellipsoid
 
 /// The answer of a library that says "apart" and no more. Where the cores alone were asked and a rounding lies around
 /// them, that is no answer: refused.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Bullet in double precision: Debian builds the library twice, and this file is compiled for the one whose btScalar is
 // double. The usual one computes in float and is no witness for the last ten digits.
+#define BT_USE_DOUBLE_PRECISION
 #include <BulletCollision/CollisionDispatch/btBoxBoxDetector.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
@@ -11,10 +12,11 @@
 #include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
+#include <array>
 #include <optional>
 
 #include "oracles/adapter.h"
-#include "oracles/witness_process.h"
+#include "oracles/prisms.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -100,7 +102,15 @@ class BulletGjkEpa final : public IsolatedWitness {
                           .test = "Witnesses.BulletDepthOfAlignedBoxesIsOff"}},
             .role = Role::witness};
   }
-  bool supports(ShapeKind a, ShapeKind b) const override { return kAllKinds.has(a, b); }
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},    ErrorBar{sphere, capsule, 1e-15},
+                                         ErrorBar{sphere, box, 2e-13},       ErrorBar{sphere, polytope, 2e-14},
+                                         ErrorBar{capsule, capsule, 8e-15},  ErrorBar{capsule, box, 2e-13},
+                                         ErrorBar{capsule, polytope, 7e-14}, ErrorBar{box, box, 1e-13},
+                                         ErrorBar{box, polytope, 5e-14},     ErrorBar{polytope, polytope, 7e-14}};
+    return kBars;
+  }
 
  private:
   void place(const PairView<3>& pair) override {
@@ -140,11 +150,13 @@ class BulletBoxBox final : public IsolatedWitness {
                           .test = "Witnesses.BulletBoxBoxPrefersFaces"}},
             .role = Role::witness};
   }
-  bool supports(ShapeKind a, ShapeKind b) const override { return kBoxes.has(a, b); }
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{box, box, 3e-3}};
+    return kBars;
+  }
 
  private:
-  static constexpr KindTable kBoxes = {{"-----", ".----", "..---", "...x-", "....-"}};
-
   // The cores without a margin: this detector takes a margin for a part of a sharp box.
   void place(const PairView<3>& pair) override {
     m_a.emplace(vector(pair.a.half)), m_b.emplace(vector(pair.b.half));
@@ -165,9 +177,35 @@ class BulletBoxBox final : public IsolatedWitness {
   btBoxBoxDetector::ClosestPointInput m_input;
 };
 
+template <>
+class BulletGjkEpa<2> final : public Prisms<BulletGjkEpa<3>> {
+ public:
+  using Prisms::Prisms;
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {
+        ErrorBar{sphere, sphere, 1e-15},   ErrorBar{sphere, capsule, 1e-15},  ErrorBar{sphere, segment, 1e-15},
+        ErrorBar{sphere, box, 7e-13},      ErrorBar{sphere, polytope, 4e-13}, ErrorBar{capsule, capsule, 6e-13},
+        ErrorBar{capsule, segment, 8e-13}, ErrorBar{capsule, box, 6e-13},     ErrorBar{capsule, polytope, 6e-13},
+        ErrorBar{segment, segment, 1e-15}, ErrorBar{segment, box, 4e-13},     ErrorBar{segment, polytope, 4e-14},
+        ErrorBar{box, box, 4e-13},         ErrorBar{box, polytope, 2e-13},    ErrorBar{polytope, polytope, 8e-14}};
+    return kBars;
+  }
+};
+
+template <>
+class BulletBoxBox<2> final : public Prisms<BulletBoxBox<3>> {
+ public:
+  using Prisms::Prisms;
+  std::span<const ErrorBar> errorBars() const override {
+    static constexpr std::array kBars = {ErrorBar{ShapeKind::box, ShapeKind::box, 1e-15}};
+    return kBars;
+  }
+};
+
 }  // namespace
 
-LPC_REGISTER(PairQuery, BulletGjkEpa, 3);
-LPC_REGISTER(PairQuery, BulletBoxBox, 3);
+LPC_REGISTER(PairQuery, BulletGjkEpa, 2, 3);
+LPC_REGISTER(PairQuery, BulletBoxBox, 2, 3);
 
 }  // namespace lpc::inline LPC_PRECISION

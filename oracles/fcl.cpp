@@ -7,7 +7,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "oracles/adapter.h"
-#include "oracles/witness_process.h"
+#include "oracles/prisms.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -85,7 +85,6 @@ class FclWitness : public IsolatedWitness {
     }
   };
   explicit FclWitness(const Params& params) : m_params(params) {}
-  bool supports(ShapeKind a, ShapeKind b) const override { return kAllKinds.has(a, b); }
 
  protected:
   void place(const PairView<3>& pair) override { m_a.place(pair.a, {}), m_b.place(pair.b, pair.X_AB); }
@@ -149,6 +148,15 @@ class FclLibccd final : public FclWitness<D> {
                           .test = "Witnesses.FclDistanceOfCubesIsWrong"}},
             .role = Role::witness};
   }
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 9e-7},    ErrorBar{sphere, capsule, 5e-6},
+                                         ErrorBar{sphere, box, 2e-6},       ErrorBar{sphere, polytope, 7e-7},
+                                         ErrorBar{capsule, capsule, 6e-6},  ErrorBar{capsule, box, 4e-6},
+                                         ErrorBar{capsule, polytope, 3e-6}, ErrorBar{box, box, 1e-15},
+                                         ErrorBar{box, polytope, 1e-15},    ErrorBar{polytope, polytope, 1e-15}};
+    return kBars;
+  }
 
  private:
   PairAnswer<3> measure() override { return this->distance(fcl::GST_LIBCCD, true); }
@@ -171,6 +179,15 @@ class FclLibccdCollide final : public FclWitness<D> {
                       .symptom = "the depth is too large, up to many times",
                       .test = "Witnesses.FclCollideDepthIsNotMinimal"}},
         .role = Role::witness};
+  }
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},   ErrorBar{sphere, capsule, 1e-15},
+                                         ErrorBar{sphere, box, 1e-15},      ErrorBar{sphere, polytope, 2e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},  ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 2e-1}, ErrorBar{box, box, 3e-3},
+                                         ErrorBar{box, polytope, 8e-2},     ErrorBar{polytope, polytope, 9e-2}};
+    return kBars;
   }
 
  private:
@@ -195,6 +212,15 @@ class FclIndep final : public FclWitness<D> {
                           .test = "Witnesses.FclIndepDepthOfCapsulesIsOff"}},
             .role = Role::witness};
   }
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},   ErrorBar{sphere, capsule, 1e-15},
+                                         ErrorBar{sphere, box, 1e-15},      ErrorBar{sphere, polytope, 1e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},  ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 1e-1}, ErrorBar{box, box, 5e-3},
+                                         ErrorBar{box, polytope, 7e-2},     ErrorBar{polytope, polytope, 6e-2}};
+    return kBars;
+  }
 
  private:
   PairAnswer<3> measure() override {
@@ -205,9 +231,22 @@ class FclIndep final : public FclWitness<D> {
   }
 };
 
+template <>
+class FclLibccd<2> final : public Prisms<FclLibccd<3>> {
+ public:
+  using Prisms::Prisms;
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 3e-6},   ErrorBar{sphere, box, 3e-6},
+                                         ErrorBar{sphere, polytope, 2e-5}, ErrorBar{box, box, 1e-15},
+                                         ErrorBar{box, polytope, 1e-15},   ErrorBar{polytope, polytope, 1e-15}};
+    return kBars;
+  }
+};
+
 }  // namespace
 
-LPC_REGISTER(PairQuery, FclLibccd, 3);
+LPC_REGISTER(PairQuery, FclLibccd, 2, 3);
 LPC_REGISTER(PairQuery, FclLibccdCollide, 3);
 LPC_REGISTER(PairQuery, FclIndep, 3);
 

@@ -3,7 +3,7 @@
 
 #include "framework/support_map.h"
 #include "oracles/adapter.h"
-#include "oracles/witness_process.h"
+#include "oracles/prisms.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -38,9 +38,6 @@ void center(const void* object, ccd_vec3_t* out) {
 
 // libccd 2.1 measures depths only. Of shapes that are apart it says no more than that.
 class LibccdWitness : public IsolatedWitness {
- public:
-  bool supports(ShapeKind a, ShapeKind b) const override { return kAllKinds.has(a, b); }
-
  protected:
   using Call = int (*)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
 
@@ -84,6 +81,15 @@ class LibccdGjk final : public LibccdWitness {
                           .test = "Witnesses.LibccdGjkHasNoDirectionAtTouch"}},
             .role = Role::witness};
   }
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 4e-1},    ErrorBar{sphere, capsule, 5e-5},
+                                         ErrorBar{sphere, box, 3e-5},       ErrorBar{sphere, polytope, 4e-5},
+                                         ErrorBar{capsule, capsule, 5e-2},  ErrorBar{capsule, box, 7e-5},
+                                         ErrorBar{capsule, polytope, 3e-5}, ErrorBar{box, box, 2e-5},
+                                         ErrorBar{box, polytope, 2e-5},     ErrorBar{polytope, polytope, 3e-5}};
+    return kBars;
+  }
 
  private:
   PairAnswer<3> measure() override {
@@ -120,6 +126,15 @@ class LibccdMpr final : public LibccdWitness {
                           .test = "Witnesses.LibccdMprDepthIsNotMinimal"}},
             .role = Role::witness};
   }
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},   ErrorBar{sphere, capsule, 2e-1},
+                                         ErrorBar{sphere, box, 2e-1},       ErrorBar{sphere, polytope, 2e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},  ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 2e-1}, ErrorBar{box, box, 2e-1},
+                                         ErrorBar{box, polytope, 6e-2},     ErrorBar{polytope, polytope, 9e-2}};
+    return kBars;
+  }
 
  private:
   PairAnswer<3> measure() override {
@@ -135,9 +150,41 @@ class LibccdMpr final : public LibccdWitness {
   Params m_params;
 };
 
+template <>
+class LibccdGjk<2> final : public Prisms<LibccdGjk<3>> {
+ public:
+  using Prisms::Prisms;
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {
+        ErrorBar{sphere, sphere, 5e-1},    ErrorBar{sphere, capsule, 2e-1},  ErrorBar{sphere, segment, 2e-1},
+        ErrorBar{sphere, box, 2e-4},       ErrorBar{sphere, polytope, 8e-5}, ErrorBar{capsule, capsule, 1e-4},
+        ErrorBar{capsule, segment, 9e-5},  ErrorBar{capsule, box, 1e-4},     ErrorBar{capsule, polytope, 2e-4},
+        ErrorBar{segment, segment, 1e-15}, ErrorBar{segment, box, 3e-5},     ErrorBar{segment, polytope, 5e-5},
+        ErrorBar{box, box, 2e-4},          ErrorBar{box, polytope, 6e-5},    ErrorBar{polytope, polytope, 8e-5}};
+    return kBars;
+  }
+};
+
+template <>
+class LibccdMpr<2> final : public Prisms<LibccdMpr<3>> {
+ public:
+  using Prisms::Prisms;
+  std::span<const ErrorBar> errorBars() const override {
+    using enum ShapeKind;
+    static constexpr std::array kBars = {
+        ErrorBar{sphere, sphere, 2e-8},   ErrorBar{sphere, capsule, 2e-1},  ErrorBar{sphere, segment, 3e-1},
+        ErrorBar{sphere, box, 2e-1},      ErrorBar{sphere, polytope, 2e-1}, ErrorBar{capsule, capsule, 2e-1},
+        ErrorBar{capsule, segment, 3e-1}, ErrorBar{capsule, box, 2e-1},     ErrorBar{capsule, polytope, 3e-1},
+        ErrorBar{segment, segment, 2e-1}, ErrorBar{segment, box, 2e-1},     ErrorBar{segment, polytope, 2e-1},
+        ErrorBar{box, box, 8e-2},         ErrorBar{box, polytope, 2e-1},    ErrorBar{polytope, polytope, 2e-1}};
+    return kBars;
+  }
+};
+
 }  // namespace
 
-LPC_REGISTER(PairQuery, LibccdGjk, 3);
-LPC_REGISTER(PairQuery, LibccdMpr, 3);
+LPC_REGISTER(PairQuery, LibccdGjk, 2, 3);
+LPC_REGISTER(PairQuery, LibccdMpr, 2, 3);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -6,9 +6,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <map>
+#include <set>
 
-#include "oracles/error_bars.h"
 #include "oracles/referee.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
@@ -16,114 +15,143 @@
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
-constexpr std::array<ShapeKind, 4> kKinds = {ShapeKind::sphere, ShapeKind::capsule, ShapeKind::box,
-                                             ShapeKind::polytope};
-
+template <int D>
 struct Entry {
   std::string name;
-  std::unique_ptr<PairQuery<3>> query;
+  std::unique_ptr<PairQuery<D>> query;
 
-  const Witness<3>& witness() const { return dynamic_cast<const Witness<3>&>(*query); }
+  const Witness<D>& witness() const { return dynamic_cast<const Witness<D>&>(*query); }
 };
-std::vector<Entry> witnesses() {
-  std::vector<Entry> out;
-  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 3)) {
-    if (r->info.role == Role::witness) out.push_back({r->info.name, createStage<PairQuery<3>>(Spec{r->info.name, {}})});
+template <int D>
+std::vector<Entry<D>> witnesses() {
+  std::vector<Entry<D>> out;
+  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
+    if (r->info.role == Role::witness) out.push_back({r->info.name, createStage<PairQuery<D>>(Spec{r->info.name, {}})});
   }
   return out;
 }
 
+template <int D>
 struct Pair {
-  Shape<3> a, b;
-  Pose<3> X_AB;
+  Shape<D> a, b;
+  Pose<D> X_AB;
 };
 
-PairAnswer<3> ask(const Entry& e, const Pair& pair) {
+template <int D>
+PairAnswer<D> ask(const Entry<D>& e, const Pair<D>& pair) {
   return queryPair(*e.query, pair.a.view(), pair.b.view(), pair.X_AB);
 }
 
-TEST(Witnesses, AreThoseThatTheDocumentsName) {
-  std::vector<std::string> names;
-  for (const Entry& e : witnesses()) names.push_back(e.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"bullet_box_box", "bullet_gjk_epa", "fcl_indep", "fcl_libccd",
-                                             "fcl_libccd_collide", "libccd_gjk", "libccd_mpr"}));
+// Each describes itself: a list of pairs of kinds without a repetition, and nothing that is not in it is asked.
+template <int D>
+void describeThemselves() {
+  EXPECT_FALSE(witnesses<D>().empty());
+  for (const Entry<D>& e : witnesses<D>()) {
+    std::set<std::pair<ShapeKind, ShapeKind>> listed;
+    for (const ErrorBar& bar : e.witness().errorBars()) {
+      EXPECT_LE(bar.a, bar.b) << e.name;
+      EXPECT_TRUE(listed.emplace(bar.a, bar.b).second) << e.name;
+      EXPECT_EQ(e.witness().errorBar(bar.b, bar.a), bar.bar) << e.name;
+    }
+    EXPECT_FALSE(listed.empty()) << e.name;
+    for (int a = 0; a < kShapeKinds; ++a) {
+      for (int b = a; b < kShapeKinds; ++b) {
+        const std::pair kinds(static_cast<ShapeKind>(a), static_cast<ShapeKind>(b));
+        EXPECT_EQ(e.query->supports(kinds.first, kinds.second), listed.contains(kinds)) << e.name;
+      }
+    }
+  }
 }
+TEST(Witnesses, DescribeThemselves) { describeThemselves<2>(), describeThemselves<3>(); }
 
 // Unlike any other, and not symmetric.
-Shape<3> sample(ShapeKind kind, Real scale, Real rounding) {
-  Sketch<3> s;
-  s.kind = kind, s.half = {Real(0.5), Real(0.625), Real(0.75)}, s.radius = rounding;
+template <int D>
+Shape<D> sample(ShapeKind kind, Real scale, Real rounding) {
+  Sketch<D> s;
+  s.kind = kind, s.radius = rounding;
   if (kind == ShapeKind::sphere || kind == ShapeKind::capsule) s.radius = Real(0.375);
-  s.points = {
-      {Real(-0.5), -1, -1}, {Real(-0.5), 1, Real(-0.75)}, {Real(-0.5), Real(0.125), 1}, {Real(0.5), 0, Real(0.125)}};
+  if constexpr (D == 3) {
+    s.half = {Real(0.5), Real(0.625), Real(0.75)};
+    s.points = {
+        {Real(-0.5), -1, -1}, {Real(-0.5), 1, Real(-0.75)}, {Real(-0.5), Real(0.125), 1}, {Real(0.5), 0, Real(0.125)}};
+  } else {
+    s.half = {Real(0.5), Real(0.625)};
+    s.points = {{Real(-0.5), -1}, {Real(-0.5), 1}, {Real(0.5), Real(0.125)}};
+  }
   return s.build(scale);
+}
+template <int D>
+Pose<D> sampleAt(Real scale, Real x) {
+  if constexpr (D == 3) {
+    return {scale * Vec<3>(x, Real(0.125), Real(0.25)), Rot<3>::vector({Real(0.5), Real(0.25), 0})};
+  } else {
+    return {scale * Vec<2>(x, Real(0.125)), Rot<2>::angle(0.5)};
+  }
 }
 
 // Two shapes of every declared pair of kinds, clearly apart and clearly in one another along x: a library that passes
 // over a pair in silence, a margin that is left in, a normal the wrong way round are all seen here, at every size.
-TEST(Witnesses, DeclaredKindsAreAnsweredInOurConventions) {
-  for (const Entry& e : witnesses()) {
-    int kindPairs = 0, rightNormals = 0;
-    for (const ShapeKind a : kKinds) {
-      for (const ShapeKind b : kKinds) {
-        if (a > b || !e.query->supports(a, b)) continue;
-        ++kindPairs;
-        for (const Real scale : {Real(1), Real(1e-3), Real(1e3)}) {
-          for (const Real rounding : {Real(0), Real(0.125)}) {
-            for (const Real x : {Real(0.625), Real(3)}) {
-              const Pair pair{sample(a, scale, rounding),
-                              sample(b, scale, rounding),
-                              {scale * Vec<3>(x, Real(0.125), Real(0.25)), Rot<3>::vector({Real(0.5), Real(0.25), 0})}};
-              SCOPED_TRACE(e.name + " " + std::string(shapeKindName(a)) + " " + std::string(shapeKindName(b)) + " " +
-                           std::to_string(scale) + " rounding " + std::to_string(rounding) + " at " +
-                           std::to_string(x));
-              const RefereeAnswer<3> truth = referee(pair.a.view(), Pose<3>{}, pair.b.view(), pair.X_AB);
-              const PairAnswer<3> answer = ask(e, pair);
-              EXPECT_EQ(e.witness().endings()[0], Ending::answered);
-              EXPECT_EQ(e.witness().endings().size(), 1u);
-              EXPECT_GT(e.witness().nanoseconds(), 0);
-              if (answer.status == QueryStatus::refused) {  // only a side, and of the cores
-                EXPECT_TRUE(x > 1 && rounding > 0);
-                continue;
-              }
-              ASSERT_NE(answer.status, QueryStatus::failed);
-              ASSERT_EQ(answer.distance < 0, truth.hi < 0);
-              if (answer.status == QueryStatus::degenerate) continue;  // only the side
-              // A margin that is left in would be 0.04 or more. The others are too often off by more than that.
-              const bool accurate = e.name.starts_with("bullet") || e.name == "fcl_libccd" || e.name == "libccd_gjk";
-              const double s = static_cast<double>(scale), tolerance = 0.01 * s;
-              if (accurate) {
-                EXPECT_NEAR(answer.distance, truth.lo, tolerance);
-              }
-              const Vecd<3> n = answer.normal.cast<double>();
-              EXPECT_NEAR(n.norm(), 1, 1e-6);
-              const auto along = [&](const Vecd<3>& d) {
-                return separationAlong(pair.a.view(), Pose<3>{}, pair.b.view(), pair.X_AB, d).hi;
-              };
-              if (std::abs(answer.distance - truth.lo) < tolerance) {
-                EXPECT_NEAR(along(n), truth.lo, 2 * tolerance);
-                ++rightNormals;
-              }
-              EXPECT_NEAR((answer.pB - answer.pA).dot(answer.normal), answer.distance, tolerance);
-            }
-          }
+template <int D>
+void answersInOurConventions(const Entry<D>& e, const ErrorBar& bar, int& rightNormals) {
+  for (const Real scale : {Real(1), Real(1e-3), Real(1e3)}) {
+    for (const Real rounding : {Real(0), Real(0.125)}) {
+      for (const Real x : {Real(0.625), Real(3)}) {
+        const Pair<D> pair{sample<D>(bar.a, scale, rounding), sample<D>(bar.b, scale, rounding), sampleAt<D>(scale, x)};
+        SCOPED_TRACE(e.name + " " + std::string(shapeKindName(bar.a)) + " " + std::string(shapeKindName(bar.b)) + " " +
+                     std::to_string(scale) + " rounding " + std::to_string(rounding) + " at " + std::to_string(x));
+        const RefereeAnswer<D> truth = referee(pair.a.view(), Pose<D>{}, pair.b.view(), pair.X_AB);
+        const PairAnswer<D> answer = ask(e, pair);
+        EXPECT_EQ(e.witness().endings()[0], Ending::answered);
+        EXPECT_EQ(e.witness().endings().size(), 1u);
+        EXPECT_GT(e.witness().nanoseconds(), 0);
+        if (answer.status == QueryStatus::refused) {  // only a side, and of the cores
+          EXPECT_TRUE(x > 1 && rounding > 0);
+          continue;
         }
+        ASSERT_NE(answer.status, QueryStatus::failed);
+        ASSERT_EQ(answer.distance < 0, truth.hi < 0);
+        if (answer.status == QueryStatus::degenerate) continue;  // only the side
+        // A margin that is left in would be 0.04 or more. Those with a wide bar are too often off by more than that.
+        const double s = static_cast<double>(scale), tolerance = 0.01 * s;
+        if (bar.bar < 1e-3) {
+          EXPECT_NEAR(answer.distance, truth.lo, tolerance);
+        }
+        const Vecd<D> n = answer.normal.template cast<double>();
+        EXPECT_NEAR(n.norm(), 1, 1e-6);
+        const double along = separationAlong(pair.a.view(), Pose<D>{}, pair.b.view(), pair.X_AB, n).hi;
+        if (std::abs(answer.distance - truth.lo) < tolerance) {
+          // In 2D portal refinement has depths that are right by chance, along a normal that is not.
+          if (D == 3 || bar.bar < 1e-3) {
+            EXPECT_NEAR(along, truth.lo, 2 * tolerance);
+          }
+          rightNormals += std::abs(along - truth.lo) <= 2 * tolerance;
+        }
+        EXPECT_NEAR((answer.pB - answer.pA).dot(answer.normal), answer.distance, tolerance);
       }
     }
-    EXPECT_GE(rightNormals, 3 * kindPairs) << e.name;
-    EXPECT_EQ(kindPairs, e.name == "bullet_box_box" ? 1 : 10) << e.name;
   }
 }
+template <int D>
+void everyKindInOurConventions() {
+  for (const Entry<D>& e : witnesses<D>()) {
+    int rightNormals = 0;
+    for (const ErrorBar& bar : e.witness().errorBars()) answersInOurConventions(e, bar, rightNormals);
+    EXPECT_GE(rightNormals, 3 * static_cast<int>(e.witness().errorBars().size())) << e.name;
+  }
+}
+TEST(Witnesses, DeclaredKindsAreAnsweredInOurConventions) { everyKindInOurConventions<3>(); }
+TEST(Witnesses, DeclaredKindsAreAnsweredInOurConventions2) { everyKindInOurConventions<2>(); }
 
 // Random pairs at 1 m, from apart to deep, without a family of failures: centres together are one.
-std::vector<Pair> randomPairs(ShapeKind a, ShapeKind b, int count) {
+template <int D>
+std::vector<Pair<D>> randomPairs(ShapeKind a, ShapeKind b, int count) {
   PlainDraw draw(7);
-  std::vector<Pair> out;
+  std::vector<Pair<D>> out;
   for (int i = 0; i < count; ++i) {
-    const Shape<3> A = drawSketch<3>(draw, a).build(1), B = drawSketch<3>(draw, b).build(1);
-    const Rot<3> q = drawRotation<3>(draw);
+    const Shape<D> A = drawSketch<D>(draw, a).build(1), B = drawSketch<D>(draw, b).build(1);
+    const Rot<D> q = drawRotation<D>(draw);
     const Real reach = (sizeOf(A) + sizeOf(B)) * draw.real(0.2, 1.1);
-    out.push_back({A, B, {reach * drawDirection<3>(draw), q}});
+    out.push_back({A, B, {reach * drawDirection<D>(draw), q}});
   }
   return out;
 }
@@ -137,25 +165,26 @@ struct Measured {
   }
 };
 
-Measured measure(const Entry& e, ShapeKind a, ShapeKind b) {
+template <int D>
+Measured measure(const Entry<D>& e, ShapeKind a, ShapeKind b) {
   constexpr int kPairs = 200;
   Measured m;
-  const std::vector<Pair> pairs = randomPairs(a, b, kPairs);
-  const auto batch = std::make_unique<PairBatch<3>>();
-  const auto answers = std::make_unique<PairAnswers<3>>();
+  const std::vector<Pair<D>> pairs = randomPairs<D>(a, b, kPairs);
+  const auto batch = std::make_unique<PairBatch<D>>();
+  const auto answers = std::make_unique<PairAnswers<D>>();
   batch->clear(a, b);
-  for (const Pair& p : pairs) batch->add(p.a.view(), p.b.view(), p.X_AB);
+  for (const Pair<D>& p : pairs) batch->add(p.a.view(), p.b.view(), p.X_AB);
   Work work;
   e.query->query(*batch, Need::witnesses, *answers, {}, work);
   for (int i = 0; i < kPairs; ++i) {
-    const Pair& p = pairs[static_cast<std::size_t>(i)];
-    const PairAnswer<3> answer = answers->get(i);
-    const RefereeAnswer<3> truth = referee(p.a.view(), Pose<3>{}, p.b.view(), p.X_AB);
+    const Pair<D>& p = pairs[static_cast<std::size_t>(i)];
+    const PairAnswer<D> answer = answers->get(i);
+    const RefereeAnswer<D> truth = referee(p.a.view(), Pose<D>{}, p.b.view(), p.X_AB);
     m.failed += answer.status == QueryStatus::failed;
     if (answer.status == QueryStatus::failed || answer.status == QueryStatus::refused) continue;
     m.wrongSide += (answer.distance < 0) != (truth.hi < 0);
     if (answer.status == QueryStatus::degenerate) continue;
-    const double s = errorScale(p.a.view(), Pose<3>{}, p.b.view(), p.X_AB, truth.lo);
+    const double s = errorScale(p.a.view(), Pose<D>{}, p.b.view(), p.X_AB, truth.lo);
     m.errors.push_back(truth.interval().distanceTo(answer.distance) / s);
   }
   std::sort(m.errors.begin(), m.errors.end());
@@ -167,38 +196,31 @@ constexpr double kRounding = 1e-15;
 bool isBarOf(double measured, double bar) { return measured <= bar && (bar <= kRounding || measured >= bar / 2); }
 
 // The table holds what is measured, rounded up to one digit: it fails when a witness gets better, too.
-TEST(Witnesses, ErrorBarsAreMeasured) {
-  for (const Entry& e : witnesses()) {
-    for (const ShapeKind a : kKinds) {
-      for (const ShapeKind b : kKinds) {
-        if (a > b) continue;
-        const double bar = errorBar(e.name, a, b);
-        EXPECT_EQ(bar, errorBar(e.name, b, a));
-        SCOPED_TRACE(e.name + " " + std::string(shapeKindName(a)) + " " + std::string(shapeKindName(b)));
-        if (!e.query->supports(a, b)) {
-          EXPECT_TRUE(std::isinf(bar));
-          continue;
-        }
-        const Measured m = measure(e, a, b);
-        ASSERT_GT(m.errors.size(), 40u);
-        const double high = m.quantile(0.99);
-        EXPECT_TRUE(isBarOf(high, bar)) << high << " measured, " << bar << " in the table";
-        if (bar > kRounding) {  // what a wrong table looks like
-          EXPECT_FALSE(isBarOf(high, 2.01 * bar));
-          EXPECT_FALSE(isBarOf(high, bar / 2.01));
-        }
-        EXPECT_LE(m.failed, 4);
-        EXPECT_LE(m.wrongSide, 2);
-        std::printf("%-19s %-9s %-9s 99 %% within %.2e, bar %.0e, worst %.1e of %3zu; failed %d, wrong side %d\n",
-                    e.name.c_str(), std::string(shapeKindName(a)).c_str(), std::string(shapeKindName(b)).c_str(), high,
-                    bar, m.errors.back(), m.errors.size(), m.failed, m.wrongSide);
+template <int D>
+void barsAreMeasured() {
+  for (const Entry<D>& e : witnesses<D>()) {
+    for (const auto& [a, b, bar] : e.witness().errorBars()) {
+      SCOPED_TRACE(e.name + " " + std::string(shapeKindName(a)) + " " + std::string(shapeKindName(b)));
+      const Measured m = measure(e, a, b);
+      ASSERT_GT(m.errors.size(), 40u);
+      const double high = m.quantile(0.99);
+      EXPECT_TRUE(isBarOf(high, bar)) << high << " measured, " << bar << " in the table";
+      if (bar > kRounding) {  // what a wrong table looks like
+        EXPECT_FALSE(isBarOf(high, 2.01 * bar));
+        EXPECT_FALSE(isBarOf(high, bar / 2.01));
       }
+      EXPECT_LE(m.failed, 4);
+      EXPECT_LE(m.wrongSide, 2);
+      std::printf("%dD %-19s %-9s %-9s 99 %% within %.2e, bar %.0e, worst %.1e of %3zu; failed %d, wrong side %d\n", D,
+                  e.name.c_str(), std::string(shapeKindName(a)).c_str(), std::string(shapeKindName(b)).c_str(), high,
+                  bar, m.errors.back(), m.errors.size(), m.failed, m.wrongSide);
     }
   }
-  EXPECT_TRUE(std::isinf(errorBar("nobody", ShapeKind::box, ShapeKind::box)));
 }
+TEST(Witnesses, ErrorBarsAreMeasured) { barsAreMeasured<3>(); }
+TEST(Witnesses, ErrorBarsAreMeasured2) { barsAreMeasured<2>(); }
 
-Entry witness(const std::string& name) { return {name, createStage<PairQuery<3>>(Spec{name, {}})}; }
+Entry<3> witness(const std::string& name) { return {name, createStage<PairQuery<3>>(Spec{name, {}})}; }
 Shape<3> cube(Real half) { return Shape<3>::box(Vec<3>::Constant(half)); }
 Shape<3> cubeAsHull() {
   std::vector<Vec<3>> corners;
@@ -211,20 +233,21 @@ double worstError(const std::string& name, ShapeKind a, ShapeKind b) {
 
 // Failures of the witnesses that are declared in their info(): when one of these tests fails, the library was mended.
 TEST(Witnesses, LibccdGjkHasNoDirectionAtTouch) {
-  const PairAnswer<3> answer = ask(witness("libccd_gjk"), {cube(1), cube(1), {Vec<3>(2, 0, 0), {}}});
+  const PairAnswer<3> answer = ask(witness("libccd_gjk"), Pair<3>{cube(1), cube(1), {Vec<3>(2, 0, 0), {}}});
   EXPECT_FALSE(answer.status == QueryStatus::converged && std::abs(answer.normal.norm() - 1) < Real(1e-3));
 }
 // Cube in cube on the diagonal: the least depth, 0.5, is along an axis.
 TEST(Witnesses, LibccdMprDepthIsNotMinimal) {
-  const PairAnswer<3> answer = ask(witness("libccd_mpr"), {cube(1), cube(1), {Vec<3>::Constant(Real(1.5)), {}}});
+  const PairAnswer<3> answer = ask(witness("libccd_mpr"), Pair<3>{cube(1), cube(1), {Vec<3>::Constant(Real(1.5)), {}}});
   EXPECT_LT(answer.distance, Real(-0.5) * Real(1.05));
 }
 TEST(Witnesses, FclCollideDepthIsNotMinimal) {
-  const Pair pair{cubeAsHull(), cubeAsHull(), {Vec<3>::Constant(Real(1.5)), {}}};
+  const Pair<3> pair{cubeAsHull(), cubeAsHull(), {Vec<3>::Constant(Real(1.5)), {}}};
   EXPECT_LT(ask(witness("fcl_libccd_collide"), pair).distance, Real(-0.5) * Real(1.05));
 }
 TEST(Witnesses, FclDistanceOfCubesIsWrong) {  // FCL issue 508: unit cubes; the gap is 3
-  const PairAnswer<3> answer = ask(witness("fcl_libccd"), {cube(Real(0.5)), cube(Real(0.5)), {Vec<3>(0, -4, 0), {}}});
+  const PairAnswer<3> answer =
+      ask(witness("fcl_libccd"), Pair<3>{cube(Real(0.5)), cube(Real(0.5)), {Vec<3>(0, -4, 0), {}}});
   EXPECT_GT(std::abs(answer.distance - 3), Real(1e-3));
 }
 TEST(Witnesses, FclIndepDepthOfCapsulesIsOff) {
@@ -232,7 +255,7 @@ TEST(Witnesses, FclIndepDepthOfCapsulesIsOff) {
 }
 TEST(Witnesses, BulletDepthOfAlignedBoxesIsOff) {
   const Shape<3> box = Shape<3>::box({Real(0.5), Real(0.625), Real(0.75)});
-  const PairAnswer<3> answer = ask(witness("bullet_gjk_epa"), {box, box, {Vec<3>(Real(0.5), 0, 0), {}}});
+  const PairAnswer<3> answer = ask(witness("bullet_gjk_epa"), Pair<3>{box, box, {Vec<3>(Real(0.5), 0, 0), {}}});
   EXPECT_GT(std::abs(answer.distance + Real(0.5)), Real(0.1));
 }
 TEST(Witnesses, BulletBoxBoxPrefersFaces) {
