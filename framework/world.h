@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "framework/box_index.h"
+#include "framework/contact_order.h"
 #include "framework/force.h"
-#include "framework/manifold_sort.h"
 #include "framework/profiler.h"
 #include "framework/slots.h"
 #include "framework/spec.h"
@@ -179,7 +179,7 @@ class World final : private Detect, private Forces<D> {
 
   // Scratch and indices, rebuilt in each step.
   std::vector<Manifold<D>> m_oldManifolds;
-  ManifoldSort<D> m_sort;
+  ContactOrder m_order;
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
   std::vector<ConvexPair<D>> m_children;

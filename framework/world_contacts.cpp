@@ -45,25 +45,36 @@ Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
 
 template <int D>
 void World<D>::findPairs() {
-  m_proxyPairs.clear();
-  m_boxes.findPairs(m_proxyPairs, m_profiler.frame().work);
-  m_unpaired.clear();
-  if (m_settings.features.joints) {
-    for (const PivotJoint<D>& j : m_joints) {
-      if (j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
+  {
+    Profiler::Scope scope(m_profiler, "broadphase");
+    m_proxyPairs.clear();
+    m_boxes.findPairs(m_proxyPairs, m_profiler.frame().work);
+    m_unpaired.clear();
+    if (m_settings.features.joints) {
+      for (const PivotJoint<D>& j : m_joints) {
+        if (j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
+      }
+      std::sort(m_unpaired.begin(), m_unpaired.end());
     }
-    std::sort(m_unpaired.begin(), m_unpaired.end());
+    m_pairs.clear();
+    for (const ProxyPair& p : m_proxyPairs) {
+      ShapePair pair{p.a, p.b};
+      std::int32_t a = m_shapes[static_cast<std::size_t>(p.a)].body, b = m_shapes[static_cast<std::size_t>(p.b)].body;
+      if (a > b) std::swap(a, b), std::swap(pair.a, pair.b);
+      const bool moves = m_bodies.type[static_cast<std::size_t>(a)] == BodyType::dynamic ||
+                         m_bodies.type[static_cast<std::size_t>(b)] == BodyType::dynamic;
+      if (!moves || std::binary_search(m_unpaired.begin(), m_unpaired.end(), std::pair(a, b))) continue;
+      m_pairs.push_back(pair);
+    }
   }
-  m_pairs.clear();
-  for (const ProxyPair& p : m_proxyPairs) {
-    ShapePair pair{p.a, p.b};
-    std::int32_t a = m_shapes[static_cast<std::size_t>(p.a)].body, b = m_shapes[static_cast<std::size_t>(p.b)].body;
-    if (a > b) std::swap(a, b), std::swap(pair.a, pair.b);
-    const bool moves = m_bodies.type[static_cast<std::size_t>(a)] == BodyType::dynamic ||
-                       m_bodies.type[static_cast<std::size_t>(b)] == BodyType::dynamic;
-    if (!moves || std::binary_search(m_unpaired.begin(), m_unpaired.end(), std::pair(a, b))) continue;
-    m_pairs.push_back(pair);
+  // Not for the outcome, which the order of manifolds decides: generators make most of those in the order of the pairs,
+  // and moving pairs is cheap.
+  Profiler::Scope scope(m_profiler, "cache");
+  for (const ShapePair& p : m_pairs) {
+    m_order.add(
+        {m_shapes[static_cast<std::size_t>(p.a)].body, p.a, m_shapes[static_cast<std::size_t>(p.b)].body, p.b, 0, 0});
   }
+  m_order.apply(std::span(m_pairs));
 }
 
 template <int D>
@@ -87,7 +98,8 @@ void World<D>::makeContacts() {
   for (const Manifold<D>& m : m_oldManifolds) {
     if (resting(m)) m_manifolds.push_back(m);
   }
-  m_sort(m_manifolds);
+  for (const Manifold<D>& m : m_manifolds) m_order.add(m.key());
+  m_order.apply(std::span(m_manifolds));
   if (m_settings.features.cache) m_cache->carry(m_oldManifolds, m_manifolds);
 }
 

@@ -63,10 +63,7 @@ void World<D>::step(Real dt) {
     Profiler::Scope scope(m_profiler, "boxes");
     sync();
   }
-  {
-    Profiler::Scope scope(m_profiler, "broadphase");
-    findPairs();
-  }
+  findPairs();
   makeContacts();
   {
     Profiler::Scope scope(m_profiler, "listeners");

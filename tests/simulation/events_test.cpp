@@ -114,6 +114,29 @@ void everyStageBalances() {
   expectFalsified(
       "events balance, contacts twice", [] { balances<D>("contacts=planted_contacts"); }, 8);
 }
+// Bodies come, go and are moved by hand between steps: a broadphase with a memory hears of all of it.
+template <int D>
+void sameStory(const std::string& broadphase) {
+  RapidCheckDraw draw;
+  std::vector<int> choices;
+  for (int i = 0; i < 120; ++i) choices.push_back(draw.below(840));
+  std::string wrong;
+  RC_ASSERT(story<D>("broadphase=" + broadphase, choices, wrong) == story<D>("broadphase=naive", choices, wrong));
+}
+
+template <int D>
+void everyBroadphaseTellsTheSame() {
+  for (const Registered* r : Registry::instance().list(StageKind::broadphase, D)) {
+    if (competes(*r))
+      check(
+          "the same story by " + r->info.name, [&] { sameStory<D>(r->info.name); }, 20);
+  }
+  expectFalsified(
+      "the same story, a forgotten pair", [] { sameStory<D>("planted_broadphase"); }, 20);
+}
+TEST(Events, EveryBroadphaseTellsTheSame2) { everyBroadphaseTellsTheSame<2>(); }
+TEST(Events, EveryBroadphaseTellsTheSame3) { everyBroadphaseTellsTheSame<3>(); }
+
 TEST(Events, EveryStageBalances2) { everyStageBalances<2>(); }
 TEST(Events, EveryStageBalances3) { everyStageBalances<3>(); }
 
