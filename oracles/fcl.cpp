@@ -150,11 +150,14 @@ class FclLibccd final : public FclWitness<D> {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 9e-7},    ErrorBar{sphere, capsule, 5e-6},
-                                         ErrorBar{sphere, box, 2e-6},       ErrorBar{sphere, polytope, 7e-7},
-                                         ErrorBar{capsule, capsule, 6e-6},  ErrorBar{capsule, box, 4e-6},
-                                         ErrorBar{capsule, polytope, 3e-6}, ErrorBar{box, box, 1e-15},
-                                         ErrorBar{box, polytope, 1e-15},    ErrorBar{polytope, polytope, 1e-15}};
+    static constexpr std::array kBars = {
+        ErrorBar{sphere, sphere, 9e-7},      ErrorBar{sphere, capsule, 5e-6},    ErrorBar{sphere, box, 2e-6},
+        ErrorBar{sphere, polytope, 7e-7},    ErrorBar{capsule, capsule, 6e-6},   ErrorBar{capsule, box, 4e-6},
+        ErrorBar{capsule, polytope, 3e-6},   ErrorBar{box, box, 1e-15},          ErrorBar{box, polytope, 1e-15},
+        ErrorBar{polytope, polytope, 1e-15}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
+        ErrorBar{box, cylinder, 1.0},        ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
+        ErrorBar{sphere, ellipsoid, 1.0},    ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
+        ErrorBar{polytope, ellipsoid, 1.0},  ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
     return kBars;
   }
 
@@ -182,11 +185,14 @@ class FclLibccdCollide final : public FclWitness<D> {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},   ErrorBar{sphere, capsule, 1e-15},
-                                         ErrorBar{sphere, box, 1e-15},      ErrorBar{sphere, polytope, 2e-1},
-                                         ErrorBar{capsule, capsule, 2e-1},  ErrorBar{capsule, box, 2e-1},
-                                         ErrorBar{capsule, polytope, 2e-1}, ErrorBar{box, box, 3e-3},
-                                         ErrorBar{box, polytope, 8e-2},     ErrorBar{polytope, polytope, 9e-2}};
+    static constexpr std::array kBars = {
+        ErrorBar{sphere, sphere, 1e-15},    ErrorBar{sphere, capsule, 1e-15},   ErrorBar{sphere, box, 1e-15},
+        ErrorBar{sphere, polytope, 2e-1},   ErrorBar{capsule, capsule, 2e-1},   ErrorBar{capsule, box, 2e-1},
+        ErrorBar{capsule, polytope, 2e-1},  ErrorBar{box, box, 3e-3},           ErrorBar{box, polytope, 8e-2},
+        ErrorBar{polytope, polytope, 9e-2}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
+        ErrorBar{box, cylinder, 1.0},       ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
+        ErrorBar{sphere, ellipsoid, 1.0},   ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
+        ErrorBar{polytope, ellipsoid, 1.0}, ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
     return kBars;
   }
 
@@ -214,11 +220,14 @@ class FclIndep final : public FclWitness<D> {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},   ErrorBar{sphere, capsule, 1e-15},
-                                         ErrorBar{sphere, box, 1e-15},      ErrorBar{sphere, polytope, 1e-1},
-                                         ErrorBar{capsule, capsule, 2e-1},  ErrorBar{capsule, box, 2e-1},
-                                         ErrorBar{capsule, polytope, 1e-1}, ErrorBar{box, box, 5e-3},
-                                         ErrorBar{box, polytope, 7e-2},     ErrorBar{polytope, polytope, 6e-2}};
+    static constexpr std::array kBars = {
+        ErrorBar{sphere, sphere, 1e-15},    ErrorBar{sphere, capsule, 1e-15},   ErrorBar{sphere, box, 1e-15},
+        ErrorBar{sphere, polytope, 1e-1},   ErrorBar{capsule, capsule, 2e-1},   ErrorBar{capsule, box, 2e-1},
+        ErrorBar{capsule, polytope, 1e-1},  ErrorBar{box, box, 5e-3},           ErrorBar{box, polytope, 7e-2},
+        ErrorBar{polytope, polytope, 6e-2}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
+        ErrorBar{box, cylinder, 1.0},       ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
+        ErrorBar{sphere, ellipsoid, 1.0},   ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
+        ErrorBar{polytope, ellipsoid, 1.0}, ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
     return kBars;
   }
 

@@ -56,19 +56,22 @@ class Prisms : public Witness<2> {
   ShapeView<3> prism(const ShapeView<2>& shape, Real height) {
     ShapeView<3> out;
     out.radius = shape.radius, out.half = {shape.half[0], shape.half[1], height};
-    switch (shape.kind) {
-      case ShapeKind::sphere:
+    switch (shape.core()) {
+      case CoreClass::point:
         out.kind = ShapeKind::capsule, out.half = {height, 0, 0};
         break;
-      case ShapeKind::capsule:
-      case ShapeKind::segment:
+      case CoreClass::segment:
         out.kind = ShapeKind::box, out.half[1] = 0;
         break;
-      case ShapeKind::box:
+      case CoreClass::box:
         out.kind = ShapeKind::box;
         break;
-      case ShapeKind::polytope:
+      case CoreClass::hull:
         out.kind = ShapeKind::polytope, out.hull = &m_hulls.emplace_back(prism(*shape.hull, height));
+        break;
+      case CoreClass::curved:
+      case CoreClass::plane:
+        LPC_ASSERT(false);  // has no error bar in 2D, so it is not asked
         break;
     }
     return out;

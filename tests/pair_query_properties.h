@@ -39,6 +39,11 @@ long double boundAlong(const Asked<D>& pair, const Vec<D>& direction) {
       for (const Vec<D>& v : shape.hull->vertices) {
         farthest = std::max<long double>(farthest, v.template cast<long double>().dot(d));
       }
+    } else if (shape.curved) {
+      std::array<long double, static_cast<std::size_t>(D)> along;
+      std::copy_n(d.data(), D, along.begin());
+      const auto p = shape.curved->support(along);
+      for (int k = 0; k < D; ++k) farthest += p[static_cast<std::size_t>(k)] * d[k];
     } else {
       farthest = shape.half.template cast<long double>().dot(d.cwiseAbs());
     }
