@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "oracles/adapter.h"
+#include "framework/curved_core.h"
 #include "oracles/prisms.h"
 
 namespace lpc::inline LPC_PRECISION {
