@@ -61,13 +61,7 @@ std::size_t lowestFree(const std::vector<T>& items, int count, auto isFree) {
 
 template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
-    : m_pipeline(pipeline),
-      m_settings(settings),
-      m_broadphase(createStage<Broadphase<D>>(pipeline)),
-      m_contacts(createStage<ContactGenerator<D>>(pipeline)),
-      m_cache(createStage<ContactCache<D>>(pipeline)),
-      m_solver(createStage<Solver<D>>(pipeline)),
-      m_sleep(createStage<SleepPolicy<D>>(pipeline)) {
+    : m_pipeline(pipeline), m_settings(settings), m_stages(pipeline) {
   if (!finite(settings.gravity)) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");
@@ -122,7 +116,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
     for (int k = 0; k < kShapeKinds; ++k) {
       const auto a = std::min(s.shape.kind(), static_cast<ShapeKind>(k));
       const auto b = std::max(s.shape.kind(), static_cast<ShapeKind>(k));
-      if (kinds[k] && !m_contacts->supports(a, b)) {
+      if (kinds[k] && !stage<ContactGenerator>().supports(a, b)) {
         throw UserError(who + ": contacts=" + m_pipeline[StageKind::contacts].name + " does not support " +
                         std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
       }
@@ -339,7 +333,7 @@ template <int D>
 std::vector<Handle> World<D>::at(const Vec<D>& point) const {
   sync();
   std::vector<ProxyId> found;
-  m_broadphase->at(m_proxies, point, found);
+  stage<Broadphase>().at(m_proxies, point, found);
   return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
 }
 
@@ -347,7 +341,7 @@ template <int D>
 std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
   sync();
   std::vector<ProxyId> found;
-  m_broadphase->overlap(m_proxies, box, found);
+  stage<Broadphase>().overlap(m_proxies, box, found);
   return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
@@ -355,7 +349,7 @@ template <int D>
 std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const {
   sync();
   std::vector<RayHit<D>> found;
-  m_broadphase->ray(m_proxies, p, direction, maxT, false, found);  // the first box need not hold the first shape
+  stage<Broadphase>().ray(m_proxies, p, direction, maxT, false, found);  // the first box need not hold the first shape
   std::vector<BodyRayHit<D>> out;
   for (const RayHit<D>& hit : found) {
     const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(hit.proxy)];

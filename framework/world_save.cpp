@@ -188,8 +188,8 @@ void World<D>::load(std::istream& in) {
   m_manifolds = std::move(s.manifolds), m_userForces = std::move(s.userForces), m_events = std::move(s.events);
   m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
 
-  // A new broadphase instead of the old one's structure: its pair set has no history.
-  m_broadphase = createStage<Broadphase<D>>(m_pipeline);
+  // New stages instead of the old ones' structures, which hold no history.
+  m_stages = StageSet<D>(m_pipeline);
   m_proxies = Proxies<D>{};
   m_proxies.resize(static_cast<int>(m_shapes.size()));
   m_added.clear(), m_removed.clear(), m_moved.clear();

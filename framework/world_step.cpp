@@ -71,14 +71,14 @@ void World<D>::sync() const {
   }
   std::sort(m_moved.begin(), m_moved.end());
   m_moved.erase(std::unique(m_moved.begin(), m_moved.end()), m_moved.end());
-  m_broadphase->update(m_proxies, {m_added, m_removed, m_moved});
+  stage<Broadphase>().update(m_proxies, {m_added, m_removed, m_moved});
   m_added.clear(), m_removed.clear(), m_moved.clear();
 }
 
 template <int D>
 void World<D>::findPairs() {
   m_proxyPairs.clear();
-  m_broadphase->findPairs(m_proxies, m_proxyPairs, m_profiler.frame().work);
+  stage<Broadphase>().findPairs(m_proxies, m_proxyPairs, m_profiler.frame().work);
   m_unpaired.clear();
   if (m_settings.features.joints) {
     for (const PivotJoint<D>& j : m_joints) {
@@ -105,12 +105,12 @@ void World<D>::makeContacts() {
   Work& work = m_profiler.frame().work;
   {
     Profiler::Scope scope(m_profiler, "cache");
-    m_cache->select(m_pairs, m_oldManifolds, m_bodies.pose, m_regenerate);
+    stage<ContactCache>().select(m_pairs, m_oldManifolds, m_bodies.pose, m_regenerate);
   }
   {
     Profiler::Scope scope(m_profiler, "contacts");
-    m_contacts->generate({m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction},
-                         m_fresh, work);
+    stage<ContactGenerator>().generate(
+        {m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction}, m_fresh, work);
   }
   Profiler::Scope scope(m_profiler, "cache");
   // A pair without an active proxy is not reported by the broadphase: it stays as it was.
@@ -126,7 +126,7 @@ void World<D>::makeContacts() {
   if (!std::is_sorted(m_order.begin(), m_order.end(), before)) std::sort(m_order.begin(), m_order.end(), before);
   m_manifolds.clear();
   for (std::uint32_t i : m_order) m_manifolds.push_back(m_fresh[i]);
-  if (m_settings.features.cache) m_cache->carry(m_oldManifolds, m_manifolds);
+  if (m_settings.features.cache) stage<ContactCache>().carry(m_oldManifolds, m_manifolds);
 }
 
 template <int D>
@@ -168,8 +168,9 @@ void World<D>::tellListeners() {
 template <int D>
 void World<D>::decideSleep(Real dt) {
   m_awakeBefore = m_bodies.awake;
-  m_sleep->decide({dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold, m_settings.gravity},
-                  m_bodies.awake, m_bodies.sleep);
+  stage<SleepPolicy>().decide(
+      {dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold, m_settings.gravity},
+      m_bodies.awake, m_bodies.sleep);
   for (std::size_t i = 0; i < m_bodies.awake.size(); ++i) {
     if (m_awakeBefore[i] && !m_bodies.awake[i]) m_bodies.motion[i] = {};
   }
@@ -254,8 +255,8 @@ void World<D>::step(Real dt) {
     Profiler::Scope scope(m_profiler, "solver");
     refreshMasses();
     collectActive();
-    m_solver->step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this, m_settings.features,
-                    m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler});
+    stage<Solver>().step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this,
+                          m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler});
   }
   m_stale = true;
   std::fill(m_userForces.begin(), m_userForces.end(), Wrench<D>{});
