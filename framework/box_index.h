@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,9 +18,8 @@ template <int D>
 class BoxIndex {
  public:
   /// Both boxes of a pair grow by half the margin (m), so that they overlap when the shapes are within the whole of it.
-  /// Throws UserError when there is no such broadphase.
-  BoxIndex(const Spec& broadphase, Real margin)
-      : m_broadphase(createStage<Broadphase<D>>(broadphase)), m_margin(margin) {}
+  /// The broadphase is not owned, and must be fresh.
+  BoxIndex(Broadphase<D>& broadphase, Real margin) : m_broadphase(&broadphase), m_margin(margin) {}
 
   void add(std::size_t shape, const ShapeRecord<D>& record);
   void remove(std::size_t shape);
@@ -49,7 +47,7 @@ class BoxIndex {
   void refresh(std::size_t shape, const ShapeRecord<D>& record, const Pose<D>& X_WC);
   enum Change : std::uint8_t { none = 0, added = 1, removed = 2, both = 3 };
 
-  std::unique_ptr<Broadphase<D>> m_broadphase;
+  Broadphase<D>* m_broadphase;
   Real m_margin;
   Proxies<D> m_proxies;
   std::vector<Plane> m_planes;                       // in the order of their slots

@@ -80,11 +80,26 @@ std::unique_ptr<S> createStage(const Spec& spec) {
   return std::unique_ptr<S>(static_cast<S*>(stage.release()));
 }
 
-/// The stage of a pipeline.
-template <class S>
-std::unique_ptr<S> createStage(const Pipeline& pipeline) {
-  return createStage<S>(pipeline[S::kStage]);
-}
+/// One algorithm per stage of a world. Throws UserError when the pipeline names an unknown one or a wrong parameter.
+template <int D>
+class StageSet {
+ public:
+  explicit StageSet(const Pipeline& pipeline) {
+    for (const StageKind kind : kWorldStages) {
+      const Spec& spec = pipeline[kind];
+      m_stages[static_cast<std::size_t>(kind)] = Registry::instance().find(kind, D, spec.name).create(spec);
+    }
+  }
+  /// For instance get<Broadphase<D>>().
+  template <class S>
+  S& get() const {
+    static_assert(S::kDimension == D && isWorldStage(&stageInfo(S::kStage)));
+    return static_cast<S&>(*m_stages[static_cast<std::size_t>(S::kStage)]);
+  }
+
+ private:
+  std::array<std::unique_ptr<Stage>, kStageKinds> m_stages;  // by kind; null where it is no stage of a world
+};
 
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
 std::string canonicalText(const Pipeline& pipeline, int dimension);

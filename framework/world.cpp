@@ -11,11 +11,8 @@ template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
     : m_pipeline(pipeline),
       m_settings(settings),
-      m_contacts(createStage<ContactGenerator<D>>(pipeline)),
-      m_cache(createStage<ContactCache<D>>(pipeline)),
-      m_solver(createStage<Solver<D>>(pipeline)),
-      m_sleep(createStage<SleepPolicy<D>>(pipeline)),
-      m_boxes(pipeline[StageKind::broadphase], settings.margin) {
+      m_stages(pipeline),
+      m_boxes(stage<Broadphase>(), settings.margin) {
   if (!settings.gravity.allFinite()) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");

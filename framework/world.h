@@ -154,12 +154,15 @@ class World final : private Detect, private Forces<D> {
   void collectActive();
   struct State;  // what save() writes
 
+  /// For instance stage<Solver>(): what the pipeline says.
+  template <template <int> class S>
+  S<D>& stage() const {
+    return m_stages.template get<S<D>>();
+  }
+
   Pipeline m_pipeline;
   WorldSettings<D> m_settings;
-  std::unique_ptr<ContactGenerator<D>> m_contacts;
-  std::unique_ptr<ContactCache<D>> m_cache;
-  std::unique_ptr<Solver<D>> m_solver;
-  std::unique_ptr<SleepPolicy<D>> m_sleep;
+  StageSet<D> m_stages;
 
   // State: what save() writes.
   Bodies<D> m_bodies;

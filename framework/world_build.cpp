@@ -70,7 +70,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
       const auto a = std::min(s.shape.kind(), static_cast<ShapeKind>(k));
       const auto b = std::max(s.shape.kind(), static_cast<ShapeKind>(k));
       const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;  // never meet
-      if (kinds[k] && !planes && !m_contacts->supports(a, b)) {
+      if (kinds[k] && !planes && !stage<ContactGenerator>().supports(a, b)) {
         throw UserError(who + ": contacts=" + m_pipeline[StageKind::contacts].name + " does not support " +
                         std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
       }

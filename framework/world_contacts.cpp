@@ -84,13 +84,13 @@ void World<D>::makeContacts() {
   Work& work = m_profiler.frame().work;
   {
     Profiler::Scope scope(m_profiler, "cache");
-    m_cache->select(m_pairs, m_oldManifolds, m_bodies.pose, m_regenerate);
+    stage<ContactCache>().select(m_pairs, m_oldManifolds, m_bodies.pose, m_regenerate);
   }
   {
     Profiler::Scope scope(m_profiler, "contacts");
     m_children.clear();
     appendChildren<D>(m_regenerate, m_shapes, m_children);
-    m_contacts->generate({m_children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction},
+    stage<ContactGenerator>().generate({m_children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction},
                          m_manifolds, work);
   }
   Profiler::Scope scope(m_profiler, "cache");
@@ -100,7 +100,7 @@ void World<D>::makeContacts() {
   }
   for (const Manifold<D>& m : m_manifolds) m_order.add(m.key());
   m_order.apply(std::span(m_manifolds));
-  if (m_settings.features.cache) m_cache->carry(m_oldManifolds, m_manifolds);
+  if (m_settings.features.cache) stage<ContactCache>().carry(m_oldManifolds, m_manifolds);
 }
 
 template <int D>

@@ -201,8 +201,9 @@ void World<D>::load(std::istream& in) {
   m_manifolds = std::move(s.manifolds), m_userForces = std::move(s.userForces), m_events = std::move(s.events);
   m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
 
-  // A new broadphase instead of the old one's structure: its pair set has no history.
-  m_boxes = BoxIndex<D>(m_pipeline[StageKind::broadphase], m_settings.margin);
+  // New stages instead of the old ones' structures, which hold no history.
+  m_stages = StageSet<D>(m_pipeline);
+  m_boxes = BoxIndex<D>(stage<Broadphase>(), m_settings.margin);
   m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
   m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
   m_jointSlots.read(m_joints, [](const PivotJoint<D>& j) { return j.bodyA < 0; });

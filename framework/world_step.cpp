@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 template <int D>
 void World<D>::decideSleep(Real dt) {
   m_awakeBefore = m_bodies.awake;
-  m_sleep->decide({dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold, m_settings.gravity,
+  stage<SleepPolicy>().decide({dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold, m_settings.gravity,
                    m_profiler.frame().work},
                   m_bodies.awake, m_bodies.sleep);
   for (std::size_t i = 0; i < m_bodies.awake.size(); ++i) {
@@ -78,7 +78,7 @@ void World<D>::step(Real dt) {
     Profiler::Scope scope(m_profiler, "solver");
     refreshMasses();
     collectActive();
-    m_solver->step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this, m_settings.features,
+    stage<Solver>().step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this, m_settings.features,
                     m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler});
   }
   m_boxes.outdate();

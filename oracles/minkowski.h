@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The Minkowski difference M = B - A of two vertex lists, and what the referee asks of it, for any number type: with
 // exact integers the answers are exact and every loop ends by proof; with long double they are candidates that
-// certificate.h proves or rejects.
+// certificate.cpp proves or rejects.
 #pragma once
 
 #include <utility>

@@ -9,6 +9,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/locations.h"
+#include "experiments/trial/output_file.h"
 #include "experiments/trial/scene_file.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -87,12 +88,27 @@ void print(const json& all) {
   }
 }
 
+void writeNames(const std::string& page) {
+  std::string text = readFile(page);
+  try {
+    text = withNames(text);
+  } catch (const UserError& e) {
+    throw UserError(page + ": " + e.what());
+  }
+  OutputFile out(page);
+  out.stream() << text;
+  out.finish();
+}
+
 void addList(CLI::App& app, Session&) {
   auto* command = app.add_subcommand("list", "All algorithms with their parameters, all scenes, all sweeps");
   auto asJson = std::make_shared<bool>(false);
+  auto page = std::make_shared<std::string>();
   command->add_flag("--json", *asJson, "for programs");
+  command->add_option("--into", *page, "writes the algorithms' names into this page, such as docs/architecture.md");
   command->footer("Example: lpc list --json | python3 -m json.tool");
-  command->callback([asJson] {
+  command->callback([asJson, page] {
+    if (!page->empty()) return writeNames(*page);
     const json all = {{"algorithms", describeAlgorithms()}, {"scenes", describeScenes()}, {"sweeps", describeSweeps()}};
     if (*asJson) {
       std::cout << all.dump(1) << "\n";

@@ -2,6 +2,9 @@
 #include "experiments/runner/catalogue.h"
 
 #include <array>
+#include <set>
+
+#include "framework/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -57,6 +60,23 @@ json describeAlgorithms() {
                    {"failures", failures}});
   }
   return out;
+}
+
+std::string withNames(const std::string& page) {
+  const std::string begin = "<!-- registry -->\n", end = "<!-- end -->";
+  const std::size_t from = page.find(begin), to = page.find(end, from == page.npos ? from : from + begin.size());
+  if (to == page.npos) throw UserError("it lacks the lines <!-- registry --> and <!-- end -->, where the names go");
+  std::string table = "| stage | names |\n| --- | --- |\n";
+  for (const StageInfo& stage : kStages) {
+    std::set<std::string> names;
+    for (const auto& [key, entry] : Registry::instance().all()) {
+      if (entry.stage == stage.kind && entry.info.role == Role::competitor) names.insert(entry.info.name);
+    }
+    table += "| " + std::string(stage.name) + " | ";
+    for (const std::string& name : names) table += (name == *names.begin() ? "" : ", ") + name;
+    table += " |\n";
+  }
+  return page.substr(0, from + begin.size()) + table + page.substr(to);
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "framework/registry.h"
@@ -11,6 +12,11 @@ namespace lpc::inline LPC_PRECISION {
 /// All registered algorithms, one entry per name: stage, name, summary, paper, complexity, guarantee, role, dimensions,
 /// params, failures. What `lpc list --json` prints and what every store carries, so that a report knows whom it shows.
 nlohmann::json describeAlgorithms();
+
+/// `page` with the names of all competitors in a table, in place of what stands between its lines "<!-- registry -->"
+/// and
+/// "<!-- end -->". Throws UserError when it lacks them.
+std::string withNames(const std::string& page);
 
 std::string_view roleName(Role role);
 

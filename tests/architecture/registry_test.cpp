@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
-#include <set>
+#include <sstream>
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -27,27 +27,26 @@ TEST(RegistryRules, EveryStageHasACompetitorInBothDimensions) {
 }
 
 // "| stage | a, b, c |" rows between the marks in docs/architecture.md.
-TEST(RegistryRules, TheArchitecturePageNamesExactlyWhatIsRegistered) {
+// A new algorithm may be missing until it is taken (.ci/run is strict); a name that means nothing may not be there.
+TEST(RegistryRules, TheArchitecturePageNamesOnlyWhatIsRegistered) {
   const std::string page = read("docs/architecture.md");
   const std::size_t begin = page.find("<!-- registry -->"), end = page.find("<!-- end -->");
   ASSERT_NE(begin, std::string::npos);
-  std::map<std::string, std::string> documented;
   const std::string table = page.substr(begin, end - begin);
   const std::regex row("\\| ([a-z_]+) \\| ([a-z0-9_, ]+) \\|");
+  int named = 0;
   for (auto it = std::sregex_iterator(table.begin(), table.end(), row); it != std::sregex_iterator(); ++it) {
-    documented[(*it)[1]] = (*it)[2];
-  }
-  for (int k = 0; k < kStageKinds; ++k) {
-    std::set<std::string> names;
-    for (int d : {2, 3}) {
-      for (const Registered* r : Registry::instance().list(static_cast<StageKind>(k), d)) {
-        if (r->info.role == Role::competitor) names.insert(r->info.name);
-      }
+    if ((*it)[1] == "stage") continue;
+    const StageInfo* stage = stageByName((*it)[1].str());
+    ASSERT_TRUE(stage) << "no stage is called " << (*it)[1];
+    std::istringstream names((*it)[2].str());
+    for (std::string name; std::getline(names >> std::ws, name, ','); ++named) {
+      const auto& all = Registry::instance().all();
+      EXPECT_TRUE(all.contains({stage->kind, 2, name}) || all.contains({stage->kind, 3, name}))
+          << "no " << stage->name << " is called " << name << "; mend the page: lpc list --into docs/architecture.md";
     }
-    std::string joined;
-    for (const std::string& n : names) joined += (joined.empty() ? "" : ", ") + n;
-    EXPECT_EQ(documented[std::string(stageName(static_cast<StageKind>(k)))], joined);
   }
+  EXPECT_GT(named, 20);
 }
 
 TEST(RegistryRules, EveryAlgorithmDescribesItself) {

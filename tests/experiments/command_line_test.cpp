@@ -2,6 +2,7 @@
 // The `lpc` program as a user meets it.
 #include <nlohmann/json.hpp>
 
+#include "experiments/parse/toml_reader.h"
 #include "framework/plugin.h"
 #include "tests/experiments/workspace.h"
 
@@ -19,6 +20,21 @@ TEST(CommandLine, helpHasAnExample) {
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_NE(help.text.find("Example: lpc " + std::string(command)), std::string::npos) << help.text;
   }
+}
+
+// The page of names is made by a command: what it writes names every competitor once and leaves the rest alone.
+TEST(CommandLine, writesTheNamesIntoAPage) {
+  Workspace w;
+  const std::string page = w.write("page.md", "above\n<!-- registry -->\n| cache | of_old |\n<!-- end -->\nbelow\n");
+  const Outcome out = w.lpc("list --into page.md");
+  EXPECT_EQ(out.code, 0) << out.text;
+  const std::string text = readFile(page);
+  EXPECT_TRUE(text.starts_with("above\n<!-- registry -->\n| stage | names |\n| --- | --- |\n| broadphase | naive, "));
+  EXPECT_TRUE(text.ends_with("|\n<!-- end -->\nbelow\n")) << text;
+  EXPECT_NE(text.find("\n| cache | by_feature, none |\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("libccd"), std::string::npos) << "a witness competes with nobody";
+  w.lpc("list --into page.md");
+  EXPECT_EQ(readFile(page), text);
 }
 
 // The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
@@ -41,6 +57,8 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"sweep nowhere", {"'nowhere'", "quick"}},
       {"sweep broadphase_crossover --only nobody", {"nobody"}},
       {"merge a.db nowhere.db", {"nowhere.db"}},
+      {"list --into nowhere.md", {"nowhere.md"}},
+      {"list --into /dev/null", {"/dev/null", "<!-- registry -->"}},
       {"--plugin nowhere.so list", {"nowhere.so"}},
       {"verify --stage solver", {"'solver'", "pair_query, contacts, broadphase"}},
       {"verify --precision f16", {"'f16'", "f64, f32"}},

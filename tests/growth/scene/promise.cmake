@@ -1,0 +1,6 @@
+# A scene: one file, and nothing is compiled. Its limits hold what must hold.
+set(at_most 1)
+set(name stairs)
+set(targets "")
+set(proof ${bin}/lpc run stairs)
+set(blames "collapsed|exploded")

@@ -1,0 +1,11 @@
+edit(framework/stages.h "integrator, sleep }" "integrator, sleep, speedLimit }")
+edit(framework/stages.h [[    {StageKind::sleep, "sleep", "sleep", "none"},
+]] [[    {StageKind::sleep, "sleep", "sleep", "none"},
+    {StageKind::speedLimit, "speed_limit", "speed_limit", "longest_step"},
+]])
+edit(framework/world_step.cpp [[#include "framework/world.h"
+]] [[#include "framework/world.h"
+#include "framework/stage_speed_limit.h"
+]])
+edit(framework/world_step.cpp "    stage<Solver>().step(" "    stage<SpeedLimit>().limit(dt, m_bodies);
+    stage<Solver>().step(")

@@ -1,0 +1,26 @@
+# Pipelines name it, and it acts: 0.001 m in 1/60 s, and what gravity adds afterwards in one step.
+function(max_speed out)
+  must_say("max_speed +([0-9.e+-]+)" ${bin}/lpc run box_drop --steps 30 ${ARGN})
+  string(REGEX MATCH "max_speed +([0-9.e+-]+)" match "${output}")
+  set(${out} ${CMAKE_MATCH_1} PARENT_SCOPE)
+endfunction()
+max_speed(free)
+max_speed(held --pipeline speed_limit=longest_step{length=0.001})
+if(NOT free GREATER 1 OR NOT held LESS 0.3)
+  message(FATAL_ERROR "speed_limit=longest_step{length=0.001}: ${held} m/s, without ${free} m/s")
+endif()
+run(result output ${bin}/lpc run box_drop --pipeline speed_limit=no_limit)
+if(NOT result EQUAL 2 OR NOT output MATCHES "no speed_limit 'no_limit' in 2D; valid: longest_step")
+  message(FATAL_ERROR "a wrong name in the new stage:\n${output}")
+endif()
+# Sweeps have it as an axis.
+file(WRITE ${work}/limits.toml [[
+summary = "two limits"
+kind = "world"
+[axes]
+scene = "box_drop"
+steps = 5
+speed_limit = ["longest_step", "longest_step{length=0.001}"]
+]])
+file(REMOVE ${work}/limits.db)
+must_say("2 run, 0 of these not ok" ${bin}/lpc sweep ${work}/limits.toml --store ${work}/limits.db --quiet)
