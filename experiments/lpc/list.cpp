@@ -87,12 +87,12 @@ void print(const json& all) {
   }
 }
 
-void addList(CLI::App& app, Session&) {
-  auto* command = app.add_subcommand("list", "All algorithms with their parameters, all scenes, all sweeps");
+void addList(CommandLine& app, Session&) {
+  CommandLine command = app.subcommand("list", "All algorithms with their parameters, all scenes, all sweeps");
   auto asJson = std::make_shared<bool>(false);
-  command->add_flag("--json", *asJson, "for programs");
-  command->footer("Example: lpc list --json | python3 -m json.tool");
-  command->callback([asJson] {
+  command.flag("--json", *asJson, "for programs");
+  command.footer("Example: lpc list --json | python3 -m json.tool");
+  command.callback([asJson] {
     const json all = {{"algorithms", describeAlgorithms()}, {"scenes", describeScenes()}, {"sweeps", describeSweeps()}};
     if (*asJson) {
       std::cout << all.dump(1) << "\n";
