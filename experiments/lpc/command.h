@@ -2,13 +2,55 @@
 // Subcommands of `lpc`: one file each, which registers itself at its foot. main.cpp knows none of them.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "framework/space.h"
 
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
 namespace lpc::inline LPC_PRECISION {
+
+/// The command line, in front of CLI11: main.cpp alone compiles it.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : m_option(option) {}
+  Option& required();
+  /// In the help, what it is when nothing is said.
+  Option& showDefault();
+  Option& commaSeparated();
+  /// FILE in the help.
+  Option& file();
+  Option& range(long lo, long hi);
+  Option& range(double lo, double hi);
+  /// Once the command line is known.
+  bool given() const;
+
+ private:
+  CLI::Option* m_option;
+};
+
+class CommandLine {
+ public:
+  explicit CommandLine(CLI::App* app) : m_app(app) {}
+  CommandLine subcommand(const char* name, const char* summary);
+  /// "--name", or a name without dashes for what stands at a place. `value` outlives the command line; its types are
+  /// listed in main.cpp.
+  template <class T>
+  Option option(const char* name, T& value, const char* meaning);
+  void flag(const char* name, bool& value, const char* meaning);
+  void footer(const char* text);
+  /// Run when this subcommand was given.
+  void callback(std::function<void()> body);
+
+ private:
+  CLI::App* m_app;
+};
 
 /// What all subcommands share.
 struct Session {
@@ -17,7 +59,7 @@ struct Session {
 };
 
 /// Adds the subcommand to `app`. Its callback throws UserError for what the user got wrong (exit code 2).
-using AddCommand = void (*)(CLI::App& app, Session& session);
+using AddCommand = void (*)(CommandLine& app, Session& session);
 
 struct CommandRegistrar {
   CommandRegistrar(const char* name, AddCommand add);

@@ -100,14 +100,14 @@ void writeNames(const std::string& page) {
   out.finish();
 }
 
-void addList(CLI::App& app, Session&) {
-  auto* command = app.add_subcommand("list", "All algorithms with their parameters, all scenes, all sweeps");
+void addList(CommandLine& app, Session&) {
+  CommandLine command = app.subcommand("list", "All algorithms with their parameters, all scenes, all sweeps");
   auto asJson = std::make_shared<bool>(false);
   auto page = std::make_shared<std::string>();
-  command->add_flag("--json", *asJson, "for programs");
-  command->add_option("--into", *page, "writes the algorithms' names into this page, such as docs/architecture.md");
-  command->footer("Example: lpc list --json | python3 -m json.tool");
-  command->callback([asJson, page] {
+  command.flag("--json", *asJson, "for programs");
+  command.option("--into", *page, "writes the algorithms' names into this page, such as docs/architecture.md");
+  command.footer("Example: lpc list --json | python3 -m json.tool");
+  command.callback([asJson, page] {
     if (!page->empty()) return writeNames(*page);
     const json all = {{"algorithms", describeAlgorithms()}, {"scenes", describeScenes()}, {"sweeps", describeSweeps()}};
     if (*asJson) {

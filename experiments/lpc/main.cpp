@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // The `lpc` program. Exit codes: 0 fine, 1 it ran and something is not right, 2 the user's mistake, one clear line.
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "experiments/lpc/command.h"
 #include "experiments/runner/code_identity.h"
@@ -38,7 +41,8 @@ int run(int argc, char** argv) {
   app.parse_complete_callback([&] {
     for (const std::string& path : session.plugins) adoptPlugin(path);
   });
-  for (const auto& [name, add] : commands()) add(app, session);
+  CommandLine line(&app);
+  for (const auto& [name, add] : commands()) add(line, session);
   try {
     if (argc > 1 && argv[1][0] != '-' && !commands().count(argv[1])) {
       std::string valid;
@@ -70,6 +74,55 @@ int run(int argc, char** argv) {
 }  // namespace
 
 CommandRegistrar::CommandRegistrar(const char* name, AddCommand add) { commands()[name] = add; }
+
+Option& Option::required() {
+  m_option->required();
+  return *this;
+}
+Option& Option::showDefault() {
+  m_option->capture_default_str();
+  return *this;
+}
+Option& Option::commaSeparated() {
+  m_option->delimiter(',');
+  return *this;
+}
+Option& Option::file() {
+  m_option->type_name("FILE");
+  return *this;
+}
+Option& Option::range(long lo, long hi) {
+  m_option->check(CLI::Range(lo, hi));
+  return *this;
+}
+Option& Option::range(double lo, double hi) {
+  m_option->check(CLI::Range(lo, hi));
+  return *this;
+}
+bool Option::given() const { return m_option->count() > 0; }
+
+CommandLine CommandLine::subcommand(const char* name, const char* summary) {
+  return CommandLine(m_app->add_subcommand(name, summary));
+}
+template <class T>
+Option CommandLine::option(const char* name, T& value, const char* meaning) {
+  return Option(m_app->add_option(name, value, meaning));
+}
+void CommandLine::flag(const char* name, bool& value, const char* meaning) { m_app->add_flag(name, value, meaning); }
+void CommandLine::footer(const char* text) { m_app->footer(text); }
+void CommandLine::callback(std::function<void()> body) { m_app->callback(std::move(body)); }
+
+template Option CommandLine::option(const char*, int&, const char*);
+template Option CommandLine::option(const char*, long&, const char*);
+template Option CommandLine::option(const char*, double&, const char*);
+template Option CommandLine::option(const char*, std::uint64_t&, const char*);
+template Option CommandLine::option(const char*, std::string&, const char*);
+template Option CommandLine::option(const char*, std::vector<int>&, const char*);
+template Option CommandLine::option(const char*, std::vector<std::string>&, const char*);
+template Option CommandLine::option(const char*, std::optional<int>&, const char*);
+template Option CommandLine::option(const char*, std::optional<double>&, const char*);
+template Option CommandLine::option(const char*, std::optional<long>&, const char*);
+template Option CommandLine::option(const char*, std::optional<std::uint64_t>&, const char*);
 
 }  // namespace lpc::inline LPC_PRECISION
 

@@ -89,23 +89,23 @@ void runScene(const Options& o, Session& session) {
   session.exitCode = result.outcome == "ok" ? 0 : 1;
 }
 
-void addRun(CLI::App& app, Session& session) {
-  auto* command = app.add_subcommand("run", "Runs one scene and prints its metrics; exit code 1 when it fails");
+void addRun(CommandLine& app, Session& session) {
+  CommandLine command = app.subcommand("run", "Runs one scene and prints its metrics; exit code 1 when it fails");
   auto o = std::make_shared<Options>();
-  command->add_option("scene", o->scene, "name in experiments/scenes, or a TOML file")->required();
-  command->add_option("--pipeline", o->pipeline, "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\"");
-  command->add_option("--param", o->params, "a parameter of the scene, NAME=NUMBER (may be repeated)");
-  command->add_option("--dt", o->dt, "length of a step (s); default: the scene's");
-  command->add_option("--steps", o->steps, "number of steps; default: the scene's");
-  command->add_option("--seed", o->seed, "of the scene's random numbers; default: the scene's")
-      ->check(CLI::Range(0L, std::numeric_limits<long>::max()));
-  command->add_option("--dimension", o->dimension, "2 or 3; default: the scene's first");
-  command->add_option("--precision", o->precision, "f64 or f32");
-  command->add_option("--profile", o->profile, "writes times and counts per step as CSV");
-  command->add_option("--record", o->record, "writes all poses of all steps");
-  command->add_flag("--json", o->asJson, "the whole result as JSON, with a series per step");
-  command->footer("Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv");
-  command->callback([o, &session] { runScene(*o, session); });
+  command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
+  command.option("--pipeline", o->pipeline, "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\"");
+  command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER (may be repeated)");
+  command.option("--dt", o->dt, "length of a step (s); default: the scene's");
+  command.option("--steps", o->steps, "number of steps; default: the scene's");
+  command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's")
+      .range(0L, std::numeric_limits<long>::max());
+  command.option("--dimension", o->dimension, "2 or 3; default: the scene's first");
+  command.option("--precision", o->precision, "f64 or f32");
+  command.option("--profile", o->profile, "writes times and counts per step as CSV");
+  command.option("--record", o->record, "writes all poses of all steps");
+  command.flag("--json", o->asJson, "the whole result as JSON, with a series per step");
+  command.footer("Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv");
+  command.callback([o, &session] { runScene(*o, session); });
 }
 
 LPC_COMMAND("run", addRun);

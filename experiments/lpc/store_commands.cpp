@@ -17,14 +17,14 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-void addMerge(CLI::App& app, Session&) {
-  auto* command = app.add_subcommand("merge", "Takes over into one store what others have and it lacks");
+void addMerge(CommandLine& app, Session&) {
+  CommandLine command = app.subcommand("merge", "Takes over into one store what others have and it lacks");
   auto into = std::make_shared<std::string>();
   auto from = std::make_shared<std::vector<std::string>>();
-  command->add_option("into", *into, "store, made if absent")->required();
-  command->add_option("from", *from, "stores to read")->required();
-  command->footer("Example: lpc merge results/all.db results/host1.db results/host2.db");
-  command->callback([into, from] {
+  command.option("into", *into, "store, made if absent").required();
+  command.option("from", *from, "stores to read").required();
+  command.footer("Example: lpc merge results/all.db results/host1.db results/host2.db");
+  command.callback([into, from] {
     for (const std::string& path : *from) {  // before anything is made
       const Store check(path, false);
       std::error_code absent;
@@ -37,14 +37,13 @@ void addMerge(CLI::App& app, Session&) {
   });
 }
 
-void addImport(CLI::App& app, Session&) {
-  auto* command = app.add_subcommand("import-benchmark", "Puts the JSON of lpc-bench into a store");
+void addImport(CommandLine& app, Session&) {
+  CommandLine command = app.subcommand("import-benchmark", "Puts the JSON of lpc-bench into a store");
   auto file = std::make_shared<std::string>(), path = std::make_shared<std::string>("results/lpc.db");
-  command->add_option("file", *file, "what lpc-bench --benchmark_out=FILE --benchmark_out_format=json wrote")
-      ->required();
-  command->add_option("--store", *path, "SQLite file, made if absent")->capture_default_str();
-  command->footer("Example: lpc import-benchmark bench.json --store results/quick.db");
-  command->callback([file, path] {
+  command.option("file", *file, "what lpc-bench --benchmark_out=FILE --benchmark_out_format=json wrote").required();
+  command.option("--store", *path, "SQLite file, made if absent").showDefault();
+  command.footer("Example: lpc import-benchmark bench.json --store results/quick.db");
+  command.callback([file, path] {
     const std::string text = readFile(*file);
     const nlohmann::json j = nlohmann::json::parse(text, nullptr, false);
     if (j.is_discarded() || !j.is_object() || !j.contains("benchmarks") || !j["benchmarks"].is_array()) {
@@ -85,13 +84,13 @@ int runProgram(const std::vector<std::string>& arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
-void addReport(CLI::App& app, Session& session) {
-  auto* command = app.add_subcommand("report", "Makes charts and a web page of a store");
+void addReport(CommandLine& app, Session& session) {
+  CommandLine command = app.subcommand("report", "Makes charts and a web page of a store");
   auto store = std::make_shared<std::string>(), out = std::make_shared<std::string>();
-  command->add_option("store", *store, "SQLite file")->required();
-  command->add_option("--out", *out, "folder; default: reports/out/<name of the store>");
-  command->footer("Example: lpc report results/quick.db");
-  command->callback([store, out, &session] {
+  command.option("store", *store, "SQLite file").required();
+  command.option("--out", *out, "folder; default: reports/out/<name of the store>");
+  command.footer("Example: lpc report results/quick.db");
+  command.callback([store, out, &session] {
     namespace fs = std::filesystem;
     const fs::path home = homeDirectory();
     const fs::path folder = out->empty() ? home / "reports" / "out" / fs::path(*store).stem() : fs::path(*out);

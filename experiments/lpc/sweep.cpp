@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
@@ -41,22 +40,21 @@ void sweep(Options& o, Session& session) {
   }
 }
 
-void addSweep(CLI::App& app, Session& session) {
-  auto* command = app.add_subcommand("sweep", "Runs the trials of a sweep that its store lacks");
+void addSweep(CommandLine& app, Session& session) {
+  CommandLine command = app.subcommand("sweep", "Runs the trials of a sweep that its store lacks");
   auto o = std::make_shared<Options>();
   o->store = "results/lpc.db";
-  command->add_option("sweep", o->sweep, "name in experiments/sweeps, or a TOML file; a set such as quick runs several")
-      ->required();
-  command->add_option("--store", o->store, "SQLite file, made if absent")->capture_default_str();
-  command->add_option("--only", o->only, "keeps the cells of these labels, algorithms or scenes (comma-separated)")
-      ->delimiter(',');
-  command->add_option("--jobs", o->run.jobs, "untimed trials at once; default: one per core")
-      ->check(CLI::Range(1, 4096));
-  command->add_flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
-  command->add_flag("--dry-run", o->dryRun, "counts the trials and runs none");
-  command->add_flag("--quiet", o->run.quiet, "no progress line");
-  command->footer("Example: lpc sweep broadphase_crossover --only naive,region_tree --store results/mine.db");
-  command->callback([o, &session] { sweep(*o, session); });
+  command.option("sweep", o->sweep, "name in experiments/sweeps, or a TOML file; a set such as quick runs several")
+      .required();
+  command.option("--store", o->store, "SQLite file, made if absent").showDefault();
+  command.option("--only", o->only, "keeps the cells of these labels, algorithms or scenes (comma-separated)")
+      .commaSeparated();
+  command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
+  command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
+  command.flag("--dry-run", o->dryRun, "counts the trials and runs none");
+  command.flag("--quiet", o->run.quiet, "no progress line");
+  command.footer("Example: lpc sweep broadphase_crossover --only naive,region_tree --store results/mine.db");
+  command.callback([o, &session] { sweep(*o, session); });
 }
 
 LPC_COMMAND("sweep", addSweep);

@@ -89,36 +89,36 @@ void verify(Arguments& a, Session& session) {
   }
 }
 
-void addVerify(CLI::App& app, Session& session) {
-  auto* command = app.add_subcommand(
+void addVerify(CommandLine& app, Session& session) {
+  CommandLine command = app.subcommand(
       "verify", "Pair queries, contacts and broadphases on seeded inputs (or a file of cases) before the referee");
   auto a = std::make_shared<Arguments>();
   VerificationOptions& o = a->options;
-  command->add_option("--pairs", o.pairs, "pairs per two kinds of shape and sets of boxes, in blocks of 200")
-      ->capture_default_str()
-      ->check(CLI::Range(1L, 1000000000L));
-  command->add_option("--minutes", o.minutes, "goes on with further blocks until then")->check(CLI::Range(0.01, 1e5));
-  command->add_option("--seed", o.seed, "of the inputs")->capture_default_str();
-  command->add_option("--stage", a->stages, "pair_query, contacts, broadphase; default: all")->delimiter(',');
-  command->add_option("--dimension", o.dimensions, "2, 3 or both (default)")->delimiter(',');
-  command->add_option("--precision", o.precisions, "f64 (default), f32 or both")->delimiter(',');
-  command->add_option("--role", a->role, "competitor, witness or all (default)");
-  command->add_option("--methods", o.methods, "methods with parameters, separated by spaces; default: all");
-  auto* store = command->add_option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
-  store->capture_default_str();
-  command->add_option("--jobs", o.jobs, "workers at once; default: one per core");
-  command->add_flag("--quiet", o.quiet, "no progress line");
-  command->add_option("--cases", a->cases, "a file of cases instead of seeded inputs")->type_name("FILE");
-  command->add_option("--csv", a->csv, "with --cases: the table as a file")->type_name("FILE");
-  command->footer(
+  command.option("--pairs", o.pairs, "pairs per two kinds of shape and sets of boxes, in blocks of 200")
+      .showDefault()
+      .range(1L, 1000000000L);
+  command.option("--minutes", o.minutes, "goes on with further blocks until then").range(0.01, 1e5);
+  command.option("--seed", o.seed, "of the inputs").showDefault();
+  command.option("--stage", a->stages, "pair_query, contacts, broadphase; default: all").commaSeparated();
+  command.option("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
+  command.option("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
+  command.option("--role", a->role, "competitor, witness or all (default)");
+  command.option("--methods", o.methods, "methods with parameters, separated by spaces; default: all");
+  Option store = command.option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
+  store.showDefault();
+  command.option("--jobs", o.jobs, "workers at once; default: one per core");
+  command.flag("--quiet", o.quiet, "no progress line");
+  command.option("--cases", a->cases, "a file of cases instead of seeded inputs").file();
+  command.option("--csv", a->csv, "with --cases: the table as a file").file();
+  command.footer(
       "Exit code 1 when one of our own methods is wrong; witnesses are only recorded.\n"
       "Examples:\n"
       "  lpc verify --pairs 1000 --seed 7\n"
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"
       "  lpc verify --dimension 3 --stage pair_query --methods sat gjk_epa{iterations=20} fcl_libccd\n"
       "  lpc verify --cases tests/regressions/hard_cases.json --csv verdicts.csv");
-  command->callback([a, store, &session] {
-    a->storeNamed = store->count() > 0;
+  command.callback([a, store, &session] {
+    a->storeNamed = store.given();
     verify(*a, session);
   });
 }
