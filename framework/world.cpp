@@ -9,10 +9,7 @@ namespace lpc::inline LPC_PRECISION {
 
 template <int D>
 World<D>::World(const Pipeline& pipeline, const WorldSettings<D>& settings)
-    : m_pipeline(pipeline),
-      m_settings(settings),
-      m_stages(pipeline),
-      m_boxes(stage<Broadphase>(), settings.margin) {
+    : m_pipeline(pipeline), m_settings(settings), m_stages(pipeline), m_boxes(stage<Broadphase>(), settings.margin) {
   if (!settings.gravity.allFinite()) throw UserError("world: gravity is not finite");
   checkAmount(settings.margin, "world", "the contact margin");
   checkAmount(settings.restitutionThreshold, "world", "the restitution threshold");

@@ -15,8 +15,8 @@
 #include <array>
 #include <optional>
 
-#include "oracles/adapter.h"
 #include "framework/curved_core.h"
+#include "oracles/adapter.h"
 #include "oracles/prisms.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -192,7 +192,7 @@ class BulletGjkEpa<2> final : public Prisms<BulletGjkEpa<3>> {
         ErrorBar{sphere, box, 7e-13},      ErrorBar{sphere, polytope, 4e-13}, ErrorBar{capsule, capsule, 6e-13},
         ErrorBar{capsule, segment, 8e-13}, ErrorBar{capsule, box, 6e-13},     ErrorBar{capsule, polytope, 6e-13},
         ErrorBar{segment, segment, 1e-15}, ErrorBar{segment, box, 4e-13},     ErrorBar{segment, polytope, 4e-14},
-        ErrorBar{box, box, 4e-13},         ErrorBar{box, polytope, 2e-13},    ErrorBar{polytope, polytope, 8e-14}};
+        ErrorBar{box, box, 4e-13},         ErrorBar{box, polytope, 2e-13},    ErrorBar{polytope, polytope, 9e-14}};
     return kBars;
   }
 };

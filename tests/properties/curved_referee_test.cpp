@@ -146,8 +146,8 @@ void widths() {
   EXPECT_LE(strays, 0.01 * asked) << strays << " of " << asked;
   const auto line = [](const char* what, std::vector<double>& w) {
     std::sort(w.begin(), w.end());
-    std::cout << "  " << what << ' ' << w.size() << ": median " << w[w.size() / 2] << ", 99 % " << w[w.size() * 99 / 100]
-              << ", most " << w.back() << '\n';
+    std::cout << "  " << what << ' ' << w.size() << ": median " << w[w.size() / 2] << ", 99 % "
+              << w[w.size() * 99 / 100] << ", most " << w.back() << '\n';
   };
   std::cout << D << "D, width / s, undecided " << undecided << " of " << asked << '\n';
   line("apart", apart), line("overlapping", overlapping);
