@@ -33,7 +33,7 @@ class CurvedCore {
   /// it: one corner where there is none, two of a straight line, or a convex polygon inscribed in a flat face,
   /// counter-clockwise seen from outside. The i-th corner stays the i-th while d changes little. Any length of d.
   virtual void supportFace(const Vec<D>& d, std::vector<Vec<D>>& corners) const = 0;
-  /// Of the solid core, about its own frame's origin as centre.
+  /// Of the solid core, in its own frame.
   virtual MassProperties<D> massProperties(Real density) const = 0;
 };
 

@@ -11,6 +11,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/scene_file.h"
+#include "framework/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -47,6 +48,23 @@ json describeSweeps() {
   return out;
 }
 
+// Every kind, and what a scene must say of the sizes of those that are curved.
+json describeShapes() {
+  json out = json::array();
+  for (int k = 0; k < kShapeKinds; ++k) {
+    const auto kind = static_cast<ShapeKind>(k);
+    json dimensions = json::array(), sizes = json::array();
+    for (const int d : {2, 3}) {
+      if (kindExists(kind, d)) dimensions.push_back(d);
+    }
+    if (coreClass(kind) == CoreClass::curved) {
+      for (const std::string_view s : curvedKind<3>(kind).sizes) sizes.push_back(std::string(s));
+    }
+    out.push_back({{"name", std::string(shapeKindName(kind))}, {"dimensions", dimensions}, {"sizes", sizes}});
+  }
+  return out;
+}
+
 std::string dimensionsText(const json& dimensions) {
   std::string text;
   for (const json& d : dimensions) text += (text.empty() ? "" : " ") + std::to_string(d.get<int>()) + "D";
@@ -71,6 +89,13 @@ void print(const json& all) {
                   p["unit"] == "1" ? "" : p["unit"].get<std::string>().c_str(),
                   valid.empty() ? "" : ("  (" + valid + ")").c_str(), p["meaning"].get<std::string>().c_str());
     }
+  }
+  std::printf("\nshapes\n");
+  for (const json& s : all["shapes"]) {
+    std::string sizes;
+    for (const json& size : s["sizes"]) sizes += (sizes.empty() ? "" : ", ") + size.get<std::string>();
+    std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), dimensionsText(s["dimensions"]).c_str(),
+                sizes.c_str());
   }
   std::printf("\nscenes\n");
   for (const json& s : all["scenes"]) {
@@ -101,7 +126,8 @@ void writeNames(const std::string& page) {
 }
 
 void addList(CommandLine& app, Session&) {
-  CommandLine command = app.subcommand("list", "All algorithms with their parameters, all scenes, all sweeps");
+  CommandLine command =
+      app.subcommand("list", "All algorithms with their parameters, all kinds of shape, all scenes, all sweeps");
   auto asJson = std::make_shared<bool>(false);
   auto page = std::make_shared<std::string>();
   command.flag("--json", *asJson, "for programs");
@@ -109,7 +135,10 @@ void addList(CommandLine& app, Session&) {
   command.footer("Example: lpc list --json | python3 -m json.tool");
   command.callback([asJson, page] {
     if (!page->empty()) return writeNames(*page);
-    const json all = {{"algorithms", describeAlgorithms()}, {"scenes", describeScenes()}, {"sweeps", describeSweeps()}};
+    const json all = {{"algorithms", describeAlgorithms()},
+                      {"shapes", describeShapes()},
+                      {"scenes", describeScenes()},
+                      {"sweeps", describeSweeps()}};
     if (*asJson) {
       std::cout << all.dump(1) << "\n";
     } else {

@@ -1,7 +1,7 @@
 # Growth, done: each folder beside this file is a promise of what one more thing costs. Its files are put into a scratch
 # tree and counted; the tree is built; the thing is listed and proved; its broken twin is caught; and when it is gone,
 # lists and keys of results are as before. Pinned histories at -O0 are then compared by ctest.
-#   cmake -DSOURCE_DIR=... -DWORK_DIR=... -DLAUNCHER=... -P run.cmake
+#   cmake -DSOURCE_DIR=... -DWORK_DIR=... -DLAUNCHER=... [-DALL=ON] -P run.cmake
 #
 # A promise has
 #   promise.cmake  at_most (files), name (shown by `lpc list`), targets, proof (a command that passes, and fails with
@@ -142,8 +142,12 @@ file(REMOVE ${work}/keys.db)
 set(keys ${bin}/lpc sweep ${work}/keys.toml --store ${work}/keys.db --quiet)
 must_say("6 run, 0 of these not ok" ${keys})
 
-# First what compiles a file or none, then what compiles everything.
-foreach(round OFF ON)
+# First what compiles a file or none, then what compiles everything: with -DALL=ON only.
+set(rounds OFF)
+if(ALL)
+  list(APPEND rounds ON)
+endif()
+foreach(round IN LISTS rounds)
   set(promises "")
   set(wanted lpc)
   foreach(promise IN LISTS folders)

@@ -1,0 +1,5 @@
+edit(framework/shape.h "ellipsoid, plane }" "ellipsoid, plane, cone }")
+edit(framework/shape.h "kShapeKinds = 8" "kShapeKinds = 9")
+edit(framework/shape.h "CoreClass::curved, CoreClass::plane}" "CoreClass::curved, CoreClass::plane,   CoreClass::curved}")
+edit(framework/shape.h "kind == ShapeKind::cylinder ?" "kind == ShapeKind::cylinder || kind == ShapeKind::cone ?")
+edit(framework/shape.cpp "\"ellipsoid\", \"plane\"}" "\"ellipsoid\", \"plane\", \"cone\"}")

@@ -1,0 +1,25 @@
+# A convex shape kind: its core in one file, its row and its name. A cone that stands on a plane stays where it is, by
+# everything that nobody has told of cones.
+set(at_most 3)
+set(name cone)
+set(targets "")
+file(WRITE ${work}/standing_cone.toml [[
+name = "standing_cone"
+summary = "a cone on its base on a plane"
+dimensions = [3]
+needs = ["cache", "friction", "rotation"]
+steps = 300
+[limits]
+drift = 0.02
+speed = 10
+[[body]]
+type = "fixed"
+shapes = [{ kind = "plane" }]
+[[body]]
+position = [0, 0.5, 0]
+angle = 1.5707963267948966
+shapes = [{ kind = "cone", half_height = 0.5, radius = 0.4 }]
+]])
+set(proof ${bin}/lpc run ${work}/standing_cone.toml --pipeline contacts=query_clip)
+set(blames "collapsed|exploded|diverged")
+set(rebuilds_all ON)
