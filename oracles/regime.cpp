@@ -20,10 +20,10 @@ Vecd<3> direction3(const Vec<D>& v) {
   return out;
 }
 
-// Longest and shortest side of the shape's own box (m); a plane has none.
+// Longest and shortest side of the shape's own box (m). Against a plane only the other shape's count.
 template <int D>
-Vecd<2> sides(const ShapeView<D>& shape) {
-  if (shape.core() == CoreClass::plane) return {0, 0};
+Vecd<2> sides(const ShapeView<D>& shape, const ShapeView<D>& other) {
+  if (shape.core() == CoreClass::plane) return sides(other, other);
   const Aabb<D> box = boundingBox(shape, Pose<D>{});
   const Vec<D> extent = box.hi - box.lo;
   return {static_cast<double>(extent.maxCoeff()), static_cast<double>(extent.minCoeff())};
@@ -73,9 +73,12 @@ bool facesAlong(const ShapeView<D>& shape, const Vecd<D>& n) {
   return false;
 }
 
+// Along n (m).
 template <int D>
-double reach(const ShapeView<D>& shape, const Vecd<D>& n) {
-  return static_cast<double>(supportValue(shape, Vec<D>(n.template cast<Real>())));
+double width(const ShapeView<D>& shape, const Vecd<D>& n) {
+  if (shape.core() == CoreClass::plane) return std::numeric_limits<double>::infinity();
+  const Vec<D> d = n.template cast<Real>();
+  return static_cast<double>(supportValue(shape, d)) + static_cast<double>(supportValue(shape, Vec<D>(-d)));
 }
 
 }  // namespace
@@ -86,7 +89,7 @@ template <int D>
 std::string_view regimeOf(const HardPair<D>& pair, const RefereeAnswer<D>& truth) {
   if (!truth.decided) return "undecided";
   const ShapeView<D>&a = pair.a.view(), &b = pair.b.view();
-  const Vecd<2> sidesA = sides(a), sidesB = sides(b);
+  const Vecd<2> sidesA = sides(a, b), sidesB = sides(b, a);
   const auto ratio = std::minmax(sidesA[0], sidesB[0]);
   const auto isThin = [](const ShapeView<D>& s, const Vecd<2>& side) {
     return s.kind != ShapeKind::segment && side[1] < 1e-3 * side[0];
@@ -99,8 +102,7 @@ std::string_view regimeOf(const HardPair<D>& pair, const RefereeAnswer<D>& truth
   if (facesAlong<D>(a, n) && facesAlong<D>(b, -nB)) return "parallel_faces";
   if (phi > 0) return "separated";
   // Along n, A ends at its reach and B begins at A's end + phi: the far ends tell who lies within whom.
-  const double widthA = reach<D>(a, n) + reach<D>(a, -n), widthB = reach<D>(b, nB) + reach<D>(b, -nB);
-  if (-phi >= std::min(widthA, widthB)) return "contained";
+  if (-phi >= std::min(width<D>(a, n), width<D>(b, nB))) return "contained";
   return -phi <= 0.1 * smaller ? "shallow" : "deep";
 }
 

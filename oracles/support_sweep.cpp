@@ -5,6 +5,7 @@
 #include <cmath>
 #include <queue>
 
+#include "framework/curved_core.h"
 #include "oracles/posed_core.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -95,7 +96,27 @@ class Sweep {
 };
 
 template <int D>
+SupportFunction<D> supportOfCurved(const ShapeView<D>& shape, const Pose<D>& X_WS) {
+  Eigen::Matrix<double, D, D> r;
+  const auto rotation = rotationOf<double>(X_WS.q);
+  for (int i = 0; i < D; ++i) {
+    for (int j = 0; j < D; ++j) r(i, j) = rotation[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+  }
+  return [core = shape.curved, r, p = Vecd<D>(X_WS.p.template cast<double>()),
+          radius = static_cast<double>(shape.radius)](const Vecd<D>& d) -> Vecd<D> {
+    const Vecd<D> local = r.transpose() * d;
+    std::array<long double, static_cast<std::size_t>(D)> along;
+    for (int k = 0; k < D; ++k) along[static_cast<std::size_t>(k)] = local[k];
+    const auto q = core->support(along);
+    Vecd<D> point;
+    for (int k = 0; k < D; ++k) point[k] = static_cast<double>(q[static_cast<std::size_t>(k)]);
+    return p + r * point + radius * d;
+  };
+}
+
+template <int D>
 SupportFunction<D> supportOf(const ShapeView<D>& shape, const Pose<D>& X_WS) {
+  if (shape.curved) return supportOfCurved(shape, X_WS);
   std::vector<Vec<D>> core;
   coreVertices(shape, core);
   std::vector<Point<double, D>> posed;

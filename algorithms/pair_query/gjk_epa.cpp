@@ -54,6 +54,7 @@ class GjkEpa final : public PairQuery<D> {
       BestAxis<D> best;
       const QueryStatus status = search(pair, need, remembered, best, work);
       if (remembered) remember(best.n, *remembered);
+      if ((pair.a.curved || pair.b.curved) && need == Need::witnesses) settleCurved(pair, best, work);
       answers.set(i, answerFrom<D>(pair, best, status, need, m_touching));
     }
   }

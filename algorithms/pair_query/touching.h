@@ -100,7 +100,11 @@ class TouchingPoint {
       for (int i = 0; i < 6; ++i, band *= 16) {
         gather(pair, best.n, band);
         Vec<D> offset = Vec<D>::Zero();
-        const Vec<D> q = commonPoint(best.n, offset);
+        Vec<D> q = commonPoint(best.n, offset);
+        for (int more = 0; more < 3 && offset.norm() > band && reachOut(pair, best.n, offset, band); ++more) {
+          offset = Vec<D>::Zero();
+          q = commonPoint(best.n, offset);
+        }
         if (offset.norm() + band < least) least = offset.norm() + band, common = q, miss = offset;
         if (!(offset.norm() > band)) break;
       }
@@ -128,6 +132,26 @@ class TouchingPoint {
     supportingVertices<D>(pair.a, n, band, a);
     supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, b);
     for (Vec<D>& v : b) v = pair.p + pair.r * v;
+  }
+  // The corners of a curved face are a few of its rim: adds the one that lies towards the other feature.
+  template <int D>
+  bool reachOut(const CorePair<D>& pair, const Vec<D>& n, const Vec<D>& offset, Real band) {
+    if (!pair.a.curved && !pair.b.curved) return false;
+    constexpr Real kTilt =
+        Real(1e-3);  // larger than the rounding of n, and as small as its side in the plane of the face
+    const Vec<D> aside = kTilt / offset.norm() * offset;
+    if (pair.a.curved) {
+      const Vec<D> v = coreSupport(pair.a, Vec<D>(n + aside));
+      if (v.dot(n) >= coreSupport(pair.a, n).dot(n) - band) vertices<D>(m_a2, m_a3).push_back(v);
+    }
+    if (pair.b.curved) {
+      const Vec<D> back = -(pair.r.transpose() * n);
+      const Vec<D> v = coreSupport(pair.b, Vec<D>(back - pair.r.transpose() * aside));
+      if (v.dot(back) >= coreSupport(pair.b, back).dot(back) - band) {
+        vertices<D>(m_b2, m_b3).push_back(pair.p + pair.r * v);
+      }
+    }
+    return true;
   }
   template <int D>
   static auto& vertices(std::vector<Vec<2>>& two, std::vector<Vec<3>>& three) {

@@ -25,6 +25,7 @@ std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension) {
     for (int b = a; b < kShapeKinds; ++b) {
       const auto kindA = static_cast<ShapeKind>(a), kindB = static_cast<ShapeKind>(b);
       if (!kindExists(kindA, dimension) || !kindExists(kindB, dimension)) continue;
+      if (coreClass(kindA) == CoreClass::plane && coreClass(kindB) == CoreClass::plane) continue;  // never meet
       out.emplace_back(kindA, kindB);
     }
   }
@@ -175,7 +176,9 @@ class Recorder final : public ContactGenerator<D> {
   static inline std::vector<double> asked;
   bool supports(ShapeKind, ShapeKind) const override { return true; }
   void generate(const ContactInput<D>& input, std::vector<Manifold<D>>&, Work&) override {
-    for (const ShapePair& pair : input.pairs) asked.push_back(input.pose[static_cast<std::size_t>(pair.b)].p[0]);
+    for (const ConvexPair<D>& pair : input.pairs) {
+      asked.push_back(input.pose[static_cast<std::size_t>(pair.shapes.b)].p[0]);
+    }
   }
 };
 TEST(Verify, ContactsAreAskedTheSameHoweverTheyAreCut) {
