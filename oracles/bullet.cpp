@@ -106,13 +106,13 @@ class BulletGjkEpa final : public IsolatedWitness {
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
     static constexpr std::array kBars = {
-        ErrorBar{sphere, sphere, 1e-15},     ErrorBar{sphere, capsule, 1e-15},   ErrorBar{sphere, box, 2e-13},
-        ErrorBar{sphere, polytope, 2e-14},   ErrorBar{capsule, capsule, 8e-15},  ErrorBar{capsule, box, 2e-13},
-        ErrorBar{capsule, polytope, 7e-14},  ErrorBar{box, box, 1e-13},          ErrorBar{box, polytope, 5e-14},
-        ErrorBar{polytope, polytope, 7e-14}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
-        ErrorBar{box, cylinder, 1.0},        ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
-        ErrorBar{sphere, ellipsoid, 1.0},    ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
-        ErrorBar{polytope, ellipsoid, 1.0},  ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
+        ErrorBar{sphere, sphere, 1e-15},     ErrorBar{sphere, capsule, 1e-15},    ErrorBar{sphere, box, 2e-13},
+        ErrorBar{sphere, polytope, 2e-14},   ErrorBar{capsule, capsule, 8e-15},   ErrorBar{capsule, box, 2e-13},
+        ErrorBar{capsule, polytope, 7e-14},  ErrorBar{box, box, 1e-13},           ErrorBar{box, polytope, 5e-14},
+        ErrorBar{polytope, polytope, 7e-14}, ErrorBar{sphere, cylinder, 2e-6},    ErrorBar{capsule, cylinder, 3e-6},
+        ErrorBar{box, cylinder, 2e-6},       ErrorBar{polytope, cylinder, 2e-6},  ErrorBar{cylinder, cylinder, 3e-5},
+        ErrorBar{sphere, ellipsoid, 1e-1},   ErrorBar{capsule, ellipsoid, 1e-1},  ErrorBar{box, ellipsoid, 4e-5},
+        ErrorBar{polytope, ellipsoid, 2e-5}, ErrorBar{cylinder, ellipsoid, 4e-2}, ErrorBar{ellipsoid, ellipsoid, 1e-1}};
     return kBars;
   }
 

@@ -151,13 +151,13 @@ class FclLibccd final : public FclWitness<D> {
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
     static constexpr std::array kBars = {
-        ErrorBar{sphere, sphere, 9e-7},      ErrorBar{sphere, capsule, 5e-6},    ErrorBar{sphere, box, 2e-6},
-        ErrorBar{sphere, polytope, 7e-7},    ErrorBar{capsule, capsule, 6e-6},   ErrorBar{capsule, box, 4e-6},
-        ErrorBar{capsule, polytope, 3e-6},   ErrorBar{box, box, 1e-15},          ErrorBar{box, polytope, 1e-15},
-        ErrorBar{polytope, polytope, 1e-15}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
-        ErrorBar{box, cylinder, 1.0},        ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
-        ErrorBar{sphere, ellipsoid, 1.0},    ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
-        ErrorBar{polytope, ellipsoid, 1.0},  ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
+        ErrorBar{sphere, sphere, 9e-7},      ErrorBar{sphere, capsule, 5e-6},     ErrorBar{sphere, box, 2e-6},
+        ErrorBar{sphere, polytope, 7e-7},    ErrorBar{capsule, capsule, 6e-6},    ErrorBar{capsule, box, 4e-6},
+        ErrorBar{capsule, polytope, 3e-6},   ErrorBar{box, box, 1e-15},           ErrorBar{box, polytope, 1e-15},
+        ErrorBar{polytope, polytope, 1e-15}, ErrorBar{sphere, cylinder, 2e-5},    ErrorBar{capsule, cylinder, 6e-6},
+        ErrorBar{box, cylinder, 4e-6},       ErrorBar{polytope, cylinder, 3e-6},  ErrorBar{cylinder, cylinder, 7e-6},
+        ErrorBar{sphere, ellipsoid, 5e-5},   ErrorBar{capsule, ellipsoid, 2e-5},  ErrorBar{box, ellipsoid, 5e-6},
+        ErrorBar{polytope, ellipsoid, 6e-6}, ErrorBar{cylinder, ellipsoid, 6e-6}, ErrorBar{ellipsoid, ellipsoid, 7e-6}};
     return kBars;
   }
 
@@ -185,14 +185,17 @@ class FclLibccdCollide final : public FclWitness<D> {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {
-        ErrorBar{sphere, sphere, 1e-15},    ErrorBar{sphere, capsule, 1e-15},   ErrorBar{sphere, box, 1e-15},
-        ErrorBar{sphere, polytope, 2e-1},   ErrorBar{capsule, capsule, 2e-1},   ErrorBar{capsule, box, 2e-1},
-        ErrorBar{capsule, polytope, 2e-1},  ErrorBar{box, box, 3e-3},           ErrorBar{box, polytope, 8e-2},
-        ErrorBar{polytope, polytope, 9e-2}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
-        ErrorBar{box, cylinder, 1.0},       ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
-        ErrorBar{sphere, ellipsoid, 1.0},   ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
-        ErrorBar{polytope, ellipsoid, 1.0}, ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},     ErrorBar{sphere, capsule, 1e-15},
+                                         ErrorBar{sphere, box, 1e-15},        ErrorBar{sphere, polytope, 2e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},    ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 2e-1},   ErrorBar{box, box, 3e-3},
+                                         ErrorBar{box, polytope, 8e-2},       ErrorBar{polytope, polytope, 9e-2},
+                                         ErrorBar{sphere, cylinder, 1e-15},   ErrorBar{capsule, cylinder, 2e-1},
+                                         ErrorBar{box, cylinder, 2e-1},       ErrorBar{polytope, cylinder, 2e-1},
+                                         ErrorBar{cylinder, cylinder, 2e-1},  ErrorBar{sphere, ellipsoid, 2e-1},
+                                         ErrorBar{capsule, ellipsoid, 2e-1},  ErrorBar{box, ellipsoid, 2e-1},
+                                         ErrorBar{polytope, ellipsoid, 1e-1}, ErrorBar{cylinder, ellipsoid, 2e-1},
+                                         ErrorBar{ellipsoid, ellipsoid, 2e-1}};
     return kBars;
   }
 
@@ -220,14 +223,17 @@ class FclIndep final : public FclWitness<D> {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {
-        ErrorBar{sphere, sphere, 1e-15},    ErrorBar{sphere, capsule, 1e-15},   ErrorBar{sphere, box, 1e-15},
-        ErrorBar{sphere, polytope, 1e-1},   ErrorBar{capsule, capsule, 2e-1},   ErrorBar{capsule, box, 2e-1},
-        ErrorBar{capsule, polytope, 1e-1},  ErrorBar{box, box, 5e-3},           ErrorBar{box, polytope, 7e-2},
-        ErrorBar{polytope, polytope, 6e-2}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
-        ErrorBar{box, cylinder, 1.0},       ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
-        ErrorBar{sphere, ellipsoid, 1.0},   ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
-        ErrorBar{polytope, ellipsoid, 1.0}, ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},     ErrorBar{sphere, capsule, 1e-15},
+                                         ErrorBar{sphere, box, 1e-15},        ErrorBar{sphere, polytope, 1e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},    ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 1e-1},   ErrorBar{box, box, 5e-3},
+                                         ErrorBar{box, polytope, 7e-2},       ErrorBar{polytope, polytope, 6e-2},
+                                         ErrorBar{sphere, cylinder, 1e-15},   ErrorBar{capsule, cylinder, 2e-1},
+                                         ErrorBar{box, cylinder, 2e-1},       ErrorBar{polytope, cylinder, 2e-1},
+                                         ErrorBar{cylinder, cylinder, 3e-1},  ErrorBar{sphere, ellipsoid, 2e-1},
+                                         ErrorBar{capsule, ellipsoid, 2e-1},  ErrorBar{box, ellipsoid, 2e-1},
+                                         ErrorBar{polytope, ellipsoid, 2e-1}, ErrorBar{cylinder, ellipsoid, 3e-1},
+                                         ErrorBar{ellipsoid, ellipsoid, 3e-1}};
     return kBars;
   }
 

@@ -83,14 +83,17 @@ class LibccdGjk final : public LibccdWitness {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {
-        ErrorBar{sphere, sphere, 4e-1},     ErrorBar{sphere, capsule, 5e-5},    ErrorBar{sphere, box, 3e-5},
-        ErrorBar{sphere, polytope, 4e-5},   ErrorBar{capsule, capsule, 5e-2},   ErrorBar{capsule, box, 7e-5},
-        ErrorBar{capsule, polytope, 3e-5},  ErrorBar{box, box, 2e-5},           ErrorBar{box, polytope, 2e-5},
-        ErrorBar{polytope, polytope, 3e-5}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
-        ErrorBar{box, cylinder, 1.0},       ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
-        ErrorBar{sphere, ellipsoid, 1.0},   ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
-        ErrorBar{polytope, ellipsoid, 1.0}, ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 4e-1},      ErrorBar{sphere, capsule, 5e-5},
+                                         ErrorBar{sphere, box, 3e-5},         ErrorBar{sphere, polytope, 4e-5},
+                                         ErrorBar{capsule, capsule, 5e-2},    ErrorBar{capsule, box, 7e-5},
+                                         ErrorBar{capsule, polytope, 3e-5},   ErrorBar{box, box, 2e-5},
+                                         ErrorBar{box, polytope, 2e-5},       ErrorBar{polytope, polytope, 3e-5},
+                                         ErrorBar{sphere, cylinder, 5e-5},    ErrorBar{capsule, cylinder, 5e-5},
+                                         ErrorBar{box, cylinder, 3e-5},       ErrorBar{polytope, cylinder, 4e-5},
+                                         ErrorBar{cylinder, cylinder, 6e-5},  ErrorBar{sphere, ellipsoid, 7e-5},
+                                         ErrorBar{capsule, ellipsoid, 5e-5},  ErrorBar{box, ellipsoid, 5e-5},
+                                         ErrorBar{polytope, ellipsoid, 4e-5}, ErrorBar{cylinder, ellipsoid, 7e-5},
+                                         ErrorBar{ellipsoid, ellipsoid, 6e-5}};
     return kBars;
   }
 
@@ -131,14 +134,17 @@ class LibccdMpr final : public LibccdWitness {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {
-        ErrorBar{sphere, sphere, 1e-15},    ErrorBar{sphere, capsule, 2e-1},    ErrorBar{sphere, box, 2e-1},
-        ErrorBar{sphere, polytope, 2e-1},   ErrorBar{capsule, capsule, 2e-1},   ErrorBar{capsule, box, 2e-1},
-        ErrorBar{capsule, polytope, 2e-1},  ErrorBar{box, box, 2e-1},           ErrorBar{box, polytope, 6e-2},
-        ErrorBar{polytope, polytope, 9e-2}, ErrorBar{sphere, cylinder, 1.0},    ErrorBar{capsule, cylinder, 1.0},
-        ErrorBar{box, cylinder, 1.0},       ErrorBar{polytope, cylinder, 1.0},  ErrorBar{cylinder, cylinder, 1.0},
-        ErrorBar{sphere, ellipsoid, 1.0},   ErrorBar{capsule, ellipsoid, 1.0},  ErrorBar{box, ellipsoid, 1.0},
-        ErrorBar{polytope, ellipsoid, 1.0}, ErrorBar{cylinder, ellipsoid, 1.0}, ErrorBar{ellipsoid, ellipsoid, 1.0}};
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},     ErrorBar{sphere, capsule, 2e-1},
+                                         ErrorBar{sphere, box, 2e-1},         ErrorBar{sphere, polytope, 2e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},    ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 2e-1},   ErrorBar{box, box, 2e-1},
+                                         ErrorBar{box, polytope, 6e-2},       ErrorBar{polytope, polytope, 9e-2},
+                                         ErrorBar{sphere, cylinder, 2e-1},    ErrorBar{capsule, cylinder, 2e-1},
+                                         ErrorBar{box, cylinder, 2e-1},       ErrorBar{polytope, cylinder, 2e-1},
+                                         ErrorBar{cylinder, cylinder, 2e-1},  ErrorBar{sphere, ellipsoid, 2e-1},
+                                         ErrorBar{capsule, ellipsoid, 2e-1},  ErrorBar{box, ellipsoid, 2e-1},
+                                         ErrorBar{polytope, ellipsoid, 1e-1}, ErrorBar{cylinder, ellipsoid, 2e-1},
+                                         ErrorBar{ellipsoid, ellipsoid, 2e-1}};
     return kBars;
   }
 

@@ -18,6 +18,9 @@
 #include <ctime>
 #include <system_error>
 
+#include "framework/check.h"
+#include "framework/curved_core.h"
+
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
@@ -59,10 +62,33 @@ void divide(ShapeView<3>& shape, Polytope<3>& hull, Real unit) {
   shape.hull = &hull;
 }
 
+// The sizes of a curved core, from which the child makes it anew.
+struct StoredSizes {
+  static constexpr std::size_t kMost = 8;
+  std::array<Real, kMost> values{};
+  std::size_t count = 0;
+
+  explicit StoredSizes(const CurvedCore<3>* core = nullptr) {
+    if (!core) return;
+    LPC_ASSERT(core->sizes().size() <= kMost);
+    count = core->sizes().size();
+    std::copy(core->sizes().begin(), core->sizes().end(), values.begin());
+  }
+  std::shared_ptr<const CurvedCore<3>> restore(ShapeView<3>& shape, Real unit) const {
+    if (!shape.curved) return nullptr;
+    std::array<Real, kMost> scaled = values;
+    for (Real& size : scaled) size /= unit;
+    const auto core = curvedKind<3>(shape.kind).create({scaled.data(), count});
+    shape.curved = core.get();
+    return core;
+  }
+};
+
 struct StoredPair {
   PairView<3> view;
   Real unit = 1;
   StoredHull hullA, hullB;
+  StoredSizes sizesA, sizesB;
 };
 
 struct Block {
@@ -166,7 +192,12 @@ class IsolatedWitness::Process {
       const PairView<3>& pair = pairs[count];
       const auto room = static_cast<std::size_t>(space.end - space.next);
       if (HullSpace::bytes(pair.a) + HullSpace::bytes(pair.b) > room) break;
-      m_block->pairs[count] = {pair, unitFor(pair), space.put(pair.a.hull), space.put(pair.b.hull)};
+      m_block->pairs[count] = {pair,
+                               unitFor(pair),
+                               space.put(pair.a.hull),
+                               space.put(pair.b.hull),
+                               StoredSizes(pair.a.curved),
+                               StoredSizes(pair.b.curved)};
     }
     m_block->count = static_cast<int>(count);
     return count;
@@ -256,6 +287,7 @@ class IsolatedWitness::Process {
     PairView<3> pair = stored.view;
     stored.hullA.restore(hullA), stored.hullB.restore(hullB);
     divide(pair.a, hullA, stored.unit), divide(pair.b, hullB, stored.unit);
+    const auto coreA = stored.sizesA.restore(pair.a, stored.unit), coreB = stored.sizesB.restore(pair.b, stored.unit);
     pair.X_AB.p /= stored.unit;
     PairAnswer<3> answer = failure();
     Ending ending = Ending::threw;

@@ -180,6 +180,7 @@ Measured measure(const Entry<D>& e, ShapeKind a, ShapeKind b) {
     const Pair<D>& p = pairs[static_cast<std::size_t>(i)];
     const PairAnswer<D> answer = answers->get(i);
     const RefereeAnswer<D> truth = referee(p.a.view(), Pose<D>{}, p.b.view(), p.X_AB);
+    if (!truth.decided) continue;  // a ring of minima of a curved pair
     m.failed += answer.status == QueryStatus::failed;
     if (answer.status == QueryStatus::failed || answer.status == QueryStatus::refused) continue;
     m.wrongSide += (answer.distance < 0) != (truth.hi < 0);
