@@ -154,6 +154,7 @@ template <int D>
 RefereeAnswer<D> refereeExactly(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b,
                                 const Pose<D>& X_WB) {
   RefereeAnswer<D> answer;
+  if (!hasVertices(a) || !hasVertices(b)) return answer;
   std::vector<Vec<D>> coreA, coreB;
   coreVertices(a, coreA);
   coreVertices(b, coreB);

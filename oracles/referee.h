@@ -57,7 +57,7 @@ struct RefereeAnswer {
 template <int D>
 RefereeAnswer<D> referee(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB);
 
-/// In exact integers: always decided for finite input. The interval is phi rounded outwards.
+/// In exact integers, of cores with vertices: always decided for finite input. The interval is phi rounded outwards.
 template <int D>
 RefereeAnswer<D> refereeExactly(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB);
 

@@ -4,7 +4,7 @@
 // both Newton's step is known. Where M has an edge or a corner there is no curvature, the step is wrong, and not taken.
 #pragma once
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 
 #include "algorithms/pair_query/core_pair.h"
 
@@ -16,23 +16,31 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, Work& work) {
   // A turn whose square is a rounding of the result, and far above the rounding of a difference of gradients.
   static const Real kTurn = std::sqrt(std::sqrt(kEpsilon)) / 16;
   const auto t = tangents(n);
-  const auto gradient = [&](const Vec<D>& direction) {
+  const auto support = [&](const Vec<D>& direction) {
     work[Count::supportCalls] += 2;
-    return Matrix<D - 1, 1>(t.transpose() * pair.support(direction));
+    return pair.support(direction);
   };
-  const Matrix<D - 1, 1> g = gradient(n);
+  const Vec<D> m = support(n);
+  const Matrix<D - 1, 1> g = t.transpose() * m;
   Matrix<D - 1, D - 1> curvature;
   for (int k = 0; k < D - 1; ++k) {
     Vec<D> turned = n + kTurn * t.col(k);
     makeUnit<D>(turned);
-    curvature.col(k) = (gradient(turned) - g) / kTurn;
+    curvature.col(k) = (t.transpose() * support(turned) - g) / kTurn;
   }
-  // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless.
-  curvature.diagonal().array() -= 64 * kEpsilon / kTurn * curvature.cwiseAbs().maxCoeff();
-  return n - t * Matrix<D - 1, 1>(curvature.inverse() * g);
+  curvature.diagonal().array() -= n.dot(m);  // of the sphere of directions itself
+  // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
+  // beside a ridge it is positive, where only the way up counts.
+  const Eigen::Matrix<Real, D - 1, D - 1> symmetric = (curvature + curvature.transpose()) / 2;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<Real, D - 1, D - 1>> own(symmetric);
+  const Real shift = 64 * kEpsilon / kTurn * symmetric.cwiseAbs().maxCoeff();
+  Matrix<D - 1, 1> step = own.eigenvectors().transpose() * g;
+  for (int k = 0; k < D - 1; ++k) step[k] /= std::abs(own.eigenvalues()[k]) + shift;
+  const Matrix<D - 1, 1> turn = own.eigenvectors() * step;
+  return n + t * turn;
 }
 
-/// For a search that ended before its tolerance: steps as long as the bound gets better.
+/// Steps as long as the bound gets better: a search may have ended before its tolerance.
 template <int D>
 void polishCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
   constexpr int kMostSteps = 16;

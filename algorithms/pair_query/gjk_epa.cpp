@@ -132,7 +132,7 @@ class GjkEpa final : public PairQuery<D> {
     if (capped) return QueryStatus::iterationLimit;
     const EpaLimits limits{m_params.faces, tolerance};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
-    if (curved && status != QueryStatus::converged) polishCurved(pair, best, work);
+    if (curved) polishCurved(pair, best, work);
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
     if (inside && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
     if constexpr (D == 3) {

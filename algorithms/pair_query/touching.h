@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/pair_query/core_pair.h"
+#include "framework/support_gap.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
@@ -105,6 +106,7 @@ class TouchingPoint {
           offset = Vec<D>::Zero();
           q = commonPoint(best.n, offset);
         }
+        if (offset.norm() > band) standOnCurved(pair, best.n, q, offset);
         if (offset.norm() + band < least) least = offset.norm() + band, common = q, miss = offset;
         if (!(offset.norm() > band)) break;
       }
@@ -152,6 +154,27 @@ class TouchingPoint {
       }
     }
     return true;
+  }
+  // Between the corners of a curved face and its rim lies more of it: is the other feature's point on the core itself?
+  template <int D>
+  void standOnCurved(const CorePair<D>& pair, const Vec<D>& n, Vec<D>& q, Vec<D>& offset) {
+    const Vec<D> onA = q - offset / 2, onB = q + offset / 2;
+    const Real length = offset.norm();
+    const auto take = [&](const Vec<D>& point, Real gap) {
+      if (gap < offset.norm()) q = point, offset *= std::max(gap, Real(0)) / length;
+    };
+    if (pair.a.curved) {
+      const Vec<D> at = onB + coreSupport(pair.a, n).dot(n) * n;
+      const auto difference = [&](const Vec<D>& d) { return Vec<D>(coreSupport(pair.a, d) - at); };
+      take(onB, gapToOrigin<D>(difference, -at).gap);
+    }
+    if (pair.b.curved) {
+      const Vec<D> back = -(pair.r.transpose() * n);
+      const Vec<D> across = pair.r.transpose() * (onA - pair.p);
+      const Vec<D> at = across + (coreSupport(pair.b, back) - across).dot(back) * back;
+      const auto difference = [&](const Vec<D>& d) { return Vec<D>(coreSupport(pair.b, d) - at); };
+      take(onA, gapToOrigin<D>(difference, -at).gap);
+    }
   }
   template <int D>
   static auto& vertices(std::vector<Vec<2>>& two, std::vector<Vec<3>>& three) {

@@ -50,14 +50,17 @@ void sameBits(const SceneFile& file) {
   const SceneSpec<D> scene = file.build<D>({}, file.defaultSeed());
   if (scene.spawns.size() > kBodies) return;
   SCOPED_TRACE(file.name() + " in " + std::to_string(D) + "D");
-  for (const char* pipeline : {"", "solver=soft_step sleep=split_average",
-                               "contacts=query_clip solver=split_solver{velocity=naive,position=linear}"}) {
+  // Curved cores have no list of axes for the default.
+  const std::string contacts = file.name() == "cylinders" ? "contacts=query_clip " : "";
+  for (const std::string& pipeline :
+       {contacts, contacts + "solver=soft_step sleep=split_average",
+        std::string("contacts=query_clip solver=split_solver{velocity=naive,position=linear}")}) {
     const std::uint64_t once = historyOf(scene, pipeline);
     EXPECT_EQ(historyOf(scene, pipeline), once) << pipeline;
   }
-  const std::uint64_t expected = historyOf(scene, "broadphase=naive");
+  const std::uint64_t expected = historyOf(scene, contacts + "broadphase=naive");
   for (const Registered* r : Registry::instance().list(StageKind::broadphase, D)) {
-    EXPECT_EQ(historyOf(scene, "broadphase=" + r->info.name), expected) << r->info.name;
+    EXPECT_EQ(historyOf(scene, contacts + "broadphase=" + r->info.name), expected) << r->info.name;
   }
 }
 
