@@ -93,7 +93,7 @@ class StageSet {
   /// For instance get<Broadphase<D>>().
   template <class S>
   S& get() const {
-    static_assert(S::kDimension == D && isWorldStage(&stageInfo(S::kStage)));
+    static_assert(S::kDimension == D && isWorldStage(stageInfo(S::kStage)));
     return static_cast<S&>(*m_stages[static_cast<std::size_t>(S::kStage)]);
   }
 

@@ -38,8 +38,9 @@ inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));
 
 constexpr const StageInfo& stageInfo(StageKind kind) { return kStages[static_cast<std::size_t>(kind)]; }
 constexpr std::string_view stageName(StageKind kind) { return stageInfo(kind).name; }
+constexpr bool isWorldStage(const StageInfo& stage) { return !stage.worldDefault.empty(); }
 /// False for nullptr.
-constexpr bool isWorldStage(const StageInfo* stage) { return stage && !stage->worldDefault.empty(); }
+constexpr bool isWorldStage(const StageInfo* stage) { return stage && isWorldStage(*stage); }
 
 /// nullptr when no stage has this name.
 constexpr const StageInfo* stageByName(std::string_view name) {
@@ -62,13 +63,13 @@ constexpr const StageInfo* stageOfPath(std::string_view path) {
 inline constexpr auto kWorldStages = [] {
   constexpr std::size_t kCount = [] {
     std::size_t n = 0;
-    for (const StageInfo& s : kStages) n += isWorldStage(&s);
+    for (const StageInfo& s : kStages) n += isWorldStage(s);
     return n;
   }();
   std::array<StageKind, kCount> kinds{};
   std::size_t n = 0;
   for (const StageInfo& s : kStages) {
-    if (isWorldStage(&s)) kinds[n++] = s.kind;
+    if (isWorldStage(s)) kinds[n++] = s.kind;
   }
   return kinds;
 }();

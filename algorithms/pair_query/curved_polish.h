@@ -4,11 +4,22 @@
 // both Newton's step is known. Where M has an edge or a corner there is no curvature, the step is wrong, and not taken.
 #pragma once
 
-#include <Eigen/Eigenvalues>
-
 #include "algorithms/pair_query/core_pair.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
+
+/// |H|^-1 g, each eigenvalue of the symmetric H made positive and no smaller than `shift`.
+inline Matrix<1, 1> uphill(const Matrix<1, 1>& h, const Matrix<1, 1>& g, Real shift) {
+  return g / (std::abs(h(0, 0)) + shift);
+}
+inline Matrix<2, 1> uphill(const Matrix<2, 2>& h, const Matrix<2, 1>& g, Real shift) {
+  const Real middle = (h(0, 0) + h(1, 1)) / 2, half = (h(0, 0) - h(1, 1)) / 2;
+  const Real radius = std::sqrt(half * half + h(0, 1) * h(0, 1));
+  const Real high = 1 / (std::abs(middle + radius) + shift), low = 1 / (std::abs(middle - radius) + shift);
+  if (!(radius > 0)) return high * g;
+  const Matrix<2, 1> along = (h * g - (middle - radius) * g) / (2 * radius);  // the part of g along the higher one
+  return high * along + low * (g - along);
+}
 
 /// Newton's step from n, not of unit length.
 template <int D>
@@ -31,13 +42,8 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, Work& work) {
   curvature.diagonal().array() -= n.dot(m);  // of the sphere of directions itself
   // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
   // beside a ridge it is positive, where only the way up counts.
-  const Eigen::Matrix<Real, D - 1, D - 1> symmetric = (curvature + curvature.transpose()) / 2;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<Real, D - 1, D - 1>> own(symmetric);
-  const Real shift = 64 * kEpsilon / kTurn * symmetric.cwiseAbs().maxCoeff();
-  Matrix<D - 1, 1> step = own.eigenvectors().transpose() * g;
-  for (int k = 0; k < D - 1; ++k) step[k] /= std::abs(own.eigenvalues()[k]) + shift;
-  const Matrix<D - 1, 1> turn = own.eigenvectors() * step;
-  return n + t * turn;
+  const Matrix<D - 1, D - 1> symmetric = (curvature + curvature.transpose()) / 2;
+  return n + t * uphill(symmetric, g, 64 * kEpsilon / kTurn * symmetric.cwiseAbs().maxCoeff());
 }
 
 /// Steps as long as the bound gets better: a search may have ended before its tolerance.
