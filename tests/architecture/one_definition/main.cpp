@@ -32,8 +32,8 @@ struct Object {
   }
 };
 
-// What the symbol's code is: its bytes, and what they refer to by name. Where in a section of constants a local thing
-// lies differs from file to file and is left out.
+// What the symbol's code is: its bytes, and what of ours they refer to. How a call reaches another's function, and
+// where constants lie, differs from file to file and is left out.
 std::string codeOf(const Object& o, std::size_t symbols, const Elf64_Sym& symbol) {
   const Elf64_Shdr& home = o.section(symbol.st_shndx);
   std::ostringstream out;
@@ -45,13 +45,8 @@ std::string codeOf(const Object& o, std::size_t symbols, const Elf64_Sym& symbol
       const Elf64_Rela& r = relocations[k];
       if (r.r_offset < symbol.st_value || r.r_offset >= symbol.st_value + symbol.st_size) continue;
       const Elf64_Sym& to = o.table<Elf64_Sym>(symbols).first[ELF64_R_SYM(r.r_info)];
-      out << '|' << r.r_offset - symbol.st_value << ' ' << ELF64_R_TYPE(r.r_info) << ' ';
-      if (ELF64_ST_TYPE(to.st_info) == STT_SECTION) {
-        out << o.sectionName(to.st_shndx);
-      } else {
-        out << o.text(o.section(symbols).sh_link, to.st_name);
-        if (ELF64_ST_BIND(to.st_info) != STB_LOCAL) out << '+' << r.r_addend;
-      }
+      const std::string name = o.text(o.section(symbols).sh_link, to.st_name);
+      out << '|' << r.r_offset - symbol.st_value << ' ' << (name.find("N3lpc") == name.npos ? "" : name);
     }
   }
   return out.str();
