@@ -35,7 +35,8 @@ struct HardPair {
 /// All families, "random" first. `nasty_hulls` needs a polytope.
 std::span<const std::string_view> hardPairFamilies();
 
-/// The index-th pair, of which one at most is a plane, whatever was drawn before: a pair is named by (kinds, seed, index).
+/// The index-th pair, of which one at most is a plane, whatever was drawn before: a pair is named by (kinds, seed,
+/// index).
 template <int D>
 HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index);
 
