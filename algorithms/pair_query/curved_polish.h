@@ -4,7 +4,7 @@
 // both Newton's step is known. Where M has an edge or a corner there is no curvature, the step is wrong, and not taken.
 #pragma once
 
-#include "algorithms/pair_query/core_pair.h"
+#include "algorithms/pair_query/touching.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
@@ -21,29 +21,34 @@ inline Matrix<2, 1> uphill(const Matrix<2, 2>& h, const Matrix<2, 1>& g, Real sh
   return high * along + low * (g - along);
 }
 
-/// Newton's step from n, not of unit length.
-template <int D>
-Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, Work& work) {
-  // A turn whose square is a rounding of the result, and far above the rounding of a difference of gradients.
+/// A turn (rad) whose square is a rounding of the result, and far above the rounding of a difference of gradients.
+inline Real smallTurn() {
   static const Real kTurn = std::sqrt(std::sqrt(kEpsilon)) / 16;
-  const auto t = tangents(n);
+  return kTurn;
+}
+
+/// Newton's step from n within the plane of n and the columns of t, unit and across n and each other. Not of unit
+/// length.
+template <int D, int K>
+Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const Matrix<D, K>& t, Work& work) {
+  const Real turn = smallTurn();
   const auto support = [&](const Vec<D>& direction) {
     work[Count::supportCalls] += 2;
     return pair.support(direction);
   };
   const Vec<D> m = support(n);
-  const Matrix<D - 1, 1> g = t.transpose() * m;
-  Matrix<D - 1, D - 1> curvature;
-  for (int k = 0; k < D - 1; ++k) {
-    Vec<D> turned = n + kTurn * t.col(k);
+  const Matrix<K, 1> g = t.transpose() * m;
+  Matrix<K, K> curvature;
+  for (int k = 0; k < K; ++k) {
+    Vec<D> turned = n + turn * t.col(k);
     makeUnit<D>(turned);
-    curvature.col(k) = (t.transpose() * support(turned) - g) / kTurn;
+    curvature.col(k) = (t.transpose() * support(turned) - g) / turn;
   }
   curvature.diagonal().array() -= n.dot(m);  // of the sphere of directions itself
   // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
   // beside a ridge it is positive, where only the way up counts.
-  const Matrix<D - 1, D - 1> symmetric = (curvature + curvature.transpose()) / 2;
-  return n + t * uphill(symmetric, g, 64 * kEpsilon / kTurn * symmetric.cwiseAbs().maxCoeff());
+  const Matrix<K, K> symmetric = (curvature + curvature.transpose()) / 2;
+  return n + t * uphill(symmetric, g, 64 * kEpsilon / turn * symmetric.cwiseAbs().maxCoeff());
 }
 
 /// Steps as long as the bound gets better: a search may have ended before its tolerance.
@@ -52,7 +57,7 @@ void polishCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
   constexpr int kMostSteps = 16;
   for (int step = 0; step < kMostSteps; ++step) {
     const Real before = best.bound;
-    best.tryDirection(pair, newtonDirection<D>(pair, best.n, work), work);
+    best.tryDirection(pair, newtonDirection<D, D - 1>(pair, best.n, tangents(best.n), work), work);
     if (!(best.bound > before)) return;
   }
 }
@@ -60,14 +65,55 @@ void polishCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
 /// For witnesses: a direction that is off by the root of a rounding gives the right bound, and a support point that is
 /// off by that root. Two steps that cost the bound no more than roundings.
 template <int D>
-void settleCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
-  for (int step = 0; step < 2; ++step) {
-    Vec<D> n = newtonDirection<D>(pair, best.n, work);
-    if (!makeUnit<D>(n)) return;
-    const Real bound = pair.bound(n);
-    if (!(bound >= best.bound - 8 * kEpsilon * pair.scale)) return;
-    best.n = n, best.bound = std::max(bound, best.bound);
+class CurvedSettling {
+ public:
+  void settle(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+    for (int step = 0; step < 2; ++step) {
+      Vec<D> n = best.n;
+      const int edges = gatherEdges(pair, n);
+      if (edges == D - 1) return;  // they fix the normal
+      if (edges == 0) n = newtonDirection<D, D - 1>(pair, n, tangents(n), work);
+      if constexpr (D == 3) {
+        if (edges == 1) n = acrossEdge(pair, n, work);
+      }
+      if (!makeUnit<D>(n)) return;
+      const Real bound = pair.bound(n);
+      if (!(bound >= best.bound - 8 * kEpsilon * pair.scale)) return;
+      best.n = n, best.bound = std::max(bound, best.bound);
+    }
   }
-}
+
+ private:
+  // How many dimensions the straight edges span that lie across n within a small turn: there L has a ridge and no
+  // gradient. m_edge is the first of them.
+  int gatherEdges(const CorePair<D>& pair, const Vec<D>& n) {
+    int dimensions = 0;
+    for (const bool second : {false, true}) {
+      const ShapeView<D>& shape = second ? pair.b : pair.a;
+      const Vec<D> local = second ? Vec<D>(-(pair.r.transpose() * n)) : n;
+      supportingVertices<D>(shape, local, smallTurn() * 2 * coreReach(shape), m_vertices);
+      for (std::size_t i = 1; i < m_vertices.size() && dimensions < D - 1; ++i) {
+        Vec<D> edge = m_vertices[i] - m_vertices[0];
+        if (!makeUnit<D>(edge) || std::abs(edge.dot(local)) > smallTurn()) continue;
+        if (second) edge = pair.r * edge;
+        if (dimensions == 0) {
+          m_edge = edge, dimensions = 1;
+        } else if ((edge - edge.dot(m_edge) * m_edge).norm() > smallTurn()) {
+          dimensions = 2;
+        }
+      }
+    }
+    return dimensions;
+  }
+
+  Vec<3> acrossEdge(const CorePair<3>& pair, Vec<3> n, Work& work) const {
+    removeAlong<3>(n, m_edge);
+    if (!makeUnit<3>(n)) return n;
+    return newtonDirection<3, 1>(pair, n, cross(m_edge, n), work);
+  }
+
+  Vec<D> m_edge = Vec<D>::Zero();
+  std::vector<Vec<D>> m_vertices;
+};
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -54,7 +54,7 @@ class GjkEpa final : public PairQuery<D> {
       BestAxis<D> best;
       const QueryStatus status = search(pair, need, remembered, best, work);
       if (remembered) remember(best.n, *remembered);
-      if ((pair.a.curved || pair.b.curved) && need == Need::witnesses) settleCurved(pair, best, work);
+      if ((pair.a.curved || pair.b.curved) && need == Need::witnesses) m_settling.settle(pair, best, work);
       answers.set(i, answerFrom<D>(pair, best, status, need, m_touching));
     }
   }
@@ -152,6 +152,7 @@ class GjkEpa final : public PairQuery<D> {
   Epa<D> m_epa;
   LocalFeatures<D> m_local;
   PlanePair<D> m_plane;
+  CurvedSettling<D> m_settling;
   TouchingPoint m_touching;
 };
 
