@@ -35,7 +35,7 @@ void BoxIndex<D>::touch(std::size_t body) {
 
 template <int D>
 void BoxIndex<D>::refresh(std::size_t shape, const ShapeRecord<D>& record, const Pose<D>& X_WC) {
-  Aabb<D> box = boundingBox(record.shape.view(), X_WC * record.X_CS).grown(m_margin / 2);
+  Aabb<D> box = boundingBox(record.shape, X_WC * record.X_CS).grown(m_margin / 2);
   // A body that has become NaN takes no part in collision; it is for the caller to see and stop.
   if (!box.lo.allFinite() || !box.hi.allFinite()) box = Aabb<D>{};
   m_proxies.setBox(static_cast<ProxyId>(shape), box);
@@ -57,7 +57,7 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
     if (m_change[s] & added) m_added.push_back(static_cast<ProxyId>(s));
     if (shapes[s].body >= 0) {
       const auto body = static_cast<std::size_t>(shapes[s].body);
-      if (shapes[s].shape.view().core() == CoreClass::plane) {
+      if (shapes[s].shape.isPlane()) {
         m_planes.push_back({static_cast<ProxyId>(s), bodies.pose[body] * shapes[s].X_CS});
       }
       const bool active = bodies.awake[body] && bodies.type[body] != BodyType::fixed;

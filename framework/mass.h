@@ -17,6 +17,9 @@ struct MassProperties {
 /// The rounding of a box, a polytope or a curved core adds no mass. A plane has none.
 template <int D>
 MassProperties<D> massProperties(const ShapeView<D>& shape, Real density);
+/// Of a composite shape: of its parts together, so what they share counts more than once.
+template <int D>
+MassProperties<D> massProperties(const Shape<D>& shape, Real density);
 
 /// The same seen from a frame A in which the shape's frame has pose X_AS.
 template <int D>

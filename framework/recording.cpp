@@ -103,16 +103,16 @@ void Recorder<D>::frame(const World<D>& world) {
   put(m_out, static_cast<std::uint32_t>(world.bodyCount()));
   for (std::size_t i : arrivals) {
     m_known[i] = std::uint64_t(b.generation[i]) + 1;
-    std::vector<const ShapeRecord<D>*> parts;
+    std::vector<std::pair<ShapeView<D>, Pose<D>>> parts;  // convex ones
     for (const ShapeRecord<D>& s : world.shapes()) {
-      if (s.body == static_cast<std::int32_t>(i)) parts.push_back(&s);
+      if (s.body != static_cast<std::int32_t>(i)) continue;
+      forParts(s.shape, s.X_CS, [&](const auto& part, const Pose<D>& X_CP) { parts.emplace_back(part, X_CP); });
     }
     put(m_out, static_cast<std::int32_t>(i)), put(m_out, b.generation[i]), put(m_out, b.type[i]);
     put(m_out, static_cast<std::uint32_t>(parts.size()));
-    for (const ShapeRecord<D>* s : parts) {
-      const ShapeView<D>& v = s->shape.view();
-      put(m_out, v.kind), putReal(m_out, v.radius), putVec(m_out, v.half), putVec(m_out, s->X_CS.p);
-      putRot(m_out, s->X_CS.q);
+    for (const auto& [v, X_CP] : parts) {
+      put(m_out, v.kind), putReal(m_out, v.radius), putVec(m_out, v.half), putVec(m_out, X_CP.p);
+      putRot(m_out, X_CP.q);
       put(m_out, static_cast<std::uint32_t>(v.hull ? v.hull->vertices.size() : 0));
       if (v.hull) {
         for (const Vec<D>& p : v.hull->vertices) putVec(m_out, p);

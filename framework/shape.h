@@ -3,6 +3,8 @@
 // are the vocabulary of scenes, algorithms are the variable. What a core is made of is its class: code switches over
 // classes, without a default, so that a new class is a compile error where it matters; a new kind of a class that is
 // there is one more file (framework/curved_core.h).
+//
+// A composite shape has several convex parts. It has no kind and no view: no method can be handed one, only its parts.
 #pragma once
 
 #include <array>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include "framework/aabb.h"
+#include "framework/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -93,6 +96,12 @@ struct ShapeView {
   CoreClass core() const { return coreClass(kind); }
 };
 
+template <int D>
+struct ShapePart;
+
+/// May the parts of a compound share more than their surfaces?
+enum class PartOverlap { counted, refused };
+
 /// A shape as users hold it. The factories throw UserError for sizes that are negative, not finite, or without volume.
 template <int D>
 class Shape {
@@ -106,19 +115,57 @@ class Shape {
   /// Of a curved kind, by its sizes in the order of `curvedKind(kind).sizes`; the rounding is added outside.
   static Shape curved(ShapeKind kind, std::span<const Real> sizes, Real rounding = 0);
   static Shape plane();  // the half-space y <= 0
+  /// Several convex shapes as one, an L or a gear, in the frame that they are posed in. Where parts overlap, their mass
+  /// counts as often as there are parts; `refused` throws UserError for two that share more than kPartOverlap of their
+  /// sizes. Parts are bounded.
+  static Shape compound(std::span<const ShapePart<D>> parts, PartOverlap overlap = PartOverlap::counted);
 
-  ShapeKind kind() const { return m_view.kind; }
-  const ShapeView<D>& view() const { return m_view; }
+  bool convex() const { return !m_compound; }
+  bool isPlane() const { return convex() && m_view.core() == CoreClass::plane; }
+  // Precondition of both: convex().
+  ShapeKind kind() const { return view().kind; }
+  const ShapeView<D>& view() const {
+    LPC_ASSERT(convex());
+    return m_view;
+  }
+  /// Of a composite shape; none of a convex one. See forParts.
+  std::span<const ShapePart<D>> parts() const;
 
  private:
   ShapeView<D> m_view;
   std::shared_ptr<const Polytope<D>> m_hull;
   std::shared_ptr<const CurvedCore<D>> m_curved;
+  std::shared_ptr<const std::vector<ShapePart<D>>> m_compound;
 };
+
+/// A convex part of a compound.
+template <int D>
+struct ShapePart {
+  Shape<D> shape;
+  Pose<D> X_SP{};  // in the compound's frame
+};
+
+/// The share of their sizes that parts of a compound may overlap by though overlap is refused (dimensionless). Larger:
+/// mass counted twice goes unseen. Smaller: parts that share a face are refused for their rounding.
+inline constexpr Real kPartOverlap = Real(1e-4);
+
+template <int D>
+std::span<const ShapePart<D>> Shape<D>::parts() const {
+  return m_compound ? std::span<const ShapePart<D>>(*m_compound) : std::span<const ShapePart<D>>();
+}
+
+/// f(view, X_AP) for each convex part of a shape posed by X_AS, in order. A convex shape is its own one part.
+template <int D, class F>
+void forParts(const Shape<D>& shape, const Pose<D>& X_AS, F&& f) {
+  if (shape.convex()) return f(shape.view(), X_AS);
+  for (const ShapePart<D>& part : shape.parts()) f(part.shape.view(), X_AS * part.X_SP);
+}
 
 /// The tight box of the shape posed by X_WS; of a plane all space.
 template <int D>
 Aabb<D> boundingBox(const ShapeView<D>& shape, const Pose<D>& X_WS);
+template <int D>
+Aabb<D> boundingBox(const Shape<D>& shape, const Pose<D>& X_WS);
 
 /// Radius of a sphere around the shape's own origin that contains it, of a curved core the one around its box (m); of a
 /// plane infinite.

@@ -51,17 +51,37 @@ PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const Shape
 
 template <int D>
 void appendChildren(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
-                    std::vector<ConvexPair<D>>& out) {
+                    std::span<const Pose<D>> pose, Real margin, std::vector<ConvexPair<D>>& out, Work& work) {
   for (const ShapePair& p : pairs) {
     const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.a)], &b = shapes[static_cast<std::size_t>(p.b)];
-    out.push_back({p, 0, 0, a.shape.view(), b.shape.view(), a.X_CS, b.X_CS});
+    if (a.shape.convex() && b.shape.convex()) {
+      out.push_back({p, 0, 0, a.shape.view(), b.shape.view(), a.X_CS, b.X_CS});
+      continue;
+    }
+    const Pose<D>&X_WA = pose[static_cast<std::size_t>(a.body)], &X_WB = pose[static_cast<std::size_t>(b.body)];
+    const Aabb<D> boxB = boundingBox(b.shape, X_WB * b.X_CS);
+    std::int32_t childA = -1;
+    forParts(a.shape, a.X_CS, [&](const ShapeView<D>& partA, const Pose<D>& X_CA) {
+      const Aabb<D> boxA = boundingBox(partA, X_WA * X_CA).grown(margin);
+      ++childA, ++work[Count::partTests];
+      if (!boxA.overlaps(boxB)) return;
+      std::int32_t childB = -1;
+      forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
+        ++childB, ++work[Count::partTests];
+        if (boxA.overlaps(boundingBox(partB, X_WB * X_CB))) {
+          out.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
+        }
+      });
+    });
   }
 }
 
 template struct PairBatch<2>;
 template struct PairBatch<3>;
-template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<2>>, std::vector<ConvexPair<2>>&);
-template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<3>>, std::vector<ConvexPair<3>>&);
+template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<2>>, std::span<const Pose<2>>,
+                             Real, std::vector<ConvexPair<2>>&, Work&);
+template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<3>>, std::span<const Pose<3>>,
+                             Real, std::vector<ConvexPair<3>>&, Work&);
 template PairAnswer<2> queryPair(PairQuery<2>&, const ShapeView<2>&, const ShapeView<2>&, const Pose<2>&, Need);
 template PairAnswer<3> queryPair(PairQuery<3>&, const ShapeView<3>&, const ShapeView<3>&, const Pose<3>&, Need);
 

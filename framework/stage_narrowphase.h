@@ -143,10 +143,12 @@ struct ConvexPair {
   Pose<D> X_CA, X_CB;
 };
 
-/// Appends the pairs of children of these pairs of shapes, in order. A simple shape is its own one child, number 0.
+/// Appends the pairs of children of these pairs of shapes, in order: all whose boxes come within the margin (m) of each
+/// other. A convex shape is its own one child, number 0; two of them are not asked for their boxes again. `pose` is
+/// X_WC by body slot.
 template <int D>
 void appendChildren(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
-                    std::vector<ConvexPair<D>>& out);
+                    std::span<const Pose<D>> pose, Real margin, std::vector<ConvexPair<D>>& out, Work& work);
 
 template <int D>
 struct ContactInput {

@@ -12,6 +12,7 @@ enum class Count {
   boxTests,       // box-box overlap tests
   nodeVisits,     // nodes of a tree or cells of a grid
   sortMoves,      // elements moved while sorting
+  partTests,      // box tests of convex parts, of pairs of shapes of which one has several
   pairQueries,    // shape pairs asked
   supportCalls,   // support points computed
   axisTests,      // separating axes projected
@@ -24,8 +25,8 @@ enum class Count {
 };
 
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(Count::kCount)> kCountNames = {
-    "box_tests",      "node_visits", "sort_moves",  "pair_queries", "support_calls", "axis_tests",
-    "polytope_faces", "row_updates", "force_evals", "detections",   "event_visits"};
+    "box_tests",  "node_visits",    "sort_moves",  "part_tests",  "pair_queries", "support_calls",
+    "axis_tests", "polytope_faces", "row_updates", "force_evals", "detections",   "event_visits"};
 
 struct Work {
   std::array<std::uint64_t, static_cast<std::size_t>(Count::kCount)> counts{};

@@ -141,6 +141,7 @@ class World final : private Detect, private Forces<D> {
   std::size_t slotOf(Handle body) const;  // throws UserError for a handle of nobody
   std::size_t freeBodySlot();
   void putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
+  void countKinds(const Shape<D>& shape, int change);
   void touched(std::size_t body);  // by the user: its boxes are stale, and it wakes
   void sync() const { m_boxes.sync(m_shapes, m_bodies); }
   bool resting(const Manifold<D>& m) const { return !m_boxes.active(m.shapeA) && !m_boxes.active(m.shapeB); }
@@ -177,8 +178,8 @@ class World final : private Detect, private Forces<D> {
   // Derived from the state; the boxes are brought up to date by sync() when somebody asks.
   mutable BoxIndex<D> m_boxes;
   Slots m_bodySlots, m_shapeSlots, m_jointSlots;
-  std::array<int, kShapeKinds> m_kindCount{};
-  std::uint64_t m_visits = 0;  // Count::eventVisits since the last step
+  std::array<int, kShapeKinds> m_kindCount{};  // of convex parts
+  std::uint64_t m_visits = 0;                  // Count::eventVisits since the last step
 
   // Scratch and indices, rebuilt in each step.
   std::vector<Manifold<D>> m_oldManifolds;

@@ -47,30 +47,29 @@ Handle World<D>::add(const BodyDef<D>& def) {
   checkPose(def.X_WB, who);
   checkMotion(Motion<D>{def.velocity, def.angularVelocity}, who);
   MassProperties<D> mass;
-  bool kinds[kShapeKinds] = {};
+  std::array<bool, kShapeKinds> own{};
   for (const ShapeDef<D>& s : def.shapes) {
     checkShape(s, who);
-    const MassProperties<D> part = transformed(massProperties(s.shape.view(), s.density), s.X_BS);
+    const MassProperties<D> part = transformed(massProperties(s.shape, s.density), s.X_BS);
     mass = combined(mass, part);
     if (!isFinite(part) || !isFinite(mass)) {
       throw UserError(who + ": its mass, " + std::to_string(part.mass) +
                       " kg, or its inertia is beyond what numbers hold");
     }
-    if (s.shape.view().core() == CoreClass::plane && def.type != BodyType::fixed) {
+    if (s.shape.isPlane() && def.type != BodyType::fixed) {
       throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
     }
-    kinds[static_cast<int>(s.shape.kind())] = true;
+    forParts(s.shape, Pose<D>{},
+             [&](const ShapeView<D>& v, const auto&) { own[static_cast<std::size_t>(v.kind)] = true; });
   }
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
     throw UserError(who + ": a dynamic body needs mass; give it a shape with density > 0, or make it fixed");
   }
-  for (int k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || m_kindCount[static_cast<std::size_t>(k)] > 0;
-  for (const ShapeDef<D>& s : def.shapes) {
-    for (int k = 0; k < kShapeKinds; ++k) {
-      const auto a = std::min(s.shape.kind(), static_cast<ShapeKind>(k));
-      const auto b = std::max(s.shape.kind(), static_cast<ShapeKind>(k));
+  for (std::size_t i = 0; i < kShapeKinds; ++i) {
+    for (std::size_t k = 0; own[i] && k < kShapeKinds; ++k) {
+      const auto a = static_cast<ShapeKind>(std::min(i, k)), b = static_cast<ShapeKind>(std::max(i, k));
       const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;  // never meet
-      if (kinds[k] && !planes && !stage<ContactGenerator>().supports(a, b)) {
+      if ((own[k] || m_kindCount[k] > 0) && !planes && !stage<ContactGenerator>().supports(a, b)) {
         throw UserError(who + ": contacts=" + m_pipeline[StageKind::contacts].name + " does not support " +
                         std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
       }
@@ -96,10 +95,16 @@ Handle World<D>::add(const BodyDef<D>& def) {
 }
 
 template <int D>
+void World<D>::countKinds(const Shape<D>& shape, int change) {
+  forParts(shape, Pose<D>{},
+           [&](const ShapeView<D>& v, const auto&) { m_kindCount[static_cast<std::size_t>(v.kind)] += change; });
+}
+
+template <int D>
 void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index) {
   const std::size_t i = m_shapeSlots.take(m_visits);
   if (i == m_shapes.size()) m_shapes.emplace_back();
-  ++m_kindCount[static_cast<std::size_t>(def.shape.kind())];
+  countKinds(def.shape, 1);
   const Vec<D>& center = m_bodies.center[static_cast<std::size_t>(body)];
   m_shapes[i] = {def.shape, {def.X_BS.p - center, def.X_BS.q}, body, index, def.friction, def.restitution, def.category,
                  def.mask};
@@ -113,7 +118,7 @@ void World<D>::remove(Handle body) {
   m_visits += m_shapes.size() + m_manifolds.size() + m_joints.size();
   for (std::size_t s = 0; s < m_shapes.size(); ++s) {
     if (m_shapes[s].body != slot) continue;
-    --m_kindCount[static_cast<std::size_t>(m_shapes[s].shape.kind())];
+    countKinds(m_shapes[s].shape, -1);
     m_shapes[s] = ShapeRecord<D>{};
     m_shapeSlots.give(s, m_visits);
     m_boxes.remove(s);
@@ -174,6 +179,7 @@ void World<D>::removeJoint(Handle joint) {
 #define LPC_INSTANTIATE(D)                                                          \
   template std::size_t World<D>::freeBodySlot();                                    \
   template Handle World<D>::add(const BodyDef<D>&);                                 \
+  template void World<D>::countKinds(const Shape<D>&, int);                         \
   template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t); \
   template void World<D>::remove(Handle);                                           \
   template Handle World<D>::add(const PivotDef<D>&);                                \

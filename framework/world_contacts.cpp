@@ -89,7 +89,7 @@ void World<D>::makeContacts() {
   {
     Profiler::Scope scope(m_profiler, "contacts");
     m_children.clear();
-    appendChildren<D>(m_regenerate, m_shapes, m_children);
+    appendChildren<D>(m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, m_children, work);
     stage<ContactGenerator>().generate(
         {m_children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction}, m_manifolds, work);
   }

@@ -6,7 +6,7 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-// The bodies, each once, of those proxies whose shape holds; `holds` is asked with the shape and its pose.
+// The bodies, each once, of those proxies of whose shape a convex part holds; `holds` is asked with it and its pose.
 template <int D>
 template <class Holds>
 std::vector<Handle> World<D>::bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const {
@@ -15,8 +15,10 @@ std::vector<Handle> World<D>::bodiesOf(std::vector<ProxyId>& found, const Holds&
   for (ProxyId id : found) {
     const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(id)];
     const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
+    bool held = false;
+    forParts(s.shape, X_WS, [&](const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
     const Handle h = handle(s.body);
-    if (holds(s.shape.view(), X_WS) && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
+    if (held && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
   }
   return out;
 }
@@ -46,8 +48,12 @@ std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& directio
   for (const RayHit<D>& hit : found) {
     const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(hit.proxy)];
     const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
-    const Real t = castRay(s.shape.view(), X_WS, p, direction, maxT);
-    if (t >= 0) out.push_back({handle(s.body), s.index, t});
+    Real first = -1;
+    forParts(s.shape, X_WS, [&](const auto& part, const Pose<D>& X_WP) {
+      const Real t = castRay(part, X_WP, p, direction, maxT);
+      if (t >= 0 && (first < 0 || t < first)) first = t;
+    });
+    if (first >= 0) out.push_back({handle(s.body), s.index, first});
   }
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.t, a.body.slot, a.shape) < std::tuple(b.t, b.body.slot, b.shape);

@@ -101,9 +101,11 @@ void fields(Archive& a, Polytope<3>& p) { a(p.vertices, p.faces, p.loop, p.edges
 
 // A hull is stored as it is and not as points: hulling it again might order its vertices anew.
 template <int D>
-void fields(Archive& a, Shape<D>& shape) {
-  ShapeView<D> v = shape.view();
-  a(v.kind, v.radius, v.half);
+void convexFields(Archive& a, ShapeKind kind, Shape<D>& shape) {
+  ShapeView<D> v;
+  if (!a.reading()) v = shape.view();
+  v.kind = kind;
+  a(v.radius, v.half);
   if (static_cast<int>(v.kind) >= kShapeKinds) {
     throw UserError("load: the saved world is damaged (a shape of no known kind)");
   }
@@ -134,6 +136,25 @@ void fields(Archive& a, Shape<D>& shape) {
       shape = Shape<D>::plane();
       break;
   }
+}
+
+template <int D>
+void fields(Archive& a, ShapePart<D>& part) {
+  ShapeKind kind = part.shape.kind();
+  a(kind);
+  convexFields(a, kind, part.shape);
+  a(part.X_SP);
+}
+
+template <int D>
+void fields(Archive& a, Shape<D>& shape) {
+  constexpr ShapeKind kCompound{255};  // in the place of a kind
+  ShapeKind kind = shape.convex() ? shape.kind() : kCompound;
+  a(kind);
+  if (kind != kCompound) return convexFields(a, kind, shape);
+  std::vector<ShapePart<D>> parts(shape.parts().begin(), shape.parts().end());
+  a(parts);
+  if (a.reading()) shape = Shape<D>::compound(parts);
 }
 template <int D>
 void fields(Archive& a, ShapeRecord<D>& s) {
@@ -210,7 +231,7 @@ void World<D>::load(std::istream& in) {
   m_kindCount = {};
   for (std::size_t i = 0; i < m_shapes.size(); ++i) {
     if (m_shapes[i].body < 0) continue;
-    ++m_kindCount[static_cast<std::size_t>(m_shapes[i].shape.kind())];
+    countKinds(m_shapes[i].shape, 1);
     m_boxes.add(i, m_shapes[i]);
   }
 }

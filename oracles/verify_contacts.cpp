@@ -146,9 +146,9 @@ Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<Placed<D
     pose.push_back(nudge && p.resting() ? *p.pair.X_WBNudged : p.pair.X_WB);
   }
   std::vector<ConvexPair<D>> children;
-  appendChildren<D>(pairs, shapes, children);
-  std::vector<Manifold<D>> fresh;
   Work work;
+  appendChildren<D>(pairs, shapes, pose, kContactMargin, children, work);
+  std::vector<Manifold<D>> fresh;
   const double before = threadNanoseconds();
   generator.generate({children, shapes, pose, kContactMargin, true}, fresh, work);
   spent = threadNanoseconds() - before;

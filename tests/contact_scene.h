@@ -59,9 +59,9 @@ struct ContactScene {
   std::vector<Manifold<D>> run(ContactGenerator<D>& generator) const {
     const ShapePair pair{0, 1};
     std::vector<ConvexPair<D>> children;
-    appendChildren<D>({&pair, 1}, shapes, children);
-    std::vector<Manifold<D>> fresh;
     Work work;
+    appendChildren<D>({&pair, 1}, shapes, pose, margin, children, work);
+    std::vector<Manifold<D>> fresh;
     generator.generate({children, shapes, pose, margin, true}, fresh, work);
     return fresh;
   }

@@ -139,10 +139,10 @@ void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind ki
     pairs.push_back({slot, slot + 1});
   }
   std::vector<ConvexPair<D>> children;
-  appendChildren<D>(pairs, shapes, children);
+  Work work;
+  appendChildren<D>(pairs, shapes, poses, Real(0.02), children, work);
   const ContactInput<D> input{children, shapes, poses, Real(0.02), true};
   std::vector<Manifold<D>> manifolds;
-  Work work;
   for (auto _ : state) {
     manifolds.clear();
     method->generate(input, manifolds, work);

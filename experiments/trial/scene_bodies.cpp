@@ -46,7 +46,7 @@ std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
 }
 
 template <int D>
-Shape<D> readCore(TableReader& shape, SceneNumbers& numbers, const std::string& kind) {
+Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string& kind) {
   const auto size = [&](const std::string& key) { return static_cast<Real>(numbers.number(shape.require(key))); };
   const auto rounding = static_cast<Real>(numbers.number(shape, "rounding", 0));
   if (kind == "sphere" || kind == "circle") return Shape<D>::sphere(size("radius"));
@@ -58,7 +58,7 @@ Shape<D> readCore(TableReader& shape, SceneNumbers& numbers, const std::string& 
     return Shape<D>::segment(size("half_length"));
   }
   if (kind == "plane") return Shape<D>::plane();
-  std::string valid = "sphere (or circle), box, capsule, segment (2D), polytope, plane";
+  std::string valid = "sphere (or circle), box, capsule, segment (2D), polytope, plane, compound";
   for (const auto& [curved, made] : curvedKinds<D>()) {
     const std::string name(shapeKindName(curved));
     valid += ", " + name;
@@ -71,18 +71,49 @@ Shape<D> readCore(TableReader& shape, SceneNumbers& numbers, const std::string& 
 }
 
 template <int D>
-ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::table* defaults) {
-  ShapeDef<D> def;
+ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers);
+
+template <int D>
+Shape<D> readCompound(TableReader& shape, SceneNumbers& numbers) {
+  const std::string overlap = shape.string("overlap", "counted");
+  if (overlap != "counted" && overlap != "refused") {
+    shape.fail(*shape.find("overlap"), "'overlap' is '" + overlap + "'; valid: counted, refused");
+  }
+  constexpr long kMostParts = 100000;  // more are a slip of the pen
+  std::vector<ShapePart<D>> parts;
+  for (const toml::table* t : shape.blocks("parts")) {
+    TableReader part(*t, shape.file(), "a part");
+    const long n = numbers.whole(part, "repeat", 1, 0, kMostParts);
+    for (long i = 0; i < n; ++i) {
+      numbers.expressions.setLocal("part", static_cast<double>(i));
+      parts.push_back(readPlaced<D>(part, numbers));
+    }
+    if (n > 0) part.finish();
+  }
+  return Shape<D>::compound(parts, overlap == "refused" ? PartOverlap::refused : PartOverlap::counted);
+}
+
+template <int D>
+ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers) {
+  ShapePart<D> placed;
   const std::string kind = shape.requireString("kind");
   try {
-    def.shape = readCore<D>(shape, numbers, kind);
+    placed.shape = kind == "compound" ? readCompound<D>(shape, numbers) : readConvex<D>(shape, numbers, kind);
   } catch (const UserError& e) {
     // Errors of the shape factories know no place; those of this file do.
     if (std::string_view(e.what()).starts_with(shape.file())) throw;
     shape.fail(std::string(kind) + ": " + e.what());
   }
-  def.X_BS.p = numbers.vector<D>(shape, "offset");
-  def.X_BS.q = turn(angular<D>(shape, numbers, "angle"));
+  placed.X_SP.p = numbers.vector<D>(shape, "offset");
+  placed.X_SP.q = turn(angular<D>(shape, numbers, "angle"));
+  return placed;
+}
+
+template <int D>
+ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::table* defaults) {
+  ShapeDef<D> def;
+  const ShapePart<D> placed = readPlaced<D>(shape, numbers);
+  def.shape = placed.shape, def.X_BS = placed.X_SP;
   const auto material = [&](const char* key, Real& value) {
     if (const toml::node* n = shape.find(key)) {
       value = static_cast<Real>(numbers.between(*n, key, 0, kLargest));
@@ -191,7 +222,7 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
   }
   if (def.type != BodyType::dynamic) return def;
   double mass = 0;
-  for (const ShapeDef<D>& s : def.shapes) mass += massProperties(s.shape.view(), s.density).mass;
+  for (const ShapeDef<D>& s : def.shapes) mass += massProperties(s.shape, s.density).mass;
   if (!(mass > 0) || !std::isfinite(mass)) {
     body.fail("a dynamic body has a mass of " + asText(mass) + " kg; valid: finite and above 0, or another type");
   }

@@ -174,6 +174,7 @@ class Builder {
     m_turns = 0;
     m_numbers.expressions.setLocal("k", 0);
     m_numbers.expressions.setLocal("step", 0);
+    m_numbers.expressions.setLocal("part", 0);
   }
 
   void bodyBlock(const toml::table& table) {
@@ -353,7 +354,9 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
     if (!b.rotatable) ++out["non-rotatable"];
     if (spawn.step > 0) ++out["scripted"];
     if (spawn.removeAt >= 0) ++out["removed"];
-    for (const ShapeDef<D>& s : b.shapes) ++out[type + " " + std::string(shapeKindName(s.shape.kind()))];
+    for (const ShapeDef<D>& s : b.shapes) {
+      ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : "compound")];
+    }
   }
   if (!scene.pivots.empty()) out["pivot"] = static_cast<int>(scene.pivots.size());
   if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());

@@ -48,7 +48,8 @@ void pairsAreIndependent() {
     pairs.push_back({2 * i, 2 * i + 1});
   }
   std::vector<ConvexPair<D>> children;
-  appendChildren<D>(pairs, shapes, children);
+  Work none;
+  appendChildren<D>(pairs, shapes, pose, kContactMargin, children, none);
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
     Work work;
     std::vector<Manifold<D>> together, alone;

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Zlib
+// Shapes of several convex parts, and what the parts say together.
+#include <string>
+
+#include "framework/support_gap.h"
+#include "framework/support_map.h"
+#include "framework/user_numbers.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Do two parts overlap when each is shrunk about its centre of mass? Parts that share a face then lie apart, by more
+// than their rounding.
+template <int D>
+bool overlap(const ShapePart<D>& a, const ShapePart<D>& b) {
+  const auto shrunk = [](const ShapePart<D>& part, const Vec<D>& d) {
+    const ShapeView<D>& view = part.shape.view();
+    const Vec<D> local = part.X_SP.q.inverse() * d;
+    const Vec<D> center = massProperties(view, Real(1)).center;
+    const Vec<D> farthest = coreSupport(view, local) + view.radius / d.norm() * local;
+    return Vec<D>(part.X_SP * Vec<D>(center + (1 - kPartOverlap) * (farthest - center)));
+  };
+  const auto difference = [&](const Vec<D>& d) { return Vec<D>(shrunk(b, d) - shrunk(a, -d)); };
+  return !(gapToOrigin<D>(difference, Vec<D>(b.X_SP.p - a.X_SP.p)).gap > 0);
+}
+
+}  // namespace
+
+template <int D>
+Shape<D> Shape<D>::compound(std::span<const ShapePart<D>> parts, PartOverlap allowed) {
+  if (parts.empty()) throw UserError("compound: it has no parts; valid: one or more convex shapes");
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::string who = "compound, part " + std::to_string(i);
+    if (!parts[i].shape.convex()) throw UserError(who + ": is a compound itself; valid: its parts, one by one");
+    if (parts[i].shape.isPlane()) throw UserError(who + ": a plane has no end; valid: bounded shapes");
+    checkPose(parts[i].X_SP, who);
+    for (std::size_t j = 0; j < i && allowed == PartOverlap::refused; ++j) {
+      if (!overlap(parts[j], parts[i])) continue;
+      throw UserError(who + ": overlaps part " + std::to_string(j) + ", and overlap is refused");
+    }
+  }
+  Shape s;
+  s.m_compound = std::make_shared<const std::vector<ShapePart<D>>>(parts.begin(), parts.end());
+  return s;
+}
+
+template <int D>
+Aabb<D> boundingBox(const Shape<D>& shape, const Pose<D>& X_WS) {
+  Aabb<D> box;
+  forParts(shape, X_WS, [&](const ShapeView<D>& v, const Pose<D>& X_WP) { box = box.merged(boundingBox(v, X_WP)); });
+  return box;
+}
+
+template <int D>
+MassProperties<D> massProperties(const Shape<D>& shape, Real density) {
+  MassProperties<D> sum;
+  forParts(shape, Pose<D>{}, [&](const ShapeView<D>& v, const Pose<D>& X_SP) {
+    sum = combined(sum, transformed(massProperties(v, density), X_SP));
+  });
+  return sum;
+}
+
+template Shape<2> Shape<2>::compound(std::span<const ShapePart<2>>, PartOverlap);
+template Shape<3> Shape<3>::compound(std::span<const ShapePart<3>>, PartOverlap);
+template Aabb<2> boundingBox(const Shape<2>&, const Pose<2>&);
+template Aabb<3> boundingBox(const Shape<3>&, const Pose<3>&);
+template MassProperties<2> massProperties(const Shape<2>&, Real);
+template MassProperties<3> massProperties(const Shape<3>&, Real);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Zlib
+// Shapes of several convex parts: what is refused, and what parts say together.
+#include <gtest/gtest.h>
+
+#include "framework/mass.h"
+#include "framework/stage_narrowphase.h"
+#include "tests/check_property.h"
+#include "tests/generators.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+template <int D>
+Shape<D> compoundOf(std::initializer_list<ShapePart<D>> parts, PartOverlap overlap = PartOverlap::counted) {
+  return Shape<D>::compound(std::vector<ShapePart<D>>(parts), overlap);
+}
+
+template <int D>
+void refusals() {
+  const Shape<D> ball = Shape<D>::sphere(1);
+  const Real nan = std::numeric_limits<Real>::quiet_NaN();
+  const auto refused = [](std::initializer_list<ShapePart<D>> parts, const std::string& why) {
+    try {
+      compoundOf<D>(parts);
+      ADD_FAILURE() << "taken, though: " << why;
+    } catch (const UserError& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  refused({}, "it has no parts");
+  refused({{ball}, {compoundOf<D>({{ball}})}}, "part 1: is a compound itself");
+  refused({{Shape<D>::plane()}}, "part 0: a plane has no end");
+  refused({{ball, {Vec<D>::Constant(nan), {}}}}, "part 0: the position is not finite");
+  Rot<D> stretched;
+  if constexpr (D == 2) {
+    stretched.c = 2;
+  } else {
+    stretched.w = 2;
+  }
+  refused({{ball, {Vec<D>::Zero(), stretched}}}, "part 0: the rotation is not a unit");
+}
+TEST(Compound, RefusesBadParts) { refusals<2>(), refusals<3>(); }
+
+template <int D>
+bool refusedForOverlap(const std::vector<ShapePart<D>>& parts) {
+  try {
+    Shape<D>::compound(parts, PartOverlap::refused);
+    return false;
+  } catch (const UserError& e) {
+    return std::string_view(e.what()).ends_with("overlaps part 0, and overlap is refused");
+  }
+}
+template <int D>
+bool boxesOverlap(const std::vector<ShapePart<D>>& parts) {
+  return boundingBox(parts[0].shape, parts[0].X_SP).overlaps(boundingBox(parts[1].shape, parts[1].X_SP));
+}
+
+// Two that share a face, or a point, at any pose: neither is inside the other. Pushed into each other by a hundredth of
+// the smaller, they are.
+template <int D, class Refuses>
+void facesMayBeShared(const Refuses& refuses) {
+  RapidCheckDraw draw;
+  Vec<D> a, b;
+  for (int k = 0; k < D; ++k) a[k] = draw.real(0.1, 2), b[k] = draw.real(0.1, 2);
+  const bool round = draw.coin();  // a ball or an ellipsoid stands on the box's face
+  const std::vector<Real> half(b.data(), b.data() + D);
+  const ShapePart<D> box{Shape<D>::box(a), *poses<D>(3)};
+  const Shape<D> shape = round ? Shape<D>::curved(ShapeKind::ellipsoid, half) : Shape<D>::box(b);
+  Vec<D> beside = Vec<D>::Zero();
+  beside[0] = a[0] + b[0];
+  beside[1] = draw.real(-1, 1) * (round ? a[1] : a[1] + b[1]) * Real(0.9);
+  const auto at = [&](const Vec<D>& p) { return ShapePart<D>{shape, box.X_SP * Pose<D>{p, {}}}; };
+  RC_ASSERT(!refuses(std::vector{box, at(beside)}));
+  beside[0] -= std::min(a.minCoeff(), b.minCoeff()) / 100;
+  RC_ASSERT(refuses(std::vector{box, at(beside)}));
+}
+template <int D>
+void overlaps() {
+  check(
+      "parts may share faces", [] { facesMayBeShared<D>(refusedForOverlap<D>); }, 300);
+  expectFalsified(
+      "parts whose boxes overlap are refused", [] { facesMayBeShared<D>(boxesOverlap<D>); }, 300);
+  expectFalsified("no parts are refused", [] {
+    facesMayBeShared<D>([](const std::vector<ShapePart<D>>& parts) {
+      return Shape<D>::compound(parts, PartOverlap::counted).convex();
+    });
+  });
+}
+TEST(Compound, OverlapIsRefusedWhenAsked) { overlaps<2>(), overlaps<3>(); }
+
+// An L of two boxes against the box around it less the box that is missing; and of a part that is there twice.
+template <int D>
+void masses() {
+  Vec<D> upright = Vec<D>::Constant(1), foot = Vec<D>::Constant(1);
+  upright[1] = 2, foot[0] = Real(0.5);
+  const Shape<D> l =
+      compoundOf<D>({{Shape<D>::box(upright)}, {Shape<D>::box(foot), {at<D>(1.5, -1), {}}}}, PartOverlap::refused);
+  const MassProperties<D> m = massProperties(l, Real(2));
+  Vec<D> whole = upright, missing = foot;
+  whole[0] = Real(1.5);
+  const auto placed = [](const Vec<D>& half, const Vec<D>& p) {
+    return transformed(massProperties(Shape<D>::box(half).view(), Real(2)), Pose<D>{p, {}});
+  };
+  // The L and the missing box make the whole one.
+  const MassProperties<D> made = combined(m, placed(missing, at<D>(1.5, 1))), box = placed(whole, at<D>(0.5, 0));
+  EXPECT_NEAR(made.mass, box.mass, 64 * kEps * box.mass);
+  EXPECT_LE((made.center - box.center).norm(), 64 * kEps);
+  EXPECT_LE((made.inertia - box.inertia).norm(), 64 * kEps * box.inertia.norm());
+
+  const Shape<D> ball = Shape<D>::sphere(1);
+  const Real once = massProperties(ball.view(), Real(3)).mass;
+  EXPECT_NEAR(massProperties(compoundOf<D>({{ball}, {ball}}), Real(3)).mass, 2 * once, 8 * kEps * once);
+}
+TEST(Compound, MassIsThatOfItsParts) { masses<2>(), masses<3>(); }
+
+// Two combs of ten teeth, apart but for the last tooth of each: few pairs of parts are left to be asked, all those that
+// a look at every pair of boxes finds, in its order.
+template <int D>
+void culled() {
+  std::vector<ShapePart<D>> teeth;
+  for (int i = 0; i < 10; ++i) teeth.push_back({Shape<D>::box(Vec<D>::Constant(Real(0.4))), {at<D>(i, 0), {}}});
+  const Shape<D> comb = Shape<D>::compound(teeth);
+  const std::vector<ShapeRecord<D>> shapes = {{.shape = comb, .body = 0}, {.shape = comb, .body = 1}};
+  const std::vector<Pose<D>> pose = {{}, {at<D>(9.01, 0.5), {}}};
+  const Real margin = Real(0.02);
+  const ShapePair pair{0, 1};
+  std::vector<ConvexPair<D>> found;
+  Work work;
+  appendChildren<D>({&pair, 1}, shapes, pose, margin, found, work);
+  std::size_t n = 0;
+  for (int a = 0; a < 10; ++a) {
+    for (int b = 0; b < 10; ++b) {
+      const auto boxOf = [&](int i, std::size_t body) {
+        return boundingBox(teeth[0].shape, pose[body] * teeth[static_cast<std::size_t>(i)].X_SP);
+      };
+      if (!boxOf(a, 0).grown(margin).overlaps(boxOf(b, 1))) continue;
+      ASSERT_LT(n, found.size());
+      EXPECT_EQ(found[n].childA, a);
+      EXPECT_EQ(found[n].childB, b);
+      ++n;
+    }
+  }
+  EXPECT_EQ(n, found.size());
+  EXPECT_EQ(n, 1u);
+  EXPECT_EQ(work[Count::partTests], 20u);  // each tooth against the other comb, and one against its ten
+}
+TEST(Compound, OnlyNearPartsArePaired) { culled<2>(), culled<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

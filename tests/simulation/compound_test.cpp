@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Zlib
+// Bodies of several convex parts: as several shapes of one body or as one compound shape they live the same life, and
+// what is hollow stays hollow.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "framework/curved_core.h"
+#include "tests/draw.h"
+#include "tests/expect_caught.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+
+template <int D>
+Pose<D> turned(const Vec<D>& p, double radians) {
+  if constexpr (D == 2) {
+    return {p, Rot<2>::angle(radians)};
+  } else {
+    return {p, Rot<3>::vector({0, 0, static_cast<Real>(radians)})};
+  }
+}
+template <int D>
+ShapePart<D> box(double x, double y, double halfX, double halfY, double radians = 0) {
+  Vec<D> half = Vec<D>::Constant(Real(0.3));
+  half[0] = static_cast<Real>(halfX), half[1] = static_cast<Real>(halfY);
+  return {Shape<D>::box(half), turned<D>(at<D>(x, y), radians)};
+}
+template <int D>
+std::vector<ShapePart<D>> letterL() {
+  return {box<D>(0, 0.4, 0.2, 0.4), box<D>(0.4, -0.2, 0.6, 0.2)};
+}
+template <int D>
+std::vector<ShapePart<D>> letterU() {
+  return {box<D>(0, -0.4, 0.8, 0.2), box<D>(-0.6, 0.3, 0.2, 0.5), box<D>(0.6, 0.3, 0.2, 0.5)};
+}
+template <int D>
+std::vector<ShapePart<D>> gear(int teeth) {
+  std::vector<ShapePart<D>> parts = {{Shape<D>::sphere(Real(0.4)), {}}};
+  for (int i = 0; i < teeth; ++i) {
+    const double turn = 2 * 3.14159265358979323846 * i / teeth;
+    const Pose<D> X = turned<D>(Vec<D>::Zero(), turn);
+    parts.push_back({box<D>(0, 0, 0.1, 0.06).shape, {X * at<D>(0.45, 0), X.q}});
+  }
+  return parts;
+}
+
+template <int D>
+BodyDef<D> bodyOf(const std::vector<ShapePart<D>>& parts, bool compound, const Pose<D>& X) {
+  BodyDef<D> def;
+  def.X_WB = X;
+  if (compound) {
+    def.shapes.push_back({.shape = Shape<D>::compound(parts)});
+  } else {
+    for (const ShapePart<D>& p : parts) def.shapes.push_back({.shape = p.shape, .X_BS = p.X_SP});
+  }
+  return def;
+}
+
+// Letters and gears tumble onto a floor and each other.
+template <int D>
+void addParts(World<D>& world, bool compound, int n, std::uint64_t seed) {
+  addGround(world);
+  PlainDraw draw(seed);
+  for (int i = 0; i < n; ++i) {
+    const int which = draw.below(3);
+    const auto parts = which == 0 ? letterL<D>() : which == 1 ? letterU<D>() : gear<D>(6);
+    const Real x = draw.real(-0.5, 0.5), turn = draw.real(0, 6);
+    BodyDef<D> def = bodyOf<D>(parts, compound, turned<D>(at<D>(x, 1 + 1.1 * i), turn));
+    def.angularVelocity = Ang<D>::Constant(draw.real(-2, 2));
+    world.add(def);
+  }
+}
+
+// The step in which two worlds part, or -1.
+template <int D>
+int partsFrom(World<D>& a, World<D>& b, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    a.step(kDt), b.step(kDt);
+    if (a.hash() != b.hash()) return i;
+  }
+  return -1;
+}
+
+// To the last bit with two bodies and a floor; of more, manifolds stand in another order: all those of a compound with
+// another shape together.
+template <int D>
+void sameLife() {
+  for (const char* text :
+       {"", "contacts=query_clip", "contacts=deepest_point cache=none", "solver=soft_step broadphase=uniform_grid"}) {
+    const Pipeline pipeline = Pipeline::parse(text);
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      World<D> one(pipeline), other(pipeline);
+      addParts(one, true, 2, seed), addParts(other, false, 2, seed);
+      EXPECT_EQ(partsFrom(one, other, 180), -1) << D << "D " << text << " seed " << seed;
+      EXPECT_GE(one.manifolds().size(), 2u);
+    }
+  }
+  // A part that is left out is missed, and one that has moved by a millionth.
+  for (const bool leftOut : {true, false}) {
+    World<D> one, other;
+    auto parts = letterU<D>();
+    addGround(one), addGround(other);
+    one.add(bodyOf<D>(parts, true, turned<D>(at<D>(0, 1), 2)));
+    if (leftOut) {
+      parts.pop_back();
+    } else {
+      parts.back().X_SP.p[0] *= 1 + Real(1e-6);
+    }
+    other.add(bodyOf<D>(parts, true, turned<D>(at<D>(0, 1), 2)));
+    expectCaught(leftOut ? "Compound a part is left out" : "Compound a part has moved",
+                 partsFrom(one, other, 180) == -1);
+  }
+}
+TEST(Compound, LivesAsItsPartsOnOneBody) { sameLife<2>(), sameLife<3>(); }
+
+// Questions to worlds in which nothing moves: with compounds, and with their parts as bodies of their own.
+template <int D>
+void sameAnswers() {
+  World<D> whole, apart;
+  PlainDraw draw(3);
+  std::vector<std::int32_t> owner;  // of each body of `apart`
+  for (std::int32_t i = 0; i < 5; ++i) {
+    const Real x = draw.real(-2, 2), y = draw.real(-2, 2), turn = draw.real(0, 6);
+    const Pose<D> X = turned<D>(at<D>(x, y), turn);
+    const auto parts = i % 2 ? letterU<D>() : gear<D>(5);
+    BodyDef<D> def = bodyOf<D>(parts, true, X);
+    def.type = BodyType::fixed;
+    whole.add(def);
+    for (const ShapePart<D>& p : parts) {
+      def = bodyOf<D>({p}, false, X);
+      def.type = BodyType::fixed;
+      apart.add(def);
+      owner.push_back(i);
+    }
+  }
+  const auto owners = [&](const std::vector<Handle>& found) {
+    std::vector<std::int32_t> out;
+    for (const Handle& h : found) out.push_back(owner[static_cast<std::size_t>(h.slot)]);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  };
+  const auto slots = [](const std::vector<Handle>& found) {
+    std::vector<std::int32_t> out;
+    for (const Handle& h : found) out.push_back(h.slot);
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  int hits = 0, hollow = 0;
+  for (int i = 0; i < 500; ++i) {
+    Vec<D> p, q;
+    for (Vec<D>* v : {&p, &q}) {
+      for (int k = 0; k < D; ++k) (*v)[k] = draw.real(-1, 1) * (k < 2 ? Real(3) : Real(0.3));
+    }
+    EXPECT_EQ(slots(whole.at(p)), owners(apart.at(p)));
+    const Aabb<D> box{p.cwiseMin(q) / 4, p.cwiseMax(q) / 4};
+    EXPECT_EQ(slots(whole.overlap(box)), owners(apart.overlap(box)));
+    const auto first = whole.ray(p, q - p, 1, true), same = apart.ray(p, q - p, 1, true);
+    ASSERT_EQ(first.size(), same.size());
+    if (!first.empty()) {
+      EXPECT_EQ(first[0].t, same[0].t);
+      ++hits;
+    }
+    for (ProxyId s = 0; s < whole.proxies().size(); ++s) {
+      hollow += !whole.proxies().isFree(s) && whole.proxies().box(s).contains(p) && whole.at(p).empty();
+    }
+  }
+  EXPECT_GT(hits, 100);
+  EXPECT_GT(hollow, 20);  // points within a box and in no part of it were asked
+}
+TEST(Compound, AnswersAsItsParts) { sameAnswers<2>(), sameAnswers<3>(); }
+
+// A ball dropped into a U lies at its bottom; on its hull it would lie on top.
+template <int D>
+void hollowStaysHollow() {
+  const auto dropped = [](const std::vector<ShapePart<D>>& parts) {
+    World<D> world;
+    BodyDef<D> def = bodyOf<D>(parts, true, Pose<D>{});
+    def.type = BodyType::fixed;
+    world.add(def);
+    const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.35)), at<D>(0, 1.5)));
+    for (int i = 0; i < 240; ++i) world.step(kDt);
+    return std::abs(world.pose(ball).p[1] - Real(0.15)) <= kLinearSlop;  // the bottom is at -0.2
+  };
+  EXPECT_TRUE(dropped(letterU<D>()));
+  expectCaught("Compound is filled", dropped({box<D>(0, 0.1, 0.8, 0.7)}));
+}
+TEST(Compound, WhatIsHollowStaysHollow) { hollowStaysHollow<2>(), hollowStaysHollow<3>(); }
+
+// Ten seconds on a floor and on a plane: nothing creeps, tilts or sinks.
+template <int D>
+void restsTenSeconds() {
+  for (const bool plane : {false, true}) {
+    World<D> world;
+    if (plane) {
+      BodyDef<D> floor = body<D>(Shape<D>::plane(), Vec<D>::Zero(), BodyType::fixed);
+      world.add(floor);
+    } else {
+      addGround(world);
+    }
+    const Handle bodies[] = {world.add(bodyOf<D>(letterL<D>(), true, turned<D>(at<D>(-3, 0.4), 0))),
+                             world.add(bodyOf<D>(letterU<D>(), true, turned<D>(at<D>(0, 0.6), 0))),
+                             world.add(bodyOf<D>(gear<D>(6), true, turned<D>(at<D>(3, 0.51), 0)))};  // on two teeth
+    std::vector<Pose<D>> before;
+    for (int i = 0; i < 60; ++i) world.step(kDt);
+    for (const Handle& h : bodies) before.push_back(world.pose(h));
+    for (int i = 0; i < 600; ++i) world.step(kDt);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Pose<D> now = world.pose(bodies[i]);
+      EXPECT_LE((now.p - before[i].p).norm(), Real(1e-3)) << i << plane;
+      EXPECT_GE((now.q * at<D>(1, 0)).dot(before[i].q * at<D>(1, 0)), 1 - Real(1e-6)) << i << plane;
+    }
+  }
+}
+TEST(Compound, RestsTenSeconds) { restsTenSeconds<2>(), restsTenSeconds<3>(); }
+
+// Saved in the middle, loaded and gone on with: the same as gone on with.
+template <int D>
+void saves() {
+  World<D> one, other;
+  addParts(one, true, 6, 11);
+  for (int i = 0; i < 90; ++i) one.step(kDt);
+  std::stringstream file, again;
+  one.save(file);
+  other.load(file);
+  other.save(again);
+  EXPECT_EQ(file.str(), again.str());
+  EXPECT_EQ(partsFrom(one, other, 60), -1);
+}
+TEST(Compound, SavedAndLoaded) { saves<2>(), saves<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
