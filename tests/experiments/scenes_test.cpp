@@ -29,6 +29,8 @@ const std::map<std::string, Census> kExpected = {
     {"circle_rain", {{"fixed", 3}, {"fixed box", 3}, {"dynamic", 200}, {"dynamic sphere", 200}}},
     {"circle_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic sphere", 100}}},
     {"square_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic box", 100}}},
+    {"compounds", {{"fixed", 2}, {"fixed box", 3}, {"dynamic", 12}, {"dynamic compound", 12}}},
+    {"gears", {{"kinematic", 1}, {"kinematic compound", 1}, {"dynamic", 1}, {"dynamic compound", 1}, {"pinned", 1}}},
     {"cylinders", {{"fixed", 1}, {"fixed plane", 1}, {"dynamic", 6}, {"dynamic cylinder", 6}}},
     {"director_1", {{"fixed", 4}, {"fixed box", 4}, {"dynamic", 236}, {"dynamic sphere", 236}, {"scripted", 190 + 36}}},
     {"director_2", {{"fixed", 4}, {"fixed box", 4}, {"dynamic", 1500}, {"dynamic sphere", 1500}, {"scripted", 1499}}},
