@@ -2,7 +2,7 @@
 # everything that nobody has told of cones.
 set(at_most 3)
 set(name cone)
-set(targets "")
+set(targets lpc)
 file(WRITE ${work}/standing_cone.toml [=[
 name = "standing_cone"
 summary = "a cone on its base on a plane"
