@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -19,11 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-struct Content {
-  const char* path;
-  const char* hash;
-};
-constexpr Content kContents[] = {
+constexpr SourceHash kContents[] = {
 #include "content_hashes.inc"
 };
 
@@ -39,22 +36,30 @@ bool isHeader(std::string_view path) { return path.ends_with(".h"); }
 // Paths and hashes of the sources in a folder.
 std::string contentOf(std::string_view folder) {
   std::string all;
-  for (const Content& c : kContents) {
-    if (std::string_view(c.path).starts_with(folder)) all += std::string(c.path) + c.hash;
+  for (const SourceHash& c : kContents) {
+    if (c.path.starts_with(folder)) all.append(c.path).append(c.hash);
   }
   return all;
+}
+
+bool isOf(const SourceHash& source, const Registered& entry) {
+  return entry.file.ends_with("/" + std::string(source.path));
+}
+bool isOfAnAlgorithm(const SourceHash& source) {
+  const auto& all = Registry::instance().all();
+  return std::any_of(all.begin(), all.end(), [&](const auto& item) { return isOf(source, item.second); });
 }
 
 std::string codeHash(const Registered& entry) {
   const std::string key = keyOf(entry.stage, entry.info.name);
   if (const auto it = pluginOf().find(key); it != pluginOf().end()) return it->second;
   std::string all;
-  for (const Content& c : kContents) {
+  for (const SourceHash& c : kContents) {
     const StageInfo* home = stageOfPath(c.path);
     if (isHeader(c.path) && home && home->group == stageInfo(entry.stage).group) all += c.path, all += c.hash;
   }
-  for (const Content& c : kContents) {
-    if (entry.file.ends_with(std::string("/") + c.path)) all += c.hash;
+  for (const SourceHash& c : kContents) {
+    if (isOf(c, entry)) all += c.hash;
   }
   return hexHash(all);
 }
@@ -62,6 +67,9 @@ std::string codeHash(const Registered& entry) {
 void addHashes(json& out, StageKind stage, const Spec& spec, int dimension) {
   const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
   out[keyOf(stage, spec.name)] = codeHash(entry);
+  for (const SourceHash& c : kContents) {
+    if (isOf(c, entry) && !c.library.empty()) out["library"] = c.library;
+  }
   for (const ParamInfo& p : entry.params) {
     if (!p.stage) continue;
     if (const Spec* value = spec.find(p.name)) addHashes(out, p.stage->kind, *value, dimension);
@@ -95,9 +103,17 @@ const std::string& coreHash() {
   return hash;
 }
 
+std::string judgesHash(std::span<const SourceHash> sources) {
+  std::string all;
+  for (const SourceHash& s : sources) {
+    if (s.path.starts_with("oracles/") && !isOfAnAlgorithm(s)) all.append(s.path).append(s.hash);
+  }
+  return hexHash(all);
+}
+
 const std::string& oraclesHash() {
 #ifdef LPC_HAS_ORACLES
-  static const std::string hash = hexHash(contentOf("oracles/"));
+  static const std::string hash = judgesHash(kContents);
 #else
   static const std::string hash = "not built";  // nothing was judged: another build has it all to do
 #endif

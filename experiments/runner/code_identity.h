@@ -4,6 +4,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,10 +16,17 @@ namespace lpc::inline LPC_PRECISION {
 std::string hexHash(std::string_view bytes);
 /// Over framework, trial code, compiler and flags, as built into this program.
 const std::string& coreHash();
-/// Over the oracles, as built into this program: families, referee, verdicts; "not built" without them.
+/// A source as built into this program: its path in the project, and the library (with its version) that it calls.
+struct SourceHash {
+  std::string_view path, hash, library = {};
+};
+/// Over those of the oracles that judge: families, referee, verdicts, what adapters share. A file from which a witness
+/// is registered is in the keys of trials that name the witness, and in no other.
+std::string judgesHash(std::span<const SourceHash> sources);
+/// Of this program; "not built" without the oracles.
 const std::string& oraclesHash();
 /// {"velocity/catto": hash, ...} for the algorithm of `spec` (canonical: nested stages are followed) in `dimension`:
-/// its own file and its group's kernel headers; for one of a plugin, the plugin's bytes.
+/// its own file and its group's kernel headers; for one of a plugin, the plugin's bytes; for a witness "library", too.
 nlohmann::json codeHashes(StageKind stage, const Spec& spec, int dimension);
 /// Loads the plugin (see loadPlugin) and remembers which algorithms are its.
 void adoptPlugin(const std::string& path);

@@ -88,7 +88,7 @@ bool namesATest(const std::string& name, const std::string& sources) {
   const std::string test =
       "(" + name.substr(0, dot) + ", " + (dot == std::string::npos ? "" : name.substr(dot + 1)) + ")";
   const auto stands = [&](const std::string& text) { return sources.find(text) != std::string::npos; };
-  return stands("TEST" + test) || stands("TEST_F" + test) || stands('"' + name + '"');
+  return stands("TEST" + test) || stands("TEST_F" + test) || stands("TEST_P" + test) || stands('"' + name + '"');
 }
 
 TEST(RegistryRules, EveryDeclaredFailureNamesATest) {

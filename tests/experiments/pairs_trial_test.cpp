@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/trial_plan.h"
@@ -88,6 +91,34 @@ TEST(PairsTrial, TheRefereesCodeIsPartOfTheKeyOfPairsAlone) {
       planner.boxes({{"dimension", 3}, {"n", 8}, {"distribution", "uniform"}, {"broadphase", "naive"}}).canonical;
   EXPECT_EQ(pairs.at("code").at("oracles"), oraclesHash());
   EXPECT_FALSE(boxes.at("code").contains("oracles"));
+}
+
+// What judges is in the key of every trial of pairs; an adapter, changed or new, is not.
+TEST(PairsTrial, AnAdapterIsNoneOfTheRefereesCode) {
+  const auto hash = [](std::string_view referee, std::string_view adapter) {
+    return judgesHash(std::array<SourceHash, 2>{{{"oracles/referee.h", referee}, {"oracles/fcl.cpp", adapter}}});
+  };
+  EXPECT_EQ(hash("same", "before"), hash("same", "after"));
+  EXPECT_EQ(hash("same", "before"), judgesHash(std::array<SourceHash, 1>{{{"oracles/referee.h", "same"}}}));
+  EXPECT_NE(hash("before", "same"), hash("after", "same"));
+}
+
+// An adapter that calls other people's code has the version of that in the keys of its own trials.
+TEST(PairsTrial, ALibrarysVersionIsPartOfTheKeyOfItsWitness) {
+  const std::regex foreign("#include <[^>]+/"), version("[A-Za-z]+ [0-9.]+(, [A-Za-z]+ [0-9.]+)*");
+  int witnesses = 0;
+  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 3)) {
+    std::ifstream in(r->file);
+    const std::string source{std::istreambuf_iterator<char>(in), {}};
+    ASSERT_FALSE(source.empty()) << r->file;
+    const nlohmann::json code = codeHashes(StageKind::pairQuery, Spec{r->info.name, {}}, 3);
+    EXPECT_TRUE(code.contains("pair_query/" + r->info.name));
+    EXPECT_EQ(code.contains("library"), r->info.role == Role::witness && std::regex_search(source, foreign)) << code;
+    if (!code.contains("library")) continue;
+    EXPECT_TRUE(std::regex_match(code.at("library").get<std::string>(), version)) << code;
+    ++witnesses;
+  }
+  EXPECT_GE(witnesses, 7);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #
 # A promise has
 #   promise.cmake  at_most (files), name (shown by `lpc list`), targets, proof (a command that passes, and fails with
-#                  `blames` in its output for the twin), rebuilds_all (ON when it edits what everything includes)
+#                  `blames` in its output for the twin), round (below, `few` unless told)
 #   tree/          its new files, where they stand in the project
 #   edits.cmake    edit() of files that are there, which count, too; optional
 #   wrong.cmake    edit() that makes the twin
@@ -24,6 +24,11 @@ function(must_say what)  # the command passes, and its output matches
 endfunction()
 function(build)
   must_say("" ${CMAKE_COMMAND} --build ${work}/build --target ${ARGN})
+endfunction()
+function(new_sweep name text)  # `sweep`: the command that runs it, into a store that is empty now
+  file(WRITE ${work}/${name}.toml "${text}")
+  file(REMOVE ${work}/${name}.db)
+  set(sweep ${bin}/lpc sweep ${work}/${name}.toml --store ${work}/${name}.db --quiet PARENT_SCOPE)
 endfunction()
 function(edit file old new)
   file(READ ${tree}/${file} text)
@@ -91,13 +96,17 @@ function(prove promise)
   message(STATUS "${promise} ${name}: its broken twin is caught")
 endfunction()
 
+function(same_keys)
+  must_say("6 were done, 0 run" ${worlds})
+  must_say("4 were done, 0 run" ${pairs})
+endfunction()
 function(as_before)
   build(lpc)
   must_say("" ${bin}/lpc list)
   if(NOT output STREQUAL list_before)
     message(FATAL_ERROR "lpc list is not as before:\n${output}")
   endif()
-  must_say("6 were done, 0 run" ${keys})
+  same_keys()
 endfunction()
 
 set(here ${CMAKE_CURRENT_LIST_DIR})
@@ -124,13 +133,7 @@ foreach(part framework algorithms oracles experiments tests docs CMakeLists.txt)
 endforeach()
 file(GLOB folders RELATIVE ${here} ${here}/*/promise.cmake)
 list(TRANSFORM folders REPLACE "/promise.cmake" "")
-must_say("" ${CMAKE_COMMAND} -G Ninja -S ${tree} -B ${work}/build -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O0
-         -DCMAKE_CXX_FLAGS_DEBUG= -DLPC_PRECISIONS=f64 -DLPC_BUILD_TESTS=ON -DLPC_BUILD_ORACLES=OFF
-         -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
-build(lpc)
-must_say("" ${bin}/lpc list)
-set(list_before "${output}")
-file(WRITE ${work}/keys.toml [[
+new_sweep(worlds [[
 summary = "results that stay what they are"
 kind = "world"
 [axes]
@@ -138,22 +141,55 @@ scene = ["box_drop", "pendulum"]
 broadphase = ["naive", "sort_and_sweep", "uniform_grid"]
 steps = 5
 ]])
-file(REMOVE ${work}/keys.db)
-set(keys ${bin}/lpc sweep ${work}/keys.toml --store ${work}/keys.db --quiet)
-must_say("6 run, 0 of these not ok" ${keys})
+set(worlds ${sweep})
 
-# First what compiles a file or none, then what compiles everything: with -DALL=ON only.
-set(rounds OFF)
+# few: promises that compile a file or none; witnesses: with the oracles, which this tree is spared otherwise;
+# everything: what everything includes. The last two with -DALL=ON only.
+set(rounds few)
 if(ALL)
-  list(APPEND rounds ON)
+  list(APPEND rounds witnesses everything)
 endif()
-foreach(round IN LISTS rounds)
+foreach(current IN LISTS rounds)
+  set(oracles OFF)
+  set(methods "\"gjk_epa\", \"closed_form\"")
+  if(current STREQUAL witnesses)
+    set(oracles ON)
+    set(methods "\"gjk_epa\", \"libccd_gjk\"")
+  endif()
+  must_say("" ${CMAKE_COMMAND} -G Ninja -S ${tree} -B ${work}/build -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O0
+           -DCMAKE_CXX_FLAGS_DEBUG= -DLPC_PRECISIONS=f64 -DLPC_BUILD_TESTS=ON -DLPC_BUILD_ORACLES=${oracles}
+           -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+  build(lpc)
+  must_say("" ${bin}/lpc list)
+  set(list_before "${output}")
+  must_say(", 0 of these not ok" ${worlds})
+  new_sweep(pairs "
+summary = \"errors before the referee\"
+kind = \"pairs\"
+[axes]
+dimension = 3
+kind_a = \"sphere\"
+kind_b = [\"capsule\", \"box\"]
+n = 6
+pair_query = [${methods}]
+")
+  set(pairs ${sweep})
+  must_say("4 run" ${pairs})
+  if(NOT oracles)  # nobody is there to judge, and each row says so
+    file(STRINGS ${work}/pairs.db text)
+    string(REGEX MATCHALL "unsupportedthis build has no referee" rows "${text}")
+    list(LENGTH rows count)
+    if(NOT count EQUAL 4)
+      message(FATAL_ERROR "${count} of 4 trials of pairs without the oracles are unsupported:\n${text}")
+    endif()
+  endif()
+
   set(promises "")
   set(wanted lpc)
   foreach(promise IN LISTS folders)
-    set(rebuilds_all OFF)
+    set(round few)
     include(${here}/${promise}/promise.cmake)
-    if(rebuilds_all STREQUAL round)
+    if(round STREQUAL current)
       list(APPEND promises ${promise})
       list(APPEND wanted ${targets})
     endif()
@@ -163,8 +199,8 @@ foreach(round IN LISTS rounds)
   endforeach()
   list(REMOVE_DUPLICATES wanted)
   build(${wanted})
-  if(NOT round)
-    must_say("6 were done, 0 run" ${keys})  # new files change no key
+  if(NOT current STREQUAL everything)
+    same_keys()  # new files change no key
   endif()
   foreach(promise IN LISTS promises)
     prove(${promise})

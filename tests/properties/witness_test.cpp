@@ -31,6 +31,30 @@ std::vector<Entry<D>> witnesses() {
   return out;
 }
 
+// Tests of each witness can be run one by one: EachWitness.ErrorBarsAreMeasured/libccd_gjk_3.
+using NameAndDimension = std::pair<std::string, int>;
+class EachWitness : public testing::TestWithParam<NameAndDimension> {
+ protected:
+  void inItsDimension(auto&& test) const {
+    const auto& [name, dimension] = GetParam();
+    if (dimension == 2) test(Entry<2>{name, createStage<PairQuery<2>>(Spec{name, {}})});
+    if (dimension == 3) test(Entry<3>{name, createStage<PairQuery<3>>(Spec{name, {}})});
+  }
+};
+std::vector<NameAndDimension> everyWitness() {
+  std::vector<NameAndDimension> out;
+  for (const auto& e : witnesses<2>()) out.emplace_back(e.name, 2);
+  for (const auto& e : witnesses<3>()) out.emplace_back(e.name, 3);
+  return out;
+}
+TEST(Witnesses, AreThereInBothDimensions) {
+  EXPECT_FALSE(witnesses<2>().empty());
+  EXPECT_FALSE(witnesses<3>().empty());
+}
+INSTANTIATE_TEST_SUITE_P(Registered, EachWitness, testing::ValuesIn(everyWitness()), [](const auto& tested) {
+  return tested.param.first + "_" + std::to_string(tested.param.second);
+});
+
 template <int D>
 struct Pair {
   Shape<D> a, b;
@@ -44,25 +68,24 @@ PairAnswer<D> ask(const Entry<D>& e, const Pair<D>& pair) {
 
 // Each describes itself: a list of pairs of kinds without a repetition, and nothing that is not in it is asked.
 template <int D>
-void describeThemselves() {
-  EXPECT_FALSE(witnesses<D>().empty());
-  for (const Entry<D>& e : witnesses<D>()) {
-    std::set<std::pair<ShapeKind, ShapeKind>> listed;
-    for (const ErrorBar& bar : e.witness().errorBars()) {
-      EXPECT_LE(bar.a, bar.b) << e.name;
-      EXPECT_TRUE(listed.emplace(bar.a, bar.b).second) << e.name;
-      EXPECT_EQ(e.witness().errorBar(bar.b, bar.a), bar.bar) << e.name;
-    }
-    EXPECT_FALSE(listed.empty()) << e.name;
-    for (int a = 0; a < kShapeKinds; ++a) {
-      for (int b = a; b < kShapeKinds; ++b) {
-        const std::pair kinds(static_cast<ShapeKind>(a), static_cast<ShapeKind>(b));
-        EXPECT_EQ(e.query->supports(kinds.first, kinds.second), listed.contains(kinds)) << e.name;
-      }
+void describesItself(const Entry<D>& e) {
+  std::set<std::pair<ShapeKind, ShapeKind>> listed;
+  for (const ErrorBar& bar : e.witness().errorBars()) {
+    EXPECT_LE(bar.a, bar.b);
+    EXPECT_TRUE(listed.emplace(bar.a, bar.b).second);
+    EXPECT_EQ(e.witness().errorBar(bar.b, bar.a), bar.bar);
+  }
+  EXPECT_FALSE(listed.empty());
+  for (int a = 0; a < kShapeKinds; ++a) {
+    for (int b = a; b < kShapeKinds; ++b) {
+      const std::pair kinds(static_cast<ShapeKind>(a), static_cast<ShapeKind>(b));
+      EXPECT_EQ(e.query->supports(kinds.first, kinds.second), listed.contains(kinds));
     }
   }
 }
-TEST(Witnesses, DescribeThemselves) { describeThemselves<2>(), describeThemselves<3>(); }
+TEST_P(EachWitness, DescribesItself) {
+  inItsDimension([](const auto& e) { describesItself(e); });
+}
 
 // Unlike any other, and not symmetric.
 template <int D>
@@ -134,18 +157,17 @@ void answersInOurConventions(const Entry<D>& e, const ErrorBar& bar, int& rightN
   }
 }
 template <int D>
-void everyKindInOurConventions() {
-  for (const Entry<D>& e : witnesses<D>()) {
-    int rightNormals = 0;
-    for (const ErrorBar& bar : e.witness().errorBars()) answersInOurConventions(e, bar, rightNormals);
-    const auto bars = e.witness().errorBars();
-    const auto old = std::count_if(bars.begin(), bars.end(),
-                                   [](const ErrorBar& x) { return std::max(x.a, x.b) <= ShapeKind::polytope; });
-    EXPECT_GE(rightNormals, 3 * static_cast<int>(old)) << e.name;
-  }
+void everyKindInOurConventions(const Entry<D>& e) {
+  int rightNormals = 0;
+  for (const ErrorBar& bar : e.witness().errorBars()) answersInOurConventions(e, bar, rightNormals);
+  const auto bars = e.witness().errorBars();
+  const auto old = std::count_if(bars.begin(), bars.end(),
+                                 [](const ErrorBar& x) { return std::max(x.a, x.b) <= ShapeKind::polytope; });
+  EXPECT_GE(rightNormals, 3 * static_cast<int>(old));
 }
-TEST(Witnesses, DeclaredKindsAreAnsweredInOurConventions) { everyKindInOurConventions<3>(); }
-TEST(Witnesses, DeclaredKindsAreAnsweredInOurConventions2) { everyKindInOurConventions<2>(); }
+TEST_P(EachWitness, AnswersInOurConventions) {
+  inItsDimension([](const auto& e) { everyKindInOurConventions(e); });
+}
 
 // Random pairs at 1 m, from apart to deep, without a family of failures: centres together are one.
 template <int D>
@@ -203,28 +225,27 @@ bool isBarOf(double measured, double bar) { return measured <= bar && (bar <= kR
 
 // The table holds what is measured, rounded up to one digit: it fails when a witness gets better, too.
 template <int D>
-void barsAreMeasured() {
-  for (const Entry<D>& e : witnesses<D>()) {
-    for (const auto& [a, b, bar] : e.witness().errorBars()) {
-      SCOPED_TRACE(e.name + " " + std::string(shapeKindName(a)) + " " + std::string(shapeKindName(b)));
-      const Measured m = measure(e, a, b);
-      ASSERT_GT(m.errors.size(), 40u);
-      const double high = m.quantile(0.99);
-      EXPECT_TRUE(isBarOf(high, bar)) << high << " measured, " << bar << " in the table";
-      if (bar > kRounding) {  // what a wrong table looks like
-        EXPECT_FALSE(isBarOf(high, 2.01 * bar));
-        EXPECT_FALSE(isBarOf(high, bar / 2.01));
-      }
-      EXPECT_LE(m.failed, 4);
-      EXPECT_LE(m.wrongSide, 2);
-      std::printf("%dD %-19s %-9s %-9s 99 %% within %.2e, bar %.0e, worst %.1e of %3zu; failed %d, wrong side %d\n", D,
-                  e.name.c_str(), std::string(shapeKindName(a)).c_str(), std::string(shapeKindName(b)).c_str(), high,
-                  bar, m.errors.back(), m.errors.size(), m.failed, m.wrongSide);
+void barsAreMeasured(const Entry<D>& e) {
+  for (const auto& [a, b, bar] : e.witness().errorBars()) {
+    SCOPED_TRACE(e.name + " " + std::string(shapeKindName(a)) + " " + std::string(shapeKindName(b)));
+    const Measured m = measure(e, a, b);
+    ASSERT_GT(m.errors.size(), 40u);
+    const double high = m.quantile(0.99);
+    EXPECT_TRUE(isBarOf(high, bar)) << high << " measured, " << bar << " in the table";
+    if (bar > kRounding) {  // what a wrong table looks like
+      EXPECT_FALSE(isBarOf(high, 2.01 * bar));
+      EXPECT_FALSE(isBarOf(high, bar / 2.01));
     }
+    EXPECT_LE(m.failed, 4);
+    EXPECT_LE(m.wrongSide, 2);
+    std::printf("%dD %-19s %-9s %-9s 99 %% within %.2e, bar %.0e, worst %.1e of %3zu; failed %d, wrong side %d\n", D,
+                e.name.c_str(), std::string(shapeKindName(a)).c_str(), std::string(shapeKindName(b)).c_str(), high, bar,
+                m.errors.back(), m.errors.size(), m.failed, m.wrongSide);
   }
 }
-TEST(Witnesses, ErrorBarsAreMeasured) { barsAreMeasured<3>(); }
-TEST(Witnesses, ErrorBarsAreMeasured2) { barsAreMeasured<2>(); }
+TEST_P(EachWitness, ErrorBarsAreMeasured) {
+  inItsDimension([](const auto& e) { barsAreMeasured(e); });
+}
 
 Entry<3> witness(const std::string& name) { return {name, createStage<PairQuery<3>>(Spec{name, {}})}; }
 Shape<3> cube(Real half) { return Shape<3>::box(Vec<3>::Constant(half)); }

@@ -2,8 +2,8 @@
 # everything that nobody has told of cones.
 set(at_most 3)
 set(name cone)
-set(targets "")
-file(WRITE ${work}/standing_cone.toml [[
+set(targets lpc)
+file(WRITE ${work}/standing_cone.toml [=[
 name = "standing_cone"
 summary = "a cone on its base on a plane"
 dimensions = [3]
@@ -19,7 +19,7 @@ shapes = [{ kind = "plane" }]
 position = [0, 0.5, 0]
 angle = 1.5707963267948966
 shapes = [{ kind = "cone", half_height = 0.5, radius = 0.4 }]
-]])
+]=])
 set(proof ${bin}/lpc run ${work}/standing_cone.toml --pipeline contacts=query_clip)
 set(blames "collapsed|exploded|diverged")
-set(rebuilds_all ON)
+set(round everything)

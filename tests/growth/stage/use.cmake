@@ -14,7 +14,7 @@ if(NOT result EQUAL 2 OR NOT output MATCHES "no speed_limit 'no_limit' in 2D; va
   message(FATAL_ERROR "a wrong name in the new stage:\n${output}")
 endif()
 # Sweeps have it as an axis.
-file(WRITE ${work}/limits.toml [[
+new_sweep(limits [[
 summary = "two limits"
 kind = "world"
 [axes]
@@ -22,5 +22,4 @@ scene = "box_drop"
 steps = 5
 speed_limit = ["longest_step", "longest_step{length=0.001}"]
 ]])
-file(REMOVE ${work}/limits.db)
-must_say("2 run, 0 of these not ok" ${bin}/lpc sweep ${work}/limits.toml --store ${work}/limits.db --quiet)
+must_say("2 run, 0 of these not ok" ${sweep})
