@@ -24,8 +24,6 @@ inline Matrix<2, 1> uphill(const Matrix<2, 2>& h, const Matrix<2, 1>& g, Real sh
 /// Newton's step from n, not of unit length.
 template <int D>
 Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, Work& work) {
-  // A turn whose square is a rounding of the result, and far above the rounding of a difference of gradients.
-  static const Real kTurn = std::sqrt(std::sqrt(kEpsilon)) / 16;
   const auto t = tangents(n);
   const auto support = [&](const Vec<D>& direction) {
     work[Count::supportCalls] += 2;
@@ -43,14 +41,13 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, Work& work) {
   // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
   // beside a ridge it is positive, where only the way up counts.
   const Matrix<D - 1, D - 1> symmetric = (curvature + curvature.transpose()) / 2;
-  return n + t * uphill(symmetric, g, 64 * kEpsilon / kTurn * symmetric.cwiseAbs().maxCoeff());
+  return n + t * uphill(symmetric, g, kLeastCurvature * symmetric.cwiseAbs().maxCoeff());
 }
 
 /// Steps as long as the bound gets better: a search may have ended before its tolerance.
 template <int D>
 void polishCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
-  constexpr int kMostSteps = 16;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostPolishSteps; ++step) {
     const Real before = best.bound;
     best.tryDirection(pair, newtonDirection<D>(pair, best.n, work), work);
     if (!(best.bound > before)) return;
@@ -61,11 +58,11 @@ void polishCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
 /// off by that root. Two steps that cost the bound no more than roundings.
 template <int D>
 void settleCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
-  for (int step = 0; step < 2; ++step) {
+  for (int step = 0; step < kSettleSteps; ++step) {
     Vec<D> n = newtonDirection<D>(pair, best.n, work);
     if (!makeUnit<D>(n)) return;
     const Real bound = pair.bound(n);
-    if (!(bound >= best.bound - 8 * kEpsilon * pair.scale)) return;
+    if (!(bound >= best.bound - kBoundRounding * pair.scale)) return;
     best.n = n, best.bound = std::max(bound, best.bound);
   }
 }
