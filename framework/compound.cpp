@@ -2,6 +2,7 @@
 // Shapes of several convex parts, and what the parts say together.
 #include <string>
 
+#include "framework/shape_tolerances.h"
 #include "framework/support_gap.h"
 #include "framework/support_map.h"
 #include "framework/user_numbers.h"

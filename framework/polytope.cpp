@@ -12,6 +12,7 @@ extern "C" {
 
 #include "framework/check.h"
 #include "framework/shape.h"
+#include "framework/shape_tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -42,12 +43,10 @@ Cloud<D> readPoints(std::span<const Vec<D>> points) {
     largest = std::max(largest, q.cwiseAbs().maxCoeff());
     extent = std::max(extent, (q - cloud.p[0]).cwiseAbs().maxCoeff());
   }
-  cloud.tolerance = 8 * double(std::numeric_limits<Real>::epsilon()) * largest;
-  // Squares and products of coordinates must stay inside the range of a double, and of a Real for the queries.
-  const double limit = sizeof(Real) == 8 ? 1e100 : 1e12;
-  if (extent > limit || extent < 1 / limit) {
+  cloud.tolerance = kHullRounding * largest;
+  if (extent > kLargestExtent || extent < 1 / kLargestExtent) {
     throw UserError("convex hull: the points span " + std::to_string(extent) +
-                    " m; valid: " + std::to_string(1 / limit) + " to " + std::to_string(limit));
+                    " m; valid: " + std::to_string(1 / kLargestExtent) + " to " + std::to_string(kLargestExtent));
   }
   return cloud;
 }
@@ -249,7 +248,7 @@ std::shared_ptr<Polytope<3>> assemble(std::span<const Vec<3>> points, const Clou
     const std::vector<int>& loop = loops[f].v;
     Polytope<3>::Face face;
     face.normal = faceNormal(cloud.p, used, loops[f]).cast<Real>();
-    if (!(std::abs(face.normal.norm() - 1) < 1e-5)) return nullptr;
+    if (!(std::abs(face.normal.norm() - 1) < kFaceNormalError)) return nullptr;
     face.begin = static_cast<int>(hull->loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const int a = number[static_cast<std::size_t>(loop[i])];
@@ -299,8 +298,7 @@ std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points) {
     const Point<3> near = q - cloud.p[0];
     coordinates.insert(coordinates.end(), {near[0], near[1], near[2]});
   }
-  // Each try merges more than the one before: near-degenerate clouds can defeat a tolerance, rarely three.
-  for (const double grown : {1.0, 4.0, 16.0}) {
+  for (const double grown : kHullTries) {  // near-degenerate clouds can defeat a tolerance, rarely three
     QhullRun qhull;
     if (!qhull.run(coordinates, grown * cloud.tolerance, "Q12")) continue;
     if (auto hull = assemble(points, cloud, qhull.loops())) return hull;

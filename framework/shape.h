@@ -145,10 +145,6 @@ struct ShapePart {
   Pose<D> X_SP{};  // in the compound's frame
 };
 
-/// The share of their sizes that parts of a compound may overlap by though overlap is refused (dimensionless). Larger:
-/// mass counted twice goes unseen. Smaller: parts that share a face are refused for their rounding.
-inline constexpr Real kPartOverlap = Real(1e-4);
-
 template <int D>
 std::span<const ShapePart<D>> Shape<D>::parts() const {
   return m_compound ? std::span<const ShapePart<D>>(*m_compound) : std::span<const ShapePart<D>>();

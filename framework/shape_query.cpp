@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "framework/shape_tolerances.h"
 #include "framework/stage_broadphase.h"
 #include "framework/support_gap.h"
 #include "framework/support_map.h"
@@ -243,13 +244,12 @@ Real planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d) {
 // surface everywhere, so the ray may go on to where it meets that plane; near the surface this is Newton's iteration.
 template <int D>
 Real curvedRay(const CurvedCore<D>& core, Real r, const Vec<D>& p, const Vec<D>& d) {
-  constexpr int kMostSteps = 256;
   Real t = 0;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostRaySteps; ++step) {
     const Vec<D> at = p + t * d;
     const Gap<D> gap = pointCurvedGap<D>(core, at);
     const Real ahead = gap.gap - r;
-    if (ahead <= 4 * std::numeric_limits<Real>::epsilon() * (at.norm() + core.half().norm() + r)) return t;
+    if (ahead <= kRayRounding * (at.norm() + core.half().norm() + r)) return t;
     const Real speed = gap.n.dot(d);
     if (!(speed > 0)) return kInf;
     t += ahead / speed;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "framework/space.h"
+#include "framework/shape_tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -28,7 +28,7 @@ bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
     q[i] = edges[i];
     for (std::size_t j = 0; j < i; ++j) r[j][i] = q[j].dot(q[i]), q[i] -= r[j][i] * q[j];
     r[i][i] = q[i].norm();
-    if (!(r[i][i] > 4 * std::numeric_limits<Real>::epsilon() * edges[i].norm())) return false;
+    if (!(r[i][i] > kFlatFace * edges[i].norm())) return false;
     q[i] /= r[i][i];
     weight[i] = q[i].dot(rest), rest -= weight[i] * q[i];
   }
@@ -48,17 +48,16 @@ bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
 /// is looked for among all its faces.
 template <int D, class Support>
 Gap<D> gapToOrigin(const Support& support, Vec<D> start) {
-  constexpr int kMostSteps = 64;
   Gap<D> best;
   std::array<Vec<D>, static_cast<std::size_t>(D) + 1> points;
   std::size_t count = 0;
   Vec<D> v = start.squaredNorm() > 0 ? start : Vec<D>(Vec<D>::Unit(0));
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostGapSteps; ++step) {
     const Real length = v.norm();
     const Vec<D> towards = v / length;
     const Vec<D> w = support(Vec<D>(-towards));
     if (towards.dot(w) > best.gap) best = {towards.dot(w), towards};
-    if (step > 0 && length - best.gap <= 4 * std::numeric_limits<Real>::epsilon() * (length + w.norm())) break;
+    if (step > 0 && length - best.gap <= kGapRounding * (length + w.norm())) break;
     if (count == points.size()) break;  // rounding: the last simplex was full and had to hold the origin
     points[count++] = w;
     Real least = std::numeric_limits<Real>::infinity();

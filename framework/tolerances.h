@@ -11,13 +11,13 @@ namespace lpc::inline LPC_PRECISION {
 inline constexpr Real kLinearSlop = Real(0.005);
 
 /// Shapes nearer than this get contacts before they touch (m). Larger: bodies feel each other at a distance when the
-/// solver has no speculative bias. Zero: a resting contact vanishes whenever rounding lifts it.
+/// solver has no speculative bias. Smaller, down to zero: a resting contact vanishes whenever rounding lifts it.
 inline constexpr Real kContactMargin = 4 * kLinearSlop;
 
-/// Approach slower than this does not bounce (m/s). Smaller: resting bodies chatter. The 2009 engine's value.
+/// Approach slower than this does not bounce (m/s). Larger: dead balls. Smaller: resting bodies chatter. 2009's value.
 inline constexpr Real kRestitutionThreshold = Real(0.2);
 
-/// A unit vector may be off by this (dimensionless).
+/// A unit vector may be off by this (1). Larger: stretched shapes, false depths. Smaller: rounded ones are refused.
 inline constexpr Real kUnitTolerance = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -131,8 +131,8 @@ class World final : private Detect, private Forces<D> {
   /// Everything that a trajectory depends on except force generators and listeners, which the caller adds again. The
   /// bytes are a function of the state: saved, loaded and continued is the same as continued.
   void save(std::ostream& out) const;
-  /// Replaces this world's state; its pipeline stays. Throws UserError when the bytes are not a world of this
-  /// dimension, precision and format, or end early; the world is then unchanged.
+  /// Replaces this world's state; its pipeline stays. Throws UserError when the bytes are not a world of this dimension,
+  /// precision and format, or damaged, or hold shapes that the pipeline does not support; nothing has changed then.
   void load(std::istream& in);
 
  private:

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "framework/curved_core.h"
+#include "framework/saved_state.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -28,7 +29,12 @@ class Archive {
  private:
   template <class T>
   void value(T& x) {
-    if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
+    if constexpr (std::is_same_v<T, bool>) {
+      auto byte = static_cast<std::uint8_t>(x);  // read as a bool, no other byte may be
+      bytes(&byte, sizeof byte);
+      if (byte > 1) throw UserError("load: the saved world is damaged (a flag is neither 0 nor 1)");
+      x = byte != 0;
+    } else if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
       bytes(&x, sizeof x);
     } else if constexpr (requires { x.derived(); }) {  // an Eigen matrix
       bytes(x.data(), sizeof(Real) * static_cast<std::size_t>(x.size()));
@@ -208,11 +214,20 @@ void World<D>::load(std::istream& in) {
   }
   if (dimension != D || realBytes != static_cast<std::int32_t>(sizeof(Real))) {
     throw UserError("load: the saved world is " + std::to_string(dimension) + "D with " +
-                    std::to_string(8 * realBytes) + "-bit numbers, this one is " + std::to_string(D) + "D with " +
-                    std::to_string(8 * sizeof(Real)) + "-bit numbers");
+                    std::to_string(std::int64_t(8) * realBytes) + "-bit numbers, this one is " + std::to_string(D) +
+                    "D with " + std::to_string(8 * sizeof(Real)) + "-bit numbers");
   }
   State s;
-  s.exchange(a);
+  try {
+    s.exchange(a);
+  } catch (const UserError& e) {  // also of a shape's size
+    const std::string_view what = e.what();
+    if (what.starts_with("load: ")) throw;
+    throw UserError("load: the saved world is damaged (" + std::string(what) + ")");
+  }
+  requireSound<D>(
+      {s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps},
+      stage<ContactGenerator>());
   const std::size_t n = s.bodies.pose.size();
   s.bodies.invMass.assign(n, 0);  // refreshed before each solve
   s.bodies.invInertia.assign(n, Inertia<D>::Zero());

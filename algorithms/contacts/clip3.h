@@ -199,7 +199,6 @@ inline void addForemost(const Reference3& ref, const Core3& inc, Real separation
 inline void reduceToFour(const Vec<3>& n, Real tolerance, std::vector<PatchPoint<3>>& points) {
   if (points.size() <= 4) return;
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.feature < b.feature; });
-  constexpr Real kClearGain = Real(1.02);
   Real deepest = points[0].separation;
   for (const PatchPoint<3>& p : points) deepest = std::min(deepest, p.separation);
   std::size_t keep[4] = {};
@@ -207,7 +206,7 @@ inline void reduceToFour(const Vec<3>& n, Real tolerance, std::vector<PatchPoint
   const auto apart = [&](std::size_t i, std::size_t k) { return (points[i].p2 - points[k].p2).squaredNorm(); };
   // To the far end and back again, until neither end moves: then the kept four span at least half of the area.
   Real best = 0;
-  for (int sweep = 0; sweep < 6; ++sweep) {
+  for (int sweep = 0; sweep < kMostSpreads; ++sweep) {
     const std::size_t here = keep[sweep % 2];
     bool moved = false;
     for (std::size_t i = 0; i < points.size(); ++i) {

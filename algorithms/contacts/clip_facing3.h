@@ -8,10 +8,6 @@ namespace lpc::inline LPC_PRECISION::contacts {
 /// One attempt: `around` restricts the faces to those that touch the foremost vertices.
 inline void clipFacesAlong(const Core3& c1, const Core3& c2, const Vec<3>& n, bool around, const PlacedPair<3>& pair,
                            ClipScratch3& scratch, Patch3& out) {
-  // Steeper faces than this (cosine) meet the normal almost edge-on: what lies on them is far from the contact.
-  constexpr Real kSteep = Real(0.1);
-  // Which face is the reference hardly matters, the points are the same; only ties should not take turns.
-  constexpr Real kClearlyBetter = Real(1e-3);
   const auto choose = [&](const Core3& c, const Vec<3>& d) { return faceAlong(c, d, around ? vertexAlong(c, d) : -1); };
   const int f1 = choose(c1, n), f2 = choose(c2, -n);
   const Real a1 = f1 < 0 ? Real(-1) : c1.n[f1].dot(n), a2 = f2 < 0 ? Real(-1) : -c2.n[f2].dot(n);

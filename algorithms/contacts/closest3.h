@@ -7,9 +7,6 @@
 
 namespace lpc::inline LPC_PRECISION::contacts {
 
-/// Below this part of the product of squared lengths the determinant of two directions is rounding.
-inline constexpr Real kParallelDeterminant = 16 * std::numeric_limits<Real>::epsilon();
-
 struct SegmentPair3 {
   Vec<3> a1, b1, a2, b2;  // segments 1 and 2; a point has a = b
 };
@@ -121,8 +118,6 @@ inline void touchEdges(const Core3& c1, const Core3& c2, const ClosestEdges3& e,
     if (separation <= pair.limit) out.points.push_back({p1, p2, separation, featureNumber(code1, code2)});
   };
   const Real length1 = d1.norm(), length2 = d2.norm();
-  // A visible angle (3 degrees): below it two logs lie on each other in two points, above it they cross in one.
-  constexpr Real kNearlyParallel = Real(0.05);
   if (d1.cross(d2).norm() <= kNearlyParallel * length1 * length2 && length1 > pair.tolerance &&
       length2 > pair.tolerance) {
     const Vec<3> u = d1 / length1;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "algorithms/contacts/tolerances.h"
 #include "framework/curved_core.h"
 #include "framework/stage_narrowphase.h"
 
@@ -98,9 +99,8 @@ PlacedPair<D> placePair(const ContactInput<D>& in, const ConvexPair<D>& pair, Re
   out.X_12.q = R_1W * (X_W2.q * X_C2.q);
   const ShapeView<D>&s1 = out.view1(), &s2 = out.view2();
   out.limit = in.margin + s1.radius + s2.radius;
-  out.rounding =
-      64 * std::numeric_limits<Real>::epsilon() * (coreReach(s1) + coreReach(s2) + out.X_12.p.template lpNorm<1>());
-  out.tolerance = std::max(std::min(bias, Real(0.01) * std::min(coreThickness(s1), coreThickness(s2))), out.rounding);
+  out.rounding = kNoise * (coreReach(s1) + coreReach(s2) + out.X_12.p.template lpNorm<1>());
+  out.tolerance = std::max(std::min(bias, kThinPart * std::min(coreThickness(s1), coreThickness(s2))), out.rounding);
   return out;
 }
 

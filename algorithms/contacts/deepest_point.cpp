@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/contacts/query_batches.h"
-#include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -34,7 +33,7 @@ class DeepestPoint final : public ContactGenerator<D> {
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
 
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
-    m_batches.run(in, kLinearSlop / 10, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
+    m_batches.run(in, kBias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
       PatchPoint<D> point = witnessPoint(placed, answer);
       addPatch<D>(in, placed, answer.normal, {&point, 1}, fresh);
     });

@@ -3,7 +3,6 @@
 #include "algorithms/contacts/query_batches.h"
 #include "algorithms/contacts/query_clip2.h"
 #include "algorithms/contacts/query_clip3.h"
-#include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -27,7 +26,7 @@ class QueryClip final : public ContactGenerator<D> {
  public:
   struct Params {
     Spec query{"gjk_epa", {}};
-    Real bias = kLinearSlop / 10;
+    Real bias = kBias;
     void visit(ParamVisitor& v) {
       v.stage("query", query, StageKind::pairQuery, "gives distance, normal and witnesses");
       v.real("bias", bias, 0, kLinearSlop, "m",

@@ -5,11 +5,6 @@
 
 namespace lpc::inline LPC_PRECISION::contacts {
 
-/// Edges more parallel than this (sine) span no axis: their cross product is mostly rounding. Their true axis is then
-/// within this angle of one that the faces, or edges at their ends, already give. Smaller: noise. Larger: wrong depth,
-/// by the sine times the edge's length.
-inline constexpr Real kParallelSine = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);
-
 struct FaceAxis3 {
   int face = -1;
   Real separation = -std::numeric_limits<Real>::infinity();

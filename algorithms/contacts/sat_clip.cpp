@@ -2,7 +2,6 @@
 #include "algorithms/contacts/plane_patch.h"
 #include "algorithms/contacts/sat_collide2.h"
 #include "algorithms/contacts/sat_collide3.h"
-#include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -25,7 +24,7 @@ template <int D>
 class SatClip final : public ContactGenerator<D> {
  public:
   struct Params {
-    Real bias = kLinearSlop / 10;
+    Real bias = kBias;
     void visit(ParamVisitor& v) {
       v.real("bias", bias, 0, kLinearSlop, "m",
              "depths that differ by less are alike: faces win over edges, the first body over the second");

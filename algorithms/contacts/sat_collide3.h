@@ -39,10 +39,6 @@ inline bool clipAgainst(const Core3& c1, const Core3& c2, bool firstIsReference,
   return good();
 }
 
-/// Where segments cross within this part of their length, half of the digits of their nearest points' difference are
-/// gone, and with them its direction.
-inline constexpr Real kCrossing = sizeof(Real) == 8 ? Real(1.5e-8) : Real(3.5e-4);
-
 /// Two segments: their nearest points, and when they cross or overlap, the direction across both.
 inline void collideSegments(const Core3& c1, const Core3& c2, const PlacedPair<3>& pair, Patch3& out) {
   ClosestEdges3 e{0, 0};

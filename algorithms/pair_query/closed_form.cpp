@@ -60,7 +60,7 @@ class ClosedForm final : public PairQuery<D> {
     Vec<D> n = v;
     if (!makeUnit<D>(n)) return false;
     best.take(n, pair.bound(n));
-    return best.bound >= v.norm() - 8 * kEpsilon * pair.scale;
+    return best.bound >= v.norm() - kBoundRounding * pair.scale;
   }
 
   // Directions that are perpendicular to the unit vector u, and what is left of v without its part along u.

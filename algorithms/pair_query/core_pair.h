@@ -12,12 +12,11 @@
 #include <algorithm>
 #include <limits>
 
+#include "algorithms/pair_query/tolerances.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
-
-inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
 
 /// Makes v a unit vector, whatever its length (no overflow, no underflow); false for zero and NaN.
 template <int D>

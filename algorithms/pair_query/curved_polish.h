@@ -21,17 +21,10 @@ inline Matrix<2, 1> uphill(const Matrix<2, 2>& h, const Matrix<2, 1>& g, Real sh
   return high * along + low * (g - along);
 }
 
-/// A turn (rad) whose square is a rounding of the result, and far above the rounding of a difference of gradients.
-inline Real smallTurn() {
-  static const Real kTurn = std::sqrt(std::sqrt(kEpsilon)) / 16;
-  return kTurn;
-}
-
 /// Newton's step from n within the plane of n and the columns of t, unit and across n and each other. Not of unit
 /// length.
 template <int D, int K>
 Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const Matrix<D, K>& t, Work& work) {
-  const Real turn = smallTurn();
   const auto support = [&](const Vec<D>& direction) {
     work[Count::supportCalls] += 2;
     return pair.support(direction);
@@ -40,22 +33,21 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const Matrix<D,
   const Matrix<K, 1> g = t.transpose() * m;
   Matrix<K, K> curvature;
   for (int k = 0; k < K; ++k) {
-    Vec<D> turned = n + turn * t.col(k);
+    Vec<D> turned = n + kTurn * t.col(k);
     makeUnit<D>(turned);
-    curvature.col(k) = (t.transpose() * support(turned) - g) / turn;
+    curvature.col(k) = (t.transpose() * support(turned) - g) / kTurn;
   }
   curvature.diagonal().array() -= n.dot(m);  // of the sphere of directions itself
   // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
   // beside a ridge it is positive, where only the way up counts.
   const Matrix<K, K> symmetric = (curvature + curvature.transpose()) / 2;
-  return n + t * uphill(symmetric, g, 64 * kEpsilon / turn * symmetric.cwiseAbs().maxCoeff());
+  return n + t * uphill(symmetric, g, kLeastCurvature * symmetric.cwiseAbs().maxCoeff());
 }
 
 /// Steps as long as the bound gets better: a search may have ended before its tolerance.
 template <int D>
 void polishCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
-  constexpr int kMostSteps = 16;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostPolishSteps; ++step) {
     const Real before = best.bound;
     best.tryDirection(pair, newtonDirection<D, D - 1>(pair, best.n, tangents(best.n), work), work);
     if (!(best.bound > before)) return;
@@ -68,7 +60,7 @@ template <int D>
 class CurvedSettling {
  public:
   void settle(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
-    for (int step = 0; step < 2; ++step) {
+    for (int step = 0; step < kSettleSteps; ++step) {
       Vec<D> n = best.n;
       const int edges = gatherEdges(pair, n);
       if (edges == D - 1) return;  // they fix the normal
@@ -78,7 +70,7 @@ class CurvedSettling {
       }
       if (!makeUnit<D>(n)) return;
       const Real bound = pair.bound(n);
-      if (!(bound >= best.bound - 8 * kEpsilon * pair.scale)) return;
+      if (!(bound >= best.bound - kBoundRounding * pair.scale)) return;
       best.n = n, best.bound = std::max(bound, best.bound);
     }
   }
@@ -91,14 +83,14 @@ class CurvedSettling {
     for (const bool second : {false, true}) {
       const ShapeView<D>& shape = second ? pair.b : pair.a;
       const Vec<D> local = second ? Vec<D>(-(pair.r.transpose() * n)) : n;
-      supportingVertices<D>(shape, local, smallTurn() * 2 * coreReach(shape), m_vertices);
+      supportingVertices<D>(shape, local, kTurn * 2 * coreReach(shape), m_vertices);
       for (std::size_t i = 1; i < m_vertices.size() && dimensions < D - 1; ++i) {
         Vec<D> edge = m_vertices[i] - m_vertices[0];
-        if (!makeUnit<D>(edge) || std::abs(edge.dot(local)) > smallTurn()) continue;
+        if (!makeUnit<D>(edge) || std::abs(edge.dot(local)) > kTurn) continue;
         if (second) edge = pair.r * edge;
         if (dimensions == 0) {
           m_edge = edge, dimensions = 1;
-        } else if ((edge - edge.dot(m_edge) * m_edge).norm() > smallTurn()) {
+        } else if ((edge - edge.dot(m_edge) * m_edge).norm() > kTurn) {
           dimensions = 2;
         }
       }

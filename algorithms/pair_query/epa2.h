@@ -75,14 +75,14 @@ class Epa<2> {
 
   // A triangle that is not flat: from GJK's, or by supports across what there is of it.
   bool seed(const CorePair<2>& pair, const Simplex<2>& start, BestAxis<2>& best, Work& work) {
-    const Real flat = 32 * kEpsilon * pair.scale;
+    const Real flat = kFlat * pair.scale;
     const Vec<2> u = start.count > 0 ? start[0] : support(pair, Vec<2>::Unit(0), best, work);
     Vec<2> v = u;
     const auto farther = [&](const Vec<2>& w) {
       if ((w - u).squaredNorm() > (v - u).squaredNorm()) v = w;
     };
     for (int i = 1; i < start.count; ++i) farther(start[i]);
-    if ((v - u).norm() <= 1024 * flat) {
+    if ((v - u).norm() <= kShortBase * flat) {
       for (int k = 0; k < 2; ++k) {
         farther(support(pair, Vec<2>::Unit(k), best, work));
         farther(support(pair, -Vec<2>::Unit(k), best, work));

@@ -16,7 +16,7 @@ class Epa<3> {
   QueryStatus run(const CorePair<3>& pair, const Simplex<3>& start, const EpaLimits& limits, BestAxis<3>& best,
                   Work& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
-    m_visible = 4 * kEpsilon * pair.scale;
+    m_visible = kVisible * pair.scale;
     m_points.clear(), m_faces.clear();
     m_doubt = 0;
     if (!seed(start)) return QueryStatus::converged;  // flat: both normals of its plane are tested
@@ -95,8 +95,8 @@ class Epa<3> {
 
   // A tetrahedron that is not flat: from GJK's simplex, or by supports across what there is of it.
   bool seed(const Simplex<3>& start) {
-    const Real flat = 32 * kEpsilon * m_pair->scale;
-    if (start.count == 4 && seedFrom(start[0], start[1], start[2], start[3], Real(1e-3))) return true;
+    const Real flat = kFlat * m_pair->scale;
+    if (start.count == 4 && seedFrom(start[0], start[1], start[2], start[3], kThinSeed)) return true;
     const Vec<3> u = start.count > 0 ? start[0] : support(Vec<3>::Unit(0));
     Vec<3> v = u, w = u, x = u;
     const auto length = [&](const Vec<3>& q) { return (q - u).norm(); };

@@ -22,7 +22,7 @@ class GjkEpa final : public PairQuery<D> {
   struct Params {
     int iterations = 64;
     int faces = 1024;
-    Real tolerance = 8 * kEpsilon;
+    Real tolerance = kBoundRounding;
     void visit(ParamVisitor& v) {
       v.integer("iterations", iterations, 1, 10000, "support points of GJK");
       v.integer("faces", faces, 8, 100000, "faces that EPA may make");
@@ -81,16 +81,9 @@ class GjkEpa final : public PairQuery<D> {
     std::memcpy(memory.bytes.data(), stored.data(), sizeof(stored));
   }
 
-  // A curved surface is never met by a facet, only approached: the tolerance is this many times as large there. A facet
-  // that is flatter still has a normal made of rounding.
-  static constexpr Real kCurved = sizeof(Real) == 8 ? 64 : 4;
-
-  // Faces lower than a hundredth of the scale are worked over; nearly all are higher.
-  static constexpr Real kLeaning = 16;
-
   QueryStatus search(const CorePair<D>& pair, Need need, const PairMemory* memory, BestAxis<D>& best, Work& work) {
     const bool curved = pair.a.curved || pair.b.curved;
-    const Real tolerance = m_params.tolerance * pair.scale * (curved ? kCurved : Real(1));
+    const Real tolerance = m_params.tolerance * pair.scale * (curved ? kCurvedTolerance : Real(1));
     const auto support = [&](const Vec<D>& n) {
       work[Count::supportCalls] += 2;
       const Vec<D> w = pair.support(n);
@@ -136,7 +129,6 @@ class GjkEpa final : public PairQuery<D> {
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
     if (inside && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
     if constexpr (D == 3) {
-      static const Real kShallow = std::sqrt(kEpsilon);
       if (inside && best.bound > -kShallow * pair.scale) m_local.improveAcrossEdges(pair, best, work);
     }
     const Real length = std::sqrt(nearest.length2);

@@ -12,10 +12,10 @@ class LocalFeatures {
  public:
   /// `gap` is how far best.bound may be from the truth (m).
   void improve(const CorePair<D>& pair, Real gap, BestAxis<D>& best, Work& work) {
-    const Real band = 8 * gap + 64 * kEpsilon * pair.scale;
+    const Real band = kGapBand * gap + kFeatureBand * pair.scale;
     supportingVertices<D>(pair.a, best.n, band, m_a);
     supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * best.n)), band, m_b);
-    if (m_a.size() > kMost || m_b.size() > kMost) return;
+    if (m_a.size() > kMostLocalVertices || m_b.size() > kMostLocalVertices) return;
     for (Vec<D>& v : m_b) v = pair.p + pair.r * v;
     const auto test = [&](const Vec<D>& v) { best.tryDirection(pair, v, work); };
     const auto testBoth = [&](const Vec<D>& v) { test(v), test(-v); };
@@ -44,8 +44,8 @@ class LocalFeatures {
   /// Cores that barely overlap: a facet of the difference may be a needle that was lost among rounded sums. The edges
   /// that leave the features at contact are not sums, and give the normals of all facets there.
   void improveAcrossEdges(const CorePair<3>& pair, BestAxis<3>& best, Work& work) {
-    const Real band = -8 * best.bound + 64 * kEpsilon * pair.scale;
-    for (int round = 0; round < 4; ++round) {
+    const Real band = -kGapBand * best.bound + kFeatureBand * pair.scale;
+    for (int round = 0; round < kMostEdgeRounds; ++round) {
       const Real before = best.bound;
       edgesAt(pair.a, best.n, band, m_a);
       edgesAt(pair.b, Vec<3>(-(pair.r.transpose() * best.n)), band, m_b);
@@ -62,8 +62,6 @@ class LocalFeatures {
   }
 
  private:
-  static constexpr std::size_t kMost = 8;
-
   // Unit edges with an end within `band` of the core's farthest along n.
   static void edgesAt(const ShapeView<3>& shape, const Vec<3>& n, Real band, std::vector<Vec<3>>& out) {
     out.clear();

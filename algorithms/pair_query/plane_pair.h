@@ -32,7 +32,7 @@ class PlanePair {
     PairAnswer<D> answer;
     answer.status = QueryStatus::converged;
     answer.distance = lowest + origin;
-    supportingVertices<D>(body, -up, 64 * kEpsilon * pair.scale, m_vertices);
+    supportingVertices<D>(body, -up, kFeatureBand * pair.scale, m_vertices);
     Vec<D> middle = Vec<D>::Zero();
     for (const Vec<D>& v : m_vertices) middle += v / static_cast<Real>(m_vertices.size());
     const Vec<D> onBody = middle + (lowest - middle.dot(up)) * up, onPlane = onBody - answer.distance * up;

@@ -22,7 +22,7 @@ class SatBoxes {
     if constexpr (D == 3) testEdges();
     // Apart, an axis proves the distance only where the nearest features are vertex and face or edge and edge: what is
     // left are pairs with a vertex in them. Flat cores in one plane are apart at a bound of zero, but for rounding.
-    if (m_best.bound > -8 * kEpsilon * m_pair.scale) tryCorners();
+    if (m_best.bound > -kBoundRounding * m_pair.scale) tryCorners();
   }
 
  private:
@@ -40,14 +40,13 @@ class SatBoxes {
   // Edges parallel to within rounding have no common normal but noise. Their axes are left out only to save time: by
   // core_pair.h no direction can claim more than is true, and the true optimum is then a face normal's.
   void testEdges() {
-    constexpr Real kParallel2 = 16 * kEpsilon * kEpsilon;
     for (int i = 0; i < 3; ++i) {
       if (!(m_hA[i] > 0)) continue;
       for (int j = 0; j < 3; ++j) {
         if (!(m_hB[j] > 0)) continue;
         Vec<D> n = Vec<D>::Unit(i).cross(m_pair.r.col(j));
         const Real length2 = n.squaredNorm();
-        if (length2 > kParallel2) test(n / std::sqrt(length2));
+        if (length2 > kParallelSine * kParallelSine) test(n / std::sqrt(length2));
       }
     }
   }
@@ -88,9 +87,9 @@ class SatBoxes {
     });
     m_best.tryDirection(m_pair, nearest, m_work);
     least = std::sqrt(least);
-    if (m_best.bound >= least - 8 * kEpsilon * m_pair.scale) return;
+    if (m_best.bound >= least - kBoundRounding * m_pair.scale) return;
     // Among features that tie, rounding decides which is nearest, but not which direction proves most.
-    const Real tie = least + Real(1e-6) * least + 64 * kEpsilon * m_pair.scale;
+    const Real tie = least + kTiePart * least + kTieRounding * m_pair.scale;
     forCorners([&](const Vec<D>& v) {
       if (v.norm() <= tie) m_best.tryDirection(m_pair, v, m_work);
     });

@@ -20,12 +20,12 @@ class SatPolytope<2> {
     testNormals(m_a, m_b, 1, best, work);
     testNormals(m_b, m_a, -1, best, work);
     // Apart, the nearest features are a vertex and an edge, whose normal has been tested, or two vertices.
-    if (best.bound <= -8 * kEpsilon * pair.scale) return;
+    if (best.bound <= -kBoundRounding * pair.scale) return;
     Real least = std::numeric_limits<Real>::infinity();
     for (const Vec<2>& a : m_a.vertices) {
       for (const Vec<2>& b : m_b.vertices) least = std::min(least, (b - a).squaredNorm());
     }
-    const Real tie = std::sqrt(least) * (1 + Real(1e-6)) + 64 * kEpsilon * pair.scale;
+    const Real tie = std::sqrt(least) * (1 + kTiePart) + kTieRounding * pair.scale;
     for (const Vec<2>& a : m_a.vertices) {
       for (const Vec<2>& b : m_b.vertices) {
         if ((b - a).squaredNorm() <= tie * tie) best.tryDirection(pair, b - a, work);

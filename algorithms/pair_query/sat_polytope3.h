@@ -26,7 +26,7 @@ class SatPolytope<3> {
         if (arcsMayCross(a, b)) testEdges(a, b);
       }
     }
-    if (best.bound > -8 * kEpsilon * pair.scale) tryVertices();
+    if (best.bound > -kBoundRounding * pair.scale) tryVertices();
   }
 
  private:
@@ -124,14 +124,13 @@ class SatPolytope<3> {
   // Do the arcs of normals of a and of -b meet on the sphere? Inclusive: an arc missed by rounding ends on a face
   // normal, which has been tested, and an arc taken wrongly costs one more test.
   static bool arcsMayCross(const Edge& a, const Edge& b) {
-    constexpr Real kNear = 64 * kEpsilon;
     if (a.bare && b.bare) return true;
-    if (a.bare) return !sameSide(b.n0.dot(a.direction), b.n1.dot(a.direction), kNear);
+    if (a.bare) return !sameSide(b.n0.dot(a.direction), b.n1.dot(a.direction), kArcSine);
     const Real a0 = a.n0.dot(b.direction), a1 = a.n1.dot(b.direction);
-    if (sameSide(a0, a1, kNear)) return false;
+    if (sameSide(a0, a1, kArcSine)) return false;
     if (b.bare) return true;
     const Real b0 = b.n0.dot(a.direction), b1 = b.n1.dot(a.direction);
-    return !sameSide(b0, b1, kNear) && !sameSide(b0, a1, kNear);
+    return !sameSide(b0, b1, kArcSine) && !sameSide(b0, a1, kArcSine);
   }
   static bool sameSide(Real x, Real y, Real near) { return (x > near && y > near) || (x < -near && y < -near); }
 
@@ -139,7 +138,7 @@ class SatPolytope<3> {
   // edges only bound from above what the axis could prove, and then the whole cores are projected (core_pair.h).
   void testEdges(const Edge& a, const Edge& b) {
     Vec<3> n = a.direction.cross(b.direction);
-    if (n.squaredNorm() <= 16 * kEpsilon * kEpsilon || !makeUnit<3>(n)) return;
+    if (n.squaredNorm() <= kParallelSine * kParallelSine || !makeUnit<3>(n)) return;
     removeAlong<3>(n, a.direction);
     n.normalize();
     const Real along = n.dot(m_b.vertices[at(b.v0)] - m_a.vertices[at(a.v0)]);
@@ -174,7 +173,7 @@ class SatPolytope<3> {
     nearest = std::numeric_limits<Real>::infinity();
     const auto shorten = [&](const Vec<3>& v) { nearest = std::min(nearest, v.squaredNorm()); };
     forDifferences(shorten);
-    const Real tie = std::sqrt(nearest) * (1 + Real(1e-6)) + 64 * kEpsilon * m_pair->scale;
+    const Real tie = std::sqrt(nearest) * (1 + kTiePart) + kTieRounding * m_pair->scale;
     forDifferences([&](const Vec<3>& v) {
       if (v.squaredNorm() <= tie * tie) m_best->tryDirection(*m_pair, v, *m_work);
     });
@@ -183,7 +182,7 @@ class SatPolytope<3> {
 
   Real upperBound(const Vec<3>& n) const {
     if (!std::isfinite(m_best->bound)) return std::numeric_limits<Real>::max();
-    return m_pair->support(n).norm() + 64 * kEpsilon * m_pair->scale;
+    return m_pair->support(n).norm() + kAttainedRounding * m_pair->scale;
   }
 
   static void pick(const Core& core, const Vec<3>& n, Real slab, std::vector<Vec<3>>& vertices,

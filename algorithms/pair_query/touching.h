@@ -92,17 +92,18 @@ class TouchingPoint {
   template <int D>
   void find(const CorePair<D>& pair, BestAxis<D>& best, PairAnswer<D>& answer) {
     Vec<D> common = Vec<D>::Zero();
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < kTouchRounds; ++round) {
       // A normal that is off by a rounding lifts the far end of a feature by more than a rounding: the band grows until
       // the features meet. Witnesses leave their shapes by the band at most.
       Real least = kInf;
       Vec<D> miss = Vec<D>::Zero();
-      Real band = 64 * kEpsilon * pair.scale;
-      for (int i = 0; i < 6; ++i, band *= 16) {
+      Real band = kFeatureBand * pair.scale;
+      for (int i = 0; i < kMostBands; ++i, band *= kBandGrowth) {
         gather(pair, best.n, band);
         Vec<D> offset = Vec<D>::Zero();
         Vec<D> q = commonPoint(best.n, offset);
-        for (int more = 0; more < 3 && offset.norm() > band && reachOut(pair, best.n, offset, band); ++more) {
+        for (int more = 0; more < kMostRimPoints && offset.norm() > band && reachOut(pair, best.n, offset, band);
+             ++more) {
           offset = Vec<D>::Zero();
           q = commonPoint(best.n, offset);
         }
@@ -111,7 +112,7 @@ class TouchingPoint {
         if (!(offset.norm() > band)) break;
       }
       // The common point belongs to this normal: the last round must not change it any more.
-      if (round == 2 || !(best.bound > 0) || miss.squaredNorm() == 0) break;
+      if (round == kTouchRounds - 1 || !(best.bound > 0) || miss.squaredNorm() == 0) break;
       Vec<D> direct = best.bound * best.n + miss;
       const Real before = best.bound;
       if (makeUnit<D>(direct)) best.take(direct, pair.bound(direct));
@@ -139,8 +140,6 @@ class TouchingPoint {
   template <int D>
   bool reachOut(const CorePair<D>& pair, const Vec<D>& n, const Vec<D>& offset, Real band) {
     if (!pair.a.curved && !pair.b.curved) return false;
-    constexpr Real kTilt =
-        Real(1e-3);  // larger than the rounding of n, and as small as its side in the plane of the face
     const Vec<D> aside = kTilt / offset.norm() * offset;
     if (pair.a.curved) {
       const Vec<D> v = coreSupport(pair.a, Vec<D>(n + aside));
@@ -248,7 +247,7 @@ class TouchingPoint {
     for (std::size_t i = 0; i < m_clip.size(); ++i) {
       for (std::size_t j = i; j < m_clip.size(); ++j) {
         const Real length = (m_clip[i] - m_clip[j]).squaredNorm();
-        if (length > longest * (1 + 64 * kEpsilon)) longest = length, lo = &m_clip[i], hi = &m_clip[j];
+        if (length > longest * (1 + kSameLength)) longest = length, lo = &m_clip[i], hi = &m_clip[j];
       }
     }
     return (*lo + *hi) / 2;
@@ -260,7 +259,7 @@ class TouchingPoint {
     const Real area = e[0] * f[1] - e[1] * f[0], length2 = e.squaredNorm();
     Real t = 0;
     // Crossing lines meet at one place, if it is one; (nearly) parallel ones share a stretch, whose middle is taken.
-    if (std::abs(area) > 1024 * kEpsilon * e.norm() * f.norm()) {
+    if (std::abs(area) > kSharedStretchSine * e.norm() * f.norm()) {
       t = (w[0] * f[1] - w[1] * f[0]) / area;
     } else {
       const Real t0 = w.dot(e) / length2, t1 = (m_polygonB[1] - m_polygonA[0]).dot(e) / length2;

@@ -101,6 +101,52 @@ std::string denied(const std::string& line) {
   return std::regex_search(code, m, words) ? m.str() : "";
 }
 
+// Tolerances of these kernels have a name and a meaning, in the group's own file.
+bool namesItsTolerances(const Source& s) {
+  static const std::set<std::string> files = {"framework/polytope.cpp", "framework/support_gap.h",
+                                              "framework/shape_query.cpp"};
+  if (!isCode(s) || s.path.ends_with("tolerances.h")) return false;
+  return in(s, "algorithms/pair_query") || in(s, "algorithms/contacts") || files.contains(s.path);
+}
+
+// A small or nearly whole number, a multiple of a rounding, or a cap of iterations. A half is geometry, and the range
+// of a parameter is no tolerance.
+std::string bareTolerance(const std::string& line) {
+  static const std::regex words(
+      "[0-9.]+[eE][-+]?[0-9]+|\\.(?![05]0*f?\\b)[0-9]+f?\\b|"
+      "[0-9]\\)? *\\* *kEpsilon|kEpsilon *\\* *[0-9]|epsilon\\(\\)|"
+      "\\bconst(expr)? \\w+ k(Most|Max)\\w*(Steps|Rounds|Iterations)\\b");
+  const std::string code = line.substr(0, line.find("//"));
+  static const std::regex parameter("^ *v\\.(real|integer)\\(.*");
+  std::smatch m;
+  return !std::regex_match(code, parameter) && std::regex_search(code, m, words) ? m.str() : "";
+}
+
+// What the comment over the constants of a tolerances.h lacks: unit, meaning and danger. One comment may serve several.
+std::vector<std::string> unexplained(const std::vector<std::string>& lines) {
+  static const std::regex constant("inline const(?:expr)? [\\w:]+ (k[A-Z]\\w*).*");
+  std::vector<std::string> faults;
+  std::string comment;
+  bool complete = false;
+  for (const std::string& line : lines) {
+    std::smatch m;
+    if (line.starts_with("///")) {
+      if (complete) comment.clear();
+      comment += line, complete = false;
+    } else if (std::regex_match(line, m, constant)) {
+      complete = true;
+      for (const char* part : {"(", "arger", "maller"}) {
+        if (comment.find(part) == comment.npos) faults.push_back(m[1].str() + " lacks " + part);
+      }
+    } else if (line.empty()) {
+      comment.clear();
+    } else if (line.find(" k") != line.npos && line.starts_with("inline")) {
+      faults.push_back(line);  // of a form that this rule does not know
+    }
+  }
+  return faults;
+}
+
 TEST(Rules, FilesAreFound) { EXPECT_GT(sources().size(), 50u); }
 
 TEST(Rules, Includes) {
@@ -168,6 +214,47 @@ TEST(Rules, DenyList) {
   EXPECT_NE(denied("x = std::fma(a, b, c);"), "");
   EXPECT_NE(denied("std::uniform_real_distribution<double> d;"), "");
   EXPECT_EQ(denied("// never std::fma"), "");
+}
+
+TEST(Rules, TolerancesHaveNames) {
+  int read = 0;
+  for (const Source& s : sources()) {
+    if (!namesItsTolerances(s)) continue;
+    ++read;
+    for (std::size_t i = 0; i < s.lines.size(); ++i) {
+      EXPECT_EQ(bareTolerance(s.lines[i]), "") << s.path << ":" << i + 1 << " belongs into the group's tolerances.h";
+    }
+  }
+  EXPECT_GT(read, 30);
+  for (const char* breach : {"if (gap < 1e-9) return;", "x > Real(1.5E-8)", "a < Real(0.98)", "a < .98f",
+                             "gain > Real(1.02) * best", "const Real tie = 4 * kEpsilon * scale;",
+                             "Real(16) * kEpsilon", "kEpsilon * 8", "constexpr int kMostSteps = 64;",
+                             "std::numeric_limits<Real>::epsilon() * length", "constexpr Real kNear = Real(1e-6);"}) {
+    EXPECT_NE(bareTolerance(breach), "") << breach;
+  }
+  for (const char* fine :
+       {"center = lo + Real(0.5) * (hi - lo);", "// below 1e-9 m it is noise", "x = 2 * kHalf;",
+        "v.real(\"tolerance\", tolerance, kEpsilon, Real(0.1), \"1\",", "for (double x : {1.0, 2.0})",
+        "const Real flat = kFlat * pair.scale;", "answer.pA = base.p0;"}) {
+    EXPECT_EQ(bareTolerance(fine), "") << fine;
+  }
+}
+
+TEST(Rules, TolerancesHaveMeanings) {
+  int read = 0;
+  for (const Source& s : sources()) {
+    if (!isCode(s) || !s.path.ends_with("tolerances.h")) continue;
+    ++read;
+    EXPECT_EQ(unexplained(s.lines), std::vector<std::string>()) << s.path;
+  }
+  EXPECT_EQ(read, 4);
+  const std::string whole = "/// Lengths below it are noise (m). Larger: blunt. Smaller: noise.";
+  const std::string first = "inline constexpr Real kFirst = Real(1e-9);", second = "inline const Real kSecond = 1;";
+  EXPECT_TRUE(unexplained({whole, first, second, "", whole, second}).empty());
+  EXPECT_EQ(unexplained({whole, first, "", second}).size(), 3u);
+  EXPECT_EQ(unexplained({whole, first, "/// (m)", second}).size(), 2u);
+  EXPECT_EQ(unexplained({"/// Larger: blunt. Smaller: noise.", first}).size(), 1u);
+  EXPECT_EQ(unexplained({whole, "inline static Real kThird = 1;"}).size(), 1u);
 }
 
 TEST(Rules, EverySourceStartsWithItsLicence) {

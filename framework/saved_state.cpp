@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/saved_state.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "framework/shape_tolerances.h"
+#include "framework/user_numbers.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+void require(bool sound, const char* otherwise) {
+  if (!sound) throw UserError(std::string("load: the saved world is damaged (") + otherwise + ")");
+}
+
+bool isFlag(std::uint8_t x) { return x <= 1; }
+bool isAmount(Real x) { return x >= 0 && std::isfinite(x); }
+template <class Table>
+bool holds(const Table& table, std::int64_t i) {
+  return i >= 0 && i < static_cast<std::int64_t>(table.size());
+}
+
+template <int D>
+bool isBody(const Bodies<D>& b, std::int32_t slot) {
+  return holds(b.used, slot) && b.used[static_cast<std::size_t>(slot)];
+}
+
+template <int D>
+void checkBodies(const Bodies<D>& b, std::size_t userForces) {
+  const std::size_t n = b.pose.size();
+  require(n <= std::size_t(std::numeric_limits<std::int32_t>::max()), "more bodies than can be counted");
+  for (const std::size_t size :
+       {b.motion.size(), b.mass.size(), b.invInertiaBody.size(), b.center.size(), b.type.size(), b.used.size(),
+        b.awake.size(), b.canSleep.size(), b.pinned.size(), b.sleep.size(), b.generation.size(), userForces}) {
+    require(size == n, "the tables of bodies have unequal lengths");
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    require(b.type[i] <= BodyType::dynamic, "a body of no known type");
+    require(isFlag(b.used[i]) && isFlag(b.awake[i]) && isFlag(b.canSleep[i]) && isFlag(b.pinned[i]),
+            "a body's flag is neither 0 nor 1");
+    require(isAmount(b.mass[i]), "a mass is no finite number >= 0");
+    require(b.center[i].allFinite(), "a centre of mass is not finite");
+  }
+}
+
+// Within reach of the arithmetic, as convexHull makes them.
+template <int D>
+bool isExtent(const std::vector<Vec<D>>& vertices) {
+  return std::all_of(vertices.begin(), vertices.end(), [&](const Vec<D>& v) {
+    return v.allFinite() && double((v - vertices[0]).cwiseAbs().maxCoeff()) <= kLargestExtent;
+  });
+}
+template <int D>
+bool isNormal(const Vec<D>& n) {
+  return std::abs(double(n.norm()) - 1) < kFaceNormalError;
+}
+
+void checkHull(const Polytope<2>& hull) {
+  require(hull.vertices.size() >= 3 && hull.normals.size() == hull.vertices.size(), "a polygon without all its edges");
+  require(isExtent<2>(hull.vertices), "a polygon's vertex is nowhere");
+  require(std::all_of(hull.normals.begin(), hull.normals.end(), isNormal<2>), "a polygon's normal has not unit length");
+}
+
+void checkHull(const Polytope<3>& hull) {
+  require(hull.vertices.size() >= 4 && hull.vertices.size() + hull.faces.size() == hull.edges.size() + 2 &&
+              hull.loop.size() == 2 * hull.edges.size(),
+          "a polytope that is not closed");
+  require(isExtent<3>(hull.vertices), "a polytope's vertex is nowhere");
+  for (const int v : hull.loop) require(holds(hull.vertices, v), "a polytope's face has a corner that does not exist");
+  std::int64_t end = 0;
+  for (const auto& f : hull.faces) {
+    require(f.begin == end && std::int64_t(f.end) - f.begin >= 3, "a polytope's face without three corners");
+    require(isNormal<3>(f.normal) && std::isfinite(f.offset), "a polytope's face without a plane");
+    end = f.end;
+  }
+  require(end == static_cast<std::int64_t>(hull.loop.size()), "a polytope's faces do not share out its corners");
+  for (const auto& e : hull.edges) {
+    require(holds(hull.vertices, e.v0) && holds(hull.vertices, e.v1) && e.v0 != e.v1 && holds(hull.faces, e.faceA) &&
+                holds(hull.faces, e.faceB),
+            "a polytope's edge with an end or a face that does not exist");
+  }
+}
+
+template <int D>
+void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts) {
+  bool kinds[kShapeKinds] = {};
+  for (const ShapeRecord<D>& s : saved.shapes) {
+    require(s.body == -1 || isBody(saved.bodies, s.body), "a shape of a body that does not exist");
+    if (s.body < 0) continue;
+    forParts(s.shape, s.X_CS, [&](const ShapeView<D>& part, const auto&) {
+      kinds[static_cast<std::size_t>(part.kind)] = true;
+      if (part.hull) checkHull(*part.hull);
+    });
+    require(s.X_CS.p.allFinite() && isUnit(s.X_CS.q), "a shape has no place on its body");
+    require(isAmount(s.friction) && isAmount(s.restitution), "friction or restitution is no finite number >= 0");
+    require(!s.shape.isPlane() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,
+            "a plane on a body that is not fixed");
+  }
+  for (int a = 0; a < kShapeKinds; ++a) {
+    for (int b = a; b < kShapeKinds; ++b) {
+      const auto first = static_cast<ShapeKind>(a), second = static_cast<ShapeKind>(b);
+      const bool planes = coreClass(first) == CoreClass::plane && coreClass(second) == CoreClass::plane;  // never meet
+      if (!kinds[a] || !kinds[b] || planes || contacts.supports(first, second)) continue;
+      throw UserError("load: this world's contact generator does not support " + std::string(shapeKindName(first)) +
+                      " against " + std::string(shapeKindName(second)));
+    }
+  }
+}
+
+template <int D>
+void checkManifolds(const SavedState<D>& saved) {
+  const auto isShapeOf = [&](std::int32_t shape, std::int32_t body) {
+    return holds(saved.shapes, shape) && saved.shapes[static_cast<std::size_t>(shape)].body == body;
+  };
+  const Manifold<D>* before = nullptr;
+  for (const Manifold<D>& m : saved.manifolds) {
+    require(isBody(saved.bodies, m.bodyA) && isBody(saved.bodies, m.bodyB) && m.bodyA < m.bodyB,
+            "a contact of a body that does not exist");
+    require(isShapeOf(m.shapeA, m.bodyA) && isShapeOf(m.shapeB, m.bodyB), "a contact of a shape that does not exist");
+    require(m.childA >= 0 && m.childB >= 0, "a contact of a part that does not exist");
+    require(m.count >= 1 && m.count <= kManifoldPoints<D>, "a contact with no number of points");
+    require(isFlag(m.begun) && isFlag(m.ignored), "a contact's flag is neither 0 nor 1");
+    require(!before || !(m.key() < before->key()), "contacts out of order");
+    before = &m;
+  }
+}
+
+}  // namespace
+
+template <int D>
+void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contacts) {
+  const WorldSettings<D>& s = saved.settings;
+  require(s.gravity.allFinite() && isAmount(s.margin) && isAmount(s.restitutionThreshold), "a setting is not finite");
+  require(isAmount(saved.time) && isAmount(saved.lastDt), "the time is no finite number >= 0");
+  require(saved.steps >= 0 && saved.steps <= std::numeric_limits<std::int64_t>::max() / 2,
+          "the number of steps has overflowed");
+  checkBodies(saved.bodies, saved.userForces.size());
+  checkShapes(saved, contacts);
+  for (const PivotJoint<D>& j : saved.joints) {
+    const bool isFree = j.bodyA == -1 && j.bodyB == -1;
+    require(isFree || (isBody(saved.bodies, j.bodyA) && isBody(saved.bodies, j.bodyB) && j.bodyA != j.bodyB),
+            "a joint of a body that does not exist");
+    require(isFlag(j.collide), "a joint's flag is neither 0 nor 1");
+  }
+  checkManifolds(saved);
+  for (const SleepEvent& e : saved.events) {
+    require(e.kind <= SleepEvent::jointRemoved, "an event of no known kind");
+    require(holds(saved.bodies.used, e.body) && (e.other == -1 || holds(saved.bodies.used, e.other)),
+            "an event of a body that does not exist");
+  }
+}
+
+template void requireSound(const SavedState<2>&, const ContactGenerator<2>&);
+template void requireSound(const SavedState<3>&, const ContactGenerator<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION

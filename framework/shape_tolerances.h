@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Zlib
+// All tolerances of the shapes' own geometry: hulls (polytope.cpp), the walk to a curved core (support_gap.h) and exact
+// questions about one shape (shape_query.cpp). Each with unit, meaning and danger.
+#pragma once
+
+#include <limits>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// What rounding may have moved the points of a hull by: this part of the largest coordinate (1). Points that stand out
+/// by less lie on the face. Larger: true corners are dropped. Smaller: eight corners of a turned box give twelve faces.
+inline constexpr double kHullRounding = 8 * double(std::numeric_limits<Real>::epsilon());
+
+/// A hull's extent, and its inverse, may be as large as this (m): products of three coordinates stay in the range of a
+/// double, and of a Real for the queries. Larger: lengths and volumes overflow. Smaller: usable sizes are refused.
+inline constexpr double kLargestExtent = sizeof(Real) == 8 ? 1e100 : 1e12;
+
+/// A face's normal may be off its unit length by this (1), beyond it the face is not one and the hull is tried again.
+/// Larger: a normal that is no direction. Smaller: below the rounding of a float (6e-8) all hulls are refused.
+inline constexpr double kFaceNormalError = 1e-5;
+
+/// What the rounding is multiplied by from try to try (1), when a near-degenerate cloud gives no closed hull: each one
+/// merges more. Larger: hulls that leave points outside. Smaller, or fewer: clouds are refused that have a hull.
+inline constexpr double kHullTries[] = {1, 4, 16};
+
+/// An edge whose part across the edges before it is no longer than this (1, of its length) spans no face with them.
+/// Larger: narrow faces are passed over, the walk ends too far. Smaller: a foot made of rounding.
+inline constexpr Real kFlatFace = 4 * std::numeric_limits<Real>::epsilon();
+
+/// The walk ends when length and bound differ by this part (1) of the coordinates it is made of. Larger: a gap that is
+/// too small. Smaller: steps that turn round in rounding, until there is no descent.
+inline constexpr Real kGapRounding = 4 * std::numeric_limits<Real>::epsilon();
+
+/// Steps of that walk (count); about 10 are needed for most. Smaller: a gap that is too small, a direction that is off.
+/// Larger: nothing but time, it ends where there is no descent.
+inline constexpr int kMostGapSteps = 64;
+
+/// A ray has met a curved core when what is ahead is this part (1) of the coordinates it is made of. Larger: hits
+/// before the surface. Smaller: a ray that stands on the surface and never arrives.
+inline constexpr Real kRayRounding = 4 * std::numeric_limits<Real>::epsilon();
+
+/// Steps of a ray towards a curved core (count), then it grazes and misses. Smaller: rays that hit at a low angle are
+/// missed. Larger: time for those that graze.
+inline constexpr int kMostRaySteps = 256;
+
+/// Parts of a compound may overlap by this share of their sizes (1) though overlap is refused. Larger: mass that is
+/// counted twice goes unseen. Smaller: parts that share a face are refused for their rounding.
+inline constexpr Real kPartOverlap = Real(1e-4);
+
+}  // namespace lpc::inline LPC_PRECISION

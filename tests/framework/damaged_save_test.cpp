@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Zlib
+// A saved world that has been damaged is refused with one line, or it is still a world: nothing that is read from it
+// may point at nothing. What is refused leaves the world as it was.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+#include "framework/saved_state.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN();
+constexpr char kPipeline[] = "contacts=query_clip sleep=split_average";
+
+// Every class of shape, a joint, contacts, the slots of removed bodies, an event.
+template <int D>
+void fill(World<D>& world) {
+  world.add(body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed));
+  const Handle gone = world.add(body<D>(Shape<D>::sphere(1), at<D>(50, 50)));
+  std::vector<Vec<D>> corners;
+  for (int bits = 0; bits < 1 << D; ++bits) {
+    Vec<D> v;
+    for (int k = 0; k < D; ++k) v[k] = (bits >> k) & 1 ? Real(0.4) : Real(-0.4);
+    corners.push_back(v);
+  }
+  world.add(body<D>(Shape<D>::polytope(corners, Real(0.01)), at<D>(0, 0.41)));
+  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.3))), at<D>(0.1, 1.12)));
+  std::vector<Real> sizes(static_cast<std::size_t>(D), Real(0.3));
+  world.add(body<D>(Shape<D>::curved(ShapeKind::ellipsoid, sizes), at<D>(1.5, 0.3)));
+  if constexpr (D == 3) {
+    const std::vector<Real> cylinder = {Real(0.2), Real(0.3)};
+    world.add(body<D>(Shape<D>::curved(ShapeKind::cylinder, cylinder), at<D>(-1.5, 0.3)));
+  }
+  const Shape<D> ball = Shape<D>::sphere(Real(0.2)), hull = Shape<D>::polytope(corners);
+  const std::vector<ShapePart<D>> parts = {{ball, {at<D>(0.4, 0), {}}}, {hull, {}}};
+  world.add(body<D>(Shape<D>::compound(parts), at<D>(4, 0.4)));
+  const Handle bob = world.add(body<D>(Shape<D>::capsule(Real(0.2), Real(0.1)), at<D>(1, 2)));
+  world.add(PivotDef<D>{box, bob, at<D>(0.5, 1.5), false});
+  for (int i = 0; i < 3; ++i) world.step(kDt);
+  world.remove(gone);
+  world.applyForce(box, at<D>(1, 0), at<D>(0.1, 1));
+}
+
+template <int D>
+std::string saved(const World<D>& world) {
+  std::ostringstream out;
+  world.save(out);
+  return out.str();
+}
+
+template <int D>
+std::string filledAndSaved() {
+  World<D> world(Pipeline::parse(kPipeline));
+  fill(world);
+  EXPECT_GT(world.manifolds().size(), 2u);
+  return saved(world);
+}
+
+// Empty when the bytes were loaded, otherwise what the refusal said.
+template <int D>
+std::string refusal(World<D>& world, const std::string& bytes) {
+  std::istringstream in(bytes);
+  try {
+    world.load(in);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+template <int D>
+void truncate() {
+  const std::string bytes = filledAndSaved<D>();
+  World<D> world(Pipeline::parse(kPipeline));
+  fill(world);
+  world.step(kDt);
+  const std::string before = saved(world);
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    EXPECT_EQ(refusal(world, bytes.substr(0, length)), "load: the saved world ends early") << length;
+  }
+  EXPECT_EQ(saved(world), before);
+  EXPECT_EQ(refusal(world, bytes), "");
+  EXPECT_EQ(saved(world), bytes);
+}
+TEST(DamagedSave, EveryTruncationIsRefused) { truncate<2>(), truncate<3>(); }
+
+template <int D>
+void flip() {
+  const std::string bytes = filledAndSaved<D>();
+  World<D> world(Pipeline::parse(kPipeline));
+  fill(world);
+  int refused = 0, loaded = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    for (const int mask : {0x01, 0x80, 0xff}) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ mask);
+      const std::uint64_t hash = world.hash();
+      const std::string what = refusal(world, damaged);
+      if (what.empty()) {
+        ++loaded;
+        world.step(kDt);
+      } else {
+        ++refused;
+        ASSERT_TRUE(what.starts_with("load: ")) << what;
+        ASSERT_EQ(what.find('\n'), what.npos) << what;
+        ASSERT_EQ(world.hash(), hash) << what;
+      }
+    }
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_GT(loaded, 1000);
+}
+TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless2) { flip<2>(); }
+TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless3) { flip<3>(); }
+
+// All that a save holds, to be damaged in one place.
+template <int D>
+struct Parts {
+  WorldSettings<D> settings;
+  Bodies<D> bodies;
+  std::vector<ShapeRecord<D>> shapes;
+  std::vector<PivotJoint<D>> joints;
+  std::vector<Manifold<D>> manifolds;
+  std::vector<Wrench<D>> userForces;
+  std::vector<SleepEvent> events{{SleepEvent::userChange, 0, -1}};
+  Real time = 1, lastDt = kDt;
+  std::int64_t steps = 1;
+  std::string contacts = "query_clip";
+
+  explicit Parts(const World<D>& w)
+      : settings(w.settings()),
+        bodies(w.bodies()),
+        shapes(w.shapes().begin(), w.shapes().end()),
+        joints(w.joints().begin(), w.joints().end()),
+        manifolds(w.manifolds().begin(), w.manifolds().end()),
+        userForces(bodies.pose.size()) {}
+
+  std::string refusal() const {
+    try {
+      requireSound<D>({settings, bodies, shapes, joints, manifolds, userForces, events, time, lastDt, steps},
+                      *createStage<ContactGenerator<D>>(Spec{contacts, {}}));
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  }
+  // The shape of this kind, with a hull or sizes of its own.
+  ShapeRecord<D>& shape(ShapeKind kind) {
+    for (ShapeRecord<D>& s : shapes) {
+      if (s.body >= 0 && s.shape.kind() == kind) return s;
+    }
+    ADD_FAILURE() << "no " << shapeKindName(kind);
+    return shapes[0];
+  }
+  template <class Spoil>
+  void hull(const Spoil& spoil) {
+    Polytope<D> hull = *shape(ShapeKind::polytope).shape.view().hull;
+    spoil(hull);
+    shape(ShapeKind::polytope).shape = Shape<D>::polytope(std::make_shared<const Polytope<D>>(hull));
+  }
+};
+
+template <int D>
+struct Damage {
+  const char* says;
+  std::function<void(Parts<D>&)> spoil;
+};
+
+constexpr std::int32_t kFreeSlot = 1;  // of the body that was removed
+
+template <int D>
+std::vector<Damage<D>> damages() {
+  using P = Parts<D>&;
+  std::vector<Damage<D>> list = {
+      {"a setting", [](P p) { p.settings.gravity[0] = kNan; }},
+      {"a setting", [](P p) { p.settings.margin = -1; }},
+      {"the time", [](P p) { p.time = kNan; }},
+      {"the time", [](P p) { p.lastDt = -1; }},
+      {"the number of steps", [](P p) { p.steps = -1; }},
+      {"the number of steps", [](P p) { p.steps = std::numeric_limits<std::int64_t>::max(); }},
+      {"unequal lengths", [](P p) { p.bodies.sleep.pop_back(); }},
+      {"unequal lengths", [](P p) { p.bodies.pose.emplace_back(); }},
+      {"unequal lengths", [](P p) { p.userForces.pop_back(); }},
+      {"no known type", [](P p) { p.bodies.type[0] = static_cast<BodyType>(3); }},
+      {"a body's flag", [](P p) { p.bodies.awake[0] = 2; }},
+      {"a mass", [](P p) { p.bodies.mass[2] = kNan; }},
+      {"a centre of mass", [](P p) { p.bodies.center[2][0] = kNan; }},
+      {"a shape of a body", [](P p) { p.shapes[0].body = p.bodies.size(); }},
+      {"a shape of a body", [](P p) { p.shapes[0].body = kFreeSlot; }},
+      {"a shape of a body", [](P p) { p.shapes[0].body = -2; }},
+      {"no place on its body", [](P p) { p.shapes[0].X_CS.p[0] = kNan; }},
+      {"no place on its body", [](P p) { p.shapes[0].X_CS.q = Rot<D>{0}; }},
+      {"friction", [](P p) { p.shapes[0].friction = -1; }},
+      {"a plane on a body", [](P p) { p.shape(ShapeKind::plane).body = 2; }},
+      {"does not support", [](P p) { p.contacts = "sat_clip"; }},
+      {"a joint of a body", [](P p) { p.joints[0].bodyA = -1; }},
+      {"a joint of a body", [](P p) { p.joints[0].bodyA = -7, p.joints[0].bodyB = -1; }},
+      {"a joint of a body", [](P p) { p.joints[0].bodyB = p.bodies.size(); }},
+      {"a joint of a body", [](P p) { p.joints[0].bodyB = kFreeSlot; }},
+      {"a joint of a body", [](P p) { p.joints[0].bodyB = p.joints[0].bodyA; }},
+      {"a joint's flag", [](P p) { p.joints[0].collide = 2; }},
+      {"a contact of a body", [](P p) { p.manifolds[0].bodyB = p.bodies.size(); }},
+      {"a contact of a body", [](P p) { p.manifolds[0].bodyA = -1; }},
+      {"a contact of a body", [](P p) { std::swap(p.manifolds[0].bodyA, p.manifolds[0].bodyB); }},
+      {"a contact of a shape", [](P p) { p.manifolds[0].shapeB = static_cast<std::int32_t>(p.shapes.size()); }},
+      {"a contact of a shape", [](P p) { p.manifolds[0].shapeB = p.manifolds[0].shapeA; }},
+      {"a contact of a part", [](P p) { p.manifolds[0].childA = -1; }},
+      {"number of points", [](P p) { p.manifolds[0].count = kManifoldPoints<D> + 1; }},
+      {"number of points", [](P p) { p.manifolds[0].count = 0; }},
+      {"a contact's flag", [](P p) { p.manifolds[0].ignored = 2; }},
+      {"out of order", [](P p) { std::swap(p.manifolds[0], p.manifolds[1]); }},
+      {"no known kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(6); }},
+      {"an event of a body", [](P p) { p.events[0].body = -1; }},
+      {"an event of a body", [](P p) { p.events[0].other = p.bodies.size(); }},
+      {"vertex is nowhere", [](P p) { p.hull([](auto& h) { h.vertices[1][0] = kNan; }); }},
+      {"vertex is nowhere", [](P p) { p.hull([](auto& h) { h.vertices[1][0] = std::numeric_limits<Real>::max(); }); }},
+  };
+  const auto hull = [&](const char* says, const std::function<void(Polytope<D>&)>& spoil) {
+    list.push_back({says, [spoil](P p) { p.hull(spoil); }});
+  };
+  if constexpr (D == 2) {
+    hull("all its edges", [](auto& h) { h.normals.pop_back(); });
+    hull("all its edges", [](auto& h) { h.vertices.resize(2), h.normals.resize(2); });
+    hull("unit length", [](auto& h) { h.normals[0] *= 2; });
+  } else {
+    hull("not closed", [](auto& h) { h.edges.pop_back(); });
+    hull("not closed", [](auto& h) { h.loop.push_back(0); });
+    hull("a corner that", [](auto& h) { h.loop[0] = -1; });
+    hull("a corner that", [](auto& h) { h.loop[3] = static_cast<int>(h.vertices.size()); });
+    hull("without three corners", [](auto& h) { h.faces[0].end = h.faces[0].begin; });
+    hull("without three corners", [](auto& h) { h.faces[0].begin = -1; });
+    hull("share out", [](auto& h) { h.faces.back().end += 1; });
+    hull("without a plane", [](auto& h) { h.faces[0].normal *= 2; });
+    hull("without a plane", [](auto& h) { h.faces[0].offset = kNan; });
+    hull("an end or a face", [](auto& h) { h.edges[0].v1 = static_cast<int>(h.vertices.size()); });
+    hull("an end or a face", [](auto& h) { h.edges[0].v1 = h.edges[0].v0; });
+    hull("an end or a face", [](auto& h) { h.edges[0].faceB = -1; });
+  }
+  return list;
+}
+
+template <int D>
+void name() {
+  World<D> world(Pipeline::parse(kPipeline));
+  fill(world);
+  EXPECT_EQ(Parts<D>(world).refusal(), "");
+  for (const Damage<D>& damage : damages<D>()) {
+    Parts<D> parts(world);
+    damage.spoil(parts);
+    EXPECT_NE(parts.refusal().find(damage.says), std::string::npos) << damage.says << ": " << parts.refusal();
+  }
+}
+TEST(DamagedSave, EachDamageIsNamed) { name<2>(), name<3>(); }
+
+// A world that has exploded is saved and loaded as it is.
+template <int D>
+void explode() {
+  World<D> world(Pipeline::parse(kPipeline)), copy(Pipeline::parse(kPipeline));
+  fill(world);
+  world.setMotion(world.handle(2), {Vec<D>::Constant(std::numeric_limits<Real>::max()), Ang<D>::Zero()});
+  for (int i = 0; i < 3; ++i) world.step(1);
+  EXPECT_FALSE(world.bodies().pose[2].p.allFinite());
+  const std::string bytes = saved(world);
+  EXPECT_EQ(refusal(copy, bytes), "");
+  world.step(kDt), copy.step(kDt);
+  EXPECT_EQ(saved(copy), saved(world));
+}
+TEST(DamagedSave, AnExplodedWorldIsNone) { explode<2>(), explode<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
