@@ -151,7 +151,7 @@ struct Parts {
   // The shape of this kind, with a hull or sizes of its own.
   ShapeRecord<D>& shape(ShapeKind kind) {
     for (ShapeRecord<D>& s : shapes) {
-      if (s.body >= 0 && s.shape.kind() == kind) return s;
+      if (s.body >= 0 && s.shape.convex() && s.shape.kind() == kind) return s;
     }
     ADD_FAILURE() << "no " << shapeKindName(kind);
     return shapes[0];
