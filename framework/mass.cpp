@@ -157,7 +157,7 @@ MassProperties<D> transformed(const MassProperties<D>& m, const Pose<D>& X_AS) {
 template <int D>
 MassProperties<D> combined(const MassProperties<D>& a, const MassProperties<D>& b) {
   const Real mass = a.mass + b.mass;
-  if (!(mass > 0)) return a;
+  if (mass == 0) return a;  // NaN goes on: it is for the caller to see
   // By the distance of the two centres and never by that to the origin.
   const Vec<D> apart = b.center - a.center;
   const Real share = b.mass / mass;

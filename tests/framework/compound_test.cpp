@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/mass.h"
+#include "framework/shape_tolerances.h"
 #include "framework/stage_narrowphase.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
@@ -56,8 +57,8 @@ bool boxesOverlap(const std::vector<ShapePart<D>>& parts) {
   return boundingBox(parts[0].shape, parts[0].X_SP).overlaps(boundingBox(parts[1].shape, parts[1].X_SP));
 }
 
-// Two that share a face, or a point, at any pose: neither is inside the other. Pushed into each other by a hundredth of
-// the smaller, they are.
+// Two that share a face, or a point, at any pose: neither is inside the other. Pushed into each other by twice what is
+// let pass, they are.
 template <int D, class Refuses>
 void facesMayBeShared(const Refuses& refuses) {
   RapidCheckDraw draw;
@@ -72,7 +73,7 @@ void facesMayBeShared(const Refuses& refuses) {
   beside[1] = draw.real(-1, 1) * (round ? a[1] : a[1] + b[1]) * Real(0.9);
   const auto at = [&](const Vec<D>& p) { return ShapePart<D>{shape, box.X_SP * Pose<D>{p, {}}}; };
   RC_ASSERT(!refuses(std::vector{box, at(beside)}));
-  beside[0] -= std::min(a.minCoeff(), b.minCoeff()) / 100;
+  beside[0] -= 2 * kPartOverlap * (a[0] + b[0]);
   RC_ASSERT(refuses(std::vector{box, at(beside)}));
 }
 template <int D>
