@@ -31,11 +31,12 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const Matrix<D,
   };
   const Vec<D> m = support(n);
   const Matrix<K, 1> g = t.transpose() * m;
+  // Central differences: across a rim, where the core turns without moving, the curvature that counts is n . m, near
+  // contact far less than what differences to one side are off by.
   Matrix<K, K> curvature;
   for (int k = 0; k < K; ++k) {
-    Vec<D> turned = n + kTurn * t.col(k);
-    makeUnit<D>(turned);
-    curvature.col(k) = (t.transpose() * support(turned) - g) / kTurn;
+    const Vec<D> ahead = support(n + kTurn * t.col(k)), behind = support(n - kTurn * t.col(k));
+    curvature.col(k) = t.transpose() * (ahead - behind) / (2 * kTurn);
   }
   curvature.diagonal().array() -= n.dot(m);  // of the sphere of directions itself
   // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
@@ -44,21 +45,27 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const Matrix<D,
   return n + t * uphill(symmetric, g, kLeastCurvature * symmetric.cwiseAbs().maxCoeff());
 }
 
-/// Steps as long as the bound gets better: a search may have ended before its tolerance.
+/// The last steps themselves. Where straight edges of the cores lie across n, L has a ridge: the steps stay on it.
 template <int D>
-void polishCurved(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
-  for (int step = 0; step < kMostPolishSteps; ++step) {
-    const Real before = best.bound;
-    best.tryDirection(pair, newtonDirection<D, D - 1>(pair, best.n, tangents(best.n), work), work);
-    if (!(best.bound > before)) return;
-  }
-}
-
-/// For witnesses: a direction that is off by the root of a rounding gives the right bound, and a support point that is
-/// off by that root. Two steps that cost the bound no more than roundings.
-template <int D>
-class CurvedSettling {
+class CurvedPolish {
  public:
+  /// Steps as long as the bound gets better: a search may have ended before its tolerance.
+  void improve(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+    for (int step = 0; step < kMostPolishSteps; ++step) {
+      const Real before = best.bound;
+      const Vec<D> n = best.n;
+      best.tryDirection(pair, newtonDirection<D, D - 1>(pair, n, tangents(n), work), work);
+      const int edges = gatherEdges(pair, n);
+      if constexpr (D == 3) {
+        if (edges == 1) best.tryDirection(pair, acrossEdge(pair, n, work), work);
+      }
+      if (edges > 0) leaveRidge(pair, n, best, work);
+      if (!(best.bound > before)) return;
+    }
+  }
+
+  /// For witnesses: a direction that is off by the root of a rounding gives the right bound, and a support point that
+  /// is off by that root. Two steps that cost the bound no more than roundings.
   void settle(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
     for (int step = 0; step < kSettleSteps; ++step) {
       Vec<D> n = best.n;
@@ -76,8 +83,8 @@ class CurvedSettling {
   }
 
  private:
-  // How many dimensions the straight edges span that lie across n within a small turn: there L has a ridge and no
-  // gradient. m_edge is the first of them.
+  // How many dimensions the straight edges span that lie across n within a small turn: there L has no gradient. m_edge
+  // is the first of them.
   int gatherEdges(const CorePair<D>& pair, const Vec<D>& n) {
     int dimensions = 0;
     for (const bool second : {false, true}) {
@@ -96,6 +103,31 @@ class CurvedSettling {
       }
     }
     return dimensions;
+  }
+
+  // A ridge need not be a maximum: on one side of it, among the normals of one corner, L may go on rising. There the
+  // pair is that corner and the other core.
+  void leaveRidge(const CorePair<D>& pair, const Vec<D>& n, BestAxis<D>& best, Work& work) {
+    for (const bool second : {false, true}) {
+      const ShapeView<D>& shape = second ? pair.b : pair.a;
+      if (shape.core() == CoreClass::curved) continue;
+      const Vec<D> local = second ? Vec<D>(-(pair.r.transpose() * n)) : n;
+      supportingVertices<D>(shape, local, kTurn * 2 * coreReach(shape), m_vertices);
+      if (m_vertices.size() < 2 || m_vertices.size() > kMostLocalVertices) continue;
+      for (const Vec<D>& v : m_vertices) {
+        CorePair<D> corner = pair;
+        (second ? corner.b : corner.a) = ShapeView<D>{};
+        corner.p = second ? Vec<D>(pair.p + pair.r * v) : Vec<D>(pair.p - v);
+        BestAxis<D> top;
+        top.take(n, corner.bound(n));
+        for (int step = 0; step < kMostPolishSteps; ++step) {
+          const Real before = top.bound;
+          top.tryDirection(corner, newtonDirection<D, D - 1>(corner, top.n, tangents(top.n), work), work);
+          if (!(top.bound > before)) break;
+        }
+        best.tryDirection(pair, top.n, work);
+      }
+    }
   }
 
   Vec<3> acrossEdge(const CorePair<3>& pair, Vec<3> n, Work& work) const {

@@ -54,7 +54,7 @@ class GjkEpa final : public PairQuery<D> {
       BestAxis<D> best;
       const QueryStatus status = search(pair, need, remembered, best, work);
       if (remembered) remember(best.n, *remembered);
-      if ((pair.a.curved || pair.b.curved) && need == Need::witnesses) m_settling.settle(pair, best, work);
+      if ((pair.a.curved || pair.b.curved) && need == Need::witnesses) m_polish.settle(pair, best, work);
       answers.set(i, answerFrom<D>(pair, best, status, need, m_touching));
     }
   }
@@ -125,7 +125,7 @@ class GjkEpa final : public PairQuery<D> {
     if (capped) return QueryStatus::iterationLimit;
     const EpaLimits limits{m_params.faces, tolerance};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
-    if (curved) polishCurved(pair, best, work);
+    if (curved) m_polish.improve(pair, best, work);
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
     if (inside && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
     if constexpr (D == 3) {
@@ -144,7 +144,7 @@ class GjkEpa final : public PairQuery<D> {
   Epa<D> m_epa;
   LocalFeatures<D> m_local;
   PlanePair<D> m_plane;
-  CurvedSettling<D> m_settling;
+  CurvedPolish<D> m_polish;
   TouchingPoint m_touching;
 };
 
