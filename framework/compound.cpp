@@ -10,19 +10,31 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-// Do two parts overlap when each is shrunk about its centre of mass? Parts that share a face then lie apart, by more
-// than their rounding.
 template <int D>
-bool overlap(const ShapePart<D>& a, const ShapePart<D>& b) {
-  const auto shrunk = [](const ShapePart<D>& part, const Vec<D>& d) {
+struct Placed {
+  const ShapePart<D>& part;
+  Vec<D> center;  // of mass, in the part's own frame
+  Aabb<D> box;
+
+  explicit Placed(const ShapePart<D>& p)
+      : part(p), center(massProperties(p.shape.view(), Real(1)).center), box(boundingBox(p.shape, p.X_SP)) {}
+
+  /// The farthest along unit d of the part when it is shrunk about its centre of mass.
+  Vec<D> shrunk(const Vec<D>& d) const {
     const ShapeView<D>& view = part.shape.view();
     const Vec<D> local = part.X_SP.q.inverse() * d;
-    const Vec<D> center = massProperties(view, Real(1)).center;
-    const Vec<D> farthest = coreSupport(view, local) + view.radius / d.norm() * local;
-    return Vec<D>(part.X_SP * Vec<D>(center + (1 - kPartOverlap) * (farthest - center)));
-  };
-  const auto difference = [&](const Vec<D>& d) { return Vec<D>(shrunk(b, d) - shrunk(a, -d)); };
-  return !(gapToOrigin<D>(difference, Vec<D>(b.X_SP.p - a.X_SP.p)).gap > 0);
+    const Vec<D> farthest = coreSupport(view, local) + view.radius * local;
+    return part.X_SP * Vec<D>(center + (1 - kPartOverlap) * (farthest - center));
+  }
+};
+
+// Shrunk, parts that share a face lie apart by more than their rounding.
+template <int D>
+bool overlap(const Placed<D>& a, const Placed<D>& b) {
+  if (!a.box.overlaps(b.box)) return false;
+  const auto difference = [&](const Vec<D>& d) { return Vec<D>(b.shrunk(d) - a.shrunk(-d)); };
+  const Vec<D> start = b.part.X_SP * b.center - a.part.X_SP * a.center;
+  return !(gapToOrigin<D>(difference, start).gap > 0);
 }
 
 }  // namespace
@@ -30,13 +42,16 @@ bool overlap(const ShapePart<D>& a, const ShapePart<D>& b) {
 template <int D>
 Shape<D> Shape<D>::compound(std::span<const ShapePart<D>> parts, PartOverlap allowed) {
   if (parts.empty()) throw UserError("compound: it has no parts; valid: one or more convex shapes");
+  std::vector<Placed<D>> placed;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::string who = "compound, part " + std::to_string(i);
     if (!parts[i].shape.convex()) throw UserError(who + ": is a compound itself; valid: its parts, one by one");
     if (parts[i].shape.isPlane()) throw UserError(who + ": a plane has no end; valid: bounded shapes");
     checkPose(parts[i].X_SP, who);
-    for (std::size_t j = 0; j < i && allowed == PartOverlap::refused; ++j) {
-      if (!overlap(parts[j], parts[i])) continue;
+    if (allowed == PartOverlap::counted) continue;
+    placed.emplace_back(parts[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!overlap(placed[j], placed[i])) continue;
       throw UserError(who + ": overlaps part " + std::to_string(j) + ", and overlap is refused");
     }
   }

@@ -40,15 +40,16 @@ void checkBodies(const Bodies<D>& b, std::size_t userForces) {
     require(isFlag(b.used[i]) && isFlag(b.awake[i]) && isFlag(b.canSleep[i]) && isFlag(b.pinned[i]),
             "a body's flag is neither 0 nor 1");
     require(isAmount(b.mass[i]), "a mass is no finite number >= 0");
+    require(!b.used[i] || b.type[i] != BodyType::dynamic || b.mass[i] > 0, "a dynamic body without mass");
     require(b.center[i].allFinite(), "a centre of mass is not finite");
   }
 }
 
-// Within reach of the arithmetic, as convexHull makes them.
+// Within reach of the arithmetic. convexHull measures from any point given, here it is from a corner.
 template <int D>
 bool isExtent(const std::vector<Vec<D>>& vertices) {
   return std::all_of(vertices.begin(), vertices.end(), [&](const Vec<D>& v) {
-    return v.allFinite() && double((v - vertices[0]).cwiseAbs().maxCoeff()) <= kLargestExtent;
+    return v.allFinite() && double((v - vertices[0]).cwiseAbs().maxCoeff()) <= 2 * kLargestExtent;
   });
 }
 template <int D>
@@ -118,7 +119,7 @@ void checkManifolds(const SavedState<D>& saved) {
     require(isBody(saved.bodies, m.bodyA) && isBody(saved.bodies, m.bodyB) && m.bodyA < m.bodyB,
             "a contact of a body that does not exist");
     require(isShapeOf(m.shapeA, m.bodyA) && isShapeOf(m.shapeB, m.bodyB), "a contact of a shape that does not exist");
-    require(m.childA >= 0 && m.childB >= 0, "a contact of a part that does not exist");
+    require(m.childA >= 0 && m.childB >= 0, "a contact of a part with a negative number");
     require(m.count >= 1 && m.count <= kManifoldPoints<D>, "a contact with no number of points");
     require(isFlag(m.begun) && isFlag(m.ignored), "a contact's flag is neither 0 nor 1");
     require(!before || !(m.key() < before->key()), "contacts out of order");

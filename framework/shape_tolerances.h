@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// All tolerances of the shapes' own geometry: hulls (polytope.cpp), the walk to a curved core (support_gap.h) and exact
-// questions about one shape (shape_query.cpp). Each with unit, meaning and danger.
+// All tolerances of the shapes' own geometry: hulls (polytope.cpp), also those of saves (saved_state.cpp), parts of
+// compounds (compound.cpp), the walk to a curved core (support_gap.h) and exact questions about one shape
+// (shape_query.cpp). Each with unit, meaning and danger.
 #pragma once
 
 #include <limits>

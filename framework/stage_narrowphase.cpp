@@ -59,16 +59,22 @@ void appendChildren(std::span<const ShapePair> pairs, std::span<const ShapeRecor
       continue;
     }
     const Pose<D>&X_WA = pose[static_cast<std::size_t>(a.body)], &X_WB = pose[static_cast<std::size_t>(b.body)];
-    const Aabb<D> boxB = boundingBox(b.shape, X_WB * b.X_CS);
+    // A plane has no box of its own: the other's is put to it.
+    const auto near = [&](const Aabb<D>& boxA, const Aabb<D>& boxB) {
+      if (a.shape.isPlane()) return overlapsBox(a.shape.view(), X_WA * a.X_CS, boxB.grown(margin));
+      if (b.shape.isPlane()) return overlapsBox(b.shape.view(), X_WB * b.X_CS, boxA.grown(margin));
+      return boxA.grown(margin).overlaps(boxB);
+    };
+    const Aabb<D> whole = boundingBox(b.shape, X_WB * b.X_CS);
     std::int32_t childA = -1;
     forParts(a.shape, a.X_CS, [&](const ShapeView<D>& partA, const Pose<D>& X_CA) {
-      const Aabb<D> boxA = boundingBox(partA, X_WA * X_CA).grown(margin);
+      const Aabb<D> boxA = boundingBox(partA, X_WA * X_CA);
       ++childA, ++work[Count::partTests];
-      if (!boxA.overlaps(boxB)) return;
+      if (!near(boxA, whole)) return;
       std::int32_t childB = -1;
       forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
         ++childB, ++work[Count::partTests];
-        if (boxA.overlaps(boundingBox(partB, X_WB * X_CB))) {
+        if (near(boxA, boundingBox(partB, X_WB * X_CB))) {
           out.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
         }
       });

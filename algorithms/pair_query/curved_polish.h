@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // The last steps to the best direction of a curved pair. The support point is the gradient of the support function, so
 // L(n) = n . m(n) (core_pair.h) has the gradient m(n) across n; its change over a small turn is the curvature, and with
-// both Newton's step is known. Where M has an edge or a corner there is no curvature, the step is wrong, and not taken.
+// both Newton's step is known. Where a straight edge lies across n, L has a ridge and no gradient: there the steps go
+// along the ridge and from each of its corners. A step that is wrong all the same does not raise the bound, and is not
+// taken.
 #pragma once
 
 #include "algorithms/pair_query/touching.h"
@@ -83,6 +85,21 @@ class CurvedPolish {
   }
 
  private:
+  // Into m_vertices: those that a small turn of n may make the foremost one, which stands first.
+  void nearVertices(const ShapeView<D>& shape, const Vec<D>& n) {
+    const Vec<D> foremost = coreSupport(shape, n);
+    Real size = 0;  // of a hull that may lie far from its own frame
+    if (shape.hull) {
+      for (const Vec<D>& v : shape.hull->vertices) size = std::max(size, (v - foremost).norm());
+    } else {
+      size = 2 * shape.half.norm();
+    }
+    supportingVertices<D>(shape, n, kTurn * size, m_vertices);
+    if (m_vertices.empty()) return;  // not a number
+    const auto higher = [&](const Vec<D>& u, const Vec<D>& v) { return u.dot(n) < v.dot(n); };
+    std::iter_swap(m_vertices.begin(), std::max_element(m_vertices.begin(), m_vertices.end(), higher));
+  }
+
   // How many dimensions the straight edges span that lie across n within a small turn: there L has no gradient. m_edge
   // is the first of them.
   int gatherEdges(const CorePair<D>& pair, const Vec<D>& n) {
@@ -90,7 +107,7 @@ class CurvedPolish {
     for (const bool second : {false, true}) {
       const ShapeView<D>& shape = second ? pair.b : pair.a;
       const Vec<D> local = second ? Vec<D>(-(pair.r.transpose() * n)) : n;
-      supportingVertices<D>(shape, local, kTurn * 2 * coreReach(shape), m_vertices);
+      nearVertices(shape, local);
       for (std::size_t i = 1; i < m_vertices.size() && dimensions < D - 1; ++i) {
         Vec<D> edge = m_vertices[i] - m_vertices[0];
         if (!makeUnit<D>(edge) || std::abs(edge.dot(local)) > kTurn) continue;
@@ -112,7 +129,7 @@ class CurvedPolish {
       const ShapeView<D>& shape = second ? pair.b : pair.a;
       if (shape.core() == CoreClass::curved) continue;
       const Vec<D> local = second ? Vec<D>(-(pair.r.transpose() * n)) : n;
-      supportingVertices<D>(shape, local, kTurn * 2 * coreReach(shape), m_vertices);
+      nearVertices(shape, local);
       if (m_vertices.size() < 2 || m_vertices.size() > kMostLocalVertices) continue;
       for (const Vec<D>& v : m_vertices) {
         CorePair<D> corner = pair;

@@ -79,16 +79,21 @@ Shape<D> readCompound(TableReader& shape, SceneNumbers& numbers) {
   if (overlap != "counted" && overlap != "refused") {
     shape.fail(*shape.find("overlap"), "'overlap' is '" + overlap + "'; valid: counted, refused");
   }
-  constexpr long kMostParts = 100000;  // more are a slip of the pen
+  constexpr long kMostParts = 10000;  // more are a slip of the pen
   std::vector<ShapePart<D>> parts;
+  shape.require("parts");
   for (const toml::table* t : shape.blocks("parts")) {
     TableReader part(*t, shape.file(), "a part");
+    const std::string kind = part.requireString("kind");
+    if (kind == "plane" || kind == "compound") part.fail("a part is a " + kind + "; valid: convex shapes that end");
     const long n = numbers.whole(part, "repeat", 1, 0, kMostParts);
     for (long i = 0; i < n; ++i) {
       numbers.expressions.setLocal("part", static_cast<double>(i));
       parts.push_back(readPlaced<D>(part, numbers));
     }
+    numbers.expressions.setLocal("part", 0);
     if (n > 0) part.finish();
+    if (parts.size() > static_cast<std::size_t>(kMostParts)) shape.fail("more than 10000 parts");
   }
   return Shape<D>::compound(parts, overlap == "refused" ? PartOverlap::refused : PartOverlap::counted);
 }
@@ -102,7 +107,8 @@ ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers) {
   } catch (const UserError& e) {
     // Errors of the shape factories know no place; those of this file do.
     if (std::string_view(e.what()).starts_with(shape.file())) throw;
-    shape.fail(std::string(kind) + ": " + e.what());
+    const std::string_view what = e.what();
+    shape.fail(what.starts_with(kind) ? std::string(what) : kind + ": " + std::string(what));
   }
   placed.X_SP.p = numbers.vector<D>(shape, "offset");
   placed.X_SP.q = turn(angular<D>(shape, numbers, "angle"));

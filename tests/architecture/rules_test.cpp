@@ -103,7 +103,8 @@ std::string denied(const std::string& line) {
 
 // Tolerances of these kernels have a name and a meaning, in the group's own file.
 bool namesItsTolerances(const Source& s) {
-  static const std::set<std::string> files = {"framework/polytope.cpp", "framework/support_gap.h",
+  static const std::set<std::string> files = {"framework/compound.cpp", "framework/polytope.cpp",
+                                              "framework/saved_state.cpp", "framework/support_gap.h",
                                               "framework/shape_query.cpp"};
   if (!isCode(s) || s.path.ends_with("tolerances.h")) return false;
   return in(s, "algorithms/pair_query") || in(s, "algorithms/contacts") || files.contains(s.path);

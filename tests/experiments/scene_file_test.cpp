@@ -136,6 +136,38 @@ shapes = [
 }
 
 // Every mistake is one line: where, what was found, what is valid.
+// `part` counts within one entry of `parts` and is 0 everywhere else.
+TEST(SceneFile, partsRepeat) {
+  const SceneFile file = SceneFile::parse(R"(
+name = "ladder"
+summary = "s"
+dimensions = [2]
+[[body]]
+repeat = 2
+position = ["part", "k"]
+shapes = [
+  { kind = "compound", offset = ["part", 0], parts = [
+    { kind = "box", half = [0.1, 0.1], repeat = 3, offset = ["part", 0] },
+    { kind = "circle", radius = 0.1, repeat = "part + 1", offset = ["part", 1] },
+  ] },
+  { kind = "circle", radius = "part + 0.5" },
+]
+)",
+                                          "t.toml");
+  const auto scene = file.build<2>({}, 1);
+  ASSERT_EQ(scene.spawns.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const BodyDef<2>& body = scene.spawns[i].body;
+    EXPECT_EQ(body.X_WB.p, Vec<2>(0, static_cast<Real>(i)));
+    EXPECT_EQ(body.shapes[0].X_BS.p, Vec<2>(0, 0));
+    const auto parts = body.shapes[0].shape.parts();
+    ASSERT_EQ(parts.size(), 4u);
+    for (std::size_t p = 0; p < 3; ++p) EXPECT_EQ(parts[p].X_SP.p, Vec<2>(static_cast<Real>(p), 0));
+    EXPECT_EQ(parts[3].X_SP.p, Vec<2>(0, 1));
+    EXPECT_EQ(body.shapes[1].shape.view().radius, Real(0.5));
+  }
+}
+
 TEST(SceneFile, mistakesHaveFileAndLine) {
   struct Case {
     const char* text;
@@ -154,6 +186,19 @@ TEST(SceneFile, mistakesHaveFileAndLine) {
       {"[[body]]\nshapes = [\n{ kind = \"blob\", radius = 1 }]\n", {"t.toml:6: ", "'blob'", "capsule"}},
       {"[[body]]\nshapes = [\n{ kind = \"circle\", radius = -1 }]\n", {"t.toml:6: ", "circle"}},
       {"[[body]]\nshapes = [\n{ kind = \"circle\" }]\n", {"t.toml:6: ", "'radius' is missing"}},
+      {"[[body]]\nshapes = [\n{ kind = \"compound\" }]\n", {"t.toml:6: ", "'parts' is missing"}},
+      {"[[body]]\nshapes = [\n{ kind = \"compound\", parts = [] }]\n", {"t.toml:6: compound: it has no parts"}},
+      {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"plane\" }] }]\n",
+       {"t.toml:6: a part is a plane", "convex"}},
+      {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"circle\", radius = 1, repeat = 0.5 }] }]\n",
+       {"t.toml:6: ", "'repeat'", "whole numbers"}},
+      {"[[body]]\nshapes = [{ kind = \"compound\", overlap = \"maybe\", parts = [{ kind = \"circle\", radius = 1 }] "
+       "}]\n",
+       {"t.toml:5: ", "'maybe'", "counted, refused"}},
+      {"[[body]]\nshapes = [{ kind = \"compound\", overlap = \"refused\", parts = [{ kind = \"circle\", radius = 1, "
+       "repeat = "
+       "2 }] }]\n",
+       {"t.toml:5: compound, part 1: overlaps part 0"}},
       {"[[body]]\ntype = \"soft\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n",
        {"t.toml:5: ", "'soft'", "kinematic"}},
       {"[[body]]\nrepeat = { i = \"0 - 1\" }\nshapes = [{ kind = \"circle\", radius = 1 }]\n",

@@ -188,6 +188,7 @@ std::vector<Damage<D>> damages() {
       {"no known type", [](P p) { p.bodies.type[0] = static_cast<BodyType>(3); }},
       {"a body's flag", [](P p) { p.bodies.awake[0] = 2; }},
       {"a mass", [](P p) { p.bodies.mass[2] = kNan; }},
+      {"without mass", [](P p) { p.bodies.mass[2] = 0; }},
       {"a centre of mass", [](P p) { p.bodies.center[2][0] = kNan; }},
       {"a shape of a body", [](P p) { p.shapes[0].body = p.bodies.size(); }},
       {"a shape of a body", [](P p) { p.shapes[0].body = kFreeSlot; }},
