@@ -248,7 +248,7 @@ TEST(Rules, TolerancesHaveMeanings) {
     ++read;
     EXPECT_EQ(unexplained(s.lines), std::vector<std::string>()) << s.path;
   }
-  EXPECT_EQ(read, 4);
+  EXPECT_GE(read, 4);
   const std::string whole = "/// Lengths below it are noise (m). Larger: blunt. Smaller: noise.";
   const std::string first = "inline constexpr Real kFirst = Real(1e-9);", second = "inline const Real kSecond = 1;";
   EXPECT_TRUE(unexplained({whole, first, second, "", whole, second}).empty());
