@@ -85,7 +85,7 @@ void checkHull(const Polytope<3>& hull) {
 
 template <int D>
 void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts) {
-  bool kinds[kShapeKinds] = {};
+  std::array<bool, kShapeKinds> kinds{};
   for (const ShapeRecord<D>& s : saved.shapes) {
     require(s.body == -1 || isBody(saved.bodies, s.body), "a shape of a body that does not exist");
     if (s.body < 0) continue;
@@ -98,15 +98,7 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
     require(!s.shape.isPlane() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,
             "a plane on a body that is not fixed");
   }
-  for (int a = 0; a < kShapeKinds; ++a) {
-    for (int b = a; b < kShapeKinds; ++b) {
-      const auto first = static_cast<ShapeKind>(a), second = static_cast<ShapeKind>(b);
-      const bool planes = coreClass(first) == CoreClass::plane && coreClass(second) == CoreClass::plane;  // never meet
-      if (!kinds[a] || !kinds[b] || planes || contacts.supports(first, second)) continue;
-      throw UserError("load: this world's contact generator does not support " + std::string(shapeKindName(first)) +
-                      " against " + std::string(shapeKindName(second)));
-    }
-  }
+  requireContacts(contacts, kinds, "load: this world's contact generator");
 }
 
 template <int D>

@@ -2,24 +2,24 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <vector>
 
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 
-/// What was read from a saved world, before anybody uses it.
+/// Everything that a saved world holds.
 template <int D>
 struct SavedState {
-  const WorldSettings<D>& settings;
-  const Bodies<D>& bodies;  // without what is derived: invMass, invInertia
-  std::span<const ShapeRecord<D>> shapes;
-  std::span<const PivotJoint<D>> joints;
-  std::span<const Manifold<D>> manifolds;
-  std::span<const Wrench<D>> userForces;
-  std::span<const SleepEvent> events;
-  Real time, lastDt;
-  std::int64_t steps;
+  WorldSettings<D> settings;
+  Bodies<D> bodies;  // without what is derived: invMass, invInertia
+  std::vector<ShapeRecord<D>> shapes;
+  std::vector<PivotJoint<D>> joints;
+  std::vector<Manifold<D>> manifolds;
+  std::vector<Wrench<D>> userForces;
+  std::vector<SleepEvent> events;
+  Real time = 0, lastDt = 0;
+  std::int64_t steps = 0;
 };
 
 /// Throws UserError when a step could not run on this: a number that is indexed by and points at nothing, arrays of

@@ -50,44 +50,66 @@ PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const Shape
 }
 
 template <int D>
-void appendChildren(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
-                    std::span<const Pose<D>> pose, Real margin, std::vector<ConvexPair<D>>& out, Work& work) {
+std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pairs,
+                                                 std::span<const ShapeRecord<D>> shapes, std::span<const Pose<D>> pose,
+                                                 Real margin, Work& work) {
+  m_pairs.clear();
   for (const ShapePair& p : pairs) {
     const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.a)], &b = shapes[static_cast<std::size_t>(p.b)];
     if (a.shape.convex() && b.shape.convex()) {
-      out.push_back({p, 0, 0, a.shape.view(), b.shape.view(), a.X_CS, b.X_CS});
+      m_pairs.push_back({p, 0, 0, a.shape.view(), b.shape.view(), a.X_CS, b.X_CS});
       continue;
     }
     const Pose<D>&X_WA = pose[static_cast<std::size_t>(a.body)], &X_WB = pose[static_cast<std::size_t>(b.body)];
     // A plane has no box of its own: the other's is put to it.
     const auto near = [&](const Aabb<D>& boxA, const Aabb<D>& boxB) {
+      ++work[Count::partTests];
       if (a.shape.isPlane()) return overlapsBox(a.shape.view(), X_WA * a.X_CS, boxB.grown(margin));
       if (b.shape.isPlane()) return overlapsBox(b.shape.view(), X_WB * b.X_CS, boxA.grown(margin));
       return boxA.grown(margin).overlaps(boxB);
     };
-    const Aabb<D> whole = boundingBox(b.shape, X_WB * b.X_CS);
+    m_boxes.clear();
+    Aabb<D> whole;
+    forParts(b.shape, X_WB * b.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
+      m_boxes.push_back(boundingBox(part, X_WP));
+      whole = whole.merged(m_boxes.back());
+    });
     std::int32_t childA = -1;
     forParts(a.shape, a.X_CS, [&](const ShapeView<D>& partA, const Pose<D>& X_CA) {
+      ++childA;
       const Aabb<D> boxA = boundingBox(partA, X_WA * X_CA);
-      ++childA, ++work[Count::partTests];
       if (!near(boxA, whole)) return;
       std::int32_t childB = -1;
       forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
-        ++childB, ++work[Count::partTests];
-        if (near(boxA, boundingBox(partB, X_WB * X_CB))) {
-          out.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
-        }
+        ++childB;
+        if (!near(boxA, m_boxes[static_cast<std::size_t>(childB)])) return;
+        m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
       });
     });
+  }
+  return m_pairs;
+}
+
+template <int D>
+void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
+                     const std::string& who) {
+  for (std::size_t i = 0; i < kShapeKinds; ++i) {
+    for (std::size_t k = i; k < kShapeKinds; ++k) {
+      const auto a = static_cast<ShapeKind>(i), b = static_cast<ShapeKind>(k);
+      const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;
+      if (!kinds[i] || !kinds[k] || planes || contacts.supports(a, b)) continue;
+      throw UserError(who + " does not support " + std::string(shapeKindName(a)) + " against " +
+                      std::string(shapeKindName(b)));
+    }
   }
 }
 
 template struct PairBatch<2>;
 template struct PairBatch<3>;
-template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<2>>, std::span<const Pose<2>>,
-                             Real, std::vector<ConvexPair<2>>&, Work&);
-template void appendChildren(std::span<const ShapePair>, std::span<const ShapeRecord<3>>, std::span<const Pose<3>>,
-                             Real, std::vector<ConvexPair<3>>&, Work&);
+template class ChildPairs<2>;
+template class ChildPairs<3>;
+template void requireContacts(const ContactGenerator<2>&, const std::array<bool, kShapeKinds>&, const std::string&);
+template void requireContacts(const ContactGenerator<3>&, const std::array<bool, kShapeKinds>&, const std::string&);
 template PairAnswer<2> queryPair(PairQuery<2>&, const ShapeView<2>&, const ShapeView<2>&, const Pose<2>&, Need);
 template PairAnswer<3> queryPair(PairQuery<3>&, const ShapeView<3>&, const ShapeView<3>&, const Pose<3>&, Need);
 

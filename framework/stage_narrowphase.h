@@ -143,12 +143,19 @@ struct ConvexPair {
   Pose<D> X_CA, X_CB;
 };
 
-/// Appends the pairs of children of these pairs of shapes, in order: all whose boxes come within the margin (m) of each
-/// other. A convex shape is its own one child, number 0; two of them are not asked for their boxes again. `pose` is
-/// X_WC by body slot.
+/// The pairs of children of pairs of shapes.
 template <int D>
-void appendChildren(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
-                    std::span<const Pose<D>> pose, Real margin, std::vector<ConvexPair<D>>& out, Work& work);
+class ChildPairs {
+ public:
+  /// In order: all whose boxes come within the margin (m) of each other. A convex shape is its own one child, number 0;
+  /// two of them are not asked for their boxes again. `pose` is X_WC by body slot.
+  std::span<const ConvexPair<D>> of(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
+                                    std::span<const Pose<D>> pose, Real margin, Work& work);
+
+ private:
+  std::vector<ConvexPair<D>> m_pairs;
+  std::vector<Aabb<D>> m_boxes;  // of the second shape's parts
+};
 
 template <int D>
 struct ContactInput {
@@ -171,6 +178,14 @@ Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) 
   m.restitution = mixRestitution(a.restitution, b.restitution);
   return m;
 }
+
+template <int D>
+class ContactGenerator;
+
+/// Throws UserError, "who does not support ...", unless every two of these kinds have contacts. Two planes never meet.
+template <int D>
+void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
+                     const std::string& who);
 
 /// Makes contact points. Writes only fresh manifolds, at most one per pair of children, none without points, in any
 /// order, with zero impulses; `points` sorted by feature.

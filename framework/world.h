@@ -131,8 +131,9 @@ class World final : private Detect, private Forces<D> {
   /// Everything that a trajectory depends on except force generators and listeners, which the caller adds again. The
   /// bytes are a function of the state: saved, loaded and continued is the same as continued.
   void save(std::ostream& out) const;
-  /// Replaces this world's state; its pipeline stays. Throws UserError when the bytes are not a world of this dimension,
-  /// precision and format, or damaged, or hold shapes that the pipeline does not support; nothing has changed then.
+  /// Replaces this world's state; its pipeline stays. Throws UserError when the bytes are not a world of this
+  /// dimension, precision and format, or damaged, or hold shapes that the pipeline does not support; nothing has
+  /// changed then.
   void load(std::istream& in);
 
  private:
@@ -153,7 +154,6 @@ class World final : private Detect, private Forces<D> {
   void decideSleep(Real dt);
   void refreshMasses();
   void collectActive();
-  struct State;  // what save() writes
 
   /// For instance stage<Solver>(): what the pipeline says.
   template <template <int> class S>
@@ -186,7 +186,7 @@ class World final : private Detect, private Forces<D> {
   ContactOrder m_order;
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
-  std::vector<ConvexPair<D>> m_children;
+  ChildPairs<D> m_children;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted
   std::vector<int> m_active;
   std::vector<std::uint8_t> m_awakeBefore;

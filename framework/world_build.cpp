@@ -47,7 +47,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
   checkPose(def.X_WB, who);
   checkMotion(Motion<D>{def.velocity, def.angularVelocity}, who);
   MassProperties<D> mass;
-  std::array<bool, kShapeKinds> own{};
+  std::array<bool, kShapeKinds> kinds{};
   for (const ShapeDef<D>& s : def.shapes) {
     checkShape(s, who);
     const MassProperties<D> part = transformed(massProperties(s.shape, s.density), s.X_BS);
@@ -60,21 +60,13 @@ Handle World<D>::add(const BodyDef<D>& def) {
       throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
     }
     forParts(s.shape, Pose<D>{},
-             [&](const ShapeView<D>& v, const auto&) { own[static_cast<std::size_t>(v.kind)] = true; });
+             [&](const ShapeView<D>& v, const auto&) { kinds[static_cast<std::size_t>(v.kind)] = true; });
   }
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
     throw UserError(who + ": a dynamic body needs mass; give it a shape with density > 0, or make it fixed");
   }
-  for (std::size_t i = 0; i < kShapeKinds; ++i) {
-    for (std::size_t k = 0; own[i] && k < kShapeKinds; ++k) {
-      const auto a = static_cast<ShapeKind>(std::min(i, k)), b = static_cast<ShapeKind>(std::max(i, k));
-      const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;  // never meet
-      if ((own[k] || m_kindCount[k] > 0) && !planes && !stage<ContactGenerator>().supports(a, b)) {
-        throw UserError(who + ": contacts=" + m_pipeline[StageKind::contacts].name + " does not support " +
-                        std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
-      }
-    }
-  }
+  for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || m_kindCount[k] > 0;
+  requireContacts(stage<ContactGenerator>(), kinds, who + ": contacts=" + m_pipeline[StageKind::contacts].name);
 
   const std::size_t i = freeBodySlot();
   auto& b = m_bodies;

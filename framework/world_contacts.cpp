@@ -88,10 +88,9 @@ void World<D>::makeContacts() {
   }
   {
     Profiler::Scope scope(m_profiler, "contacts");
-    m_children.clear();
-    appendChildren<D>(m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, m_children, work);
+    const auto children = m_children.of(m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, work);
     stage<ContactGenerator>().generate(
-        {m_children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction}, m_manifolds, work);
+        {children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction}, m_manifolds, work);
   }
   Profiler::Scope scope(m_profiler, "cache");
   // A pair without an active proxy is not reported by the broadphase: it stays as it was.

@@ -172,23 +172,12 @@ void fields(Archive& a, WorldSettings<D>& s) {
   a(s.gravity, s.restitutionThreshold, s.margin, s.features);
 }
 
-}  // namespace
-
-/// Everything that save() writes, in its order.
 template <int D>
-struct World<D>::State {
-  WorldSettings<D> settings;
-  Bodies<D> bodies;
-  std::vector<ShapeRecord<D>> shapes;
-  std::vector<PivotJoint<D>> joints;
-  std::vector<Manifold<D>> manifolds;
-  std::vector<Wrench<D>> userForces;
-  std::vector<SleepEvent> events;
-  Real time = 0, lastDt = 0;
-  std::int64_t steps = 0;
+void fields(Archive& a, SavedState<D>& s) {
+  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps);
+}
 
-  void exchange(Archive& a) { a(settings, bodies, shapes, joints, manifolds, userForces, events, time, lastDt, steps); }
-};
+}  // namespace
 
 template <int D>
 void World<D>::save(std::ostream& out) const {
@@ -197,8 +186,9 @@ void World<D>::save(std::ostream& out) const {
   std::int32_t dimension = D, realBytes = sizeof(Real);
   Archive a(out);
   a(magic, dimension, realBytes);
-  State{m_settings, m_bodies, m_shapes, m_joints, m_manifolds, m_userForces, m_events, m_time, m_lastDt, m_steps}
-      .exchange(a);
+  SavedState<D> s{m_settings,   m_bodies, m_shapes, m_joints, m_manifolds,
+                  m_userForces, m_events, m_time,   m_lastDt, m_steps};
+  a(s);
 }
 
 template <int D>
@@ -217,17 +207,15 @@ void World<D>::load(std::istream& in) {
                     std::to_string(std::int64_t(8) * realBytes) + "-bit numbers, this one is " + std::to_string(D) +
                     "D with " + std::to_string(8 * sizeof(Real)) + "-bit numbers");
   }
-  State s;
+  SavedState<D> s;
   try {
-    s.exchange(a);
+    a(s);
   } catch (const UserError& e) {  // also of a shape's size
     const std::string_view what = e.what();
     if (what.starts_with("load: ")) throw;
     throw UserError("load: the saved world is damaged (" + std::string(what) + ")");
   }
-  requireSound<D>(
-      {s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps},
-      stage<ContactGenerator>());
+  requireSound<D>(s, stage<ContactGenerator>());
   const std::size_t n = s.bodies.pose.size();
   s.bodies.invMass.assign(n, 0);  // refreshed before each solve
   s.bodies.invInertia.assign(n, Inertia<D>::Zero());

@@ -145,9 +145,9 @@ Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<Placed<D
     pose.push_back(p.pair.X_WA);
     pose.push_back(nudge && p.resting() ? *p.pair.X_WBNudged : p.pair.X_WB);
   }
-  std::vector<ConvexPair<D>> children;
+  ChildPairs<D> childPairs;
   Work work;
-  appendChildren<D>(pairs, shapes, pose, kContactMargin, children, work);
+  const auto children = childPairs.of(pairs, shapes, pose, kContactMargin, work);
   std::vector<Manifold<D>> fresh;
   const double before = threadNanoseconds();
   generator.generate({children, shapes, pose, kContactMargin, true}, fresh, work);

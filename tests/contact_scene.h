@@ -58,9 +58,9 @@ struct ContactScene {
 
   std::vector<Manifold<D>> run(ContactGenerator<D>& generator) const {
     const ShapePair pair{0, 1};
-    std::vector<ConvexPair<D>> children;
+    ChildPairs<D> childPairs;
     Work work;
-    appendChildren<D>({&pair, 1}, shapes, pose, margin, children, work);
+    const auto children = childPairs.of({&pair, 1}, shapes, pose, margin, work);
     std::vector<Manifold<D>> fresh;
     generator.generate({children, shapes, pose, margin, true}, fresh, work);
     return fresh;

@@ -2,6 +2,9 @@
 // A few worlds that tests share: small, quick, and with everything that a step can meet.
 #pragma once
 
+#include <sstream>
+#include <string>
+
 #include "framework/random.h"
 #include "framework/world.h"
 
@@ -29,6 +32,13 @@ Handle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
   Vec<D> half = Vec<D>::Constant(20);
   half[1] = 1;
   return world.add(body<D>(Shape<D>::box(half), place - Vec<D>::Unit(1), BodyType::fixed));
+}
+
+template <int D>
+std::string saved(const World<D>& world) {
+  std::ostringstream out;
+  world.save(out);
+  return out.str();
 }
 
 /// Boxes, balls and capsules fall on a floor and into each other; one pendulum swings above. n + 3 bodies.

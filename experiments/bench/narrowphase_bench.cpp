@@ -138,9 +138,9 @@ void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind ki
     poses.push_back(data.X_WA[k]), poses.push_back(data.X_WB[k]);
     pairs.push_back({slot, slot + 1});
   }
-  std::vector<ConvexPair<D>> children;
+  ChildPairs<D> childPairs;
   Work work;
-  appendChildren<D>(pairs, shapes, poses, Real(0.02), children, work);
+  const auto children = childPairs.of(pairs, shapes, poses, Real(0.02), work);
   const ContactInput<D> input{children, shapes, poses, Real(0.02), true};
   std::vector<Manifold<D>> manifolds;
   for (auto _ : state) {

@@ -47,9 +47,9 @@ void pairsAreIndependent() {
     }
     pairs.push_back({2 * i, 2 * i + 1});
   }
-  std::vector<ConvexPair<D>> children;
+  ChildPairs<D> childPairs;
   Work none;
-  appendChildren<D>(pairs, shapes, pose, kContactMargin, children, none);
+  const auto children = childPairs.of(pairs, shapes, pose, kContactMargin, none);
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
     Work work;
     std::vector<Manifold<D>> together, alone;

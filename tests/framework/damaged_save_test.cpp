@@ -46,13 +46,6 @@ void fill(World<D>& world) {
 }
 
 template <int D>
-std::string saved(const World<D>& world) {
-  std::ostringstream out;
-  world.save(out);
-  return out.str();
-}
-
-template <int D>
 std::string filledAndSaved() {
   World<D> world(Pipeline::parse(kPipeline));
   fill(world);
@@ -117,32 +110,26 @@ void flip() {
 TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless2) { flip<2>(); }
 TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless3) { flip<3>(); }
 
-// All that a save holds, to be damaged in one place.
+// What a save holds, to be damaged in one place.
 template <int D>
-struct Parts {
-  WorldSettings<D> settings;
-  Bodies<D> bodies;
-  std::vector<ShapeRecord<D>> shapes;
-  std::vector<PivotJoint<D>> joints;
-  std::vector<Manifold<D>> manifolds;
-  std::vector<Wrench<D>> userForces;
-  std::vector<SleepEvent> events{{SleepEvent::userChange, 0, -1}};
-  Real time = 1, lastDt = kDt;
-  std::int64_t steps = 1;
+struct Damaged : SavedState<D> {
   std::string contacts = "query_clip";
 
-  explicit Parts(const World<D>& w)
-      : settings(w.settings()),
-        bodies(w.bodies()),
-        shapes(w.shapes().begin(), w.shapes().end()),
-        joints(w.joints().begin(), w.joints().end()),
-        manifolds(w.manifolds().begin(), w.manifolds().end()),
-        userForces(bodies.pose.size()) {}
+  explicit Damaged(const World<D>& w)
+      : SavedState<D>{w.settings(),
+                      w.bodies(),
+                      {w.shapes().begin(), w.shapes().end()},
+                      {w.joints().begin(), w.joints().end()},
+                      {w.manifolds().begin(), w.manifolds().end()},
+                      std::vector<Wrench<D>>(w.bodies().pose.size()),
+                      {{SleepEvent::userChange, 0, -1}},
+                      1,
+                      kDt,
+                      1} {}
 
   std::string refusal() const {
     try {
-      requireSound<D>({settings, bodies, shapes, joints, manifolds, userForces, events, time, lastDt, steps},
-                      *createStage<ContactGenerator<D>>(Spec{contacts, {}}));
+      requireSound<D>(*this, *createStage<ContactGenerator<D>>(Spec{contacts, {}}));
     } catch (const UserError& e) {
       return e.what();
     }
@@ -150,11 +137,11 @@ struct Parts {
   }
   // The shape of this kind, with a hull or sizes of its own.
   ShapeRecord<D>& shape(ShapeKind kind) {
-    for (ShapeRecord<D>& s : shapes) {
+    for (ShapeRecord<D>& s : this->shapes) {
       if (s.body >= 0 && s.shape.convex() && s.shape.kind() == kind) return s;
     }
     ADD_FAILURE() << "no " << shapeKindName(kind);
-    return shapes[0];
+    return this->shapes[0];
   }
   template <class Spoil>
   void hull(const Spoil& spoil) {
@@ -167,14 +154,14 @@ struct Parts {
 template <int D>
 struct Damage {
   const char* says;
-  std::function<void(Parts<D>&)> spoil;
+  std::function<void(Damaged<D>&)> spoil;
 };
 
 constexpr std::int32_t kFreeSlot = 1;  // of the body that was removed
 
 template <int D>
 std::vector<Damage<D>> damages() {
-  using P = Parts<D>&;
+  using P = Damaged<D>&;
   std::vector<Damage<D>> list = {
       {"a setting", [](P p) { p.settings.gravity[0] = kNan; }},
       {"a setting", [](P p) { p.settings.margin = -1; }},
@@ -248,9 +235,9 @@ template <int D>
 void name() {
   World<D> world(Pipeline::parse(kPipeline));
   fill(world);
-  EXPECT_EQ(Parts<D>(world).refusal(), "");
+  EXPECT_EQ(Damaged<D>(world).refusal(), "");
   for (const Damage<D>& damage : damages<D>()) {
-    Parts<D> parts(world);
+    Damaged<D> parts(world);
     damage.spoil(parts);
     EXPECT_NE(parts.refusal().find(damage.says), std::string::npos) << damage.says << ": " << parts.refusal();
   }

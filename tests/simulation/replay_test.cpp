@@ -19,13 +19,6 @@ constexpr Real kDt = Real(1) / 60;
 constexpr int kSteps = 75;  // enough for limits shared by disjoint scenes to be met
 
 template <int D>
-std::string saved(const World<D>& world) {
-  std::ostringstream out;
-  world.save(out);
-  return out.str();
-}
-
-template <int D>
 struct Run {
   World<D> world;
   std::vector<std::uint64_t> hashes;
