@@ -5,6 +5,11 @@
 #include "framework/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
+
+Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia) {
+  const Mat<3> r = q.matrix();
+  return r * inertia * r.transpose();
+}
 namespace {
 
 constexpr double kPi = std::numbers::pi;

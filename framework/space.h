@@ -18,6 +18,8 @@
 #error "link one of the targets lpc::lpc (double) or lpc::lpc_f32 (float): they define LPC_PRECISION and LPC_REAL"
 #endif
 
+#include "framework/eager.h"
+
 namespace lpc::inline LPC_PRECISION {
 
 using Real = LPC_REAL;  // double (f64) or float (f32), fixed when the library is built
@@ -65,6 +67,21 @@ inline void sinCos(double x, double& s, double& c) {
   }
 }
 
+/// With an arm a = r and a force b = f: the torque r x f, an Ang<D>. With an angular velocity a = w and an arm b = r:
+/// the velocity w x r of the point at r, a Vec<D>.
+template <class A, class B>
+auto cross(const Eigen::MatrixBase<A>& left, const Eigen::MatrixBase<B>& right) {
+  const typename A::PlainObject a = left;
+  const typename B::PlainObject b = right;
+  if constexpr (A::RowsAtCompileTime == 3) {
+    return Vec<3>(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+  } else if constexpr (A::RowsAtCompileTime == 2) {
+    return Ang<2>(a[0] * b[1] - a[1] * b[0]);
+  } else {
+    return Vec<2>(-a[0] * b[1], a[0] * b[0]);
+  }
+}
+
 template <int D>
 struct Rot;  // R_AB: turns directions of B into directions of A
 
@@ -107,8 +124,8 @@ struct Rot<3> {
   Vec<3> imag() const { return {x, y, z}; }
   Vec<3> operator*(const Vec<3>& v) const {
     const Vec<3> u = imag();
-    const Vec<3> t = 2 * u.cross(v);
-    return v + w * t + u.cross(t);
+    const Vec<3> t = 2 * cross(u, v);
+    return v + w * t + cross(u, t);
   }
   Rot operator*(const Rot& q) const {
     return {w * q.w - x * q.x - y * q.y - z * q.z, w * q.x + x * q.w + y * q.z - z * q.y,
@@ -139,21 +156,6 @@ struct Pose {
   Pose inverse() const { return {-(q.inverse() * p), q.inverse()}; }
 };
 
-/// With an arm a = r and a force b = f: the torque r x f, an Ang<D>. With an angular velocity a = w and an arm b = r:
-/// the velocity w x r of the point at r, a Vec<D>.
-template <class A, class B>
-auto cross(const Eigen::MatrixBase<A>& left, const Eigen::MatrixBase<B>& right) {
-  const typename A::PlainObject a = left;
-  const typename B::PlainObject b = right;
-  if constexpr (A::RowsAtCompileTime == 3) {
-    return Vec<3>(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
-  } else if constexpr (A::RowsAtCompileTime == 2) {
-    return Ang<2>(a[0] * b[1] - a[1] * b[0]);
-  } else {
-    return Vec<2>(-a[0] * b[1], a[0] * b[0]);
-  }
-}
-
 /// The rotation after a turn by `turn` (rad, world frame). Exact for a constant angular velocity.
 inline Rot<2> integrateRotation(const Rot<2>& q, const Ang<2>& turn) {
   return (Rot<2>::angle(turn[0]) * q).normalized();
@@ -162,10 +164,7 @@ inline Rot<3> integrateRotation(const Rot<3>& q, const Ang<3>& turn) { return (R
 
 /// Inertia of the body frame (or its inverse) turned into the world: R I R^T. In 2D it is a scalar and does not turn.
 inline Inertia<2> rotateInertia(const Rot<2>&, const Inertia<2>& inertia) { return inertia; }
-inline Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia) {
-  const Mat<3> r = q.matrix();
-  return r * inertia * r.transpose();
-}
+Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia);  // mass.cpp
 
 /// Unit vectors that complete `n` to a right-handed basis: one column in 2D, two in 3D. A function of `n` alone.
 inline Matrix<2, 1> tangents(const Vec<2>& n) { return {-n[1], n[0]}; }

@@ -174,7 +174,7 @@ class SoftStep final : public Solver<D> {
     for (PivotRow<D>& row : m_joints.rows) {
       Motion<D>&a = motion[static_cast<std::size_t>(row.a)], &b = motion[static_cast<std::size_t>(row.b)];
       const Softness soft = springs ? m_softJoint : Softness();
-      const Vec<D> impulse = -soft.massScale * (row.mass * (pivotVelocity(row, a, b) + soft.rate * row.error)) -
+      const Vec<D> impulse = (-soft.massScale * row.mass) * (pivotVelocity(row, a, b) + soft.rate * row.error) -
                              soft.impulseScale * row.impulse;
       row.impulse += impulse;
       applyPivot(row, impulse, a, b);

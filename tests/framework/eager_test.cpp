@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Zlib
+// Sums and products of small matrices are plain matrices, to the last bit what Eigen's own operators, still there as
+// members, answer by expressions.
+#include "framework/eager.h"
+
+#include <gtest/gtest.h>
+
+#include "framework/space.h"
+#include "tests/check_property.h"
+#include "tests/generators.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+template <int R, int C = 1>
+Matrix<R, C> drawn(RapidCheckDraw& draw) {
+  Matrix<R, C> m;
+  for (int i = 0; i < R * C; ++i) m.data()[i] = draw.signedUnit() * draw.pick({Real(1e-3), Real(1), Real(1e3)});
+  return m;
+}
+
+template <class M, class Ours, class Eigens>
+void same(const Ours& ours, const Eigens& eigens) {
+  static_assert(std::same_as<Ours, M>, "an expression, not a matrix");
+  RC_ASSERT((ours.array() == eigens.eval().array()).all());
+}
+
+template <int R, int K, int C>
+void plain() {
+  RapidCheckDraw draw;
+  const Matrix<R, K> a = drawn<R, K>(draw), b = drawn<R, K>(draw);
+  const Matrix<K, C> c = drawn<K, C>(draw);
+  const Matrix<K, R> d = drawn<K, R>(draw);
+  const Real s = draw.signedUnit();
+  same<Matrix<R, K>>(a + b, a.operator+(b));
+  same<Matrix<R, K>>(a - b, a.operator-(b));
+  same<Matrix<R, K>>(-a, a.operator-());
+  same<Matrix<R, K>>(s * a, a.operator*(s));
+  same<Matrix<R, K>>(a * 3, a.operator*(Real(3)));
+  same<Matrix<R, K>>(a / (s + 2), a.operator/(s + 2));
+  same<Matrix<R, C>>(a * c, a.operator*(c));
+  same<Matrix<R, C>>(d.transpose() * c, d.transpose().operator*(c));
+  same<Matrix<R, R>>(a * b.transpose(), a.operator*(b.transpose()));
+  same<Matrix<R, C>>(s * (a * c), s * a.operator*(c).eval());
+}
+TEST(Eager, PlainMatricesAsEigenSays) {
+  check("columns", [] { plain<1, 1, 1>(), plain<2, 2, 1>(), plain<3, 2, 1>(), plain<3, 3, 1>(); });
+  check("squares", [] { plain<2, 2, 2>(), plain<3, 3, 3>(), plain<2, 3, 2>(), plain<3, 2, 3>(); });
+  expectFalsified("columns added from the other end", [] {
+    RapidCheckDraw draw;
+    const Mat<3> a = drawn<3, 3>(draw);
+    const Vec<3> b = drawn<3>(draw);
+    const Vec<3> reversed = (a.col(2) * b[2] + a.col(1) * b[1]) + a.col(0) * b[0];
+    same<Vec<3>>(reversed, a.operator*(b));
+  });
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
