@@ -10,7 +10,7 @@ void ContactOrder::add(const decltype(Manifold<2>{}.key()) & key) {
 }
 
 // Least significant digit first, of 16 bits; digits that are the same in all keys cost nothing, so four are left in a
-// world of fewer than 65,536 simple shapes.
+// world of fewer than 65,536 convex shapes.
 void ContactOrder::sortEntries() {
   Key differs{}, bits{};
   for (const Entry& e : m_entries) {

@@ -17,7 +17,7 @@ struct Recording {
     std::uint8_t awake = 1;
     Pose<D> X_WC{};  // of the centre-of-mass frame
   };
-  /// A body's shapes, told once, in the frame in which it first appears.
+  /// The convex parts of a body's shapes, told once, in the frame in which it first appears.
   struct Arrival {
     std::int32_t slot = 0;
     std::uint32_t generation = 0;

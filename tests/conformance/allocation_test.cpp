@@ -105,27 +105,33 @@ TEST(Allocations, PlantedBugIsCaught) {
   EXPECT_EQ(allocationsOfWarmFrames<2>(bug), 20);
 }
 
-// A pile at rest, with all stages at work.
+// A pile at rest, of boxes and of boxes put together from halves, with all stages at work.
 template <int D>
 long allocationsOfWarmSteps(const Pipeline& pipeline) {
   WorldSettings<D> settings;
   settings.features.sleeping = false;
   World<D> world(pipeline, settings);
-  const auto add = [&](BodyType type, const Vec<D>& at, const Vec<D>& half) {
+  const auto add = [&](BodyType type, const Vec<D>& at, const Shape<D>& box) {
     BodyDef<D> body;
     body.type = type, body.X_WB.p = at;
     ShapeDef<D> shape;
-    shape.shape = Shape<D>::box(half);
+    shape.shape = box;
     body.shapes.push_back(shape);
     world.add(body);
   };
   Vec<D> under = Vec<D>::Zero();
   under[1] = -5;
-  add(BodyType::fixed, under, Vec<D>::Constant(5));
+  add(BodyType::fixed, under, Shape<D>::box(Vec<D>::Constant(5)));
+  Vec<D> half = Vec<D>::Constant(Real(0.5)), right = Vec<D>::Zero();
+  const Shape<D> whole = Shape<D>::box(half);
+  half[0] = right[0] = Real(0.25);
+  const Shape<D> part = Shape<D>::box(half);
+  const std::vector<ShapePart<D>> halves = {{part, {-right, {}}}, {part, {right, {}}}};
+  const Shape<D> twoHalves = Shape<D>::compound(halves);
   for (int k = 0; k < 4; ++k) {
     Vec<D> at = Vec<D>::Zero();
     at[0] = Real(1.2) * static_cast<Real>(k % 2), at[1] = Real(0.5) + static_cast<Real>(k / 2);
-    add(BodyType::dynamic, at, Vec<D>::Constant(Real(0.5)));
+    add(BodyType::dynamic, at, k % 2 == 0 ? whole : twoHalves);
   }
   for (int k = 0; k < 30; ++k) world.step(Real(1) / 60);
   const long before = allocations;
