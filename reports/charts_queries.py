@@ -72,8 +72,8 @@ def _scatter(context, cells, dimension, refused):
     methods = sorted(cells["method"].unique())
     columns = min(4, len(pairs))
     rows = math.ceil(len(pairs) / columns)
-    legend_width = 1.7
-    figure, axes = grid_of_axes(rows, columns, 1.95, legend_width, left=0.75, gap_x=0.25, gap_y=0.5)
+    legend_width = 2.2
+    figure, axes = grid_of_axes(rows, columns, 1.95, legend_width, left=0.75, gap_x=0.55, gap_y=0.5)
     usable = _usable(cells)
     errors = {name: np.where(usable, metrics.column(cells, name), math.nan) for name in ERRORS}
     time = metrics.column(cells, "ns_per_query")

@@ -29,7 +29,7 @@ RESOLVERS = {"naive": (0.6, 3e-2, 4), "millington": (2.5, 8e-3, 9), "catto+none"
              "catto+split_impulse": (1.3, 4e-4, 40), "soft_step": (1.1, 1e-4, 60)}
 BROADPHASES = {"naive": (0.9, 2.0, 400), "naive_sphere": (0.7, 2.0, 400), "sort_and_sweep": (28, 1.12, 1500),
                "uniform_grid": (60, 1.03, 2500), "region_tree": (95, 1.08, 3000)}
-QUERIES = {"closed_form": (9, 0.0), "sat": (60, 2e-16), "gjk_epa": (400, 3e-12), "fcl": (900, 4e-7), "libccd": (1500, 8e-5)}
+QUERIES = {"closed_form": (9, 0.0), "sat": (60, 2e-16), "gjk_epa": (400, 3e-12), "fcl": (900, 4e-7), "fcl_libccd_collide": (1500, 8e-5)}
 
 
 class Maker:
@@ -179,7 +179,7 @@ def queries(make):
                         make.trial("pair_queries", axes, {}, "unsupported", f"no {a}-{b}")
                         continue
                     e = error * (1 + 3 * make.random.random())
-                    failed = 3 if label == "libccd" and b in ("capsule", "box") else 0
+                    failed = 3 if label == "fcl_libccd_collide" and b in ("capsule", "box") else 0
                     make.trial("pair_queries", axes, {"ns_per_query": ns * (1 + make.random.random()), "median_error": e / 50,
                                                       "p99_error": e, "max_error": e * 40, "failed": failed, "refused": 0,
                                                       "wrong_boolean": 0, "asked": 10000},
