@@ -70,8 +70,8 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
     };
     m_boxes.clear();
     Aabb<D> whole;
-    forParts(b.shape, X_WB * b.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
-      m_boxes.push_back(boundingBox(part, X_WP));
+    forParts(b.shape, b.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_CB) {
+      m_boxes.push_back(boundingBox(part, X_WB * X_CB));
       whole = whole.merged(m_boxes.back());
     });
     std::int32_t childA = -1;

@@ -41,7 +41,11 @@ void plain() {
   same<Matrix<R, C>>(a * c, a.operator*(c));
   same<Matrix<R, C>>(d.transpose() * c, d.transpose().operator*(c));
   same<Matrix<R, R>>(a * b.transpose(), a.operator*(b.transpose()));
-  same<Matrix<R, C>>(s * (a * c), s * a.operator*(c).eval());
+  // Nested, against one expression of Eigen's. (It takes s * (A * B) for (s * A) * B: that one may differ.)
+  same<Matrix<R, K>>((a + s * b) / (s + 2) - b, (a.operator+(b.operator*(s))).operator/(s + 2).operator-(b));
+  same<Matrix<R, C>>(-(a - b) * c, a.operator-(b).operator-().operator*(c));
+  same<Matrix<R, C>>(a * (s * c), a.operator*(c.operator*(s)));
+  same<Matrix<R, R>>(a * (s * b).transpose(), a.operator*(b.operator*(s).transpose()));
 }
 TEST(Eager, PlainMatricesAsEigenSays) {
   check("columns", [] { plain<1, 1, 1>(), plain<2, 2, 1>(), plain<3, 2, 1>(), plain<3, 3, 1>(); });
