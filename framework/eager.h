@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Arithmetic of small matrices, done at once. Eigen answers each sum and product with an expression of a type of its
-// own, and expressions of expressions are types that each file has to compile anew. These win over Eigen's operators
-// between plain matrices of fixed sizes and evaluate what those say, so that a file sees a few dozen types of
-// expressions and not hundreds: a kernel compiles in four fifths of the time.
+// own, and expressions of expressions are types that each file has to compile anew: a sixth to a fifth of the time of
+// compiling a kernel. These win over Eigen's operators between plain matrices of fixed sizes, inside namespace lpc,
+// where no nearer namespace has operators of its own, and evaluate what Eigen's say.
 //
-// A scalar factor stays where it is written; Eigen moves it, s * (A * x) becoming (s * A) * x.
+// A scalar factor stays where it is written; Eigen takes s * (A * B) for (s * A) * B.
 #pragma once
 
 #include <Eigen/Core>
