@@ -73,6 +73,8 @@ const CurvedKind<D>& curvedKind(ShapeKind kind);
 template <int D>
 std::map<ShapeKind, CurvedKind<D>>& curvedKinds();
 
+namespace {  // as Registrar
+
 template <template <int> class Core, int... D>
 class CurvedRegistrar {
  public:
@@ -86,4 +88,5 @@ class CurvedRegistrar {
   }
 };
 
+}  // namespace
 }  // namespace lpc::inline LPC_PRECISION

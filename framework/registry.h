@@ -104,6 +104,10 @@ class StageSet {
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
 std::string canonicalText(const Pipeline& pipeline, int dimension);
 
+// Each file has its own, or two whose classes have one name would be one to the linker: a template as an argument does
+// not make it local, as a type would.
+namespace {
+
 template <template <int> class StageOf, template <int> class Algorithm, int... D>
 class Registrar {
  public:
@@ -130,6 +134,8 @@ class Registrar {
          }});
   }
 };
+
+}  // namespace
 
 #define LPC_REGISTER(StageOf, Algorithm, ...) \
   static const ::lpc::Registrar<StageOf, Algorithm, __VA_ARGS__> registrar##Algorithm { __FILE__ }

@@ -8,15 +8,16 @@ namespace {
 
 // Boxes are sorted by the bucket of their lower end along the axis on which they are spread widest, by counting. Each
 // meets those after it, up to the bucket of its own upper end: of two boxes that overlap, the later one begins no later
-// than the earlier one ends, and the map to buckets is monotone, rounded or not.
+// than the earlier one ends, and the map to buckets is monotone, rounded or not. The class is called as another file's:
+// that must not matter.
 template <int D>
-class CountingBuckets final : public Broadphase<D> {
+class Naive final : public Broadphase<D> {
  public:
   struct Params {
     int buckets = 256;
     void visit(ParamVisitor& v) { v.integer("buckets", buckets, 1, 65536, "buckets along the widest axis"); }
   };
-  explicit CountingBuckets(const Params& params) : m_first(static_cast<std::size_t>(params.buckets) + 1) {}
+  explicit Naive(const Params& params) : m_first(static_cast<std::size_t>(params.buckets) + 1) {}
 
   static Info info() {
     return {.name = "counting_buckets",
@@ -90,6 +91,6 @@ class CountingBuckets final : public Broadphase<D> {
 
 }  // namespace
 
-LPC_REGISTER(Broadphase, CountingBuckets, 2, 3);
+LPC_REGISTER(Broadphase, Naive, 2, 3);
 
 }  // namespace lpc::inline LPC_PRECISION
