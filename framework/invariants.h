@@ -14,7 +14,7 @@ struct Invariants {
       Eigen::Matrix<double, kAngDim<D>, 1>::Zero();  // about the origin
   double maxSpeed = 0;                               // m/s, dynamic bodies
   double maxPenetration = 0, meanPenetration = 0;    // m, over the step's contact points, at the poses after the step
-  double jointError = 0;                             // m, worst
+  double jointError = 0, jointTurn = 0;              // m and rad, each the worst
   // Worst |lambda_n * u_n| over contact points without restitution, J: either the impulse or the closing speed must be
   // 0. u_n counts the gap still open at detection, since a contact within the margin may close it.
   double signorini = 0;

@@ -75,7 +75,9 @@ class World final : private Detect, private Forces<D> {
   /// shape kind that the contact generator does not support.
   Handle add(const BodyDef<D>& def);
   void remove(Handle body);  // and its joints
-  Handle add(const PivotDef<D>& def);
+  /// Throws UserError for an unknown kind or parameter, for a body with itself, for two that do not move, for frames
+  /// and limits that make no such joint.
+  Handle add(const JointDef<D>& def);
   void removeJoint(Handle joint);
   void add(std::shared_ptr<const ForceGenerator<D>> generator);
   void remove(const ForceGenerator<D>* generator);
@@ -116,7 +118,7 @@ class World final : private Detect, private Forces<D> {
   const Bodies<D>& bodies() const { return m_bodies; }
   std::span<const ShapeRecord<D>> shapes() const { return m_shapes; }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
-  std::span<const PivotJoint<D>> joints() const { return m_joints; }
+  std::span<const JointRecord<D>> joints() const { return m_joints; }
   const Proxies<D>& proxies() const { return m_boxes.proxies(); }  // as of the last step or query
   const WorldSettings<D>& settings() const { return m_settings; }
   const Pipeline& pipeline() const { return m_pipeline; }
@@ -154,6 +156,8 @@ class World final : private Detect, private Forces<D> {
   void decideSleep(Real dt);
   void refreshMasses();
   void collectActive();
+  void finishJoints(Real dt);
+  void releaseJoint(const JointRecord<D>& joint);  // tells those whom it held
 
   /// For instance stage<Solver>(): what the pipeline says.
   template <template <int> class S>
@@ -168,7 +172,7 @@ class World final : private Detect, private Forces<D> {
   // State: what save() writes.
   Bodies<D> m_bodies;
   std::vector<ShapeRecord<D>> m_shapes;
-  std::vector<PivotJoint<D>> m_joints;
+  std::vector<JointRecord<D>> m_joints;
   std::vector<Manifold<D>> m_manifolds;
   std::vector<Wrench<D>> m_userForces;  // for the coming step, by body slot
   std::vector<SleepEvent> m_events;     // since the last decision
