@@ -23,7 +23,7 @@ inline constexpr int kJointRows = 8;
 template <int D>
 struct JointDef {
   std::string kind = "pivot";         // with parameters: "hinge{lower=-0.5,upper=0.5}"
-  Handle bodyA, bodyB;                // bodyA may be the world: Handle{}
+  Handle bodyA = {}, bodyB = {};      // bodyA may be the world: Handle{}
   Pose<D> X_WJ{};                     // at the time of adding; in 3D its z is a hinge's axis
   std::optional<Pose<D>> X_WJb = {};  // the frame on B, where it is another: the far end of a rope
   bool collide = false;               // do the two bodies collide with each other?

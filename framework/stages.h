@@ -11,7 +11,19 @@
 
 namespace lpc {
 
-enum class StageKind { broadphase, pairQuery, contacts, cache, solver, velocity, position, integrator, sleep, joint };
+enum class StageKind {
+  broadphase,
+  pairQuery,
+  contacts,
+  cache,
+  solver,
+  velocity,
+  position,
+  integrator,
+  sleep,
+  joint,
+  engine
+};
 
 struct StageInfo {
   StageKind kind;
@@ -34,10 +46,14 @@ inline constexpr StageInfo kStages[] = {
     {StageKind::integrator, "integrator", "solver", ""},
     {StageKind::sleep, "sleep", "sleep", "none"},
     {StageKind::joint, "joint", "solver", ""},
+    {StageKind::engine, "engine", "engine", ""},
 };
 inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));
 
 constexpr const StageInfo& stageInfo(StageKind kind) { return kStages[static_cast<std::size_t>(kind)]; }
+/// Engines are whole simulations of other people's, under oracles/engines: not a stage of ours, and no folder of
+/// algorithms/.
+constexpr bool isOurs(const StageInfo& stage) { return stage.kind != StageKind::engine; }
 constexpr std::string_view stageName(StageKind kind) { return stageInfo(kind).name; }
 constexpr bool isWorldStage(const StageInfo& stage) { return !stage.worldDefault.empty(); }
 /// False for nullptr.

@@ -11,7 +11,10 @@
 #include "experiments/trial/trial.h"
 #include "framework/director.h"
 #include "framework/invariants.h"
+#include "framework/pose_penetration.h"
 #include "framework/recording.h"
+#include "framework/stage_engine.h"
+#include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -22,6 +25,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Not counted in times: caches are cold and vectors grow.
 constexpr long kWarmUp = 10;
 constexpr long kPoseEvery = 60;
+// The exact query of all pairs costs more than a step of a small scene: it is asked now and then.
+constexpr long kPenetrationEvery = 10;
 constexpr double kPoseBytes = 1e6;
 // No body of any scene is meant to be faster than light: a run that gets there ends, also without a limit of its own.
 constexpr double kLightSpeed = 299792458;  // m/s
@@ -32,14 +37,23 @@ std::string underscored(std::string name) {
 }
 
 template <int D>
+std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const WorldSettings<D>& settings) {
+  const std::string pipeline = trial.at("pipeline");
+  if (const auto engine = engineOf(pipeline)) return createStage<Engine<D>>(*engine)->start(settings);
+  return std::make_unique<World<D>>(Pipeline::parse(pipeline), settings);
+}
+
+template <int D>
 class WorldTrial {
  public:
   WorldTrial(const json& request, SceneSpec<D> scene)
       : m_request(request),
         m_timed(request.at("trial").value("timed", false)),
+        m_engine(request.at("trial").contains("engine")),
         m_scene(scene),
         m_director(std::move(scene)),
-        m_world(Pipeline::parse(request.at("trial").at("pipeline").template get<std::string>()), m_scene.settings) {
+        m_simulation(simulationOf(request.at("trial"), m_scene.settings)),
+        m_world(*m_simulation) {
     const auto open = [&](const char* name, std::unique_ptr<OutputFile>& file) {
       if (request.contains(name)) file = std::make_unique<OutputFile>(request.at(name).template get<std::string>());
     };
@@ -124,6 +138,10 @@ class WorldTrial {
       if (i == m_top) m_topDrift = moved;
       last = i;
     }
+    if (now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
+      const auto depths = m_penetration.of(m_world);
+      m_deepest = std::max(m_deepest, depths.max), m_meanDepth = depths.mean;
+    }
     const double energy = now.kinetic + now.potential;
     m_energyMax = std::max(m_energyMax, energy);
     put("kinetic", now.kinetic), put("potential", now.potential), put("max_speed", now.maxSpeed);
@@ -202,6 +220,7 @@ class WorldTrial {
     m["steps_done"] = static_cast<double>(steps);
     m["bodies"] = largest("bodies"), m["contacts_end"] = end("points");
     m["max_penetration"] = largest("max_penetration"), m["mean_penetration_end"] = end("mean_penetration");
+    m["penetration_poses"] = m_deepest, m["mean_penetration_poses_end"] = m_meanDepth;
     m["max_drift"] = largest("drift"), m["end_drift_max"] = end("drift"), m["end_drift_top"] = m_topDrift;
     m["energy_end"] = end("kinetic") + end("potential"), m["energy_max"] = m_energyMax;
     m["max_speed"] = largest("max_speed"), m["max_speed_end"] = end("max_speed");
@@ -210,7 +229,9 @@ class WorldTrial {
     m["momentum_error"] = m_momentumMatters && steps > 0 ? (m_last.momentum - m_momentum).norm() : kNan;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {
       m["work_" + std::string(kCountNames[i])] =
-          steps ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps) : 0;
+          m_engine ? kNan
+          : steps  ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps)
+                   : 0;
     }
     if (m_timed) {
       const auto timesOf = [&](const std::string& name) {
@@ -233,16 +254,19 @@ class WorldTrial {
   }
 
   const json& m_request;
-  bool m_timed;
+  bool m_timed, m_engine;  // an engine does not count its work
   SceneSpec<D> m_scene;
   Director<D> m_director;
-  World<D> m_world;
+  std::unique_ptr<Simulation<D>> m_simulation;
+  Simulation<D>& m_world;
+  PosePenetration<D> m_penetration;
   std::unique_ptr<OutputFile> m_recording, m_profile;
   TrialResult m_out;
   std::vector<int> m_dynamic;
   int m_top = -1;
   long m_poseEvery = kPoseEvery;
   double m_energyMax = 0, m_topDrift = kNan, m_lastMoved = kNan;
+  double m_deepest = 0, m_meanDepth = 0;  // on poses, m
   bool m_momentumMatters = false;
   Eigen::Matrix<double, D, 1> m_momentum = Eigen::Matrix<double, D, 1>::Zero();
   Invariants<D> m_last;
