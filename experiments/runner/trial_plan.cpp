@@ -157,9 +157,9 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
     auto it = m_built.find(id);
     if (it == m_built.end()) {
       const auto built = [](const auto& spec) {
-        Defaults out{spec.dt, spec.steps, {}};
-        for (const auto& joint : spec.joints) out.jointKinds.insert(joint.def.kind);
-        return out;
+        Defaults found{spec.dt, spec.steps, {}};
+        for (const auto& joint : spec.joints) found.jointKinds.insert(joint.def.kind);
+        return found;
       };
       it = m_built.emplace(id, dimension == 2 ? built(file.build<2>(params, seed)) : built(file.build<3>(params, seed)))
                .first;
