@@ -67,4 +67,31 @@ void addHeap(World<D>& world, int n, std::uint64_t seed, const Vec<D>& place = V
   world.add(pivot<D>(post, bob, hook));
 }
 
+/// One pair of bodies for each kind of joint, in a row, in all ways that a joint remembers something. The last pair
+/// hangs on what will break.
+template <int D>
+void addJointed(World<D>& world, const Vec<D>& place) {
+  const char* const kinds[] = {"pivot",
+                               "weld",
+                               "hinge{upper=0.3}",
+                               "hinge{motor_speed=9,motor_torque=8}",
+                               "hinge{stiffness=5,damping=0.1}",
+                               "distance",
+                               "distance{mode=rope,length=0.4}",
+                               "distance{mode=spring}",
+                               "pivot"};
+  Real x = 0;
+  for (const char* kind : kinds) {
+    const Vec<D> top = place + x * Vec<D>::Unit(0), bottom = top - Vec<D>::Unit(1) / 2;
+    const Handle a = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.2))), top));
+    const Handle b = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), bottom));
+    world.add(pivot<D>(Handle{}, a, top + Vec<D>::Unit(0) / 10));
+    JointDef<D> def{.kind = kind, .bodyA = a, .bodyB = b, .X_WJ = {top, {}}, .collide = true};
+    if (std::string(kind).starts_with("distance")) def.X_WJb = Pose<D>{bottom, {}};
+    if (x == 8) def.breakForce = Real(0.05);
+    world.add(def);
+    x += 1;
+  }
+}
+
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -32,7 +32,7 @@ class Linear final : public PositionResolver<D> {
             .complexity = "iterations x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = {{"two pinned bodies", "cannot be moved at all", "PositionError.TurnsPinnedBodies"},
-                         {"a joint that is wrong by an angle", "keeps it", "JointError.Shrinks"}}};
+                         {"a joint that is wrong by an angle", "keeps it", "Joint.ErrorsShrink"}}};
   }
 
   void correct(const PositionInput<D>& in) override {

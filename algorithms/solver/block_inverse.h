@@ -32,7 +32,7 @@ class BlockInverse {
       }
       if (!solvable) {
         m_sized = true;
-        m_point = Mat<D>::Identity() / trace;
+        m_point = trace > 0 ? Mat<D>(Mat<D>::Identity() / trace) : Mat<D>(Mat<D>::Zero());
         return;
       }
     }

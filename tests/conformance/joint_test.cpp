@@ -177,10 +177,8 @@ void turnsWithTheFrame(const Subject<D>& on, Draw& draw) {
 template <int D>
 void worldIsAFixedBody(const Subject<D>& on, Draw& draw) {
   auto body = drawJointed(draw, on.kind, true);
+  body.joints[0].X_CaJ = body.pose(0) * body.joints[0].X_CaJ;
   body.bodies.pose[0] = {};
-  body.joints[0].X_CaJ = {drawVector<D>(draw), drawRotation<D>(draw)};
-  body.joints[0].X_CbJ.p = body.pose(1).inverse() * body.joints[0].X_CaJ.p;
-  on.kind->begin(body.joints[0], {}, body.pose(1));
   auto world = body;
   world.joints[0].bodyA = -1;
   const auto a = solved(body, *on.normal), b = solved(world, *on.normal);
@@ -220,7 +218,7 @@ template <int D>
 std::vector<Named<D>> properties() {
   const char* limited = "hinge{lower=-0.1,upper=0.2}";
   return {{"Joint.KeepsMomenta", keepsMomenta<D>, JointBug::oneBody, "weld"},
-          {"Joint.AddsNoEnergy", addsNoEnergy<D>, JointBug::oneBody, "weld"},
+          {"Joint.AddsNoEnergy", addsNoEnergy<D>, JointBug::drives, "weld"},
           {"Joint.KeepsItsLimits", keepsItsLimits<D>, JointBug::none, nullptr},
           {"Joint.StopsDrifting", stopsDrifting<D>, JointBug::none, nullptr},
           {"Joint.TurnsWithTheFrame", turnsWithTheFrame<D>, JointBug::ownAxes, "distance"},
@@ -368,7 +366,7 @@ void hinges() {
 TEST(JointConformance, HingesTurnAsTold2) { hinges<2>(); }
 TEST(JointConformance, HingesTurnAsTold3) { hinges<3>(); }
 
-/// Errors in m and rad after two seconds, beginning with `apart` of each.
+/// Errors in m and rad after two seconds, over those at the beginning (where there was one).
 template <int D>
 JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) {
   const auto solver = createStage<Solver<D>>(Spec::parse(text));
@@ -387,8 +385,11 @@ JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) 
   s.joints.push_back(j);
   s.bodies.pose[1].p += apart * Vec<D>::Ones();
   s.bodies.pose[1].q = integrateRotation(s.bodies.pose[1].q, Ang<D>(apart * Ang<D>::Ones()));
+  const JointError before = s.jointError(s.joints[0]);
   for (int i = 0; i < 120; ++i) s.step(*solver);
-  return s.jointError(s.joints[0]);
+  const JointError after = s.jointError(s.joints[0]);
+  const auto share = [&](double now, double then) { return now / std::max(then, double(apart)); };
+  return {share(after.linear, before.linear), share(after.angular, before.angular)};
 }
 
 // R16: metres and radians.
@@ -398,14 +399,18 @@ void errorsShrink() {
     for (const std::string& solver : everySolver<D>()) {
       if (declares<D>(solver, "PositionError.Shrinks") || declares<D>(solver, "JointError.Shrinks")) continue;
       const JointError left = errorAfter<D>(kindOf<D>(kind), solver, Real(0.05));
-      EXPECT_LT(left.linear, 0.004) << kind << " " << solver;
-      EXPECT_LT(left.angular, 0.004) << kind << " " << solver;
+      if (declares<D>(solver, "Joint.ErrorsShrink")) {  // at least the weld's
+        if (kind == "weld") EXPECT_GT(left.angular, 0.1) << solver;
+        continue;
+      }
+      EXPECT_LT(left.linear, 0.1) << kind << " " << solver;
+      EXPECT_LT(left.angular, 0.1) << kind << " " << solver;
     }
   }
   const auto bug = std::make_shared<WrongJoint<D>>(kindOf<D>("weld"), JointBug::wrongSign);
   const JointError left = errorAfter<D>(bug, "split_solver", Real(0.05));
   expectCaught("an error fed back with the wrong sign " + std::to_string(D) + "D",
-               left.linear < 0.004 && left.angular < 0.004);
+               left.linear < 0.1 && left.angular < 0.1);
 }
 TEST(JointConformance, ErrorsShrink2) { errorsShrink<2>(); }
 TEST(JointConformance, ErrorsShrink3) { errorsShrink<3>(); }

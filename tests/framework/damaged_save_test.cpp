@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // A saved world that has been damaged is refused with one line, or it is still a world: nothing that is read from it
 // may point at nothing. What is refused leaves the world as it was.
+#define XXH_INLINE_ALL
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
 #include <limits>
 #include <sstream>
@@ -81,6 +83,28 @@ void truncate() {
 }
 TEST(DamagedSave, EveryTruncationIsRefused) { truncate<2>(), truncate<3>(); }
 
+// With the checksum of the bytes as they are: what is said of them is then what the reader makes of them.
+std::string sealed(std::string bytes) {
+  constexpr std::size_t kChecksum = 26, kBody = 34;  // after the format, two numbers and the length
+  const std::uint64_t sum = XXH64(bytes.data() + kBody, bytes.size() - kBody, 0);
+  bytes.replace(kChecksum, sizeof sum, reinterpret_cast<const char*>(&sum), sizeof sum);
+  return bytes;
+}
+
+template <int D>
+void everyFlipIsTold() {
+  const std::string bytes = filledAndSaved<D>();
+  ASSERT_EQ(sealed(bytes), bytes);
+  World<D> world(Pipeline::parse(kPipeline));
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
+    ASSERT_TRUE(refusal(world, damaged).starts_with("load: ")) << i;
+  }
+  ASSERT_EQ(world.bodyCount(), 0);
+}
+TEST(DamagedSave, EveryFlippedByteIsTold) { everyFlipIsTold<2>(), everyFlipIsTold<3>(); }
+
 template <int D>
 void flip() {
   const std::string bytes = filledAndSaved<D>();
@@ -91,6 +115,7 @@ void flip() {
     for (const int mask : {0x01, 0x80, 0xff}) {
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(damaged[i] ^ mask);
+      if (i >= 34) damaged = sealed(damaged);
       const std::uint64_t hash = world.hash();
       const std::string what = refusal(world, damaged);
       if (what.empty()) {
@@ -170,6 +195,7 @@ std::vector<Damage<D>> damages() {
       {"the number of steps", [](P p) { p.steps = -1; }},
       {"the number of steps", [](P p) { p.steps = std::numeric_limits<std::int64_t>::max(); }},
       {"unequal lengths", [](P p) { p.bodies.sleep.pop_back(); }},
+      {"unequal lengths", [](P p) { p.bodies.solver.pop_back(); }},
       {"unequal lengths", [](P p) { p.bodies.pose.emplace_back(); }},
       {"unequal lengths", [](P p) { p.userForces.pop_back(); }},
       {"no known type", [](P p) { p.bodies.type[0] = static_cast<BodyType>(3); }},
@@ -185,12 +211,15 @@ std::vector<Damage<D>> damages() {
       {"friction", [](P p) { p.shapes[0].friction = -1; }},
       {"a plane on a body", [](P p) { p.shape(ShapeKind::plane).body = 2; }},
       {"does not support", [](P p) { p.contacts = "sat_clip"; }},
-      {"a joint of a body", [](P p) { p.joints[0].bodyA = -1; }},
-      {"a joint of a body", [](P p) { p.joints[0].bodyA = -7, p.joints[0].bodyB = -1; }},
+      {"a joint of a body", [](P p) { p.joints[0].bodyB = -1; }},
+      {"a joint of a body", [](P p) { p.joints[0].bodyA = -7; }},
       {"a joint of a body", [](P p) { p.joints[0].bodyB = p.bodies.size(); }},
       {"a joint of a body", [](P p) { p.joints[0].bodyB = kFreeSlot; }},
       {"a joint of a body", [](P p) { p.joints[0].bodyB = p.joints[0].bodyA; }},
       {"a joint's flag", [](P p) { p.joints[0].collide = 2; }},
+      {"a joint's flag", [](P p) { p.joints[0].broken = 2; }},
+      {"breaks at no force", [](P p) { p.joints[0].breakTorque = kNan; }},
+      {"no rotation", [](P p) { p.joints[0].X_CbJ.q = Rot<D>{0}; }},
       {"a contact of a body", [](P p) { p.manifolds[0].bodyB = p.bodies.size(); }},
       {"a contact of a body", [](P p) { p.manifolds[0].bodyA = -1; }},
       {"a contact of a body", [](P p) { std::swap(p.manifolds[0].bodyA, p.manifolds[0].bodyB); }},

@@ -53,7 +53,10 @@ std::vector<Refusal<D>> refusals() {
       list.push_back({"force", [=](W x) { x.applyForce(x.handle(1), v, Vec<D>::Zero()); }});
       list.push_back({"force", [=](W x) { x.applyForce(x.handle(1), Vec<D>::Zero(), v); }});
       list.push_back({"torque", [=](W x) { x.applyTorque(x.handle(1), w); }});
-      list.push_back({"anchor", [=](W x) { x.add(pivot<D>(x.handle(0), x.handle(1), v)); }});
+      list.push_back({"position", [=](W x) { x.add(pivot<D>(x.handle(0), x.handle(1), v)); }});
+      list.push_back({"breaks", [=](W x) {
+                        x.add(JointDef<D>{.bodyA = x.handle(0), .bodyB = x.handle(1), .breakForce = Real(-1)});
+                      }});
     }
     list.push_back(ball<D>("density", [=](BodyDef<D>& b) { b.shapes[0].density = bad; }));
     list.push_back(ball<D>("friction", [=](BodyDef<D>& b) { b.shapes[0].friction = bad; }));
@@ -82,6 +85,20 @@ std::vector<Refusal<D>> refusals() {
   list.push_back({"rotation", [](W x) { x.setPose(x.handle(1), {Vec<D>::Zero(), scaled(Rot<D>{}, 2)}); }});
   list.push_back({"fixed", [](W x) { x.setMotion(x.handle(0), {}); }});
   list.push_back({"two bodies", [](W x) { x.add(pivot<D>(x.handle(1), x.handle(1), Vec<D>::Zero())); }});
+  const auto joint = [&](const char* says, const std::string& kind) {
+    list.push_back({says, [=](W x) { x.add(JointDef<D>{.kind = kind, .bodyA = x.handle(1), .bodyB = x.handle(2)}); }});
+  };
+  joint("pivot", "glue");
+  joint("motor_speed", "hinge{speed=1}");
+  joint("cross", "hinge{lower=1,upper=-1}");
+  joint("a number from", "hinge{motor_torque=-1}");
+  joint("no spring", "distance{mode=rope,damping=1}");
+  joint("no length", "distance");
+  joint("negative length", "distance{length=-0.5}");
+  joint("stiffness", "distance{mode=spring,stiffness=inf,damping=1}");
+  list.push_back({"do not move", [](W x) { x.add(JointDef<D>{.bodyB = x.handle(0)}); }});
+  list.push_back(
+      {"breaks", [](W x) { x.add(JointDef<D>{.bodyA = x.handle(1), .bodyB = x.handle(2), .breakTorque = 0}); }});
   list.push_back({"no body", [](W x) { x.remove({77, 0}); }});
   list.push_back({"no joint", [](W x) { x.removeJoint({77, 0}); }});
   list.push_back({"null", [](W x) { x.add(std::shared_ptr<const ForceGenerator<D>>()); }});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/check_property.h"
+#include "tests/expect_caught.h"
 #include "tests/generators.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -63,6 +64,35 @@ void staysRotation(Step step) {
   const Mat<D> r = q.matrix();
   RC_ASSERT((r.transpose() * r - Mat<D>::Identity()).cwiseAbs().maxCoeff() <= 8 * kEps);
 }
+using Angle = double (*)(double, double);
+double worstAngle(Angle f) {
+  double worst = 0;
+  Random random(5);
+  for (int i = 0; i < 200000; ++i) {
+    const double size = i % 3 == 0 ? 1e-9 : 1, s = size * random.uniform(-1, 1), c = random.uniform(-1, 1);
+    worst = std::max(worst, std::abs(f(s, c) - std::atan2(s, c)));
+    worst = std::max(worst, std::abs(f(c, s) - std::atan2(c, s)));
+  }
+  return worst;
+}
+TEST(Angle, OfErrorBelow1e15) {
+  EXPECT_LT(worstAngle(angleOf), 1e-15);
+  expectCaught("an angle in the wrong half",
+               worstAngle([](double s, double c) { return angleOf(s, std::abs(c)); }) < 1e-15);
+  EXPECT_EQ(angleOf(0, 0), 0);
+  EXPECT_TRUE(std::isnan(angleOf(std::nan(""), 0)));
+}
+
+template <int D>
+void turnIsUndone() {
+  RapidCheckDraw draw;
+  Ang<D> turn;
+  for (int i = 0; i < kAngDim<D>; ++i) turn[i] = Real(1.7) * draw.signedUnit();  // shorter than half a turn
+  const Ang<D> back = turnOf(integrateRotation(Rot<D>{}, turn));
+  RC_ASSERT((back - turn).norm() <= 16 * kEps);
+}
+TEST(Rotation, TurnIsUndone) { check("2D", turnIsUndone<2>), check("3D", turnIsUndone<3>); }
+
 template <int D>
 void staysOne() {
   check(

@@ -26,13 +26,13 @@ struct Swing {
   double tension = 0;  // at the first passage of the bottom, over m g
 };
 
-// A body on a pivot at height 5, let go: the time between its first two passages of the bottom to the same side.
 // Of the rows that hold a point, along the world's axes, N s.
 template <int D>
 Vec<D> pointImpulse(const JointRecord<D>& joint) {
   return Eigen::Map<const Vec<D>>(joint.impulse.data());
 }
 
+// A body on a pivot at height 5, let go: the time between its first two passages of the bottom to the same side.
 template <int D>
 Swing swing(const std::string& solver, const BodyDef<D>& def, Real dt) {
   World<D> world = worldOf<D>(solver);

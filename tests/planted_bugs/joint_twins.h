@@ -16,6 +16,7 @@ enum class JointBug {
   jumps,      // its angle forgets whole turns
   wrongSign,  // pushes away from where it should be
   ownAxes,    // rows along the world's axes where they should turn with the bodies
+  drives,     // moves what it should hold
   dividesByNothing
 };
 
@@ -58,6 +59,9 @@ class WrongJoint final : public JointKind<D> {
         break;
       case JointBug::ownAxes:
         row.d = row.d.norm() * Vec<D>::Unit(0);
+        break;
+      case JointBug::drives:
+        if (row.law == RowLaw::rigid) row.block = RowBlock::box, row.law = RowLaw::motor, row.speed = 5;
         break;
       case JointBug::dividesByNothing:
         row.error /= row.d.norm() - 1;

@@ -35,14 +35,15 @@ class PlantedSolver final : public Solver<D> {
     heats,          // each step adds a thousandth to every speed
     shares,         // everybody feels a little of everybody's speed
     creeps,         // each step moves everybody a hundredth of a millimetre
-    hops            // every hundredth step lifts everybody
+    hops,           // every hundredth step lifts everybody
+    writesDown      // no bug: it remembers, in what is saved for solvers
   };
   struct Params {
     Bug bug = Bug::none;
     void visit(ParamVisitor& v) {
       v.choice("bug", bug,
                {"none", "remembers", "remembers_runs", "counts_bodies", "watches", "far_is_coarse", "heats", "shares",
-                "creeps", "hops"},
+                "creeps", "hops", "writes_down"},
                "what is wrong");
     }
   };
@@ -57,6 +58,7 @@ class PlantedSolver final : public Solver<D> {
     for (std::size_t i = 0; i < in.bodies.pose.size(); ++i) {
       if (in.bodies.active(static_cast<int>(i))) spoil(in, in.bodies.pose[i], in.bodies.motion[i], runs);
     }
+    if (m_bug == Bug::writesDown) writeDown(in);
     if (m_bug == Bug::remembersRuns) in.work[Count::rowUpdates] += static_cast<std::uint64_t>(runs);
   }
 
@@ -93,6 +95,18 @@ class PlantedSolver final : public Solver<D> {
       case Bug::hops:
         if (m_steps % 100 == 0) motion.v[1] += Real(0.01);
         break;
+      case Bug::writesDown:
+        break;
+    }
+  }
+
+  static void writeDown(const StepInput<D>& in) {
+    const auto next = [](Real& x) { return Real(1e-9) * static_cast<Real>(static_cast<int>(x += 1) % 7); };
+    for (std::size_t i = 0; i < in.bodies.solver.size(); ++i) {
+      if (in.bodies.active(static_cast<int>(i))) in.bodies.motion[i].v[0] += next(in.bodies.solver[i][5]);
+    }
+    for (JointRecord<D>& j : in.joints) {
+      if (j.active()) in.bodies.motion[static_cast<std::size_t>(j.bodyB)].v[1] += next(j.memory[7]);
     }
   }
 

@@ -53,6 +53,7 @@ template <int D>
 bool savedIsContinued(const std::string& pipeline) {
   Run<D> a(pipeline), b(pipeline);
   addHeap(a.world, 8, 7);
+  addJointed(a.world, at<D>(30, 5));
   a.steps(kSteps / 2);
   a.world.remove(a.world.handle(3));
   const std::string bytes = saved(a.world);
@@ -203,6 +204,7 @@ void everyPipelineReplays() {
       EXPECT_EQ(p.holds(pipeline), !fails) << p.name << ' ' << pipeline << ' ' << D << 'D';
     }
     EXPECT_TRUE(p.holds("solver=planted_solver")) << p.name;
+    EXPECT_TRUE(p.holds("solver=planted_solver{bug=writes_down}")) << p.name;
     const std::string bug = "solver=planted_solver{bug=" + std::string(p.bug) + "}";
     expectCaught(std::string(p.name) + ' ' + bug + ' ' + std::to_string(D) + 'D', p.holds(bug));
   }

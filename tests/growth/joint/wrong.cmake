@@ -1,0 +1,2 @@
+# It turns B and not A.
+edit(algorithms/joint/slider.cpp "out.turn(Ang<D>::Unit(i), turn[i]);" "out.turn(Ang<D>::Unit(i), turn[i]).armA.setZero();")

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Zlib
+// Joints in a world: they break, they let sleep and wake, they say how far they are off.
+#include <gtest/gtest.h>
+
+#include "framework/invariants.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+const char* const kSolvers[] = {"solver=split_solver", "solver=split_solver{velocity=naive}",
+                                "solver=split_solver{velocity=millington}", "solver=soft_step"};
+
+/// A ball of 1 kg (0.5 m wide) hangs from the world by `kind`, which holds `share` of its weight.
+template <int D>
+struct Hanging {
+  World<D> world;
+  Handle ball, joint;
+
+  Hanging(const std::string& pipeline, const std::string& kind, Real share) : world(Pipeline::parse(pipeline)) {
+    BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.25)), at<D>(0, 0));
+    def.shapes[0].density = 1 / (D == 2 ? Real(0.19634954) : Real(0.06544985));
+    ball = world.add(def);
+    JointDef<D> hook{.kind = kind, .bodyB = ball, .X_WJ = {at<D>(0, 1), {}}, .breakForce = share * Real(9.81)};
+    if (kind.starts_with("distance")) hook.X_WJb = Pose<D>{at<D>(0, 0), {}};
+    joint = world.add(hook);
+  }
+};
+
+template <int D>
+void breaks() {
+  for (const char* solver : kSolvers) {
+    for (const char* kind : {"pivot", "hinge", "weld", "distance", "distance{mode=rope}"}) {
+      SCOPED_TRACE(std::string(solver) + " " + kind);
+      Hanging<D> strong(solver, kind, Real(1.1)), weak(solver, kind, Real(0.9));
+      for (int i = 0; i < 60; ++i) strong.world.step(kDt), weak.world.step(kDt);
+      EXPECT_FALSE(strong.world.joints()[0].broken);
+      EXPECT_GT(strong.world.pose(strong.ball).p[1], -0.02);
+      EXPECT_TRUE(weak.world.joints()[0].broken);
+      EXPECT_LT(weak.world.pose(weak.ball).p[1], -4.5) << "it falls freely";
+      weak.world.removeJoint(weak.joint);
+      EXPECT_THROW(weak.world.removeJoint(weak.joint), UserError);
+    }
+  }
+}
+TEST(Joints, BreakAboveTheirForceAndNotBelow2) { breaks<2>(); }
+TEST(Joints, BreakAboveTheirForceAndNotBelow3) { breaks<3>(); }
+
+// A weld that carries a lever: the force is within its limit, the torque is not.
+template <int D>
+void breaksByTorque() {
+  for (const Real limit : {Real(0.8), Real(1.2)}) {
+    World<D> world;
+    BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.25)), at<D>(2, 0));
+    const Handle ball = world.add(def);
+    const Real moment = 2 * Real(9.81) * world.mass(ball);
+    world.add(JointDef<D>{.kind = "weld", .bodyB = ball, .breakTorque = limit * moment});
+    for (int i = 0; i < 30; ++i) world.step(kDt);
+    EXPECT_EQ(world.joints()[0].broken, limit < 1) << limit;
+  }
+}
+TEST(Joints, BreakAboveTheirTorque) { breaksByTorque<2>(), breaksByTorque<3>(); }
+
+// Two bodies that a joint kept from colliding do collide when it is broken, and who slept on it wakes.
+TEST(Joints, WhatIsBrokenHoldsNobody) {
+  World<2> world(Pipeline::parse("sleep=split_average"));
+  addGround(world);
+  const Handle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+  const Handle high = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 1.2)));  // it overlaps
+  world.add(JointDef<2>{.kind = "weld", .bodyA = low, .bodyB = high, .X_WJ = {at<2>(0, 1), {}}, .breakForce = 200});
+  for (int i = 0; i < 300; ++i) world.step(kDt);
+  EXPECT_NEAR(world.pose(high).p[1], 1.2, 0.02);
+  EXPECT_FALSE(world.awake(high));
+  world.setMotion(low, {at<2>(3, 0), Ang<2>::Zero()});
+  world.setMotion(high, {at<2>(-3, 0), Ang<2>::Zero()});
+  for (int i = 0; i < 120; ++i) world.step(kDt);
+  EXPECT_TRUE(world.joints()[0].broken);
+  EXPECT_GT(std::abs(world.pose(high).p[0] - world.pose(low).p[0]), 0.2);
+}
+
+TEST(Joints, ErrorsInMetresAndRadiansAreApart) {
+  World<3> world;
+  const Handle a = world.add(body<3>(Shape<3>::sphere(1), at<3>(0, 0)));
+  const Handle b = world.add(body<3>(Shape<3>::sphere(1), at<3>(2, 0)));
+  world.add(JointDef<3>{.kind = "weld", .bodyA = a, .bodyB = b, .X_WJ = {at<3>(2, 0), {}}});
+  world.setPose(b, {at<3>(2, Real(0.25)), Rot<3>::vector(Vec<3>(0, 0, Real(0.1)))});
+  const StateInvariants<3> now = stateInvariants<3>(world);
+  EXPECT_NEAR(now.jointError, 0.25, 1e-6);
+  EXPECT_NEAR(now.jointTurn, 0.1, 1e-6);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
