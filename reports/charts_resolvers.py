@@ -70,8 +70,9 @@ def engine_notes(context, cells):
     said = {}
     for method, precision, key in zip(cells["method"], cells.get("precision", ""), cells["key"]):
         if context.store.role(method) == "engine" and key in context.store.trials.index:
-            differs = context.store.trials.loc[key, "canonical"].get("engine", {}).get("differs", "")
-            said[method] = f" {method} is a whole engine, here in {precision}: {differs}."
+            differs = context.store.trials.loc[key, "canonical"].get("engine", {}).get("differs")
+            if differs:
+                said[method] = f" {method} is a whole engine, here in {precision}: {differs}."
     return "".join(said[method] for method in sorted(said))
 
 
@@ -177,8 +178,9 @@ def _cost_chart(context, cells, groups, refused):
                     size = 4 + 5 * rank / max(1, len(mine) - 1) if has_iterations else 6.5
                     x, y = across.place(cost[i]), up.place(error[i])
                     if math.isfinite(error[i]):
-                        ax.plot([x], [y], ls="none", ms=size, marker=look["marker"], color=look["color"], mec="white",
-                                mew=0.5, zorder=3)
+                        hollow = "markerfacecolor" in look  # not one of ours
+                        ax.plot([x], [y], ls="none", ms=size, marker=look["marker"], color=look["color"], zorder=3,
+                                **({"mfc": "white", "mew": 1.2} if hollow else {"mec": "white", "mew": 0.5}))
                     else:
                         ax.plot([x], [y], ls="none", ms=7, marker=letter(cells["outcome"].iloc[i]), color=look["color"],
                                 mew=0.3, zorder=3)

@@ -124,7 +124,8 @@ scene = "slope"
 engine = "*"
 )");
   std::set<std::string> names;
-  for (const PlannedTrial& t : planSweeps(sweep, {}).front().trials) names.insert(t.canonical["engine"]["name"]);
+  const auto planned = planSweeps(sweep, {});
+  for (const PlannedTrial& t : planned.front().trials) names.insert(t.canonical["engine"]["name"]);
   EXPECT_EQ(names, (std::set<std::string>{"box2d", "bullet"}));
 }
 
