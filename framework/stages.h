@@ -11,14 +11,26 @@
 
 namespace lpc {
 
-enum class StageKind { broadphase, pairQuery, contacts, cache, solver, velocity, position, integrator, sleep, engine };
+enum class StageKind {
+  broadphase,
+  pairQuery,
+  contacts,
+  cache,
+  solver,
+  velocity,
+  position,
+  integrator,
+  sleep,
+  joint,
+  engine
+};
 
 struct StageInfo {
   StageKind kind;
   std::string_view name;   // in pipeline texts and result files, so for ever; its algorithms are in algorithms/<name>/
   std::string_view group;  // stages of one group share kernel headers; nobody else includes these
   /// The algorithm that a world has unless its pipeline names another. Empty: no stage of a world but a part of other
-  /// stages, named in their parameters.
+  /// stages, named in their parameters, or of scenes.
   std::string_view worldDefault;
 };
 
@@ -33,6 +45,7 @@ inline constexpr StageInfo kStages[] = {
     {StageKind::position, "position", "solver", ""},
     {StageKind::integrator, "integrator", "solver", ""},
     {StageKind::sleep, "sleep", "sleep", "none"},
+    {StageKind::joint, "joint", "solver", ""},
     {StageKind::engine, "engine", "engine", ""},
 };
 inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));

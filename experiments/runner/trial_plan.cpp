@@ -148,7 +148,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
     for (const StageKind stage : kWorldStages) canonicalStage(code, out.unsupported, stage, pipeline[stage], dimension);
   }
 
-  Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0)};
+  Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0), {}};
   const std::string features = cell.features ? *cell.features : featuresText(file.needs());
   if (!file.has(dimension)) {
     out.unsupported = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
@@ -156,12 +156,19 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
     const std::string id = file.path() + json(params).dump() + std::to_string(seed) + "/" + std::to_string(dimension);
     auto it = m_built.find(id);
     if (it == m_built.end()) {
-      const auto built = [](const auto& spec) { return Defaults{spec.dt, spec.steps}; };
+      const auto built = [](const auto& spec) {
+        Defaults found{spec.dt, spec.steps, {}};
+        for (const auto& joint : spec.joints) found.jointKinds.insert(joint.def.kind);
+        return found;
+      };
       it = m_built.emplace(id, dimension == 2 ? built(file.build<2>(params, seed)) : built(file.build<3>(params, seed)))
                .first;
     }
     if (!cell.dt) defaults.dt = it->second.dt;
     if (!cell.steps) defaults.steps = it->second.steps;
+    for (const std::string& kind : it->second.jointKinds) {
+      code.update(codeHashes(StageKind::joint, Spec::parse(kind), dimension));
+    }
   }
   out.canonical = {{"kind", "world"},
                    {"scene", file.name()},

@@ -108,12 +108,12 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     m_bodies[slot] = nullptr;
   }
 
-  void addJoint(std::size_t slot, const PivotJoint<2>& joint) override {
+  void addJoint(std::size_t slot, const JointRecord<2>& joint) override {
     if (slot >= m_joints.size()) m_joints.resize(slot + 1);
     b2RevoluteJointDef d;
     d.bodyA = m_bodies[static_cast<std::size_t>(joint.bodyA)],
     d.bodyB = m_bodies[static_cast<std::size_t>(joint.bodyB)];
-    d.localAnchorA = vector(joint.localA), d.localAnchorB = vector(joint.localB);
+    d.localAnchorA = vector(joint.X_CaJ.p), d.localAnchorB = vector(joint.X_CbJ.p);
     d.collideConnected = joint.collide;
     m_joints[slot] = m_world.CreateJoint(&d);
   }

@@ -193,12 +193,12 @@ class BulletWorld final : public EngineWorld<3> {
     m_bodies[slot] = Body{};
   }
 
-  void addJoint(std::size_t slot, const PivotJoint<3>& joint) override {
+  void addJoint(std::size_t slot, const JointRecord<3>& joint) override {
     if (slot >= m_joints.size()) m_joints.resize(slot + 1);
     const Body &a = m_bodies[static_cast<std::size_t>(joint.bodyA)],
                &b = m_bodies[static_cast<std::size_t>(joint.bodyB)];
     m_joints[slot] = std::make_unique<btPoint2PointConstraint>(
-        *a.body, *b.body, vector(a.X_CP.inverse() * joint.localA), vector(b.X_CP.inverse() * joint.localB));
+        *a.body, *b.body, vector(a.X_CP.inverse() * joint.X_CaJ.p), vector(b.X_CP.inverse() * joint.X_CbJ.p));
     m_world.addConstraint(m_joints[slot].get(), !joint.collide);
   }
   void dropJoint(std::size_t slot) override {

@@ -27,10 +27,20 @@ class EngineWorld : public Simulation<D> {
     fit();
     return body;
   }
-  Handle add(const PivotDef<D>& def) final {
+  Handle add(const JointDef<D>& def) final {
     refresh();
     const Handle joint = m_scene.add(def);
-    addJoint(static_cast<std::size_t>(joint.slot), m_scene.joints()[static_cast<std::size_t>(joint.slot)]);
+    const JointRecord<D>& record = m_scene.joints()[static_cast<std::size_t>(joint.slot)];
+    try {
+      if (Spec::parse(record.spec).name != "pivot")
+        throw UserError("an engine's joints are pivots, not " + record.spec);
+      if (record.bodyA < 0) throw UserError("an engine joins two bodies, not one and the world");
+      if (std::isfinite(record.breakForce)) throw UserError("an engine's joints do not break");
+      addJoint(static_cast<std::size_t>(joint.slot), record);
+    } catch (...) {
+      m_scene.removeJoint(joint);
+      throw;
+    }
     return joint;
   }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) final { m_forces.push_back(std::move(generator)); }
@@ -38,8 +48,8 @@ class EngineWorld : public Simulation<D> {
     refresh();
     if (m_scene.valid(body)) {  // else the scene says so
       for (std::size_t j = 0; j < m_scene.joints().size(); ++j) {
-        const PivotJoint<D>& joint = m_scene.joints()[j];
-        if (joint.bodyA >= 0 && (joint.bodyA == body.slot || joint.bodyB == body.slot)) dropJoint(j);
+        const JointRecord<D>& joint = m_scene.joints()[j];
+        if (joint.kind && (joint.bodyA == body.slot || joint.bodyB == body.slot)) dropJoint(j);
       }
       dropBody(static_cast<std::size_t>(body.slot));
     }
@@ -67,7 +77,7 @@ class EngineWorld : public Simulation<D> {
 
   const Bodies<D>& bodies() const final { return refresh().bodies(); }
   std::span<const ShapeRecord<D>> shapes() const final { return m_scene.shapes(); }
-  std::span<const PivotJoint<D>> joints() const final { return m_scene.joints(); }
+  std::span<const JointRecord<D>> joints() const final { return m_scene.joints(); }
   std::optional<std::span<const Manifold<D>>> contacts() const final { return std::nullopt; }
   const WorldSettings<D>& settings() const final { return m_scene.settings(); }
   int bodyCount() const final { return m_scene.bodyCount(); }
@@ -86,7 +96,7 @@ class EngineWorld : public Simulation<D> {
   virtual void checkBody(const BodyDef<D>& def) const = 0;  // throws UserError for what the engine lacks
   virtual void addBody(std::size_t slot, const BodyDef<D>& def) = 0;
   virtual void dropBody(std::size_t slot) = 0;
-  virtual void addJoint(std::size_t slot, const PivotJoint<D>& joint) = 0;
+  virtual void addJoint(std::size_t slot, const JointRecord<D>& pivot) = 0;
   virtual void dropJoint(std::size_t slot) = 0;
   virtual void push(std::size_t slot, const Wrench<D>& wrench) = 0;  // for the coming step
   virtual void advance(Real dt) = 0;

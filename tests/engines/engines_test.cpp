@@ -185,7 +185,7 @@ bool swings(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
   const Handle post = s->add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0, 0), BodyType::fixed));
   const Handle bob = s->add(body<D>(cube<D>(), at<D>(1, 0)));
-  PivotDef<D> pivot;
+  JointDef<D> pivot;
   pivot.bodyA = post, pivot.bodyB = bob;
   const Handle joint = s->add(pivot);
   double lowest = 0;

@@ -31,7 +31,7 @@ class Twin final : public Simulation<D> {
     m_change(changed);
     return m_inner->add(changed);
   }
-  Handle add(const PivotDef<D>& def) override { return m_inner->add(def); }
+  Handle add(const JointDef<D>& def) override { return m_inner->add(def); }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override { m_inner->add(std::move(generator)); }
   void remove(Handle body) override { m_inner->remove(body); }
   void removeJoint(Handle joint) override { m_inner->removeJoint(joint); }
@@ -41,7 +41,7 @@ class Twin final : public Simulation<D> {
   Real lastDt() const override { return m_inner->lastDt(); }
   const Bodies<D>& bodies() const override { return m_inner->bodies(); }
   std::span<const ShapeRecord<D>> shapes() const override { return m_inner->shapes(); }
-  std::span<const PivotJoint<D>> joints() const override { return m_inner->joints(); }
+  std::span<const JointRecord<D>> joints() const override { return m_inner->joints(); }
   std::optional<std::span<const Manifold<D>>> contacts() const override { return m_inner->contacts(); }
   const WorldSettings<D>& settings() const override { return m_inner->settings(); }
   int bodyCount() const override { return m_inner->bodyCount(); }
