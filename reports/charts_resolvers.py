@@ -16,7 +16,7 @@ SECTION = "Which resolver is right for its cost?"
 STEADY = "How restless is a scene that should be at rest?"
 COSTS = ("ms_per_step_median", "work_row_updates")
 NAMES = {"ms_per_step_median": "time per step", "work_row_updates": "row updates per step",
-         "max_penetration": "largest penetration", "end_drift_max": "largest drift at the end",
+         "max_penetration": "largest penetration", "penetration_poses": "largest penetration", "end_drift_max": "largest drift at the end",
          "slope_error": "error of the distance slid", "jitter": "restlessness (speed)",
          "joint_error_max": "largest joint error", "mean_penetration_end": "mean penetration at the end",
          "max_drift": "largest drift", "lean": "sideways drift at the end"}
@@ -30,7 +30,8 @@ def charts(context):
     metrics.add(context.store, cells, ["jitter", "slope_error", "lean", "creep", "energy_gain", "contact_flicker", "settle_time", "tilt_end"])
     if "precision" in cells and cells["precision"].nunique() > 1:
         kept = "f64" if (cells["precision"] == "f64").any() else cells["precision"].iloc[0]
-        cells = cells[cells["precision"] == kept]
+        engine = np.array([context.store.role(method) == "engine" for method in cells["method"]])  # of one precision by nature
+        cells = cells[(cells["precision"] == kept) | engine]
     groups = [c for c in ("scene", "dimension") if c in cells]
     made = []
     for part in split(cells, groups):
@@ -52,14 +53,27 @@ def errors_of(cells):
     """The errors that this scene can show, at most three."""
     finished = cells[cells["outcome"] == "ok"]
     wanted = []
-    for name in ("slope_error", "joint_error_max", "max_penetration", "lean", "jitter"):
+    # Measured on poses alike for all, where the store has it: an engine tells no contacts.
+    depth = "penetration_poses" if np.isfinite(metrics.column(finished, "penetration_poses")).any() else "max_penetration"
+    for name in ("slope_error", "joint_error_max", depth, "lean", "jitter"):
         values = metrics.column(finished, name)
         meaningless = name == "joint_error_max" and not (values > 0).any()
         if np.isfinite(values).any() and not meaningless:
             wanted.append(name)
     if "slope_error" in wanted:  # a block that slides as it should goes sideways and does not rest
         wanted = [name for name in wanted if name not in ("lean", "jitter")]
-    return wanted[:3] or ["max_penetration"]
+    return wanted[:3] or [depth]
+
+
+def engine_notes(context, cells):
+    """What engines do otherwise whatever is set; it stands where they are ranked."""
+    said = {}
+    for method, precision, key in zip(cells["method"], cells.get("precision", ""), cells["key"]):
+        if context.store.role(method) == "engine" and key in context.store.trials.index:
+            differs = context.store.trials.loc[key, "canonical"].get("engine", {}).get("differs")
+            if differs:
+                said[method] = f" {method} is a whole engine, here in {precision}: {differs}."
+    return "".join(said[method] for method in sorted(said))
 
 
 def budgets(cells, cost_name, error_name):
@@ -164,8 +178,9 @@ def _cost_chart(context, cells, groups, refused):
                     size = 4 + 5 * rank / max(1, len(mine) - 1) if has_iterations else 6.5
                     x, y = across.place(cost[i]), up.place(error[i])
                     if math.isfinite(error[i]):
-                        ax.plot([x], [y], ls="none", ms=size, marker=look["marker"], color=look["color"], mec="white",
-                                mew=0.5, zorder=3)
+                        hollow = "markerfacecolor" in look  # not one of ours
+                        ax.plot([x], [y], ls="none", ms=size, marker=look["marker"], color=look["color"], zorder=3,
+                                **({"mfc": "white", "mew": 1.2} if hollow else {"mec": "white", "mew": 0.5}))
                     else:
                         ax.plot([x], [y], ls="none", ms=7, marker=letter(cells["outcome"].iloc[i]), color=look["color"],
                                 mew=0.3, zorder=3)
@@ -185,7 +200,7 @@ def _cost_chart(context, cells, groups, refused):
     return Chart(identifier(f"resolvers {where}"), SECTION, f"Cost against error: {where}",
                  finding(cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["method", "iterations"]),
-                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both.")
+                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both." + engine_notes(context, cells))
 
 
 def _table(cells, has_iterations, costs, errors):

@@ -165,6 +165,8 @@ METRICS = {
     "pairs_mean": Metric("overlapping pairs per frame", "1", ""),
     "wrong_pairs": Metric("pairs reported that naive does not report, or the reverse", "1", "lower"),
     "max_penetration": Metric("deepest overlap of any contact in any step", "m", "lower"),
+    "penetration_poses": Metric("deepest overlap of any two shapes, by one exact query on the poses of every tenth step", "m",
+                                "lower"),
     "mean_penetration_end": Metric("mean overlap of the contacts of the last step", "m", "lower"),
     "max_drift": Metric("farthest that any body ever was from where it started", "m", "lower"),
     "end_drift_max": Metric("farthest that any body is from where it started, at the end", "m", "lower"),

@@ -29,10 +29,12 @@ namespace {
 
 struct BulletParams {
   int iterations = 10;
+  Real slop = kLinearSlop;
   bool warmStart = true;
   bool splitImpulse = true;
   void visit(ParamVisitor& v) {
     v.integer("iterations", iterations, 1, 10000, "sweeps over all rows");
+    v.real("slop", slop, 0, 1, "m", "depth that contacts keep; the library's own is 0");
     v.flag("warm_start", warmStart, "start from 0.85 of the last step's impulses");
     v.flag("split_impulse", splitImpulse, "depths over 4 cm are corrected by impulses that leave no velocity");
   }
@@ -67,9 +69,8 @@ class BulletWorld final : public EngineWorld<3> {
     btContactSolverInfo& info = m_world.getSolverInfo();
     info.m_numIterations = params.iterations;
     info.m_splitImpulse = params.splitImpulse;
-    info.m_linearSlop = kLinearSlop;
+    info.m_linearSlop = params.slop;
     info.m_restitutionVelocityThreshold = settings.restitutionThreshold;
-    info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;  // one alone lets a block at rest begin to slide
     if (!params.warmStart) info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;
   }
   ~BulletWorld() override {
@@ -255,11 +256,12 @@ class Bullet final : public Engine<D> {
 #endif
   }
   std::string differences() const override {
-    return "contacts up to 2 cm apart are kept from step to step and merged, 4 a pair; a fifth of each depth over 5 mm "
-           "is "
-           "corrected per step, through velocities below 4 cm; warm start from 0.85; no body turns more than a quarter "
-           "turn "
-           "a step; implicit gyroscopic torque";
+    return "contacts are kept from step to step and merged, 4 a pair, until they are a fiftieth of a body's size "
+           "apart; "
+           "friction is one row, along the way of sliding; a fifth of each depth over the slop is corrected per step, "
+           "through velocities below 4 cm; warm start from 0.85; no body turns more than a quarter turn a step; "
+           "implicit "
+           "gyroscopic torque";
   }
 
  private:

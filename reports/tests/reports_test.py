@@ -23,6 +23,7 @@ import charts_breaking  # noqa: E402
 import charts_broadphase  # noqa: E402
 import charts_corpus  # noqa: E402
 import charts_micro  # noqa: E402
+import charts_resolvers  # noqa: E402
 import charts_verify  # noqa: E402
 import coverage  # noqa: E402
 import load  # noqa: E402
@@ -238,6 +239,27 @@ class Loading(WithStore):
             self.assertIn("stranger", refused[0])
             self.assertTrue(cells[cells["method"] == "stranger"]["ms_per_step_median"].isna().all())
             self.assertTrue(cells[cells["method"] == "stranger"]["max_penetration"].notna().all())
+
+
+class Engines(unittest.TestCase):
+    def charts(self, engine):
+        with tempfile.TemporaryDirectory() as folder:
+            made = synthetic_store.Maker(Path(folder) / "engines.db")
+            made.db.execute("INSERT INTO meta VALUES ('registry', ?)",
+                            (json.dumps({"algorithms": [{"name": "box2d", "role": "engine"}]}),))
+            axes = {"scene": "pyramid", "dimension": 2, "iterations": 10}
+            for label, extra in (("catto+none", None), ("box2d", engine)):
+                made.world("resolvers", {**axes, "resolver": label, "precision": "f32" if extra else "f64"}, 1.0, 1e-3, extra=extra)
+            made.close()
+            store = load.Store(Path(folder) / "engines.db")
+            return charts_resolvers.charts(chart.Context(store))[0]
+
+    def test_an_engine_is_marked_kept_in_its_precision_and_told_apart(self):
+        made = self.charts({"engine": {"name": "box2d", "differs": "a skin of 1 cm"}})
+        self.assertIn("box2d", set(made.table["method"]))
+        self.assertIn("box2d is a whole engine, here in f32: a skin of 1 cm.", made.note)
+        self.assertIn("box2d (engine)", [text.get_text() for text in made.figure.legends[0].get_texts()])
+        self.assertNotIn("whole engine", self.charts(None).note, "the planted bug was not seen")
 
 
 class Findings(WithStore):

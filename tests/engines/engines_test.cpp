@@ -183,17 +183,20 @@ bool tumbles(const Start<D>& start) {
 template <int D>
 bool swings(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
-  const Handle post = s->add(body<D>(cube<D>(), at<D>(0, 0), BodyType::fixed));
-  const Handle bob = s->add(body<D>(Shape<D>::sphere(Real(0.2)), at<D>(2, 0)));
+  const Handle post = s->add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0, 0), BodyType::fixed));
+  const Handle bob = s->add(body<D>(cube<D>(), at<D>(1, 0)));
   JointDef<D> pivot;
   pivot.bodyA = post, pivot.bodyB = bob;
   const Handle joint = s->add(pivot);
-  run(*s, 3);
-  const StateInvariants<D> now = stateInvariants<D>(*s);
-  if (!(now.jointError < 0.02) || !(s->pose(bob).p[1] < Real(-0.1) || now.maxSpeed > 0.1)) return false;
+  double lowest = 0;
+  for (int i = 0; i < 120; ++i) {
+    s->step(kDt);
+    if (!(stateInvariants<D>(*s).jointError < 0.02)) return false;
+    lowest = std::min(lowest, double(s->pose(bob).p[1]));
+  }
   s->removeJoint(joint);
   run(*s, 2);
-  return s->pose(bob).p.norm() > 5;  // it is free
+  return near(lowest, -1, 0.02) && s->pose(bob).p[1] < -5;  // it fell when it was free
 }
 
 // --- the true ones ---------------------------------------------------------------------------------------------------
@@ -232,14 +235,16 @@ void twinsAreCaught() {
 }
 TEST(Engines, PlantedAdaptersAreCaught) { twinsAreCaught<2>(), twinsAreCaught<3>(); }
 
-// Our own world passes the same checks: they ask for nothing that an engine alone has.
+// Our own world passes the same checks: they ask for nothing that an engine alone has. Whether five boxes rest in 3D,
+// and how well a tumbling body keeps its momentum, depends on the resolver and the integrator: tests/known_answers has
+// these.
 template <int D>
 void worldPasses() {
-  const Start<D> start = [](const WorldSettings<D>& s) {
-    return std::make_unique<World<D>>(Pipeline::parse("contacts=query_clip"), s);
-  };
-  EXPECT_TRUE(falls<D>(start) && collides<D>(start) && slides<D>(start));
-  EXPECT_TRUE(rests<D>(start) && bears<D>(start) && tumbles<D>(start) && swings<D>(start));
+  const Start<D> start = [](const WorldSettings<D>& s) { return std::make_unique<World<D>>(Pipeline{}, s); };
+  EXPECT_TRUE(falls<D>(start) && collides<D>(start) && slides<D>(start) && bears<D>(start) && swings<D>(start));
+  if constexpr (D == 2) {
+    EXPECT_TRUE(rests<D>(start) && tumbles<D>(start));
+  }
 }
 TEST(Engines, WorldsPassToo) { worldPasses<2>(), worldPasses<3>(); }
 
