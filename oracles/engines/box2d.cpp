@@ -146,6 +146,9 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
   std::vector<b2Joint*> m_joints;  // by slot; the world's
 };
 
+constexpr const char* kSummary = "Box2D 2.4: sequential impulses with blocks of two, then positions; f32 only";
+#else
+constexpr const char* kSummary = "absent from this build: install libbox2d-dev and configure again";
 #endif
 
 template <int D>
@@ -156,7 +159,7 @@ class Box2d final : public Engine<D> {
 
   static Info info() {
     return {.name = "box2d",
-            .summary = "Box2D 2.4: sequential impulses with blocks of two, then positions; f32 only",
+            .summary = kSummary,
             .paper = "",
             .complexity = "rows x iterations",
             .guarantee = Guarantee::approximate,
@@ -167,7 +170,7 @@ class Box2d final : public Engine<D> {
     if constexpr (sizeof(Real) == sizeof(float)) return std::make_unique<Box2dWorld>(m_params, settings);
     throw UserError("box2d computes in f32 alone");
 #else
-    throw UserError("box2d is absent from this build: install libbox2d-dev and configure again");
+    throw UserError(std::string("box2d is ") + kSummary);
 #endif
   }
   std::string differences() const override {

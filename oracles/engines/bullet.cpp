@@ -232,6 +232,9 @@ class BulletWorld final : public EngineWorld<3> {
   std::vector<std::unique_ptr<btPoint2PointConstraint>> m_joints;  // by slot
 };
 
+constexpr const char* kSummary = "Bullet 3: sequential impulses over persistent manifolds";
+#else
+constexpr const char* kSummary = "absent from this build: install libbullet-dev and configure again";
 #endif
 
 template <int D>
@@ -242,7 +245,7 @@ class Bullet final : public Engine<D> {
 
   static Info info() {
     return {.name = "bullet",
-            .summary = "Bullet 3: sequential impulses over persistent manifolds",
+            .summary = kSummary,
             .paper = "",
             .complexity = "rows x iterations",
             .guarantee = Guarantee::approximate,
@@ -252,7 +255,7 @@ class Bullet final : public Engine<D> {
 #ifdef LPC_HAS_BULLET
     return std::make_unique<BulletWorld>(m_params, settings);
 #else
-    throw UserError("bullet is absent from this build: install libbullet-dev and configure again");
+    throw UserError(std::string("bullet is ") + kSummary);
 #endif
   }
   std::string differences() const override {

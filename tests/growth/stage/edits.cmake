@@ -1,4 +1,7 @@
-edit(framework/stages.h "sleep, engine }" "sleep, engine, speedLimit }")
+edit(framework/stages.h "  engine
+}" "  engine,
+  speedLimit
+}")
 edit(framework/stages.h [[    {StageKind::engine, "engine", "engine", ""},
 ]] [[    {StageKind::engine, "engine", "engine", ""},
     {StageKind::speedLimit, "speed_limit", "speed_limit", "longest_step"},
