@@ -8,14 +8,14 @@ namespace {
 
 // A point of the body's own frame, seen from its centre of mass.
 template <int D>
-Vec<D> fromCenter(const World<D>& world, Handle body, const Vec<D>& p) {
+Vec<D> fromCenter(const Simulation<D>& world, Handle body, const Vec<D>& p) {
   return p - world.bodies().center[static_cast<std::size_t>(body.slot)];
 }
 
 }  // namespace
 
 template <int D>
-void Director<D>::advance(World<D>& world) {
+void Director<D>::advance(Simulation<D>& world) {
   const long step = world.stepCount();
   const std::size_t first = m_next;
   for (; m_next < m_scene.spawns.size() && m_scene.spawns[m_next].step <= step; ++m_next) {

@@ -12,8 +12,8 @@ class Director {
  public:
   explicit Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {}
 
-  /// Does what is due before the world's next step. Call it once before every World::step.
-  void advance(World<D>& world);
+  /// Does what is due before the world's next step. Call it once before every Simulation::step.
+  void advance(Simulation<D>& world);
   const SceneSpec<D>& scene() const { return m_scene; }
   /// The body of spawn i; slot -1 before it came. It stays known after it is removed.
   Handle body(int spawn) const;

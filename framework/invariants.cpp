@@ -5,10 +5,10 @@
 #include <cmath>
 
 namespace lpc::inline LPC_PRECISION {
-namespace {
 
 template <int D>
-void addBodies(const World<D>& world, Invariants<D>& out) {
+StateInvariants<D> stateInvariants(const Simulation<D>& world) {
+  StateInvariants<D> out;
   const Bodies<D>& b = world.bodies();
   const Eigen::Matrix<double, D, 1> gravity = world.settings().gravity.template cast<double>();
   for (std::size_t i = 0; i < b.pose.size(); ++i) {
@@ -35,15 +35,26 @@ void addBodies(const World<D>& world, Invariants<D>& out) {
     }
     out.maxSpeed = std::max(out.maxSpeed, v.norm());
   }
+  for (const PivotJoint<D>& j : world.joints()) {
+    if (j.bodyA < 0) continue;
+    const Vec<D> error =
+        b.pose[static_cast<std::size_t>(j.bodyB)] * j.localB - b.pose[static_cast<std::size_t>(j.bodyA)] * j.localA;
+    out.jointError = std::max<double>(out.jointError, error.norm());
+  }
+  return out;
 }
 
 template <int D>
-void addContacts(const World<D>& world, Invariants<D>& out) {
+ContactInvariants contactInvariants(const Simulation<D>& world) {
+  ContactInvariants out;
+  const auto manifolds = world.contacts();
+  if (!manifolds) return out;
+  out.maxPenetration = out.signorini = out.coulomb = 0;
   const Bodies<D>& b = world.bodies();
   const double dt = std::max<double>(world.lastDt(), 1e-300);
   double sum = 0;
   int points = 0;
-  for (const Manifold<D>& m : world.manifolds()) {
+  for (const Manifold<D>& m : *manifolds) {
     if (m.ignored) continue;
     const auto i = static_cast<std::size_t>(m.bodyA), j = static_cast<std::size_t>(m.bodyB);
     for (int k = 0; k < m.count; ++k) {
@@ -65,26 +76,12 @@ void addContacts(const World<D>& world, Invariants<D>& out) {
     }
   }
   out.meanPenetration = points ? sum / points : 0;
-}
-
-}  // namespace
-
-template <int D>
-Invariants<D> invariants(const World<D>& world) {
-  Invariants<D> out;
-  addBodies(world, out);
-  addContacts(world, out);
-  const Bodies<D>& b = world.bodies();
-  for (const PivotJoint<D>& j : world.joints()) {
-    if (j.bodyA < 0) continue;
-    const Vec<D> error =
-        b.pose[static_cast<std::size_t>(j.bodyB)] * j.localB - b.pose[static_cast<std::size_t>(j.bodyA)] * j.localA;
-    out.jointError = std::max<double>(out.jointError, error.norm());
-  }
   return out;
 }
 
-template Invariants<2> invariants(const World<2>&);
-template Invariants<3> invariants(const World<3>&);
+template StateInvariants<2> stateInvariants(const Simulation<2>&);
+template StateInvariants<3> stateInvariants(const Simulation<3>&);
+template ContactInvariants contactInvariants(const Simulation<2>&);
+template ContactInvariants contactInvariants(const Simulation<3>&);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -90,7 +90,7 @@ Recorder<D>::Recorder(std::ostream& out) : m_out(out) {
 }
 
 template <int D>
-void Recorder<D>::frame(const World<D>& world) {
+void Recorder<D>::frame(const Simulation<D>& world) {
   const Bodies<D>& b = world.bodies();
   m_known.resize(b.pose.size(), 0);
   std::vector<std::size_t> arrivals;

@@ -4,7 +4,7 @@
 #include <iosfwd>
 #include <vector>
 
-#include "framework/world.h"
+#include "framework/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -50,7 +50,7 @@ class Recorder {
   /// Writes the header. The stream must outlive the recorder.
   explicit Recorder(std::ostream& out);
   /// Appends the present state.
-  void frame(const World<D>& world);
+  void frame(const Simulation<D>& world);
 
  private:
   std::ostream& m_out;

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/joint.h"
-#include "framework/world.h"
+#include "framework/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

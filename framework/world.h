@@ -8,32 +8,14 @@
 
 #include "framework/box_index.h"
 #include "framework/contact_order.h"
-#include "framework/force.h"
-#include "framework/profiler.h"
+#include "framework/simulation.h"
 #include "framework/slots.h"
 #include "framework/spec.h"
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/stage_sleep.h"
-#include "framework/stage_solver.h"
-#include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
-
-template <int D>
-Vec<D> defaultGravity() {
-  Vec<D> g = Vec<D>::Zero();
-  g[1] = Real(-9.81);  // y is up, in 3D too
-  return g;
-}
-
-template <int D>
-struct WorldSettings {
-  Vec<D> gravity = defaultGravity<D>();  // m/s^2
-  Real restitutionThreshold = kRestitutionThreshold;
-  Real margin = kContactMargin;
-  Features features{};
-};
 
 template <int D>
 class World;
@@ -62,7 +44,7 @@ struct BodyRayHit {
 /// Bodies, joints, forces, and one algorithm of each stage. A step: boxes, pairs, cache.select, contacts, cache.carry,
 /// listeners, sleep, solver. Same definitions, same calls, same build: the same bits.
 template <int D>
-class World final : private Detect, private Forces<D> {
+class World final : public Simulation<D>, private Detect, private Forces<D> {
  public:
   /// Throws UserError when the pipeline names an unknown algorithm or parameter.
   explicit World(const Pipeline& pipeline = {}, const WorldSettings<D>& settings = {});
@@ -73,25 +55,24 @@ class World final : private Detect, private Forces<D> {
   // --- building, at any time between steps ---------------------------------------------------------------------------
   /// Throws UserError for poses, velocities or sizes that are not finite, for a dynamic body without mass, and for a
   /// shape kind that the contact generator does not support.
-  Handle add(const BodyDef<D>& def);
-  void remove(Handle body);  // and its joints
-  Handle add(const PivotDef<D>& def);
-  void removeJoint(Handle joint);
-  void add(std::shared_ptr<const ForceGenerator<D>> generator);
+  Handle add(const BodyDef<D>& def) override;
+  void remove(Handle body) override;
+  Handle add(const PivotDef<D>& def) override;
+  void removeJoint(Handle joint) override;
+  void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
   void addListener(ContactListener<D>* listener);  // not owned
   void removeListener(ContactListener<D>* listener);
 
   // --- running -------------------------------------------------------------------------------------------------------
-  /// Advances by dt seconds. dt = 0 changes nothing. Throws UserError for a dt that is negative or not finite.
-  void step(Real dt);
-  long stepCount() const { return m_steps; }
-  Real time() const { return m_time; }
-  Real lastDt() const { return m_lastDt; }  // 0 before the first step
+  void step(Real dt) override;
+  long stepCount() const override { return m_steps; }
+  Real time() const override { return m_time; }
+  Real lastDt() const override { return m_lastDt; }
 
   // --- bodies --------------------------------------------------------------------------------------------------------
-  bool valid(Handle body) const;
-  Pose<D> pose(Handle body) const;      // X_WB, of the body's own frame
+  bool valid(Handle body) const override;
+  Pose<D> pose(Handle body) const override;
   Motion<D> motion(Handle body) const;  // of its centre of mass
   Real mass(Handle body) const;         // kg, 0 for bodies that forces do not move
   bool awake(Handle body) const;
@@ -102,7 +83,7 @@ class World final : private Detect, private Forces<D> {
   void applyTorque(Handle body, const Ang<D>& torque);
   void wake(Handle body);
   Handle handle(std::int32_t slot) const;  // of the body now in that slot
-  int bodyCount() const { return m_bodySlots.inUse(); }
+  int bodyCount() const override { return m_bodySlots.inUse(); }
 
   // --- queries on exact shapes, through the broadphase
   // -----------------------------------------------------------------
@@ -113,18 +94,18 @@ class World final : private Detect, private Forces<D> {
 
   // --- data, for invariants, recordings, drawing; slots as in Bodies
   // -----------------------------------------------------
-  const Bodies<D>& bodies() const { return m_bodies; }
-  std::span<const ShapeRecord<D>> shapes() const { return m_shapes; }
+  const Bodies<D>& bodies() const override { return m_bodies; }
+  std::span<const ShapeRecord<D>> shapes() const override { return m_shapes; }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
-  std::span<const PivotJoint<D>> joints() const { return m_joints; }
+  std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
+  std::span<const PivotJoint<D>> joints() const override { return m_joints; }
   const Proxies<D>& proxies() const { return m_boxes.proxies(); }  // as of the last step or query
-  const WorldSettings<D>& settings() const { return m_settings; }
+  const WorldSettings<D>& settings() const override { return m_settings; }
   const Pipeline& pipeline() const { return m_pipeline; }
-  Profiler& profiler() { return m_profiler; }
+  Profiler& profiler() override { return m_profiler; }
   const Profiler& profiler() const { return m_profiler; }
 
-  /// 64-bit hash of all poses and velocities, bit by bit: equal for equal histories.
-  std::uint64_t hash() const;
+  std::uint64_t hash() const override;
 
   // --- saving
   // ----------------------------------------------------------------------------------------------------------

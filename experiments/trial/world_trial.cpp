@@ -11,7 +11,9 @@
 #include "experiments/trial/trial.h"
 #include "framework/director.h"
 #include "framework/invariants.h"
+#include "framework/pose_penetration.h"
 #include "framework/recording.h"
+#include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -22,6 +24,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Not counted in times: caches are cold and vectors grow.
 constexpr long kWarmUp = 10;
 constexpr long kPoseEvery = 60;
+// The exact query of all pairs costs more than a step of a small scene: it is asked now and then.
+constexpr long kPenetrationEvery = 10;
 constexpr double kPoseBytes = 1e6;
 // No body of any scene is meant to be faster than light: a run that gets there ends, also without a limit of its own.
 constexpr double kLightSpeed = 299792458;  // m/s
@@ -32,6 +36,11 @@ std::string underscored(std::string name) {
 }
 
 template <int D>
+std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const WorldSettings<D>& settings) {
+  return std::make_unique<World<D>>(Pipeline::parse(trial.at("pipeline").get<std::string>()), settings);
+}
+
+template <int D>
 class WorldTrial {
  public:
   WorldTrial(const json& request, SceneSpec<D> scene)
@@ -39,7 +48,8 @@ class WorldTrial {
         m_timed(request.at("trial").value("timed", false)),
         m_scene(scene),
         m_director(std::move(scene)),
-        m_world(Pipeline::parse(request.at("trial").at("pipeline").template get<std::string>()), m_scene.settings) {
+        m_simulation(simulationOf(request.at("trial"), m_scene.settings)),
+        m_world(*m_simulation) {
     const auto open = [&](const char* name, std::unique_ptr<OutputFile>& file) {
       if (request.contains(name)) file = std::make_unique<OutputFile>(request.at(name).template get<std::string>());
     };
@@ -124,6 +134,10 @@ class WorldTrial {
       if (i == m_top) m_topDrift = moved;
       last = i;
     }
+    if (now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
+      const auto depths = m_penetration.of(m_world);
+      m_deepest = std::max(m_deepest, depths.max), m_meanDepth = depths.mean;
+    }
     const double energy = now.kinetic + now.potential;
     m_energyMax = std::max(m_energyMax, energy);
     put("kinetic", now.kinetic), put("potential", now.potential), put("max_speed", now.maxSpeed);
@@ -202,6 +216,7 @@ class WorldTrial {
     m["steps_done"] = static_cast<double>(steps);
     m["bodies"] = largest("bodies"), m["contacts_end"] = end("points");
     m["max_penetration"] = largest("max_penetration"), m["mean_penetration_end"] = end("mean_penetration");
+    m["penetration_poses"] = m_deepest, m["mean_penetration_poses_end"] = m_meanDepth;
     m["max_drift"] = largest("drift"), m["end_drift_max"] = end("drift"), m["end_drift_top"] = m_topDrift;
     m["energy_end"] = end("kinetic") + end("potential"), m["energy_max"] = m_energyMax;
     m["max_speed"] = largest("max_speed"), m["max_speed_end"] = end("max_speed");
@@ -236,13 +251,16 @@ class WorldTrial {
   bool m_timed;
   SceneSpec<D> m_scene;
   Director<D> m_director;
-  World<D> m_world;
+  std::unique_ptr<Simulation<D>> m_simulation;
+  Simulation<D>& m_world;
+  PosePenetration<D> m_penetration;
   std::unique_ptr<OutputFile> m_recording, m_profile;
   TrialResult m_out;
   std::vector<int> m_dynamic;
   int m_top = -1;
   long m_poseEvery = kPoseEvery;
   double m_energyMax = 0, m_topDrift = kNan, m_lastMoved = kNan;
+  double m_deepest = 0, m_meanDepth = 0;  // on poses, m
   bool m_momentumMatters = false;
   Eigen::Matrix<double, D, 1> m_momentum = Eigen::Matrix<double, D, 1>::Zero();
   Invariants<D> m_last;

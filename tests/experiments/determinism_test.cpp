@@ -8,6 +8,7 @@
 
 #include "experiments/trial/scene_file.h"
 #include "framework/director.h"
+#include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Zlib
+// What a trial, a director and a recorder need of a world, whoever moves the bodies: our own `World`, or a whole engine
+// of other people's (framework/stage_engine.h). Slots, frames and units are those of `Bodies`.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "framework/contact.h"
+#include "framework/force.h"
+#include "framework/joint.h"
+#include "framework/profiler.h"
+#include "framework/stage_solver.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+Vec<D> defaultGravity() {
+  Vec<D> g = Vec<D>::Zero();
+  g[1] = Real(-9.81);  // y is up, in 3D too
+  return g;
+}
+
+template <int D>
+struct WorldSettings {
+  Vec<D> gravity = defaultGravity<D>();  // m/s^2
+  Real restitutionThreshold = kRestitutionThreshold;
+  Real margin = kContactMargin;
+  Features features{};
+};
+
+template <int D>
+class Simulation {
+ public:
+  virtual ~Simulation() = default;
+
+  // --- building, at any time between steps ---------------------------------------------------------------------------
+  /// Throw UserError for what makes no sense, and for what this simulation cannot do, with the reason.
+  virtual Handle add(const BodyDef<D>& def) = 0;
+  virtual Handle add(const PivotDef<D>& def) = 0;
+  virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
+  virtual void remove(Handle body) = 0;  // and its joints
+  virtual void removeJoint(Handle joint) = 0;
+
+  // --- running -------------------------------------------------------------------------------------------------------
+  /// Advances by dt seconds; this alone is timed. dt = 0 changes nothing. Throws UserError for a dt that is negative or
+  /// not finite.
+  virtual void step(Real dt) = 0;
+  virtual long stepCount() const = 0;
+  virtual Real time() const = 0;    // s
+  virtual Real lastDt() const = 0;  // s, 0 before the first step
+
+  // --- state -------------------------------------------------------------------------------------------------------
+  /// Masses and inertias are the scene's, also where an engine has rounded them for itself.
+  virtual const Bodies<D>& bodies() const = 0;
+  virtual std::span<const ShapeRecord<D>> shapes() const = 0;
+  virtual std::span<const PivotJoint<D>> joints() const = 0;
+  /// Nothing where contacts are not told: their impulses and anchors are an engine's own affair.
+  virtual std::optional<std::span<const Manifold<D>>> contacts() const = 0;
+  virtual const WorldSettings<D>& settings() const = 0;
+  virtual int bodyCount() const = 0;
+  virtual bool valid(Handle body) const = 0;
+  virtual Pose<D> pose(Handle body) const = 0;  // X_WB, of the body's own frame
+  virtual Profiler& profiler() = 0;             // counts and times of the last step
+  /// 64-bit hash of all poses and velocities, bit by bit: equal for equal histories.
+  virtual std::uint64_t hash() const = 0;
+};
+
+}  // namespace lpc::inline LPC_PRECISION
