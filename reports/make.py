@@ -20,7 +20,7 @@ def parse(arguments):
     parser.add_argument("--only", metavar="ID,ID", default="", help="only the charts whose id begins with one of these, and no page")
     parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` picks the most telling")
     parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
-    parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and write nothing")
+    parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and the metrics, and write nothing")
     options = parser.parse_args(arguments)
     if not (options.out or options.list or (options.chart and options.to)):
         parser.error("give --out DIR, or --chart ID --to FILE, or --list")
@@ -54,6 +54,7 @@ def most_telling(charts):
 def run(options):
     from chart import Context
     from load import Store, UserError
+    from metrics import known
     import pages
     store = Store(options.store)
     context = Context(store)
@@ -64,7 +65,10 @@ def run(options):
         raise UserError(f"--only {options.only}: no such chart; there are {names}")
     if options.list:
         for chart in charts:
-            print(f"{chart.id}: {chart.title}\n    {chart.finding}")
+            print(f"{chart.id}  {chart.title}\n    {chart.finding}")
+        print("\nmetrics")
+        for name, metric in known(store).items():
+            print(f"  {name} ({metric.unit})  {metric.meaning}")
         return
     if options.chart:
         found = most_telling(charts) if options.chart == "best" else next((c for c in charts if c.id == options.chart), None)

@@ -19,7 +19,7 @@ PALETTE = ["#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#3
 # For more families than colours: the dark ones lightened, the light ones darkened.
 SHADES = ["#8C3E00", "#66AAD1", "#00573F", "#7A3E61", "#8A5F00", "#1F6F9E", "#8A7FC9", "#C98AA3", "#1E5F55", "#5A5A10",
           "#B5806F", "#333333"]
-MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "*", "p", "d", (4, 1, 0), (3, 1, 0), (8, 1, 0), "h"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "d", "*"]  # told apart at the size of a legend
 OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "collapsed": ("#E69F00", "C"),
             "exploded": ("#D55E00", "E"), "diverged": ("#000000", "N"), "timeout": ("#332288", "T"),
             "crash": ("#661100", "X"), "wrong": ("#CC79A7", "W"), "out_of_memory": ("#44AA99", "M"),
@@ -83,10 +83,15 @@ class Looks:
     def __call__(self, label):
         """Keyword arguments for plot(): what is no competitor is drawn hollow and dashed."""
         colour, marker = self.looks[label]
-        look = {"color": colour, "marker": marker}
+        look = {"color": colour, "marker": marker, "markersize": plt.rcParams["lines.markersize"] * scale_of(marker)}
         if self.store.role(label) != "competitor":
             look.update(markerfacecolor="white", linestyle="--")
         return look
+
+
+def scale_of(marker):
+    """A star of the size of a disc would be a speck."""
+    return 1.6 if marker == "*" else 1.0
 
 
 def letter(outcome):
@@ -273,7 +278,13 @@ def grid_of_axes(rows, columns, row_height, legend_width=0.0, width=WIDTH, top=0
     return figure, axes
 
 
+def legend_room(names, least):
+    """Width (inches) of a legend with these names."""
+    return max([least] + [0.62 + 0.074 * len(name) for name in names])
+
+
 def legend_right(figure, handles, legend_width, title=None, width=WIDTH):
-    """A legend in the room that grid_of_axes kept."""
+    """A legend in the room that grid_of_axes kept; the figure grows when there are more methods than it is high."""
+    figure.set_figheight(max(figure.get_figheight(), 0.35 + 0.2 * len(handles) + (0.2 if title else 0)))
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - legend_width / width, 0.97), title=title,
                   alignment="left", borderaxespad=0, labelspacing=0.55, handlelength=1.8)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 import metrics
 from chart import Chart, Needs, dimension_of, holes, listing
 from load import one_machine
-from style import ZeroLog, grid_of_axes, legend_right, letter, plain_log, si, times
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, plain_log, si, times
 
 PLACE = 10
 SECTION = "Which broadphase for how many bodies?"
@@ -118,7 +118,7 @@ def _chart(context, cells, dimension, precision, refused):
     base, looks = baseline_of(context, cells), context.looks(cells)
     cross = crossings(cells, base)
     marked = crossing_methods(cross)
-    legend_width = 1.75
+    legend_width = legend_room(map(context.name, methods), 1.75)
     figure, axes = grid_of_axes(2, len(distributions), 2.55, legend_width, left=0.9, gap_x=0.3, bottom=0.55, gap_y=0.5)
     for row, metric in enumerate((TIME, TESTS)):
         finished = cells["outcome"].to_numpy() == "ok"

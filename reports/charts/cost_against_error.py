@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 import metrics
 from chart import Chart, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
-from style import ZeroLog, grid_of_axes, legend_right, letter, si, times
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
 
 PLACE = 20
 SECTION = "Which method is right for its cost?"
@@ -33,10 +33,14 @@ def of_sweep(context, cells):
 
 
 def errors_of(context, cells):
-    """The errors that these cells can show, at most three, the most telling first."""
+    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has."""
     finished = cells[cells["outcome"] == "ok"]
-    names = context.metrics("world", "error")
-    return [name for name in names if np.isfinite(metrics.column(finished, name)).any()][:3] or names[:1]
+    names, kept = context.metrics("world", "error"), {}
+    for name in names:
+        has = finished["method"][np.isfinite(metrics.column(finished, name))]
+        if len(has) and set(has) == set(finished["method"]):
+            kept.setdefault(context.metric(name).smaller, name)
+    return list(kept.values())[:3] or names[:1]
 
 
 def budgets(cells, cost_name, error_name):
@@ -121,7 +125,7 @@ def _cost_chart(context, cells, groups, refused):
     costs = [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
     labels = sorted(cells["method"].unique())
     setting = next(iter(context.settings(cells)), None)
-    legend_width = 2.0
+    legend_width = legend_room(map(context.name, labels), 2.0)
     figure, axes = grid_of_axes(len(costs), len(errors), 2.45, legend_width, left=0.8, gap_x=0.85, gap_y=0.65)
     failed = (cells["outcome"] != "ok").to_numpy()
     for row, cost_name in enumerate(costs):
@@ -143,7 +147,7 @@ def _cost_chart(context, cells, groups, refused):
                     size = 4 + 5 * rank / max(1, len(mine) - 1) if setting else 6.5
                     x, y = across.place(cost[i]), up.place(error[i])
                     if math.isfinite(error[i]):
-                        ax.plot([x], [y], ls="none", ms=size, marker=look["marker"], color=look["color"], mec="white",
+                        ax.plot([x], [y], ls="none", ms=size * scale_of(look["marker"]), marker=look["marker"], color=look["color"], mec="white",
                                 mew=0.5, zorder=3)
                     else:
                         ax.plot([x], [y], ls="none", ms=7, marker=letter(cells["outcome"].iloc[i]), color=look["color"],

@@ -253,7 +253,7 @@ def _cost(context, rows, dimension, precision):
             if math.isfinite(row.median_error):
                 ax.plot([x, x], [up.place(row.median_error), worst], color=look["color"], lw=1.2, alpha=0.6)
                 ax.plot([x], [up.place(row.median_error)], color=look["color"], marker="_", ms=8, mew=1.6, ls="none")
-            ax.plot([x], [worst], **{**look, "linestyle": "none"}, ms=6)
+            ax.plot([x], [worst], **{**look, "linestyle": "none"})
             if row.share > 0:
                 ends.append((worst, _share(row.share), look["color"]))
         ax.set_title(pairs[index])

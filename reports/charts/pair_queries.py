@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 import metrics
 from chart import Chart, Needs, dimension_of, holes, listing, plural
 from load import one_machine
-from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, letter, plt, si
+from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, legend_room, letter, plt, si
 
 PLACE = 70
 SECTION = "Which pair query is fast and right?"
@@ -72,7 +72,7 @@ def _scatter(context, cells, dimension, refused):
     methods = sorted(cells["method"].unique())
     columns = min(4, len(pairs))
     rows = math.ceil(len(pairs) / columns)
-    legend_width = 2.2
+    legend_width = legend_room(map(context.name, methods), 2.2)
     figure, axes = grid_of_axes(rows, columns, 1.95, legend_width, left=0.75, gap_x=0.55, gap_y=0.5)
     usable, looks = _usable(cells), context.looks(cells)
     errors = {name: np.where(usable, metrics.column(cells, name), math.nan) for name in ERRORS}
@@ -93,7 +93,7 @@ def _scatter(context, cells, dimension, refused):
             if spread:
                 ax.plot([x, x], [up.place(min(spread)), up.place(max(spread))], color=look["color"], lw=1.3, alpha=0.6)
                 middle = errors["p99_error"][i] if math.isfinite(errors["p99_error"][i]) else max(spread)
-                ax.plot([x], [up.place(middle)], **{**look, "linestyle": "none"}, ms=6)
+                ax.plot([x], [up.place(middle)], **{**look, "linestyle": "none"})
             else:
                 ax.plot([x], [up.failed], marker=letter(cells["outcome"].iloc[i]), ms=7, ls="none", color=look["color"],
                         mew=0.3)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from chart import Chart, Needs, describe, holes
 from load import split, varying
-from style import HALO, ZeroLog, grid_of_axes, legend_right, letter, si
+from style import HALO, ZeroLog, grid_of_axes, legend_right, legend_room, letter, si
 
 PLACE = 30
 SECTION = "How restless is a scene that should be at rest?"
@@ -50,7 +50,7 @@ def _steady_chart(context, resting, names):
     resting = resting[:PANELS]
     cells = pd.concat(resting)
     looks, dimension = context.looks(cells), int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
-    legend_width = 2.0
+    legend_width = legend_room(map(context.name, cells["method"].unique()), 2.0)
     figure, axes = grid_of_axes(2, len(resting), 2.2, legend_width, left=1.0, gap_x=0.8, gap_y=0.45)
     labels = sorted(cells["method"].unique())
     rows = []

@@ -424,8 +424,21 @@ class Choosing(unittest.TestCase):
             for label in ("catto", "soft_step"):
                 maker.world("mine", {"scene": "my_hill", "dimension": 2, "resolver": label}, 1, 1e-3, extra={"slope": True})
         made = self.made(fill)["mine_my_hill__2d"]
-        self.assertIn("smallest error of the distance slid", made.finding.replace("same error", "smallest error"))
+        self.assertIn("error of the distance slid", made.finding)
         self.assertIn("soft_step", made.finding)
+
+    def test_methods_are_compared_by_an_error_that_all_of_them_have(self):
+        def fill(maker, without=("max_penetration",)):
+            maker.sweep("mine", "world", "", resolver="label")
+            for label in ("catto", "engine_that_tells_no_contacts"):
+                maker.world("mine", {"scene": "vertical_stack", "dimension": 2, "resolver": label}, 1, 1e-3,
+                            without=without if label.startswith("engine") else ())
+        told = self.made(lambda maker: fill(maker, ()))["mine_vertical_stack__2d"].table
+        untold = self.made(fill)["mine_vertical_stack__2d"].table
+        self.assertIn("largest penetration", told)
+        self.assertNotIn("largest penetration of shapes", told, "one error of one meaning")
+        self.assertIn("largest penetration of shapes", untold)
+        self.assertNotIn("largest penetration", untold)
 
     def test_a_chart_that_needs_what_nobody_has_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:

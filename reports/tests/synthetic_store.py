@@ -40,6 +40,7 @@ work_row_updates|world|row updates per step|1|cost|cheaper|
 slope_error|world|error of the distance slid|m|error|nearer the closed form|slope
 joint_error_max|world|largest joint error|m|error|joints hold better|joints
 max_penetration|world|largest penetration|m|error|less overlap|
+penetration_poses|world|largest penetration of shapes|m|error|less overlap|
 ms_per_step_p25|world|quarter|ms|detail|cheaper|timing
 ms_per_step_p75|world|three quarters|ms|detail|cheaper|timing
 slope_distance|world|distance slid|m|detail||slope
@@ -124,7 +125,7 @@ class Maker:
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
 
     def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=2,
-              machine=1, steps=300, extra=None):
+              machine=1, steps=300, extra=None, without=()):
         """The untimed trial and the timed repeats of one cell."""
         axes = {"kind": "world", "precision": "f64", **axes}
         n = steps if step is None else step
@@ -134,8 +135,9 @@ class Maker:
                   "kinetic": 10 * np.exp(-at / 20) + restless, "potential": 100 - 5 * (1 - np.exp(-at / 20)),
                   "drift": error * 3 * at / steps, "mean_penetration": np.full(n, error / 2)}
         measured = "slope" in (extra or {})
-        facts = {"slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,"max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
+        facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,"max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
                  "steps_done": n, "max_speed_end": restless}
+        facts = {name: math.nan if name in without else value for name, value in facts.items()}
         self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra)
         if outcome in ("ok", "collapsed"):
             for repeat in range(repeats):

@@ -1,11 +1,13 @@
 # Growth, done: each folder beside this file is a promise of what one more thing costs. Its files are put into a scratch
 # tree and counted; the tree is built; the thing is listed and proved; its broken twin is caught; and when it is gone,
 # lists and keys of results are as before. Pinned histories at -O0 are then compared by ctest.
-#   cmake -DSOURCE_DIR=... -DWORK_DIR=... -DLAUNCHER=... [-DALL=ON] -P run.cmake
+#   cmake -DSOURCE_DIR=... -DWORK_DIR=... -DLAUNCHER=... [-DPYTHON=...] [-DALL=ON] [-DONLY=...] -P run.cmake
+# PYTHON is one that can make reports; ONLY a list of promises.
 #
 # A promise has
-#   promise.cmake  at_most (files), name (shown by `lpc list`), targets, proof (a command that passes, and fails with
-#                  `blames` in its output for the twin), round (below, `few` unless told)
+#   promise.cmake  at_most (files), name (shown by `listed`: `lpc list` unless told), targets, proof (a command that passes, and fails with
+#                  `blames` in its output for the twin), round (below, `few` unless told),
+#                  needs_python
 #   tree/          its new files, where they stand in the project
 #   edits.cmake    edit() of files that are there, which count, too; optional
 #   wrong.cmake    edit() that makes the twin
@@ -83,8 +85,9 @@ function(take promise)
 endfunction()
 
 function(prove promise)
+  set(listed ${bin}/lpc list)
   include(${here}/${promise}/promise.cmake)
-  must_say("[ \n]${name}[ \n]" ${bin}/lpc list)
+  must_say("[ \n]${name}[ \n]" ${listed})
   must_say("" ${proof})
   include(${here}/${promise}/use.cmake OPTIONAL)
 
@@ -131,7 +134,7 @@ foreach(file IN LISTS copies)
     file(REMOVE ${tree}/${file})
   endif()
 endforeach()
-foreach(part framework algorithms oracles experiments tests docs CMakeLists.txt)
+foreach(part framework algorithms oracles experiments reports tests docs CMakeLists.txt)
   file(COPY ${SOURCE_DIR}/${part} DESTINATION ${tree})
 endforeach()
 file(GLOB folders RELATIVE ${here} ${here}/*/promise.cmake)
@@ -191,8 +194,11 @@ pair_query = [${methods}]
   set(wanted lpc)
   foreach(promise IN LISTS folders)
     set(round few)
+    set(needs_python OFF)
     include(${here}/${promise}/promise.cmake)
-    if(round STREQUAL current)
+    if(needs_python AND NOT PYTHON)
+      message(STATUS "${promise} ${name}: not tested, there is no Python that can make reports")
+    elseif(round STREQUAL current AND (NOT ONLY OR promise IN_LIST ONLY))
       list(APPEND promises ${promise})
       list(APPEND wanted ${targets})
     endif()
