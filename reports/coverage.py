@@ -15,7 +15,8 @@ def trials(store):
         known = entry.key in store.trials.index
         trial = store.trials.loc[entry.key] if known else None
         axes = {k: v for k, v in entry.axes.items() if k not in WITHIN_CELL}
-        rows.append({"sweep": entry.sweep, "cell": describe({**axes, "method": store.method_of(entry.sweep, axes)}, _order(axes)),
+        named = {**axes, "method": store.method_of(entry.sweep, axes)}
+        rows.append({"sweep": entry.sweep, "cell": describe(named, _order(axes)),
                      "timed": bool(entry.axes.get("timed", False)), "outcome": trial["outcome"] if known else NOT_RUN,
                      "step": trial["step"] if known else np.nan,
                      "reason": (trial["reason"] or "") if known else "planned, no result in the store"})

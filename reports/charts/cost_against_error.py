@@ -147,8 +147,10 @@ def _cost_chart(context, cells, groups, refused):
                     size = 4 + 5 * rank / max(1, len(mine) - 1) if setting else 6.5
                     x, y = across.place(cost[i]), up.place(error[i])
                     if math.isfinite(error[i]):
-                        ax.plot([x], [y], ls="none", ms=size * scale_of(look["marker"]), marker=look["marker"], color=look["color"], mec="white",
-                                mew=0.5, zorder=3)
+                        hollow = "markerfacecolor" in look
+                        ax.plot([x], [y], ls="none", ms=size * scale_of(look["marker"]), marker=look["marker"],
+                                color=look["color"], mfc="white" if hollow else look["color"],
+                                mec=look["color"] if hollow else "white", mew=1.2 if hollow else 0.5, zorder=3)
                     else:
                         ax.plot([x], [y], ls="none", ms=7, marker=letter(cells["outcome"].iloc[i]), color=look["color"],
                                 mew=0.3, zorder=3)

@@ -44,7 +44,8 @@ def of_sweep(context, cells):
               if base is not None and row is not None and base["outcome"] != row["outcome"]]
     said.append(f"the outcome differs on {listing(differ)}" if differ else "no outcome differs")
     return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_precision", SECTION, "f32 against f64",
-                        _capital("; ".join(said)) + ".", cells, rows, "f64", "f32", refused, "Each row is one run in both precisions.")]
+                        _capital("; ".join(said)) + ".", cells, rows, "f64", "f32", refused,
+                        "Each row is one run in both precisions.")]
 
 
 def _capital(text):

@@ -98,6 +98,6 @@ def _steady_chart(context, resting, names):
     text = f"In {dimension}D " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
     table["restlessness"] = [si(v, "m/s") for v in table["restlessness"].astype(float)]
     gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]
-    return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION, f"The fastest body and the contacts over time, {dimension}D", text,
-                 cells["sweep"].iloc[0], figure, table, gaps + holes(cells, [*names, "method"]),
+    return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
+                 f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table, gaps + holes(cells, [*names, "method"]),
                  "Lines are the largest value of each of 150 stretches; a letter marks where a run failed.")

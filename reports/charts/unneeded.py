@@ -32,7 +32,8 @@ def of_sweep(context, cells):
         if ratios:
             flat = [f"{model} {ratio:.2f}" for model, ratio in sorted(ratios, key=lambda r: -r[1])]
             said.append(f"on {place} {listing(flat)}")
-    text = f"Times the time of {base_name}: " + "; ".join(said) + "." if said else f"No timed pair of {base_name} and one more feature finished."
-    return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_model", SECTION, "One unneeded feature at a time", text, cells, rows, base_name, "with it",
-                   refused, "Each row is one scene with one feature that it does not need; the ratio is to the blue dot, "
-                   f"the same scene with the {base_name} model.")]
+    text = (f"Times the time of {base_name}: " + "; ".join(said) + "." if said else
+            f"No timed pair of {base_name} and one more feature finished.")
+    return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_model", SECTION, "One unneeded feature at a time", text, cells,
+                        rows, base_name, "with it", refused, "Each row is one scene with one feature that it does not need; "
+                        f"the ratio is to the blue dot, the same scene with the {base_name} model.")]
