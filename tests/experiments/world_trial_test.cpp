@@ -78,7 +78,7 @@ TEST(WorldTrial, metricsOfFreeFlight) {
 }
 
 // Not called a slope, not earth's gravity, and the body that slides is not the last one.
-const std::string kHill = R"(
+const std::string kHill = R"toml(
 name = "my_hill"
 summary = "a block slides down a hill"
 dimensions = [2, 3]
@@ -107,7 +107,7 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
 [[body]]
 position = [0, 500, 0]
 shapes = [{ kind = "circle", radius = 0.5 }]
-)";
+)toml";
 
 // `way` is what a trial says was slid: within a step's way of g (sin a - mu cos a) t^2 / 2?
 bool slidRight(double way, double g, double mu) {
@@ -151,8 +151,12 @@ TEST(Metrics, allThatTrialsWriteIsDescribed) {
     for (const auto& [name, list] : r.series) EXPECT_TRUE(isDescribed("series", "world", name)) << name;
   }
   Planner planner;
-  for (const json& cell : {json{{"dimension", 2}, {"n", 16}, {"distribution", "uniform"}, {"broadphase", "naive"},
-                                {"frames", 12}, {"timed", true}}}) {
+  for (const json& cell : {json{{"dimension", 2},
+                                {"n", 16},
+                                {"distribution", "uniform"},
+                                {"broadphase", "naive"},
+                                {"frames", 12},
+                                {"timed", true}}}) {
     const TrialResult r = runTrial({{"trial", planner.boxes(cell).canonical}});
     EXPECT_EQ(r.metrics.size(), 7u);
     for (const auto& [name, value] : r.metrics) EXPECT_TRUE(isDescribed("metric", "boxes", name)) << name;
@@ -257,7 +261,7 @@ sleep = "none"
   }
   EXPECT_EQ(solid, 8);
   EXPECT_EQ(friction, 8);
-  const std::map<std::string, std::string> roles = {{"scene", "run"},      {"g", "parameter"}, {"dt", "run"},
+  const std::map<std::string, std::string> roles = {{"scene", "run"},          {"g", "parameter"}, {"dt", "run"},
                                                     {"iterations", "setting"}, {"model", "run"},   {"sleep", "stage"},
                                                     {"resolver", "label"}};
   EXPECT_EQ(sweeps[0].roles, roles) << "what each axis is";
@@ -296,8 +300,9 @@ TEST(WorldSweep, runsInTheWorkerOfItsPrecision) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(DISTINCT hash) FROM trial"), single ? "2" : "1");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT length(data) FROM series WHERE name = 'kinetic'"), "800");
   // What a report must know travels with the store.
-  EXPECT_EQ(ask(w.path("s.db"), "SELECT unit || '|' || role FROM metrics WHERE what='metric' AND name='max_penetration'"),
-            "m|error");
+  EXPECT_EQ(
+      ask(w.path("s.db"), "SELECT unit || '|' || role FROM metrics WHERE what='metric' AND name='max_penetration'"),
+      "m|error");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT kind || roles FROM sweep"), R"(world{"precision":"run","scene":"run"})");
 }
 

@@ -8,7 +8,7 @@
 #   promise.cmake  at_most (files), name (shown by `listed`: `lpc list` unless told), targets, proof (a command that passes, and fails with
 #                  `blames` in its output for the twin), round (below, `few` unless told),
 #                  needs_python
-#   tree/          its new files, where they stand in the project
+#   tree/          its new files, where they stand in the project; optional
 #   edits.cmake    edit() of files that are there, which count, too; optional
 #   wrong.cmake    edit() that makes the twin
 #   use.cmake      what else must work; optional
@@ -52,7 +52,9 @@ function(put promise)
       message(FATAL_ERROR "${promise}: ${file} is there already")
     endif()
   endforeach()
-  file(COPY ${here}/${promise}/tree/ DESTINATION ${tree})
+  if(new)
+    file(COPY ${here}/${promise}/tree/ DESTINATION ${tree})
+  endif()
   foreach(file IN LISTS new)
     file(TOUCH ${tree}/${file})  # younger than the object that the last run's twin has left
   endforeach()
@@ -86,6 +88,7 @@ endfunction()
 
 function(prove promise)
   set(listed ${bin}/lpc list)
+  set(needs_python OFF)
   include(${here}/${promise}/promise.cmake)
   must_say("[ \n]${name}[ \n]" ${listed})
   must_say("" ${proof})
@@ -100,6 +103,9 @@ function(prove promise)
     message(FATAL_ERROR "${promise}: the broken twin of ${name} is not caught by\n${proof}\n${output}")
   endif()
   message(STATUS "${promise} ${name}: its broken twin is caught")
+  if(needs_python)
+    take(${promise})  # its twin would spoil the reports of the others
+  endif()
 endfunction()
 
 function(same_keys)
