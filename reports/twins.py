@@ -53,8 +53,10 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     for column, metric in enumerate(shown):
         ax = axes[0][column]
         pairs = [(number(base, metric), number(row, metric)) for _, _, base, row in rows]
+        # What a scene does not define has no mark; what failed has one at the edge.
+        failed = any(row is None or row["outcome"] != "ok" for _, _, *twins in rows for row in twins)
         scale = ZeroLog(ax, "x", [v for pair in pairs for v in pair], context.unit(metric), failed_name="none",
-                        floor=context.floor(metric))
+                        failures=failed, floor=context.floor(metric))
         y, ticks = 0, []
         for place, part in groups:
             if column == 0:
@@ -65,15 +67,18 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
                 ends = []
                 for which, colour, shift in ((base, BEFORE, -0.16), (row, AFTER, 0.16)):
                     value = number(which, metric)
+                    outcome = "not run" if which is None else which["outcome"]
+                    if outcome == "ok" and not math.isfinite(value):
+                        continue
                     place_x = scale.place(value)
                     ends.append((place_x, y + shift))
-                    outcome = "not run" if which is None else which["outcome"]
                     marker = "o" if math.isfinite(value) else letter(outcome)
                     if outcome != "ok":
                         outcomes.add(outcome)
                     ax.plot([place_x], [y + shift], marker=marker, color=colour, ms=6, ls="none", zorder=3,
                             mec="white" if marker == "o" else colour, mew=0.5)
-                ax.plot(*zip(*ends), color="#999999", lw=1.2, zorder=2)
+                if len(ends) == 2:
+                    ax.plot(*zip(*ends), color="#999999", lw=1.2, zorder=2)
                 ratio = ratio_of(base, row, metric)
                 if column == 0 and math.isfinite(ratio):
                     ax.text(1.02, y, f"×{ratio:.2f}", transform=ax.get_yaxis_transform(), va="center", fontsize=8,

@@ -144,7 +144,7 @@ def _cost_chart(context, cells, groups, refused):
                 ax.plot([across.place(cost[i]) for i in good], [up.place(error[i]) for i in good], lw=1, alpha=0.6,
                         **{**look, "marker": None})
                 for rank, i in enumerate(mine):
-                    size = 4 + 5 * rank / max(1, len(mine) - 1) if setting else 6.5
+                    size = 5 + 4 * rank / max(1, len(mine) - 1) if setting else 6.5
                     x, y = across.place(cost[i]), up.place(error[i])
                     if math.isfinite(error[i]):
                         hollow = "markerfacecolor" in look
