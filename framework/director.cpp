@@ -26,8 +26,11 @@ void Director<D>::advance(Simulation<D>& world) {
     return last >= first && last < m_next;
   };
   if (m_next > first) {
-    for (const auto& p : m_scene.pivots) {
-      if (came(p.bodyA, p.bodyB)) world.add(PivotDef<D>{body(p.bodyA), body(p.bodyB), p.anchor, p.collide});
+    for (const auto& j : m_scene.joints) {
+      if (!came(j.bodyA, j.bodyB)) continue;
+      JointDef<D> def = j.def;
+      def.bodyA = body(j.bodyA), def.bodyB = body(j.bodyB);
+      world.add(def);
     }
     for (const auto& s : m_scene.springs) {
       if (!came(s.bodyA, s.bodyB)) continue;

@@ -7,7 +7,7 @@ namespace lpc::inline LPC_PRECISION {
 // of manifolds and joints. A dynamic body that touches nobody is an island of its own.
 template <int D>
 std::vector<std::int32_t> islands(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                                  std::span<const PivotJoint<D>> joints) {
+                                  std::span<const JointRecord<D>> joints) {
   const auto n = static_cast<std::size_t>(bodies.size());
   std::vector<std::int32_t> parent(n, -1);
   for (std::size_t i = 0; i < n; ++i) {
@@ -26,7 +26,9 @@ std::vector<std::int32_t> islands(const Bodies<D>& bodies, std::span<const Manif
   for (const Manifold<D>& m : manifolds) {
     if (!m.ignored) join(m.bodyA, m.bodyB);
   }
-  for (const PivotJoint<D>& j : joints) join(j.bodyA, j.bodyB);
+  for (const JointRecord<D>& j : joints) {
+    if (j.active()) join(j.bodyA, j.bodyB);
+  }
 
   std::vector<std::int32_t> island(n, -1);
   std::int32_t next = 0;
@@ -40,8 +42,8 @@ std::vector<std::int32_t> islands(const Bodies<D>& bodies, std::span<const Manif
 }
 
 template std::vector<std::int32_t> islands(const Bodies<2>&, std::span<const Manifold<2>>,
-                                           std::span<const PivotJoint<2>>);
+                                           std::span<const JointRecord<2>>);
 template std::vector<std::int32_t> islands(const Bodies<3>&, std::span<const Manifold<3>>,
-                                           std::span<const PivotJoint<3>>);
+                                           std::span<const JointRecord<3>>);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -18,10 +18,9 @@ struct SceneSpec {
     long removeAt = -1;  // before this step; -1 = never
   };
   /// Bodies are named by their place in `spawns`; -1 is the world.
-  struct Pivot {
+  struct Joint {
     int bodyA = -1, bodyB = -1;
-    Vec<D> anchor = Vec<D>::Zero();  // world, m
-    bool collide = false;
+    JointDef<D> def;  // without the bodies' handles
   };
   struct SpringDef {
     int bodyA = -1, bodyB = -1;
@@ -48,7 +47,7 @@ struct SceneSpec {
   Real dt = Real(1) / 60;     // s
   long steps = 600;
   std::vector<Spawn> spawns;  // sorted by step
-  std::vector<Pivot> pivots;  // made when the later of their bodies comes
+  std::vector<Joint> joints;  // made when the later of their bodies comes
   std::vector<SpringDef> springs;
   Limits limits;
   std::optional<Slope> slope;

@@ -81,6 +81,7 @@ void World<D>::step(Real dt) {
     stage<Solver>().step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this,
                           m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler});
   }
+  if (m_settings.features.joints) finishJoints(dt);
   m_boxes.outdate();
   std::fill(m_userForces.begin(), m_userForces.end(), Wrench<D>{});
   m_time += dt, m_lastDt = dt;

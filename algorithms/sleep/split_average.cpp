@@ -176,8 +176,8 @@ class SplitAverage final : public SleepPolicy<D> {
   void groupByJoints(const SleepInput<D>& in, std::size_t n) {
     m_group.resize(n);
     for (std::size_t i = 0; i < n; ++i) m_group[i] = static_cast<std::int32_t>(i);
-    for (const PivotJoint<D>& j : in.joints) {
-      if (!dynamic(in, j.bodyA) || !dynamic(in, j.bodyB)) continue;
+    for (const JointRecord<D>& j : in.joints) {
+      if (!j.active() || j.bodyA < 0 || !dynamic(in, j.bodyA) || !dynamic(in, j.bodyB)) continue;
       const std::int32_t a = root(j.bodyA), b = root(j.bodyB);
       m_group[index(std::max(a, b))] = std::min(a, b);
     }

@@ -114,7 +114,7 @@ class Builder {
     for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t);
     sortSpawns();
     if (const toml::table* t = m_top.table("measures")) measures(*t);
-    for (const toml::table* t : m_top.blocks("pivot")) pivotBlock(*t);
+    for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
     for (const toml::table* t : m_top.blocks("spring")) springBlock(*t);
     m_top.finish();
     return std::move(m_scene);
@@ -265,15 +265,20 @@ class Builder {
     }
     all.finish();
   }
-  void pivotBlock(const toml::table& table) {
-    TableReader block(table, m_parsed.path, "[[pivot]]");
+  void jointBlock(const toml::table& table) {
+    TableReader block(table, m_parsed.path, "[[joint]]");
     beginBlock();
     loops(block, [&] {
-      typename SceneSpec<D>::Pivot pivot;
-      pivot.bodyA = bodyOf(block, "a", false), pivot.bodyB = bodyOf(block, "b", false);
-      pivot.anchor = m_numbers.vector<D>(block.require("anchor"));
-      pivot.collide = block.flag("collide", false);
-      m_scene.pivots.push_back(pivot);
+      typename SceneSpec<D>::Joint joint;
+      joint.bodyA = bodyOf(block, "a", true), joint.bodyB = bodyOf(block, "b", false);
+      const auto moves = [&](int body) {
+        return body >= 0 && m_scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::dynamic;
+      };
+      if (joint.bodyA == joint.bodyB)
+        block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
+      if (!moves(joint.bodyA) && !moves(joint.bodyB)) block.fail("a joint of two bodies that do not move");
+      joint.def = readJoint<D>(block, m_numbers);
+      m_scene.joints.push_back(joint);
     });
     if (m_turns > 0) block.finish();
   }
@@ -378,7 +383,7 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
       ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : "compound")];
     }
   }
-  if (!scene.pivots.empty()) out["pivot"] = static_cast<int>(scene.pivots.size());
+  for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
   if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
   return out;
 }

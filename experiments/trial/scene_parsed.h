@@ -46,6 +46,10 @@ class SceneNumbers {
   std::string m_file;
 };
 
+/// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block.
+template <int D>
+JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers);
+
 /// One [[body]] block at one turn of its loops.
 template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults);

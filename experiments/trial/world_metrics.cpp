@@ -48,6 +48,9 @@ const std::vector<Measure<WorldSeen<D>>>& seriesEntries() {
       {{"joint_error", "joint error", "m", "farthest that the anchors of a joint are apart", kDetail,
         "joints hold better", TrialNeed::joints},
        [](R r) { return r.now.jointError; }},
+      {{"joint_turn", "joint turned", "rad", "farthest that a joint is turned from what it holds", kDetail,
+        "joints hold better", TrialNeed::joints},
+       [](R r) { return r.now.jointTurn; }},
       {{"drift", "drift", "m", "farthest that a body is from where it came", kDetail, "less drift"},
        [](R r) { return r.drift; }},
       {{"height", "height", "m", "of the highest body", kDetail, ""}, [](R r) { return r.height; }},
@@ -83,6 +86,10 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
       {{"joint_error_max", "largest joint error", "m", "farthest that the anchors of a joint were apart in any step",
         kError, "joints hold better", TrialNeed::joints},
        [](R r) { return r.largest("joint_error"); }},
+      {{"joint_turn_max", "largest turn of a joint", "rad",
+        "farthest that a joint was turned from what it holds in any step", kDetail, "joints hold better",
+        TrialNeed::joints},
+       [](R r) { return r.largest("joint_turn"); }},
       {{"max_penetration", "largest penetration", "m", "deepest overlap of a contact in any step", kError,
         "less overlap"},
        [](R r) { return r.largest("max_penetration"); }},
@@ -175,7 +182,7 @@ bool WorldSeen<D>::has(TrialNeed need) const {
     case TrialNeed::timing:
       return timed;
     case TrialNeed::joints:
-      return !scene.pivots.empty();
+      return !scene.joints.empty();
     case TrialNeed::slope:
       return scene.slope.has_value();
     case TrialNeed::isolation:

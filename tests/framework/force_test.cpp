@@ -30,7 +30,7 @@ TEST(Inertia, TurnsWithItsBody) {
 }
 
 using Islands = std::vector<std::int32_t> (*)(const Bodies<2>&, std::span<const Manifold<2>>,
-                                              std::span<const PivotJoint<2>>);
+                                              std::span<const JointRecord<2>>);
 
 // Equal to walking from body to body, for any graph.
 void areWhatIsConnected(Islands found) {
@@ -43,7 +43,7 @@ void areWhatIsConnected(Islands found) {
     bodies.type.push_back(draw.pick({BodyType::dynamic, BodyType::dynamic, BodyType::fixed, BodyType::kinematic}));
   }
   std::vector<Manifold<2>> manifolds;
-  std::vector<PivotJoint<2>> joints(1);  // a free one
+  std::vector<JointRecord<2>> joints(1);  // a free one
   std::vector<std::pair<int, int>> links;
   for (int k = draw.below(15); k > 0; --k) {
     const int a = draw.below(n), b = draw.below(n);
@@ -51,6 +51,7 @@ void areWhatIsConnected(Islands found) {
     const int kind = draw.below(3);
     if (kind == 0) {
       joints.emplace_back();
+      joints.back().kind = createStage<JointKind<2>>(Spec{"pivot", {}});
       joints.back().bodyA = a, joints.back().bodyB = b;
     } else {
       manifolds.emplace_back();

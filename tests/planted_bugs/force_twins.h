@@ -24,7 +24,7 @@ struct SpoiledSpring final : ForceGenerator<D> {
 /// The ground carries from one to the other.
 template <int D>
 std::vector<std::int32_t> islandsThroughTheGround(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                                                  std::span<const PivotJoint<D>> joints) {
+                                                  std::span<const JointRecord<D>> joints) {
   Bodies<D> all = bodies;
   for (BodyType& type : all.type) type = BodyType::dynamic;
   return islands<D>(all, manifolds, joints);
@@ -32,7 +32,7 @@ std::vector<std::int32_t> islandsThroughTheGround(const Bodies<D>& bodies, std::
 
 template <int D>
 std::vector<std::int32_t> islandsWithoutJoints(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                                               std::span<const PivotJoint<D>>) {
+                                               std::span<const JointRecord<D>>) {
   return islands<D>(bodies, manifolds, {});
 }
 
