@@ -259,9 +259,11 @@ def described(table, name):
 
 
 def varying(store, cells, but=()):
-    """Axes of these cells with more than one value, but for those that tell methods apart."""
+    """Axes of these cells with more than one value, but for those that tell methods apart. An engine that exists in one
+    precision only does not make the precision an axis."""
     axes = axes_of(store, cells) - {store.method_axis(name) for name in cells["sweep"].unique()} - set(but)
-    return [c for c in cells.columns if c in axes and cells[c].map(str).nunique() > 1]
+    several = [c for c in cells.columns if c in axes and cells[c].map(str).nunique() > 1]
+    return [c for c in several if c != "precision" or (cells.groupby("method")[c].nunique() > 1).any()]
 
 
 def split(cells, names, sort=False):

@@ -269,7 +269,10 @@ class Sweep {
     const SceneFile& file = m_planner->scene(scenePath);
     names.insert(file.name());
     for (const auto& [name, value] : axes.items()) {
-      m_out.roles.emplace(name, isParameter(file, name) ? "parameter" : used.count(name) ? "setting" : "run");
+      m_out.roles.emplace(name, stageByName(name)         ? "stage"
+                                : isParameter(file, name) ? "parameter"
+                                : used.count(name)        ? "setting"
+                                                          : "run");
       if (name == "scene") {
       } else if (name == "dimension") {
         cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));

@@ -43,6 +43,17 @@ def errors_of(context, cells):
     return list(kept.values())[:3] or names[:1]
 
 
+def engine_notes(context, cells):
+    """What whole engines do otherwise whatever is set; it stands where they are ranked."""
+    said = {}
+    for method, key in zip(cells["method"], cells["key"]):
+        if key is not None and context.store.role(method) == "engine":
+            trial = context.store.trials.loc[key, "canonical"]
+            differs = trial.get("engine", {}).get("differs", "")
+            said[method] = f" {method} is a whole engine, here in {trial.get('precision')}: {differs}."
+    return "".join(said[method] for method in sorted(said))
+
+
 def budgets(cells, cost_name, error_name):
     """What each method reaches at equal cost, and pays at equal error; the budgets are those that every method meets."""
     good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost_name)) &
@@ -170,7 +181,8 @@ def _cost_chart(context, cells, groups, refused):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["method", setting] if setting else ["method"]),
-                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both.",
+                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both."
+                 + engine_notes(context, cells),
                  telling=True)
 
 

@@ -430,11 +430,16 @@ class Choosing(unittest.TestCase):
     def test_methods_are_compared_by_an_error_that_all_of_them_have(self):
         def fill(maker, without=("max_penetration",)):
             maker.sweep("mine", "world", "", resolver="label")
-            for label in ("catto", "engine_that_tells_no_contacts"):
-                maker.world("mine", {"scene": "vertical_stack", "dimension": 2, "resolver": label}, 1, 1e-3,
-                            without=without if label.startswith("engine") else ())
+            axes = {"scene": "vertical_stack", "dimension": 2}
+            maker.world("mine", {**axes, "resolver": "catto"}, 1, 1e-3)
+            # A whole engine tells no contacts and exists in one precision.
+            maker.world("mine", {**axes, "resolver": "box2d", "precision": "f32"}, 1, 1e-3, without=without,
+                        extra={"precision": "f32", "engine": {"name": "box2d", "differs": "its slop is 5 mm"}})
         told = self.made(lambda maker: fill(maker, ()))["mine_vertical_stack__2d"].table
-        untold = self.made(fill)["mine_vertical_stack__2d"].table
+        made = self.made(fill)
+        self.assertNotIn("mine_precision", made, "no method has both")
+        self.assertIn("box2d is a whole engine, here in f32: its slop is 5 mm.", made["mine_vertical_stack__2d"].note)
+        untold = made["mine_vertical_stack__2d"].table
         self.assertIn("largest penetration", told)
         self.assertNotIn("largest penetration of shapes", told, "one error of one meaning")
         self.assertIn("largest penetration of shapes", untold)

@@ -66,7 +66,8 @@ wrong_boolean|pairs|wrong yes or no|1|error|fewer wrong|
 asked|pairs|asked|1|detail||""".splitlines()] + [("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
     ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("mean_penetration", ""),
     ("pairs", ""), ("bodies", ""), ("awake", ""), ("seconds", "timing"), ("sec_*", "timing"))]
-GROUPS = {"broadphase": "broadphase", "pair_query": "narrowphase", "solver": "solver", "velocity": "solver", "position": "solver"}
+GROUPS = {"broadphase": "broadphase", "pair_query": "narrowphase", "solver": "solver", "velocity": "solver", "position": "solver",
+          "engine": "engine"}
 STAGES = {"solver": ("soft_step", "split_solver"), "velocity": ("catto", "millington", "naive"),
           "position": ("baumgarte", "linear", "none", "nonlinear", "split_impulse")}
 
@@ -89,6 +90,7 @@ class Maker:
             algorithms += registered("pair_query", [m for m, v in VERIFIED.items() if v[0] == "witness"] + ["fcl"], "witness")
             for stage, names in STAGES.items():
                 algorithms += registered(stage, names)
+            algorithms += registered("engine", ["box2d"], "engine")
         self.db.execute("INSERT INTO meta VALUES ('registry', ?)", (json.dumps({"algorithms": algorithms}),))
         self.random = np.random.default_rng(seed)
         self.count = 0

@@ -267,6 +267,21 @@ sleep = "none"
   EXPECT_EQ(sweeps[0].roles, roles) << "what each axis is";
 }
 
+TEST(WorldSweep, aPartOfAStageIsAMethodToo) {
+  Workspace w;
+  w.write("throw.toml", kThrow);
+  const auto sweeps = planSweeps(w.write("s.toml", R"(
+summary = "s"
+kind = "world"
+pipeline = "solver=split_solver{velocity=$velocity}"
+[axes]
+scene = "throw"
+velocity = ["catto", "naive"]
+)"),
+                                 {});
+  EXPECT_EQ(sweeps[0].roles.at("velocity"), "stage");
+}
+
 TEST(WorldSweep, aBaselineIsAValueOfAnAxis) {
   Workspace w;
   w.write("throw.toml", kThrow);
