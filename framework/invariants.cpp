@@ -50,7 +50,7 @@ ContactInvariants contactInvariants(const Simulation<D>& world) {
   ContactInvariants out;
   const auto manifolds = world.contacts();
   if (!manifolds) return out;
-  out.maxPenetration = out.signorini = out.coulomb = 0;
+  out.maxPenetration = out.complementarity = out.coneExcess = 0;
   const Bodies<D>& b = world.bodies();
   const double dt = std::max<double>(world.lastDt(), 1e-300);
   double sum = 0;
@@ -69,10 +69,10 @@ ContactInvariants contactInvariants(const Simulation<D>& world) {
       const double normal = c.impulse[0];
       double tangent = 0;
       for (std::size_t d = 1; d < D; ++d) tangent += double(c.impulse[d]) * double(c.impulse[d]);
-      out.coulomb = std::max(out.coulomb, std::sqrt(tangent) - m.friction * normal);
+      out.coneExcess = std::max(out.coneExcess, std::sqrt(tangent) - m.friction * normal);
       if (m.restitution == 0) {  // a bounce is right to leave with an impulse
         const double closing = (vB - vA).dot(m.normal) + std::max<double>(0, c.separation) / dt;
-        out.signorini = std::max(out.signorini, std::abs(closing * normal));
+        out.complementarity = std::max(out.complementarity, std::abs(closing * normal));
       }
     }
   }

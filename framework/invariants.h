@@ -27,8 +27,8 @@ struct ContactInvariants {
   double maxPenetration = kNotTold, meanPenetration = kNotTold;
   // Worst |lambda_n * u_n| over contact points without restitution, J: either the impulse or the closing speed must be
   // 0. u_n counts the gap still open at detection, since a contact within the margin may close it.
-  double signorini = kNotTold;
-  double coulomb = kNotTold;  // worst max(0, |lambda_t| - mu lambda_n), N s
+  double complementarity = kNotTold;
+  double coneExcess = kNotTold;  // worst max(0, |lambda_t| - mu lambda_n), N s
 };
 
 template <int D>

@@ -2,6 +2,7 @@
 // A scene as plain data, after its file was read: who comes into the world when.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,13 @@ struct SceneSpec {
         0;  // "exploded": mechanical energy above this many times its start (only from a start above the floor)
   };
 
+  /// A closed form that the scene has: a body slides down a plane from rest. Bodies are places in `spawns`.
+  struct Slope {
+    int body = -1;
+    Real angle = 0;     // inclination, rad
+    Real friction = 0;  // Coulomb's coefficient of body and plane
+  };
+
   std::string name, summary;
   WorldSettings<D> settings;  // with the features that the scene needs
   Real dt = Real(1) / 60;     // s
@@ -42,6 +50,7 @@ struct SceneSpec {
   std::vector<Joint> joints;  // made when the later of their bodies comes
   std::vector<SpringDef> springs;
   Limits limits;
+  std::optional<Slope> slope;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -1,10 +1,20 @@
 # SPDX-License-Identifier: Zlib
-"""What a chart is: the question, one sentence found in the data, the figure, the numbers behind it, its holes."""
+"""What a chart is: the question, one sentence found in the data, the figure, the numbers behind it, its holes.
 
+A chart is one file in charts/ that is found by itself. It has PLACE (its place on the page), SECTION (its question) and
+either `of_store(context)`, or NEEDS and `of_sweep(context, cells)`, which is called for every sweep that has what it needs.
+Both return charts; ABSENT is shown when there are none.
+"""
+
+import importlib
+import math
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pandas as pd
 
+import load
+import metrics
 from style import Looks
 
 
@@ -20,6 +30,35 @@ class Chart:
     holes: list = field(default_factory=list)  # sentences: what is missing or refused and why
     note: str = ""  # how to read it
     made_by: str = ""  # arguments of `lpc` where no sweep made the data
+    telling: bool = False  # may stand for the whole report
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What a sweep must have for a chart to be made of it."""
+    kind: str  # of its trials: world, boxes, pairs
+    varies: tuple = ()  # axes that have several values
+    fixed: tuple = ()  # axes, or roles of axes (load.Sweep), that have one
+    methods: tuple = (1, math.inf)  # how many compete
+    metrics: tuple = ()  # that a finished cell holds; where none is finished, the plan decides
+    series: tuple = ()  # that the chart reads
+
+
+def modules():
+    """The files of charts/, in the order of the page."""
+    names = sorted(path.stem for path in (Path(__file__).parent / "charts").glob("*.py"))
+    return sorted((importlib.import_module(f"charts.{name}") for name in names), key=lambda module: module.PLACE)
+
+
+def made(module, context):
+    """The charts of one file."""
+    if hasattr(module, "of_store"):
+        found = module.of_store(context)
+    else:
+        context.check(module)
+        found = [chart for sweep in context.store.sweeps() if context.has(sweep, module.NEEDS)
+                 for chart in module.of_sweep(context, context.cells(sweep, module.NEEDS.metrics))]
+    return found or [module.ABSENT]
 
 
 class Context:
@@ -28,17 +67,109 @@ class Context:
     def __init__(self, store):
         self.store = store
         self.ids = []  # of all charts made so far, kept or not
-        families = [("broadphase",), ("pair_quer",), ("resolver", "breaking", "unneeded", "precision", "stages")]
-        labels = []
-        for family in families:
-            found = set()
-            for stem in family:
-                cells = store.cells(stem)
-                found |= set(cells["method"]) if len(cells) else set()
-            if family[0] == "pair_quer":  # a verification asks the same methods
-                found |= set(store.ledger().query("stage == 'pair_query'")["method"])
-            labels.append(sorted(found))
-        self.looks = Looks(store, labels)
+        self._looks = {}
+
+    def check(self, module):
+        """Refuses a chart that needs what nobody has: a misspelt name would be a chart that is never made."""
+        try:
+            for name in module.NEEDS.metrics:
+                metrics.find(self.store, name)
+            for name in module.NEEDS.series:
+                self.store.series("", name)
+        except load.UserError as error:
+            raise load.UserError(f"{Path(module.__file__).name}: {error}") from error
+
+    def has(self, sweep, needs):
+        about, cells = self.store.sweep(sweep), self.store.cells(sweep)
+        if about.kind != needs.kind or not len(cells):
+            return False
+        several = load.varying(self.store, cells)
+        low, high = needs.methods
+        if (not set(needs.varies) <= set(several) or not low <= cells["method"].nunique() <= high or
+                any(axis in needs.fixed or about.roles.get(axis) in needs.fixed for axis in several)):
+            return False
+        return all(self._holds(sweep, cells, name) for name in needs.metrics)
+
+    def _holds(self, sweep, cells, name):
+        if self.store.is_time(name):  # what is timed stands in the plan
+            axes = self.store.planned[self.store.planned["sweep"] == sweep]["axes"]
+            return any(cell.get("timed") for cell in axes)
+        done = cells[cells["finished_trials"] > 0]
+        return not len(done) or metrics.find(self.store, name).compute is not None or done[name].notna().any()
+
+    def cells(self, sweep, names=()):
+        """The cells of a sweep with these metrics; all that trials measure are there in any case."""
+        return metrics.add(self.store, self.store.cells(sweep), names)
+
+    def metrics(self, kind, *roles):
+        """Names of the metrics of these roles, the most telling first."""
+        return [name for name, m in metrics.known(self.store).items() if m.kind == kind and m.role in roles and "*" not in name]
+
+    def metric(self, name):
+        return metrics.find(self.store, name)
+
+    def title(self, name):
+        return metrics.find(self.store, name).title
+
+    def unit(self, name):
+        return metrics.find(self.store, name).unit
+
+    def floor(self, name):
+        return metrics.find(self.store, name).floor
+
+    def baseline(self, cells):
+        """What the sweep of these cells compares the others with; empty where it says nothing."""
+        return self.store.sweep(cells["sweep"].iloc[0]).baseline
+
+    def settings(self, cells):
+        """Numeric axes that are settings of the methods, such as iterations, and that vary; most values first."""
+        about = self.store.sweep(cells["sweep"].iloc[0])
+        found = [axis for axis in load.varying(self.store, cells) if about.roles.get(axis) == "setting" and
+                 pd.api.types.is_numeric_dtype(cells[axis].dropna().infer_objects())]
+        return sorted(found, key=lambda axis: -cells[axis].nunique())
+
+    def parameters(self, cells):
+        """Numeric axes that make the scene harder: its parameters, and the time step."""
+        about = self.store.sweep(cells["sweep"].iloc[0])
+        return [axis for axis in load.varying(self.store, cells) if (about.roles.get(axis) == "parameter" or axis == "dt") and
+                pd.api.types.is_numeric_dtype(cells[axis].dropna().infer_objects())]
+
+    def name(self, label):
+        """For legends and axes: what is no competitor says so."""
+        role = self.store.role(label)
+        return label if role == "competitor" else f"{label} ({role})"
+
+    def looks(self, cells):
+        """Colours and markers of the methods of these cells."""
+        return self._looks_of(self._group_of(cells["sweep"].iloc[0]))
+
+    def looks_of_stage(self, stage):
+        return self._looks_of(self._groups().get(stage, stage))
+
+    def _groups(self):
+        """Stage -> group of stages whose methods meet in charts."""
+        return {entry["stage"]: entry["group"] for entry in self.store.algorithms}
+
+    def _group_of(self, sweep):
+        axis, groups = self.store.method_axis(sweep), self._groups()
+        if axis in groups:
+            return groups[axis]
+        # Labels of a sweep's own: the group to which most of their families belong.
+        families = {load.family(label) for label in self.store.cells(sweep)["method"]}
+        votes = [entry["group"] for entry in self.store.algorithms if entry["name"] in families]
+        return max(sorted(set(votes)), key=votes.count) if votes else ""
+
+    def _looks_of(self, group):
+        if group not in self._looks:
+            registered = [entry for entry in self.store.algorithms if entry["group"] == group]
+            registered.sort(key=lambda entry: entry["role"] != "competitor")
+            labels = {label for sweep in self.store.sweeps() if self._group_of(sweep) == group
+                      for label in self.store.cells(sweep)["method"]}
+            ledger = self.store.ledger()
+            labels |= {method for stage, method in zip(ledger["stage"], ledger["method"])
+                       if self._groups().get(stage, stage) == group}
+            self._looks[group] = Looks(self.store, registered, sorted(labels))
+        return self._looks[group]
 
 
 def describe(row, axes):
@@ -69,6 +200,10 @@ def holes(cells, axes, limit=12):
     return said[:limit] + ([f"and {more} more, all listed under Coverage"] if more > 0 else [])
 
 
+def identifier(text):
+    return "".join(c if c.isalnum() else "_" for c in text.lower()).strip("_")
+
+
 def dimension_of(cells):
     return cells["dimension"].astype(int) if "dimension" in cells else pd.Series(2, index=cells.index)
 
@@ -86,11 +221,11 @@ def methods(names, everyone):
     """Method labels in a sentence; a whole family of three or more (`catto+...`) is named once."""
     names, said, done = list(names), [], set()
     for name in names:
-        family = [m for m in everyone if m.split("+")[0] == name.split("+")[0]]
-        if len(family) >= 3 and all(m in names for m in family):
-            if family[0] not in done:
-                said.append(f"all {len(family)} {name.split('+')[0]} variants")
-            done |= set(family)
+        alike = [m for m in everyone if load.family(m) == load.family(name)]
+        if len(alike) >= 3 and all(m in names for m in alike):
+            if alike[0] not in done:
+                said.append(f"all {len(alike)} {load.family(name)} variants")
+            done |= set(alike)
         else:
             said.append(name)
     return listing(said)

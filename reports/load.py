@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""A result store (SQLite, schema 2) as pandas tables.
+"""A result store (SQLite, schema 3) as pandas tables.
 
 A *cell* is what a sweep plans: one set of axis values. It holds one untimed trial (errors, counts, series) and any
 number of timed repeats (times). Every planned cell is a row here, whatever became of it: a cell without a result has
@@ -7,31 +7,65 @@ the outcome "not run", a failed one its outcome, step and reason. Nothing is dro
 """
 
 import json
+import re
 import sqlite3
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Callable, Optional
 
 import numpy as np
 import pandas as pd
 
-SCHEMA = "2"
-TABLES = {"meta", "machine", "planned", "trial", "series", "poses", "benchmark", "ledger"}
+SCHEMA = "3"
+TABLES = {"meta", "machine", "sweep", "metrics", "planned", "trial", "series", "poses", "benchmark", "ledger"}
 NOT_RUN = "not run"
 # The worst outcome of a cell's trials is the cell's; an outcome that this list does not know is worse than ok.
 SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "collapsed", "exploded", "diverged", "timeout",
             "out_of_memory", "crash"]
 # Axes that tell the trials of one cell apart, not the cells.
 WITHIN_CELL = ("timed", "repeat")
-# Names under which sweeps may put the competing thing, the most telling first.
-METHOD_AXES = ("resolver", "broadphase", "pair_query", "query", "method", "solver", "velocity", "algorithm", "pipeline")
-TIME_PREFIXES = ("ms_", "us_", "ns_", "s_")
 
 
 class UserError(Exception):
     """A mistake of the user's: told in one line, exit code 2."""
 
 
-def is_time(metric):
-    return metric.startswith(TIME_PREFIXES)
+@dataclass(frozen=True)
+class Metric:
+    """A metric or series, described: by the program that wrote the store, or in metrics.py."""
+    name: str  # may end in *: one for each stage, or for each count
+    title: str  # for an axis
+    unit: str
+    meaning: str
+    role: str  # "cost", "error": what charts show first; "detail"
+    smaller: str  # what a smaller value means; empty where it means neither good nor bad
+    needs: tuple  # what a trial must have, or the metric is not defined for it
+    kind: str = "world"  # of trial
+    compute: Optional[Callable] = None  # of a Trial, where the report works it out
+
+    @property
+    def floor(self):
+        """Below this a chart shows 0: rounding of metres in double precision, not a difference between methods."""
+        return 1e-12 if self.unit in ("m", "m/s", "rad") else 0.0
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep says of itself."""
+    name: str
+    kind: str
+    summary: str = ""
+    baseline: str = ""  # the value of an axis that the others are compared with
+    # Axis -> "label" (of pipelines), "stage", "setting" (used as $name in a pipeline), "parameter" (of the scene), "run"
+    roles: dict = field(default_factory=dict)
+
+    def method_axis(self, planned):
+        """The axis along which methods compete: labelled pipelines before a stage, several values before one."""
+        for role in ("label", "stage"):
+            axes = [name for name in self.roles if self.roles[name] == role]
+            if axes:
+                return max(axes, key=lambda name: len({str(cell.get(name)) for cell in planned}))
+        return None
 
 
 def _plain(value):
@@ -68,8 +102,11 @@ class Store:
         self.machines = {row[0]: json.loads(row[1]) for row in self.db.execute("SELECT id, description FROM machine")}
         self.trials = self._read_trials()
         self.planned = self._read_planned()
-        self.roles, self.summaries = self._read_registry()
-        self._cells = {}
+        self.algorithms = self._read_registry()
+        self.metrics, self.described_series = self._read_metrics("metric"), self._read_metrics("series")
+        self._sweeps = {row[0]: Sweep(*row[:4], json.loads(row[4])) for row in
+                        self.db.execute("SELECT name, kind, summary, baseline, roles FROM sweep")}
+        self._cells, self._method_axes = {}, {}
 
     def _read_trials(self):
         trials = pd.read_sql("SELECT * FROM trial", self.db, index_col="key")
@@ -87,31 +124,43 @@ class Store:
         return planned
 
     def _read_registry(self):
-        """Roles and one-line summaries by algorithm name, if the store carries the registry (`lpc list --json`)."""
+        """The algorithms of the program that wrote the store, as `lpc list --json` has them."""
         try:
             registry = json.loads(self.meta.get("registry", "{}"))
         except json.JSONDecodeError:
             registry = {}
-        roles, summaries = {}, {}
-        for entry in registry.get("algorithms", []) if isinstance(registry, dict) else []:
-            roles[entry["name"]] = entry.get("role", "competitor")
-            summaries[entry["name"]] = entry.get("summary", "")
-        return roles, summaries
+        return registry.get("algorithms", []) if isinstance(registry, dict) else []
+
+    def _read_metrics(self, what):
+        rows = self.db.execute("SELECT name, title, unit, meaning, role, smaller, needs, kind FROM metrics WHERE what=? "
+                               "ORDER BY rowid", (what,))
+        return {row[0]: Metric(*row[:6], (row[6],) if row[6] else (), row[7]) for row in rows}
+
+    def is_time(self, metric):
+        """Times come from the timed trials of one machine, everything else from the untimed one."""
+        found = described(self.metrics, metric)
+        return found is not None and "timing" in found.needs
 
     def role(self, label):
         """Of a method label such as `gjk_epa{simplex=johnson}` or `catto+linear`; competitor where nothing is known."""
-        name = str(label).split("{")[0].split("+")[0]
-        return self.roles.get(name, "witness" if name in ("fcl", "libccd", "bullet") else "competitor")
+        return next((entry["role"] for entry in self.algorithms if entry["name"] == family(label)), "competitor")
 
     def sweeps(self):
         return list(dict.fromkeys(self.planned["sweep"]))
 
-    def sweeps_of(self, stem):
-        """Sweeps of a theme: `resolvers` is also `resolvers_full` and `quick_resolvers`."""
-        return [name for name in self.sweeps() if stem in name]
+    def sweep(self, name):
+        return self._sweeps.get(name) or Sweep(name, "")
+
+    def method_axis(self, sweep):
+        if sweep not in self._method_axes:
+            planned = self.planned[self.planned["sweep"] == sweep]["axes"]
+            self._method_axes[sweep] = self.sweep(sweep).method_axis(planned)
+        return self._method_axes[sweep]
 
     def series(self, key, name):
         """One value per step, or None where the trial stored none of that name."""
+        if described(self.described_series, name) is None:
+            raise UserError(f"no series '{name}'; valid: {', '.join(self.described_series)}")
         row = self.db.execute("SELECT data FROM series WHERE key=? AND name=?", (key, name)).fetchone()
         return None if row is None else np.frombuffer(row[0], dtype="<f8")
 
@@ -136,14 +185,12 @@ class Store:
         ledger["max_error"] = pd.to_numeric(ledger["max_error"]).where(ledger["histogram"].map(bool))
         return ledger
 
-    def cells(self, stem):
-        """All cells of the sweeps of a theme, one row each: axes, outcome, reason, step, metrics, keys of the trials."""
-        if stem not in self._cells:
-            rows = []
-            for sweep in self.sweeps_of(stem):
-                rows += self._cells_of(sweep)
-            self._cells[stem] = pd.DataFrame(rows)
-        return self._cells[stem].copy()
+    def cells(self, sweep):
+        """All cells of a sweep, one row each: axes, outcome, reason, step, metrics (each that its kind of trial has, NaN
+        where a cell has none), keys of the trials."""
+        if sweep not in self._cells:
+            self._cells[sweep] = pd.DataFrame(self._cells_of(sweep))
+        return self._cells[sweep].copy()
 
     def _cells_of(self, sweep):
         groups = {}
@@ -156,9 +203,11 @@ class Store:
         axes = {k: v for k, v in entries[0].axes.items() if k not in WITHIN_CELL}
         have = [entry.key for entry in entries if entry.key in self.trials.index]
         trials = self.trials.loc[have]
-        cell = {"sweep": sweep, **axes, "method": method_of(axes), "planned_trials": len(entries),
+        kind = self.sweep(sweep).kind
+        cell = {"sweep": sweep, **axes, "method": self.method_of(sweep, axes), "planned_trials": len(entries),
                 "finished_trials": len(have), "outcome": NOT_RUN, "reason": "planned, no result in the store",
-                "step": np.nan, "key": None, "key_timed": None, "machine": None}
+                "step": np.nan, "key": None, "key_timed": None, "machine": None,
+                **{_free(name, axes): np.nan for name, m in self.metrics.items() if m.kind == kind and "*" not in name}}
         if not have:
             return cell
         worst = max(trials.itertuples(), key=lambda t: SEVERITY.index(t.outcome) if t.outcome in SEVERITY else 1)
@@ -171,19 +220,22 @@ class Store:
         facts = untimed if len(untimed) else timed
         cell["key"] = facts.index[0]
         for name, value in facts.iloc[0]["metrics"].items():
-            if not is_time(name) or not len(timed):
+            if not self.is_time(name) or not len(timed):
                 cell[_free(name, axes)] = np.nan if value is None else value
         if len(timed):
             # Machines do not mix: times come from the machine with most repeats, the others are counted as refused.
             machine = timed["machine"].mode().iloc[0] if timed["machine"].notna().any() else None
             same = timed if machine is None else timed[timed["machine"] == machine]
             cell.update(key_timed=same.index[0], machine=machine, refused_repeats=len(timed) - len(same))
-            for name in dict.fromkeys(name for metrics in same["metrics"] for name in metrics if is_time(name)):
+            for name in dict.fromkeys(name for metrics in same["metrics"] for name in metrics if self.is_time(name)):
                 values = [metrics[name] for metrics in same["metrics"] if metrics.get(name) is not None]
                 cell[_free(name, axes)] = float(np.median(values)) if values else np.nan
                 if values and name.endswith("_median"):
                     cell[name[:-6] + "lo"], cell[name[:-6] + "hi"] = min(values), max(values)
         return cell
+
+    def method_of(self, sweep, axes):
+        return str(axes.get(self.method_axis(sweep), "default"))
 
     def started(self):
         times = sorted(t for t in self.trials["started"] if t)
@@ -194,18 +246,24 @@ def _free(metric, axes):
     return "metric_" + metric if metric in axes else metric
 
 
-def method_of(axes):
-    for name in METHOD_AXES:
-        if name in axes:
-            return str(axes[name])
-    return "default"
+def family(label):
+    """The part of a method's label before its variant: `catto` of `catto+linear`, `gjk_epa` of `gjk_epa{...}`."""
+    return re.split(r"[+{ ]", str(label), 1)[0]
 
 
-def varying(cells, but=()):
-    """Axis columns of these cells with more than one value."""
-    fixed = {"sweep", "method", "planned_trials", "finished_trials", "outcome", "reason", "step", "key", "key_timed",
-             "machine", "refused_repeats", *but}
-    return [c for c in cells.columns if c not in fixed and cells[c].map(str).nunique() > 1]
+def described(table, name):
+    """The entry of this name, or the one with a star that it belongs to; None where there is none."""
+    if name in table:
+        return table[name]
+    return next((entry for key, entry in table.items() if key.endswith("*") and name.startswith(key[:-1])), None)
+
+
+def varying(store, cells, but=()):
+    """Axes of these cells with more than one value, but for those that tell methods apart. An engine that exists in one
+    precision only does not make the precision an axis."""
+    axes = axes_of(store, cells) - {store.method_axis(name) for name in cells["sweep"].unique()} - set(but)
+    several = [c for c in cells.columns if c in axes and cells[c].map(str).nunique() > 1]
+    return [c for c in several if c != "precision" or (cells.groupby("method")[c].nunique() > 1).any()]
 
 
 def split(cells, names, sort=False):
@@ -218,10 +276,10 @@ def split(cells, names, sort=False):
 def axes_of(store, cells):
     """Names of all axes that the sweeps of these cells have."""
     planned = store.planned[store.planned["sweep"].isin(cells["sweep"].unique())]
-    return {name for axes in planned["axes"] for name in axes}
+    return {name for axes in planned["axes"] for name in axes} - set(WITHIN_CELL)
 
 
-def one_machine(cells):
+def one_machine(store, cells):
     """(cells whose times may be compared, sentences naming those that may not)."""
     if "machine" not in cells or cells["machine"].nunique(dropna=True) < 2:
         return cells, []
@@ -231,6 +289,6 @@ def one_machine(cells):
                for row in cells[other].itertuples()]
     cells = cells.copy()
     for name in cells.columns:
-        if is_time(name):
+        if store.is_time(re.sub("_(lo|hi)$", "_median", name)):
             cells.loc[other, name] = np.nan
     return cells, sorted(set(refused))

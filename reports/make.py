@@ -8,8 +8,8 @@ from pathlib import Path
 
 EXAMPLE = """example:
   reports/make.py --store results/quick.db --out reports/out/quick
-  reports/make.py --store results/quick.db --out reports/out/quick --only broadphase_2d
-  reports/make.py --store results/quick.db --chart resolvers_vertical_stack__2d --to docs/chart.svg"""
+  reports/make.py --store results/quick.db --out reports/out/quick --only broadphase_crossover_2d
+  reports/make.py --store results/quick.db --chart resolvers_pyramid__2d --to docs/chart.svg"""
 
 
 def parse(arguments):
@@ -20,7 +20,7 @@ def parse(arguments):
     parser.add_argument("--only", metavar="ID,ID", default="", help="only the charts whose id begins with one of these, and no page")
     parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` picks the most telling")
     parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
-    parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and write nothing")
+    parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and the metrics, and write nothing")
     options = parser.parse_args(arguments)
     if not (options.out or options.list or (options.chart and options.to)):
         parser.error("give --out DIR, or --chart ID --to FILE, or --list")
@@ -29,23 +29,14 @@ def parse(arguments):
 
 def all_charts(context, only=()):
     """Every chart of the report in reading order. A theme that the store lacks gives a chart that says so."""
-    import charts_breaking
-    import charts_broadphase
-    import charts_corpus
-    import charts_micro
-    import charts_pairs_of_runs
-    import charts_queries
-    import charts_resolvers
-    import charts_stages
-    import charts_verify
-    import coverage
+    from chart import made, modules
+    from load import UserError
     from style import plt
-    themes = (charts_broadphase.charts, charts_resolvers.charts, charts_breaking.charts, charts_pairs_of_runs.unneeded,
-              charts_pairs_of_runs.precision, charts_queries.charts, charts_verify.charts, charts_corpus.charts,
-              charts_stages.charts, charts_micro.charts, coverage.charts)
     kept = []
-    for theme in themes:
-        for chart in theme(context):
+    for module in modules():
+        for chart in made(module, context):
+            if chart.id in context.ids:
+                raise UserError(f"two charts have the id {chart.id}")
             context.ids.append(chart.id)
             if not only or any(chart.id.startswith(name) for name in only):
                 kept.append(chart)
@@ -55,18 +46,15 @@ def all_charts(context, only=()):
 
 
 def most_telling(charts):
-    """The README's chart: resolvers on a stack before anything else, then whatever was drawn first."""
-    drawn = [c for c in charts if c.figure is not None]
-    for wanted in ("resolvers_vertical_stack", "resolvers_pyramid", "resolvers", "breaking", "broadphase"):
-        for chart in drawn:
-            if chart.id.startswith(wanted):
-                return chart
+    """The one chart for those who look at one: the first that says of itself that it may stand for all."""
+    drawn = sorted((c for c in charts if c.figure is not None), key=lambda c: not c.telling)
     return drawn[0] if drawn else None
 
 
 def run(options):
     from chart import Context
     from load import Store, UserError
+    from metrics import known
     import pages
     store = Store(options.store)
     context = Context(store)
@@ -77,7 +65,10 @@ def run(options):
         raise UserError(f"--only {options.only}: no such chart; there are {names}")
     if options.list:
         for chart in charts:
-            print(f"{chart.id}: {chart.title}\n    {chart.finding}")
+            print(f"{chart.id}  {chart.title}\n    {chart.finding}")
+        print("\nmetrics")
+        for name, metric in known(store).items():
+            print(f"  {name} ({metric.unit})  {metric.meaning}")
         return
     if options.chart:
         found = most_telling(charts) if options.chart == "best" else next((c for c in charts if c.id == options.chart), None)

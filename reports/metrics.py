@@ -1,28 +1,26 @@
 # SPDX-License-Identifier: Zlib
-"""What is measured: one table, name -> description, unit, direction.
+"""Metrics that the report works out from the series and poses of a store, so that one more needs no new run.
 
-A metric with `compute` is worked out here from the stored per-step series and poses, so adding one needs no new run.
-`compute` takes a Trial and returns a number; NaN says that the trial does not hold what the metric needs.
+One entry is one function under @metric. It takes a Trial and returns a number; `needs` are the stored metrics and series
+without which it is not defined (NaN). What a trial measures itself is described in the store, in the same words.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Callable, Optional
 
 import numpy as np
 
+from load import Metric, UserError, described
 
-@dataclass(frozen=True)
-class Metric:
-    description: str
-    unit: str
-    better: str  # "lower", "higher", or "" where neither is better
-    compute: Optional[Callable] = None
+DERIVED = {}
 
-    @property
-    def floor(self):
-        """Below this a chart shows 0: rounding of metres in double precision, not a difference between methods."""
-        return 1e-12 if self.unit in ("m", "m/s", "rad") else 0.0
+
+def metric(title, unit, meaning, smaller, needs, role="detail"):
+    """Enters the function below as a metric of its name; the words are those of load.Metric."""
+    def enter(compute):
+        name = compute.__name__
+        DERIVED[name] = Metric(name, title, unit, meaning, role, smaller, needs, "world", compute)
+        return compute
+    return enter
 
 
 class Trial:
@@ -35,6 +33,13 @@ class Trial:
 
     def series(self, name):
         return self.store.series(self.key, name)
+
+    def has(self, name):
+        """Whether the trial stored this metric (as a number) or this series."""
+        if described(self.store.metrics, name):
+            value = self.metrics.get(name)
+            return value is not None and not math.isnan(value)
+        return self.series(name) is not None  # refuses what is neither
 
     def parameter(self, name):
         """A number anywhere in the canonical description: a scene parameter, dt, steps. NaN where there is none."""
@@ -61,12 +66,31 @@ def _energy(trial):
     return None if kinetic is None or potential is None or not len(kinetic) else kinetic + potential
 
 
+@metric("sideways drift at the end", "m", "farthest that any body has gone sideways at the end", "less drift",
+        ("drift_limit",), "error")
+def lean(trial):
+    """Farthest that a body has gone sideways between its first and its last stored pose; y is up."""
+    dimension = trial.parameter("dimension")
+    if dimension not in (2, 3):
+        return math.nan
+    poses = trial.store.poses(trial.key, int(dimension))
+    if len(poses) < 2:
+        return math.nan
+    sideways = [1] if dimension == 2 else [1, 3]  # columns: slot, x, y, z
+    start = {row[0]: row[sideways] for row in poses[min(poses)]}
+    moved = [float(np.linalg.norm(row[sideways] - start[row[0]])) for row in poses[max(poses)] if row[0] in start]
+    return float(np.max(moved)) if moved and np.isfinite(moved).all() else math.nan
+
+
+@metric("restlessness (speed)", "m/s", "speed of the fastest body, root mean square of the last quarter", "calmer",
+        ("drift_limit", "max_speed"), "error")
 def jitter(trial):
     """Root mean square of the fastest body's speed in the last quarter: how restless a scene at rest is."""
     speed = _last_quarter(trial.series("max_speed"))
     return math.nan if speed is None else float(np.sqrt(np.mean(np.square(speed))))
 
 
+@metric("creep", "m/s", "growth of the largest drift in the last quarter", "calmer", ("drift_limit", "drift"))
 def creep(trial):
     drift, dt = _last_quarter(trial.series("drift")), trial.parameter("dt")
     if drift is None or math.isnan(dt):
@@ -74,6 +98,8 @@ def creep(trial):
     return float(drift[-1] - drift[0]) / (dt * (len(drift) - 1))
 
 
+@metric("energy gained", "1", "energy above the start, over the largest energy exchanged", "less energy from nowhere",
+        ("kinetic", "potential"))
 def energy_gain(trial):
     """Above the start, as a fraction of the largest kinetic energy or fall that the run saw: no division by zero."""
     energy = _energy(trial)
@@ -83,11 +109,15 @@ def energy_gain(trial):
     return 0.0 if scale == 0 else max(0.0, float(np.max(energy) - energy[0])) / scale
 
 
+@metric("contacts that flicker", "1", "contact points gained or lost per step in the last quarter", "calmer",
+        ("drift_limit", "points"))
 def contact_flicker(trial):
     points = _last_quarter(trial.series("points"))
     return math.nan if points is None else float(np.mean(np.abs(np.diff(points))))
 
 
+@metric("time to settle", "s", "time until no body is faster than 5 cm/s for good", "sooner at rest",
+        ("drift_limit", "max_speed"))
 def settle_time(trial, still=0.05):
     """The first moment after which no body is faster than `still` (m/s); infinite when that never comes."""
     speed, dt = trial.series("max_speed"), trial.parameter("dt")
@@ -99,26 +129,15 @@ def settle_time(trial, still=0.05):
     return math.inf if moving[-1] == len(speed) - 1 else float((moving[-1] + 1) * dt)
 
 
-def slope_error(trial):
-    """|distance slid - g (sin a - mu cos a) t^2 / 2|, or the whole distance where friction should hold."""
-    angle, mu, dt = trial.parameter("angle"), trial.parameter("mu"), trial.parameter("dt")
-    mu = trial.parameter("friction") if math.isnan(mu) else mu
-    gravity = trial.parameter("g")
-    gravity = 10.0 if math.isnan(gravity) else abs(gravity)  # every scene's, unless it says otherwise
-    slid, steps = trial.metrics.get("slope_distance"), trial.metrics.get("steps_done")
-    if slid is None or steps is None or any(math.isnan(v) for v in (angle, mu, dt)):
-        return math.nan
-    pull = gravity * (math.sin(angle) - mu * math.cos(angle))
-    # A pull within rounding of zero is the case on the edge: it should hold.
-    right = pull * (steps * dt)**2 / 2 if pull > 1e-9 * gravity else 0.0
-    return abs(slid - right)
-
-
+@metric("mean penetration at rest", "m", "mean overlap over the last quarter", "less overlap",
+        ("drift_limit", "mean_penetration"))
 def mean_penetration_rest(trial):
     values = _last_quarter(trial.series("mean_penetration"))
     return math.nan if values is None else float(np.mean(values))
 
 
+@metric("tilt at the end", "rad", "largest turn of a body between the first and the last stored pose", "less drift",
+        ("drift_limit",))
 def tilt_end(trial):
     """Largest angle by which any body is turned against its first stored pose; from the stored poses."""
     dimension = trial.parameter("dimension")
@@ -141,74 +160,35 @@ def tilt_end(trial):
     return float(np.max(tilts)) if np.isfinite(tilts).all() else math.nan
 
 
-def lean(trial):
-    """Farthest that a body has gone sideways between its first and its last stored pose; y is up."""
-    dimension = trial.parameter("dimension")
-    if dimension not in (2, 3):
-        return math.nan
-    poses = trial.store.poses(trial.key, int(dimension))
-    if len(poses) < 2:
-        return math.nan
-    sideways = [1] if dimension == 2 else [1, 3]  # columns: slot, x, y, z
-    start = {row[0]: row[sideways] for row in poses[min(poses)]}
-    moved = [float(np.linalg.norm(row[sideways] - start[row[0]])) for row in poses[max(poses)] if row[0] in start]
-    return float(np.max(moved)) if moved and np.isfinite(moved).all() else math.nan
+def known(store):
+    """Every metric by name: those that trials measure, then those that are worked out here."""
+    return {**store.metrics, **DERIVED}
 
 
-METRICS = {
-    "ms_per_step_median": Metric("CPU time of one step, median over steps and repeats", "ms", "lower"),
-    "ns_per_frame_median": Metric("CPU time of update and findPairs for one frame, median", "ns", "lower"),
-    "ns_per_query": Metric("CPU time of one shape pair, in batches", "ns", "lower"),
-    "work_row_updates": Metric("constraint rows solved once, mean per step: a cost without noise", "1", "lower"),
-    "box_tests_mean": Metric("box against box overlap tests per frame", "1", "lower"),
-    "node_visits_mean": Metric("tree nodes or grid cells visited per frame", "1", "lower"),
-    "pairs_mean": Metric("overlapping pairs per frame", "1", ""),
-    "wrong_pairs": Metric("pairs reported that naive does not report, or the reverse", "1", "lower"),
-    "max_penetration": Metric("deepest overlap of any contact in any step", "m", "lower"),
-    "penetration_poses": Metric("deepest overlap of any two shapes, by one exact query on the poses of every tenth step", "m",
-                                "lower"),
-    "mean_penetration_end": Metric("mean overlap of the contacts of the last step", "m", "lower"),
-    "max_drift": Metric("farthest that any body ever was from where it started", "m", "lower"),
-    "end_drift_max": Metric("farthest that any body is from where it started, at the end", "m", "lower"),
-    "end_drift_top": Metric("how far the top body is from where it started, at the end", "m", "lower"),
-    "max_speed": Metric("fastest body in any step", "m/s", ""),
-    "max_speed_end": Metric("fastest body in the last step", "m/s", "lower"),
-    "momentum_error": Metric("change of momentum that no outer force explains", "kg m/s", "lower"),
-    "complementarity_max": Metric("worst normal impulse times closing speed, where nothing shall bounce", "J", "lower"),
-    "cone_excess_max": Metric("worst friction impulse beyond Coulomb's cone", "N s", "lower"),
-    "joint_error_max": Metric("farthest that the two anchors of a joint are apart", "m", "lower"),
-    "max_error": Metric("worst error of the distance or depth, over the size of the query", "1", "lower"),
-    "p99_error": Metric("error that 99 of 100 queries stay below, over the size of the query", "1", "lower"),
-    "median_error": Metric("median error of the distance or depth, over the size of the query", "1", "lower"),
-    "failed": Metric("queries that ended without an answer", "1", "lower"),
-    "refused": Metric("queries of declared shapes that were refused", "1", "lower"),
-    "wrong_boolean": Metric("queries whose yes or no is certainly wrong", "1", "lower"),
-    "jitter": Metric("speed of the fastest body, root mean square of the last quarter", "m/s", "lower", jitter),
-    "creep": Metric("growth of the largest drift in the last quarter", "m/s", "lower", creep),
-    "energy_gain": Metric("energy above the start, over the largest energy exchanged", "1", "lower", energy_gain),
-    "contact_flicker": Metric("contact points gained or lost per step in the last quarter", "1", "lower",
-                              contact_flicker),
-    "settle_time": Metric("time until no body is faster than 5 cm/s for good", "s", "lower", settle_time),
-    "lean": Metric("farthest that any body has gone sideways at the end", "m", "lower", lean),
-    "tilt_end": Metric("largest turn of a body between the first and the last stored pose", "rad", "lower", tilt_end),
-    "slope_error": Metric("distance slid against the closed form of a block on a slope", "m", "lower", slope_error),
-    "mean_penetration_rest": Metric("mean overlap over the last quarter", "m", "lower", mean_penetration_rest),
-}
+def find(store, name):
+    found = described(known(store), name)
+    if found is None:
+        raise UserError(f"no metric '{name}'; valid: {', '.join(known(store))}")
+    return found
 
 
 def add(store, cells, names):
-    """Adds the named computed metrics as columns; cells without a finished trial get NaN."""
+    """Adds the named metrics as columns, where the store has not measured them; cells without a finished trial get NaN."""
     for name in names:
-        compute = METRICS[name].compute
-        if compute and len(cells):
-            cells[name] = [math.nan if key is None else compute(Trial(store, key)) for key in cells["key"]]
+        entry = find(store, name)
+        if entry.compute and len(cells):
+            cells[name] = [math.nan if key is None else _value(entry, Trial(store, key)) for key in cells["key"]]
     return cells
 
 
+def _value(entry, trial):
+    return entry.compute(trial) if all(trial.has(need) for need in entry.needs) else math.nan
+
+
 def column(cells, name):
-    """A metric's values as floats; a column that no trial holds is all NaN, never a missing column."""
+    """A metric's values as floats. Every metric of the trials' kind is a column, so one that is none is misspelt."""
     if name not in cells:
-        return np.full(len(cells), math.nan)
+        raise UserError(f"no metric '{name}' among these cells; they have {', '.join(map(str, cells.columns))}")
     return cells[name].astype(float).to_numpy()
 
 

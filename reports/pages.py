@@ -135,9 +135,9 @@ def write(context, charts, out, store_argument, out_argument):
         sections.setdefault(chart.section, []).append(item)
     bad = coverage.not_ok(coverage.trials(context.store))
     save_table(bad, tables / "not_ok.csv")
-    glossary = pd.DataFrame([(name, m.description, m.unit, m.better or "–", "the report" if m.compute else "the trial")
-                             for name, m in metrics.METRICS.items()],
-                            columns=["metric", "what it is", "unit", "better", "computed by"])
+    glossary = pd.DataFrame([(name, m.meaning, m.unit, m.smaller or "–", ", ".join(m.needs) or "–",
+                              "the report" if m.compute else "the trial") for name, m in metrics.known(context.store).items()],
+                            columns=["metric", "what it is", "unit", "smaller is", "needs", "computed by"])
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE / "templates"), autoescape=True,
                                      trim_blocks=True, lstrip_blocks=True)
     page = environment.get_template("index.html.j2").render(

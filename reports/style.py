@@ -2,6 +2,7 @@
 """How charts look: colours that stay with an algorithm, log axes with a place for zero and for failures, labels."""
 
 import math
+import zlib
 
 import matplotlib
 
@@ -10,21 +11,20 @@ import matplotlib.patheffects as patheffects  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import matplotlib.ticker as ticker  # noqa: E402
 
-# Okabe and Ito's palette without its yellow, continued by Paul Tol's muted one: told apart by the colour-blind.
+from load import family  # noqa: E402
+
+# Okabe and Ito's palette without its yellow and black, continued by Paul Tol's muted one: told apart by the colour-blind.
 PALETTE = ["#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#332288", "#882255", "#44AA99", "#999933",
-           "#661100", "#777777", "#000000"]
-MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "*", "p", "d"]
-# Names keep their colour from report to report; names that are not here take the free ones in alphabetical order.
-KNOWN = {"naive": 0, "sort_and_sweep": 1, "uniform_grid": 2, "region_tree": 3, "naive_sphere": 4, "rebuilt_bvh": 5,
-         "dynamic_tree": 6, "closed_form": 12, "sat": 1, "gjk_epa": 2, "fcl": 4, "libccd": 3, "bullet": 5,
-         "millington": 4, "catto": 1, "catto+none": 11, "catto+linear": 5, "catto+nonlinear": 6, "catto+baumgarte": 3,
-         "catto+split_impulse": 1, "soft_step": 2}
+           "#661100", "#777777"]
+# For more families than colours: the dark ones lightened, the light ones darkened.
+SHADES = ["#8C3E00", "#66AAD1", "#00573F", "#7A3E61", "#8A5F00", "#1F6F9E", "#8A7FC9", "#C98AA3", "#1E5F55", "#5A5A10",
+          "#B5806F", "#333333"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "d", "*"]  # told apart at the size of a legend
 OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "collapsed": ("#E69F00", "C"),
             "exploded": ("#D55E00", "E"), "diverged": ("#000000", "N"), "timeout": ("#332288", "T"),
             "crash": ("#661100", "X"), "wrong": ("#CC79A7", "W"), "out_of_memory": ("#44AA99", "M"),
             "unsupported": ("#BBBBBB", "U"), "nondeterministic": ("#999933", "D")}
-# From the bottom of a stack of stage times upwards, as World::step goes.
-STAGES = {"boxes": 4, "broadphase": 0, "cache": 9, "contacts": 1, "listeners": 10, "sleep": 3, "solver": 2, "other": 11}
+RIGHT, REFUSED, NOT_ASKED = "#E3F0E8", "#B9CFE4", "#F2F2F2"  # of verdicts
 WIDTH = 11.6  # inches at 100 dots: the page's column
 
 plt.rcParams.update({
@@ -38,33 +38,60 @@ plt.rcParams.update({
 
 
 class Looks:
-    """Colour and marker of each method label; made once per report so that a label looks alike in every chart."""
+    """Colour and marker of each method label of one pool, the methods that meet in a chart.
 
-    def __init__(self, store, labels):
-        self.store = store
-        self.slots = {}
-        for family in labels:  # one family = the methods that meet in one chart
-            free = [i for i in range(len(PALETTE))]
-            for label in family:
-                slot = KNOWN.get(label, KNOWN.get(label.split("{")[0]))
-                if slot in free:
-                    self.slots.setdefault(label, slot)
-                if label in self.slots and self.slots[label] in free:
-                    free.remove(self.slots[label])
-            for label in sorted(set(family) - set(self.slots)):
-                self.slots[label] = free.pop(0) if free else len(self.slots) % len(PALETTE)
+    The colour is that of the label's family (`catto` of `catto+linear`), the marker that of the member. What the registry
+    of the store names has its look by this alone, whatever else the store holds; other labels take what is left. So a
+    label looks alike on all pages.
+    """
+
+    def __init__(self, store, registered, labels):
+        """`registered`: entries of the registry that belong to this pool, in its order; `labels`: all that are drawn."""
+        self.store, self.families, self.looks = store, {}, {}
+        stages = {}
+        for entry in registered:
+            stages.setdefault(entry["stage"], []).append(entry["name"])
+        # `+linear` is the same shift of the marker in each family: its place among the names of its stage.
+        self.shifts = {"+" + name: 1 + place for names in stages.values() for place, name in enumerate(sorted(names))}
+        for name in [entry["name"] for entry in registered] + sorted({family(label) for label in labels}):
+            self._enter(name)
+        everyone = [*self.families, *sorted(set(labels) - set(self.families), key=lambda label: (self._member(label) not in
+                                                                                                self.shifts, label))]
+        taken = set()
+        for label in everyone:
+            slot, member = self.families[family(label)], self._member(label)
+            marker = 7 * slot + (self.shifts.get(member, zlib.crc32(member.encode())) if member else 0)
+            colour = (PALETTE + SHADES)[slot % (len(PALETTE) + len(SHADES))]
+            tried = [(colour, MARKERS[(marker + step) % len(MARKERS)]) for step in range(len(MARKERS))]
+            self.looks[label] = next((look for look in tried if look not in taken), tried[0])
+            taken.add(self.looks[label])
+
+    @staticmethod
+    def _member(label):
+        return label[len(family(label)):]
+
+    def _enter(self, name):
+        """The slot that the name's hash prefers, or the next free one: of the palette first, then of its shades."""
+        if name in self.families:
+            return
+        used = set(self.families.values())
+        ring = len(self.families) // len(PALETTE)  # rings fill one after another
+        first = zlib.crc32(name.encode())
+        slots = [ring * len(PALETTE) + (first + step) % len(PALETTE) for step in range(len(PALETTE))]
+        self.families[name] = next(slot for slot in slots if slot not in used)
 
     def __call__(self, label):
-        """Keyword arguments for plot(): a witness is drawn hollow and dashed."""
-        slot = self.slots.get(label, 11)
-        look = {"color": PALETTE[slot], "marker": MARKERS[slot]}
+        """Keyword arguments for plot(): what is no competitor is drawn hollow and dashed."""
+        colour, marker = self.looks[label]
+        look = {"color": colour, "marker": marker, "markersize": plt.rcParams["lines.markersize"] * scale_of(marker)}
         if self.store.role(label) != "competitor":
             look.update(markerfacecolor="white", linestyle="--")
         return look
 
-    def name(self, label):
-        role = self.store.role(label)
-        return label if role == "competitor" else f"{label} ({role})"
+
+def scale_of(marker):
+    """A star of the size of a disc would be a speck."""
+    return 1.6 if marker == "*" else 1.0
 
 
 def letter(outcome):
@@ -251,7 +278,13 @@ def grid_of_axes(rows, columns, row_height, legend_width=0.0, width=WIDTH, top=0
     return figure, axes
 
 
+def legend_room(names, least):
+    """Width (inches) of a legend with these names."""
+    return max([least] + [0.62 + 0.074 * len(name) for name in names])
+
+
 def legend_right(figure, handles, legend_width, title=None, width=WIDTH):
-    """A legend in the room that grid_of_axes kept."""
+    """A legend in the room that grid_of_axes kept; the figure grows when there are more methods than it is high."""
+    figure.set_figheight(max(figure.get_figheight(), 0.35 + 0.2 * len(handles) + (0.2 if title else 0)))
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - legend_width / width, 0.97), title=title,
                   alignment="left", borderaxespad=0, labelspacing=0.55, handlelength=1.8)

@@ -97,6 +97,14 @@ void print(const json& all) {
     std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), dimensionsText(s["dimensions"]).c_str(),
                 sizes.c_str());
   }
+  std::printf("\nmetrics and series\n");
+  for (const json& m : all["metrics"]) {
+    const std::string unit = m["unit"] == "1" ? "" : " (" + m["unit"].get<std::string>() + ")";
+    const std::string needs = m["needs"] == "" ? "" : "; needs: " + m["needs"].get<std::string>();
+    std::printf("  %-26s %-6s %s: %s%s%s\n", m["name"].get<std::string>().c_str(), m["kind"].get<std::string>().c_str(),
+                m["what"].get<std::string>().c_str(), m["meaning"].get<std::string>().c_str(), unit.c_str(),
+                needs.c_str());
+  }
   std::printf("\nscenes\n");
   for (const json& s : all["scenes"]) {
     std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), dimensionsText(s["dimensions"]).c_str(),
@@ -127,7 +135,7 @@ void writeNames(const std::string& page) {
 
 void addList(CommandLine& app, Session&) {
   CommandLine command =
-      app.subcommand("list", "All algorithms with their parameters, all kinds of shape, all scenes, all sweeps");
+      app.subcommand("list", "All algorithms with their parameters, all kinds of shape, metrics, scenes and sweeps");
   auto asJson = std::make_shared<bool>(false);
   auto page = std::make_shared<std::string>();
   command.flag("--json", *asJson, "for programs");
@@ -137,6 +145,7 @@ void addList(CommandLine& app, Session&) {
     if (!page->empty()) return writeNames(*page);
     const json all = {{"algorithms", describeAlgorithms()},
                       {"shapes", describeShapes()},
+                      {"metrics", describeMeasures()},
                       {"scenes", describeScenes()},
                       {"sweeps", describeSweeps()}};
     if (*asJson) {

@@ -28,7 +28,7 @@ void sweep(Options& o, Session& session) {
     return;
   }
   Store store(o.store, true);
-  store.setMeta("registry", nlohmann::json{{"algorithms", describeAlgorithms()}}.dump());
+  describeProgram(store);
   o.run.partial = !o.only.empty();
   o.run.plugins = session.plugins;
   const RunSummary done = runSweeps(sweeps, store, o.run);

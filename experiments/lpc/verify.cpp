@@ -56,7 +56,7 @@ int verifyCaseFile(const Arguments& a) {
   if (csv) csv->stream() << table.str(), csv->finish();
   if (a.storeNamed) {
     Store store(a.store, true);
-    store.setMeta("registry", nlohmann::json{{"algorithms", describeAlgorithms()}}.dump());
+    describeProgram(store);
     store.setMeta("corpus_file", a.cases);
     store.setMeta("corpus", table.str());
   }
@@ -73,7 +73,7 @@ void verify(Arguments& a, Session& session) {
   a.options.plugins = session.plugins;
   checkVerification(a.options);  // before a store is made
   Store store(a.store, true);
-  store.setMeta("registry", nlohmann::json{{"algorithms", describeAlgorithms()}}.dump());
+  describeProgram(store);
   const VerificationSummary done = runVerification(a.options, store);
   const int faults = printLedger(ledgerOf(a.options, store), std::cout);
   for (const std::string& path : writeFoundCases(store, a.store)) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <set>
 
+#include "experiments/trial/metric.h"
 #include "framework/check.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -49,6 +50,7 @@ json describeAlgorithms() {
       failures.push_back({{"when", f.when}, {"symptom", f.symptom}, {"test", f.test}});
     }
     out.push_back({{"stage", stage},
+                   {"group", stageInfo(entry.stage).group},
                    {"name", entry.info.name},
                    {"summary", entry.info.summary},
                    {"paper", entry.info.paper},
@@ -60,6 +62,27 @@ json describeAlgorithms() {
                    {"failures", failures}});
   }
   return out;
+}
+
+json describeMeasures() {
+  json out = json::array();
+  for (const DescribedMetric& m : describeMetrics()) {
+    out.push_back({{"what", m.what},
+                   {"kind", m.kind},
+                   {"name", m.info.name},
+                   {"title", m.info.title},
+                   {"unit", m.info.unit},
+                   {"meaning", m.info.meaning},
+                   {"role", roleName(m.info.role)},
+                   {"smaller", m.info.smaller},
+                   {"needs", needName(m.info.need)}});
+  }
+  return out;
+}
+
+void describeProgram(Store& store) {
+  store.setMeta("registry", json{{"algorithms", describeAlgorithms()}}.dump());
+  store.describe(describeMetrics());
 }
 
 std::string withNames(const std::string& page) {

@@ -5,13 +5,21 @@
 #include <string>
 #include <string_view>
 
+#include "experiments/runner/store.h"
 #include "framework/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 
-/// All registered algorithms, one entry per name: stage, name, summary, paper, complexity, guarantee, role, dimensions,
-/// params, failures. What `lpc list --json` prints and what every store carries, so that a report knows whom it shows.
+/// All registered algorithms, one entry per name: stage, its group, name, summary, paper, complexity, guarantee, role,
+/// dimensions, params, failures. What `lpc list --json` prints.
 nlohmann::json describeAlgorithms();
+
+/// All metrics and series that trials measure: what (metric, series), kind of trial, name, title, unit, meaning, role,
+/// smaller, needs.
+nlohmann::json describeMeasures();
+
+/// Writes both into the store, so that a report knows whom and what it shows.
+void describeProgram(Store& store);
 
 /// `page` with the names of all competitors in a table, in place of what stands between its lines "<!-- registry -->"
 /// and

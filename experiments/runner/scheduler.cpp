@@ -158,7 +158,7 @@ class Scheduler {
 }  // namespace
 
 RunSummary runSweeps(const std::vector<PlannedSweep>& sweeps, Store& store, const RunOptions& options) {
-  for (const PlannedSweep& sweep : sweeps) store.plan(sweep.name, sweep.trials, !options.partial);
+  for (const PlannedSweep& sweep : sweeps) store.plan(sweep, !options.partial);
   const InterruptGuard interrupts;
   return Scheduler(store, options).run(sweeps);
 }

@@ -17,10 +17,13 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchemaVersion = "2";
+constexpr const char* kSchemaVersion = "3";
 constexpr const char* kTables = R"(
 CREATE TABLE IF NOT EXISTS meta(key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE IF NOT EXISTS machine(id INTEGER PRIMARY KEY, description TEXT UNIQUE);
+CREATE TABLE IF NOT EXISTS sweep(name TEXT PRIMARY KEY, kind TEXT, summary TEXT, baseline TEXT, roles TEXT);
+CREATE TABLE IF NOT EXISTS metrics(what TEXT, name TEXT, kind TEXT, title TEXT, unit TEXT, meaning TEXT, role TEXT,
+  smaller TEXT, needs TEXT, PRIMARY KEY(what, name));
 CREATE TABLE IF NOT EXISTS planned(sweep TEXT, key TEXT, axes TEXT, PRIMARY KEY(sweep, key));
 CREATE TABLE IF NOT EXISTS trial(key TEXT PRIMARY KEY, kind TEXT, canonical TEXT, outcome TEXT, reason TEXT,
   step INTEGER, metrics TEXT, machine INTEGER, commit_id TEXT, started TEXT, wall REAL, timed INTEGER, hash TEXT);
@@ -141,16 +144,37 @@ std::optional<double> Store::wall(const std::string& key) try {
   failStore(m_db.getFilename(), e);
 }
 
-void Store::plan(const std::string& sweep, const std::vector<PlannedTrial>& trials, bool replace) try {
+void Store::plan(const PlannedSweep& sweep, bool replace) try {
   SQLite::Transaction transaction(m_db);
   if (replace) {
     SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=?");
-    clear.bind(1, sweep);
+    clear.bind(1, sweep.name);
     clear.exec();
   }
+  SQLite::Statement about(m_db, "INSERT OR REPLACE INTO sweep VALUES (?, ?, ?, ?, ?)");
+  about.bind(1, sweep.name), about.bind(2, sweep.kind), about.bind(3, sweep.summary), about.bind(4, sweep.baseline);
+  about.bind(5, json(sweep.roles).dump());
+  about.exec();
   SQLite::Statement s(m_db, "INSERT OR REPLACE INTO planned VALUES (?, ?, ?)");
-  for (const PlannedTrial& t : trials) {
-    s.bind(1, sweep), s.bind(2, t.key), s.bind(3, t.axes.dump());
+  for (const PlannedTrial& t : sweep.trials) {
+    s.bind(1, sweep.name), s.bind(2, t.key), s.bind(3, t.axes.dump());
+    s.exec();
+    s.reset();
+  }
+  transaction.commit();
+} catch (const SQLite::Exception& e) {
+  failStore(m_db.getFilename(), e);
+}
+
+void Store::describe(const std::vector<DescribedMetric>& metrics) try {
+  SQLite::Transaction transaction(m_db);
+  SQLite::Statement s(m_db, "INSERT OR REPLACE INTO metrics VALUES (?,?,?,?,?,?,?,?,?)");
+  for (const DescribedMetric& m : metrics) {
+    int at = 0;
+    for (const std::string_view text : {m.what, m.info.name, m.kind, m.info.title, m.info.unit, m.info.meaning,
+                                        roleName(m.info.role), m.info.smaller, needName(m.info.need)}) {
+      s.bind(++at, std::string(text));
+    }
     s.exec();
     s.reset();
   }
@@ -225,7 +249,9 @@ long Store::merge(const std::string& path) try {
   attach.exec();
   SQLite::Transaction transaction(m_db);
   m_db.exec("INSERT OR IGNORE INTO machine(description) SELECT description FROM other.machine");
-  m_db.exec("INSERT OR IGNORE INTO planned SELECT * FROM other.planned");
+  for (const char* table : {"sweep", "metrics", "planned"}) {
+    m_db.exec(std::string("INSERT OR IGNORE INTO ") + table + " SELECT * FROM other." + table);
+  }
   for (const char* table : {"series", "poses"}) {
     m_db.exec(std::string("INSERT OR IGNORE INTO ") + table + " SELECT * FROM other." + table +
               " WHERE key NOT IN (SELECT key FROM main.trial)");

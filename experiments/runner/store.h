@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/runner/trial_plan.h"
+#include "experiments/runner/sweep_file.h"
+#include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
 #include "oracles/ledger.h"
 
@@ -42,9 +43,11 @@ class Store {
   /// Seconds that the trial took.
   std::optional<double> wall(const std::string& key);
   /// Replaces what the sweep planned before, or adds to it (a part of a sweep was asked for).
-  void plan(const std::string& sweep, const std::vector<PlannedTrial>& trials, bool replace);
+  void plan(const PlannedSweep& sweep, bool replace);
   void put(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall);
   void setMeta(const std::string& key, const std::string& value);
+  /// What metrics and series are; replaces what the store holds of the same names.
+  void describe(const std::vector<DescribedMetric>& metrics);
   void addBenchmark(const std::string& json);
   /// Has this block of a verification been booked for this method?
   bool isVerified(const std::string& key);

@@ -62,8 +62,8 @@ class Sweep {
   PlannedSweep plan(Planner& planner) {
     m_planner = &planner;
     TableReader top(m_table, m_path, "the sweep");
-    top.requireString("summary");
-    m_kind = top.requireString("kind");
+    m_out.summary = top.requireString("summary"), m_out.baseline = top.string("baseline", "");
+    m_kind = m_out.kind = top.requireString("kind");
     if (m_kind != "world" && m_kind != "boxes" && m_kind != "pairs") {
       top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'; valid: world, boxes, pairs");
     }
@@ -80,6 +80,11 @@ class Sweep {
       readSettings(group, own);
       group.finish();
       product(own, *t);
+    }
+    if (!m_out.baseline.empty() && !m_named.count(m_out.baseline)) {
+      std::string valid;
+      for (const std::string& n : m_named) valid += (valid.empty() ? "" : ", ") + n;
+      top.fail(*top.find("baseline"), "no axis has the value '" + m_out.baseline + "'; valid: " + valid);
     }
     if (m_out.trials.empty() && m_only.empty()) throw UserError(m_path + ": the sweep has no cell");
     return std::move(m_out);
@@ -187,7 +192,10 @@ class Sweep {
 
   void cell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where) {
     json axes = json::object();
-    for (std::size_t i = 0; i < at.size(); ++i) axes[s.axes[i].name] = s.axes[i].values[at[i]].label;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const json& label = axes[s.axes[i].name] = s.axes[i].values[at[i]].label;
+      if (label.is_string()) m_named.insert(label.get<std::string>());
+    }
     std::set<std::string> names;
     const toml::node* place = at.empty() ? &where : s.axes[0].values[at[0]].node;
     const auto add = [&](bool timed, long repeat) {
@@ -238,8 +246,10 @@ class Sweep {
       if (axis.labelled) {
         part = value.pipeline;
         names.insert(value.label.get<std::string>());
+        m_out.roles[axis.name] = "label";
       } else if (const StageInfo* stage = stageByName(axis.name);
                  isWorldStage(stage) || (stage && stage->kind == StageKind::engine)) {
+        m_out.roles[axis.name] = "stage";
         part = axis.name + "=" + numberText(value.label);
       } else {
         continue;
@@ -259,6 +269,10 @@ class Sweep {
     const SceneFile& file = m_planner->scene(scenePath);
     names.insert(file.name());
     for (const auto& [name, value] : axes.items()) {
+      m_out.roles.emplace(name, stageByName(name)         ? "stage"
+                                : isParameter(file, name) ? "parameter"
+                                : used.count(name)        ? "setting"
+                                                          : "run");
       if (name == "scene") {
       } else if (name == "dimension") {
         cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));
@@ -330,6 +344,7 @@ class Sweep {
                                          "broadphase", "pair_query", "kind_a",       "kind_b", "timed", "repeat"};
     for (const auto& [name, value] : cell.items()) {
       if (!known.count(name)) throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + m_kind + "'");
+      if (axes.contains(name)) m_out.roles.emplace(name, name == method ? "stage" : "run");
     }
     if (axes.contains(method)) collectNames(Spec::parse(numberText(axes[method])), names);
     return m_kind == "boxes" ? m_planner->boxes(std::move(cell)) : m_planner->pairs(std::move(cell));
@@ -340,7 +355,7 @@ class Sweep {
   std::set<std::string>& m_matched;
   toml::table m_table;
   Planner* m_planner = nullptr;
-  std::set<std::string> m_seen;
+  std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
   PlannedSweep m_out;
 };
 

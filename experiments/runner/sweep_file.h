@@ -3,6 +3,7 @@
 // format.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,11 @@
 namespace lpc::inline LPC_PRECISION {
 
 struct PlannedSweep {
-  std::string name;
+  std::string name, kind, summary;
+  std::string baseline;  // the value of an axis with which reports compare the others; may be empty
+  /// What each axis is to the sweep: "label" (of pipelines), "stage", "setting" (used as $name in a pipeline),
+  /// "parameter" (of the scene), or "run".
+  std::map<std::string, std::string> roles;
   double wallLimit = 120;  // s, per trial
   double memoryLimit = 4;  // GiB, per trial
   std::vector<PlannedTrial> trials;

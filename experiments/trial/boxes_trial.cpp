@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
 #include "framework/random.h"
 #include "framework/stage_broadphase.h"
@@ -20,6 +21,43 @@ using nlohmann::json;
 constexpr int kWarmUp = 10;    // frames that are not timed
 constexpr double kHalf = 0.5;  // half side of a box (m)
 constexpr double kFrameDt = 1.0 / 60;
+
+/// What is counted and timed, per frame.
+struct BoxesSeen {
+  bool timed = false;
+  std::vector<double> nanoseconds, found, tests, visits;
+  double wrong = 0;
+};
+
+double mean(const std::vector<double>& list) {
+  double sum = 0;
+  for (double x : list) sum += x;
+  return list.empty() ? 0 : sum / static_cast<double>(list.size());
+}
+
+using S = const BoxesSeen&;
+const Measure<BoxesSeen> kMetrics[] = {
+    {{"ns_per_frame_median", "time per frame", "ns", "processor time of update and findPairs for one frame, median",
+      MetricRole::cost, "cheaper", TrialNeed::timing},
+     [](S s) { return quantile(s.nanoseconds, 0.5); }},
+    {{"box_tests_mean", "box tests per frame", "1", "box against box overlap tests per frame", MetricRole::cost,
+      "cheaper"},
+     [](S s) { return mean(s.tests); }},
+    {{"wrong_pairs", "wrong pairs", "1", "pairs missed or too many, before all pairs tested", MetricRole::error,
+      "fewer wrong pairs"},
+     [](S s) { return s.wrong; }},
+    {{"node_visits_mean", "visits per frame", "1", "tree nodes or grid cells visited per frame", MetricRole::detail,
+      "cheaper"},
+     [](S s) { return mean(s.visits); }},
+    {{"pairs_mean", "pairs per frame", "1", "overlapping pairs per frame", MetricRole::detail, ""},
+     [](S s) { return mean(s.found); }},
+    {{"ns_per_frame_p25", "time per frame, lower quartile", "ns", "a quarter of the frames is faster",
+      MetricRole::detail, "cheaper", TrialNeed::timing},
+     [](S s) { return quantile(s.nanoseconds, 0.25); }},
+    {{"ns_per_frame_p75", "time per frame, upper quartile", "ns", "a quarter of the frames is slower",
+      MetricRole::detail, "cheaper", TrialNeed::timing},
+     [](S s) { return quantile(s.nanoseconds, 0.75); }},
+};
 
 /// Boxes that fly about in a room and bounce off its walls.
 template <int D>
@@ -96,7 +134,6 @@ template <int D>
 TrialResult runBoxes(const json& t) {
   const int n = t.at("n").get<int>(), frames = t.at("frames").get<int>();
   const std::string distribution = t.at("distribution");
-  const bool timed = t.value("timed", false);
   const Spec spec = Spec::parse(t.at("broadphase").get<std::string>());
   const auto method = createStage<Broadphase<D>>(spec);
   const Guarantee guarantee = Registry::instance().find(StageKind::broadphase, D, spec.name).info.guarantee;
@@ -111,9 +148,9 @@ TrialResult runBoxes(const json& t) {
     proxies.body[k] = i, proxies.active[k] = 1, proxies.category[k] = 1, proxies.mask[k] = ~0u;
   }
   TrialResult out;
-  std::vector<double> nanoseconds, found, tests, visits;
+  BoxesSeen seen;
+  seen.timed = t.value("timed", false);
   std::vector<ProxyPair> pairs;
-  double wrong = 0;
   XXH64_state_t* hash = XXH64_createState();
   XXH64_reset(hash, 0);
   for (int frame = 0; frame < frames; ++frame) {
@@ -129,10 +166,10 @@ TrialResult runBoxes(const json& t) {
     method->update(proxies, changes);
     method->findPairs(proxies, pairs, work);
     const double after = cpuSeconds();
-    if (frame >= kWarmUp) nanoseconds.push_back(1e9 * (after - before));
-    found.push_back(static_cast<double>(pairs.size()));
-    tests.push_back(static_cast<double>(work[Count::boxTests]));
-    visits.push_back(static_cast<double>(work[Count::nodeVisits]));
+    if (frame >= kWarmUp) seen.nanoseconds.push_back(1e9 * (after - before));
+    seen.found.push_back(static_cast<double>(pairs.size()));
+    seen.tests.push_back(static_cast<double>(work[Count::boxTests]));
+    seen.visits.push_back(static_cast<double>(work[Count::nodeVisits]));
     std::sort(pairs.begin(), pairs.end());
     XXH64_update(hash, pairs.data(), pairs.size() * sizeof(ProxyPair));
     const std::vector<ProxyPair> right = allPairs(proxies);
@@ -140,7 +177,7 @@ TrialResult runBoxes(const json& t) {
     std::set_difference(right.begin(), right.end(), pairs.begin(), pairs.end(), std::back_inserter(missing));
     std::set_difference(pairs.begin(), pairs.end(), right.begin(), right.end(), std::back_inserter(extra));
     if (guarantee == Guarantee::conservative) extra.clear();
-    wrong += static_cast<double>(missing.size() + extra.size());
+    seen.wrong += static_cast<double>(missing.size() + extra.size());
     if (out.outcome == "ok" && !(missing.empty() && extra.empty())) {
       const ProxyPair first = missing.empty() ? extra[0] : missing[0];
       out.fail("wrong",
@@ -154,24 +191,16 @@ TrialResult runBoxes(const json& t) {
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(hash)));
   XXH64_freeState(hash);
   out.hash = text;
-  const auto mean = [](const std::vector<double>& list) {
-    double sum = 0;
-    for (double x : list) sum += x;
-    return list.empty() ? 0 : sum / static_cast<double>(list.size());
-  };
-  out.metrics = {{"pairs_mean", mean(found)},
-                 {"box_tests_mean", mean(tests)},
-                 {"node_visits_mean", mean(visits)},
-                 {"wrong_pairs", wrong}};
-  if (timed) {
-    out.metrics["ns_per_frame_median"] = quantile(nanoseconds, 0.5);
-    out.metrics["ns_per_frame_p25"] = quantile(nanoseconds, 0.25);
-    out.metrics["ns_per_frame_p75"] = quantile(nanoseconds, 0.75);
-  }
+  measure<BoxesSeen>(
+      kMetrics, seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
   return out;
 }
 
 }  // namespace
+
+void describeBoxesMetrics(std::vector<DescribedMetric>& out) {
+  for (const auto& entry : kMetrics) out.push_back({"metric", "boxes", entry.info});
+}
 
 TrialResult runBoxesTrial(const json& request) {
   const json& t = request.at("trial");

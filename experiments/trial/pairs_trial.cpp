@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
 #include "framework/curved_core.h"
 #include "framework/random.h"
@@ -18,6 +19,38 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
+
+struct PairsSeen {
+  bool timed = false;
+  double asked = 0, failed = 0, refused = 0, wrong = 0;
+  std::vector<double> errors, nanoseconds;  // of answers; of batches, per query
+};
+
+using S = const PairsSeen&;
+const Measure<PairsSeen> kMetrics[] = {
+    {{"ns_per_query", "time per query", "ns", "processor time of one pair of shapes, in batches", MetricRole::cost,
+      "cheaper", TrialNeed::timing},
+     [](S s) { return quantile(s.nanoseconds, 0.5); }},
+    {{"max_error", "worst error", "1", "worst error of the distance or depth, over the size of the query",
+      MetricRole::error, "more exact"},
+     [](S s) { return quantile(s.errors, 1); }},
+    {{"p99_error", "error of 99 of 100", "1", "99 of 100 queries stay below it, over the size of the query",
+      MetricRole::error, "more exact"},
+     [](S s) { return quantile(s.errors, 0.99); }},
+    {{"median_error", "median error", "1", "of the distance or depth, over the size of the query", MetricRole::error,
+      "more exact"},
+     [](S s) { return quantile(s.errors, 0.5); }},
+    {{"failed", "without an answer", "1", "queries that ended without an answer", MetricRole::error,
+      "fewer without an answer"},
+     [](S s) { return s.failed; }},
+    {{"wrong_boolean", "wrong yes or no", "1", "queries whose yes or no is certainly wrong", MetricRole::error,
+      "fewer wrong answers"},
+     [](S s) { return s.wrong; }},
+    {{"refused", "refused", "1", "queries of declared shapes that were refused", MetricRole::error,
+      "fewer without an answer"},
+     [](S s) { return s.refused; }},
+    {{"asked", "queries", "1", "queries asked", MetricRole::detail, ""}, [](S s) { return s.asked; }},
+};
 
 template <int D>
 struct Pair {
@@ -122,8 +155,8 @@ TrialResult runPairs(const json& t) {
   std::vector<Pair<D>> pairs;
   for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(kindA, kindB, i, random));
 
-  double failed = 0, refused = 0, wrong = 0;
-  std::vector<double> errors, nanoseconds;
+  PairsSeen seen;
+  seen.timed = t.value("timed", false), seen.asked = n;
   const auto batch = std::make_unique<PairBatch<D>>();
   const auto answers = std::make_unique<PairAnswers<D>>();
   Work work;
@@ -133,12 +166,12 @@ TrialResult runPairs(const json& t) {
     const std::size_t end = std::min(pairs.size(), begin + PairBatch<D>::kCapacity);
     batch->clear(kindA, kindB);
     for (std::size_t i = begin; i < end; ++i) batch->add(pairs[i].a.view(), pairs[i].b.view(), pairs[i].X_AB);
-    const int repeats = t.value("timed", false) && !witness ? 8 : 1;  // the first warms the caches
+    const int repeats = seen.timed && !witness ? 8 : 1;  // the first warms the caches
     for (int r = 0; r < repeats; ++r) {
       const double before = cpuSeconds();
       method->query(*batch, Need::witnesses, *answers, {}, work);
       const double spent = witness ? static_cast<double>(witness->nanoseconds()) : 1e9 * (cpuSeconds() - before);
-      if (r > 0 || witness) nanoseconds.push_back(spent / static_cast<double>(end - begin));
+      if (r > 0 || witness) seen.nanoseconds.push_back(spent / static_cast<double>(end - begin));
     }
     for (std::size_t i = begin; i < end; ++i) {
       const PairAnswer<D> answer = answers->get(static_cast<int>(i - begin));
@@ -146,29 +179,27 @@ TrialResult runPairs(const json& t) {
       const Ending ending = witness ? witness->endings()[i - begin] : Ending::answered;
       const PairView<D> pair = pairs[i].view();
       const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending);
-      if (verdict.error) errors.push_back(*verdict.error);
-      wrong += verdict.wrongSide;
-      refused += verdict.end == Tally::refused;
-      failed += endedWithoutAnswer(verdict.end);
+      if (verdict.error) seen.errors.push_back(*verdict.error);
+      seen.wrong += verdict.wrongSide;
+      seen.refused += verdict.end == Tally::refused;
+      seen.failed += endedWithoutAnswer(verdict.end);
     }
   }
   char text[20];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(hash)));
   XXH64_freeState(hash);
   out.hash = text;
-  out.metrics = {{"asked", static_cast<double>(n)},
-                 {"failed", failed},
-                 {"refused", refused},
-                 {"wrong_boolean", wrong},
-                 {"max_error", quantile(errors, 1)},
-                 {"p99_error", quantile(errors, 0.99)},
-                 {"median_error", quantile(errors, 0.5)}};
-  if (t.value("timed", false)) out.metrics["ns_per_query"] = quantile(nanoseconds, 0.5);
-  if (wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(wrong)) + " wrong yes or no", 0);
+  measure<PairsSeen>(
+      kMetrics, seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
+  if (seen.wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(seen.wrong)) + " wrong yes or no", 0);
   return out;
 }
 
 }  // namespace
+
+void describePairsMetrics(std::vector<DescribedMetric>& out) {
+  for (const auto& entry : kMetrics) out.push_back({"metric", "pairs", entry.info});
+}
 
 TrialResult runPairsTrial(const json& request) {
   const json& t = request.at("trial");

@@ -23,6 +23,7 @@ constexpr const char* kFeatureList = "cache, friction, joints, restitution, rota
 // A script that makes more bodies than this is a slip of the pen.
 constexpr std::size_t kMaxBodies = 1000000;
 constexpr long kMaxSteps = 1000000000;
+constexpr double kRightAngle = 1.5707963267948966;  // rad
 
 void setFeature(Features& features, const std::string& name) {
   for (const FeatureName& f : kFeatures) {
@@ -112,6 +113,7 @@ class Builder {
     }
     for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t);
     sortSpawns();
+    if (const toml::table* t = m_top.table("measures")) measures(*t);
     for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
     for (const toml::table* t : m_top.blocks("spring")) springBlock(*t);
     m_top.finish();
@@ -244,6 +246,24 @@ class Builder {
                            asText(index));
     }
     return it->second[static_cast<std::size_t>(index)];
+  }
+  // What has a closed form, so that it can be measured against it.
+  void measures(const toml::table& table) {
+    TableReader all(table, m_parsed.path, "[measures]");
+    if (const toml::table* t = all.table("slope")) {
+      TableReader block(*t, m_parsed.path, "[measures.slope]");
+      beginBlock();
+      typename SceneSpec<D>::Slope slope;
+      slope.body = bodyOf(block, "body", false);
+      if (m_scene.spawns[static_cast<std::size_t>(slope.body)].body.type != BodyType::dynamic) {
+        block.fail(block.require("body"), "'body' does not move; valid: a dynamic body");
+      }
+      slope.angle = static_cast<Real>(m_numbers.between(block.require("angle"), "angle", 0, kRightAngle));
+      slope.friction = static_cast<Real>(m_numbers.between(block.require("friction"), "friction", 0, kLargest));
+      block.finish();
+      m_scene.slope = slope;
+    }
+    all.finish();
   }
   void jointBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[joint]]");

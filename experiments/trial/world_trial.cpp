@@ -9,8 +9,8 @@
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/trial.h"
+#include "experiments/trial/world_metrics.h"
 #include "framework/director.h"
-#include "framework/invariants.h"
 #include "framework/pose_penetration.h"
 #include "framework/recording.h"
 #include "framework/stage_engine.h"
@@ -22,8 +22,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-// Not counted in times: caches are cold and vectors grow.
-constexpr long kWarmUp = 10;
 constexpr long kPoseEvery = 60;
 // The exact query of all pairs costs more than a step of a small scene: it is asked now and then.
 constexpr long kPenetrationEvery = 10;
@@ -95,17 +93,16 @@ class WorldTrial {
 
  private:
   void start() {
-    const Invariants<D> now = invariants(m_world);
-    m_out.metrics["energy_start"] = now.kinetic + now.potential;
-    m_energyMax = now.kinetic + now.potential;
-    m_momentum = now.momentum;
+    m_seen.timed = m_timed;
+    m_seen.start = stateInvariants(m_world);
+    m_seen.energyMax = m_seen.start.kinetic + m_seen.start.potential;
     // In a room with walls momentum comes and goes; alone in space it must stay.
-    m_momentumMatters = m_scene.settings.gravity.norm() == 0 && m_scene.springs.empty();
+    m_seen.isolated = m_scene.settings.gravity.norm() == 0 && m_scene.springs.empty();
     Real highest = -std::numeric_limits<Real>::infinity();
     for (std::size_t i = 0; i < m_scene.spawns.size(); ++i) {
       const auto& spawn = m_scene.spawns[i];
       const bool dynamic = spawn.body.type == BodyType::dynamic;
-      if (!dynamic || spawn.body.pinned || spawn.step > 0) m_momentumMatters = false;
+      if (!dynamic || spawn.body.pinned || spawn.step > 0) m_seen.isolated = false;
       if (!dynamic) continue;
       m_dynamic.push_back(static_cast<int>(i));
       if (spawn.step == 0 && spawn.body.X_WB.p[1] > highest) {
@@ -120,58 +117,46 @@ class WorldTrial {
     }
   }
 
-  void put(const std::string& name, double value) { m_out.series[name].push_back(value); }
+  /// m from where spawn i came; NaN when it is not there.
+  double moved(int i) const {
+    const Handle h = m_director.body(i);
+    if (!m_world.valid(h)) return kNan;
+    return (m_world.pose(h).p - m_scene.spawns[static_cast<std::size_t>(i)].body.X_WB.p).norm();
+  }
 
   void observe(long step, double seconds) {
-    const Invariants<D> now = invariants(m_world);
-    const Profiler::Frame& frame = m_world.profiler().frame();
-    double drift = 0, height = -std::numeric_limits<double>::infinity();
-    int last = -1, farthest = -1;
-    m_topDrift = kNan;
+    m_seen.now = invariants(m_world), m_seen.frame = m_world.profiler().frame(), m_seen.seconds = seconds;
+    m_seen.steps = step + 1;
+    m_seen.drift = 0, m_seen.height = kNan;
+    int farthest = -1;
     for (int i : m_dynamic) {
-      const Handle h = m_director.body(i);
-      if (!m_world.valid(h)) continue;
-      const Vec<D> p = m_world.pose(h).p;
-      const double moved = (p - m_scene.spawns[static_cast<std::size_t>(i)].body.X_WB.p).norm();
-      if (moved > drift) drift = moved, farthest = i;
-      height = std::max<double>(height, p[1]);
-      if (i == m_top) m_topDrift = moved;
-      last = i;
+      const double way = moved(i);
+      if (way > m_seen.drift) m_seen.drift = way, farthest = i;
+      if (!std::isnan(way)) m_seen.height = std::fmax(m_seen.height, m_world.pose(m_director.body(i)).p[1]);
     }
-    if (now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
+    m_seen.topDrift = m_top < 0 ? kNan : moved(m_top);
+    m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
+    const double energy = m_seen.now.kinetic + m_seen.now.potential;
+    m_seen.energyMax = std::max(m_seen.energyMax, energy);
+    if (m_seen.now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
       const auto depths = m_penetration.of(m_world);
-      m_deepest = std::max(m_deepest, depths.max), m_meanDepth = depths.mean;
+      m_seen.deepest = std::max(m_seen.deepest, depths.max), m_seen.meanDepth = depths.mean;
     }
-    const double energy = now.kinetic + now.potential;
-    m_energyMax = std::max(m_energyMax, energy);
-    put("kinetic", now.kinetic), put("potential", now.potential), put("max_speed", now.maxSpeed);
-    put("max_penetration", now.maxPenetration), put("mean_penetration", now.meanPenetration);
-    put("complementarity", now.signorini), put("cone_excess", now.coulomb);
-    put("joint_error", now.jointError), put("drift", drift), put("height", std::isinf(height) ? kNan : height);
-    put("pairs", frame.pairs), put("points", frame.points), put("bodies", frame.bodies), put("awake", frame.awake);
-    if (last >= 0) {
-      const Pose<D> pose = m_world.pose(m_director.body(last));
-      put("x_last", pose.p[0]), put("y_last", pose.p[1]);
-      m_lastMoved = (pose.p - m_scene.spawns[static_cast<std::size_t>(last)].body.X_WB.p).norm();
-    } else {
-      put("x_last", kNan), put("y_last", kNan);
-    }
+    putSeries(m_seen);
     if (m_timed) {
-      put("seconds", seconds);
-      for (const Profiler::Time& t : frame.times) {
-        auto& list = m_out.series["sec_" + underscored(t.name)];
+      for (const Profiler::Time& t : m_seen.frame.times) {
+        auto& list = m_seen.series["sec_" + underscored(t.name)];
         list.resize(static_cast<std::size_t>(step), 0.0);  // a stage may come late
         list.push_back(t.seconds);
       }
     }
-    for (std::size_t i = 0; i < m_work.counts.size(); ++i) m_work.counts[i] += frame.work.counts[i];
-    m_last = now;
-    judge(step, now, energy, drift, farthest);
+    for (std::size_t i = 0; i < m_work.counts.size(); ++i) m_work.counts[i] += m_seen.frame.work.counts[i];
+    judge(step, m_seen.now, energy, m_seen.drift, farthest);
   }
 
   void judge(long step, const Invariants<D>& now, double energy, double drift, int farthest) {
     const auto& limits = m_scene.limits;
-    const double start = m_out.metrics["energy_start"];
+    const double start = m_seen.start.kinetic + m_seen.start.potential;
     char why[160];
     if (!now.finite) {
       m_out.fail("diverged", "nan", step + 1);
@@ -207,47 +192,20 @@ class WorldTrial {
   }
 
   void finish(long steps) {
+    m_out.metrics = worldMetrics(m_seen);
     auto& m = m_out.metrics;
-    const auto largest = [&](const char* name) {
-      double x = 0;
-      for (double v : m_out.series[name]) x = std::isnan(v) ? v : std::max(x, v);
-      return x;
-    };
-    const auto end = [&](const char* name) {
-      const auto& list = m_out.series[name];
-      return list.empty() ? 0.0 : list.back();
-    };
-    m["steps_done"] = static_cast<double>(steps);
-    m["bodies"] = largest("bodies"), m["contacts_end"] = end("points");
-    m["max_penetration"] = largest("max_penetration"), m["mean_penetration_end"] = end("mean_penetration");
-    m["penetration_poses"] = m_deepest, m["mean_penetration_poses_end"] = m_meanDepth;
-    m["max_drift"] = largest("drift"), m["end_drift_max"] = end("drift"), m["end_drift_top"] = m_topDrift;
-    m["energy_end"] = end("kinetic") + end("potential"), m["energy_max"] = m_energyMax;
-    m["max_speed"] = largest("max_speed"), m["max_speed_end"] = end("max_speed");
-    m["complementarity_max"] = largest("complementarity"), m["cone_excess_max"] = largest("cone_excess");
-    m["joint_error_max"] = largest("joint_error"), m["slope_distance"] = m_lastMoved;
-    m["momentum_error"] = m_momentumMatters && steps > 0 ? (m_last.momentum - m_momentum).norm() : kNan;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {
       m["work_" + std::string(kCountNames[i])] =
           m_engine ? kNan
           : steps  ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps)
                    : 0;
     }
-    if (m_timed) {
-      const auto timesOf = [&](const std::string& name) {
-        const auto& list = m_out.series[name];
-        return std::vector<double>(list.begin() + std::min<long>(kWarmUp, static_cast<long>(list.size())), list.end());
-      };
-      for (auto& [name, list] : m_out.series) {
-        if (name.starts_with("sec_")) list.resize(static_cast<std::size_t>(steps), 0.0);
-      }
-      m["ms_per_step_median"] = 1e3 * quantile(timesOf("seconds"), 0.5);
-      m["ms_per_step_p25"] = 1e3 * quantile(timesOf("seconds"), 0.25);
-      m["ms_per_step_p75"] = 1e3 * quantile(timesOf("seconds"), 0.75);
-      for (const auto& [name, list] : m_out.series) {
-        if (name.starts_with("sec_")) m["us_" + name.substr(4)] = 1e6 * quantile(timesOf(name), 0.5);
-      }
+    for (auto& [name, list] : m_seen.series) {
+      if (!name.starts_with("sec_")) continue;
+      list.resize(static_cast<std::size_t>(steps), 0.0);
+      m["us_" + name.substr(4)] = 1e6 * m_seen.quantileOf(name, 0.5);
     }
+    m_out.series = std::move(m_seen.series);
     char text[20];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(m_world.hash()));
     m_out.hash = text;
@@ -265,11 +223,7 @@ class WorldTrial {
   std::vector<int> m_dynamic;
   int m_top = -1;
   long m_poseEvery = kPoseEvery;
-  double m_energyMax = 0, m_topDrift = kNan, m_lastMoved = kNan;
-  double m_deepest = 0, m_meanDepth = 0;  // on poses, m
-  bool m_momentumMatters = false;
-  Eigen::Matrix<double, D, 1> m_momentum = Eigen::Matrix<double, D, 1>::Zero();
-  Invariants<D> m_last;
+  WorldSeen<D> m_seen{m_scene};
   Work m_work;
 };
 

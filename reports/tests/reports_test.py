@@ -19,18 +19,14 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
-import charts_breaking  # noqa: E402
-import charts_broadphase  # noqa: E402
-import charts_corpus  # noqa: E402
-import charts_micro  # noqa: E402
-import charts_resolvers  # noqa: E402
-import charts_verify  # noqa: E402
 import coverage  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
 import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+from charts import breaking_points, broadphase, corpus, cost_against_error, ledger, micro  # noqa: E402
+from charts import coverage as coverage_chart  # noqa: E402
 
 
 def command(*arguments):
@@ -112,12 +108,12 @@ def check_median(median_of):
 
 def median_without_zero(histogram):
     """Planted bug: exact answers are left out, and the median of an exact method is that of its worst answers."""
-    return charts_verify.median_error({name: count for name, count in histogram.items() if name != "zero"})
+    return ledger.median_error({name: count for name, count in histogram.items() if name != "zero"})
 
 
-def check_ledger(ledger, by_method_of):
+def check_ledger(questions, by_method_of):
     """Every question to every method is in the summary, under one of the ways in which it can end."""
-    rows = ledger[ledger["axis"] == "all"]
+    rows = questions[questions["axis"] == "all"]
     summary = by_method_of(rows)
     for method, part in rows.groupby("method"):
         found = summary[summary["method"] == method]
@@ -129,14 +125,14 @@ def check_ledger(ledger, by_method_of):
 
 def only_with_an_error(rows):
     """Planted bug: a method that refused or failed everywhere has no error, and with it no row."""
-    return charts_verify.by_method(rows.dropna(subset=["max_error"]))
+    return ledger.by_method(rows.dropna(subset=["max_error"]))
 
 
 class Numbers(unittest.TestCase):
     def test_median_of_a_histogram(self):
-        self.assertEqual(check_median(charts_verify.median_error), "")
+        self.assertEqual(check_median(ledger.median_error), "")
         self.assertNotEqual(check_median(median_without_zero), "", "the planted bug was not seen")
-        self.assertTrue(math.isnan(charts_verify.median_error({})))
+        self.assertTrue(math.isnan(ledger.median_error({})))
 
     def test_pareto_front_is_what_nothing_beats(self):
         self.assertEqual(check_pareto(metrics.pareto), "")
@@ -152,10 +148,10 @@ class Numbers(unittest.TestCase):
         self.assertEqual(style.si(158300, "ns"), "158 µs")
         self.assertEqual(style.si(math.nan, "m"), "unknown")
 
-    def test_every_stored_metric_has_a_direction_and_unit(self):
-        for name, metric in metrics.METRICS.items():
-            self.assertIn(metric.better, ("lower", "higher", ""), name)
-            self.assertTrue(metric.unit and metric.description, name)
+    def test_every_metric_of_the_report_is_described(self):
+        for name, entry in metrics.DERIVED.items():
+            self.assertIn(entry.role, ("cost", "error", "detail"), name)
+            self.assertTrue(entry.unit and entry.meaning and entry.title and entry.needs and entry.compute, name)
 
 
 def check_cells(store, cells_of):
@@ -190,11 +186,24 @@ class Loading(WithStore):
         self.assertTrue((bad["outcome"] == "diverged").all())
         self.assertTrue(bad["max_penetration"].isna().all())
 
-    def test_slope_error_is_the_distance_from_the_closed_form(self):
-        cells = metrics.add(self.store, self.store.cells("resolvers"), ["slope_error", "jitter", "settle_time"])
-        good = cells[(cells["scene"] == "slope") & (cells["outcome"] == "ok")]
-        self.assertTrue((good["slope_error"] < 0.05).all())
-        self.assertTrue(cells[cells["scene"] == "pyramid"]["slope_error"].isna().all())
+    def test_a_metric_is_where_its_needs_are(self):
+        cells = metrics.add(self.store, self.store.cells("resolvers"), ["jitter", "lean", "energy_gain"])
+        slope = cells[(cells["scene"] == "slope") & (cells["outcome"] == "ok")]
+        pyramid = cells[cells["scene"] == "pyramid"]
+        self.assertTrue(slope["slope_error"].notna().all() and pyramid["slope_error"].isna().all())
+        self.assertTrue(slope["jitter"].isna().all(), "its bodies shall slide, so nothing shall rest")
+        self.assertTrue(pyramid["jitter"].notna().all() and slope["energy_gain"].notna().all())
+
+    def test_a_misspelt_metric_or_series_is_refused(self):
+        cells = self.store.cells("resolvers")
+        for ask in (lambda: metrics.column(cells, "max_penetratoin"), lambda: metrics.find(self.store, "max_penetratoin"),
+                    lambda: metrics.add(self.store, cells, ["max_penetratoin"]),
+                    lambda: self.store.series(cells["key"].iloc[0], "max_sped")):
+            with self.assertRaises(load.UserError) as refused:
+                ask()
+            self.assertRegex(str(refused.exception), "max_penetration|max_speed", "the valid names")
+        self.assertEqual(metrics.find(self.store, "us_solver").unit, "us", "one of us_*")
+        self.assertIsNone(self.store.series(cells["key"].iloc[0], "seconds"), "a series that this trial does not hold")
 
     def test_a_cell_planned_again_under_another_key_counts_once(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -206,7 +215,7 @@ class Loading(WithStore):
             store = load.Store(Path(folder) / "again.db")
             self.assertEqual(store.superseded, 1)
             self.assertEqual(list(store.cells("resolvers")["max_penetration"]), [2.0])
-            made = coverage.charts(chart.Context(store))[0]
+            made = coverage_chart.of_store(chart.Context(store))[0]
             self.assertIn("1 older plan of the same cells", made.finding)
             style.plt.close(made.figure)
 
@@ -234,7 +243,8 @@ class Loading(WithStore):
             for label, machine in (("naive", 1), ("sat", 1), ("stranger", 2)):
                 made.world("resolvers", {"scene": "pyramid", "dimension": 2, "resolver": label}, 1.0, 1e-3, machine=machine)
             made.close()
-            cells, refused = load.one_machine(load.Store(Path(folder) / "two.db").cells("resolvers"))
+            store = load.Store(Path(folder) / "two.db")
+            cells, refused = load.one_machine(store, store.cells("resolvers"))
             self.assertEqual(len(refused), 1)
             self.assertIn("stranger", refused[0])
             self.assertTrue(cells[cells["method"] == "stranger"]["ms_per_step_median"].isna().all())
@@ -264,31 +274,32 @@ class Engines(unittest.TestCase):
 
 class Findings(WithStore):
     def test_crossover_is_found_where_it_was_planted(self):
-        cells = self.store.cells("broadphase")
-        cross = charts_broadphase.crossings(cells[cells["dimension"] == 2])
+        cells = self.store.cells("broadphase_crossover")
+        cells = cells[cells["dimension"] == 2]
+        cross = broadphase.crossings(cells, broadphase.baseline_of(self.context, cells))
         tree = cross[cross["method"] == "region_tree"]
         # 0.9 n^2 = 95 n^1.08 of synthetic_store.BROADPHASES
         for n in tree["n"]:
             self.assertAlmostEqual(n, (95 / 0.9)**(1 / 0.92), delta=1)
-        self.assertIn("158 bodies", charts_broadphase.finding(cross, "region_tree", 2))
+        self.assertIn("uniform_grid beats naive from 76 bodies", broadphase.finding(cross, "naive", 2))
 
     def test_no_question_of_the_ledger_vanishes(self):
-        ledger = self.store.ledger()
-        self.assertEqual(check_ledger(ledger, charts_verify.by_method), "")
-        self.assertNotEqual(check_ledger(ledger, only_with_an_error), "", "the planted bug was not seen")
+        questions = self.store.ledger()
+        self.assertEqual(check_ledger(questions, ledger.by_method), "")
+        self.assertNotEqual(check_ledger(questions, only_with_an_error), "", "the planted bug was not seen")
 
     def test_every_case_of_the_corpus_is_counted(self):
-        made = charts_corpus.charts(self.context)[0]
+        made = corpus.of_store(self.context)[0]
         asked = len(self.store.meta["corpus"].splitlines()) - 2  # a head, and a row of the referee
-        table = charts_corpus.counts(charts_corpus.read(self.store))
-        self.assertEqual(int(table[list(charts_corpus.VERDICTS)].to_numpy().sum()), asked)
+        table = corpus.counts(corpus.read(self.store))
+        self.assertEqual(int(table[list(corpus.VERDICTS)].to_numpy().sum()), asked)
         self.assertEqual(len(made.table), 60)
         self.assertIn("Of 60 published cases our own methods are right on all that they declare", made.finding)
         self.assertIn("fcl_libccd fails on 12, the most of 8 witnesses", made.finding)
         style.plt.close(made.figure)
 
     def test_who_fails_is_named_with_the_share(self):
-        made = {c.id: c for c in charts_verify.charts(self.context)}
+        made = {c.id: c for c in ledger.of_store(self.context)}
         solid, flat = made["ledger_pair_query_3d_f64"], made["ledger_pair_query_2d_f64"]
         self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
         self.assertIn("of the 8 witnesses libccd_mpr fails most often, 40% of its questions", solid.finding)
@@ -307,9 +318,12 @@ class Findings(WithStore):
             style.plt.close(c.figure)
 
     def test_what_falls_first_and_what_has_no_result_beyond(self):
-        text = " ".join(c.finding for c in charts_breaking.charts(self.context))
+        made = chart.made(breaking_points, self.context)
+        text = " ".join(c.finding for c in made)
         self.assertIn("vertical_stack naive falls first, at n = 6 (collapsed)", text)
         self.assertIn("soft_step held to 33.3 ms with no result beyond", text)
+        for c in made:
+            style.plt.close(c.figure)
 
     def test_every_outcome_that_is_not_ok_is_listed(self):
         table = coverage.trials(self.store)
@@ -318,20 +332,148 @@ class Findings(WithStore):
         self.assertEqual(len(table), len(self.store.planned))
 
     def test_micro_benchmarks_use_their_own_clock_and_show_failures(self):
-        made = charts_micro.charts(self.context)[0]
+        made = micro.of_store(self.context)[0]
         self.assertIn("broken on uniform/100: did not start", made.holes)
         row = made.table.set_index("algorithm").loc["naive"]
         self.assertEqual(row["uniform/1000"], style.si(0.9e-9 * 1e6, "s"))
         self.assertIn("sort_and_sweep", made.finding)
         style.plt.close(made.figure)
 
-    def test_colours_stay_with_their_method(self):
-        looks = self.context.looks
-        again = style.Looks(self.store, [["sat", "naive", "zzz"], ["catto+linear", "aaa"]])
-        for label in ("naive", "catto+linear", "sat"):
-            self.assertEqual(looks(label)["color"], again(label)["color"])
-        family = [looks(label)["color"] for label in synthetic_store.RESOLVERS]
-        self.assertEqual(len(set(family)), len(family))
+
+
+def check_looks(looks, labels):
+    """No two methods look alike, and a family has one colour."""
+    seen, families = {}, {}
+    for label in labels:
+        look = (looks(label)["color"], looks(label)["marker"])
+        if look in seen:
+            return f"{label} looks like {seen[look]}"
+        seen[look] = label
+        if families.setdefault(load.family(label), look[0]) != look[0]:
+            return f"{label} has not the colour of its family"
+    return ""
+
+
+class MarkerOfTheMemberAlone(style.Looks):
+    """Planted bug: colours by position in the palette, and the marker knows nothing of other families."""
+
+    def __init__(self, store, registered, labels):
+        super().__init__(store, registered, labels)
+        places = sorted(self.families)
+        self.looks = {label: (style.PALETTE[places.index(load.family(label)) % 6], style.MARKERS[self.shifts.get(
+            self._member(label), 0) % len(style.MARKERS)]) for label in labels}
+
+
+class LooksOfMethods(unittest.TestCase):
+    def store(self, themes, **kwargs):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        synthetic_store.write(Path(folder.name) / "store.db", themes=themes, **kwargs)
+        return load.Store(Path(folder.name) / "store.db")
+
+    def test_forty_methods_are_told_apart(self):
+        for algorithms in (synthetic_store.forty_algorithms(), []):  # also where the registry names none of them
+            store = self.store((synthetic_store.forty,), algorithms=algorithms)
+            looks = chart.Context(store).looks(store.cells("forty"))
+            self.assertEqual(len(set(synthetic_store.FORTY)), 40)
+            self.assertEqual(check_looks(looks, synthetic_store.FORTY), "")
+            bad = MarkerOfTheMemberAlone(store, algorithms, synthetic_store.FORTY)
+            self.assertNotEqual(check_looks(bad, synthetic_store.FORTY), "", "the planted bug was not seen")
+
+    def test_forty_families_are_told_apart_too(self):
+        labels = [f"method_{i}" for i in range(40)]
+        self.assertEqual(check_looks(style.Looks(self.store(()), [], labels), labels), "")
+
+    def test_a_look_does_not_depend_on_the_others_in_the_store(self):
+        algorithms = synthetic_store.forty_algorithms()
+        everyone = style.Looks(self.store(()), algorithms, synthetic_store.FORTY)
+        source = random.Random(3)
+        for _ in range(20):
+            some = source.sample(synthetic_store.FORTY, 7)
+            alone = style.Looks(everyone.store, algorithms, some)
+            self.assertEqual([alone(label) for label in some], [everyone(label) for label in some])
+        # The planted bug counts places among those that are drawn.
+        some = synthetic_store.FORTY[20:]
+        bad, all_bad = (MarkerOfTheMemberAlone(everyone.store, [], labels) for labels in (some, synthetic_store.FORTY))
+        self.assertNotEqual([bad(label) for label in some], [all_bad(label) for label in some], "the planted bug was not seen")
+
+    def test_the_families_of_today_differ_in_colour(self):
+        store = self.store(synthetic_store.THEMES)
+        context = chart.Context(store)
+        for sweep in ("broadphase_crossover", "resolvers", "pair_queries"):
+            cells = store.cells(sweep)
+            families = {load.family(label): context.looks(cells)(label)["color"] for label in cells["method"]}
+            self.assertEqual(len(set(families.values())), len(families), sweep)
+        witness = context.looks_of_stage("pair_query")("fcl_libccd")
+        self.assertEqual(witness["markerfacecolor"], "white", "a witness is hollow")
+
+
+FIRST_SWEEP = [{"scene": "leaning_stack", "n": n, "iterations": i, "resolver": label}
+               for n in (5, 10, 20) for i in (4, 10, 30) for label in ("catto", "soft_step")]
+
+
+class Choosing(unittest.TestCase):
+    def made(self, fill):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        fill(maker)
+        maker.close()
+        made = make.all_charts(chart.Context(load.Store(Path(folder.name) / "store.db")))
+        self.addCleanup(style.plt.close, "all")
+        return {c.id: c for c in made if c.figure is not None}
+
+    def test_the_first_sweep_of_the_manual_has_its_charts(self):
+        def fill(maker):
+            maker.sweep("friction", "world", "", resolver="label", iterations="setting", n="parameter")
+            for axes in FIRST_SWEEP:
+                maker.world("friction", {"dimension": 2, **axes}, axes["iterations"] / 10, 1e-3 / axes["iterations"])
+        made = self.made(fill)
+        self.assertEqual(sorted(made), ["coverage", "friction_leaning_stack__2d__n_10", "friction_leaning_stack__2d__n_20",
+                                        "friction_leaning_stack__2d__n_5", "friction_raised_2d", "friction_steadiness_2d"])
+
+    def test_names_of_sweeps_and_scenes_choose_nothing(self):
+        def fill(maker):
+            maker.sweep("resolvers_of_pair_queries", "world", resolver="label")  # not timed, one method
+            maker.world("resolvers_of_pair_queries", {"scene": "slope_of_stages", "dimension": 2, "resolver": "catto"}, 1, 1e-3,
+                        repeats=0)
+        self.assertEqual(list(self.made(fill)), ["coverage"])
+
+    def test_a_scene_of_another_name_that_measures_a_slope_has_its_error(self):
+        def fill(maker):
+            maker.sweep("mine", "world", "soft_step", resolver="label")
+            for label in ("catto", "soft_step"):
+                maker.world("mine", {"scene": "my_hill", "dimension": 2, "resolver": label}, 1, 1e-3, extra={"slope": True})
+        made = self.made(fill)["mine_my_hill__2d"]
+        self.assertIn("error of the distance slid", made.finding)
+        self.assertIn("soft_step", made.finding)
+
+    def test_methods_are_compared_by_an_error_that_all_of_them_have(self):
+        def fill(maker, without=("max_penetration",)):
+            maker.sweep("mine", "world", "", resolver="label")
+            axes = {"scene": "vertical_stack", "dimension": 2}
+            maker.world("mine", {**axes, "resolver": "catto"}, 1, 1e-3)
+            # A whole engine tells no contacts and exists in one precision.
+            maker.world("mine", {**axes, "resolver": "box2d", "precision": "f32"}, 1, 1e-3, without=without,
+                        extra={"precision": "f32", "engine": {"name": "box2d", "differs": "its slop is 5 mm"}})
+        told = self.made(lambda maker: fill(maker, ()))["mine_vertical_stack__2d"].table
+        made = self.made(fill)
+        self.assertNotIn("mine_precision", made, "no method has both")
+        self.assertIn("box2d is a whole engine, here in f32: its slop is 5 mm.", made["mine_vertical_stack__2d"].note)
+        untold = made["mine_vertical_stack__2d"].table
+        self.assertIn("largest penetration", told)
+        self.assertNotIn("largest penetration of shapes", told, "one error of one meaning")
+        self.assertIn("largest penetration of shapes", untold)
+        self.assertNotIn("largest penetration", untold)
+
+    def test_a_chart_that_needs_what_nobody_has_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            synthetic_store.write(Path(folder) / "empty.db", themes=())
+            context = chart.Context(load.Store(Path(folder) / "empty.db"))
+        for needs in (chart.Needs("world", metrics=("ms_per_setp_median",)), chart.Needs("world", series=("max_sped",))):
+            bad = type("bad", (), {"NEEDS": needs, "ABSENT": None, "of_sweep": None, "__file__": "charts/planted.py"})
+            with self.assertRaisesRegex(load.UserError, "planted.py: no (metric|series) .*; valid: .*max_"):
+                chart.made(bad, context)
 
 
 def check_zero_place(axis_of):
@@ -419,9 +561,9 @@ class Command(WithStore):
 
     def test_same_store_gives_the_same_bytes(self):
         outs = [self.out, Path(self.folder.name) / "again"]
-        done = command("--store", self.path, "--out", outs[1], "--only", "broadphase_2d,coverage")
+        done = command("--store", self.path, "--out", outs[1], "--only", "broadphase_crossover_2d,coverage")
         self.assertEqual(done.returncode, 0, done.stderr)
-        for name in ("charts/broadphase_2d.svg", "charts/coverage.png", "tables/broadphase_2d.csv"):
+        for name in ("charts/broadphase_crossover_2d.svg", "charts/coverage.png", "tables/broadphase_crossover_2d.csv"):
             self.assertEqual((outs[0] / name).read_bytes(), (outs[1] / name).read_bytes(), name)
 
     def test_one_chart_for_the_readme(self):
@@ -449,7 +591,7 @@ class Command(WithStore):
         synthetic_store.write(folder / "future.db", themes=())
         with sqlite3.connect(folder / "future.db") as db:
             db.execute("UPDATE meta SET value='9' WHERE key='schema_version'")
-        self.refuses("store schema 9, this report reads schema 2", "--store", folder / "future.db", "--out", folder / "o")
+        self.refuses("store schema 9, this report reads schema 3", "--store", folder / "future.db", "--out", folder / "o")
         synthetic_store.write(folder / "empty.db", themes=())  # nothing is drawn in order to be refused
         self.refuses("no such chart", "--store", folder / "empty.db", "--out", folder / "o", "--only", "nonsense")
         self.refuses("give --out", "--store", self.path)

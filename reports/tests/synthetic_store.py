@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""A small invented store of schema 2 with every kind of trouble in it: failures, holes, zeros, NaN, two machines."""
+"""A small invented store of schema 3 with every kind of trouble in it: failures, holes, zeros, NaN, two machines."""
 
 import json
 import math
@@ -10,6 +10,9 @@ import numpy as np
 SCHEMA = """
 CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE machine(id INTEGER PRIMARY KEY, description TEXT UNIQUE);
+CREATE TABLE sweep(name TEXT PRIMARY KEY, kind TEXT, summary TEXT, baseline TEXT, roles TEXT);
+CREATE TABLE metrics(what TEXT, name TEXT, kind TEXT, title TEXT, unit TEXT, meaning TEXT, role TEXT, smaller TEXT, needs TEXT,
+                     PRIMARY KEY(what, name));
 CREATE TABLE planned(sweep TEXT, key TEXT, axes TEXT, PRIMARY KEY(sweep, key));
 CREATE TABLE trial(key TEXT PRIMARY KEY, kind TEXT, canonical TEXT, outcome TEXT, reason TEXT, step INTEGER,
                    metrics TEXT, machine INTEGER, commit_id TEXT, started TEXT, wall REAL, timed INTEGER, hash TEXT);
@@ -30,21 +33,78 @@ RESOLVERS = {"naive": (0.6, 3e-2, 4), "millington": (2.5, 8e-3, 9), "catto+none"
 BROADPHASES = {"naive": (0.9, 2.0, 400), "naive_sphere": (0.7, 2.0, 400), "sort_and_sweep": (28, 1.12, 1500),
                "uniform_grid": (60, 1.03, 2500), "region_tree": (95, 1.08, 3000)}
 QUERIES = {"closed_form": (9, 0.0), "sat": (60, 2e-16), "gjk_epa": (400, 3e-12), "fcl": (900, 4e-7), "fcl_libccd_collide": (1500, 8e-5)}
+# what, name, kind, title, unit, role, smaller, needs
+DESCRIBED = [("metric", *row.split("|")) for row in """\
+ms_per_step_median|world|time per step|ms|cost|cheaper|timing
+work_row_updates|world|row updates per step|1|cost|cheaper|
+slope_error|world|error of the distance slid|m|error|nearer the closed form|slope
+joint_error_max|world|largest joint error|m|error|joints hold better|joints
+max_penetration|world|largest penetration|m|error|less overlap|
+penetration_poses|world|largest penetration of shapes|m|error|less overlap|
+ms_per_step_p25|world|quarter|ms|detail|cheaper|timing
+ms_per_step_p75|world|three quarters|ms|detail|cheaper|timing
+slope_distance|world|distance slid|m|detail||slope
+drift_limit|world|limit of drift|m|detail||drift limit
+end_drift_max|world|largest drift at the end|m|detail|less drift|
+max_speed_end|world|largest speed at the end|m/s|detail|calmer|
+bodies|world|bodies|1|detail||
+steps_done|world|steps|1|detail||
+us_*|world|time of a stage|us|detail|cheaper|timing
+ns_per_frame_median|boxes|time per frame|ns|cost|cheaper|timing
+box_tests_mean|boxes|box tests per frame|1|cost|cheaper|
+wrong_pairs|boxes|wrong pairs|1|error|fewer wrong|
+ns_per_frame_p25|boxes|quarter|ns|detail|cheaper|timing
+ns_per_frame_p75|boxes|three quarters|ns|detail|cheaper|timing
+pairs_mean|boxes|pairs|1|detail||
+ns_per_query|pairs|time per query|ns|cost|cheaper|timing
+max_error|pairs|worst error|1|error|more exact|
+p99_error|pairs|error of 99 of 100|1|error|more exact|
+median_error|pairs|median error|1|error|more exact|
+failed|pairs|failed|1|error|fewer without an answer|
+refused|pairs|refused|1|error|fewer without an answer|
+wrong_boolean|pairs|wrong yes or no|1|error|fewer wrong|
+asked|pairs|asked|1|detail||""".splitlines()] + [("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
+    ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("mean_penetration", ""),
+    ("pairs", ""), ("bodies", ""), ("awake", ""), ("seconds", "timing"), ("sec_*", "timing"))]
+GROUPS = {"broadphase": "broadphase", "pair_query": "narrowphase", "solver": "solver", "velocity": "solver", "position": "solver",
+          "engine": "engine"}
+STAGES = {"solver": ("soft_step", "split_solver"), "velocity": ("catto", "millington", "naive"),
+          "position": ("baumgarte", "linear", "none", "nonlinear", "split_impulse")}
+
+
+def registered(stage, names, role="competitor"):
+    return [{"stage": stage, "group": GROUPS[stage], "name": name, "role": role} for name in names]
 
 
 class Maker:
-    def __init__(self, path, seed=7):
+    def __init__(self, path, seed=7, algorithms=None):
         self.db = sqlite3.connect(path)
         self.db.executescript(SCHEMA)
-        self.db.execute("INSERT INTO meta VALUES ('schema_version', '2')")
+        self.db.execute("INSERT INTO meta VALUES ('schema_version', '3')")
         self.db.execute("INSERT INTO machine VALUES (1, ?)", (json.dumps(MACHINE),))
+        for what, name, kind, title, unit, role, smaller, needs in DESCRIBED:
+            self.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
+                            (what, name, kind, title, unit, f"{title}, as invented", role, smaller, needs))
+        if algorithms is None:
+            algorithms = registered("broadphase", sorted(BROADPHASES)) + registered("pair_query", ["closed_form", "gjk_epa", "sat"])
+            algorithms += registered("pair_query", [m for m, v in VERIFIED.items() if v[0] == "witness"] + ["fcl"], "witness")
+            for stage, names in STAGES.items():
+                algorithms += registered(stage, names)
+            algorithms += registered("engine", ["box2d"], "engine")
+        self.db.execute("INSERT INTO meta VALUES ('registry', ?)", (json.dumps({"algorithms": algorithms}),))
         self.random = np.random.default_rng(seed)
         self.count = 0
 
     def second_machine(self):
         self.db.execute("INSERT INTO machine VALUES (2, ?)", (json.dumps({**MACHINE, "cpu": "Another CPU"}),))
 
+    def sweep(self, name, kind="world", baseline="", **roles):
+        """What a sweep says of its axes: roles that are not told are "run"."""
+        self.db.execute("INSERT OR REPLACE INTO sweep VALUES (?,?,?,?,?)", (name, kind, "invented", baseline, json.dumps(roles)))
+
     def plan(self, sweep, **axes):
+        if not self.db.execute("SELECT 1 FROM sweep WHERE name=?", (sweep,)).fetchone():
+            self.sweep(sweep, axes.get("kind", "world"), resolver="label", iterations="setting")
         self.count += 1
         key = f"{self.count:032x}"
         self.db.execute("INSERT INTO planned VALUES (?, ?, ?)", (sweep, key, json.dumps(axes)))
@@ -67,7 +127,7 @@ class Maker:
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
 
     def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=2,
-              machine=1, steps=300, extra=None):
+              machine=1, steps=300, extra=None, without=()):
         """The untimed trial and the timed repeats of one cell."""
         axes = {"kind": "world", "precision": "f64", **axes}
         n = steps if step is None else step
@@ -75,11 +135,11 @@ class Maker:
         noise = self.random.random(n)
         series = {"max_speed": restless * (0.3 + noise) + 2 * np.exp(-at / 15), "points": np.minimum(at, points) * 1.0,
                   "kinetic": 10 * np.exp(-at / 20) + restless, "potential": 100 - 5 * (1 - np.exp(-at / 20)),
-                  "drift": error * 3 * at / steps, "mean_penetration": np.full(n, error / 2),
-                  "x_last": at * 0.01, "y_last": -at * 0.005}
-        # The block slides as the closed form of resolvers() says, but for the error.
-        facts = {"max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
-                 "steps_done": n, "max_speed_end": restless, "slope_distance": 5 * (0.2955 - 0.2 * 0.9553) * (n / 60)**2 + error}
+                  "drift": error * 3 * at / steps, "mean_penetration": np.full(n, error / 2)}
+        measured = "slope" in (extra or {})
+        facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,"max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
+                 "steps_done": n, "max_speed_end": restless}
+        facts = {name: math.nan if name in without else value for name, value in facts.items()}
         self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra)
         if outcome in ("ok", "collapsed"):
             for repeat in range(repeats):
@@ -94,6 +154,7 @@ class Maker:
 
 
 def broadphase(make, sizes=(50, 100, 200, 500, 1000, 2000)):
+    make.sweep("broadphase_crossover", "boxes", "naive", broadphase="stage")
     for dimension in (2, 3):
         for distribution in ("uniform", "cluster"):
             for name, (scale, power, tests) in BROADPHASES.items():
@@ -114,12 +175,13 @@ def broadphase(make, sizes=(50, 100, 200, 500, 1000, 2000)):
 
 
 def resolvers(make):
+    make.sweep("resolvers", "world", "naive", resolver="label", iterations="setting")
     for scene, dimensions in (("vertical_stack", (2, 3)), ("pyramid", (2,)), ("slope", (2,)), ("mass_ratio", (2,))):
         for dimension in dimensions:
             for label, (ms, error, _) in RESOLVERS.items():
                 for i, iterations in enumerate((4, 10, 40)):
                     axes = {"scene": scene, "dimension": dimension, "resolver": label, "iterations": iterations}
-                    extra = {"scene": {"angle": 0.3, "mu": 0.2}} if scene == "slope" else None
+                    extra = {"slope": True} if scene == "slope" else None
                     e = 0.0 if label == "soft_step" and iterations == 40 else error / (1 + i)
                     if label == "naive" and iterations < 40:
                         make.world("resolvers", axes, ms * (1 + i), e, "collapsed", "drift 0.6 m over 0.5 m", 88 + i,
@@ -131,6 +193,8 @@ def resolvers(make):
 
 
 def breaking(make):
+    for name in ("breaking_points", "breaking_points_dt"):
+        make.sweep(name, resolver="label", n="parameter", ratio="parameter")
     for dimension in (2, 3):
         for label, (_, _, height) in RESOLVERS.items():
             for n in (2, 4, 6, 8, 10, 15, 20, 30, 40, 60):
@@ -145,7 +209,7 @@ def breaking(make):
             for dt in (1 / 240, 1 / 120, 1 / 60, 1 / 30, 1 / 15):
                 axes = {"scene": "vertical_stack", "dimension": dimension, "resolver": label, "n": 8, "dt": dt}
                 if label == "soft_step" and dt > 0.05:
-                    make.plan("breaking_points_dt", **axes)
+                    make.plan("breaking_points_dt", kind="world", precision="f64", **axes)
                     continue
                 fell = dt * 300 > height
                 make.world("breaking_points_dt", axes, 1, 1e-3, "diverged" if fell else "ok", "nan" if fell else "",
@@ -153,6 +217,7 @@ def breaking(make):
 
 
 def pairs_of_runs(make):
+    make.sweep("unneeded", "world", "minimal", resolver="label")
     for scene in ("circle_towers", "pyramid"):
         for model, ratio in (("minimal", 1), ("3d", 3.4), ("+friction", 1.5), ("+rotation", 1.2), ("+cache", 1.05),
                              ("+sleeping", 0.8)):
@@ -168,6 +233,7 @@ def pairs_of_runs(make):
 
 
 def queries(make):
+    make.sweep("pair_queries", "pairs", pair_query="stage")
     kinds = {2: ("circle", "box", "polygon"), 3: ("sphere", "capsule", "polytope")}
     for dimension, names in kinds.items():
         for i, a in enumerate(names):
@@ -187,6 +253,7 @@ def queries(make):
 
 
 def stages(make, steps=1200):
+    make.sweep("stages", "world", sleep="stage")
     at = np.arange(steps)
     bodies = np.minimum(30 + at // 6, 180)
     for sleep in ("none", "split_average"):
@@ -263,24 +330,37 @@ def ledger(make, asked=20000):
 
 def corpus(make, cases=60):
     """Every method is right but where planted: witnesses fail on every k-th case."""
-    rows, registry = ["id,method,verdict,value,expected,error,reason", 'library-0,referee,ok,1,1,0,""'], []
+    rows = ["id,method,verdict,value,expected,error,reason", 'library-0,referee,ok,1,1,0,""']
     for i, (method, (role, *_)) in enumerate(VERIFIED.items()):
-        registry.append({"name": method, "role": role})
         for case in range(cases):
             verdict = "refused" if case % 9 == 8 else "ok"
             if role == "witness" and case % (i + 2) == 3:
                 verdict = ("wrong", "failed", "hang")[case % 3] if i % 2 else "wrong"
             rows.append(f'library-{case},{method},{verdict},1,1,0,"a, b"')
-    for name, value in (("corpus", "\n".join(rows) + "\n"), ("corpus_file", "hard_cases.json"),
-                        ("registry", json.dumps({"algorithms": registry}))):
+    for name, value in (("corpus", "\n".join(rows) + "\n"), ("corpus_file", "hard_cases.json")):
         make.db.execute("INSERT INTO meta VALUES (?, ?)", (name, value))
 
 
+def forty(make):
+    """Forty methods of eight families on one scene, with a cost and an error each."""
+    make.sweep("forty", "world", resolver="label")
+    for i, label in enumerate(FORTY):
+        make.world("forty", {"scene": "vertical_stack", "dimension": 2, "resolver": label}, 0.4 * 1.09**i,
+                   3e-2 * 0.93**i * (1 + 0.5 * (i % 3)), repeats=1)
+
+
+def forty_algorithms():
+    return (registered("velocity", sorted({label.split("+")[0] for label in FORTY})) + registered("position", STAGES["position"]) +
+            registered("solver", ("split_solver",)))
+
+
+FORTY = [f"{velocity}+{position}" for velocity in ("apgd", "catto", "direct_lcp", "jacobi", "millington", "naive", "nncg",
+                                                   "shock_propagation") for position in STAGES["position"]]
 THEMES = (broadphase, resolvers, breaking, pairs_of_runs, queries, stages, benchmark, ledger, corpus)
 
 
-def write(path, themes=THEMES):
-    make = Maker(path)
+def write(path, themes=THEMES, **kwargs):
+    make = Maker(path, **kwargs)
     for theme in themes:
         theme(make)
     make.close()

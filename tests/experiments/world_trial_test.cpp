@@ -2,9 +2,12 @@
 // World trials: what is measured is right where it is known, and a broken run ends with the outcome of its kind.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
 
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/trial.h"
+#include "experiments/trial/world_metrics.h"
 #include "framework/stage_solver.h"
 #include "tests/experiments/workspace.h"
 
@@ -61,9 +64,10 @@ TEST(WorldTrial, metricsOfFreeFlight) {
   EXPECT_NEAR(r.metrics.at("momentum_error"), 0, 1e-14);
   EXPECT_NEAR(r.metrics.at("max_drift"), 4, 1e-12);
   EXPECT_NEAR(r.metrics.at("end_drift_top"), 4, 1e-12) << "the upper ball";
-  EXPECT_NEAR(r.metrics.at("slope_distance"), 4, 1e-12) << "the last ball";
+  EXPECT_TRUE(std::isnan(r.metrics.at("slope_distance"))) << "nobody slides here";
+  EXPECT_TRUE(std::isnan(r.metrics.at("joint_error_max"))) << "no joints";
+  EXPECT_TRUE(std::isnan(r.metrics.at("drift_limit"))) << "bodies may go anywhere";
   EXPECT_NEAR(r.metrics.at("max_speed"), 4, 1e-12);
-  EXPECT_NEAR(r.series.at("x_last").back(), 0, 1e-12);
   EXPECT_NEAR(r.series.at("height").back(), 9, 1e-12);
   for (const auto& [name, list] : r.series) EXPECT_EQ(list.size(), 100u) << name;
   EXPECT_EQ(r.series.count("seconds"), 0u) << "an untimed trial holds no time";
@@ -71,6 +75,110 @@ TEST(WorldTrial, metricsOfFreeFlight) {
   ASSERT_EQ(r.poses.size(), 3u);
   EXPECT_NEAR(r.poses.at(60)[1], 3 * 0.6, 1e-12);
   EXPECT_EQ(r.poses.at(100).size(), 2u * 4);
+}
+
+// Not called a slope, not earth's gravity, and the body that slides is not the last one.
+const std::string kHill = R"toml(
+name = "my_hill"
+summary = "a block slides down a hill"
+dimensions = [2, 3]
+needs = ["cache", "friction"]
+gravity = [0, "-g", 0]
+steps = 60
+[parameters]
+g = { default = 4, min = 0, max = 100, meaning = "gravity in m/s^2" }
+mu = { default = 0.2, min = 0, max = 10, meaning = "Coulomb's coefficient" }
+[defaults]
+friction = "mu"
+[measures.slope]
+body = "block"
+angle = 0.5
+friction = "mu"
+[[body]]
+type = "fixed"
+position = ["-sin(0.5)", "-cos(0.5)", 0]
+angle = -0.5
+shapes = [{ kind = "box", half = [100, 1, 20] }]
+[[body]]
+name = "block"
+position = ["0.5 * sin(0.5)", "0.5 * cos(0.5)", 0]
+angle = -0.5
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
+[[body]]
+position = [0, 500, 0]
+shapes = [{ kind = "circle", radius = 0.5 }]
+)toml";
+
+// `way` is what a trial says was slid: within a step's way of g (sin a - mu cos a) t^2 / 2?
+bool slidRight(double way, double g, double mu) {
+  const double right = g * (std::sin(0.5) - mu * std::cos(0.5)) * 0.5;
+  return std::abs(way - std::max(0.0, right)) < 0.03 * std::max(0.1, right);
+}
+
+TEST(WorldTrial, whatSlidesIsMeasuredAgainstItsOwnClosedForm) {
+  Workspace w;
+  for (const double g : {4.0, 10.0}) {
+    const TrialResult r = run(w, kHill, {{"g", g}});
+    EXPECT_TRUE(slidRight(r.metrics.at("slope_distance"), g, 0.2)) << r.metrics.at("slope_distance");
+    EXPECT_LT(r.metrics.at("slope_error"), 0.03 * g * 0.15);
+    EXPECT_NEAR(r.metrics.at("gravity"), g, 1e-6);
+    EXPECT_EQ(r.series.at("slope_distance").back(), r.metrics.at("slope_distance"));
+  }
+  const TrialResult held = run(w, kHill, {{"mu", 1}});
+  EXPECT_LT(held.metrics.at("slope_error"), 0.01);
+  EXPECT_EQ(held.metrics.at("slope_error"), held.metrics.at("slope_distance"));
+  // Planted bugs: the gravity of other scenes, and the last body in place of the one that is named.
+  const TrialResult r = run(w, kHill);
+  EXPECT_FALSE(slidRight(r.metrics.at("slope_distance"), 10, 0.2)) << "gravity of 10 for any scene was not seen";
+  EXPECT_FALSE(slidRight(500 - r.poses.at(60).at(2 * 4 + 2), 4, 0.2)) << "the last body was not seen";
+}
+
+// Every name that trials of any kind write has its entry.
+bool isDescribed(std::string_view what, std::string_view kind, const std::string& name) {
+  for (const DescribedMetric& m : describeMetrics()) {
+    if (m.what != what || m.kind != kind) continue;
+    const bool star = m.info.name.back() == '*';
+    if (star ? name.starts_with(m.info.name.substr(0, m.info.name.size() - 1)) : name == m.info.name) return true;
+  }
+  return false;
+}
+
+TEST(Metrics, allThatTrialsWriteIsDescribed) {
+  Workspace w;
+  for (const bool timed : {false, true}) {
+    const TrialResult r = run(w, kHill, {}, timed);
+    for (const auto& [name, value] : r.metrics) EXPECT_TRUE(isDescribed("metric", "world", name)) << name;
+    for (const auto& [name, list] : r.series) EXPECT_TRUE(isDescribed("series", "world", name)) << name;
+  }
+  Planner planner;
+  for (const json& cell : {json{{"dimension", 2},
+                                {"n", 16},
+                                {"distribution", "uniform"},
+                                {"broadphase", "naive"},
+                                {"frames", 12},
+                                {"timed", true}}}) {
+    const TrialResult r = runTrial({{"trial", planner.boxes(cell).canonical}});
+    EXPECT_EQ(r.metrics.size(), 7u);
+    for (const auto& [name, value] : r.metrics) EXPECT_TRUE(isDescribed("metric", "boxes", name)) << name;
+  }
+  EXPECT_FALSE(isDescribed("metric", "world", "max_penetratoin")) << "the planted bug was not seen";
+  std::set<std::string> names;
+  for (const DescribedMetric& m : describeMetrics()) {
+    EXPECT_TRUE(names.insert(std::string(m.what) + " " + std::string(m.info.name)).second) << m.info.name;
+    EXPECT_FALSE(m.info.title.empty() || m.info.unit.empty() || m.info.meaning.empty()) << m.info.name;
+  }
+}
+
+TEST(Metrics, oneThatReadsAMisspeltSeriesIsAnError) {
+  const SceneSpec<2> scene;
+  const WorldSeen<2> seen(scene);
+  EXPECT_EQ(seen.largest("drift"), 0);
+  try {
+    seen.largest("drfit");
+    FAIL() << "an empty series for a name that nobody has";
+  } catch (const std::logic_error& e) {
+    EXPECT_NE(std::string(e.what()).find("drift"), std::string::npos) << "the valid names: " << e.what();
+  }
 }
 
 TEST(WorldTrial, timedTrialsHoldTimesAndTheSameHistory) {
@@ -153,6 +261,44 @@ sleep = "none"
   }
   EXPECT_EQ(solid, 8);
   EXPECT_EQ(friction, 8);
+  const std::map<std::string, std::string> roles = {{"scene", "run"},          {"g", "parameter"}, {"dt", "run"},
+                                                    {"iterations", "setting"}, {"model", "run"},   {"sleep", "stage"},
+                                                    {"resolver", "label"}};
+  EXPECT_EQ(sweeps[0].roles, roles) << "what each axis is";
+}
+
+TEST(WorldSweep, aPartOfAStageIsAMethodToo) {
+  Workspace w;
+  w.write("throw.toml", kThrow);
+  const auto sweeps = planSweeps(w.write("s.toml", R"(
+summary = "s"
+kind = "world"
+pipeline = "solver=split_solver{velocity=$velocity}"
+[axes]
+scene = "throw"
+velocity = ["catto", "naive"]
+)"),
+                                 {});
+  EXPECT_EQ(sweeps[0].roles.at("velocity"), "stage");
+}
+
+TEST(WorldSweep, aBaselineIsAValueOfAnAxis) {
+  Workspace w;
+  w.write("throw.toml", kThrow);
+  const auto plan = [&](const std::string& baseline) {
+    return planSweeps(w.write("s.toml", "summary = \"s\"\nkind = \"world\"\nbaseline = \"" + baseline +
+                                            "\"\n[axes]\nscene = \"throw\"\nsleep = [\"none\", \"split_average\"]\n"),
+                      {});
+  };
+  EXPECT_EQ(plan("none")[0].baseline, "none");
+  try {
+    plan("nnoe");
+    FAIL() << "no axis has this value";
+  } catch (const UserError& e) {
+    const std::string what = e.what();
+    EXPECT_NE(what.find("s.toml:3: no axis has the value 'nnoe'; valid: none, split_average, throw"), std::string::npos)
+        << what;
+  }
 }
 
 // Both precisions are one sweep: f32 runs in a worker of its own, if this build has one.
@@ -168,6 +314,11 @@ TEST(WorldSweep, runsInTheWorkerOfItsPrecision) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok' AND timed = 1"), single ? "4" : "2");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(DISTINCT hash) FROM trial"), single ? "2" : "1");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT length(data) FROM series WHERE name = 'kinetic'"), "800");
+  // What a report must know travels with the store.
+  EXPECT_EQ(
+      ask(w.path("s.db"), "SELECT unit || '|' || role FROM metrics WHERE what='metric' AND name='max_penetration'"),
+      "m|error");
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT kind || roles FROM sweep"), R"(world{"precision":"run","scene":"run"})");
 }
 
 TEST(CommandRun, printsProfilesAndRecords) {

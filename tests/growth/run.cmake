@@ -1,12 +1,14 @@
 # Growth, done: each folder beside this file is a promise of what one more thing costs. Its files are put into a scratch
 # tree and counted; the tree is built; the thing is listed and proved; its broken twin is caught; and when it is gone,
 # lists and keys of results are as before. Pinned histories at -O0 are then compared by ctest.
-#   cmake -DSOURCE_DIR=... -DWORK_DIR=... -DLAUNCHER=... [-DALL=ON] -P run.cmake
+#   cmake -DSOURCE_DIR=... -DWORK_DIR=... -DLAUNCHER=... [-DPYTHON=...] [-DALL=ON] [-DONLY=...] -P run.cmake
+# PYTHON is one that can make reports; ONLY a list of promises.
 #
 # A promise has
-#   promise.cmake  at_most (files), name (shown by `lpc list`), targets, proof (a command that passes, and fails with
-#                  `blames` in its output for the twin), round (below, `few` unless told)
-#   tree/          its new files, where they stand in the project
+#   promise.cmake  at_most (files), name (shown by `listed`: `lpc list` unless told), targets, proof (a command that passes, and fails with
+#                  `blames` in its output for the twin), round (below, `few` unless told),
+#                  needs_python
+#   tree/          its new files, where they stand in the project; optional
 #   edits.cmake    edit() of files that are there, which count, too; optional
 #   wrong.cmake    edit() that makes the twin
 #   use.cmake      what else must work; optional
@@ -50,7 +52,9 @@ function(put promise)
       message(FATAL_ERROR "${promise}: ${file} is there already")
     endif()
   endforeach()
-  file(COPY ${here}/${promise}/tree/ DESTINATION ${tree})
+  if(new)
+    file(COPY ${here}/${promise}/tree/ DESTINATION ${tree})
+  endif()
   foreach(file IN LISTS new)
     file(TOUCH ${tree}/${file})  # younger than the object that the last run's twin has left
   endforeach()
@@ -83,8 +87,10 @@ function(take promise)
 endfunction()
 
 function(prove promise)
+  set(listed ${bin}/lpc list)
+  set(needs_python OFF)
   include(${here}/${promise}/promise.cmake)
-  must_say("[ \n]${name}[ \n]" ${bin}/lpc list)
+  must_say("[ \n]${name}[ \n]" ${listed})
   must_say("" ${proof})
   include(${here}/${promise}/use.cmake OPTIONAL)
 
@@ -97,6 +103,9 @@ function(prove promise)
     message(FATAL_ERROR "${promise}: the broken twin of ${name} is not caught by\n${proof}\n${output}")
   endif()
   message(STATUS "${promise} ${name}: its broken twin is caught")
+  if(needs_python)
+    take(${promise})  # its twin would spoil the reports of the others
+  endif()
 endfunction()
 
 function(same_keys)
@@ -131,7 +140,7 @@ foreach(file IN LISTS copies)
     file(REMOVE ${tree}/${file})
   endif()
 endforeach()
-foreach(part framework algorithms oracles experiments tests docs CMakeLists.txt)
+foreach(part framework algorithms oracles experiments reports tests docs CMakeLists.txt)
   file(COPY ${SOURCE_DIR}/${part} DESTINATION ${tree})
 endforeach()
 file(GLOB folders RELATIVE ${here} ${here}/*/promise.cmake)
@@ -191,8 +200,11 @@ pair_query = [${methods}]
   set(wanted lpc)
   foreach(promise IN LISTS folders)
     set(round few)
+    set(needs_python OFF)
     include(${here}/${promise}/promise.cmake)
-    if(round STREQUAL current)
+    if(needs_python AND NOT PYTHON)
+      message(STATUS "${promise} ${name}: not tested, there is no Python that can make reports")
+    elseif(round STREQUAL current AND (NOT ONLY OR promise IN_LIST ONLY))
       list(APPEND promises ${promise})
       list(APPEND wanted ${targets})
     endif()

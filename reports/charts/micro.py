@@ -10,12 +10,15 @@ import pandas as pd
 from chart import Chart, listing
 from style import WIDTH, plt, si, times
 
+PLACE = 110
 SECTION = "What do single calls cost?"
+ABSENT = Chart("micro", SECTION, "Micro-benchmarks", "No micro-benchmark was imported into this store.", "",
+               made_by="import-benchmark bench.json")
 PER_PANEL = 12  # columns, so that times stay readable
 SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 
 
-def charts(context):
+def of_store(context):
     """Of every import the newest result of a benchmark counts; names are stage/dimension/algorithm/case.../size."""
     groups, machines, found = OrderedDict(), [], {}
     for imported, data in context.store.benchmarks():
@@ -80,7 +83,7 @@ def _chart(context, stage, table, machines):
     row, head, foot = 0.25, 0.1, 0.35 + 0.045 * max(map(len, cases))
     height = panels * (len(names) * row + head + foot)
     # As wide as its columns need: few of them in a wide picture would leave it half empty.
-    left = max(min(4.2, 0.4 + 0.072 * max(len(context.looks.name(name)) for name in names)),
+    left = max(min(4.2, 0.4 + 0.072 * max(len(context.name(name)) for name in names)),
                0.1 + 0.065 * max(map(len, cases[::columns])))
     width = min(WIDTH, left + 0.78 * columns + 0.2)
     figure, axes = plt.subplots(panels, 1, figsize=(width, height), squeeze=False)
@@ -116,7 +119,7 @@ def _panel(context, ax, values, best, errors, table, cases, columns):
     ax.set_xticks(range(len(cases)))
     ax.set_xticklabels(cases, rotation=25, ha="right", fontsize=8)
     ax.set_yticks(range(len(values)))
-    ax.set_yticklabels([context.looks.name(name) for name in values.index])
+    ax.set_yticklabels([context.name(name) for name in values.index])
     ax.grid(False)
     ax.tick_params(length=0)
     for side in ax.spines.values():

@@ -8,22 +8,26 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from chart import Chart, describe, holes, listing
-from load import axes_of, split, varying
-from style import PALETTE, STAGES, grid_of_axes, legend_right, si, times
+from chart import Chart, Needs, describe, holes, identifier, listing
+from load import split, varying
+from style import PALETTE, grid_of_axes, legend_right, si, times
 
+PLACE = 100
 SECTION = "Where does the time of a step go?"
+# A comparison of many methods is no place for timelines.
+NEEDS = Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=("ms_per_step_median",),
+              series=("seconds", "sec_solver", "bodies", "awake", "points"))
+ABSENT = Chart("stages", SECTION, "Stage timelines", "No timed sweep of at most two methods is in this store.", "stages")
+# From the bottom of a stack of stage times upwards, as World::step goes.
+STAGES = {"boxes": 4, "broadphase": 0, "cache": 9, "contacts": 1, "listeners": 10, "sleep": 3, "solver": 2, "other": 11}
 COUNTS = OrderedDict([("bodies", "#000000"), ("awake", "#D55E00"), ("points", "#0072B2")])
 STRETCHES = 240
 
 
-def charts(context):
-    cells = context.store.cells("stages")
-    if not len(cells):
-        return [Chart("stages", SECTION, "Stage timelines", "No stage timelines are in this store.", "stages")]
-    axes = axes_of(context.store, cells)
-    side = next((a for a in ("sleep", "sleeping") if a in cells and cells[a].map(str).nunique() > 1), None)
-    others = [c for c in varying(cells, (side,) if side else ()) if c in axes]
+def of_sweep(context, cells):
+    side = context.store.method_axis(cells["sweep"].iloc[0])
+    side = side if side in cells and cells["method"].nunique() > 1 else None
+    others = varying(context.store, cells)
     made = []
     for part in split(cells, others):
         made.append(_timeline(context, part, side, [c for c in ("scene", "dimension") if c in part] +
@@ -113,7 +117,7 @@ def _timeline(context, cells, side, axes):
     handles += [Line2D([], [], color=colour, label={"points": "contact points"}.get(count, count))
                 for count, colour in COUNTS.items()]
     legend_right(figure, handles, legend_width)
-    return Chart("stages_" + "".join(c if c.isalnum() else "_" for c in where.lower()), SECTION,
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} timeline {where}"), SECTION,
                  f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, [*axes, side] if side else axes),
                  f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show.")

@@ -8,21 +8,21 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
-from chart import Chart, dimension_of, holes, listing, plural
+from chart import Chart, Needs, dimension_of, holes, listing, plural
 from load import one_machine
-from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, letter, plt, si
+from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, legend_room, letter, plt, si
 
+PLACE = 70
 SECTION = "Which pair query is fast and right?"
 FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
 ERRORS = ("median_error", "p99_error", "max_error")
+FAILURES = ("failed", "refused", "wrong_boolean")
+NEEDS = Needs("pairs", metrics=("ns_per_query", *ERRORS, *FAILURES))
+ABSENT = Chart("pair_queries", SECTION, "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
 
 
-def charts(context):
-    cells = context.store.cells("pair_quer")
-    if not len(cells) or "kind_a" not in cells:
-        return [Chart("pair_queries", SECTION, "Time against error", "No sweep of pair queries is in this store.",
-                      "pair_queries")]
-    cells, refused = one_machine(cells)
+def of_sweep(context, cells):
+    cells, refused = one_machine(context.store, cells)
     if "precision" in cells and cells["precision"].nunique() > 1:
         cells["method"] = cells["method"] + " " + cells["precision"].map({"f64": "", "f32": "f32"}).fillna("")
         cells["method"] = cells["method"].str.strip()
@@ -72,9 +72,9 @@ def _scatter(context, cells, dimension, refused):
     methods = sorted(cells["method"].unique())
     columns = min(4, len(pairs))
     rows = math.ceil(len(pairs) / columns)
-    legend_width = 2.2
+    legend_width = legend_room(map(context.name, methods), 2.2)
     figure, axes = grid_of_axes(rows, columns, 1.95, legend_width, left=0.75, gap_x=0.55, gap_y=0.5)
-    usable = _usable(cells)
+    usable, looks = _usable(cells), context.looks(cells)
     errors = {name: np.where(usable, metrics.column(cells, name), math.nan) for name in ERRORS}
     time = metrics.column(cells, "ns_per_query")
     all_errors = np.concatenate(list(errors.values()))
@@ -87,13 +87,13 @@ def _scatter(context, cells, dimension, refused):
         up = ZeroLog(ax, "y", list(all_errors[np.isfinite(all_errors)]), "1", floor=FLOOR,
                      failures=not usable.all() or bool(np.isnan(errors["max_error"]).any()))
         for i in mine:
-            look = context.looks(cells["method"].iloc[i])
+            look = looks(cells["method"].iloc[i])
             x = across.place(time[i])
             spread = [errors[name][i] for name in ERRORS if math.isfinite(errors[name][i])]
             if spread:
                 ax.plot([x, x], [up.place(min(spread)), up.place(max(spread))], color=look["color"], lw=1.3, alpha=0.6)
                 middle = errors["p99_error"][i] if math.isfinite(errors["p99_error"][i]) else max(spread)
-                ax.plot([x], [up.place(middle)], **{**look, "linestyle": "none"}, ms=6)
+                ax.plot([x], [up.place(middle)], **{**look, "linestyle": "none"})
             else:
                 ax.plot([x], [up.failed], marker=letter(cells["outcome"].iloc[i]), ms=7, ls="none", color=look["color"],
                         mew=0.3)
@@ -108,7 +108,7 @@ def _scatter(context, cells, dimension, refused):
             ax.tick_params(labelleft=False)
         if index + columns >= len(pairs):
             ax.set_xlabel("time per query")
-    handles = [Line2D([], [], label=context.looks.name(m), **context.looks(m)) for m in methods]
+    handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in methods]
     handles.append(Line2D([], [], color="#222222", lw=2.4, alpha=0.3, label="Pareto front"))
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
                 for o in sorted({o for o in cells["outcome"] if o not in ("ok", "wrong")})]
@@ -116,7 +116,7 @@ def _scatter(context, cells, dimension, refused):
     table = pd.DataFrame({"pair": cells["pair"], "method": cells["method"], "outcome": cells["outcome"],
                           "time per query": [si(v, "ns") for v in time],
                           **{name.replace("_", " "): [f"{v:.1e}" if v else "0" for v in errors[name]] for name in ERRORS}})
-    return Chart(f"pair_queries_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
+    return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
                  finding(cells, dimension), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
                  refused + holes(cells, ["pair", "method"]),
                  "A mark is the error that 99 of 100 queries stay below; its bar goes from the median to the worst. "
@@ -137,7 +137,7 @@ def _failures(context, cells, dimension):
             if len(part):
                 row = part.iloc[0]
                 asked = float(row.get("asked", math.nan))
-                counts = [metrics.column(part, name)[0] for name in ("failed", "refused", "wrong_boolean")]
+                counts = [metrics.column(part, name)[0] for name in FAILURES]
                 known = [c for c in counts if math.isfinite(c)]
                 if row["outcome"] not in ("ok", "wrong"):
                     colour, text = OUTCOMES.get(row["outcome"], ("#FFFFFF", "?"))
@@ -162,7 +162,7 @@ def _failures(context, cells, dimension):
     ax.set_xticks(range(len(pairs)))
     ax.set_xticklabels(pairs, rotation=30 if len(pairs) > 7 else 0, ha="right" if len(pairs) > 7 else "center")
     ax.set_yticks(range(len(methods)))
-    ax.set_yticklabels([context.looks.name(m) for m in methods])
+    ax.set_yticklabels([context.name(m) for m in methods])
     ax.grid(False)
     ax.tick_params(length=0)
     for side in ax.spines.values():
@@ -177,7 +177,7 @@ def _failures(context, cells, dimension):
                 f"any failure: {listing(clean)} ({total:,.0f} queries in all).")
     else:
         text = f"In {dimension}D no query failed, was refused or had a wrong yes or no, of {total:,.0f} asked."
-    return Chart(f"pair_failures_{dimension}d", SECTION, f"Rate of failures by pair of shapes, {dimension}D", text,
+    return Chart(f"{cells['sweep'].iloc[0]}_failures_{dimension}d", SECTION, f"Rate of failures by pair of shapes, {dimension}D", text,
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, ["pair", "method"]),
                  "Failed, refused and wrong yes-or-no answers over the queries asked; “no” is a pair that the method does "
                  "not declare.")

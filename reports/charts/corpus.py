@@ -7,18 +7,22 @@ import pandas as pd
 from matplotlib.patches import Rectangle
 
 from chart import Chart, listing, plural
-from charts_verify import NOT_ASKED, REFUSED, RIGHT, SECTION
-from style import WIDTH, plt
+from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, plt
 
+PLACE = 90
+SECTION = "Who is right, and who fails where?"
 VERDICTS = {"ok": RIGHT, "refused": REFUSED, "wrong": "#D55E00", "failed": "#661100", "hang": "#332288"}
 MADE_BY = "verify --cases tests/regressions/hard_cases.json"
 
 
-def charts(context):
+ABSENT = Chart("corpus", SECTION, "Published hard cases", "No corpus was run into this store.", "", made_by=MADE_BY)
+
+
+def of_store(context):
     """A chart when the store has the table; `lpc verify` alone does not make it."""
     rows = read(context.store)
     if not len(rows):
-        return [Chart("corpus", SECTION, "Published hard cases", "No corpus was run into this store.", "", made_by=MADE_BY)]
+        return []
     return [_chart(context, rows, context.store.meta.get("corpus_file", "a file of cases"))]
 
 
@@ -64,7 +68,7 @@ def _chart(context, rows, file):
     # Cases on which somebody fails, the most telling first.
     failing = rows[rows["verdict"].isin(["wrong", "failed", "hang"])]
     cases = list(failing.groupby("id").size().sort_values(ascending=False, kind="stable").index)
-    left, body, top, bottom = 0.35 + 0.075 * max(len(context.looks.name(m)) for m in methods), 0.24 * len(methods), 0.35, 0.3
+    left, body, top, bottom = 0.35 + 0.075 * max(len(context.name(m)) for m in methods), 0.24 * len(methods), 0.35, 0.3
     height = top + body + bottom
     figure = plt.figure(figsize=(WIDTH, height))
     wide = 0.62 * len(VERDICTS)
@@ -80,7 +84,7 @@ def _chart(context, rows, file):
     numbers.xaxis.tick_top()
     _plain(numbers, len(VERDICTS), len(methods))
     numbers.set_yticks(range(len(methods)))
-    numbers.set_yticklabels([context.looks.name(m) for m in methods])
+    numbers.set_yticklabels([context.name(m) for m in methods])
     if cases:
         start = left + wide + 0.35
         grid = figure.add_axes((start / WIDTH, bottom / height, (WIDTH - start - 0.2) / WIDTH, body / height))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Broadphases alone on frozen boxes: time and box tests over the body count (2009 report, figure 7.3)."""
+"""Methods alone on frozen boxes: time and box tests over the body count (2009 report, figure 7.3)."""
 
 import math
 
@@ -8,20 +8,20 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
-from chart import Chart, dimension_of, holes, listing
+from chart import Chart, Needs, dimension_of, holes, listing
 from load import one_machine
-from style import ZeroLog, grid_of_axes, legend_right, letter, plain_log, si, times
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, plain_log, si, times
 
+PLACE = 10
 SECTION = "Which broadphase for how many bodies?"
 TIME, TESTS = "ns_per_frame_median", "box_tests_mean"
+NEEDS = Needs("boxes", varies=("n",), metrics=(TIME, TESTS))
+ABSENT = Chart("broadphase", SECTION, "Time over body count", "No timed sweep of boxes over their number is in this store.",
+               "broadphase_crossover")
 
 
-def charts(context):
-    cells = context.store.cells("broadphase")
-    if not len(cells) or "n" not in cells:
-        return [Chart("broadphase", SECTION, "Time over body count", "No broadphase sweep is in this store.",
-                      "broadphase_crossover")]
-    cells, refused = one_machine(cells)
+def of_sweep(context, cells):
+    cells, refused = one_machine(context.store, cells)
     if "distribution" not in cells:
         cells["distribution"] = "boxes"
     made = []
@@ -45,28 +45,28 @@ def curve(cells, method, metric):
     return part["n"].astype(float).to_numpy(), values
 
 
-def tree_of(methods):
-    for wanted in ("region_tree", "dynamic_tree", "rebuilt_bvh", "tree", "bvh"):
-        for method in methods:
-            if wanted in method:
-                return method
-    return None
+def baseline_of(context, cells):
+    """What the sweep names; else the method that is slowest at the largest size."""
+    named = context.baseline(cells)
+    if named in set(cells["method"]):
+        return named
+    largest = cells[cells["n"] == cells["n"].max()]
+    values = metrics.column(largest, TIME)
+    return largest["method"].iloc[int(np.nanargmax(values))] if np.isfinite(values).any() else cells["method"].iloc[0]
 
 
-def crossings(cells):
-    """Per distribution and method: where it starts to beat naive for good."""
+def crossings(cells, base):
+    """Per distribution and method: where it starts to beat the baseline for good."""
     rows = []
     for distribution, part in cells.groupby("distribution", sort=True):
         methods = sorted(part["method"].unique())
-        if "naive" not in methods:
-            continue
-        n, naive = curve(part, "naive", TIME)
+        n, slow = curve(part, base, TIME)
         for method in methods:
-            if method == "naive":
+            if method == base:
                 continue
             n_other, other = curve(part, method, TIME)
-            shared, at_naive, at_other = np.intersect1d(n, n_other, return_indices=True)
-            a, b = naive[at_naive], other[at_other]
+            shared, at_base, at_other = np.intersect1d(n, n_other, return_indices=True)
+            a, b = slow[at_base], other[at_other]
             both = np.isfinite(a) & np.isfinite(b)
             if not both.any():
                 rows.append((distribution, method, "unknown", math.nan, math.nan, math.nan))
@@ -76,31 +76,35 @@ def crossings(cells):
             kind = "crosses" if cross else ("always faster" if (b[both] < a[both]).all() else
                                             "never faster" if (b[both] >= a[both]).all() else "slower at the end")
             rows.append((distribution, method, kind, cross or math.nan, shared[last], a[last] / b[last]))
-    return pd.DataFrame(rows, columns=["distribution", "method", "kind", "n", "largest n", "ratio"])
+    return pd.DataFrame(rows, columns=["distribution", "method", "kind", "n", "largest", "ratio"])
 
 
-def finding(cross, tree, dimension):
+def crossing_methods(cross):
+    """Per distribution the one that the chart marks: of those that cross the baseline, the fastest at the largest size."""
+    rows = cross[cross["kind"] == "crosses"].dropna(subset=["ratio"])
+    return rows.loc[rows.groupby("distribution")["ratio"].idxmax()] if len(rows) else rows
+
+
+def finding(cross, base, dimension):
     if not len(cross):
-        return f"In {dimension}D naive was not measured beside another method, so no crossing can be told."
-    said = []
-    for row in cross[cross["method"] == tree].itertuples():
-        where = f"on {row.distribution} boxes"
-        if row.kind == "crosses":
-            said.append(f"{where} {tree} beats naive from {row.n:,.0f} bodies on and is {times(row.ratio)} times faster "
-                        f"at {row._5:,.0f}")
-        elif row.kind == "unknown":
-            said.append(f"{where} {tree} and naive have no size in common that both finished")
-        else:
-            said.append(f"{where} {tree} is {row.kind} ({times(max(row.ratio, 1 / row.ratio))} times "
-                        f"{'faster' if row.ratio > 1 else 'slower'} at {row._5:,.0f} bodies)")
+        return f"In {dimension}D {base} was not measured beside another method, so no crossing can be told."
+    said = [f"on {row.distribution} boxes {row.method} beats {base} from {row.n:,.0f} bodies on and is {times(row.ratio)} "
+            f"times faster at {row.largest:,.0f}" for row in crossing_methods(cross).itertuples()]
+    crossed = set(crossing_methods(cross)["distribution"])
+    for distribution, part in cross.groupby("distribution", sort=True):
+        if distribution in crossed:
+            continue
+        kinds = [f"{listing(rows['method'])} {'is' if len(rows) == 1 else 'are'} {kind}" if kind != "unknown" else
+                 f"{listing(rows['method'])} and {base} have no size in common that both finished"
+                 for kind, rows in part.groupby("kind", sort=True)]
+        said.append(f"on {distribution} boxes nothing crosses {base}: {listing(kinds)}")
     fastest = []
     for distribution, part in cross.groupby("distribution", sort=True):
         best = part.loc[part["ratio"].idxmax()] if part["ratio"].notna().any() else None
         if best is not None and best["ratio"] > 1:
-            fastest.append(f"{best['method']} on {distribution} ({times(best['ratio'])} times naive's speed at "
-                           f"{best['largest n']:,.0f})")
-    sentence = f"In {dimension}D " + "; ".join(said) if said else f"In {dimension}D no tree was measured"
-    return sentence + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
+            fastest.append(f"{best['method']} on {distribution} ({times(best['ratio'])} times the speed of {base} at "
+                           f"{best['largest']:,.0f})")
+    return f"In {dimension}D " + "; ".join(said) + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
 
 
 def n_share(cells, n):
@@ -111,12 +115,14 @@ def n_share(cells, n):
 def _chart(context, cells, dimension, precision, refused):
     distributions = sorted(cells["distribution"].unique())
     methods = sorted(cells["method"].unique())
-    cross, tree = crossings(cells), tree_of(methods)
-    legend_width = 1.75
+    base, looks = baseline_of(context, cells), context.looks(cells)
+    cross = crossings(cells, base)
+    marked = crossing_methods(cross)
+    legend_width = legend_room(map(context.name, methods), 1.75)
     figure, axes = grid_of_axes(2, len(distributions), 2.55, legend_width, left=0.9, gap_x=0.3, bottom=0.55, gap_y=0.5)
     for row, metric in enumerate((TIME, TESTS)):
         finished = cells["outcome"].to_numpy() == "ok"
-        unit = metrics.METRICS[metric].unit
+        unit = context.unit(metric)
         values = metrics.column(cells, metric)[finished]
         values = values[np.isfinite(values)]
         for column, distribution in enumerate(distributions):
@@ -125,23 +131,23 @@ def _chart(context, cells, dimension, precision, refused):
             scale = ZeroLog(ax, "y", values, unit, failures=not finished.all())
             for method in methods:
                 n, value = curve(part, method, metric)
-                look = context.looks(method)
+                look = looks(method)
                 good = np.isfinite(value)
                 ax.plot(n[good], [scale.place(v) for v in value[good]], **look)
                 mine = part[part["method"] == method].sort_values("n")
                 for at, outcome in zip(n, mine["outcome"]):
                     if outcome != "ok":
                         ax.plot([at], [scale.failed], ls="none", marker=letter(outcome), color=look["color"], ms=7, mew=0.3)
-                if metric == TIME and "ns_per_frame_p25" in mine:
+                if metric == TIME:
                     ax.fill_between(n[good], mine["ns_per_frame_p25"].astype(float).to_numpy()[good],
                                     mine["ns_per_frame_p75"].astype(float).to_numpy()[good], color=look["color"],
                                     alpha=0.15, lw=0)
-            hit = cross[(cross["method"] == tree) & (cross["distribution"] == distribution)]
-            if metric == TIME and len(hit) and math.isfinite(hit["n"].iloc[0]):
-                at = hit["n"].iloc[0]
+            hit = marked[marked["distribution"] == distribution]
+            if metric == TIME and len(hit):
+                at, winner = hit["n"].iloc[0], hit["method"].iloc[0]
                 ax.axvline(at, color="#444444", lw=1, ls=":")
                 right = n_share(part, at) > 0.6
-                ax.annotate(f"from n = {at:,.0f}\n{tree} wins", (at, 0), xycoords=("data", "axes fraction"),
+                ax.annotate(f"from n = {at:,.0f}\n{winner} wins", (at, 0), xycoords=("data", "axes fraction"),
                             xytext=(-5 if right else 5, 5), textcoords="offset points", ha="right" if right else "left",
                             va="bottom", size=8.5)
             if row == 0:
@@ -149,10 +155,10 @@ def _chart(context, cells, dimension, precision, refused):
             else:
                 ax.set_xlabel("bodies n")
             if column == 0:
-                ax.set_ylabel("time per frame" if metric == TIME else "box tests per frame")
+                ax.set_ylabel(context.title(metric))
             else:
                 ax.tick_params(labelleft=False)
-    handles = [Line2D([], [], label=context.looks.name(m), **context.looks(m)) for m in methods]
+    handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in methods]
     handles += [Line2D([], [], ls="none", marker=letter(o), color="#555555", ms=7, label=o)
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
@@ -161,12 +167,11 @@ def _chart(context, cells, dimension, precision, refused):
                                           zip(metrics.column(cells, "ns_per_frame_p25"),
                                               metrics.column(cells, "ns_per_frame_p75"))]})
     shown = ["distribution", "method", "n", "outcome", "time per frame", "quartiles"]
-    for name in (TESTS, "node_visits_mean", "pairs_mean", "wrong_pairs"):
-        if name in table:
-            shown.append(name)
+    shown += [name for name in context.metrics("boxes", "cost", "error", "detail") if not context.store.is_time(name)]
     table = table.sort_values(["distribution", "method", "n"])[shown]
-    return Chart(f"broadphase_{dimension}d{precision.strip()}", SECTION, f"Time and box tests over body count, "
-                 f"{dimension}D{precision}", finding(cross, tree, dimension), cells["sweep"].iloc[0], figure, table,
+    return Chart(f"{cells['sweep'].iloc[0]}_{dimension}d{precision.strip()}", SECTION, f"Time and box tests over body count, "
+                 f"{dimension}D{precision}", finding(cross, base, dimension), cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
-                 "frames. The dotted line is where the tree begins to beat naive for good.")
+                 "frames. The dotted line is where the named method begins to beat "
+                 f"{base} for good.")

@@ -9,22 +9,23 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
 from chart import Chart, listing, plural
-from style import WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt, si
+from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt, si
 
+PLACE = 80
 SECTION = "Who is right, and who fails where?"
 FAILURES = ("wrong", "not_finite", "threw", "crashed", "hung")
 COUNTS = ("asked", "agree", "tie", "wrong", "wrong_side", "undecided", "refused", "not_finite", "threw", "crashed", "hung",
           "capped")
 NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadphase": "broadphases"}
-RIGHT, REFUSED, NOT_ASKED = "#E3F0E8", "#B9CFE4", "#F2F2F2"
 FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
 
 
-def charts(context):
+ABSENT = Chart("ledger", SECTION, "Ledger of verifications", "No verification is in this store.", "",
+               made_by="verify --pairs 200")
+
+
+def of_store(context):
     ledger = context.store.ledger()
-    if not len(ledger):
-        return [Chart("ledger", SECTION, "Ledger of verifications", "No verification is in this store.", "",
-                      made_by="verify --pairs 200")]
     made = []
     for (stage, dimension, precision), part in ledger.groupby(["stage", "dimension", "precision"], sort=True):
         made.append(_heat_map(context, part, stage, dimension, precision))
@@ -144,7 +145,7 @@ def _heat_map(context, rows, stage, dimension, precision):
         ax.set_title(title)
     for ax in axes:
         first = ax.get_position().x0 == min(a.get_position().x0 for a in axes)
-        ax.set_yticklabels([context.looks.name(m) for m in methods] if first else [])
+        ax.set_yticklabels([context.name(m) for m in methods] if first else [])
     handles = [Patch(facecolor=RIGHT, label="0: always right"), Patch(facecolor=plt.cm.Oranges(0.3), label="seldom wrong"),
                Patch(facecolor=plt.cm.Oranges(0.85), label="often wrong"), Patch(facecolor=REFUSED, label="refuses, share"),
                Patch(facecolor=NOT_ASKED, label="–: does not declare it")]
@@ -165,7 +166,7 @@ def _heat_map(context, rows, stage, dimension, precision):
 
 def _panel_axes(panels, context, methods):
     """Panels from left to right, as many in a row as have room; all rows as high as the methods need."""
-    left, right, cell, gap = 0.35 + 0.075 * max(len(context.looks.name(m)) for m in methods), 0.2, 0.5, 0.25
+    left, right, cell, gap = 0.35 + 0.075 * max(len(context.name(m)) for m in methods), 0.2, 0.5, 0.25
     room, rows = WIDTH - left - right, []
     for title, part in panels:
         wide = part["column"].nunique() * cell
@@ -232,8 +233,9 @@ def _cost(context, rows, dimension, precision):
     holes = [f"{row.method} on {row.pair}: refused all {row.asked:,} questions" for row in rows[~answered].itertuples()]
     rows = rows[answered]
     pairs, methods = sorted(rows["pair"].unique()), list(by_method(rows)["method"])
+    looks = context.looks_of_stage("pair_query")
     columns = min(4 if len(methods) <= 5 else 3, len(pairs))
-    legend_width = 0.6 + 0.068 * max(len(context.looks.name(m)) for m in methods)
+    legend_width = 0.6 + 0.068 * max(len(context.name(m)) for m in methods)
     figure, axes = grid_of_axes(math.ceil(len(pairs) / columns), columns, 1.95, legend_width + 0.5, left=0.75, gap_x=0.62,
                                 gap_y=0.55)
     finite = [v for v in list(rows["max_error"]) + list(rows["median_error"]) if v == v and math.isfinite(v)]
@@ -246,12 +248,12 @@ def _cost(context, rows, dimension, precision):
         up = ZeroLog(ax, "y", finite, "1", floor=FLOOR, failures=bool(rows["max_error"].isna().any()))
         ends = []
         for row in part.itertuples():
-            look, x = context.looks(row.method), across.place(row.time)
+            look, x = looks(row.method), across.place(row.time)
             worst = up.place(row.max_error)
             if math.isfinite(row.median_error):
                 ax.plot([x, x], [up.place(row.median_error), worst], color=look["color"], lw=1.2, alpha=0.6)
                 ax.plot([x], [up.place(row.median_error)], color=look["color"], marker="_", ms=8, mew=1.6, ls="none")
-            ax.plot([x], [worst], **{**look, "linestyle": "none"}, ms=6)
+            ax.plot([x], [worst], **{**look, "linestyle": "none"})
             if row.share > 0:
                 ends.append((worst, _share(row.share), look["color"]))
         ax.set_title(pairs[index])
@@ -262,7 +264,7 @@ def _cost(context, rows, dimension, precision):
             ax.tick_params(labelleft=False)
         if index + columns >= len(pairs):
             ax.set_xlabel("time per query")
-    handles = [Line2D([], [], label=context.looks.name(m), **context.looks(m)) for m in methods]
+    handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in methods]
     handles.append(Line2D([], [], color="#555555", marker="_", ms=8, mew=1.6, ls="none", label="median error"))
     legend_right(figure, handles, legend_width)
     number = lambda v: "" if math.isnan(v) else "0" if v == 0 else f"{v:.1e}"  # noqa: E731

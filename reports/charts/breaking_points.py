@@ -1,41 +1,40 @@
 # SPDX-License-Identifier: Zlib
-"""Stability where methods fail: a stack's height, a mass ratio, a time step raised until each resolver falls."""
+"""Where methods fail: a parameter of the scene (a stack's height, a mass ratio) or the time step raised until each falls."""
 
 import math
 
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
-from chart import Chart, holes, listing, methods
-from load import axes_of, split, varying
+from chart import Chart, Needs, holes, listing, methods
+from load import split
 from style import OUTCOMES, WIDTH, plt, si
 
-SECTION = "When does each resolver fall?"
-NOT_RAISED = ("resolver", "solver", "pipeline", "scene", "dimension", "precision", "seed")
+PLACE = 40
+SECTION = "When does each method fall?"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"))
+ABSENT = Chart("breaking_points", SECTION, "Breaking points", "No sweep that raises a parameter is in this store.",
+               "breaking_points_stack")
+FEWEST = 3  # values of a parameter that is raised
 
 
-def charts(context):
-    cells = context.store.cells("breaking")
-    if not len(cells):
-        return [Chart("breaking_points", SECTION, "Breaking points", "No breaking-point sweep is in this store.",
-                      "breaking_points")]
-    return [_chart(context, part, dimension) for dimension, part in
-            (cells.groupby("dimension", sort=True) if "dimension" in cells else [(2, cells)])]
+def of_sweep(context, cells):
+    parts = split(cells, ["dimension"] if "dimension" in cells else [], sort=True)
+    made = [(part, ladders(context, part)) for part in parts]
+    return [_chart(context, part, found, int(part["dimension"].iloc[0]) if "dimension" in part else 2)
+            for part, found in made if found]
 
 
 def ladders(context, cells):
     """(scene, raised axis, cells): one ladder per scene and raised axis, everything else held at its usual value."""
-    axes = axes_of(context.store, cells)
     found = []
-    for part in split(cells, ["sweep", "scene"] if "scene" in cells else ["sweep"]):
-        raised = [c for c in varying(part, NOT_RAISED) if c in axes and pd.api.types.is_number(part[c].dropna().iloc[0])]
+    for part in split(cells, ["scene"]):
+        raised = [axis for axis in context.parameters(part) if part[axis].nunique() >= FEWEST]
         for name in raised:
             held = part
-            for other in raised:
-                if other != name:
-                    held = held[held[other].map(str) == held[other].map(str).mode().iloc[0]]
-            held = held[held[name].notna()]
-            found.append((str(part["scene" if "scene" in cells else "sweep"].iloc[0]), name, held))
+            for other in {*context.parameters(part), *context.settings(part)} - {name}:
+                held = held[held[other].map(str) == held[other].map(str).mode().iloc[0]]
+            found.append((str(part["scene"].iloc[0]), name, held[held[name].notna()]))
     return found
 
 
@@ -87,11 +86,7 @@ def finding(scene, name, table):
     return text + f" and {methods(last['method'], everyone)} last, at {_value(name, last['fell'].iloc[0])}"
 
 
-def _chart(context, cells, dimension):
-    found = ladders(context, cells)
-    if not found:
-        return Chart(f"breaking_points_{dimension}d", SECTION, f"Breaking points, {dimension}D",
-                     "The breaking-point sweep raises no numeric axis.", cells["sweep"].iloc[0])
+def _chart(context, cells, found, dimension):
     rows_of = sorted(cells["method"].unique())
     columns = min(3, len(found))
     rows = math.ceil(len(found) / columns)
@@ -119,7 +114,7 @@ def _chart(context, cells, dimension):
                   borderaxespad=0, handlelength=1.2)
     table = pd.concat(tables)[["scene", "raised", "method", "held", "fell", "outcome", "step"]]
     table = table.rename(columns={"held": "largest that held", "fell": "first that failed"})
-    return Chart(f"breaking_points_{dimension}d", SECTION, f"Breaking points, {dimension}D",
+    return Chart(f"{cells['sweep'].iloc[0]}_raised_{dimension}d", SECTION, f"Breaking points, {dimension}D",
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
                        ["scene", "method", *sorted({name for _, name, _ in found})]),
@@ -156,10 +151,10 @@ def _strips(context, ax, ladder, name, rows_of, table, labelled):
     every = max(1, math.ceil(len(values) / (9 if max(map(len, labels)) <= 3 else 6)))
     ax.set_xticklabels([label if i % every == 0 else "" for i, label in enumerate(labels)])
     ax.set_yticks(range(len(rows_of)))
-    ax.set_yticklabels([context.looks.name(m) for m in rows_of] if labelled else [])
+    ax.set_yticklabels([context.name(m) for m in rows_of] if labelled else [])
     ax.tick_params(length=0)
     ax.grid(False)
-    ax.set_xlabel({"n": "n: bodies in the stack", "dt": "dt: time step", "ratio": "ratio of the masses"}.get(name, name))
+    ax.set_xlabel("dt: time step" if name == "dt" else name)
     for side in ax.spines.values():
         side.set_visible(False)
     return seen

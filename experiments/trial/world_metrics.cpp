@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Zlib
+// All that a world trial measures: one entry per series and per metric.
+#include "experiments/trial/world_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "experiments/trial/trial.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Not counted in times: caches are cold and vectors grow.
+constexpr long kWarmUp = 10;
+
+constexpr MetricRole kCost = MetricRole::cost, kError = MetricRole::error, kDetail = MetricRole::detail;
+
+/// |slid - g (sin a - mu cos a) t^2 / 2|, or all of the way where friction should hold.
+template <int D>
+double slopeError(const WorldSeen<D>& r) {
+  const auto& slope = *r.scene.slope;
+  const double g = r.scene.settings.gravity.norm(), t = static_cast<double>(r.steps) * r.scene.dt;
+  const double pull = g * (std::sin(double(slope.angle)) - slope.friction * std::cos(double(slope.angle)));
+  // A pull within rounding of zero is the case on the edge: it should hold.
+  return std::abs(r.slid - (pull > 1e-9 * g ? pull * t * t / 2 : 0));
+}
+
+template <int D>
+const std::vector<Measure<WorldSeen<D>>>& seriesEntries() {
+  using R = const WorldSeen<D>&;
+  static const std::vector<Measure<WorldSeen<D>>> kEntries = {
+      {{"kinetic", "kinetic energy", "J", "of all dynamic bodies", kDetail, ""}, [](R r) { return r.now.kinetic; }},
+      {{"potential", "potential energy", "J", "of gravity, 0 at the origin's height", kDetail, ""},
+       [](R r) { return r.now.potential; }},
+      {{"max_speed", "fastest body", "m/s", "speed of the fastest body", kDetail, ""},
+       [](R r) { return r.now.maxSpeed; }},
+      {{"max_penetration", "largest penetration", "m", "deepest overlap of a contact", kDetail, "less overlap"},
+       [](R r) { return r.now.maxPenetration; }},
+      {{"mean_penetration", "mean penetration", "m", "mean overlap of the contacts", kDetail, "less overlap"},
+       [](R r) { return r.now.meanPenetration; }},
+      {{"complementarity", "complementarity", "J", "worst normal impulse times closing speed", kDetail,
+        "contacts obey Signorini"},
+       [](R r) { return r.now.complementarity; }},
+      {{"cone_excess", "excess over the friction cone", "N s", "worst friction impulse beyond Coulomb's cone", kDetail,
+        "friction obeys Coulomb"},
+       [](R r) { return r.now.coneExcess; }},
+      {{"joint_error", "joint error", "m", "farthest that the anchors of a joint are apart", kDetail,
+        "joints hold better", TrialNeed::joints},
+       [](R r) { return r.now.jointError; }},
+      {{"joint_turn", "joint turned", "rad", "farthest that a joint is turned from what it holds", kDetail,
+        "joints hold better", TrialNeed::joints},
+       [](R r) { return r.now.jointTurn; }},
+      {{"drift", "drift", "m", "farthest that a body is from where it came", kDetail, "less drift"},
+       [](R r) { return r.drift; }},
+      {{"height", "height", "m", "of the highest body", kDetail, ""}, [](R r) { return r.height; }},
+      {{"slope_distance", "distance slid", "m", "way of the body that slides", kDetail, "", TrialNeed::slope},
+       [](R r) { return r.slid; }},
+      {{"pairs", "pairs", "1", "pairs of shapes that the broadphase found", kDetail, ""},
+       [](R r) { return double(r.frame.pairs); }},
+      {{"points", "contact points", "1", "contact points", kDetail, ""}, [](R r) { return double(r.frame.points); }},
+      {{"bodies", "bodies", "1", "bodies in the world", kDetail, ""}, [](R r) { return double(r.frame.bodies); }},
+      {{"awake", "bodies awake", "1", "dynamic bodies awake", kDetail, ""}, [](R r) { return double(r.frame.awake); }},
+      {{"seconds", "time of a step", "s", "processor time of the step", kDetail, "cheaper", TrialNeed::timing},
+       [](R r) { return r.seconds; }},
+      {{"sec_*", "time of a stage", "s", "processor time of a stage in the step", kDetail, "cheaper",
+        TrialNeed::timing},
+       nullptr},
+  };
+  return kEntries;
+}
+
+template <int D>
+const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
+  using R = const WorldSeen<D>&;
+  static const std::vector<Measure<WorldSeen<D>>> kEntries = {
+      {{"ms_per_step_median", "time per step", "ms", "processor time of a step, median over steps", kCost, "cheaper",
+        TrialNeed::timing},
+       [](R r) { return 1e3 * r.quantileOf("seconds", 0.5); }},
+      {{"work_row_updates", "row updates per step", "1", "constraint rows solved once, mean: a cost without noise",
+        kCost, "cheaper"},
+       nullptr},
+      {{"slope_error", "error of the distance slid", "m", "distance slid against the closed form of a block on a slope",
+        kError, "nearer the closed form", TrialNeed::slope},
+       slopeError<D>},
+      {{"joint_error_max", "largest joint error", "m", "farthest that the anchors of a joint were apart in any step",
+        kError, "joints hold better", TrialNeed::joints},
+       [](R r) { return r.largest("joint_error"); }},
+      {{"joint_turn_max", "largest turn of a joint", "rad",
+        "farthest that a joint was turned from what it holds in any step", kDetail, "joints hold better",
+        TrialNeed::joints},
+       [](R r) { return r.largest("joint_turn"); }},
+      {{"max_penetration", "largest penetration", "m", "deepest overlap of a contact in any step", kError,
+        "less overlap"},
+       [](R r) { return r.largest("max_penetration"); }},
+      {{"penetration_poses", "largest penetration of shapes", "m",
+        "deepest overlap of two shapes at the poses, by one exact query for everybody, every tenth step", kError,
+        "less overlap"},
+       [](R r) { return r.deepest; }},
+      {{"momentum_error", "change of momentum", "kg m/s", "change of momentum that no outer force explains", kDetail,
+        "momentum is kept", TrialNeed::isolation},
+       [](R r) { return (r.now.momentum - r.start.momentum).norm(); }},
+      {{"mean_penetration_end", "mean penetration at the end", "m", "mean overlap of the contacts of the last step",
+        kDetail, "less overlap"},
+       [](R r) { return r.end("mean_penetration"); }},
+      {{"mean_penetration_poses_end", "mean penetration of shapes at the end", "m",
+        "mean overlap of pairs of shapes at the last poses asked, by the exact query", kDetail, "less overlap"},
+       [](R r) { return r.meanDepth; }},
+      {{"max_drift", "largest drift", "m", "farthest that a body ever was from where it came", kDetail, "less drift"},
+       [](R r) { return r.largest("drift"); }},
+      {{"end_drift_max", "largest drift at the end", "m", "farthest that a body is from where it came, at the end",
+        kDetail, "less drift"},
+       [](R r) { return r.end("drift"); }},
+      {{"end_drift_top", "drift of the top body at the end", "m", "of the body that was highest at the start", kDetail,
+        "less drift"},
+       [](R r) { return r.topDrift; }},
+      {{"complementarity_max", "largest complementarity", "J",
+        "worst normal impulse times closing speed of a contact that shall not bounce: one of the two should be 0",
+        kDetail, "contacts obey Signorini"},
+       [](R r) { return r.largest("complementarity"); }},
+      {{"cone_excess_max", "largest excess over the friction cone", "N s",
+        "worst friction impulse beyond Coulomb's cone", kDetail, "friction obeys Coulomb"},
+       [](R r) { return r.largest("cone_excess"); }},
+      {{"max_speed", "largest speed", "m/s", "fastest body in any step", kDetail, ""},
+       [](R r) { return r.largest("max_speed"); }},
+      {{"max_speed_end", "largest speed at the end", "m/s", "fastest body in the last step", kDetail, ""},
+       [](R r) { return r.end("max_speed"); }},
+      {{"energy_start", "energy at the start", "J", "kinetic and of gravity", kDetail, ""},
+       [](R r) { return r.start.kinetic + r.start.potential; }},
+      {{"energy_end", "energy at the end", "J", "kinetic and of gravity", kDetail, ""},
+       [](R r) { return r.end("kinetic") + r.end("potential"); }},
+      {{"energy_max", "largest energy", "J", "kinetic and of gravity, in any step", kDetail, ""},
+       [](R r) { return r.energyMax; }},
+      {{"slope_distance", "distance slid", "m", "way of the body that slides, at the end", kDetail, "",
+        TrialNeed::slope},
+       [](R r) { return r.end("slope_distance"); }},
+      {{"gravity", "gravity", "m/s^2", "strength of the gravity that acted", kDetail, ""},
+       [](R r) { return double(r.scene.settings.gravity.norm()); }},
+      {{"drift_limit", "limit of drift", "m", "how far a body may be from where it came", kDetail, "",
+        TrialNeed::driftLimit},
+       [](R r) { return double(r.scene.limits.drift); }},
+      {{"bodies", "bodies", "1", "most bodies of any step", kDetail, ""}, [](R r) { return r.largest("bodies"); }},
+      {{"contacts_end", "contact points at the end", "1", "contact points of the last step", kDetail, ""},
+       [](R r) { return r.end("points"); }},
+      {{"steps_done", "steps", "1", "steps until the end", kDetail, ""}, [](R r) { return double(r.steps); }},
+      {{"ms_per_step_p25", "time per step, lower quartile", "ms", "a quarter of the steps is faster", kDetail,
+        "cheaper", TrialNeed::timing},
+       [](R r) { return 1e3 * r.quantileOf("seconds", 0.25); }},
+      {{"ms_per_step_p75", "time per step, upper quartile", "ms", "a quarter of the steps is slower", kDetail,
+        "cheaper", TrialNeed::timing},
+       [](R r) { return 1e3 * r.quantileOf("seconds", 0.75); }},
+      {{"us_*", "time of a stage", "us", "processor time of a stage, median over steps", kDetail, "cheaper",
+        TrialNeed::timing},
+       nullptr},
+      {{"work_*", "work per step", "1", "what was done, counted, mean over steps", kDetail, "cheaper"}, nullptr},
+  };
+  return kEntries;
+}
+
+template <int D>
+const std::vector<double>& find(const WorldSeen<D>& seen, const std::string& name) {
+  const auto it = seen.series.find(name);
+  if (it != seen.series.end()) return it->second;
+  std::string valid;
+  for (const auto& entry : seriesEntries<D>()) {
+    if (entry.info.name == name) {  // not in this trial: before the first step, or it lacks what the series needs
+      static const std::vector<double> kNone;
+      return kNone;
+    }
+    valid += (valid.empty() ? "" : ", ") + std::string(entry.info.name);
+  }
+  throw std::logic_error("a metric reads the series '" + name + "'; valid: " + valid);
+}
+
+}  // namespace
+
+template <int D>
+bool WorldSeen<D>::has(TrialNeed need) const {
+  switch (need) {
+    case TrialNeed::nothing:
+      return true;
+    case TrialNeed::timing:
+      return timed;
+    case TrialNeed::joints:
+      return !scene.joints.empty();
+    case TrialNeed::slope:
+      return scene.slope.has_value();
+    case TrialNeed::isolation:
+      return isolated && steps > 0;
+    case TrialNeed::driftLimit:
+      return scene.limits.drift > 0;
+  }
+  return false;
+}
+
+template <int D>
+double WorldSeen<D>::largest(const char* name) const {
+  double x = 0;
+  for (double v : find(*this, name)) x = std::isnan(v) ? v : std::max(x, v);
+  return x;
+}
+template <int D>
+double WorldSeen<D>::end(const char* name) const {
+  const auto& list = find(*this, name);
+  return list.empty() ? 0.0 : list.back();
+}
+template <int D>
+double WorldSeen<D>::quantileOf(const std::string& name, double q) const {
+  const auto& list = find(*this, name);
+  return quantile({list.begin() + std::min<long>(kWarmUp, static_cast<long>(list.size())), list.end()}, q);
+}
+
+template <int D>
+void putSeries(WorldSeen<D>& seen) {
+  for (const auto& entry : seriesEntries<D>()) {
+    if (entry.value && seen.has(entry.info.need)) {
+      seen.series[std::string(entry.info.name)].push_back(entry.value(seen));
+    }
+  }
+}
+
+template <int D>
+std::map<std::string, double> worldMetrics(const WorldSeen<D>& seen) {
+  std::map<std::string, double> out;
+  measure(
+      metricEntries<D>(), seen, [&](TrialNeed need) { return seen.has(need); }, out);
+  return out;
+}
+
+void describeWorldMetrics(std::vector<DescribedMetric>& out) {
+  for (const auto& entry : metricEntries<2>()) out.push_back({"metric", "world", entry.info});
+  for (const auto& entry : seriesEntries<2>()) out.push_back({"series", "world", entry.info});
+}
+
+template struct WorldSeen<2>;
+template struct WorldSeen<3>;
+template void putSeries(WorldSeen<2>&);
+template void putSeries(WorldSeen<3>&);
+template std::map<std::string, double> worldMetrics(const WorldSeen<2>&);
+template std::map<std::string, double> worldMetrics(const WorldSeen<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Zlib
+"""What a step costs against how wrong it is, method by method, on one scene."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import metrics
+from chart import Chart, Needs, describe, holes, identifier, listing, methods
+from load import one_machine, split, varying
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
+
+PLACE = 20
+SECTION = "Which method is right for its cost?"
+# Which errors a scene can show, its trials say; features and precisions are compared by charts of their own.
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",))
+ABSENT = Chart("cost_against_error", SECTION, "Cost against error", "No timed sweep of several methods is in this store.",
+               "resolvers")
+
+
+def of_sweep(context, cells):
+    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error", "detail")))
+    groups = [c for c in ("scene", "dimension") if c in cells]
+    made = []
+    for part in split(cells, groups):
+        # Whatever else varies inside a scene (a mass ratio, an angle) makes a chart of its own: unequal cells never meet.
+        inner = varying(context.store, part, (*groups, *context.settings(part)[:1]))
+        for equal in split(part, inner, sort=True):
+            made.append(_cost_chart(context, equal, groups + inner, refused))
+    return made
+
+
+def errors_of(context, cells):
+    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has."""
+    finished = cells[cells["outcome"] == "ok"]
+    names, kept = context.metrics("world", "error"), {}
+    for name in names:
+        has = finished["method"][np.isfinite(metrics.column(finished, name))]
+        if len(has) and set(has) == set(finished["method"]):
+            kept.setdefault(context.metric(name).smaller, name)
+    return list(kept.values())[:3] or names[:1]
+
+
+def engine_notes(context, cells):
+    """What whole engines do otherwise whatever is set; it stands where they are ranked."""
+    said = {}
+    for method, key in zip(cells["method"], cells["key"]):
+        if key is not None and context.store.role(method) == "engine":
+            trial = context.store.trials.loc[key, "canonical"]
+            differs = trial.get("engine", {}).get("differs", "")
+            said[method] = f" {method} is a whole engine, here in {trial.get('precision')}: {differs}."
+    return "".join(said[method] for method in sorted(said))
+
+
+def budgets(cells, cost_name, error_name):
+    """What each method reaches at equal cost, and pays at equal error; the budgets are those that every method meets."""
+    good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost_name)) &
+                 np.isfinite(metrics.column(cells, error_name))]
+    if not len(good):
+        return None
+    cost_budget = good.groupby("method")[cost_name].min().max()
+    error_budget = good.groupby("method")[error_name].min().max()
+    rows = []
+    for method, part in cells.groupby("method", sort=True):
+        mine = good[good["method"] == method]
+        within = mine[mine[cost_name] <= cost_budget]
+        reach = mine[mine[error_name] <= error_budget]
+        rows.append((method, within[error_name].min() if len(within) else math.nan,
+                     reach[cost_name].min() if len(reach) else math.nan, len(part), int((part["outcome"] != "ok").sum())))
+    table = pd.DataFrame(rows, columns=["method", "error", "cost", "cells", "failed"])
+    return cost_budget, error_budget, table
+
+
+def finding(context, cells, where, cost_name, error_name):
+    unit, cost_unit = context.unit(error_name), context.unit(cost_name)
+    failed = cells[cells["outcome"] != "ok"]
+    planned = cells.groupby("method").size()
+    fails = [f"{method} {len(part)} of {planned[method]}" for method, part in failed.groupby("method", sort=True)]
+    kinds = listing(sorted(set(failed["outcome"])))
+    tail = f" Not ok ({kinds}): {listing(fails)} cells." if fails else " Every cell finished."
+    result = budgets(cells, cost_name, error_name)
+    if result is None:
+        return f"On {where} no method finished with a cost and an error.{tail}"
+    cost_budget, _, table = result
+    floor = context.floor(error_name)
+    table["error"] = table["error"].where(~(table["error"] <= floor), 0.0)
+    shown = table.dropna(subset=["error"])
+    best, worst = shown.loc[shown["error"].idxmin()], shown.loc[shown["error"].idxmax()]
+    what = context.title(error_name)
+    everyone = sorted(cells["method"].unique())
+    if len(shown) == 1:
+        return f"On {where} only {best['method']} finishes, with {what} {si(best['error'], unit)}.{tail}"
+    if worst["error"] == best["error"]:
+        return (f"On {where} {methods(shown['method'], everyone)} have the same {what.removeprefix('largest ')} "
+                f"({si(best['error'], unit)}) within {si(cost_budget, cost_unit)} per step.{tail}")
+    firsts = shown[shown["error"] == best["error"]]["method"]
+    head = (f"On {where}, within {si(cost_budget, cost_unit)} per step (every method that finishes "
+            f"has a setting below it), {methods(firsts, everyone)} {'has' if len(firsts) == 1 else 'have'} the "
+            f"smallest {what.removeprefix('largest ')} ({si(best['error'], unit)})")
+    tail = against_baseline(context, cells, cost_name, error_name) + tail
+    if best["error"] > 0:
+        return head + (f" and {worst['method']} the largest ({si(worst['error'], unit)}, "
+                       f"{times(worst['error'] / best['error'])} times as much).{tail}")
+    return head + f" and {worst['method']} the largest ({si(worst['error'], unit)}).{tail}"
+
+
+def against_baseline(context, cells, cost_name, error_name):
+    """The best of the others against what the sweep compares with, at the largest setting of both."""
+    setting, base = next(iter(context.settings(cells)), None), context.baseline(cells)
+    if setting:
+        cells = cells[cells[setting] == cells[setting].max()]
+    named = cells[cells["method"] == base]
+    others = cells[(cells["method"] != base) & (cells["outcome"] == "ok")]
+    if not len(named) or not np.isfinite(metrics.column(others, error_name)).any():
+        return ""
+    row, best = named.iloc[0], others.iloc[int(np.nanargmin(metrics.column(others, error_name)))]
+    at = f"At {setting} = {best[setting]:g} " if setting else "Here "
+    if row["outcome"] != "ok":
+        step = "" if row["step"] != row["step"] else f" at step {int(row['step'])}"
+        return f" {at}{best['method']} stands where {base} fails ({row['outcome']}{step})."
+    costs, errors = (best[cost_name], row[cost_name]), (best[error_name], row[error_name])
+    if not all(map(math.isfinite, costs + errors)) or not costs[1] or max(errors) <= context.floor(error_name):
+        return ""
+    ratio = errors[0] / errors[1] if errors[1] > 0 else math.inf
+    how = "with the same error" if abs(ratio - 1) < 0.005 else f"with {ratio:.2g} times its error"
+    how = f"with an error where {base} has none" if math.isinf(ratio) else how if ratio else "without error"
+    return f" {at}{best['method']} takes {costs[0] / costs[1]:.2g} times the time of {base} {how}."
+
+
+def _cost_chart(context, cells, groups, refused):
+    where = describe(cells.iloc[0], groups)
+    errors, looks = errors_of(context, cells), context.looks(cells)
+    costs = context.metrics("world", "cost")
+    costs = [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
+    labels = sorted(cells["method"].unique())
+    setting = next(iter(context.settings(cells)), None)
+    legend_width = legend_room(map(context.name, labels), 2.0)
+    figure, axes = grid_of_axes(len(costs), len(errors), 2.45, legend_width, left=0.8, gap_x=0.85, gap_y=0.65)
+    failed = (cells["outcome"] != "ok").to_numpy()
+    for row, cost_name in enumerate(costs):
+        cost = metrics.column(cells, cost_name)
+        for column, error_name in enumerate(errors):
+            ax, error = axes[row][column], metrics.column(cells, error_name).copy()
+            error[failed] = math.nan
+            across = ZeroLog(ax, "x", cost, context.unit(cost_name), failed_name="none")
+            up = ZeroLog(ax, "y", error, context.unit(error_name), floor=context.floor(error_name))
+            for method in labels:
+                mine = np.flatnonzero((cells["method"] == method).to_numpy())
+                if setting:
+                    mine = mine[np.argsort(cells[setting].to_numpy()[mine].astype(float), kind="stable")]
+                look = looks(method)
+                good = [i for i in mine if math.isfinite(error[i])]
+                ax.plot([across.place(cost[i]) for i in good], [up.place(error[i]) for i in good], lw=1, alpha=0.6,
+                        **{**look, "marker": None})
+                for rank, i in enumerate(mine):
+                    size = 5 + 4 * rank / max(1, len(mine) - 1) if setting else 6.5
+                    x, y = across.place(cost[i]), up.place(error[i])
+                    if math.isfinite(error[i]):
+                        hollow = "markerfacecolor" in look
+                        ax.plot([x], [y], ls="none", ms=size * scale_of(look["marker"]), marker=look["marker"],
+                                color=look["color"], mfc="white" if hollow else look["color"],
+                                mec=look["color"] if hollow else "white", mew=1.2 if hollow else 0.5, zorder=3)
+                    else:
+                        ax.plot([x], [y], ls="none", ms=7, marker=letter(cells["outcome"].iloc[i]), color=look["color"],
+                                mew=0.3, zorder=3)
+            front = metrics.pareto(cost, error)
+            ax.step([across.place(cost[i]) for i in front], [up.place(error[i]) for i in front], where="post",
+                    color="#222222", lw=2.6, alpha=0.35, zorder=1)
+            ax.set_xlabel(context.title(cost_name))
+            if row == 0:
+                ax.set_title(context.title(error_name))
+    handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
+    handles.append(Line2D([], [], color="#222222", lw=2.6, alpha=0.35, label="Pareto front"))
+    handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
+                for o in sorted({o for o in cells["outcome"] if o != "ok"})]
+    legend_right(figure, handles, legend_width)
+    table = _table(context, cells, setting, costs, errors)
+    order = f"Along a line {setting} grows with the marker. " if setting else ""
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
+                 finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
+                 refused + holes(cells, ["method", setting] if setting else ["method"]),
+                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both."
+                 + engine_notes(context, cells),
+                 telling=True)
+
+
+def _table(context, cells, setting, costs, errors):
+    columns = {"method": cells["method"]}
+    if setting:
+        columns[setting] = cells[setting]
+    columns["outcome"] = cells["outcome"]
+    columns["step"] = ["" if s != s else int(s) for s in cells["step"]]
+    details = [name for name in context.metrics("world", "detail") if context.metric(name).compute]
+    for name in [*costs, *errors, *(n for n in details if np.isfinite(metrics.column(cells, n)).any())]:
+        columns[context.title(name)] = [si(v, context.unit(name)) for v in metrics.column(cells, name)]
+    first, second = costs[0], errors[0]
+    result = budgets(cells, first, second)
+    if result is not None:
+        cost_budget, error_budget, table = result
+        by = table.set_index("method")
+        columns[f"best {context.title(second)} within {si(cost_budget, context.unit(first))}"] = [
+            si(by["error"][m], context.unit(second)) for m in cells["method"]]
+        columns[f"least {context.title(first)} for {si(error_budget, context.unit(second))}"] = [
+            si(by["cost"][m], context.unit(first)) for m in cells["method"]]
+    return pd.DataFrame(columns).sort_values(list(columns)[:2] if setting else ["method"])

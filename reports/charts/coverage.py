@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Zlib
+"""Planned against finished: no cell vanishes."""
+
+from matplotlib.patches import Patch
+
+import coverage
+from chart import Chart, listing, plural
+from load import NOT_RUN, SEVERITY
+from style import OUTCOMES, WIDTH, plt
+
+PLACE = 120
+SECTION = "Coverage: what was planned, what came of it?"
+
+
+def of_store(context):
+    table = coverage.trials(context.store)
+    if not len(table):
+        return [Chart("coverage", SECTION, "Planned against finished", "Nothing was planned in this store.", "")]
+    outcomes = [o for o in SEVERITY + [NOT_RUN] if (table["outcome"] == o).any()]
+    outcomes += sorted(set(table["outcome"]) - set(outcomes))
+    sweeps = list(dict.fromkeys(table["sweep"]))
+    height = 0.75 + 0.36 * len(sweeps)
+    figure, ax = plt.subplots(figsize=(WIDTH, height))
+    figure.subplots_adjust(left=2.1 / WIDTH, right=1 - 2.6 / WIDTH, top=1 - 0.15 / height, bottom=0.55 / height)
+    for y, sweep in enumerate(sweeps):
+        part = table[table["sweep"] == sweep]
+        at = 0.0
+        for outcome in outcomes:
+            share = 100 * float((part["outcome"] == outcome).sum()) / len(part)
+            if share:
+                ax.barh(y, share, left=at, color=OUTCOMES.get(outcome, ("#FF00FF", ""))[0], edgecolor="#888888", lw=0.5,
+                        hatch="///" if outcome == NOT_RUN else None, height=0.7)
+            at += share
+        ax.text(101, y, f"{int((part['outcome'] != NOT_RUN).sum())} of {len(part)}", va="center", fontsize=8.5)
+    ax.set_xlim(0, 100)
+    ax.set_ylim(len(sweeps) - 0.5, -0.5)
+    ax.set_yticks(range(len(sweeps)))
+    ax.set_yticklabels(sweeps)
+    ax.set_xlabel("share of the planned trials (%); finished of planned at the right")
+    ax.grid(False)
+    handles = [Patch(facecolor=OUTCOMES.get(o, ("#FF00FF", ""))[0], edgecolor="#888888", label=o,
+                     hatch="///" if o == NOT_RUN else None) for o in outcomes]
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - 1.65 / WIDTH, 1 - 0.1 / height), borderaxespad=0,
+                  labelspacing=0.35)
+    finished = int((table["outcome"] != NOT_RUN).sum())
+    ok = int((table["outcome"] == "ok").sum())
+    kinds = [f"{int((table['outcome'] == o).sum())} {o}" for o in outcomes if o != "ok"]
+    text = (f"{finished} of {plural(len(table), 'planned trial')} finished, {ok} of them ok"
+            + (f"; not ok: {listing(kinds)}." if kinds else "."))
+    if context.store.superseded:
+        text += f" {plural(context.store.superseded, 'older plan')} of the same cells, made with other code, left out."
+    counts = table.groupby(["sweep", "outcome"], sort=False).size().unstack(fill_value=0).reindex(columns=outcomes)
+    counts.insert(0, "planned", counts.sum(axis=1))
+    return [Chart("coverage", SECTION, "Planned against finished trials", text, "", figure, counts.reset_index())]

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Zlib
+"""Contact points and the fastest body over time, where a scene says how far its bodies may drift, so that they should rest
+(2009 report, figures 7.4 and 7.5)."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+from chart import Chart, Needs, describe, holes
+from load import split, varying
+from style import HALO, ZeroLog, grid_of_axes, legend_right, legend_room, letter, si
+
+PLACE = 30
+SECTION = "How restless is a scene that should be at rest?"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("drift_limit", "jitter"),
+              series=("max_speed", "points"))
+ABSENT = Chart("steadiness", SECTION, "The fastest body and the contacts over time",
+               "No sweep of several methods on a scene that should be at rest is in this store.", "resolvers")
+PANELS = 3  # side by side
+MARKS = 4  # on a line
+LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
+
+
+def of_sweep(context, cells):
+    if any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)):
+        return []
+    made = []
+    for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        setting = next(iter(context.settings(part)), None)
+        if setting:  # methods are compared at one setting, the middle one
+            values = sorted(part[setting].dropna().unique())
+            part = part[part[setting].isna() | (part[setting] == values[len(values) // 2])]
+        resting = []
+        for scene in split(part, ["scene"]):
+            names = ["scene", *varying(context.store, scene, ("dimension", setting))]
+            resting += [(describe(equal.iloc[0], names), equal) for equal in split(scene, names)
+                        if equal["drift_limit"].notna().any() or not (equal["finished_trials"] > 0).any()]
+        if resting:
+            made.append(_steady_chart(context, resting))
+    return made
+
+
+def envelope(values, count=150):
+    """The largest value of each of `count` stretches, and the step at which each begins."""
+    edges = np.unique(np.linspace(0, len(values), min(count, len(values)) + 1).astype(int))
+    return edges[:-1], np.array([np.max(values[a:b]) for a, b in zip(edges[:-1], edges[1:])])
+
+
+def _steady_chart(context, resting):
+    left_out = [where for where, _ in resting[PANELS:]]
+    resting = resting[:PANELS]
+    cells = pd.concat([part for _, part in resting])
+    looks, dimension = context.looks(cells), int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
+    legend_width = legend_room(map(context.name, cells["method"].unique()), 2.0)
+    figure, axes = grid_of_axes(2, len(resting), 2.2, legend_width, left=1.0, gap_x=0.8, gap_y=0.45)
+    labels = sorted(cells["method"].unique())
+    rows = []
+    for column, (scene, part) in enumerate(resting):
+        part = part.drop_duplicates("method")
+        tracks = {}
+        for _, cell in part.iterrows():
+            if cell["key"] is None:
+                rows.append({"scene": scene, "method": cell["method"], "outcome": cell["outcome"], "restlessness": math.nan,
+                             "contact points at the end": math.nan})
+            else:
+                tracks[cell["method"]] = (cell, context.store.series(cell["key"], "max_speed"),
+                                          context.store.series(cell["key"], "points"))
+        speeds = [v for _, s, _ in tracks.values() if s is not None for v in envelope(s)[1] if math.isfinite(v)]
+        scale = ZeroLog(axes[0][column], "y", speeds, "m/s", failures=False, floor=1e-9)
+        for order, (method, (cell, speed, points)) in enumerate(sorted(tracks.items())):
+            look = {**looks(method), "lw": 1.2}
+            for ax, values, place in ((axes[0][column], speed, scale.place), (axes[1][column], points, float)):
+                if values is None or not len(values):
+                    continue
+                step, high = envelope(np.where(np.isfinite(values), values, np.nan))
+                # Few markers, and not all at the same steps: members of a family have one colour.
+                every = max(1, len(step) // MARKS)
+                ax.plot(step, [place(v) if math.isfinite(v) else math.nan for v in high], **look,
+                        markevery=(order * every // max(1, len(tracks)), every))
+                if cell["outcome"] != "ok":
+                    last = [v for v in high if math.isfinite(v)]
+                    ax.plot([len(values)], [place(last[-1] if last else 0)], marker=letter(cell["outcome"]), ms=8,
+                            ls="none", color=look["color"], clip_on=False, path_effects=HALO, zorder=4)
+            rows.append({"scene": scene, "method": method, "outcome": cell["outcome"], "restlessness": cell.get("jitter"),
+                         "contact points at the end": math.nan if points is None or not len(points) else points[-1]})
+        axes[0][column].set_title(f"{scene}, {dimension}D")
+        axes[1][column].set_xlabel("step")
+        axes[1][column].set_ylim(bottom=0)
+    axes[0][0].set_ylabel("fastest body")
+    axes[1][0].set_ylabel("contact points")
+    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], legend_width)
+    table = pd.DataFrame(rows)
+    said = []
+    for scene, part in table.groupby("scene", sort=False):
+        part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float))]
+        if len(part) > 1:
+            best, worst = part.loc[part["restlessness"].idxmin()], part.loc[part["restlessness"].idxmax()]
+            said.append(f"on {scene} the last quarter is calmest with {best['method']} "
+                        f"({si(best['restlessness'], 'm/s')}) and most restless with {worst['method']} "
+                        f"({si(worst['restlessness'], 'm/s')})")
+    text = f"In {dimension}D " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
+    table["restlessness"] = [si(v, "m/s") for v in table["restlessness"].astype(float)]
+    gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]
+    return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
+                 f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,
+                 gaps + holes(cells, ["scene", "method"]),
+                 "Lines are the largest value of each of 150 stretches; a letter marks where a run failed.")

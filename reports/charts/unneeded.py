@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Zlib
+"""The same scene with one feature more that it does not need: what the feature costs."""
+
+import math
+
+import twins
+from chart import Chart, Needs, describe, listing
+from load import one_machine, split, varying
+
+PLACE = 50
+SECTION = "What does a feature cost that a scene does not need?"
+COST = "ms_per_step_median"
+NEEDS = Needs("world", varies=("model",), metrics=(COST, "lean"))
+ABSENT = Chart("unneeded", SECTION, "Unneeded features", "No sweep of models is in this store.", "unneeded")
+
+
+def of_sweep(context, cells):
+    cells, refused = one_machine(context.store, cells)
+    # A model may be another dimension, so the dimension is no axis of its own here.
+    same = varying(context.store, cells, ("model", "dimension"))
+    models = list(cells["model"])
+    base_name = context.baseline(cells) if context.baseline(cells) in models else models[0]
+    rows = []
+    for part in split(cells, ["method", *same]):
+        base = part[part["model"] == base_name]
+        for _, row in part[part["model"] != base_name].iterrows():
+            rows.append((describe(row, same) or "scene", str(row["model"]), base.iloc[0] if len(base) else None, row))
+    said = []
+    for place, part in twins.grouped(rows):
+        ratios = [(model, twins.ratio_of(base, row, COST)) for model, base, row in part]
+        ratios = [(m, r) for m, r in ratios if math.isfinite(r)]
+        if ratios:
+            flat = [f"{model} {ratio:.2f}" for model, ratio in sorted(ratios, key=lambda r: -r[1])]
+            said.append(f"on {place} {listing(flat)}")
+    text = (f"Times the time of {base_name}: " + "; ".join(said) + "." if said else
+            f"No timed pair of {base_name} and one more feature finished.")
+    return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_model", SECTION, "One unneeded feature at a time", text, cells,
+                        rows, base_name, "with it", refused, "Each row is one scene with one feature that it does not need; "
+                        f"the ratio is to the blue dot, the same scene with the {base_name} model.")]

@@ -1,0 +1,9 @@
+# A metric over what trials have stored: one entry. Nothing is compiled and nothing runs again.
+set(at_most 1)
+set(name highest)
+set(targets "")
+set(needs_python ON)
+set(proof ${CMAKE_COMMAND} -DTREE=${tree} -DBIN=${bin} -DWORK=${work} -DPYTHON=${PYTHON} -DTABLE=report_vertical_stack__2d
+          "-DEXPECT=highest body.*2\\.5 m" -P ${here}/report.cmake)
+set(listed ${proof})
+set(blames "no series 'hieght'; valid: .*height")
