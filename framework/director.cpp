@@ -15,6 +15,16 @@ Vec<D> fromCenter(const Simulation<D>& world, Handle body, const Vec<D>& p) {
 }  // namespace
 
 template <int D>
+Director<D>::Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {
+  const auto comes = [&](int spawn) { return spawn < 0 ? 0 : m_scene.spawns.at(static_cast<std::size_t>(spawn)).step; };
+  for (std::size_t i = 0; i < m_scene.pivots.size(); ++i) {
+    const auto& p = m_scene.pivots[i];
+    m_pivots.emplace_back(std::max({p.step, comes(p.bodyA), comes(p.bodyB)}), i);
+  }
+  std::sort(m_pivots.begin(), m_pivots.end());  // those of one step in the order of the file
+}
+
+template <int D>
 void Director<D>::advance(Simulation<D>& world) {
   const long step = world.stepCount();
   const std::size_t first = m_next;
@@ -25,10 +35,11 @@ void Director<D>::advance(Simulation<D>& world) {
     const auto last = static_cast<std::size_t>(std::max(a, b));
     return last >= first && last < m_next;
   };
+  for (; m_nextPivot < m_pivots.size() && m_pivots[m_nextPivot].first <= step; ++m_nextPivot) {
+    const auto& p = m_scene.pivots[m_pivots[m_nextPivot].second];
+    world.add(PivotDef<D>{body(p.bodyA), body(p.bodyB), p.anchor, p.collide});
+  }
   if (m_next > first) {
-    for (const auto& p : m_scene.pivots) {
-      if (came(p.bodyA, p.bodyB)) world.add(PivotDef<D>{body(p.bodyA), body(p.bodyB), p.anchor, p.collide});
-    }
     for (const auto& s : m_scene.springs) {
       if (!came(s.bodyA, s.bodyB)) continue;
       auto spring = std::make_shared<Spring<D>>();
@@ -38,6 +49,10 @@ void Director<D>::advance(Simulation<D>& world) {
       spring->restLength = s.restLength, spring->stiffness = s.stiffness, spring->damping = s.damping;
       world.add(std::move(spring));
     }
+  }
+  for (; m_nextEvent < m_scene.events.size() && m_scene.events[m_nextEvent].step <= step; ++m_nextEvent) {
+    const auto& event = m_scene.events[m_nextEvent];
+    event.act(world, body(event.body));
   }
   for (std::size_t i = 0; i < m_next; ++i) {
     if (m_scene.spawns[i].removeAt == step) world.remove(m_handles[i]);

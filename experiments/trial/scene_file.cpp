@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_parsed.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -111,9 +112,15 @@ class Builder {
       defaults.finish();
     }
     for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t);
+    const std::vector<const toml::table*> events = m_top.blocks("event");
+    for (const toml::table* t : events) eventBlock(*t, true);
     sortSpawns();
     for (const toml::table* t : m_top.blocks("pivot")) pivotBlock(*t);
     for (const toml::table* t : m_top.blocks("spring")) springBlock(*t);
+    for (const toml::table* t : events) eventBlock(*t, false);
+    checkUses();
+    std::stable_sort(m_scene.events.begin(), m_scene.events.end(),
+                     [](const auto& a, const auto& b) { return a.step < b.step; });
     m_top.finish();
     return std::move(m_scene);
   }
@@ -188,18 +195,68 @@ class Builder {
     if (every > 0 && (until - from) / every > static_cast<long>(kMaxBodies)) block.fail("more than 1000000 turns");
     for (long step = from; step<until; step += every> 0 ? every : until - from) {
       m_numbers.expressions.setLocal("step", static_cast<double>(step));
+      loops(block, [&] { addBody(block, name, step, m_numbers.whole(block, "remove", -1, -1, kMaxSteps)); });
+    }
+    if (m_turns > 0) block.finish();
+  }
+
+  void addBody(TableReader& block, const std::string& name, long step, long removeAt) {
+    typename SceneSpec<D>::Spawn spawn;
+    spawn.step = step, spawn.removeAt = removeAt;
+    spawn.body = readBody<D>(block, m_numbers, m_defaults);
+    spawn.body.name = name;
+    if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
+    m_scene.spawns.push_back(std::move(spawn));
+    if (m_scene.spawns.size() > kMaxBodies) block.fail("more than 1000000 bodies");
+  }
+
+  // Once at `step`, or at every `every`-th before `until`. Those that name new bodies are read in a round of their own.
+  void eventBlock(const toml::table& table, bool naming) {
+    TableReader block(table, m_parsed.path, "[[event]]");
+    const std::string name = block.requireString("kind");
+    const auto kinds = eventKinds<D>();
+    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+    if (kind == kinds.end()) {
+      std::string valid;
+      for (const auto& k : kinds) valid += (valid.empty() ? "" : ", ") + std::string(k.name);
+      block.fail(*block.find("kind"), "unknown event '" + name + "'; valid: " + valid);
+    }
+    if (kind->names != naming) return;
+    beginBlock();
+    block.require("step");
+    const long from = m_numbers.whole(block, "step", 0, 0, kMaxSteps);
+    const long every = m_numbers.whole(block, "every", 1, 1, kMaxSteps);
+    const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
+    if (block.find("every") && !block.find("until")) block.fail("'every' needs 'until'");
+    for (long step = from; step < until; step += every) {
+      m_numbers.expressions.setLocal("step", static_cast<double>(step));
       loops(block, [&] {
-        typename SceneSpec<D>::Spawn spawn;
-        spawn.step = step;
-        spawn.body = readBody<D>(block, m_numbers, m_defaults);
-        spawn.body.name = name;
-        spawn.removeAt = m_numbers.whole(block, "remove", -1, -1, kMaxSteps);
-        if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
-        m_scene.spawns.push_back(std::move(spawn));
-        if (m_scene.spawns.size() > kMaxBodies) block.fail("more than 1000000 bodies");
+        const auto bodyNamed = [&](const std::string& key) {
+          m_uses.push_back({bodyOf(block, key, false), step, &table});
+          return m_uses.back().body;
+        };
+        const auto pivot = [&](TableReader& t) {
+          const auto p = readPivot(t);
+          for (const int body : {p.bodyA, p.bodyB}) m_uses.push_back({body, step, &table});
+          return p;
+        };
+        const auto add = [&] { addBody(block, block.string("name", ""), step, -1); };
+        kind->read({block, m_numbers, step, m_scene, bodyNamed, add, pivot});
+        if (m_scene.events.size() > kMaxBodies) block.fail("more than 1000000 events");
       });
     }
     if (m_turns > 0) block.finish();
+  }
+  // The bodies that events name must be there then.
+  void checkUses() const {
+    for (const Use& use : m_uses) {
+      const auto& spawn = m_scene.spawns[static_cast<std::size_t>(use.body)];
+      const std::string who = "at step " + std::to_string(use.step) + " '" + spawn.body.name + "' is not there: it ";
+      if (use.step < spawn.step) failAt(m_parsed.path, *use.block, who + "comes at " + std::to_string(spawn.step));
+      if (spawn.removeAt >= 0 && use.step > spawn.removeAt) {
+        failAt(m_parsed.path, *use.block, who + "is removed at " + std::to_string(spawn.removeAt));
+      }
+    }
   }
 
   // Bodies are known by their place among the spawns, which are sorted by step.
@@ -248,14 +305,15 @@ class Builder {
   void pivotBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[pivot]]");
     beginBlock();
-    loops(block, [&] {
-      typename SceneSpec<D>::Pivot pivot;
-      pivot.bodyA = bodyOf(block, "a", false), pivot.bodyB = bodyOf(block, "b", false);
-      pivot.anchor = m_numbers.vector<D>(block.require("anchor"));
-      pivot.collide = block.flag("collide", false);
-      m_scene.pivots.push_back(pivot);
-    });
+    loops(block, [&] { m_scene.pivots.push_back(readPivot(block)); });
     if (m_turns > 0) block.finish();
+  }
+  typename SceneSpec<D>::Pivot readPivot(TableReader& block) {
+    typename SceneSpec<D>::Pivot pivot;
+    pivot.bodyA = bodyOf(block, "a", false), pivot.bodyB = bodyOf(block, "b", false);
+    pivot.anchor = m_numbers.vector<D>(block.require("anchor"));
+    pivot.collide = block.flag("collide", false);
+    return pivot;
   }
   void springBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[spring]]");
@@ -278,6 +336,12 @@ class Builder {
   const toml::table* m_defaults = nullptr;
   SceneSpec<D> m_scene;
   std::map<std::string, std::vector<int>> m_named;
+  struct Use {  // of a body by an event
+    int body;
+    long step;
+    const toml::table* block;
+  };
+  std::vector<Use> m_uses;
   std::vector<std::string> m_locals;
   long m_turns = 0;
 };
@@ -359,6 +423,7 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
     }
   }
   if (!scene.pivots.empty()) out["pivot"] = static_cast<int>(scene.pivots.size());
+  if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
   if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
   return out;
 }

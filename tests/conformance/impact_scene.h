@@ -43,6 +43,7 @@ struct ImpactScene {
   Real dt = Real(1) / 60, lastDt = 0, time = 0;
   Work work;
   Profiler profiler;
+  ContactGraph<D> graph;
 
   /// Mass 0: fixed. `inertia` are the principal moments.
   int add(Real mass, const Ang<D>& inertia, const Pose<D>& pose, const Motion<D>& motion = {}) {
@@ -97,11 +98,12 @@ struct ImpactScene {
   /// One step, after which contacts are where their anchors went.
   void step(Solver<D>& solver) {
     NoDetection detect;
+    graph.reset(bodies, manifolds, joints, work);
     for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
       bodies.invInertia[i] = rotateInertia(bodies.pose[i].q, bodies.invInertiaBody[i]);
     }
     solver.step({dt, lastDt, time, bodies, manifolds, active, joints, field, detect, features, kRestitutionThreshold,
-                 work, profiler});
+                 work, profiler, graph});
     lastDt = dt, time += dt;
     for (Manifold<D>& m : manifolds) {
       for (int k = 0; k < m.count; ++k) {
