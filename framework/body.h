@@ -72,7 +72,8 @@ struct Bodies {
   std::vector<Vec<D>> center;              // p_BC, the centre of mass in the body's own frame
   std::vector<BodyType> type;
   std::vector<std::uint8_t> used, awake, canSleep, pinned;
-  std::vector<std::array<Real, 2>> sleep;  // the sleep policy's two scalars
+  std::vector<std::array<Real, 2>> sleep;   // the sleep policy's two scalars
+  std::vector<std::array<Real, 6>> solver;  // the solver's own; zeros for a new body
   std::vector<std::uint32_t> generation;
 
   int size() const { return static_cast<int>(pose.size()); }

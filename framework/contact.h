@@ -47,6 +47,21 @@ Real separationNow(const Manifold<D>& m, const ContactPoint<D>& c, const Pose<D>
   return (X_WB * c.localB - X_WA * c.localA).dot(m.normal);
 }
 
+/// Both arms from the centres of mass to the point midway between the anchors (m, world axes), and the separation
+/// there at the present poses. Positions are subtracted first: far from the origin the sum would lose digits.
+template <int D>
+struct ContactArms {
+  Vec<D> rA, rB;
+  Real separation;  // m
+
+  ContactArms(const ContactPoint<D>& c, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
+    const Vec<D> fromA = X_WA.q * c.localA, fromB = X_WB.q * c.localB, centers = X_WB.p - X_WA.p;
+    const Vec<D> gap = centers + fromB - fromA;
+    separation = gap.dot(n);
+    rA = fromA + gap / 2, rB = fromB - gap / 2;
+  }
+};
+
 /// Pair rules of the 2009 engine: friction by the geometric mean, restitution by the arithmetic.
 inline Real mixFriction(Real a, Real b) { return std::sqrt(a * b); }
 inline Real mixRestitution(Real a, Real b) { return (a + b) / 2; }

@@ -15,7 +15,7 @@ std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 template <int D>
 void ContactGraph<D>::reset(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                            std::span<const PivotJoint<D>> joints, Work& work) {
+                            std::span<const JointRecord<D>> joints, Work& work) {
   m_bodies = &bodies, m_manifolds = manifolds, m_joints = joints, m_work = &work;
   m_touching.built = m_jointed.built = m_hasIslands = m_hasGroups = m_hasLevels = false;
 }
@@ -68,8 +68,8 @@ template <int D>
 auto ContactGraph<D>::jointed() const -> const Incidence& {
   if (!m_jointed.built) {
     build(m_jointed, m_joints.size(), [&](std::size_t k) {
-      const PivotJoint<D>& j = m_joints[k];
-      return j.bodyA < 0 ? std::pair(-1, -1) : std::pair(j.bodyA, j.bodyB);  // a free slot
+      const JointRecord<D>& j = m_joints[k];
+      return j.active() ? std::pair(j.bodyA, j.bodyB) : std::pair(-1, -1);
     });
   }
   return m_jointed;

@@ -17,11 +17,11 @@ Vec<D> fromCenter(const Simulation<D>& world, Handle body, const Vec<D>& p) {
 template <int D>
 Director<D>::Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {
   const auto comes = [&](int spawn) { return spawn < 0 ? 0 : m_scene.spawns.at(static_cast<std::size_t>(spawn)).step; };
-  for (std::size_t i = 0; i < m_scene.pivots.size(); ++i) {
-    const auto& p = m_scene.pivots[i];
-    m_pivots.emplace_back(std::max({p.step, comes(p.bodyA), comes(p.bodyB)}), i);
+  for (std::size_t i = 0; i < m_scene.joints.size(); ++i) {
+    const auto& j = m_scene.joints[i];
+    m_joints.emplace_back(std::max({j.step, comes(j.bodyA), comes(j.bodyB)}), i);
   }
-  std::sort(m_pivots.begin(), m_pivots.end());  // those of one step in the order of the file
+  std::sort(m_joints.begin(), m_joints.end());  // those of one step in the order of the file
 }
 
 template <int D>
@@ -35,9 +35,11 @@ void Director<D>::advance(Simulation<D>& world) {
     const auto last = static_cast<std::size_t>(std::max(a, b));
     return last >= first && last < m_next;
   };
-  for (; m_nextPivot < m_pivots.size() && m_pivots[m_nextPivot].first <= step; ++m_nextPivot) {
-    const auto& p = m_scene.pivots[m_pivots[m_nextPivot].second];
-    world.add(PivotDef<D>{body(p.bodyA), body(p.bodyB), p.anchor, p.collide});
+  for (; m_nextJoint < m_joints.size() && m_joints[m_nextJoint].first <= step; ++m_nextJoint) {
+    const auto& j = m_scene.joints[m_joints[m_nextJoint].second];
+    JointDef<D> def = j.def;
+    def.bodyA = body(j.bodyA), def.bodyB = body(j.bodyB);
+    world.add(def);
   }
   if (m_next > first) {
     for (const auto& s : m_scene.springs) {

@@ -21,8 +21,8 @@ class Director {
  private:
   SceneSpec<D> m_scene;
   std::vector<Handle> m_handles;
-  std::vector<std::pair<long, std::size_t>> m_pivots;  // when each is due, sorted
-  std::size_t m_next = 0, m_nextPivot = 0, m_nextEvent = 0;
+  std::vector<std::pair<long, std::size_t>> m_joints;  // when each is due, sorted
+  std::size_t m_next = 0, m_nextJoint = 0, m_nextEvent = 0;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

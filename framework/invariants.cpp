@@ -35,11 +35,12 @@ StateInvariants<D> stateInvariants(const Simulation<D>& world) {
     }
     out.maxSpeed = std::max(out.maxSpeed, v.norm());
   }
-  for (const PivotJoint<D>& j : world.joints()) {
-    if (j.bodyA < 0) continue;
-    const Vec<D> error =
-        b.pose[static_cast<std::size_t>(j.bodyB)] * j.localB - b.pose[static_cast<std::size_t>(j.bodyA)] * j.localA;
-    out.jointError = std::max<double>(out.jointError, error.norm());
+  JointRows<D> rows;
+  for (const JointRecord<D>& j : world.joints()) {
+    jointRows(j, b, rows);
+    const JointError error = jointError(rows.all());
+    out.jointError = std::max(out.jointError, error.linear);
+    out.jointTurn = std::max(out.jointTurn, error.angular);
   }
   return out;
 }

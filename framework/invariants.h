@@ -16,7 +16,7 @@ struct StateInvariants {
   Eigen::Matrix<double, kAngDim<D>, 1> angularMomentum =
       Eigen::Matrix<double, kAngDim<D>, 1>::Zero();  // about the origin
   double maxSpeed = 0;                               // m/s, dynamic bodies
-  double jointError = 0;                             // m, worst
+  double jointError = 0, jointTurn = 0;              // m and rad, each the worst
   bool finite = true;                                // no NaN or infinity anywhere
 };
 

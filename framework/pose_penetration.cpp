@@ -26,8 +26,8 @@ void PosePenetration<D>::pairUp(const Simulation<D>& simulation) {
       m_parts.push_back({boundingBox(view, X_WP), view, X_WP, static_cast<std::int32_t>(s)});
     });
   }
-  for (const PivotJoint<D>& j : simulation.joints()) {
-    if (j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
+  for (const JointRecord<D>& j : simulation.joints()) {
+    if (j.active() && j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
   }
   std::sort(m_unpaired.begin(), m_unpaired.end());
   std::sort(m_parts.begin(), m_parts.end(), [](const Part& a, const Part& b) { return a.box.lo[0] < b.box.lo[0]; });

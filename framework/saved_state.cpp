@@ -30,9 +30,9 @@ template <int D>
 void checkBodies(const Bodies<D>& b, std::size_t userForces) {
   const std::size_t n = b.pose.size();
   require(n <= std::size_t(std::numeric_limits<std::int32_t>::max()), "more bodies than can be counted");
-  for (const std::size_t size :
-       {b.motion.size(), b.mass.size(), b.invInertiaBody.size(), b.center.size(), b.type.size(), b.used.size(),
-        b.awake.size(), b.canSleep.size(), b.pinned.size(), b.sleep.size(), b.generation.size(), userForces}) {
+  for (const std::size_t size : {b.motion.size(), b.mass.size(), b.invInertiaBody.size(), b.center.size(),
+                                 b.type.size(), b.used.size(), b.awake.size(), b.canSleep.size(), b.pinned.size(),
+                                 b.sleep.size(), b.solver.size(), b.generation.size(), userForces}) {
     require(size == n, "the tables of bodies have unequal lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {
@@ -130,11 +130,13 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
           "the number of steps has overflowed");
   checkBodies(saved.bodies, saved.userForces.size());
   checkShapes(saved, contacts);
-  for (const PivotJoint<D>& j : saved.joints) {
-    const bool isFree = j.bodyA == -1 && j.bodyB == -1;
-    require(isFree || (isBody(saved.bodies, j.bodyA) && isBody(saved.bodies, j.bodyB) && j.bodyA != j.bodyB),
+  for (const JointRecord<D>& j : saved.joints) {
+    if (!j.kind) continue;
+    require((j.bodyA == -1 || isBody(saved.bodies, j.bodyA)) && isBody(saved.bodies, j.bodyB) && j.bodyA != j.bodyB,
             "a joint of a body that does not exist");
-    require(isFlag(j.collide), "a joint's flag is neither 0 nor 1");
+    require(isFlag(j.collide) && isFlag(j.broken), "a joint's flag is neither 0 nor 1");
+    require(j.breakForce > 0 && j.breakTorque > 0, "a joint that breaks at no force");
+    require(isUnit(j.X_CaJ.q) && isUnit(j.X_CbJ.q), "a joint's frame is no rotation");
   }
   checkManifolds(saved);
   for (const SleepEvent& e : saved.events) {

@@ -14,7 +14,7 @@ struct SavedState {
   WorldSettings<D> settings;
   Bodies<D> bodies;  // without what is derived: invMass, invInertia
   std::vector<ShapeRecord<D>> shapes;
-  std::vector<PivotJoint<D>> joints;
+  std::vector<JointRecord<D>> joints;
   std::vector<Manifold<D>> manifolds;
   std::vector<Wrench<D>> userForces;
   std::vector<SleepEvent> events;

@@ -18,11 +18,10 @@ struct SceneSpec {
     long removeAt = -1;  // before this step; -1 = never
   };
   /// Bodies are named by their place in `spawns`; -1 is the world.
-  struct Pivot {
+  struct Joint {
     int bodyA = -1, bodyB = -1;
-    Vec<D> anchor = Vec<D>::Zero();  // world, m
-    bool collide = false;
-    long step = 0;  // not before this step
+    JointDef<D> def;  // without the bodies' handles
+    long step = 0;    // not before this step
   };
   struct SpringDef {
     int bodyA = -1, bodyB = -1;
@@ -49,7 +48,7 @@ struct SceneSpec {
   Real dt = Real(1) / 60;     // s
   long steps = 600;
   std::vector<Spawn> spawns;  // sorted by step
-  std::vector<Pivot> pivots;  // made when the later of their bodies comes
+  std::vector<Joint> joints;  // made when the later of their bodies comes
   std::vector<Event> events;  // sorted by step
   std::vector<SpringDef> springs;
   Limits limits;

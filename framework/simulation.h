@@ -40,7 +40,8 @@ class Simulation {
   // --- building, at any time between steps ---------------------------------------------------------------------------
   /// Throw UserError for what makes no sense, and for what this simulation cannot do, with the reason.
   virtual Handle add(const BodyDef<D>& def) = 0;
-  virtual Handle add(const PivotDef<D>& def) = 0;
+  /// Also for a body with itself, two that do not move, frames and limits that make no such joint.
+  virtual Handle add(const JointDef<D>& def) = 0;
   virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
   virtual void remove(Handle body) = 0;  // and its joints
   virtual void removeJoint(Handle joint) = 0;
@@ -72,7 +73,7 @@ class Simulation {
   /// Masses and inertias are the scene's, also where an engine has rounded them for itself.
   virtual const Bodies<D>& bodies() const = 0;
   virtual std::span<const ShapeRecord<D>> shapes() const = 0;
-  virtual std::span<const PivotJoint<D>> joints() const = 0;
+  virtual std::span<const JointRecord<D>> joints() const = 0;
   /// Nothing where contacts are not told: their impulses and anchors are an engine's own affair.
   virtual std::optional<std::span<const Manifold<D>>> contacts() const = 0;
   virtual const WorldSettings<D>& settings() const = 0;

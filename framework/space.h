@@ -67,6 +67,23 @@ inline void sinCos(double x, double& s, double& c) {
   }
 }
 
+/// The angle (rad, -pi to pi) whose sine and cosine are s / n and c / n, with n = |(s, c)|: atan2 without libm. Error
+/// below 1e-15. 0 for a vector of zeros.
+inline double angleOf(double s, double c) {
+  const double x = std::abs(c), y = std::abs(s);
+  if (!(x > 0) && !(y > 0)) return s + c;  // 0, or NaN
+  // The first octant; of its upper half the angle from the diagonal, so that |t| <= tan(pi/8).
+  double near = 0, t = y <= x ? y / x : x / y;
+  if (t > 0.41421356237309503) near = 0.78539816339744830962, t = (t - 1) / (t + 1);
+  const double t2 = t * t;
+  double sum = 0;
+  for (int n = 43; n >= 1; n -= 2) sum = 1.0 / n - t2 * sum;  // the arc tangent's series: t^45 / 45 < 1e-18
+  double angle = near + t * sum;
+  if (y > x) angle = 1.57079632679489661923 - angle;
+  if (c < 0) angle = 3.14159265358979323846 - angle;
+  return s < 0 ? -angle : angle;
+}
+
 /// With an arm a = r and a force b = f: the torque r x f, an Ang<D>. With an angular velocity a = w and an arm b = r:
 /// the velocity w x r of the point at r, a Vec<D>.
 template <class A, class B>
@@ -161,6 +178,14 @@ inline Rot<2> integrateRotation(const Rot<2>& q, const Ang<2>& turn) {
   return (Rot<2>::angle(turn[0]) * q).normalized();
 }
 inline Rot<3> integrateRotation(const Rot<3>& q, const Ang<3>& turn) { return (Rot<3>::vector(turn) * q).normalized(); }
+
+/// The other way round: the shortest turn (rad, world frame) that makes `q` from no rotation.
+inline Ang<2> turnOf(const Rot<2>& q) { return Ang<2>(static_cast<Real>(angleOf(q.s, q.c))); }
+inline Ang<3> turnOf(const Rot<3>& q) {
+  const double w = q.w, n = std::sqrt(double(q.x) * q.x + double(q.y) * q.y + double(q.z) * q.z);
+  const double angle = 2 * (w < 0 ? angleOf(-n, -w) : angleOf(n, w));
+  return static_cast<Real>(n > 0 ? angle / n : 0) * q.imag();
+}
 
 /// Inertia of the body frame (or its inverse) turned into the world: R I R^T. In 2D it is a scalar and does not turn.
 inline Inertia<2> rotateInertia(const Rot<2>&, const Inertia<2>& inertia) { return inertia; }

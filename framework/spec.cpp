@@ -144,4 +144,11 @@ std::string Pipeline::text() const {
   return out;
 }
 
+std::optional<Spec> engineOf(std::string_view pipelineText) {
+  constexpr std::string_view kKey = "engine=";
+  pipelineText.remove_prefix(std::min(pipelineText.find_first_not_of(' '), pipelineText.size()));
+  if (!pipelineText.starts_with(kKey)) return std::nullopt;
+  return Spec::parse(pipelineText.substr(kKey.size()));
+}
+
 }  // namespace lpc

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,5 +57,9 @@ class Pipeline {
  private:
   std::array<Spec, kStageKinds> m_specs;  // by kind; empty where it is no stage of a world
 };
+
+/// The engine that stands where a pipeline stands: of "engine=bullet{iterations=10}" the spec after the "="; nothing of
+/// a pipeline of stages. Throws UserError when anything stands beside the engine.
+std::optional<Spec> engineOf(std::string_view pipelineText);
 
 }  // namespace lpc

@@ -34,7 +34,7 @@ struct SleepInput {
   Real dt;
   const Bodies<D>& bodies;  // `awake` is the last step's state
   std::span<const Manifold<D>> manifolds;
-  std::span<const PivotJoint<D>> joints;
+  std::span<const JointRecord<D>> joints;
   std::span<const SleepEvent> events;
   Real restitutionThreshold;  // m/s
   Vec<D> gravity;             // m/s^2: tells a body that rests from one that is at the top of its flight

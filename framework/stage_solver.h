@@ -43,7 +43,7 @@ struct StepInput {
   Bodies<D>& bodies;                    // invInertia is fresh
   std::vector<Manifold<D>>& manifolds;  // sorted; solve only the active ones
   std::vector<int>& active;             // indices of manifolds that have an active body and were not vetoed
-  std::span<PivotJoint<D>> joints;      // by slot; bodyA < 0 in a free one
+  std::span<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of those that are active
   const Forces<D>& forces;
   Detect& detect;
   const Features& features;
@@ -74,7 +74,7 @@ struct VelocityInput {
   Bodies<D>& bodies;
   std::span<Manifold<D>> manifolds;
   std::span<const int> order;  // indices of the manifolds to solve, in the order in which to solve them
-  std::span<PivotJoint<D>> joints;
+  std::span<JointRecord<D>> joints;
   const PositionResolver<D>& position;  // bias() is asked once per contact and step
   const Features& features;
   Real restitutionThreshold;
@@ -104,7 +104,7 @@ struct PositionInput {
   Bodies<D>& bodies;  // poses may be changed, velocities not
   std::span<Manifold<D>> manifolds;
   std::span<const int> order;
-  std::span<PivotJoint<D>> joints;
+  std::span<JointRecord<D>> joints;
   const Features& features;
   Work& work;
   Profiler& profiler;
@@ -120,7 +120,7 @@ class PositionResolver : public Stage {
   /// The normal velocity (m/s, separating is positive) that a velocity resolver shall reach at a penetrating contact,
   /// >= 0. `separation` <= 0. What holds for separation > 0 is not a matter of taste: see contact_rows.h.
   virtual Real bias(Real /*separation*/, Real /*dt*/) const { return 0; }
-  /// The velocity with which a joint's error shall shrink is jointBias() times the error (1/s).
+  /// The velocity with which a joint's error (m or rad) shall shrink is jointBias() times the error (1/s).
   virtual Real jointBias(Real /*dt*/) const { return 0; }
   virtual void correct(const PositionInput<D>&) {}
 };

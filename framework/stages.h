@@ -11,14 +11,26 @@
 
 namespace lpc {
 
-enum class StageKind { broadphase, pairQuery, contacts, cache, solver, velocity, position, integrator, sleep };
+enum class StageKind {
+  broadphase,
+  pairQuery,
+  contacts,
+  cache,
+  solver,
+  velocity,
+  position,
+  integrator,
+  sleep,
+  joint,
+  engine
+};
 
 struct StageInfo {
   StageKind kind;
   std::string_view name;   // in pipeline texts and result files, so for ever; its algorithms are in algorithms/<name>/
   std::string_view group;  // stages of one group share kernel headers; nobody else includes these
   /// The algorithm that a world has unless its pipeline names another. Empty: no stage of a world but a part of other
-  /// stages, named in their parameters.
+  /// stages, named in their parameters, or of scenes.
   std::string_view worldDefault;
 };
 
@@ -33,10 +45,15 @@ inline constexpr StageInfo kStages[] = {
     {StageKind::position, "position", "solver", ""},
     {StageKind::integrator, "integrator", "solver", ""},
     {StageKind::sleep, "sleep", "sleep", "none"},
+    {StageKind::joint, "joint", "solver", ""},
+    {StageKind::engine, "engine", "engine", ""},
 };
 inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));
 
 constexpr const StageInfo& stageInfo(StageKind kind) { return kStages[static_cast<std::size_t>(kind)]; }
+/// Engines are whole simulations of other people's, under oracles/engines: not a stage of ours, and no folder of
+/// algorithms/.
+constexpr bool isOurs(const StageInfo& stage) { return stage.kind != StageKind::engine; }
 constexpr std::string_view stageName(StageKind kind) { return stageInfo(kind).name; }
 constexpr bool isWorldStage(const StageInfo& stage) { return !stage.worldDefault.empty(); }
 /// False for nullptr.

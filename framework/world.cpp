@@ -93,6 +93,15 @@ template <int D>
 void World<D>::wake(Handle body) {
   touched(slotOf(body));
 }
+template <int D>
+void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion) {
+  LPC_ASSERT(X_WC.size() == m_bodies.pose.size() && motion.size() == m_bodies.pose.size());
+  for (std::size_t i = 0; i < X_WC.size(); ++i) {
+    if (m_bodies.used[i] && m_bodies.type[i] != BodyType::fixed)
+      m_bodies.pose[i] = X_WC[i], m_bodies.motion[i] = motion[i];
+  }
+  m_boxes.outdate();
+}
 
 template <int D>
 void World<D>::add(std::shared_ptr<const ForceGenerator<D>> generator) {

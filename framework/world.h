@@ -58,7 +58,7 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   /// shape kind that the contact generator does not support.
   Handle add(const BodyDef<D>& def) override;
   void remove(Handle body) override;
-  Handle add(const PivotDef<D>& def) override;
+  Handle add(const JointDef<D>& def) override;
   void removeJoint(Handle joint) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
@@ -83,6 +83,9 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override;
   void applyTorque(Handle body, const Ang<D>& torque) override;
   void wake(Handle body);
+  /// For a world that only shows what somebody else moves: puts each body that is not fixed at its X_WC with its
+  /// motion, by slot. No event, nobody wakes. Precondition: both have bodies().size() entries.
+  void follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion);
   Handle handle(std::int32_t slot) const;  // of the body now in that slot
   int bodyCount() const override { return m_bodySlots.inUse(); }
 
@@ -99,7 +102,7 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   std::span<const ShapeRecord<D>> shapes() const override { return m_shapes; }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
-  std::span<const PivotJoint<D>> joints() const override { return m_joints; }
+  std::span<const JointRecord<D>> joints() const override { return m_joints; }
   const Proxies<D>& proxies() const { return m_boxes.proxies(); }  // as of the last step or query
   const WorldSettings<D>& settings() const override { return m_settings; }
   const Pipeline& pipeline() const { return m_pipeline; }
@@ -137,6 +140,8 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   void refreshMasses();
   void collectActive();
   void outdateGraph() { m_graph.reset(m_bodies, m_manifolds, m_joints, m_profiler.frame().work); }
+  void finishJoints(Real dt);
+  void releaseJoint(const JointRecord<D>& joint);  // tells those whom it held
 
   /// For instance stage<Solver>(): what the pipeline says.
   template <template <int> class S>
@@ -151,7 +156,7 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   // State: what save() writes.
   Bodies<D> m_bodies;
   std::vector<ShapeRecord<D>> m_shapes;
-  std::vector<PivotJoint<D>> m_joints;
+  std::vector<JointRecord<D>> m_joints;
   std::vector<Manifold<D>> m_manifolds;
   std::vector<Wrench<D>> m_userForces;  // for the coming step, by body slot
   std::vector<SleepEvent> m_events;     // since the last decision

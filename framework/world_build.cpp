@@ -36,7 +36,7 @@ std::size_t World<D>::freeBodySlot() {
   b.invInertia.push_back(Inertia<D>::Zero()), b.invInertiaBody.push_back(Inertia<D>::Zero());
   b.type.push_back(BodyType::fixed);
   b.used.push_back(0), b.awake.push_back(0), b.canSleep.push_back(0), b.pinned.push_back(0);
-  b.sleep.push_back({}), b.generation.push_back(0);
+  b.sleep.push_back({}), b.solver.push_back({}), b.generation.push_back(0);
   m_userForces.emplace_back();
   return i;
 }
@@ -79,7 +79,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
   b.mass[i] = dynamic ? mass.mass : Real(0);
   b.invInertiaBody[i] = Inertia<D>::Zero();
   if (dynamic && def.rotatable && mass.inertia.trace() > 0) b.invInertiaBody[i] = mass.inertia.inverse();
-  b.sleep[i] = {}, m_userForces[i] = {};
+  b.sleep[i] = {}, b.solver[i] = {}, m_userForces[i] = {};
   for (std::size_t s = 0; s < def.shapes.size(); ++s) {
     putShape(def.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
   }
@@ -124,8 +124,8 @@ void World<D>::remove(Handle body) {
     return true;
   });
   for (std::size_t j = 0; j < m_joints.size(); ++j) {
-    const PivotJoint<D>& joint = m_joints[j];
-    if (joint.bodyA < 0 || (joint.bodyA != slot && joint.bodyB != slot)) continue;
+    const JointRecord<D>& joint = m_joints[j];
+    if (!joint.kind || (joint.bodyA != slot && joint.bodyB != slot)) continue;
     removeJoint({static_cast<std::int32_t>(j), joint.generation});
   }
   std::erase_if(m_events, [&](const SleepEvent& e) { return e.body == slot; });
@@ -133,38 +133,59 @@ void World<D>::remove(Handle body) {
   b.pose[i] = {}, b.motion[i] = {}, b.invMass[i] = b.mass[i] = 0, b.center[i] = Vec<D>::Zero();
   b.invInertia[i] = b.invInertiaBody[i] = Inertia<D>::Zero();
   b.type[i] = BodyType::fixed, b.used[i] = b.awake[i] = b.canSleep[i] = b.pinned[i] = 0;
-  b.sleep[i] = {}, m_userForces[i] = {};
+  b.sleep[i] = {}, b.solver[i] = {}, m_userForces[i] = {};
   ++b.generation[i];
   m_bodySlots.give(i, m_visits);
 }
 
 template <int D>
-Handle World<D>::add(const PivotDef<D>& def) {
-  const std::size_t a = slotOf(def.bodyA), b = slotOf(def.bodyB);
-  if (a == b) throw UserError("world: a pivot needs two bodies");
-  if (!def.anchor.allFinite()) throw UserError("world: the pivot's anchor is not finite");
+Handle World<D>::add(const JointDef<D>& def) {
+  const bool toWorld = def.bodyA == Handle{};
+  const std::size_t b = slotOf(def.bodyB), a = toWorld ? b : slotOf(def.bodyA);
+  const auto moves = [&](std::size_t i) { return m_bodies.type[i] == BodyType::dynamic; };
+  if (def.bodyA == def.bodyB) throw UserError("world: a joint needs two bodies, or the world and a body");
+  if (!moves(b) && (toWorld || !moves(a))) throw UserError("world: a joint of two bodies that do not move");
+  JointRecord<D> j = makeJoint(def, poseOf(m_bodies, def.bodyA.slot), m_bodies.pose[b]);
   const std::size_t i = m_jointSlots.take(m_visits);
   if (i == m_joints.size()) m_joints.emplace_back();
-  PivotJoint<D>& j = m_joints[i];
-  j.bodyA = def.bodyA.slot, j.bodyB = def.bodyB.slot;
-  j.localA = m_bodies.pose[a].inverse() * def.anchor, j.localB = m_bodies.pose[b].inverse() * def.anchor;
-  j.impulse = Vec<D>::Zero(), j.collide = def.collide;
-  return {static_cast<std::int32_t>(i), j.generation};
+  j.generation = m_joints[i].generation;
+  m_joints[i] = std::move(j);
+  return {static_cast<std::int32_t>(i), m_joints[i].generation};
 }
 
 template <int D>
 void World<D>::removeJoint(Handle joint) {
   const auto i = static_cast<std::size_t>(joint.slot);
-  if (joint.slot < 0 || i >= m_joints.size() || m_joints[i].bodyA < 0 || m_joints[i].generation != joint.generation) {
+  if (joint.slot < 0 || i >= m_joints.size() || !m_joints[i].kind || m_joints[i].generation != joint.generation) {
     throw UserError("world: there is no joint with handle " + std::to_string(joint.slot) + " (removed?)");
   }
-  const std::int32_t a = m_joints[i].bodyA, b = m_joints[i].bodyB;
-  m_events.push_back({SleepEvent::jointRemoved, a, b});
-  m_events.push_back({SleepEvent::jointRemoved, b, a});
-  const std::uint32_t generation = m_joints[i].generation + 1;
-  m_joints[i] = PivotJoint<D>{};
-  m_joints[i].generation = generation;
+  releaseJoint(m_joints[i]);
+  m_joints[i] = JointRecord<D>{};
+  m_joints[i].generation = joint.generation + 1;
   m_jointSlots.give(i, m_visits);
+}
+
+template <int D>
+void World<D>::releaseJoint(const JointRecord<D>& joint) {
+  if (joint.broken) return;  // it was told then
+  if (joint.bodyA >= 0) m_events.push_back({SleepEvent::jointRemoved, joint.bodyA, joint.bodyB});
+  m_events.push_back({SleepEvent::jointRemoved, joint.bodyB, joint.bodyA});
+}
+
+// Whole turns are counted, and what was too much breaks. A broken joint stays, without rows, until it is removed.
+template <int D>
+void World<D>::finishJoints(Real dt) {
+  JointRows<D> rows;
+  for (JointRecord<D>& j : m_joints) {
+    if (!j.active()) continue;
+    j.kind->finish(j, poseOf(m_bodies, j.bodyA), poseOf(m_bodies, j.bodyB));
+    if (!std::isfinite(j.breakForce) && !std::isfinite(j.breakTorque)) continue;
+    jointRows(j, m_bodies, rows);
+    const JointLoad load = jointLoad(rows.all(), std::span<const Real>(j.impulse), dt);
+    if (load.force <= j.breakForce && load.torque <= j.breakTorque) continue;
+    releaseJoint(j);
+    j.broken = 1, j.impulse.fill(0);
+  }
 }
 
 // The members of this file; the class as a whole is instantiated in world.cpp.
@@ -174,8 +195,9 @@ void World<D>::removeJoint(Handle joint) {
   template void World<D>::countKinds(const Shape<D>&, int);                         \
   template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t); \
   template void World<D>::remove(Handle);                                           \
-  template Handle World<D>::add(const PivotDef<D>&);                                \
-  template void World<D>::removeJoint(Handle)
+  template Handle World<D>::add(const JointDef<D>&);                                \
+  template void World<D>::removeJoint(Handle);                                      \
+  template void World<D>::finishJoints(Real)
 LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE

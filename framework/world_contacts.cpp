@@ -51,8 +51,8 @@ void World<D>::findPairs() {
     m_boxes.findPairs(m_proxyPairs, m_profiler.frame().work);
     m_unpaired.clear();
     if (m_settings.features.joints) {
-      for (const PivotJoint<D>& j : m_joints) {
-        if (j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
+      for (const JointRecord<D>& j : m_joints) {
+        if (j.active() && j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
       }
       std::sort(m_unpaired.begin(), m_unpaired.end());
     }

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // One list of fields serves writing and reading. Fields are written one by one and never as whole structs: padding
 // bytes are not state, and the bytes of a save must be a function of the state.
+#define XXH_INLINE_ALL  // one hash needs no library at link time
+#include <xxhash.h>
+
 #include <cstring>
 #include <istream>
 #include <ostream>
+#include <sstream>
 #include <type_traits>
 
 #include "framework/curved_core.h"
@@ -13,7 +17,14 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD2";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD3";  // a change of the format is a new number
+
+/// Before the world itself, so that what was damaged is told before it is read.
+struct Header {
+  std::array<char, sizeof kMagic> magic = std::to_array(kMagic);
+  std::int32_t dimension = 0, realBytes = 0;
+  std::uint64_t size = 0, checksum = 0;  // of what follows: bytes, XXH64
+};
 
 class Archive {
  public:
@@ -38,12 +49,12 @@ class Archive {
       bytes(&x, sizeof x);
     } else if constexpr (requires { x.derived(); }) {  // an Eigen matrix
       bytes(x.data(), sizeof(Real) * static_cast<std::size_t>(x.size()));
-    } else if constexpr (requires { x.emplace_back(); }) {  // a vector
+    } else if constexpr (requires { x.push_back({}); }) {  // a vector or a text
       std::uint64_t n = x.size();
       bytes(&n, sizeof n);
       if (reading()) x.clear();
       for (std::uint64_t i = 0; i < n; ++i) {  // grows as it reads: a damaged length runs into the end of the file
-        if (reading()) x.emplace_back();
+        if (reading()) x.push_back({});
         value(x[i]);
       }
     } else if constexpr (requires { std::tuple_size<T>::value; }) {  // an array
@@ -64,6 +75,21 @@ class Archive {
   std::ostream* m_out = nullptr;
   std::istream* m_in = nullptr;
 };
+
+void fields(Archive& a, Header& h) { a(h.magic, h.dimension, h.realBytes, h.size, h.checksum); }
+
+// In pieces: a damaged length runs into the end of the file and not out of memory.
+std::string readBytes(std::istream& in, std::uint64_t size) {
+  constexpr std::uint64_t kPiece = 1 << 20;
+  std::string bytes;
+  while (bytes.size() < size) {
+    const std::size_t had = bytes.size(), wanted = std::min(kPiece, size - had);
+    bytes.resize(had + wanted);
+    in.read(bytes.data() + had, static_cast<std::streamsize>(wanted));
+    if (static_cast<std::size_t>(in.gcount()) != wanted) throw UserError("load: the saved world ends early");
+  }
+  return bytes;
+}
 
 void fields(Archive& a, Rot<2>& q) { a(q.c, q.s); }
 void fields(Archive& a, Rot<3>& q) { a(q.w, q.x, q.y, q.z); }
@@ -90,13 +116,16 @@ void fields(Archive& a, Manifold<D>& m) {
     m.ignored, m.points);
 }
 template <int D>
-void fields(Archive& a, PivotJoint<D>& j) {
-  a(j.bodyA, j.bodyB, j.localA, j.localB, j.impulse, j.collide, j.generation);
+void fields(Archive& a, JointRecord<D>& j) {
+  a(j.spec, j.generation);  // no spec: a free slot
+  if (j.spec.empty()) return;
+  if (a.reading()) j.kind = createStage<JointKind<D>>(Spec::parse(j.spec));
+  a(j.bodyA, j.bodyB, j.collide, j.broken, j.X_CaJ, j.X_CbJ, j.breakForce, j.breakTorque, j.impulse, j.memory, j.state);
 }
 template <int D>
 void fields(Archive& a, Bodies<D>& b) {
   a(b.pose, b.motion, b.mass, b.invInertiaBody, b.center, b.type, b.used, b.awake, b.canSleep, b.pinned, b.sleep,
-    b.generation);
+    b.solver, b.generation);
 }
 void fields(Archive& a, Features& f) { a(f.friction, f.rotation, f.restitution, f.cache, f.joints, f.sleeping); }
 
@@ -181,36 +210,48 @@ void fields(Archive& a, SavedState<D>& s) {
 
 template <int D>
 void World<D>::save(std::ostream& out) const {
-  std::array<char, sizeof kMagic> magic;
-  std::memcpy(magic.data(), kMagic, sizeof kMagic);
-  std::int32_t dimension = D, realBytes = sizeof(Real);
-  Archive a(out);
-  a(magic, dimension, realBytes);
   SavedState<D> s{m_settings,   m_bodies, m_shapes, m_joints, m_manifolds,
                   m_userForces, m_events, m_time,   m_lastDt, m_steps};
-  a(s);
+  std::ostringstream body;
+  Archive inner(body);
+  inner(s);
+  const std::string bytes = std::move(body).str();
+  Header header;
+  header.dimension = D, header.realBytes = sizeof(Real);
+  header.size = bytes.size(), header.checksum = XXH64(bytes.data(), bytes.size(), 0);
+  Archive outer(out);
+  outer(header);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 template <int D>
 void World<D>::load(std::istream& in) {
-  std::array<char, sizeof kMagic> magic{};
-  std::int32_t dimension = 0, realBytes = 0;
-  Archive a(in);
-  a(magic, dimension, realBytes);
-  if (std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0) {
-    const std::string_view found(magic.data(), magic.size() - 1);
+  Header header{};
+  header.magic = {};
+  Archive outer(in);
+  outer(header.magic);
+  if (std::memcmp(header.magic.data(), kMagic, sizeof kMagic) != 0) {
+    const std::string_view found(header.magic.data(), header.magic.size() - 1);
     if (!found.starts_with("LPCWORLD")) throw UserError("load: this is not a saved world");
     throw UserError("load: the saved world has the format " + std::string(found) + ", this program reads " + kMagic);
   }
-  if (dimension != D || realBytes != static_cast<std::int32_t>(sizeof(Real))) {
-    throw UserError("load: the saved world is " + std::to_string(dimension) + "D with " +
-                    std::to_string(std::int64_t(8) * realBytes) + "-bit numbers, this one is " + std::to_string(D) +
-                    "D with " + std::to_string(8 * sizeof(Real)) + "-bit numbers");
+  outer(header.dimension, header.realBytes, header.size, header.checksum);
+  if (header.dimension != D || header.realBytes != static_cast<std::int32_t>(sizeof(Real))) {
+    throw UserError("load: the saved world is " + std::to_string(header.dimension) + "D with " +
+                    std::to_string(std::int64_t(8) * header.realBytes) + "-bit numbers, this one is " +
+                    std::to_string(D) + "D with " + std::to_string(8 * sizeof(Real)) + "-bit numbers");
+  }
+  std::istringstream body(readBytes(in, header.size));
+  const std::string_view bytes = body.view();
+  if (XXH64(bytes.data(), bytes.size(), 0) != header.checksum) {
+    throw UserError("load: the saved world is damaged (its checksum is another)");
   }
   SavedState<D> s;
   try {
-    a(s);
-  } catch (const UserError& e) {  // also of a shape's size
+    Archive inner(body);
+    inner(s);
+    if (body.peek() != std::istringstream::traits_type::eof()) throw UserError("there is more than a world holds");
+  } catch (const UserError& e) {  // also of a shape's size, or a joint's parameter
     const std::string_view what = e.what();
     if (what.starts_with("load: ")) throw;
     throw UserError("load: the saved world is damaged (" + std::string(what) + ")");
@@ -230,7 +271,7 @@ void World<D>::load(std::istream& in) {
   m_boxes = BoxIndex<D>(stage<Broadphase>(), m_settings.margin);
   m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
   m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
-  m_jointSlots.read(m_joints, [](const PivotJoint<D>& j) { return j.bodyA < 0; });
+  m_jointSlots.read(m_joints, [](const JointRecord<D>& j) { return !j.kind; });
   m_kindCount = {};
   for (std::size_t i = 0; i < m_shapes.size(); ++i) {
     if (m_shapes[i].body < 0) continue;

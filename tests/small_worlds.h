@@ -28,6 +28,11 @@ BodyDef<D> body(const Shape<D>& shape, const Vec<D>& position, BodyType type = B
 }
 
 template <int D>
+JointDef<D> pivot(Handle bodyA, Handle bodyB, const Vec<D>& anchor) {
+  return {.kind = "pivot", .bodyA = bodyA, .bodyB = bodyB, .X_WJ = {anchor, {}}};
+}
+
+template <int D>
 Handle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
   Vec<D> half = Vec<D>::Constant(20);
   half[1] = 1;
@@ -59,7 +64,7 @@ void addHeap(World<D>& world, int n, std::uint64_t seed, const Vec<D>& place = V
   const Vec<D> hook = place + at<D>(0, 12);
   const Handle post = world.add(body<D>(Shape<D>::sphere(Real(0.1)), hook, BodyType::fixed));
   const Handle bob = world.add(body<D>(Shape<D>::sphere(Real(0.3)), hook + at<D>(2, 0)));
-  world.add(PivotDef<D>{post, bob, hook, false});
+  world.add(pivot<D>(post, bob, hook));
 }
 
 }  // namespace lpc::inline LPC_PRECISION::test

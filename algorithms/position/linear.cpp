@@ -31,25 +31,29 @@ class Linear final : public PositionResolver<D> {
             .paper = "lpc2009",
             .complexity = "iterations x (contacts + joints)",
             .guarantee = Guarantee::approximate,
-            .failures = {{"two pinned bodies", "cannot be moved at all", "PositionError.TurnsPinnedBodies"}}};
+            .failures = {{"two pinned bodies", "cannot be moved at all", "PositionError.TurnsPinnedBodies"},
+                         {"a joint that is wrong by an angle", "keeps it", "JointError.Shrinks"}}};
   }
 
   void correct(const PositionInput<D>& in) override {
     Bodies<D>& bodies = in.bodies;
-    const auto push = [&](std::size_t a, std::size_t b, const Vec<D>& apart) {
-      const Real sum = bodies.invMass[a] + bodies.invMass[b];
+    const auto push = [&](std::int32_t bodyA, std::int32_t b, const Vec<D>& apart) {
+      const auto i = static_cast<std::size_t>(bodyA), j = static_cast<std::size_t>(b);
+      const Real ofA = bodyA < 0 ? Real(0) : bodies.invMass[i], sum = ofA + bodies.invMass[j];
       if (!(sum > 0)) return;
-      bodies.pose[a].p -= (bodies.invMass[a] / sum) * apart;
-      bodies.pose[b].p += (bodies.invMass[b] / sum) * apart;
+      if (ofA > 0) bodies.pose[i].p -= (ofA / sum) * apart;
+      bodies.pose[j].p += (bodies.invMass[j] / sum) * apart;
     };
     for (int i = 0; i < m_params.iterations; ++i) {
-      for (const PivotJoint<D>& j : in.joints) {
-        if (j.bodyA < 0 || !in.features.joints) continue;
-        const auto a = static_cast<std::size_t>(j.bodyA), b = static_cast<std::size_t>(j.bodyB);
-        const Vec<D> error =
-            (bodies.pose[b].p - bodies.pose[a].p) + bodies.pose[b].q * j.localB - bodies.pose[a].q * j.localA;
-        push(a, b, -m_params.factor * error);
-        ++in.work[Count::rowUpdates];
+      for (const JointRecord<D>& j : in.joints) {
+        if (!j.active() || !in.features.joints) continue;
+        jointRows(j, bodies, m_rows);
+        Vec<D> error = Vec<D>::Zero();  // what turns alone would mend stays
+        for (const ConstraintRow<D>& row : m_rows.all()) {
+          if (row.binds()) error += row.error * row.d;
+        }
+        push(j.bodyA, j.bodyB, -m_params.factor * error);
+        in.work[Count::rowUpdates] += m_rows.all().size();
       }
       for (int k : in.order) {
         const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
@@ -57,7 +61,7 @@ class Linear final : public PositionResolver<D> {
         for (int p = 0; p < m.count; ++p) {
           const ContactPoint<D>& c = m.points[static_cast<std::size_t>(p)];
           const Real depth = -ContactArms<D>(c, m.normal, bodies.pose[a], bodies.pose[b]).separation - m_params.slop;
-          if (depth > 0) push(a, b, m_params.factor * depth * m.normal);
+          if (depth > 0) push(m.bodyA, m.bodyB, m_params.factor * depth * m.normal);
           ++in.work[Count::rowUpdates];
         }
       }
@@ -66,6 +70,7 @@ class Linear final : public PositionResolver<D> {
 
  private:
   Params m_params;
+  JointRows<D> m_rows;
 };
 
 }  // namespace

@@ -39,24 +39,25 @@ class Nonlinear final : public PositionResolver<D> {
   }
 
   void correct(const PositionInput<D>& in) override {
+    m_joints = in.joints;
     m_contacts.clear();
     for (int i : in.order) {
       const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
       for (int k = 0; k < m.count; ++k) {
         m_contacts.push_back({m.bodyA, m.bodyB, m.normal, m.points[static_cast<std::size_t>(k)].localA,
-                              m.points[static_cast<std::size_t>(k)].localB, false});
+                              m.points[static_cast<std::size_t>(k)].localB, -1, false});
       }
     }
     if (in.features.joints) {
-      for (const PivotJoint<D>& j : in.joints) {
-        if (j.bodyA >= 0) m_contacts.push_back({j.bodyA, j.bodyB, Vec<D>::Zero(), j.localA, j.localB, true});
+      for (std::size_t j = 0; j < in.joints.size(); ++j) {
+        if (in.joints[j].active()) addJoint(in, static_cast<std::int32_t>(j));
       }
     }
     const std::size_t n = m_contacts.size();
     if (n == 0) return;
     const auto moves = [&](int body) {
       const auto i = static_cast<std::size_t>(body);
-      return in.bodies.invMass[i] > 0 || in.bodies.invInertia[i].trace() > 0;
+      return body >= 0 && (in.bodies.invMass[i] > 0 || in.bodies.invInertia[i].trace() > 0);
     };
     m_neighbours.build(
         in.bodies.pose.size(), n, [&](std::size_t k) { return std::pair(m_contacts[k].a, m_contacts[k].b); }, moves);
@@ -72,6 +73,7 @@ class Nonlinear final : public PositionResolver<D> {
       const Item& item = m_contacts[worst];
       separate(in.bodies, item);
       for (int body : {item.a, item.b}) {
+        if (body < 0) continue;
         for (std::uint32_t k : m_neighbours.of(body)) m_depths.set(k, depth(in.bodies, m_contacts[k]));
       }
       ++in.work[Count::rowUpdates];
@@ -79,42 +81,79 @@ class Nonlinear final : public PositionResolver<D> {
   }
 
  private:
-  // A contact, or a pivot: then the normal is the direction in which its ends are apart now.
+  // A contact, or of a joint either all that is wrong in metres or all that is wrong in radians. A radian counts as much
+  // as a metre when the deepest is sought.
   struct Item {
-    int a, b;
+    int a, b;  // a -1: the world
     Vec<D> normal, localA, localB;
-    bool pivot;
+    std::int32_t joint;  // -1: a contact
+    bool angular;
   };
+  // The one row along which an item is wrong now.
   struct Place {
-    Vec<D> rA, rB, n;
-    Real depth;  // beyond what may stay, m
+    Vec<D> n;
+    Ang<D> armA, armB;
+    Real depth;  // beyond what may stay, m or rad
   };
 
-  Place place(const Bodies<D>& bodies, const Item& item) const {
+  void addJoint(const PositionInput<D>& in, std::int32_t number) {
+    const JointRecord<D>& joint = in.joints[static_cast<std::size_t>(number)];
+    jointRows(joint, in.bodies, m_rows);
+    bool rigid[2] = {};  // may it ever be wrong in metres, in radians?
+    for (const ConstraintRow<D>& row : m_rows.all()) {
+      if (row.law == RowLaw::rigid && !row.absent()) rigid[row.angular] = true;
+    }
+    for (const bool angular : {false, true}) {
+      if (!rigid[angular]) continue;
+      const Vec<D> zero = Vec<D>::Zero();
+      m_contacts.push_back({joint.bodyA, joint.bodyB, zero, zero, zero, number, angular});
+    }
+  }
+
+  Place place(const Bodies<D>& bodies, const Item& item) {
+    if (item.joint >= 0) return jointPlace(bodies, item);
     const auto a = static_cast<std::size_t>(item.a), b = static_cast<std::size_t>(item.b);
-    Place x{bodies.pose[a].q * item.localA, bodies.pose[b].q * item.localB, item.normal, 0};
-    const Vec<D> gap = (bodies.pose[b].p - bodies.pose[a].p) + x.rB - x.rA;
-    if (item.pivot) {
-      const Real distance = gap.norm();
-      // A pivot is never exact: without a floor it would take all iterations for rounding errors.
-      x.depth = distance > m_params.slop / 8 ? distance : Real(0);
-      if (x.depth > 0) x.n = -gap / distance;
-    } else {
-      x.depth = -gap.dot(item.normal) - m_params.slop;
-      x.rA += gap / 2, x.rB -= gap / 2;
+    Vec<D> rA = bodies.pose[a].q * item.localA, rB = bodies.pose[b].q * item.localB;
+    const Vec<D> gap = (bodies.pose[b].p - bodies.pose[a].p) + rB - rA;
+    rA += gap / 2, rB -= gap / 2;
+    return {item.normal, cross(rA, item.normal), cross(rB, item.normal), -gap.dot(item.normal) - m_params.slop};
+  }
+  Place jointPlace(const Bodies<D>& bodies, const Item& item) {
+    jointRows(m_joints[static_cast<std::size_t>(item.joint)], bodies, m_rows);
+    Vec<D> gap = Vec<D>::Zero();
+    Ang<D> turn = Ang<D>::Zero();
+    for (const ConstraintRow<D>& row : m_rows.all()) {
+      if (!row.binds()) continue;
+      if (row.angular) {
+        turn += row.error * row.armB;
+      } else {
+        gap += row.error * row.d;
+      }
+    }
+    const Real size = item.angular ? turn.norm() : gap.norm();
+    Place x{Vec<D>::Zero(), Ang<D>::Zero(), Ang<D>::Zero(), 0};
+    // A joint is never exact: without a floor it would take all iterations for rounding errors.
+    if (!(size > m_params.slop / 8)) return x;
+    x.depth = size;
+    for (const ConstraintRow<D>& row : m_rows.all()) {
+      if (!row.binds() || row.angular != item.angular) continue;
+      const Real share = -row.error / size;
+      x.n += share * row.d, x.armA += share * row.armA, x.armB += share * row.armB;
     }
     return x;
   }
-  Real depth(const Bodies<D>& bodies, const Item& item) const { return place(bodies, item).depth; }
+  Real depth(const Bodies<D>& bodies, const Item& item) { return place(bodies, item).depth; }
 
-  void separate(Bodies<D>& bodies, const Item& item) const {
+  void separate(Bodies<D>& bodies, const Item& item) {
     const auto a = static_cast<std::size_t>(item.a), b = static_cast<std::size_t>(item.b);
     const Place x = place(bodies, item);
-    const Row<D> row =
-        makeRow<D>(x.n, x.rA, x.rB, bodies.invMass[a] + bodies.invMass[b], bodies.invInertia[a], bodies.invInertia[b]);
-    const Real amount = x.depth * row.mass;  // an impulse that would act for one second: kg m
-    move(bodies, a, -amount, x.n, row.armA, row.turnA);
-    move(bodies, b, amount, x.n, row.armB, row.turnB);
+    const Real invMassA = item.a < 0 ? Real(0) : bodies.invMass[a];
+    const Ang<D> turnA = item.a < 0 ? Ang<D>(Ang<D>::Zero()) : Ang<D>(bodies.invInertia[a] * x.armA);
+    const Ang<D> turnB = bodies.invInertia[b] * x.armB;
+    const Real k = (item.angular ? Real(0) : invMassA + bodies.invMass[b]) + x.armA.dot(turnA) + x.armB.dot(turnB);
+    const Real amount = k > 0 ? x.depth * (1 / k) : Real(0);  // an impulse that would act for one second: kg m
+    if (item.a >= 0) move(bodies, a, -amount, x.n, x.armA, turnA);
+    move(bodies, b, amount, x.n, x.armB, turnB);
   }
 
   // A turn moves the contact along a circle, not along the normal, so it is limited, and what is missing of this body's
@@ -134,6 +173,8 @@ class Nonlinear final : public PositionResolver<D> {
   }
 
   Params m_params;
+  std::span<const JointRecord<D>> m_joints;  // of this call
+  JointRows<D> m_rows;
   std::vector<Item> m_contacts;
   Extreme m_depths;
   ContactsOfBodies m_neighbours;

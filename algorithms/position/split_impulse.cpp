@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/pivot_rows.h"
+#include "algorithms/solver/joint_rows.h"
 #include "framework/profiler.h"
 #include "framework/tolerances.h"
 
@@ -42,11 +42,7 @@ class SplitImpulse final : public PositionResolver<D> {
     if (!m_wrong) return;
     const bool rotation = in.features.rotation;
     for (int i = 0; i < m_params.iterations; ++i) {
-      for (PivotRow<D>& row : m_joints.rows) {
-        Motion<D>& a = m_moves[static_cast<std::size_t>(row.a)];
-        Motion<D>& b = m_moves[static_cast<std::size_t>(row.b)];
-        applyPivot<D>(row, row.mass * (-m_params.factor * row.error - pivotVelocity(row, a, b)), a, b);
-      }
+      m_joints.sweepErrors(m_moves, m_params.factor);
       for (Contact& c : m_contacts) {
         Motion<D>& a = m_moves[static_cast<std::size_t>(c.a)];
         Motion<D>& b = m_moves[static_cast<std::size_t>(c.b)];
@@ -94,7 +90,7 @@ class SplitImpulse final : public PositionResolver<D> {
              0});
       }
     }
-    m_joints.rows.clear();
+    m_joints.clear();
     if (in.features.joints) m_joints.prepare(bodies, in.joints);
     m_wrong = m_wrong || !m_joints.rows.empty();
     m_moves.assign(bodies.pose.size(), Motion<D>{});
@@ -102,7 +98,7 @@ class SplitImpulse final : public PositionResolver<D> {
 
   Params m_params;
   std::vector<Contact> m_contacts;
-  PivotRows<D> m_joints;
+  JointSystem<D> m_joints;
   std::vector<Motion<D>> m_moves;  // displacement of each body, m and rad
   bool m_wrong = false;
 };

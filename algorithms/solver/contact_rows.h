@@ -14,6 +14,18 @@
 
 namespace lpc::inline LPC_PRECISION::solver {
 
+/// (relative velocity at two arms) = K (impulse). Symmetric, positive definite unless both bodies are infinitely heavy.
+template <int D>
+Mat<D> pointResponse(const Vec<D>& rA, const Vec<D>& rB, Real invMassSum, const Inertia<D>& invIA,
+                     const Inertia<D>& invIB) {
+  Mat<D> k;
+  for (int i = 0; i < D; ++i) {
+    const Vec<D> d = Vec<D>::Unit(i);
+    k.col(i) = invMassSum * d + cross((invIA * cross(rA, d)).eval(), rA) + cross((invIB * cross(rB, d)).eval(), rB);
+  }
+  return k;
+}
+
 /// One direction d of impulse between two bodies.
 template <int D>
 struct Row {
@@ -50,21 +62,6 @@ void applyRow(const Row<D>& row, const Vec<D>& d, Real invMassA, Real invMassB, 
   a.w -= impulse * row.turnA;
   b.w += impulse * row.turnB;
 }
-
-/// Both arms from the centres of mass to the point midway between the anchors (m, world axes), and the separation
-/// there at the present poses. Positions are subtracted first: far from the origin the sum would lose digits.
-template <int D>
-struct ContactArms {
-  Vec<D> rA, rB;
-  Real separation;  // m
-
-  ContactArms(const ContactPoint<D>& c, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
-    const Vec<D> fromA = X_WA.q * c.localA, fromB = X_WB.q * c.localB, centers = X_WB.p - X_WA.p;
-    const Vec<D> gap = centers + fromB - fromA;
-    separation = gap.dot(n);
-    rA = fromA + gap / 2, rB = fromB - gap / 2;
-  }
-};
 
 /// The least normal velocity (m/s) that a contact shall have after the step.
 ///

@@ -3,7 +3,7 @@
 
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/free_motion.h"
-#include "algorithms/solver/pivot_rows.h"
+#include "algorithms/solver/joint_rows.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -13,11 +13,7 @@ using namespace solver;
 
 /// A contact or joint as a damped spring, solved implicitly: stable at any stiffness, in units that do not depend on
 /// mass.
-struct Softness {
-  Real rate = 0;          // bias velocity per error, 1/s
-  Real massScale = 1;     // share of the velocity error that one update removes
-  Real impulseScale = 0;  // share of the accumulated impulse that leaks away
-
+struct Softness : Feedback {
   Softness() = default;
   Softness(Real hertz, Real dampingRatio, Real h) {
     if (!(hertz > 0)) return;
@@ -78,7 +74,7 @@ class SoftStep final : public Solver<D> {
       {
         Profiler::Scope scope(in.profiler, "solver.integrate");
         kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
-        if (in.features.joints) prepareJoints(in);
+        if (in.features.joints) prepareJoints(in, h);
       }
       {
         Profiler::Scope scope(in.profiler, "solver.iterate");
@@ -93,7 +89,11 @@ class SoftStep final : public Solver<D> {
       }
       Profiler::Scope scope(in.profiler, "solver.relax");
       for (int k = 0; k < m_params.relax; ++k) sweep(in, h, false);
-      for (const PivotRow<D>& row : m_joints.rows) m_jointImpulse[static_cast<std::size_t>(row.joint)] = row.impulse;
+      for (const JointBlock<D>& block : m_joints.blocks) {
+        auto& impulse = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+        impulse.fill(0);
+        for (const JointRow<D>& row : m_joints.of(block)) impulse[static_cast<std::size_t>(row.number)] = row.impulse;
+      }
     }
     if (in.features.restitution) bounce(in);
     // Impulses are those of a whole step, as in every other solver.
@@ -103,9 +103,7 @@ class SoftStep final : public Solver<D> {
       }
     }
     m_contacts.store(in.manifolds);
-    for (const PivotRow<D>& row : m_joints.rows) {
-      in.joints[static_cast<std::size_t>(row.joint)].impulse = substeps * row.impulse;
-    }
+    m_joints.store(in.joints, substeps);
   }
 
  private:
@@ -138,23 +136,24 @@ class SoftStep final : public Solver<D> {
     }
     m_jointImpulse.resize(in.joints.size());
     for (std::size_t j = 0; j < in.joints.size(); ++j) {
-      m_jointImpulse[j] = m_params.warmStart ? Vec<D>(scale * in.joints[j].impulse) : Vec<D>(Vec<D>::Zero());
+      m_jointImpulse[j].fill(0);
+      for (std::size_t i = 0; i < kJointRows && m_params.warmStart; ++i) {
+        m_jointImpulse[j][i] = scale * in.joints[j].impulse[i];
+      }
     }
-    m_joints.rows.clear();
+    m_joints.clear();
   }
 
-  void prepareJoints(const StepInput<D>& in) {
+  void prepareJoints(const StepInput<D>& in, Real h) {
     m_joints.prepare(in.bodies, in.joints);
-    for (PivotRow<D>& row : m_joints.rows) {
-      if (row.warm) row.impulse = m_jointImpulse[static_cast<std::size_t>(row.joint)];
-    }
+    m_joints.warmStart(h, [&](std::int32_t joint, std::int32_t row) {
+      return m_jointImpulse[static_cast<std::size_t>(joint)][static_cast<std::size_t>(row)];
+    });
   }
 
   void applyAccumulated(const StepInput<D>& in) {
     auto& motion = in.bodies.motion;
-    for (const PivotRow<D>& row : m_joints.rows) {
-      applyPivot(row, row.impulse, motion[static_cast<std::size_t>(row.a)], motion[static_cast<std::size_t>(row.b)]);
-    }
+    m_joints.applyAccumulated(motion);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
       for (int k = 0; k < m.count; ++k) {
@@ -171,15 +170,7 @@ class SoftStep final : public Solver<D> {
   void sweep(const StepInput<D>& in, Real h, bool springs) {
     auto& motion = in.bodies.motion;
     const bool rotation = in.features.rotation;
-    for (PivotRow<D>& row : m_joints.rows) {
-      Motion<D>&a = motion[static_cast<std::size_t>(row.a)], &b = motion[static_cast<std::size_t>(row.b)];
-      const Softness soft = springs ? m_softJoint : Softness();
-      const Vec<D> impulse = (-soft.massScale * row.mass) * (pivotVelocity(row, a, b) + soft.rate * row.error) -
-                             soft.impulseScale * row.impulse;
-      row.impulse += impulse;
-      applyPivot(row, impulse, a, b);
-      ++in.work[Count::rowUpdates];
-    }
+    in.work[Count::rowUpdates] += m_joints.sweep(motion, h, springs ? m_softJoint : Softness());
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
       const Pose<D>& X_WA = in.bodies.pose[static_cast<std::size_t>(m.a)];
@@ -237,9 +228,9 @@ class SoftStep final : public Solver<D> {
   Params m_params;
   Softness m_soft, m_softFixed, m_softJoint;
   ContactRows<D> m_contacts;
-  PivotRows<D> m_joints;
+  JointSystem<D> m_joints;
   std::vector<State> m_states;
-  std::vector<Vec<D>> m_jointImpulse;  // per sub-step, by joint slot
+  std::vector<std::array<Real, kJointRows>> m_jointImpulse;  // per sub-step, by joint slot and row
   std::vector<Wrench<D>> m_wrenches;
 };
 

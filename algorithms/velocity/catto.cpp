@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/pivot_rows.h"
+#include "algorithms/solver/joint_rows.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -46,16 +46,14 @@ class Catto final : public VelocityResolver<D> {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_contacts.prepare(in);
-      m_joints.rows.clear();
+      m_joints.clear();
       if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
-      const Real jointBias = in.position.jointBias(in.dt);
-      m_jointTargets.clear();
-      for (const PivotRow<D>& row : m_joints.rows) m_jointTargets.push_back(-jointBias * row.error);
       if (m_params.warmStart) warmStart(in);
     }
     Profiler::Scope scope(in.profiler, "solver.iterate");
+    const Feedback feedback{.rate = in.position.jointBias(in.dt)};
     for (int i = 0; i < m_params.iterations; ++i) {
-      solveJoints(in.bodies);
+      m_joints.sweep(in.bodies.motion, in.dt, feedback);
       const bool back = m_params.sweep == Sweep::symmetric && i % 2 == 1;
       const std::size_t n = m_contacts.manifolds.size();
       for (std::size_t k = 0; k < n; ++k) {
@@ -93,23 +91,10 @@ class Catto final : public VelocityResolver<D> {
         }
       }
     }
-    for (PivotRow<D>& row : m_joints.rows) {
-      if (!row.warm) continue;
-      row.impulse = factor * in.joints[static_cast<std::size_t>(row.joint)].impulse;
-      applyPivot(row, row.impulse, in.bodies.motion[static_cast<std::size_t>(row.a)],
-                 in.bodies.motion[static_cast<std::size_t>(row.b)]);
-    }
-  }
-
-  void solveJoints(Bodies<D>& bodies) {
-    for (std::size_t j = 0; j < m_joints.rows.size(); ++j) {
-      PivotRow<D>& row = m_joints.rows[j];
-      Motion<D>& a = bodies.motion[static_cast<std::size_t>(row.a)];
-      Motion<D>& b = bodies.motion[static_cast<std::size_t>(row.b)];
-      const Vec<D> impulse = row.mass * (m_jointTargets[j] - pivotVelocity(row, a, b));
-      row.impulse += impulse;
-      applyPivot(row, impulse, a, b);
-    }
+    m_joints.warmStart(in.dt, [&](std::int32_t joint, std::int32_t row) {
+      return factor * in.joints[static_cast<std::size_t>(joint)].impulse[static_cast<std::size_t>(row)];
+    });
+    m_joints.applyAccumulated(in.bodies.motion);
   }
 
   void solveManifold(const ManifoldRows<D>& m, Bodies<D>& bodies, bool rotation, bool back) {
@@ -133,8 +118,7 @@ class Catto final : public VelocityResolver<D> {
 
   Params m_params;
   ContactRows<D> m_contacts;
-  PivotRows<D> m_joints;
-  std::vector<Vec<D>> m_jointTargets;
+  JointSystem<D> m_joints;
 };
 
 }  // namespace

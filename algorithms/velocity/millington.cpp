@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/extreme_first.h"
-#include "algorithms/solver/pivot_rows.h"
+#include "algorithms/solver/joint_rows.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -99,22 +99,15 @@ class Millington final : public VelocityResolver<D> {
     m_neighbours.build(
         in.bodies.pose.size(), m_points.size(), [&](std::size_t k) { return std::pair(m_points[k].a, m_points[k].b); },
         moves);
-    m_joints.rows.clear();
+    m_joints.clear();
     if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
   }
 
-  // Pivots have no place in the order by error: as often as a contact is solved on average, before and after them.
+  // Joints have no place in the order by error: as often as a contact is solved on average, before and after them.
   void solveJoints(const VelocityInput<D>& in) {
-    const Real jointBias = in.position.jointBias(in.dt);
+    const Feedback feedback{.rate = in.position.jointBias(in.dt)};
     for (int i = 0; i < static_cast<int>(m_params.iterationFactor) + 1 && !m_joints.rows.empty(); ++i) {
-      for (PivotRow<D>& row : m_joints.rows) {
-        Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(row.a)];
-        Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(row.b)];
-        const Vec<D> impulse = row.mass * (-jointBias * row.error - pivotVelocity(row, a, b));
-        row.impulse += impulse;
-        applyPivot(row, impulse, a, b);
-      }
-      in.work[Count::rowUpdates] += m_joints.rows.size();
+      in.work[Count::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, feedback);
     }
   }
 
@@ -173,7 +166,7 @@ class Millington final : public VelocityResolver<D> {
   std::vector<Point> m_points;
   Extreme m_errors;
   ContactsOfBodies m_neighbours;
-  PivotRows<D> m_joints;
+  JointSystem<D> m_joints;
 };
 
 }  // namespace

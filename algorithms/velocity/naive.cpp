@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/pivot_rows.h"
+#include "algorithms/solver/joint_rows.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -39,7 +39,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
   void solve(const VelocityInput<D>& in) override {
     Profiler::Scope scope(in.profiler, "solver.iterate");
     m_contacts.prepare(in);
-    m_joints.rows.clear();
+    m_joints.clear();
     if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
     for (int i = 0; i < m_params.iterations; ++i) pass(in);
     m_contacts.store(in.manifolds);
@@ -50,13 +50,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
   void pass(const VelocityInput<D>& in) {
     const bool rotation = in.features.rotation;
     auto& motion = in.bodies.motion;
-    const Real jointBias = in.position.jointBias(in.dt);
-    for (PivotRow<D>& row : m_joints.rows) {
-      Motion<D>&a = motion[static_cast<std::size_t>(row.a)], &b = motion[static_cast<std::size_t>(row.b)];
-      const Vec<D> impulse = row.mass * (-jointBias * row.error - pivotVelocity(row, a, b));
-      applyPivot(row, impulse, a, b);
-      row.impulse += impulse;
-    }
+    m_joints.sweep(motion, in.dt, {.rate = in.position.jointBias(in.dt)});
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
       for (int i = 0; i < m.count; ++i) {
@@ -87,7 +81,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
 
   Params m_params;
   ContactRows<D> m_contacts;
-  PivotRows<D> m_joints;
+  JointSystem<D> m_joints;
 };
 
 }  // namespace

@@ -69,7 +69,7 @@ void runScene(const Options& o, Session& session) {
   }
   if (!o.profile.empty()) request["profile"] = o.profile;
   if (!o.record.empty()) request["record"] = o.record;
-  Child worker(workerPath(o.precision), request.dump(), -1, true);
+  Child worker(workerPath(o.precision, trial.canonical.contains("engine")), request.dump(), -1, true);
   worker.wait();
   if (worker.signal()) throw std::runtime_error("the worker crashed with signal " + std::to_string(worker.signal()));
   if (worker.exitCode() == 2) {  // it has said why
@@ -93,7 +93,8 @@ void addRun(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("run", "Runs one scene and prints its metrics; exit code 1 when it fails");
   auto o = std::make_shared<Options>();
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
-  command.option("--pipeline", o->pipeline, "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\"");
+  command.option("--pipeline", o->pipeline,
+                 "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER (may be repeated)");
   command.option("--dt", o->dt, "length of a step (s); default: the scene's");
   command.option("--steps", o->steps, "number of steps; default: the scene's");

@@ -82,7 +82,8 @@ std::string withNames(const std::string& page) {
   for (const StageInfo& stage : kStages) {
     std::set<std::string> names;
     for (const auto& [key, entry] : Registry::instance().all()) {
-      if (entry.stage == stage.kind && entry.info.role == Role::competitor) names.insert(entry.info.name);
+      const bool listed = entry.info.role == Role::competitor || entry.info.role == Role::engine;
+      if (entry.stage == stage.kind && listed) names.insert(entry.info.name);
     }
     table += "| " + std::string(stage.name) + " | ";
     for (const std::string& name : names) table += (name == *names.begin() ? "" : ", ") + name;

@@ -42,6 +42,7 @@ std::string contentOf(std::string_view folder) {
   return all;
 }
 
+bool isOfEngines(const SourceHash& source) { return source.path.starts_with("oracles/engines/"); }
 bool isOf(const SourceHash& source, const Registered& entry) {
   return entry.file.ends_with("/" + std::string(source.path));
 }
@@ -57,6 +58,7 @@ std::string codeHash(const Registered& entry) {
   for (const SourceHash& c : kContents) {
     const StageInfo* home = stageOfPath(c.path);
     if (isHeader(c.path) && home && home->group == stageInfo(entry.stage).group) all += c.path, all += c.hash;
+    if (isHeader(c.path) && entry.stage == StageKind::engine && isOfEngines(c)) all += c.path, all += c.hash;
   }
   for (const SourceHash& c : kContents) {
     if (isOf(c, entry)) all += c.hash;
@@ -106,7 +108,7 @@ const std::string& coreHash() {
 std::string judgesHash(std::span<const SourceHash> sources) {
   std::string all;
   for (const SourceHash& s : sources) {
-    if (s.path.starts_with("oracles/") && !isOfAnAlgorithm(s)) all.append(s.path).append(s.hash);
+    if (s.path.starts_with("oracles/") && !isOfEngines(s) && !isOfAnAlgorithm(s)) all.append(s.path).append(s.hash);
   }
   return hexHash(all);
 }

@@ -43,15 +43,17 @@ std::string findToml(const std::string& folder, const std::string& nameOrPath) {
                   "; valid: " + valid);
 }
 
-std::string workerPath(const std::string& precision) {
+std::string workerPath(const std::string& precision, bool engine) {
   if (precision != "f64" && precision != "f32") {
     throw UserError("unknown precision '" + precision + "'; valid: f64, f32");
   }
   const fs::path program = fs::read_symlink("/proc/self/exe");
   const char* given = std::getenv("LPC_WORKERS");  // tests run workers of a build from a program of their own
-  const fs::path path = (given && *given ? fs::path(given) : program.parent_path()) / ("lpc-worker-" + precision);
+  const fs::path path = (given && *given ? fs::path(given) : program.parent_path()) /
+                        ((engine ? "lpc-engine-worker-" : "lpc-worker-") + precision);
   if (!fs::exists(path)) {
-    throw UserError(path.string() + " does not exist: build with -DLPC_PRECISIONS=\"f64;f32\"");
+    throw UserError(path.string() + " does not exist: build with -DLPC_PRECISIONS=\"f64;f32\"" +
+                    (engine ? " -DLPC_BUILD_ORACLES=ON" : ""));
   }
   return path.string();
 }

@@ -15,8 +15,9 @@ std::string homeDirectory();
 std::vector<std::string> listToml(const std::string& folder);
 /// A path that exists, or experiments/<folder>/NAME.toml. Throws UserError with the valid names.
 std::string findToml(const std::string& folder, const std::string& nameOrPath);
-/// lpc-worker-<precision> beside this program. Throws UserError when it was not built.
-std::string workerPath(const std::string& precision);
+/// lpc-worker-<precision> beside this program, or lpc-engine-worker-<precision>, which has engines and no witnesses.
+/// Throws UserError when it was not built.
+std::string workerPath(const std::string& precision, bool engine = false);
 /// The commit of the sources, with "+" when they were changed; empty when unknown.
 std::string commitOfSources();
 

@@ -49,6 +49,12 @@ class Stars {
     std::vector<Choice> all = {{}};
     pipelines = {""};
     try {
+      if (const auto engine = engineOf(text)) {
+        all = expand(stageInfo(StageKind::engine), "engine", *engine);
+        pipelines.clear();
+        for (const Choice& c : all) pipelines.push_back("engine=" + c.spec.text());
+        return all;
+      }
       for (const StageKind kind : pipeline.replace(text)) {
         const std::string stage{stageName(kind)};
         std::vector<Choice> next;

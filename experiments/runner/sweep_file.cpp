@@ -168,7 +168,9 @@ class Sweep {
     WorldCell cell;
     cell.timed = timed, cell.repeat = static_cast<int>(repeat);
     std::set<std::string> used;
-    Pipeline pipeline = Pipeline::parse(withValues(s.pipeline, axes, used));
+    const std::string base = withValues(s.pipeline, axes, used);
+    std::optional<Spec> engine = engineOf(base);  // of the last part that names one: it stands in place of all stages
+    Pipeline pipeline = Pipeline::parse(engine ? "" : base);
     std::string model;
     for (std::size_t i = 0; i < at.size(); ++i) {
       const Axis& axis = s.axes[i];
@@ -177,17 +179,23 @@ class Sweep {
       if (axis.labelled) {
         part = value.pipeline;
         names.insert(value.label.get<std::string>());
-      } else if (isWorldStage(stageByName(axis.name))) {
+      } else if (const StageInfo* stage = stageByName(axis.name);
+                 isWorldStage(stage) || (stage && stage->kind == StageKind::engine)) {
         part = axis.name + "=" + numberText(value.label);
       } else {
         continue;
       }
       withValues(value.written, axes, used);  // a star's parameter means something also where a method lacks it
       part = withValues(part, axes, used);
-      for (const StageKind stage : pipeline.replace(part)) collectNames(pipeline[stage], names);
       used.insert(axis.name);
+      if (const auto named = engineOf(part)) {
+        engine = named;
+        continue;
+      }
+      for (const StageKind stage : pipeline.replace(part)) collectNames(pipeline[stage], names);
     }
-    cell.pipeline = pipeline.text();
+    if (engine) collectNames(*engine, names);
+    cell.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
     if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
     const std::string scenePath = beside(numberText(axes["scene"]));
     const SceneFile& file = m_planner->scene(scenePath);

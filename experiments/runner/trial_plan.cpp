@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/trial_plan.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "experiments/parse/toml_reader.h"
@@ -8,6 +9,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/pair_drawing.h"
+#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -45,6 +47,24 @@ json canonicalStage(json& code, std::string& unsupported, StageKind stage, Spec&
     unsupported = e.what();
   }
   return spec.text();
+}
+
+template <int D>
+std::string differencesOf(const Spec& engine) {
+  return createStage<Engine<D>>(engine)->differences();
+}
+
+// What stands in the row beside the trial: which engine, and how it differs from our worlds whatever is set.
+json canonicalEngine(json& code, std::string& unsupported, Spec& engine, int dimension) {
+  json out = {{"name", engine.name}, {"differs", ""}};
+  const auto& all = Registry::instance().all();
+  if (std::none_of(all.begin(), all.end(), [](const auto& r) { return r.second.stage == StageKind::engine; })) {
+    unsupported = "this build has no engines (LPC_BUILD_ORACLES=OFF)";
+    return out;
+  }
+  canonicalStage(code, unsupported, StageKind::engine, engine, dimension);
+  if (unsupported.empty()) out["differs"] = dimension == 2 ? differencesOf<2>(engine) : differencesOf<3>(engine);
+  return out;
 }
 
 void seal(PlannedTrial& trial) {
@@ -128,10 +148,16 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   const std::uint64_t seed = cell.seed.value_or(file.defaultSeed());
   const ParameterValues params = file.values(cell.params);
   json code = json::object();
-  Pipeline pipeline = Pipeline::parse(cell.pipeline);
-  for (const StageKind stage : kWorldStages) canonicalStage(code, out.unsupported, stage, pipeline[stage], dimension);
+  std::optional<Spec> engine = engineOf(cell.pipeline);
+  json engineData;
+  Pipeline pipeline = Pipeline::parse(engine ? "" : cell.pipeline);
+  if (engine) {
+    engineData = canonicalEngine(code, out.unsupported, *engine, dimension);
+  } else {
+    for (const StageKind stage : kWorldStages) canonicalStage(code, out.unsupported, stage, pipeline[stage], dimension);
+  }
 
-  Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0)};
+  Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0), {}};
   const std::string features = cell.features ? *cell.features : featuresText(file.needs());
   if (!file.has(dimension)) {
     out.unsupported = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
@@ -139,19 +165,26 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
     const std::string id = file.path() + json(params).dump() + std::to_string(seed) + "/" + std::to_string(dimension);
     auto it = m_built.find(id);
     if (it == m_built.end()) {
-      const auto built = [](const auto& spec) { return Defaults{spec.dt, spec.steps}; };
+      const auto built = [](const auto& spec) {
+        Defaults found{spec.dt, spec.steps, {}};
+        for (const auto& joint : spec.joints) found.jointKinds.insert(joint.def.kind);
+        return found;
+      };
       it = m_built.emplace(id, dimension == 2 ? built(file.build<2>(params, seed)) : built(file.build<3>(params, seed)))
                .first;
     }
     if (!cell.dt) defaults.dt = it->second.dt;
     if (!cell.steps) defaults.steps = it->second.steps;
+    for (const std::string& kind : it->second.jointKinds) {
+      code.update(codeHashes(StageKind::joint, Spec::parse(kind), dimension));
+    }
   }
   out.canonical = {{"kind", "world"},
                    {"scene", file.name()},
                    {"scene_hash", hexHash(file.bytes())},
                    {"params", params},
                    {"dimension", dimension},
-                   {"pipeline", pipeline.text()},
+                   {"pipeline", engine ? "engine=" + engine->text() : pipeline.text()},
                    {"precision", cell.precision},
                    {"dt", defaults.dt},
                    {"steps", defaults.steps},
@@ -160,6 +193,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
                    {"repeat", cell.repeat},
                    {"timed", cell.timed},
                    {"code", code}};
+  if (engine) out.canonical["engine"] = engineData;
   seal(out);
   return out;
 }

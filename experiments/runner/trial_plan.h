@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,7 @@ class Planner {
   struct Defaults {
     double dt;
     long steps;
+    std::set<std::string> jointKinds;  // with their parameters
   };
   std::map<std::string, SceneFile> m_scenes;
   std::map<std::string, Defaults> m_built;

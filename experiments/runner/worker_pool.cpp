@@ -37,8 +37,9 @@ void WorkerPool::start(std::size_t job, const std::string& precision, nlohmann::
   for (const auto& [built, path] : m_plugins) {
     if (built == precision) request["plugins"].push_back(path);
   }
-  m_running.push_back(
-      {job, limits, std::make_unique<Child>(workerPath(precision), request.dump(), core, false), timeStamp(), "", ""});
+  const bool engine = request.contains("trial") && request["trial"].contains("engine");
+  auto child = std::make_unique<Child>(workerPath(precision, engine), request.dump(), core, false);
+  m_running.push_back({job, limits, std::move(child), timeStamp(), "", ""});
 }
 
 std::vector<WorkerEnd> WorkerPool::ended() {

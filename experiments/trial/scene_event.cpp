@@ -146,14 +146,13 @@ struct Force {
 };
 
 struct Joint {
-  static constexpr std::string_view kName = "joint",
-                                    kMeaning = "joins two bodies by the keys of a [[pivot]]: a, b, anchor";
+  static constexpr std::string_view kName = "joint", kMeaning = "joins two bodies; its keys are those of a [[joint]]";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
-    auto pivot = e.readPivot(e.block);
-    pivot.step = e.step;
-    e.scene.pivots.push_back(pivot);
+    auto joint = e.readJoint(e.block);
+    joint.step = e.step;
+    e.scene.joints.push_back(std::move(joint));
   }
 };
 

@@ -21,7 +21,7 @@ struct EventBlock {
   /// all blocks are read.
   std::function<int(const std::string& key)> bodyOf;
   std::function<void()> addBody;                                        // by the keys of a [[body]] block
-  std::function<typename SceneSpec<D>::Pivot(TableReader&)> readPivot;  // by those of a [[pivot]] block
+  std::function<typename SceneSpec<D>::Joint(TableReader&)> readJoint;  // by those of a [[joint]] block
 };
 
 /// A kind of event: its fields and its mistakes are in `read`, which leaves in the scene what shall be done.

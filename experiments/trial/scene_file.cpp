@@ -115,7 +115,7 @@ class Builder {
     const std::vector<const toml::table*> events = m_top.blocks("event");
     for (const toml::table* t : events) eventBlock(*t, true);
     sortSpawns();
-    for (const toml::table* t : m_top.blocks("pivot")) pivotBlock(*t);
+    for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
     for (const toml::table* t : m_top.blocks("spring")) springBlock(*t);
     for (const toml::table* t : events) eventBlock(*t, false);
     checkUses();
@@ -213,13 +213,13 @@ class Builder {
   // Once at `step`, or at every `every`-th before `until`. Those that name new bodies are read in a round of their own.
   void eventBlock(const toml::table& table, bool naming) {
     TableReader block(table, m_parsed.path, "[[event]]");
-    const std::string name = block.requireString("kind");
+    const std::string name = block.requireString("do");
     const auto kinds = eventKinds<D>();
     const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
     if (kind == kinds.end()) {
       std::string valid;
       for (const auto& k : kinds) valid += (valid.empty() ? "" : ", ") + std::string(k.name);
-      block.fail(*block.find("kind"), "unknown event '" + name + "'; valid: " + valid);
+      block.fail(*block.find("do"), "unknown event '" + name + "'; valid: " + valid);
     }
     if (kind->names != naming) return;
     beginBlock();
@@ -235,13 +235,15 @@ class Builder {
           m_uses.push_back({bodyOf(block, key, false), step, &table});
           return m_uses.back().body;
         };
-        const auto pivot = [&](TableReader& t) {
-          const auto p = readPivot(t);
-          for (const int body : {p.bodyA, p.bodyB}) m_uses.push_back({body, step, &table});
-          return p;
+        const auto joint = [&](TableReader& t) {
+          const auto j = readJointOf(t);
+          for (const int body : {j.bodyA, j.bodyB}) {
+            if (body >= 0) m_uses.push_back({body, step, &table});
+          }
+          return j;
         };
         const auto add = [&] { addBody(block, block.string("name", ""), step, -1); };
-        kind->read({block, m_numbers, step, m_scene, bodyNamed, add, pivot});
+        kind->read({block, m_numbers, step, m_scene, bodyNamed, add, joint});
         if (m_scene.events.size() > kMaxBodies) block.fail("more than 1000000 events");
       });
     }
@@ -302,18 +304,23 @@ class Builder {
     }
     return it->second[static_cast<std::size_t>(index)];
   }
-  void pivotBlock(const toml::table& table) {
-    TableReader block(table, m_parsed.path, "[[pivot]]");
+  void jointBlock(const toml::table& table) {
+    TableReader block(table, m_parsed.path, "[[joint]]");
     beginBlock();
-    loops(block, [&] { m_scene.pivots.push_back(readPivot(block)); });
+    loops(block, [&] { m_scene.joints.push_back(readJointOf(block)); });
     if (m_turns > 0) block.finish();
   }
-  typename SceneSpec<D>::Pivot readPivot(TableReader& block) {
-    typename SceneSpec<D>::Pivot pivot;
-    pivot.bodyA = bodyOf(block, "a", false), pivot.bodyB = bodyOf(block, "b", false);
-    pivot.anchor = m_numbers.vector<D>(block.require("anchor"));
-    pivot.collide = block.flag("collide", false);
-    return pivot;
+  typename SceneSpec<D>::Joint readJointOf(TableReader& block) {
+    typename SceneSpec<D>::Joint joint;
+    joint.bodyA = bodyOf(block, "a", true), joint.bodyB = bodyOf(block, "b", false);
+    const auto moves = [&](int body) {
+      return body >= 0 && m_scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::dynamic;
+    };
+    if (joint.bodyA == joint.bodyB)
+      block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
+    if (!moves(joint.bodyA) && !moves(joint.bodyB)) block.fail("a joint of two bodies that do not move");
+    joint.def = readJoint<D>(block, m_numbers);
+    return joint;
   }
   void springBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[spring]]");
@@ -422,8 +429,8 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
       ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : "compound")];
     }
   }
-  if (!scene.pivots.empty()) out["pivot"] = static_cast<int>(scene.pivots.size());
   if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
+  for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
   if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
   return out;
 }

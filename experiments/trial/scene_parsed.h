@@ -53,6 +53,10 @@ inline Rot<3> rotationOf(const Ang<3>& vector) { return Rot<3>::vector(vector); 
 template <int D>
 Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string& key);
 
+/// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block.
+template <int D>
+JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers);
+
 /// One [[body]] block at one turn of its loops.
 template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults);

@@ -13,6 +13,7 @@
 #include "framework/invariants.h"
 #include "framework/pose_penetration.h"
 #include "framework/recording.h"
+#include "framework/stage_engine.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -37,7 +38,9 @@ std::string underscored(std::string name) {
 
 template <int D>
 std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const WorldSettings<D>& settings) {
-  return std::make_unique<World<D>>(Pipeline::parse(trial.at("pipeline").get<std::string>()), settings);
+  const std::string pipeline = trial.at("pipeline");
+  if (const auto engine = engineOf(pipeline)) return createStage<Engine<D>>(*engine)->start(settings);
+  return std::make_unique<World<D>>(Pipeline::parse(pipeline), settings);
 }
 
 template <int D>
@@ -46,6 +49,7 @@ class WorldTrial {
   WorldTrial(const json& request, SceneSpec<D> scene)
       : m_request(request),
         m_timed(request.at("trial").value("timed", false)),
+        m_engine(request.at("trial").contains("engine")),
         m_scene(scene),
         m_director(std::move(scene)),
         m_simulation(simulationOf(request.at("trial"), m_scene.settings)),
@@ -225,7 +229,9 @@ class WorldTrial {
     m["momentum_error"] = m_momentumMatters && steps > 0 ? (m_last.momentum - m_momentum).norm() : kNan;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {
       m["work_" + std::string(kCountNames[i])] =
-          steps ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps) : 0;
+          m_engine ? kNan
+          : steps  ? static_cast<double>(m_work.counts[i]) / static_cast<double>(steps)
+                   : 0;
     }
     if (m_timed) {
       const auto timesOf = [&](const std::string& name) {
@@ -248,7 +254,7 @@ class WorldTrial {
   }
 
   const json& m_request;
-  bool m_timed;
+  bool m_timed, m_engine;  // an engine does not count its work
   SceneSpec<D> m_scene;
   Director<D> m_director;
   std::unique_ptr<Simulation<D>> m_simulation;

@@ -21,6 +21,7 @@ TEST(RegistryRules, EveryStageHasACompetitorInBothDimensions) {
   for (int d : {2, 3}) {
     for (int k = 0; k < kStageKinds; ++k) {
       const auto stage = static_cast<StageKind>(k);
+      if (!isOurs(stageInfo(stage))) continue;
       EXPECT_FALSE(Registry::instance().list(stage, d).empty()) << stageName(stage) << " in " << d << "D";
     }
   }

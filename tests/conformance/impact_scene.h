@@ -37,7 +37,7 @@ struct ImpactScene {
   Bodies<D> bodies;
   std::vector<Manifold<D>> manifolds;
   std::vector<int> active;
-  std::vector<PivotJoint<D>> joints;
+  std::vector<JointRecord<D>> joints;
   Features features;
   Field<D> field;
   Real dt = Real(1) / 60, lastDt = 0, time = 0;
@@ -59,7 +59,7 @@ struct ImpactScene {
     b.center.push_back(Vec<D>::Zero());
     b.type.push_back(dynamic ? BodyType::dynamic : BodyType::fixed);
     b.used.push_back(1), b.awake.push_back(1), b.canSleep.push_back(1), b.pinned.push_back(0);
-    b.sleep.push_back({}), b.generation.push_back(0);
+    b.sleep.push_back({}), b.solver.push_back({}), b.generation.push_back(0);
     return b.size() - 1;
   }
 
@@ -82,10 +82,13 @@ struct ImpactScene {
   }
   /// A pivot whose two ends are `error` apart.
   void join(int a, int b, const Vec<D>& p, const Vec<D>& error) {
-    PivotJoint<D> j;
-    j.bodyA = a, j.bodyB = b;
-    j.localA = pose(a).inverse() * p, j.localB = pose(b).inverse() * Vec<D>(p + error);
-    joints.push_back(j);
+    join("pivot", a, b, {p, {}}, {p + error, {}});
+  }
+  /// A joint whose frames are where they should be at X_WJa and X_WJb; a -1: the world.
+  void join(const std::string& kind, int a, int b, const Pose<D>& X_WJa, const Pose<D>& X_WJb) {
+    JointDef<D> def{.kind = kind, .X_WJ = X_WJa, .X_WJb = X_WJb};
+    def.bodyA.slot = a, def.bodyB.slot = b;
+    joints.push_back(makeJoint(def, poseOf(bodies, a), pose(b)));
   }
 
   const Pose<D>& pose(int i) const { return bodies.pose[static_cast<std::size_t>(i)]; }
@@ -146,12 +149,23 @@ struct ImpactScene {
     const auto at = [&](int i) -> Vec<D> { return motion(i).v + cross(motion(i).w, (p - pose(i).p).eval()); };
     return at(m.bodyB) - at(m.bodyA);
   }
-  Vec<D> jointError(const PivotJoint<D>& j) const { return pose(j.bodyB) * j.localB - pose(j.bodyA) * j.localA; }
-  Vec<D> jointVelocity(const PivotJoint<D>& j) const {
-    const auto at = [&](int i, const Vec<D>& local) -> Vec<D> {
-      return motion(i).v + cross(motion(i).w, (pose(i).q * local).eval());
-    };
-    return at(j.bodyB, j.localB) - at(j.bodyA, j.localA);
+  JointRows<D> rows(const JointRecord<D>& j) const {
+    JointRows<D> out;
+    jointRows(j, bodies, out);
+    return out;
+  }
+  JointError jointError(const JointRecord<D>& j) const { return lpc::jointError(rows(j).all()); }
+  Real rowVelocity(const JointRecord<D>& j, const ConstraintRow<D>& row) const {
+    const Motion<D> a = j.bodyA < 0 ? Motion<D>{} : motion(j.bodyA);
+    return rowSpeed(row, a.v, a.w, motion(j.bodyB).v, motion(j.bodyB).w);
+  }
+  /// Largest velocity (m/s, rad/s) along a row that allows none.
+  Real jointVelocity(const JointRecord<D>& j) const {
+    Real worst = 0;
+    for (const ConstraintRow<D>& row : rows(j).all()) {
+      if (row.block == RowBlock::equality) worst = std::max(worst, std::abs(rowVelocity(j, row)));
+    }
+    return worst;
   }
   bool finite() const {
     for (int i = 0; i < bodies.size(); ++i) {
@@ -167,8 +181,10 @@ struct ImpactScene {
         }
       }
     }
-    for (const PivotJoint<D>& j : joints) {
-      if (!j.impulse.allFinite()) return false;
+    for (const JointRecord<D>& j : joints) {
+      for (Real x : j.impulse) {
+        if (!std::isfinite(x)) return false;
+      }
     }
     return true;
   }
@@ -195,8 +211,9 @@ std::ostream& operator<<(std::ostream& out, const ImpactScene<D>& s) {
     }
     out << '\n';
   }
-  for (const PivotJoint<D>& j : s.joints) {
-    out << "joint " << j.bodyA << '-' << j.bodyB << " error (" << s.jointError(j).transpose() << ")\n";
+  for (const JointRecord<D>& j : s.joints) {
+    const JointError error = s.jointError(j);
+    out << j.spec << ' ' << j.bodyA << '-' << j.bodyB << " error " << error.linear << " m " << error.angular << " rad\n";
   }
   return out;
 }

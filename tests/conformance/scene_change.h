@@ -19,7 +19,10 @@ ImpactScene<D> moved(ImpactScene<D> s, const Pose<D>& X, const Vec<D>& boost) {
     if (s.bodies.type[i] == BodyType::fixed && !boost.isZero(0)) s.bodies.type[i] = BodyType::kinematic;
   }
   for (Manifold<D>& m : s.manifolds) m.normal = X.q * m.normal;
-  for (PivotJoint<D>& j : s.joints) j.impulse = X.q * j.impulse;
+  for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot
+    Vec<D> impulse = X.q * Vec<D>(Eigen::Map<Vec<D>>(j.impulse.data()));
+    std::copy(impulse.data(), impulse.data() + D, j.impulse.begin());
+  }
   s.field.gravity = X.q * s.field.gravity;
   return s;
 }
@@ -43,7 +46,10 @@ ImpactScene<D> mirrored(ImpactScene<D> s) {
     mirror(m.normal);
     for (ContactPoint<D>& c : m.points) mirror(c.localA), mirror(c.localB);
   }
-  for (PivotJoint<D>& j : s.joints) mirror(j.localA), mirror(j.localB), mirror(j.impulse);
+  for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot
+    for (Pose<D>* X : {&j.X_CaJ, &j.X_CbJ}) mirror(X->p), mirror(X->q);
+    j.impulse[0] = -j.impulse[0];
+  }
   mirror(s.field.gravity);
   return s;
 }

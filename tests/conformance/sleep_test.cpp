@@ -19,7 +19,7 @@ template <int D>
 struct Stage {
   Bodies<D> bodies;
   std::vector<Manifold<D>> manifolds;
-  std::vector<PivotJoint<D>> joints;
+  std::vector<JointRecord<D>> joints;
   std::vector<SleepEvent> events;
   Vec<D> gravity = -kG * Vec<D>::Unit(1);
   Real dt = kDt;
@@ -39,7 +39,8 @@ struct Stage {
   }
   void stack(int lower, int upper) { touch(lower, upper, Vec<D>::Unit(1)); }
   void join(int a, int b) {
-    PivotJoint<D> j;
+    JointRecord<D> j;
+    j.kind = createStage<JointKind<D>>(Spec{"pivot", {}});
     j.bodyA = a, j.bodyB = b;
     joints.push_back(j);
   }

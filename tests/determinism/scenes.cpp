@@ -89,7 +89,7 @@ void chain(World<3>& world) {
     BodyDef<3> link = body<3>(Shape<3>::capsule(Real(0.25), Real(0.08)), at<3>(0.5 + 0.8 * i, 6));
     link.shapes[0].density = static_cast<Real>(1 + i % 3);
     const Handle next = world.add(link);
-    world.add(PivotDef<3>{last, next, at<3>(0.1 + 0.8 * i, 6), false});
+    world.add(JointDef<3>{.bodyA = last, .bodyB = next, .X_WJ = {at<3>(0.1 + 0.8 * i, 6), {}}});
     last = next;
   }
   BodyDef<3> rod = body<3>(Shape<3>::box({Real(1.2), Real(0.1), Real(0.3)}), at<3>(0.3, 3));

@@ -78,7 +78,7 @@ std::vector<std::string> stepLines(World<D>& world, ContactLines<D>& contacts) {
     for (int i = 0; i < m.count; ++i) line += hexAll(m.points[static_cast<std::size_t>(i)].impulse);
     lines.push_back(line);
   }
-  for (const PivotJoint<D>& j : world.joints()) {
+  for (const JointRecord<D>& j : world.joints()) {
     lines.push_back("impulses " + std::to_string(j.bodyA) + '-' + std::to_string(j.bodyB) + hexAll(j.impulse));
   }
   each("velocities", [&](std::size_t i) { return hexAll(bodies.motion[i].v) + hexAll(bodies.motion[i].w); });

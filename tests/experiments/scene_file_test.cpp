@@ -92,7 +92,8 @@ until = 71
 remove = "step + 5"
 position = ["step", "k"]
 shapes = [{ kind = "circle", radius = 1 }]
-[[pivot]]
+[[joint]]
+kind = "pivot"
 a = "rain[1]"
 b = "late"
 anchor = [0, 0]
@@ -103,9 +104,9 @@ anchor = [0, 0]
   EXPECT_EQ(steps, (std::vector<long>{10, 30, 40, 50, 70}));
   EXPECT_EQ(removals, (std::vector<long>{15, 35, -1, 55, 75}));
   EXPECT_EQ(scene.spawns[4].body.X_WB.p, Vec<2>(70, 3));
-  ASSERT_EQ(scene.pivots.size(), 1u);
-  EXPECT_EQ(scene.pivots[0].bodyA, 1);
-  EXPECT_EQ(scene.pivots[0].bodyB, 2);
+  ASSERT_EQ(scene.joints.size(), 1u);
+  EXPECT_EQ(scene.joints[0].bodyA, 1);
+  EXPECT_EQ(scene.joints[0].bodyB, 2);
 }
 
 TEST(SceneFile, shapesInBothDimensions) {
@@ -205,7 +206,7 @@ TEST(SceneFile, mistakesHaveFileAndLine) {
        {"t.toml:5: ", "whole number"}},
       {"[[body]]\nrepeat = { k = 3 }\nshapes = [{ kind = \"circle\", radius = 1 }]\n", {"t.toml:5: ", "'k'"}},
       {"[[body]]\nuntil = 5\nshapes = [{ kind = \"circle\", radius = 1 }]\n", {"t.toml:4: ", "'every'"}},
-      {"[[pivot]]\na = \"nobody\"\nb = \"nobody\"\nanchor = [0, 0]\n", {"t.toml:5: ", "'nobody'"}},
+      {"[[joint]]\nkind = \"pivot\"\na = \"nobody\"\nb = \"nobody\"\nanchor = [0, 0]\n", {"t.toml:6: ", "'nobody'"}},
       {"[defaults]\nfrictoin = 3\n", {"t.toml:5: ", "'frictoin'", "friction"}},
       {"[limits]\nspin = 3\n", {"t.toml:5: ", "'spin'", "drift"}},
   };

@@ -24,6 +24,12 @@ void touch(GraphInput& in, int a, int b, bool ignored = false) {
   Manifold<2>& m = in.manifolds.emplace_back();
   m.bodyA = std::min(a, b), m.bodyB = std::max(a, b), m.ignored = ignored;
 }
+JointRecord<2> pivot(int a, int b) {
+  static const std::shared_ptr<const JointKind<2>> kind = createStage<JointKind<2>>(Spec{"pivot", {}});
+  JointRecord<2> joint;
+  joint.kind = kind, joint.bodyA = a, joint.bodyB = b;
+  return joint;
+}
 void addBodies(GraphInput& in, int n, BodyType type) {
   for (int i = 0; i < n; ++i) {
     in.bodies.pose.emplace_back();
@@ -50,8 +56,8 @@ GraphInput drawGraph(Draw& draw) {
     if (a == b || !in.bodies.used[at(a)] || !in.bodies.used[at(b)]) continue;
     const int kind = draw.below(4);
     if (kind == 3) {
-      in.joints.emplace_back();
-      in.joints.back().bodyA = a, in.joints.back().bodyB = b;
+      in.joints.push_back(pivot(a, b));
+      in.joints.back().broken = draw.below(5) == 4;
     } else {
       touch(in, a, b, kind == 2);
     }
@@ -69,8 +75,8 @@ GraphInput drawGraph(Draw& draw) {
 // By walking from body to body until nothing changes; numbers follow the lowest slot.
 std::vector<std::int32_t> walked(const GraphInput& in, bool alsoTouching) {
   std::vector<std::pair<int, int>> links;
-  for (const PivotJoint<2>& j : in.joints) {
-    if (j.bodyA >= 0) links.emplace_back(j.bodyA, j.bodyB);
+  for (const JointRecord<2>& j : in.joints) {
+    if (j.active()) links.emplace_back(j.bodyA, j.bodyB);
   }
   for (const Manifold<2>& m : in.manifolds) {
     if (alsoTouching && !m.ignored) links.emplace_back(m.bodyA, m.bodyB);
@@ -106,6 +112,7 @@ TEST(ContactGraph, IslandsAreWhatIsConnected) {
       500);
   const std::pair<const char*, Answer> bugs[] = {{"islands through the ground", throughTheGround},
                                                  {"islands without joints", withoutJoints},
+                                                 {"islands through broken joints", throughBrokenJoints},
                                                  {"islands through vetoed contacts", hearsNoVeto},
                                                  {"an island cut in two", cutsIslands}};
   for (const auto& [name, bug] : bugs) {
@@ -237,8 +244,7 @@ TEST(ContactGraph, KnowsTheEdgesOfEachBody) {
   GraphInput in;
   addBodies(in, 1, BodyType::fixed), addBodies(in, 3, BodyType::dynamic);
   touch(in, 0, 1), touch(in, 0, 2, true), touch(in, 1, 2), touch(in, 0, 3);
-  in.joints.resize(2);
-  in.joints[1].bodyA = 3, in.joints[1].bodyB = 1;
+  in.joints = {JointRecord<2>{}, pivot(3, 1), pivot(-1, 3)};
   Work work;
   ContactGraph<2> graph;
   graph.reset(in.bodies, in.manifolds, in.joints, work);
@@ -246,6 +252,7 @@ TEST(ContactGraph, KnowsTheEdgesOfEachBody) {
   EXPECT_EQ(list(graph.manifoldsOf(0)), (std::vector<std::int32_t>{0, 3})) << "what was vetoed is no edge";
   EXPECT_EQ(list(graph.manifoldsOf(1)), (std::vector<std::int32_t>{0, 2}));
   EXPECT_EQ(list(graph.jointsOf(1)), (std::vector<std::int32_t>{1}));
+  EXPECT_EQ(list(graph.jointsOf(3)), (std::vector<std::int32_t>{1, 2})) << "also to the world";
   EXPECT_TRUE(graph.jointsOf(2).empty());
 }
 
@@ -259,8 +266,7 @@ GraphInput drawLarge(int kind, int n) {
     if (kind == 2) touch(in, std::max(0, i - 1), i), touch(in, std::max(0, i - 30), i);
   }
   if (kind == 1) std::erase_if(in.manifolds, [](const Manifold<2>& m) { return m.bodyA == m.bodyB; });
-  in.joints.resize(at(n / 3));
-  for (int j = 0; j < n / 3; ++j) in.joints[at(j)].bodyA = 1 + j, in.joints[at(j)].bodyB = 1 + (j * 7) % n;
+  for (int j = 0; j < n / 3; ++j) in.joints.push_back(pivot(1 + j, 1 + (j * 7) % n));
   colourAll(in);
   return in;
 }

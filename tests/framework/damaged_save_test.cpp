@@ -39,7 +39,7 @@ void fill(World<D>& world) {
   const std::vector<ShapePart<D>> parts = {{ball, {at<D>(0.4, 0), {}}}, {hull, {}}};
   world.add(body<D>(Shape<D>::compound(parts), at<D>(4, 0.4)));
   const Handle bob = world.add(body<D>(Shape<D>::capsule(Real(0.2), Real(0.1)), at<D>(1, 2)));
-  world.add(PivotDef<D>{box, bob, at<D>(0.5, 1.5), false});
+  world.add(pivot<D>(box, bob, at<D>(0.5, 1.5)));
   for (int i = 0; i < 3; ++i) world.step(kDt);
   world.remove(gone);
   world.applyForce(box, at<D>(1, 0), at<D>(0.1, 1));

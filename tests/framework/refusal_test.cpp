@@ -53,7 +53,7 @@ std::vector<Refusal<D>> refusals() {
       list.push_back({"force", [=](W x) { x.applyForce(x.handle(1), v, Vec<D>::Zero()); }});
       list.push_back({"force", [=](W x) { x.applyForce(x.handle(1), Vec<D>::Zero(), v); }});
       list.push_back({"torque", [=](W x) { x.applyTorque(x.handle(1), w); }});
-      list.push_back({"anchor", [=](W x) { x.add(PivotDef<D>{x.handle(0), x.handle(1), v}); }});
+      list.push_back({"anchor", [=](W x) { x.add(pivot<D>(x.handle(0), x.handle(1), v)); }});
     }
     list.push_back(ball<D>("density", [=](BodyDef<D>& b) { b.shapes[0].density = bad; }));
     list.push_back(ball<D>("friction", [=](BodyDef<D>& b) { b.shapes[0].friction = bad; }));
@@ -81,7 +81,7 @@ std::vector<Refusal<D>> refusals() {
   list.push_back(ball<D>("rotation", [](BodyDef<D>& b) { b.X_WB.q = scaled(b.X_WB.q, 2); }));
   list.push_back({"rotation", [](W x) { x.setPose(x.handle(1), {Vec<D>::Zero(), scaled(Rot<D>{}, 2)}); }});
   list.push_back({"fixed", [](W x) { x.setMotion(x.handle(0), {}); }});
-  list.push_back({"two bodies", [](W x) { x.add(PivotDef<D>{x.handle(1), x.handle(1), Vec<D>::Zero()}); }});
+  list.push_back({"two bodies", [](W x) { x.add(pivot<D>(x.handle(1), x.handle(1), Vec<D>::Zero())); }});
   list.push_back({"no body", [](W x) { x.remove({77, 0}); }});
   list.push_back({"no joint", [](W x) { x.removeJoint({77, 0}); }});
   list.push_back({"null", [](W x) { x.add(std::shared_ptr<const ForceGenerator<D>>()); }});

@@ -261,7 +261,7 @@ TYPED_TEST(WorldTest, JointedBodiesCollideOnlyWhenAsked) {
     World<D> world;
     const Handle a = world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0), BodyType::fixed));
     const Handle b = world.add(body<D>(Shape<D>::sphere(1), at<D>(1, 0)));
-    world.add(PivotDef<D>{a, b, at<D>(0.5, 0), collide});
+    world.add(JointDef<D>{.bodyA = a, .bodyB = b, .X_WJ = {at<D>(0.5, 0), {}}, .collide = collide});
     world.step(kDt);
     EXPECT_EQ(world.manifolds().size(), collide ? 1u : 0u);
   }
@@ -323,7 +323,7 @@ TYPED_TEST(WorldTest, DirectorBringsAndTakesBodiesAtStepNumbers) {
   SceneSpec<D> scene;
   scene.spawns.push_back({0, body<D>(Shape<D>::sphere(1), at<D>(0, 0), BodyType::fixed), -1});
   scene.spawns.push_back({3, body<D>(Shape<D>::sphere(1), at<D>(4, 0)), 5});
-  scene.pivots.push_back({0, 1, at<D>(0, 0), false});
+  scene.joints.push_back({0, 1, {.X_WJ = {at<D>(0, 0), {}}}});
   World<D> world;
   Director<D> director(scene);
   std::vector<int> bodies, joints;
@@ -331,7 +331,7 @@ TYPED_TEST(WorldTest, DirectorBringsAndTakesBodiesAtStepNumbers) {
     director.advance(world);
     bodies.push_back(world.bodyCount());
     joints.push_back(static_cast<int>(std::count_if(world.joints().begin(), world.joints().end(),
-                                                    [](const PivotJoint<D>& j) { return j.bodyA >= 0; })));
+                                                    [](const JointRecord<D>& j) { return j.active(); })));
     world.step(kDt);
   }
   EXPECT_EQ(bodies, (std::vector<int>{1, 1, 1, 2, 2, 1, 1}));

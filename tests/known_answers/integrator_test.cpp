@@ -234,7 +234,7 @@ void momenta() {
     def.X_WB.p = at<D>(2, 0.3), def.velocity = at<D>(-1, 0.2, 0.3), def.shapes[0].density = 2;
     const Handle b = world.add(def);
     def.X_WB.p = at<D>(2, 1.3), def.velocity = at<D>(0, 0);
-    world.add(PivotDef<D>{b, world.add(def), at<D>(2, 0.8), false});
+    world.add(pivot<D>(b, world.add(def), at<D>(2, 0.8)));
     auto spring = std::make_shared<Spring<D>>();
     spring->bodyA = a, spring->bodyB = b, spring->localA = at<D>(0.1, 0.2), spring->localB = at<D>(-0.2, 0.1);
     spring->restLength = Real(1.5), spring->stiffness = 20, spring->damping = Real(0.2);

@@ -27,11 +27,17 @@ struct Swing {
 };
 
 // A body on a pivot at height 5, let go: the time between its first two passages of the bottom to the same side.
+// Of the rows that hold a point, along the world's axes, N s.
+template <int D>
+Vec<D> pointImpulse(const JointRecord<D>& joint) {
+  return Eigen::Map<const Vec<D>>(joint.impulse.data());
+}
+
 template <int D>
 Swing swing(const std::string& solver, const BodyDef<D>& def, Real dt) {
   World<D> world = worldOf<D>(solver);
   const Handle post = addPost<D>(world, at<D>(0, 5)), bob = world.add(def);
-  world.add(PivotDef<D>{post, bob, at<D>(0, 5), false});
+  world.add(pivot<D>(post, bob, at<D>(0, 5)));
   Swing s;
   double first = 0, previous = 1;
   while (world.time() < 20) {
@@ -44,7 +50,7 @@ Swing swing(const std::string& solver, const BodyDef<D>& def, Real dt) {
         break;
       }
       first = t;
-      s.tension = double(world.joints()[0].impulse.norm()) / double(dt) / (double(world.mass(bob)) * kG);
+      s.tension = double(pointImpulse(world.joints()[0]).norm()) / double(dt) / (double(world.mass(bob)) * kG);
     }
     previous = x;
   }
@@ -104,8 +110,8 @@ TEST_F(KnownAnswer, double_pendulum) {
     const Handle inner = world.add(def);
     def.X_WB.p = at<2>(2, 5);
     const Handle outer = world.add(def);
-    world.add(PivotDef<2>{post, inner, at<2>(0, 5), false});
-    world.add(PivotDef<2>{inner, outer, at<2>(1, 5), false});
+    world.add(pivot<2>(post, inner, at<2>(0, 5)));
+    world.add(pivot<2>(inner, outer, at<2>(1, 5)));
     for (const auto& [until, theta1, theta2] : {at1s, at2s}) {
       while (double(world.time()) < until - 1e-6) world.step(Real(1) / 4000);
       const Vec<2> p = world.pose(inner).p - at<2>(0, 5), q = world.pose(outer).p - world.pose(inner).p;
@@ -167,13 +173,13 @@ TEST_F(KnownAnswer, catenary) {
         link.X_WB.q = Rot<2>::angle(side * tilt);
         link.shapes[0].mask = 0;
         const Handle next = world.add(link);
-        world.add(PivotDef<2>{last, next, end, false});
+        world.add(pivot<2>(last, next, end));
         last = next, end += along;
         if (i == n / 2 - 1) middle = next;
       }
-      world.add(PivotDef<2>{last, addPost<2>(world, end), end, false});
+      world.add(pivot<2>(last, addPost<2>(world, end), end));
       for (int i = 0; i < 60 * 60; ++i) world.step(Real(1) / 60);
-      const Vec<2> pull = world.joints()[static_cast<std::size_t>(n / 2)].impulse * 60;
+      const Vec<2> pull = pointImpulse(world.joints()[static_cast<std::size_t>(n / 2)]) * 60;
       const std::string which = std::to_string(n) + " links: ";
       known(which + "sag, m", solver, exact.sag, -double((world.pose(middle) * at<2>(half, 0))[1]));
       known(which + "pull over weight, m", solver, exact.pull, std::abs(double(pull[0])) / weight);
@@ -201,7 +207,7 @@ TEST_F(KnownAnswer, top_steady_precession) {
     def.angularVelocity = Real(along) * axis + Real(rate) * up;
     def.velocity = cross(def.angularVelocity, Vec<3>(Real(arm) * axis));
     const Handle top = world.add(def);
-    world.add(PivotDef<3>{addPost<3>(world, tip), top, tip, false});
+    world.add(pivot<3>(addPost<3>(world, tip), top, tip));
     const double turns = 2;
     double turned = 0, last = 0, low = tilt, high = tilt;
     while (turned < 2 * kPi * turns && world.time() < 10) {

@@ -12,7 +12,7 @@ namespace lpc::inline LPC_PRECISION::test {
 struct GraphInput {
   Bodies<2> bodies;
   std::vector<Manifold<2>> manifolds;
-  std::vector<PivotJoint<2>> joints;
+  std::vector<JointRecord<2>> joints;
   std::vector<int> contacts;  // to colour
 
   bool node(int body) const {
@@ -53,6 +53,11 @@ inline GraphAnswers withoutJoints(const GraphInput& in) {
   GraphInput some = in;
   some.joints.clear();
   return answersOf(some);
+}
+inline GraphAnswers throughBrokenJoints(const GraphInput& in) {
+  GraphInput all = in;
+  for (JointRecord<2>& j : all.joints) j.broken = 0;
+  return answersOf(all);
 }
 /// A veto is no veto.
 inline GraphAnswers hearsNoVeto(const GraphInput& in) {

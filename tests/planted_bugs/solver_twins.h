@@ -59,14 +59,14 @@ class TwinResolver final : public VelocityResolver<D> {
         Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
         for (int i = 0; i < m.count; ++i) one(in, m, m.points[static_cast<std::size_t>(i)], targets[t++]);
       }
-      for (PivotJoint<D>& j : in.joints) {
-        const Vec<D> p = (in.bodies.pose[slot(j.bodyA)] * j.localA + in.bodies.pose[slot(j.bodyB)] * j.localB) / 2;
+      for (JointRecord<D>& j : in.joints) {  // of any kind only the point
+        const Vec<D> p = (in.bodies.pose[slot(j.bodyA)] * j.X_CaJ.p + in.bodies.pose[slot(j.bodyB)] * j.X_CbJ.p) / 2;
         const Vec<D> v = velocity(in.bodies, j.bodyA, j.bodyB, p);
         if (m_bug == Bug::stopsEarly || !(v.norm() > 0)) continue;
         const Vec<D> along = v.normalized();  // steepest descent: the axes of the world play no part
         const Vec<D> impulse = -mass(in.bodies, j.bodyA, j.bodyB, p, along) * v;
         apply(in.bodies, j.bodyA, j.bodyB, p, impulse);
-        j.impulse += impulse;
+        for (std::size_t i = 0; i < D; ++i) j.impulse[i] += impulse[static_cast<int>(i)];
       }
     }
   }
@@ -208,9 +208,9 @@ class WrongSign final : public PositionResolver<D> {
       in.bodies.pose[a].p += Real(0.001) * in.bodies.invMass[a] * m.normal;
       in.bodies.pose[b].p -= Real(0.001) * in.bodies.invMass[b] * m.normal;
     }
-    for (const PivotJoint<D>& j : in.joints) {
+    for (const JointRecord<D>& j : in.joints) {
       const auto a = static_cast<std::size_t>(j.bodyA), b = static_cast<std::size_t>(j.bodyB);
-      const Vec<D> error = in.bodies.pose[b] * j.localB - in.bodies.pose[a] * j.localA;
+      const Vec<D> error = in.bodies.pose[b] * j.X_CbJ.p - in.bodies.pose[a] * j.X_CaJ.p;
       in.bodies.pose[b].p += Real(0.1) * error;
     }
   }

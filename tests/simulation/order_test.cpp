@@ -68,7 +68,7 @@ Swing pendulum(const std::string& solver, int stepsPerSecond) {
   World<D> world(Pipeline::parse("solver=" + solver));
   const Handle post = world.add(body<D>(Shape<D>::sphere(Real(0.01)), at<D>(0, 5), BodyType::fixed));
   const Handle bob = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), at<D>(1, 5)));
-  world.add(PivotDef<D>{post, bob, at<D>(0, 5), false});
+  world.add(pivot<D>(post, bob, at<D>(0, 5)));
   const double start = invariants(world).potential;
   Swing worst{0, 0};
   for (int i = 0; i < 2 * stepsPerSecond; ++i) {

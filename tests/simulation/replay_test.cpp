@@ -238,7 +238,7 @@ TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
     world.load(in);
     ADD_FAILURE() << "an old save was read";
   } catch (const UserError& e) {
-    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD1, this program reads LPCWORLD2");
+    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD1, this program reads LPCWORLD3");
   }
   EXPECT_EQ(world.hash(), hash);
   World<3> space;

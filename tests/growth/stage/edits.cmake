@@ -1,6 +1,6 @@
-edit(framework/stages.h "integrator, sleep }" "integrator, sleep, speedLimit }")
-edit(framework/stages.h [[    {StageKind::sleep, "sleep", "sleep", "none"},
-]] [[    {StageKind::sleep, "sleep", "sleep", "none"},
+edit(framework/stages.h "sleep, engine }" "sleep, engine, speedLimit }")
+edit(framework/stages.h [[    {StageKind::engine, "engine", "engine", ""},
+]] [[    {StageKind::engine, "engine", "engine", ""},
     {StageKind::speedLimit, "speed_limit", "speed_limit", "longest_step"},
 ]])
 edit(framework/world_step.cpp [[#include "framework/world.h"

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/joint.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+enum class Mode { rod, spring, rope };
+
+// One row along the line between two points. Where the points meet there is no line: a rope and a spring of no length
+// ask for nothing there, a rod of no length is a pivot and is refused.
+template <int D>
+class Distance final : public JointKind<D> {
+ public:
+  struct Params {
+    Mode mode = Mode::rod;
+    Real length = -1, stiffness = 100, damping = 0;
+    void visit(ParamVisitor& v) {
+      v.choice("mode", mode, {"rod", "spring", "rope"}, "keeps the length, is pulled towards it, or never exceeds it");
+      v.real("length", length, -1, Real(1e9), "m", "-1: as it is when the joint is made");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N/m", "of a spring");
+      v.real("damping", damping, 0, Real(1e12), "N s/m", "of a spring");
+    }
+  };
+  explicit Distance(const Params& params) : m_params(params) {
+    if (params.length < 0 && params.length != -1) throw UserError("'distance' has a negative length; valid: -1, >= 0");
+    if (params.mode != Mode::spring && params.damping > 0) {
+      throw UserError("'distance' has damping, but is no spring; valid: mode=spring, or damping=0");
+    }
+  }
+
+  static Info info() {
+    return {.name = "distance",
+            .summary = "two points keep their distance: a rod, a damped spring, a rope",
+            .paper = "catto2011",
+            .complexity = "1 row"};
+  }
+
+  void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
+    joint.state[0] = m_params.length < 0 ? JointFrames<D>(joint, X_WA, X_WB).gap.norm() : m_params.length;
+    if (m_params.mode == Mode::rod && !(joint.state[0] > 0)) {
+      throw UserError("'distance' is a rod of no length; valid: two points apart, or a pivot");
+    }
+  }
+
+  void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
+    const JointFrames<D> at(joint, X_WA, X_WB);
+    const Real distance = at.gap.norm();
+    const Vec<D> d = distance > 0 ? Vec<D>(at.gap / distance) : Vec<D>(Vec<D>::Unit(0));
+    ConstraintRow<D>& row = out.point(d, at.rA, at.rB, distance - joint.state[0]);
+    switch (m_params.mode) {
+      case Mode::rod:
+        break;
+      case Mode::spring:
+        row.block = RowBlock::box, row.law = RowLaw::spring;
+        row.stiffness = m_params.stiffness, row.damping = m_params.damping;
+        break;
+      case Mode::rope:
+        row.block = RowBlock::box;
+        row.hi = 0;  // it pulls, towards A
+        break;
+    }
+  }
+
+ private:
+  Params m_params;
+};
+
+}  // namespace
+
+LPC_REGISTER(JointKind, Distance, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/joint.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// The angle of B against A about the axis: 0 where their frames agree.
+Real hingeAngle(const Rot<2>& q_AB) { return static_cast<Real>(angleOf(q_AB.s, q_AB.c)); }
+// The twist of swing and twist: the swing has no part about z.
+Real hingeAngle(const Rot<3>& q_AB) { return static_cast<Real>(2 * angleOf(q_AB.z, q_AB.w)); }
+
+// In 2D a pivot, in 3D one that turns about the z of its frames alone. One row keeps the nearer of the two limits, one
+// is the motor, one the spring.
+template <int D>
+class Hinge final : public JointKind<D> {
+ public:
+  struct Params {
+    Real lower = -kFar, upper = kFar;
+    Real motorSpeed = 0, motorTorque = 0;
+    Real stiffness = 0, damping = 0, rest = 0;
+    void visit(ParamVisitor& v) {
+      v.real("lower", lower, -kFar, kFar, "rad", "least angle of B against A; counts whole turns");
+      v.real("upper", upper, -kFar, kFar, "rad", "largest angle");
+      v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s", "that the motor tries to reach");
+      v.real("motor_torque", motorTorque, 0, Real(1e12), "N m", "at most; 0: no motor");
+      v.real("stiffness", stiffness, 0, Real(1e12), "N m/rad", "of a spring about the axis");
+      v.real("damping", damping, 0, Real(1e12), "N m s/rad", "of that spring; also without stiffness");
+      v.real("rest", rest, -kFar, kFar, "rad", "angle without torque of the spring");
+    }
+  };
+  explicit Hinge(const Params& params) : m_params(params) {
+    if (params.lower > params.upper) throw UserError("'hinge' has limits that cross; valid: lower <= upper");
+  }
+
+  static Info info() {
+    return {.name = "hinge",
+            .summary = "turns about one axis, between limits, by a motor, against a spring",
+            .paper = "catto2014",
+            .complexity = "2 rows in 2D, 5 in 3D, solved as one block, and 3 for limits, motor and spring"};
+  }
+
+  void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
+    finish(joint, X_WA, X_WB);
+  }
+
+  void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
+    const JointFrames<D> at(joint, X_WA, X_WB);
+    for (int i = 0; i < D; ++i) out.point(Vec<D>::Unit(i), at.rA, at.rB, at.gap[i]);
+    const Ang<D> axis = align(at, out);
+    const Real angle = unwrapped(joint, at);
+    limit(axis, angle, out);
+    motor(axis, out);
+    spring(axis, angle, out);
+  }
+
+  // Whole turns are counted from step to step: less than half a turn each.
+  void finish(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
+    joint.state[0] = unwrapped(joint, JointFrames<D>(joint, X_WA, X_WB));
+  }
+
+ private:
+  static constexpr Real kFar = Real(1e6);  // rad: no limit
+  static constexpr double kTurn = 6.283185307179586;
+
+  static Ang<2> align(const JointFrames<2>&, JointRows<2>&) { return Ang<2>(Real(1)); }
+  // Along A's own x and y, which turn with A: a basis made from the axis alone would jump somewhere.
+  static Ang<3> align(const JointFrames<3>& at, JointRows<3>& out) {
+    const Vec<3> zA = at.qA * Vec<3>(0, 0, 1), zB = at.qB * Vec<3>(0, 0, 1);
+    const Vec<3> bent = cross(zA, zB);
+    const Real sine = bent.norm();
+    // The length of the error is the angle between the axes and not its sine.
+    const Real scale = sine > 0 ? static_cast<Real>(angleOf(sine, zA.dot(zB)) / sine) : Real(1);
+    for (const Vec<3>& axis : {Vec<3>(at.qA * Vec<3>(1, 0, 0)), Vec<3>(at.qA * Vec<3>(0, 1, 0))}) {
+      out.turn(axis, scale * axis.dot(bent));
+    }
+    return zA;
+  }
+
+  static Real unwrapped(const JointRecord<D>& joint, const JointFrames<D>& at) {
+    const double angle = hingeAngle(at.qA.inverse() * at.qB);
+    return static_cast<Real>(angle + kTurn * std::floor((joint.state[0] - angle) / kTurn + 0.5));
+  }
+
+  void limit(const Ang<D>& axis, Real angle, JointRows<D>& out) const {
+    if (m_params.lower == -kFar && m_params.upper == kFar) {
+      out.absent();
+      return;
+    }
+    const bool low = angle - m_params.lower < m_params.upper - angle;
+    ConstraintRow<D>& row = out.turn(axis, angle - (low ? m_params.lower : m_params.upper));
+    row.block = RowBlock::box;
+    if (m_params.lower == m_params.upper) return;  // no freedom is left: both ways
+    (low ? row.lo : row.hi) = 0;
+  }
+  void motor(const Ang<D>& axis, JointRows<D>& out) const {
+    if (m_params.motorTorque == 0) {
+      out.absent();
+      return;
+    }
+    ConstraintRow<D>& row = out.turn(axis, 0);
+    row.block = RowBlock::box, row.law = RowLaw::motor;
+    row.speed = m_params.motorSpeed;
+    row.lo = -m_params.motorTorque, row.hi = m_params.motorTorque;
+  }
+  void spring(const Ang<D>& axis, Real angle, JointRows<D>& out) const {
+    if (m_params.stiffness == 0 && m_params.damping == 0) {
+      out.absent();
+      return;
+    }
+    ConstraintRow<D>& row = out.turn(axis, angle - m_params.rest);
+    row.block = RowBlock::box, row.law = RowLaw::spring;
+    row.stiffness = m_params.stiffness, row.damping = m_params.damping;
+  }
+
+  Params m_params;
+};
+
+}  // namespace
+
+LPC_REGISTER(JointKind, Hinge, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

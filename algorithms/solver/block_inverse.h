@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// The inverse of the response K of up to 6 rows that are solved together: impulses per change of velocity.
+template <int D>
+class BlockInverse {
+ public:
+  static constexpr int kRows = 6;
+
+  /// `k(i, j)` is the velocity of row i per impulse along row j: symmetric, and positive definite but for rows that
+  /// nothing can move, which get no impulse. `solvable` false: K may be singular in any direction.
+  template <class K>
+  void set(int n, const K& k, bool solvable) {
+    m_sized = n == D && solvable;
+    if (n == D) {
+      Mat<D> m;
+      for (int i = 0; i < D; ++i) {
+        for (int j = 0; j < D; ++j) m(i, j) = k(i, j);
+      }
+      const Real trace = m.trace();
+      for (int i = 0; i < D; ++i) m_sized = m_sized && m(i, i) > trace * std::numeric_limits<Real>::epsilon();
+      if (m_sized) {
+        m_point = m.inverse();
+        return;
+      }
+      if (!solvable) {
+        m_sized = true;
+        m_point = Mat<D>::Identity() / trace;
+        return;
+      }
+    }
+    if (solvable) return factor(n, k);
+    // Two pinned bodies can only turn: K is singular, and its inverse would ask for endless impulses along the
+    // direction that nothing can move in. A gradient step is slow and safe.
+    Real trace = 0;
+    for (int i = 0; i < n; ++i) trace += k(i, i);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) at(i, j) = i == j && trace > 0 ? 1 / trace : Real(0);
+    }
+  }
+
+  /// out = scale * K^-1 v
+  void multiply(int n, Real scale, const Real* v, Real* out) const {
+    if (m_sized) {
+      const Vec<D> x = (scale * m_point) * Vec<D>(Eigen::Map<const Vec<D>>(v));
+      for (int i = 0; i < D; ++i) out[i] = x[i];
+      return;
+    }
+    for (int i = 0; i < n; ++i) {
+      out[i] = 0;
+      for (int j = 0; j < n; ++j) out[i] += m_inverse[static_cast<std::size_t>(kRows * i + j)] * v[j];
+      out[i] *= scale;
+    }
+  }
+
+ private:
+  Real& at(int i, int j) { return m_inverse[static_cast<std::size_t>(kRows * i + j)]; }
+
+  // K = L d L^T without square roots, then each column of the inverse. A row that depends on those before it, or that
+  // nothing can move, is left out: what it asks for they do, or nobody can.
+  template <class K>
+  void factor(int n, const K& k) {
+    std::array<std::array<Real, kRows>, kRows> l{};
+    std::array<Real, kRows> inverse{};  // of d; 0 for a row that is left out
+    for (int i = 0; i < n; ++i) {
+      auto& row = l[static_cast<std::size_t>(i)];
+      const Real own = k(i, i);
+      Real d = own;
+      for (int j = 0; j < i; ++j) {
+        const auto& other = l[static_cast<std::size_t>(j)];
+        Real x = k(i, j);
+        for (int m = 0; m < j; ++m) {
+          const auto c = static_cast<std::size_t>(m);
+          if (inverse[c] > 0) x -= row[c] * other[c] / inverse[c];
+        }
+        row[static_cast<std::size_t>(j)] = x * inverse[static_cast<std::size_t>(j)];
+        d -= row[static_cast<std::size_t>(j)] * x;
+      }
+      const bool independent = d > own * 64 * std::numeric_limits<Real>::epsilon();
+      inverse[static_cast<std::size_t>(i)] = independent ? 1 / d : Real(0);
+    }
+    for (int c = 0; c < n; ++c) {
+      std::array<Real, kRows> x{};
+      for (int i = 0; i < n; ++i) {  // L y = e_c, over the rows that are in
+        const auto r = static_cast<std::size_t>(i);
+        if (!(inverse[r] > 0)) continue;
+        x[r] = i == c ? 1 : 0;
+        for (int j = 0; j < i; ++j) x[r] -= l[r][static_cast<std::size_t>(j)] * x[static_cast<std::size_t>(j)];
+      }
+      for (int i = n; i-- > 0;) {  // L^T z = d^-1 y
+        const auto r = static_cast<std::size_t>(i);
+        x[r] *= inverse[r];
+        if (!(inverse[r] > 0)) continue;
+        for (int j = i + 1; j < n; ++j) x[r] -= l[static_cast<std::size_t>(j)][r] * x[static_cast<std::size_t>(j)];
+      }
+      for (int i = 0; i < n; ++i) at(i, c) = x[static_cast<std::size_t>(i)];
+    }
+  }
+
+  bool m_sized = false;  // D rows: m_point, by a matrix of fixed size
+  Mat<D> m_point;
+  std::array<Real, kRows * kRows> m_inverse;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver

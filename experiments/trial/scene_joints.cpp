@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/trial/scene_parsed.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// z onto the axis, by the shortest turn.
+Rot<3> alongZ(const Vec<3>& axis) {
+  const Vec<3> z(0, 0, 1), a = axis.normalized();
+  const Real w = 1 + z.dot(a);
+  if (!(w > Real(1e-6))) return {0, 1, 0, 0};  // half a turn about x
+  const Vec<3> v = cross(z, a);
+  return Rot<3>{w, v[0], v[1], v[2]}.normalized();
+}
+
+Rot<2> readAxis(TableReader&, SceneNumbers&, const Rot<2>& none) { return none; }
+Rot<3> readAxis(TableReader& joint, SceneNumbers& numbers, const Rot<3>& none) {
+  const toml::node* node = joint.find("axis");
+  if (!node) return none;
+  const Vec<3> axis = numbers.vector<3>(*node);
+  if (!(axis.norm() > 0)) joint.fail(*node, "'axis' has no length");
+  return alongZ(axis);
+}
+
+// What is wrong with a kind or its parameters is told with the place of the block.
+template <class Make>
+auto atBlock(const TableReader& joint, const Make& make) {
+  try {
+    return make();
+  } catch (const UserError& e) {
+    joint.fail(e.what());
+  }
+}
+
+// Numbers may be expressions, so what is a number is asked of the kind.
+Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
+  Spec spec{joint.requireString("kind"), {}};
+  const Registered& kind =
+      *atBlock(joint, [&] { return &Registry::instance().find(StageKind::joint, dimension, spec.name); });
+  const toml::table* given = joint.table("parameters");
+  if (!given) return spec;
+  for (const auto& [key, node] : inFileOrder(*given)) {
+    std::string value;
+    for (const ParamInfo& p : kind.params) {
+      if (p.name != key) continue;
+      if (!p.choices.empty()) {
+        value = node->is_boolean() ? (**node->as_boolean() ? "true" : "false") : node->value_or(std::string());
+      } else {
+        value = asText(numbers.number(*node));
+      }
+    }
+    spec.set(key, {value, {}});
+  }
+  return spec;
+}
+
+}  // namespace
+
+template <int D>
+JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers) {
+  JointDef<D> def;
+  def.X_WJ.p = numbers.vector<D>(joint.require("anchor"));
+  joint.find("axis");  // of 3D
+  def.X_WJ.q = readAxis(joint, numbers, Rot<D>{});
+  if (const toml::node* node = joint.find("anchor_b")) def.X_WJb = Pose<D>{numbers.vector<D>(*node), def.X_WJ.q};
+  def.collide = joint.flag("collide", false);
+  if (const toml::node* node = joint.find("break_force")) def.breakForce = static_cast<Real>(numbers.number(*node));
+  if (const toml::node* node = joint.find("break_torque")) def.breakTorque = static_cast<Real>(numbers.number(*node));
+  def.kind = readKind(joint, numbers, D).text();
+  atBlock(joint, [&] { return makeJoint<D>(def, {}, {}); });
+  return def;
+}
+
+template JointDef<2> readJoint(TableReader&, SceneNumbers&);
+template JointDef<3> readJoint(TableReader&, SceneNumbers&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Zlib
+// Bullet's discrete dynamics world, 3D. Debian builds the library twice; this file is compiled once for each, so that
+// btScalar is Real.
+#include "oracles/engines/engine_world.h"
+
+#ifdef LPC_HAS_BULLET
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "framework/curved_core.h"
+#endif
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+struct BulletParams {
+  int iterations = 10;
+  bool warmStart = true;
+  bool splitImpulse = true;
+  void visit(ParamVisitor& v) {
+    v.integer("iterations", iterations, 1, 10000, "sweeps over all rows");
+    v.flag("warm_start", warmStart, "start from 0.85 of the last step's impulses");
+    v.flag("split_impulse", splitImpulse, "depths over 4 cm are corrected by impulses that leave no velocity");
+  }
+};
+
+#ifdef LPC_HAS_BULLET
+
+static_assert(sizeof(btScalar) == sizeof(Real), "BT_USE_DOUBLE_PRECISION and the libraries of the same precision");
+
+btVector3 vector(const Vec<3>& v) { return {v[0], v[1], v[2]}; }
+Vec<3> vectorOf(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+btTransform transform(const Pose<3>& X) { return btTransform(btQuaternion(X.q.x, X.q.y, X.q.z, X.q.w), vector(X.p)); }
+Pose<3> poseOf(const btTransform& X) {
+  const btQuaternion q = X.getRotation();
+  return {vectorOf(X.getOrigin()), Rot<3>{q.w(), q.x(), q.y(), q.z()}.normalized()};
+}
+
+// Bullet's own are products.
+btScalar friction(const btCollisionObject* a, const btCollisionObject* b) {
+  return mixFriction(a->getFriction(), b->getFriction());
+}
+btScalar restitution(const btCollisionObject* a, const btCollisionObject* b) {
+  return mixRestitution(a->getRestitution(), b->getRestitution());
+}
+
+class BulletWorld final : public EngineWorld<3> {
+ public:
+  BulletWorld(const BulletParams& params, const WorldSettings<3>& settings) : EngineWorld<3>(settings) {
+    gCalculateCombinedFrictionCallback = friction, gCalculateCombinedRestitutionCallback = restitution;
+    m_world.setGravity(vector(settings.gravity));
+    m_world.setForceUpdateAllAabbs(false);
+    btContactSolverInfo& info = m_world.getSolverInfo();
+    info.m_numIterations = params.iterations;
+    info.m_splitImpulse = params.splitImpulse;
+    info.m_linearSlop = kLinearSlop;
+    info.m_restitutionVelocityThreshold = settings.restitutionThreshold;
+    info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;  // one alone lets a block at rest begin to slide
+    if (!params.warmStart) info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;
+  }
+  ~BulletWorld() override {
+    for (const auto& joint : m_joints) {
+      if (joint) m_world.removeConstraint(joint.get());
+    }
+    for (const Body& b : m_bodies) {
+      if (b.body) m_world.removeRigidBody(b.body.get());
+    }
+  }
+
+ private:
+  // Bullet wants its bodies' axes to be the principal ones: frame P, fixed in C.
+  struct Body {
+    Pose<3> X_CP{};
+    std::vector<std::unique_ptr<btCollisionShape>> shapes;  // the last one is the body's
+    std::unique_ptr<btRigidBody> body;
+  };
+
+  void checkBody(const BodyDef<3>& def) const override {
+    if (def.type == BodyType::kinematic) throw UserError("bullet: kinematic bodies are not mapped");
+    for (const ShapeDef<3>& s : def.shapes) {
+      const ShapeDef<3>& first = def.shapes[0];
+      if (s.friction != first.friction || s.restitution != first.restitution || s.category != first.category ||
+          s.mask != first.mask) {
+        throw UserError("bullet: a body has one friction, restitution, category and mask, not one per shape");
+      }
+      forParts(s.shape, {}, [](const ShapeView<3>& part, const Pose<3>&) {
+        const bool rounded = part.radius > 0 && (part.core() == CoreClass::box || part.core() == CoreClass::curved);
+        if (rounded || part.kind == ShapeKind::ellipsoid) {
+          throw UserError("bullet: no shape is a" + std::string(rounded ? " rounded " : "n ") +
+                          std::string(shapeKindName(part.kind)));
+        }
+      });
+    }
+  }
+
+  // Margins are 0 but for a hull's own rounding: 4 cm, as Bullet has it, would round corners and lift hulls.
+  static std::unique_ptr<btCollisionShape> shapeOf(const ShapeView<3>& s, const Pose<3>& X_PS) {
+    switch (s.core()) {
+      case CoreClass::point:
+        return std::make_unique<btSphereShape>(s.radius);
+      case CoreClass::segment:
+        return std::make_unique<btCapsuleShapeX>(s.radius, 2 * s.half[0]);
+      case CoreClass::plane:
+        return std::make_unique<btStaticPlaneShape>(vector(X_PS.q * Vec<3>::UnitY()),
+                                                    (X_PS.q * Vec<3>::UnitY()).dot(X_PS.p));
+      case CoreClass::curved: {  // cylinders only: see checkBody
+        auto cylinder = std::make_unique<btCylinderShapeX>(vector(s.half));
+        cylinder->setMargin(0);
+        return cylinder;
+      }
+      case CoreClass::box: {
+        auto box = std::make_unique<btBoxShape>(vector(s.half));
+        box->setMargin(0);
+        return box;
+      }
+      case CoreClass::hull:
+        break;
+    }
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (const Vec<3>& v : s.hull->vertices) hull->addPoint(vector(X_PS * v), false);
+    hull->setMargin(s.radius);
+    hull->recalcLocalAabb();
+    return hull;
+  }
+  // Their sizes are in frame P already: see shapeOf.
+  static bool baked(const ShapeView<3>& s) { return s.core() == CoreClass::hull || s.core() == CoreClass::plane; }
+
+  void addBody(std::size_t slot, const BodyDef<3>& def) override {
+    if (slot >= m_bodies.size()) m_bodies.resize(slot + 1);
+    const Bodies<3>& ours = scene().bodies();
+    Body& b = m_bodies[slot];
+    b = Body{};
+    std::vector<std::pair<ShapeView<3>, Pose<3>>> parts;
+    const ShapeRecord<3>* record = nullptr;
+    forBodyParts(slot, [&](const ShapeView<3>& part, const Pose<3>& X_CS, const ShapeRecord<3>& s) {
+      parts.emplace_back(part, X_CS), record = &s;
+    });
+    const bool dynamic = def.type == BodyType::dynamic;
+    Inertia<3> inertia = Inertia<3>::Zero();
+    if (dynamic && turns(slot)) inertia = ours.invInertiaBody[slot].inverse();
+    if (parts.size() == 1 && !baked(parts[0].first)) {
+      b.X_CP = parts[0].second;  // symmetric: its own axes are principal ones
+    } else if (!inertia.isDiagonal()) {
+      const Eigen::SelfAdjointEigenSolver<Mat<3>> solver(inertia);
+      Mat<3> axes = solver.eigenvectors();
+      if (axes.determinant() < 0) axes.col(0) *= -1;
+      const Eigen::Quaternion<Real> q(axes);
+      b.X_CP.q = Rot<3>{q.w(), q.x(), q.y(), q.z()}.normalized();
+    }
+    addShapes(b, parts);
+    const Mat<3> r = b.X_CP.q.matrix();
+    const Vec<3> moments = (r.transpose() * inertia * r).diagonal();
+    btRigidBody::btRigidBodyConstructionInfo info(dynamic ? ours.mass[slot] : Real(0), nullptr, b.shapes.back().get(),
+                                                  vector(moments));
+    info.m_startWorldTransform = transform(ours.pose[slot] * b.X_CP);
+    b.body = std::make_unique<btRigidBody>(info);
+    b.body->setActivationState(DISABLE_DEACTIVATION);
+    if (record) b.body->setFriction(frictionOf(*record)), b.body->setRestitution(restitutionOf(*record));
+    if (def.pinned) b.body->setLinearFactor({0, 0, 0});
+    b.body->setLinearVelocity(vector(ours.motion[slot].v));
+    b.body->setAngularVelocity(vector(ours.motion[slot].w));
+    m_world.addRigidBody(b.body.get(), static_cast<int>(record ? record->category : 0u),
+                         static_cast<int>(record ? record->mask : 0u));
+  }
+  static void addShapes(Body& b, const std::vector<std::pair<ShapeView<3>, Pose<3>>>& parts) {
+    const Pose<3> X_PC = b.X_CP.inverse();
+    for (const auto& [view, X_CS] : parts) b.shapes.push_back(shapeOf(view, X_PC * X_CS));
+    if (parts.size() == 1) return;
+    auto whole = std::make_unique<btCompoundShape>();
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const Pose<3> X_PS = baked(parts[i].first) ? Pose<3>{} : X_PC * parts[i].second;
+      whole->addChildShape(transform(X_PS), b.shapes[i].get());
+    }
+    b.shapes.push_back(std::move(whole));
+  }
+  void dropBody(std::size_t slot) override {
+    m_world.removeRigidBody(m_bodies[slot].body.get());
+    m_bodies[slot] = Body{};
+  }
+
+  void addJoint(std::size_t slot, const JointRecord<3>& joint) override {
+    if (slot >= m_joints.size()) m_joints.resize(slot + 1);
+    const Body &a = m_bodies[static_cast<std::size_t>(joint.bodyA)],
+               &b = m_bodies[static_cast<std::size_t>(joint.bodyB)];
+    m_joints[slot] = std::make_unique<btPoint2PointConstraint>(
+        *a.body, *b.body, vector(a.X_CP.inverse() * joint.X_CaJ.p), vector(b.X_CP.inverse() * joint.X_CbJ.p));
+    m_world.addConstraint(m_joints[slot].get(), !joint.collide);
+  }
+  void dropJoint(std::size_t slot) override {
+    m_world.removeConstraint(m_joints[slot].get());
+    m_joints[slot].reset();
+  }
+
+  void push(std::size_t slot, const Wrench<3>& wrench) override {
+    m_bodies[slot].body->applyCentralForce(vector(wrench.force));
+    m_bodies[slot].body->applyTorque(vector(wrench.torque));
+  }
+  void advance(Real dt) override { m_world.stepSimulation(dt, 0); }  // one step of dt, however long
+  void read(std::size_t slot, Pose<3>& X_WC, Motion<3>& motion) const override {
+    const Body& b = m_bodies[slot];
+    X_WC = poseOf(b.body->getWorldTransform()) * b.X_CP.inverse();
+    motion = {vectorOf(b.body->getLinearVelocity()), vectorOf(b.body->getAngularVelocity())};
+  }
+  void count(int& pairs, int& points) const override {
+    pairs = m_dispatcher.getNumManifolds(), points = 0;
+    for (int i = 0; i < pairs; ++i) {
+      points += const_cast<btCollisionDispatcher&>(m_dispatcher).getManifoldByIndexInternal(i)->getNumContacts();
+    }
+  }
+
+  btDefaultCollisionConfiguration m_configuration;
+  btCollisionDispatcher m_dispatcher{&m_configuration};
+  btDbvtBroadphase m_broadphase;
+  btSequentialImpulseConstraintSolver m_solver;
+  btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
+  std::vector<Body> m_bodies;                                      // by slot
+  std::vector<std::unique_ptr<btPoint2PointConstraint>> m_joints;  // by slot
+};
+
+#endif
+
+template <int D>
+class Bullet final : public Engine<D> {
+ public:
+  using Params = BulletParams;
+  explicit Bullet(const Params& params) : m_params(params) {}
+
+  static Info info() {
+    return {.name = "bullet",
+            .summary = "Bullet 3: sequential impulses over persistent manifolds",
+            .paper = "",
+            .complexity = "rows x iterations",
+            .guarantee = Guarantee::approximate,
+            .role = Role::engine};
+  }
+  std::unique_ptr<Simulation<D>> start([[maybe_unused]] const WorldSettings<D>& settings) const override {
+#ifdef LPC_HAS_BULLET
+    return std::make_unique<BulletWorld>(m_params, settings);
+#else
+    throw UserError("bullet is absent from this build: install libbullet-dev and configure again");
+#endif
+  }
+  std::string differences() const override {
+    return "contacts up to 2 cm apart are kept from step to step and merged, 4 a pair; a fifth of each depth over 5 mm "
+           "is "
+           "corrected per step, through velocities below 4 cm; warm start from 0.85; no body turns more than a quarter "
+           "turn "
+           "a step; implicit gyroscopic torque";
+  }
+
+ private:
+  Params m_params;
+};
+
+}  // namespace
+
+LPC_REGISTER(Engine, Bullet, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Zlib
+// What all engines share: a world of ours beside the engine holds what the scene says (slots, masses, shapes, joints)
+// and shows the poses that the engine has made. It never steps.
+#pragma once
+
+#include <cmath>
+#include <functional>
+
+#include "framework/stage_engine.h"
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+class EngineWorld : public Simulation<D> {
+ public:
+  Handle add(const BodyDef<D>& def) final {
+    refresh();
+    const Handle body = m_scene.add(def);
+    try {
+      checkBody(def);
+      addBody(static_cast<std::size_t>(body.slot), def);
+    } catch (...) {
+      m_scene.remove(body);
+      throw;
+    }
+    fit();
+    return body;
+  }
+  Handle add(const JointDef<D>& def) final {
+    refresh();
+    const Handle joint = m_scene.add(def);
+    const JointRecord<D>& record = m_scene.joints()[static_cast<std::size_t>(joint.slot)];
+    try {
+      if (Spec::parse(record.spec).name != "pivot")
+        throw UserError("an engine's joints are pivots, not " + record.spec);
+      if (record.bodyA < 0) throw UserError("an engine joins two bodies, not one and the world");
+      if (std::isfinite(record.breakForce)) throw UserError("an engine's joints do not break");
+      addJoint(static_cast<std::size_t>(joint.slot), record);
+    } catch (...) {
+      m_scene.removeJoint(joint);
+      throw;
+    }
+    return joint;
+  }
+  void add(std::shared_ptr<const ForceGenerator<D>> generator) final { m_forces.push_back(std::move(generator)); }
+  void remove(Handle body) final {
+    refresh();
+    if (m_scene.valid(body)) {  // else the scene says so
+      for (std::size_t j = 0; j < m_scene.joints().size(); ++j) {
+        const JointRecord<D>& joint = m_scene.joints()[j];
+        if (joint.kind && (joint.bodyA == body.slot || joint.bodyB == body.slot)) dropJoint(j);
+      }
+      dropBody(static_cast<std::size_t>(body.slot));
+    }
+    m_scene.remove(body);
+  }
+  void removeJoint(Handle joint) final {
+    refresh();
+    m_scene.removeJoint(joint);
+    dropJoint(static_cast<std::size_t>(joint.slot));
+  }
+
+  void step(Real dt) final {
+    if (!(dt >= 0) || !std::isfinite(dt)) {
+      throw UserError("step: dt is " + std::to_string(dt) + "; valid: a finite number of seconds >= 0");
+    }
+    if (dt == 0) return;
+    m_profiler.beginFrame(m_steps);
+    if (!m_forces.empty()) pushForces();
+    advance(dt);
+    ++m_steps, m_time += dt, m_lastDt = dt, m_stale = true;
+  }
+  long stepCount() const final { return m_steps; }
+  Real time() const final { return m_time; }
+  Real lastDt() const final { return m_lastDt; }
+
+  const Bodies<D>& bodies() const final { return refresh().bodies(); }
+  std::span<const ShapeRecord<D>> shapes() const final { return m_scene.shapes(); }
+  std::span<const JointRecord<D>> joints() const final { return m_scene.joints(); }
+  std::optional<std::span<const Manifold<D>>> contacts() const final { return std::nullopt; }
+  const WorldSettings<D>& settings() const final { return m_scene.settings(); }
+  int bodyCount() const final { return m_scene.bodyCount(); }
+  bool valid(Handle body) const final { return m_scene.valid(body); }
+  Pose<D> pose(Handle body) const final { return refresh().pose(body); }
+  Profiler& profiler() final {
+    refresh();
+    return m_profiler;
+  }
+  std::uint64_t hash() const final { return refresh().hash(); }
+
+ protected:
+  explicit EngineWorld(const WorldSettings<D>& settings) : m_scene(Pipeline::parse("contacts=query_clip"), settings) {}
+
+  // The engine's part. Bodies stand at the centre of mass; `scene()` has mass, inertia, pose and shapes of the slot.
+  virtual void checkBody(const BodyDef<D>& def) const = 0;  // throws UserError for what the engine lacks
+  virtual void addBody(std::size_t slot, const BodyDef<D>& def) = 0;
+  virtual void dropBody(std::size_t slot) = 0;
+  virtual void addJoint(std::size_t slot, const JointRecord<D>& pivot) = 0;
+  virtual void dropJoint(std::size_t slot) = 0;
+  virtual void push(std::size_t slot, const Wrench<D>& wrench) = 0;  // for the coming step
+  virtual void advance(Real dt) = 0;
+  virtual void read(std::size_t slot, Pose<D>& X_WC, Motion<D>& motion) const = 0;
+  /// Of the last step: pairs of the engine's broadphase, and contact points.
+  virtual void count(int& pairs, int& points) const = 0;
+
+  const World<D>& scene() const { return m_scene; }
+  /// f(view, X_CP, record) for each convex part of the body's shapes.
+  void forBodyParts(std::size_t slot,
+                    const std::function<void(const ShapeView<D>&, const Pose<D>&, const ShapeRecord<D>&)>& f) const {
+    for (const ShapeRecord<D>& s : m_scene.shapes()) {
+      if (s.body != static_cast<std::int32_t>(slot)) continue;
+      forParts(s.shape, s.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_CP) { f(part, X_CP, s); });
+    }
+  }
+  // What scenes switch off is off for engines, too.
+  Real frictionOf(const ShapeRecord<D>& s) const { return settings().features.friction ? s.friction : Real(0); }
+  Real restitutionOf(const ShapeRecord<D>& s) const {
+    return settings().features.restitution ? s.restitution : Real(0);
+  }
+  bool turns(std::size_t slot) const {
+    return settings().features.rotation && m_scene.bodies().invInertiaBody[slot].trace() > 0;
+  }
+
+ private:
+  void fit() const {
+    const Bodies<D>& b = m_scene.bodies();
+    m_pose.resize(b.pose.size()), m_motion.resize(b.pose.size());
+  }
+  // Nobody reads poses within the timed step unless a force asks for them.
+  const World<D>& refresh() const {
+    if (!m_stale) return m_scene;
+    m_stale = false;
+    fit();
+    const Bodies<D>& b = m_scene.bodies();
+    Profiler::Frame& f = m_profiler.frame();
+    f.bodies = m_scene.bodyCount(), f.awake = 0;
+    for (std::size_t i = 0; i < m_pose.size(); ++i) {
+      m_pose[i] = b.pose[i], m_motion[i] = b.motion[i];
+      if (!b.used[i] || b.type[i] == BodyType::fixed) continue;
+      read(i, m_pose[i], m_motion[i]);
+      f.awake += b.type[i] == BodyType::dynamic;
+    }
+    m_scene.follow(m_pose, m_motion);
+    count(f.pairs, f.points);
+    f.manifolds = f.pairs;
+    m_profiler.endFrame(0);
+    return m_scene;
+  }
+  void pushForces() {
+    const Bodies<D>& b = refresh().bodies();
+    m_wrenches.assign(b.pose.size(), {});
+    for (const auto& f : m_forces) f->apply({b, b.pose, b.motion}, m_time, m_wrenches);
+    for (std::size_t i = 0; i < m_wrenches.size(); ++i) {
+      if (b.active(static_cast<int>(i))) push(i, m_wrenches[i]);
+    }
+  }
+
+  mutable World<D> m_scene;
+  mutable std::vector<Pose<D>> m_pose;  // scratch
+  mutable std::vector<Motion<D>> m_motion;
+  mutable Profiler m_profiler;
+  mutable bool m_stale = false;
+  std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
+  std::vector<Wrench<D>> m_wrenches;
+  Real m_time = 0, m_lastDt = 0;
+  long m_steps = 0;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

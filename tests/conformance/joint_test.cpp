@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: Zlib
+// Every registered kind of joint, with the parameters that change what it does, under every solver and resolver.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <numbers>
+
+#include "tests/check_property.h"
+#include "tests/conformance/scene_change.h"
+#include "tests/every_solver.h"
+#include "tests/expect_caught.h"
+#include "tests/planted_bugs/joint_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(5e-4);  // of one solve, relative to the speeds in it
+constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
+constexpr int kRuns = 40;
+
+template <int D>
+using Kind = std::shared_ptr<const JointKind<D>>;
+
+template <int D>
+struct NoCorrection final : PositionResolver<D> {};
+
+template <int D>
+Kind<D> kindOf(const std::string& spec) {
+  return createStage<JointKind<D>>(Spec::parse(spec));
+}
+
+/// All kinds as they are, each with each of its choices, and what numbers make of a hinge.
+template <int D>
+std::vector<std::string> everyKind() {
+  std::vector<std::string> specs;
+  for (const Registered* r : Registry::instance().list(StageKind::joint, D)) {
+    if (!competes(*r)) continue;
+    specs.push_back(r->info.name);
+    for (const ParamInfo& p : r->params) {
+      for (const std::string& choice : p.choices) specs.push_back(r->info.name + "{" + p.name + "=" + choice + "}");
+    }
+  }
+  for (const char* more :
+       {"hinge{lower=-0.1,upper=0.2}", "hinge{lower=0,upper=0}", "hinge{motor_speed=2,motor_torque=3}",
+        "hinge{stiffness=20,damping=1}", "distance{mode=spring,damping=3}"}) {
+    specs.push_back(more);
+  }
+  return specs;
+}
+
+/// Does it stay as it is when nothing pushes: no motor?
+template <int D>
+bool passive(const Kind<D>& kind, const JointRecord<D>& joint) {
+  JointRows<D> rows;
+  kind->rows(joint, {}, {}, rows);
+  return std::none_of(rows.all().begin(), rows.all().end(),
+                      [](const ConstraintRow<D>& row) { return row.law == RowLaw::motor && !row.absent(); });
+}
+
+/// Bodies 0 and 1, joined; body 0 may be fixed. Each frame is a point of its body, apart where the kind has two ends.
+template <int D>
+ImpactScene<D> drawJointed(Draw& draw, const Kind<D>& kind, bool fixed = false) {
+  ImpactScene<D> s;
+  for (int i = 0; i < 2; ++i) {
+    Ang<D> inertia;
+    for (int k = 0; k < kAngDim<D>; ++k) inertia[k] = draw.real(0.5, 2);
+    Motion<D> motion;
+    motion.v = 2 * drawVector<D>(draw);
+    for (int k = 0; k < kAngDim<D>; ++k) motion.w[k] = 2 * draw.signedUnit();
+    const Real mass = fixed && i == 0 ? Real(0) : draw.real(1, 5);
+    s.add(mass, inertia, drawPose<D>(draw, 1), mass > 0 ? motion : Motion<D>{});
+  }
+  JointRecord<D> j;
+  j.kind = kind, j.spec = "drawn", j.bodyA = 0, j.bodyB = 1;
+  const Pose<D> X_WJ{drawVector<D>(draw), drawRotation<D>(draw)};
+  const auto place = [&](const Vec<D>& apart) {
+    const Pose<D> A = s.pose(0).inverse(), B = s.pose(1).inverse();
+    j.state = {};
+    j.X_CaJ = {A * X_WJ.p, A.q * X_WJ.q};
+    j.X_CbJ = {B * Vec<D>(X_WJ.p + apart), B.q * X_WJ.q};
+    kind->begin(j, s.pose(0), s.pose(1));
+  };
+  place(Real(0.7) * drawDirection<D>(draw));
+  s.joints = {j};
+  if (s.jointError(j).linear > 0.1) place(Vec<D>::Zero()), s.joints = {j};  // a kind whose ends are one point
+  return s;
+}
+
+template <int D>
+void nudge(ImpactScene<D>& s, Draw& draw, Real amount) {
+  s.bodies.pose[1].p += amount * drawVector<D>(draw);
+  Ang<D> turn;
+  for (int k = 0; k < kAngDim<D>; ++k) turn[k] = amount * draw.signedUnit();
+  s.bodies.pose[1].q = integrateRotation(s.bodies.pose[1].q, turn);
+  s.bodies.invInertia[1] = rotateInertia(s.bodies.pose[1].q, s.bodies.invInertiaBody[1]);
+}
+
+template <int D>
+void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
+  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
+  RC_ASSERT(holds);
+}
+
+/// What a property is given: the kind, and who solves.
+template <int D>
+struct Subject {
+  Kind<D> kind;
+  VelocityResolver<D>*normal, *patient;
+};
+
+template <int D>
+ImpactScene<D> solved(const ImpactScene<D>& before, VelocityResolver<D>& resolver) {
+  const NoCorrection<D> none;
+  ImpactScene<D> after = before;
+  after.solve(resolver, none);
+  return after;
+}
+
+// R1, R2: whatever the rows are, both bodies get them.
+template <int D>
+void keepsMomenta(const Subject<D>& on, Draw& draw) {
+  auto before = drawJointed(draw, on.kind);
+  const auto after = solved(before, *on.normal);
+  const Real linear = (after.momentum() - before.momentum()).norm();
+  const Real angular = (after.angularMomentum() - before.angularMomentum()).norm();
+  require<D>(std::max(linear, angular) <= kTolerance * 50 * before.speed(), before, after, std::max(linear, angular));
+}
+
+// R3: at rest in itself a joint takes energy or leaves it, unless it has a motor.
+template <int D>
+void addsNoEnergy(const Subject<D>& on, Draw& draw) {
+  const auto before = drawJointed(draw, on.kind, draw.coin());
+  if (!passive(on.kind, before.joints[0])) return;
+  const auto after = solved(before, *on.normal);
+  const Real gain = after.energy() - before.energy();
+  require<D>(gain <= kTolerance * 50 * (before.energy() + 1), before, after, gain);
+}
+
+// R4: a stop only pushes, a motor not more than it can.
+template <int D>
+void keepsItsLimits(const Subject<D>& on, Draw& draw) {
+  auto before = drawJointed(draw, on.kind, draw.coin());
+  nudge(before, draw, Real(0.3));
+  const auto after = solved(before, *on.normal);
+  JointRows<D> wanted;
+  jointRows(before.joints[0], before.bodies, wanted);
+  for (int i = 0; i < wanted.count; ++i) {
+    const ConstraintRow<D>& row = wanted.row[static_cast<std::size_t>(i)];
+    const Real impulse = after.joints[0].impulse[static_cast<std::size_t>(i)];
+    const Real slack = kTolerance * 10;
+    require<D>(impulse >= row.lo * before.dt - slack && impulse <= row.hi * before.dt + slack, before, after, impulse);
+  }
+}
+
+// R5, R18: what may not move along a row, does not.
+template <int D>
+void stopsDrifting(const Subject<D>& on, Draw& draw) {
+  const auto before = drawJointed(draw, on.kind, draw.coin());
+  const auto after = solved(before, *on.patient);
+  const Real v = after.jointVelocity(after.joints[0]);
+  require<D>(v <= kConverged * 100 * before.speed(), before, after, v);
+}
+
+// R7: moved, turned, driven past.
+template <int D>
+void turnsWithTheFrame(const Subject<D>& on, Draw& draw) {
+  const auto before = drawJointed(draw, on.kind);
+  const Pose<D> X{drawVector<D>(draw), drawRotation<D>(draw)};
+  const Vec<D> boost = drawVector<D>(draw);
+  const auto here = solved(before, *on.patient), there = solved(moved(before, X, boost), *on.patient);
+  Real error = 0;
+  for (int i = 0; i < 2; ++i) error = std::max(error, (X.q * (here.motion(i).v + boost) - there.motion(i).v).norm());
+  require<D>(error <= kConverged * 20 * before.speed(), before, there, error);
+}
+
+// R13: the world is a fixed body that needs no body.
+template <int D>
+void worldIsAFixedBody(const Subject<D>& on, Draw& draw) {
+  auto body = drawJointed(draw, on.kind, true);
+  body.bodies.pose[0] = {};
+  body.joints[0].X_CaJ = {drawVector<D>(draw), drawRotation<D>(draw)};
+  body.joints[0].X_CbJ.p = body.pose(1).inverse() * body.joints[0].X_CaJ.p;
+  on.kind->begin(body.joints[0], {}, body.pose(1));
+  auto world = body;
+  world.joints[0].bodyA = -1;
+  const auto a = solved(body, *on.normal), b = solved(world, *on.normal);
+  require<D>(a.motion(0).v.isZero(0) && a.motion(0).w.isZero(0), body, a, 0);
+  require<D>(a.motion(1).v == b.motion(1).v && a.motion(1).w == b.motion(1).w, a, b, 0);
+}
+
+// R19: what cannot move or turn, two joints in one place, both ends in one point, both at the centres of mass.
+template <int D>
+void degenerateIsFinite(const Subject<D>& on, Draw& draw) {
+  auto before = drawJointed(draw, on.kind, draw.coin());
+  for (std::size_t i = 0; i < 2; ++i) {
+    const int what = draw.below(5);
+    if (what == 1 || what == 3) before.bodies.invMass[i] = 0;
+    if (what == 2 || what == 3) before.bodies.invInertia[i].setZero();
+    if (what == 4) before.bodies.invMass[i] *= Real(1e6);
+  }
+  if (draw.coin()) {
+    before.bodies.pose[1] = before.bodies.pose[0];
+    before.joints[0].X_CaJ.p.setZero(), before.joints[0].X_CbJ.p.setZero();
+  }
+  before.joints.push_back(before.joints[0]);
+  if (draw.coin()) nudge(before, draw, 3);
+  const auto after = solved(before, *on.patient);
+  require<D>(after.finite(), before, after, 0);
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  std::function<void(const Subject<D>&, Draw&)> property;
+  JointBug bug;    // that it must catch ...
+  const char* of;  // ... in this kind
+};
+
+template <int D>
+std::vector<Named<D>> properties() {
+  const char* limited = "hinge{lower=-0.1,upper=0.2}";
+  return {{"Joint.KeepsMomenta", keepsMomenta<D>, JointBug::oneBody, "weld"},
+          {"Joint.AddsNoEnergy", addsNoEnergy<D>, JointBug::oneBody, "weld"},
+          {"Joint.KeepsItsLimits", keepsItsLimits<D>, JointBug::none, nullptr},
+          {"Joint.StopsDrifting", stopsDrifting<D>, JointBug::none, nullptr},
+          {"Joint.TurnsWithTheFrame", turnsWithTheFrame<D>, JointBug::ownAxes, "distance"},
+          {"Joint.WorldIsAFixedBody", worldIsAFixedBody<D>, JointBug::none, nullptr},
+          {"Joint.DegenerateIsFinite", degenerateIsFinite<D>, JointBug::dividesByNothing, limited}};
+}
+
+template <int D>
+std::unique_ptr<VelocityResolver<D>> patientOf(const Registered& entry) {
+  Spec spec{entry.info.name, {}};
+  for (const ParamInfo& p : entry.params) {
+    if (p.name == "iterations") spec.set("iterations", {"3000", {}});
+    if (p.name == "iteration_factor") spec.set("iteration_factor", {"3000", {}});
+    if (p.name == "epsilon") spec.set("epsilon", {"0", {}});
+  }
+  return createStage<VelocityResolver<D>>(spec);
+}
+
+template <int D>
+void testAll() {
+  for (const Registered* entry : Registry::instance().list(StageKind::velocity, D)) {
+    const auto normal = createStage<VelocityResolver<D>>({entry->info.name, {}});
+    const auto patient = patientOf<D>(*entry);
+    for (const std::string& spec : everyKind<D>()) {
+      const Subject<D> on{kindOf<D>(spec), normal.get(), patient.get()};
+      for (const Named<D>& p : properties<D>()) {
+        const std::string name =
+            std::string(p.name) + " " + spec + " " + entry->info.name + " " + std::to_string(D) + "D";
+        SCOPED_TRACE(name);
+        const auto run = [&] {
+          RapidCheckDraw draw;
+          p.property(on, draw);
+        };
+        check(name, run, kRuns);
+      }
+    }
+  }
+}
+
+template <int D>
+void plantedBugs() {
+  const auto normal = createStage<VelocityResolver<D>>(Spec{"catto", {}});
+  const auto patient = patientOf<D>(Registry::instance().find(StageKind::velocity, D, "catto"));
+  for (const Named<D>& p : properties<D>()) {
+    if (p.bug == JointBug::none) continue;
+    const Kind<D> wrong = std::make_shared<WrongJoint<D>>(kindOf<D>(p.of), p.bug);
+    const Subject<D> on{wrong, normal.get(), patient.get()};
+    expectFalsified(
+        std::string(p.name) + " planted bug",
+        [&] {
+          RapidCheckDraw draw;
+          p.property(on, draw);
+        },
+        300);
+  }
+}
+
+TEST(JointConformance, EveryKind2) { testAll<2>(); }
+TEST(JointConformance, EveryKind3) { testAll<3>(); }
+TEST(JointConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(JointConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+/// A flywheel on the world: moment of inertia 2, about z, its centre of mass on the axis.
+template <int D>
+struct Flywheel {
+  ImpactScene<D> scene;
+  std::unique_ptr<Solver<D>> solver;
+
+  Flywheel(const Kind<D>& kind, const std::string& text, Real speed)
+      : solver(createStage<Solver<D>>(Spec::parse(text))) {
+    Motion<D> motion;
+    motion.w[kAngDim<D> - 1] = speed;
+    scene.add(3, Ang<D>::Constant(2), {}, motion);
+    JointRecord<D> j;
+    j.kind = kind, j.bodyB = 0;
+    kind->begin(j, {}, {});
+    scene.joints.push_back(j);
+  }
+  Real speed() const { return scene.motion(0).w[kAngDim<D> - 1]; }
+  Real angle() const { return scene.joints[0].state[0]; }
+  void step(int n = 1) {
+    for (int i = 0; i < n; ++i) {
+      scene.step(*solver);
+      JointRecord<D>& j = scene.joints[0];
+      j.kind->finish(j, {}, scene.pose(0));
+    }
+  }
+};
+
+template <int D>
+using HingeProperty = bool (*)(const Kind<D>&, const std::string&);
+
+// R3 of a motor: it gives not more than its torque, and no more speed than it was told to.
+template <int D>
+bool motorKeepsItsTorque(const Kind<D>& motor, const std::string& solver) {  // 5 rad/s by at most 4 N m
+  Flywheel<D> wheel(motor, solver, 0);
+  for (int i = 1; i <= 300; ++i) {
+    wheel.step();
+    const double t = i / 60.0, most = std::min(5.0, 4.0 / 2 * t);
+    if (std::abs(double(wheel.speed()) - most) > 0.01 * most) return false;
+  }
+  return true;
+}
+
+// A limit of two turns is reached after two turns, and holds.
+template <int D>
+bool countsTurns(const Kind<D>& hinge, const std::string& solver) {  // upper = 4 pi
+  constexpr double kTwoTurns = 4 * std::numbers::pi;
+  Flywheel<D> wheel(hinge, solver, 3);
+  double before = 0;
+  for (int i = 0; i < 400; ++i) {
+    wheel.step();
+    const double angle = double(wheel.angle());
+    if (angle < before - 0.01 || angle > kTwoTurns + 0.02) return false;
+    before = angle;
+  }
+  return std::abs(before - kTwoTurns) < 0.02;
+}
+
+// Who leaves a stop is not held.
+template <int D>
+bool letsGo(const Kind<D>& hinge, const std::string& solver) {  // lower = 0
+  Flywheel<D> wheel(hinge, solver, 1);
+  wheel.step(30);
+  return std::abs(double(wheel.speed()) - 1) < 1e-4;
+}
+
+template <int D>
+void hinges() {
+  const auto motor = kindOf<D>("hinge{motor_speed=5,motor_torque=4}");
+  const auto turns = kindOf<D>("hinge{upper=12.566370614359172}"), stop = kindOf<D>("hinge{lower=0}");
+  for (const std::string& solver : everySolver<D>()) {
+    EXPECT_TRUE(motorKeepsItsTorque<D>(motor, solver)) << solver;
+    EXPECT_TRUE(countsTurns<D>(turns, solver)) << solver;
+    EXPECT_TRUE(letsGo<D>(stop, solver)) << solver;
+  }
+  const auto wrong = [](const Kind<D>& right, JointBug bug) { return std::make_shared<WrongJoint<D>>(right, bug); };
+  const std::string dimension = " " + std::to_string(D) + "D";
+  expectCaught("a motor without a limit" + dimension,
+               motorKeepsItsTorque<D>(wrong(motor, JointBug::endless), "split_solver"));
+  expectCaught("an angle that forgets turns" + dimension,
+               countsTurns<D>(wrong(turns, JointBug::jumps), "split_solver"));
+  expectCaught("a stop that pulls" + dimension, letsGo<D>(wrong(stop, JointBug::pulls), "split_solver"));
+}
+TEST(JointConformance, HingesTurnAsTold2) { hinges<2>(); }
+TEST(JointConformance, HingesTurnAsTold3) { hinges<3>(); }
+
+/// Errors in m and rad after two seconds, beginning with `apart` of each.
+template <int D>
+JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) {
+  const auto solver = createStage<Solver<D>>(Spec::parse(text));
+  ImpactScene<D> s;
+  s.add(2, Ang<D>::Constant(Real(0.5)), {});
+  s.add(3, Ang<D>::Constant(Real(0.7)), {Vec<D>::Unit(0), {}});
+  JointRecord<D> j;
+  j.kind = kind, j.bodyA = 0, j.bodyB = 1;
+  j.X_CaJ.p = Vec<D>::Unit(0) / 2, j.X_CbJ.p = -Vec<D>::Unit(0) / 2;
+  try {
+    kind->begin(j, s.pose(0), s.pose(1));
+  } catch (const UserError&) {  // two ends
+    j.X_CbJ.p.setZero();
+    kind->begin(j, s.pose(0), s.pose(1));
+  }
+  s.joints.push_back(j);
+  s.bodies.pose[1].p += apart * Vec<D>::Ones();
+  s.bodies.pose[1].q = integrateRotation(s.bodies.pose[1].q, Ang<D>(apart * Ang<D>::Ones()));
+  for (int i = 0; i < 120; ++i) s.step(*solver);
+  return s.jointError(s.joints[0]);
+}
+
+// R16: metres and radians.
+template <int D>
+void errorsShrink() {
+  for (const std::string& kind : everyKind<D>()) {
+    for (const std::string& solver : everySolver<D>()) {
+      if (declares<D>(solver, "PositionError.Shrinks") || declares<D>(solver, "JointError.Shrinks")) continue;
+      const JointError left = errorAfter<D>(kindOf<D>(kind), solver, Real(0.05));
+      EXPECT_LT(left.linear, 0.004) << kind << " " << solver;
+      EXPECT_LT(left.angular, 0.004) << kind << " " << solver;
+    }
+  }
+  const auto bug = std::make_shared<WrongJoint<D>>(kindOf<D>("weld"), JointBug::wrongSign);
+  const JointError left = errorAfter<D>(bug, "split_solver", Real(0.05));
+  expectCaught("an error fed back with the wrong sign " + std::to_string(D) + "D",
+               left.linear < 0.004 && left.angular < 0.004);
+}
+TEST(JointConformance, ErrorsShrink2) { errorsShrink<2>(); }
+TEST(JointConformance, ErrorsShrink3) { errorsShrink<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

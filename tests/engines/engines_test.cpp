@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Zlib
+// Engines of other people's through Simulation: what a first physics course knows must come out of each of them, with
+// the masses, the friction and the restitution that the scene says. A check that passes here fails on its planted twin.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "framework/director.h"
+#include "framework/invariants.h"
+#include "framework/pose_penetration.h"
+#include "framework/recording.h"
+#include "framework/world.h"
+#include "tests/planted_bugs/engine_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+constexpr double kG = 10;
+
+template <int D>
+struct Named {
+  std::string name;
+  Start<D> start;
+};
+
+// Those that this build and this precision have.
+template <int D>
+std::vector<Named<D>> engines() {
+  std::vector<Named<D>> out;
+  for (const Registered* r : Registry::instance().list(StageKind::engine, D)) {
+    const std::shared_ptr<Engine<D>> engine = createStage<Engine<D>>({r->info.name, {}});
+    try {
+      engine->start({});
+    } catch (const UserError& e) {
+      std::printf("[ absent   ] %s %dD: %s\n", r->info.name.c_str(), D, e.what());
+      continue;
+    }
+    out.push_back({r->info.name, [engine](const WorldSettings<D>& s) { return engine->start(s); }});
+  }
+  return out;
+}
+
+template <int D>
+Vec<D> at(double x, double y) {
+  Vec<D> p = Vec<D>::Zero();
+  p[0] = Real(x), p[1] = Real(y);
+  return p;
+}
+template <int D>
+WorldSettings<D> gravity(double x, double y) {
+  WorldSettings<D> s;
+  s.gravity = at<D>(x, y);
+  return s;
+}
+template <int D>
+BodyDef<D> body(const Shape<D>& shape, const Vec<D>& p, BodyType type = BodyType::dynamic) {
+  BodyDef<D> def;
+  def.type = type, def.X_WB.p = p;
+  def.shapes.resize(1);
+  def.shapes[0].shape = shape;
+  return def;
+}
+template <int D>
+BodyDef<D> ground() {
+  Vec<D> half = Vec<D>::Constant(50);
+  half[1] = 1;
+  return body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed);
+}
+template <int D>
+Shape<D> cube() {
+  return Shape<D>::box(Vec<D>::Constant(Real(0.5)));
+}
+template <int D>
+void run(Simulation<D>& s, double seconds) {
+  for (long i = 0; i < std::lround(seconds / double(kDt)); ++i) s.step(kDt);
+}
+bool near(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
+
+// --- checks: true of a right adapter ---------------------------------------------------------------------------------
+
+template <int D>
+bool falls(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, -kG));
+  const Handle ball = s->add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(1, 30)));
+  run(*s, 2);
+  const double n = 120, dt = double(kDt);  // semi-implicit Euler, as all of them integrate
+  return near(double(s->bodies().motion[0].v[1]), -kG * n * dt, 1e-4) &&
+         near(double(s->pose(ball).p[1]), 30 - kG * dt * dt * n * (n + 1) / 2, 1e-3) &&
+         near(double(s->pose(ball).p[0]), 1, 1e-6);
+}
+
+// Two balls meet head on with pair restitution e = (1 + 0.5) / 2.
+template <int D>
+bool collides(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, 0));
+  const double m1 = 1, m2 = 3, v1 = 2, v2 = -1, e = 0.75;
+  BodyDef<D> a = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-2, 0)),
+             b = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(2, 0));
+  a.velocity = at<D>(v1, 0), b.velocity = at<D>(v2, 0);
+  a.shapes[0].density = Real(m1), b.shapes[0].density = Real(m2);
+  a.shapes[0].restitution = 1, b.shapes[0].restitution = Real(0.5);
+  s->add(a), s->add(b);
+  run(*s, 3);
+  const double mean = (m1 * v1 + m2 * v2) / (m1 + m2), u = v1 - v2;
+  return near(double(s->bodies().motion[0].v[0]), mean - e * u * m2 / (m1 + m2), 2e-3) &&
+         near(double(s->bodies().motion[1].v[0]), mean + e * u * m1 / (m1 + m2), 2e-3);
+}
+
+// A block on a slope of 26.6 degrees (gravity is turned, not the ground), mu = sqrt(0.9 * 0.4) = 0.6: it stays. At
+// sqrt(0.9 * 0.1) = 0.3 it slides by g (sin - mu cos).
+template <int D>
+bool slides(const Start<D>& start) {
+  const double angle = std::atan(0.5);
+  const auto way = [&](double mu) {
+    const auto s = start(gravity<D>(kG * std::sin(angle), -kG * std::cos(angle)));
+    BodyDef<D> floor = ground<D>(), block = body<D>(cube<D>(), at<D>(0, 0.5));
+    floor.shapes[0].friction = Real(0.9), block.shapes[0].friction = Real(mu * mu / 0.9);
+    s->add(floor);
+    const Handle h = s->add(block);
+    run(*s, 2);
+    return double(s->pose(h).p[0]);
+  };
+  const double a = kG * (std::sin(angle) - 0.3 * std::cos(angle));
+  return near(way(0.6), 0, 0.02) && near(way(0.3), a * 2 * 2 / 2, 0.03 * 2 * a);
+}
+
+template <int D>
+bool rests(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, -kG));
+  s->add(ground<D>());
+  std::vector<Handle> boxes;
+  for (int i = 0; i < 5; ++i) boxes.push_back(s->add(body<D>(cube<D>(), at<D>(0, 0.5 + i))));
+  run(*s, 5);
+  const StateInvariants<D> now = stateInvariants<D>(*s);
+  for (int i = 0; i < 5; ++i) {
+    if (!near(double(s->pose(boxes[static_cast<std::size_t>(i)]).p[1]), 0.5 + i, 0.02 * (i + 1))) return false;
+  }
+  return now.maxSpeed < 0.01 && PosePenetration<D>().of(*s).max < 0.02;
+}
+
+// A force that bears the ball's weight, asked once a step.
+template <int D>
+struct Lift final : ForceGenerator<D> {
+  Real force = 0;
+  void apply(const ForceState<D>&, Real, std::span<Wrench<D>> out) const override { out[0].force[1] += force; }
+};
+template <int D>
+bool bears(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, -kG));
+  BodyDef<D> ball = body<D>(cube<D>(), at<D>(0, 5));
+  ball.shapes[0].density = 7;
+  const Handle h = s->add(ball);
+  auto lift = std::make_shared<Lift<D>>();
+  lift->force = Real(7 * kG);
+  s->add(lift);
+  run(*s, 2);
+  return near(double(s->pose(h).p[1]), 5, 1e-3);
+}
+
+// An L far from its body's frame, thrown and spinning: the scene's masses conserve momentum only if the engine has
+// them.
+template <int D>
+bool tumbles(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, 0));
+  BodyDef<D> l = body<D>(cube<D>(), at<D>(0, 0));
+  l.shapes.push_back(l.shapes[0]);
+  l.shapes[0].X_BS.p = at<D>(1, 1), l.shapes[1].X_BS.p = at<D>(1.5, 2);
+  if constexpr (D == 3) l.shapes[1].X_BS.p[2] = Real(0.7);  // no axis of it is a principal one
+  l.velocity = at<D>(1, 2);
+  l.angularVelocity = Ang<D>::Constant(Real(0.4));
+  s->add(l);
+  const StateInvariants<D> before = stateInvariants<D>(*s);
+  run(*s, 2);
+  const StateInvariants<D> after = stateInvariants<D>(*s);
+  const double size = before.angularMomentum.norm();
+  return (after.momentum - before.momentum).norm() < 1e-4 * before.momentum.norm() &&
+         (after.angularMomentum - before.angularMomentum).norm() < 5e-3 * size &&
+         near(after.kinetic, before.kinetic, 5e-3 * before.kinetic);
+}
+
+template <int D>
+bool swings(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, -kG));
+  const Handle post = s->add(body<D>(cube<D>(), at<D>(0, 0), BodyType::fixed));
+  const Handle bob = s->add(body<D>(Shape<D>::sphere(Real(0.2)), at<D>(2, 0)));
+  JointDef<D> pivot;
+  pivot.bodyA = post, pivot.bodyB = bob;
+  const Handle joint = s->add(pivot);
+  run(*s, 3);
+  const StateInvariants<D> now = stateInvariants<D>(*s);
+  if (!(now.jointError < 0.02) || !(s->pose(bob).p[1] < Real(-0.1) || now.maxSpeed > 0.1)) return false;
+  s->removeJoint(joint);
+  run(*s, 2);
+  return s->pose(bob).p.norm() > 5;  // it is free
+}
+
+// --- the true ones ---------------------------------------------------------------------------------------------------
+
+template <int D>
+void everyEngine(const char* what, bool (*check)(const Start<D>&)) {
+  for (const auto& e : engines<D>()) EXPECT_TRUE(check(e.start)) << e.name << " " << D << "D: " << what;
+}
+void everywhere(const char* what, bool (*two)(const Start<2>&), bool (*three)(const Start<3>&)) {
+  everyEngine<2>(what, two), everyEngine<3>(what, three);
+}
+
+TEST(Engines, OneIsThere) {
+  EXPECT_FALSE(Registry::instance().list(StageKind::engine, 2).empty());
+  EXPECT_FALSE(Registry::instance().list(StageKind::engine, 3).empty());
+  EXPECT_FALSE(engines<2>().empty() && engines<3>().empty()) << "none has its library";
+}
+TEST(Engines, BallsFall) { everywhere("falls", falls<2>, falls<3>); }
+TEST(Engines, BallsCollideByTheScenesMassesAndRestitution) { everywhere("collides", collides<2>, collides<3>); }
+TEST(Engines, BlocksSlideByTheScenesFriction) { everywhere("slides", slides<2>, slides<3>); }
+TEST(Engines, StacksRest) { everywhere("rests", rests<2>, rests<3>); }
+TEST(Engines, ForcesAct) { everywhere("bears", bears<2>, bears<3>); }
+TEST(Engines, FreeBodiesKeepTheirMomenta) { everywhere("tumbles", tumbles<2>, tumbles<3>); }
+TEST(Engines, PivotsHoldUntilTheyAreRemoved) { everywhere("swings", swings<2>, swings<3>); }
+
+template <int D>
+void twinsAreCaught() {
+  for (const auto& e : engines<D>()) {
+    EXPECT_FALSE(falls<D>(upsideDown<D>(e.start))) << e.name;
+    EXPECT_FALSE(rests<D>(upsideDown<D>(e.start))) << e.name;
+    EXPECT_FALSE(collides<D>(ownMass<D>(e.start))) << e.name;
+    EXPECT_FALSE(bears<D>(ownMass<D>(e.start))) << e.name;
+    EXPECT_FALSE(collides<D>(largerRestitution<D>(e.start))) << e.name;
+    EXPECT_FALSE(slides<D>(productOfFriction<D>(e.start))) << e.name;
+  }
+}
+TEST(Engines, PlantedAdaptersAreCaught) { twinsAreCaught<2>(), twinsAreCaught<3>(); }
+
+// Our own world passes the same checks: they ask for nothing that an engine alone has.
+template <int D>
+void worldPasses() {
+  const Start<D> start = [](const WorldSettings<D>& s) {
+    return std::make_unique<World<D>>(Pipeline::parse("contacts=query_clip"), s);
+  };
+  EXPECT_TRUE(falls<D>(start) && collides<D>(start) && slides<D>(start));
+  EXPECT_TRUE(rests<D>(start) && bears<D>(start) && tumbles<D>(start) && swings<D>(start));
+}
+TEST(Engines, WorldsPassToo) { worldPasses<2>(), worldPasses<3>(); }
+
+// --- director, recorder, refusals ------------------------------------------------------------------------------------
+
+template <int D>
+SceneSpec<D> comingAndGoing() {
+  SceneSpec<D> scene;
+  scene.spawns = {{0, ground<D>(), -1},
+                  {0, body<D>(cube<D>(), at<D>(0, 0.5)), 40},
+                  {10, body<D>(cube<D>(), at<D>(0, 3)), -1},
+                  {50, body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0.1, 6)), -1}};
+  return scene;
+}
+template <int D>
+std::string recorded(Simulation<D>& s) {
+  std::ostringstream out;
+  Recorder<D> recorder(out);
+  Director<D> director(comingAndGoing<D>());
+  for (int i = 0; i < 180; ++i) {
+    director.advance(s);
+    s.step(kDt);
+    recorder.frame(s);
+    if (i == 45) {
+      EXPECT_FALSE(s.valid(director.body(1)));
+    }
+  }
+  EXPECT_EQ(s.bodyCount(), 3);
+  EXPECT_NEAR(double(s.pose(director.body(2)).p[1]), 0.5, 0.03) << "what it lay on is gone";
+  EXPECT_NEAR(double(s.pose(director.body(3)).p[1]), 1.5, 0.05);
+  return out.str();
+}
+template <int D>
+void directs() {
+  for (const auto& e : engines<D>()) {
+    SCOPED_TRACE(e.name);
+    const auto first = e.start({}), second = e.start({});
+    const std::string bytes = recorded<D>(*first);
+    EXPECT_EQ(bytes, recorded<D>(*second)) << "the same calls, the same bits";
+    EXPECT_EQ(first->hash(), second->hash());
+    std::istringstream in(bytes);
+    const Recording<D> r = Recording<D>::read(in);
+    ASSERT_EQ(r.frames.size(), 180u);
+    EXPECT_FALSE(r.torn);
+    EXPECT_EQ(r.frames[0].bodies.size(), 2u);
+    EXPECT_EQ(r.frames[20].bodies.size(), 3u);
+    EXPECT_EQ(r.frames[45].bodies.size(), 2u);
+    const Profiler::Frame& f = first->profiler().frame();
+    EXPECT_EQ(f.bodies, 3);
+    EXPECT_EQ(f.awake, 2);
+    EXPECT_GE(f.points, D == 2 ? 2 : 4) << "the box on the ground";
+    EXPECT_FALSE(first->contacts());
+    EXPECT_TRUE(std::isnan(invariants<D>(*first).maxPenetration)) << "not told is not 0";
+  }
+}
+TEST(Engines, DirectorAndRecorderSpeakToThem) { directs<2>(), directs<3>(); }
+
+template <int D>
+void refuses(const std::string& name, const BodyDef<D>& def, const std::string& why) {
+  for (const auto& e : engines<D>()) {
+    if (e.name != name) continue;
+    const auto s = e.start({});
+    const Handle first = s->add(ground<D>());
+    try {
+      s->add(def);
+      ADD_FAILURE() << name << " took what it has no shape for";
+    } catch (const UserError& error) {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(s->bodyCount(), 1);
+    EXPECT_TRUE(s->valid(first));
+    s->step(kDt);
+  }
+}
+TEST(Engines, WhatTheyLackIsRefusedAndLeavesNoTrace) {
+  refuses<2>("box2d", body<2>(Shape<2>::capsule(1, Real(0.5)), at<2>(0, 5)), "box2d: no shape is a capsule");
+  std::vector<Vec<2>> corners;
+  for (int i = 0; i < 9; ++i) corners.push_back({Real(std::cos(0.69 * i)), Real(std::sin(0.69 * i))});
+  refuses<2>("box2d", body<2>(Shape<2>::polytope(corners), at<2>(0, 5)), "at most 8 corners");
+  refuses<3>("bullet", body<3>(Shape<3>::box(Vec<3>::Ones(), Real(0.1)), at<3>(0, 5)), "no shape is a rounded box");
+  BodyDef<3> lift = body<3>(cube<3>(), at<3>(0, 5), BodyType::kinematic);
+  refuses<3>("bullet", lift, "kinematic");
+}
+
+// Every kind that Bullet maps lies on the ground where its size says.
+TEST(Engines, BulletKeepsSizes) {
+  const Real sizes[] = {1, Real(0.5)};  // a cylinder's half length along x, and radius
+  const std::vector<Vec<3>> corners = {{-1, -1, -1}, {1, -1, -1}, {0, -1, 1}, {0, 1, 0}};
+  const std::pair<Shape<3>, double> shapes[] = {
+      {Shape<3>::sphere(Real(0.7)), 0.7},     {Shape<3>::box({Real(0.4), Real(0.3), Real(0.6)}), 0.3},
+      {Shape<3>::capsule(1, Real(0.5)), 0.5}, {Shape<3>::curved(ShapeKind::cylinder, sizes), 0.5},
+      {Shape<3>::polytope(corners), 1},       {Shape<3>::polytope(corners, Real(0.1)), 1.1}};
+  for (const auto& e : engines<3>()) {
+    for (const bool plane : {false, true}) {
+      for (const auto& [shape, height] : shapes) {
+        const auto s = e.start(gravity<3>(0, -kG));
+        s->add(plane ? body<3>(Shape<3>::plane(), at<3>(0, 0), BodyType::fixed) : ground<3>());
+        const Handle h = s->add(body<3>(shape, at<3>(0, height)));
+        run(*s, 2);
+        EXPECT_NEAR(double(s->pose(h).p[1]), height, 0.015) << e.name << ", plane " << plane << ", height " << height;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

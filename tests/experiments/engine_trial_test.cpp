@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Zlib
+// Engines where pipelines stand: in `lpc run`, in sweeps, in the store.
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/code_identity.h"
+#include "experiments/runner/sweep_file.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+using test::ask;
+using test::Outcome;
+using test::Workspace;
+
+bool built(const std::string& worker) { return std::filesystem::exists(LPC_BINARY_DIR "/bin/" + worker); }
+
+json runScene(const Workspace& w, const std::string& arguments) {
+  const Outcome out = w.lpc("run --json " + arguments);
+  const std::size_t begin = out.text.find('{');
+  return begin == std::string::npos ? json{{"outcome", out.text}} : json::parse(out.text.substr(begin));
+}
+
+TEST(EngineTrial, RunsInEachPrecision) {
+  const Workspace w;
+  for (const std::string precision : {"f64", "f32"}) {
+    if (!built("lpc-engine-worker-" + precision)) continue;
+    const std::string arguments =
+        "pyramid --dimension 3 --param base=4 --steps 120 --pipeline 'engine=bullet{iterations=20}' --precision ";
+    const json a = runScene(w, arguments + precision), b = runScene(w, arguments + precision);
+    ASSERT_EQ(a["outcome"], "ok") << a.dump();
+    EXPECT_EQ(a["hash"], b["hash"]);
+    EXPECT_LT(a["metrics"]["penetration_poses"], 0.02);
+    EXPECT_LT(a["metrics"]["end_drift_max"], 0.02);
+    EXPECT_GE(a["metrics"]["contacts_end"], 4 * 10);
+    EXPECT_TRUE(a["metrics"]["max_penetration"].is_null()) << "contacts are not told";
+    EXPECT_TRUE(a["metrics"]["work_row_updates"].is_null()) << "work is not counted";
+    EXPECT_GT(a["metrics"]["ms_per_step_median"], 0);
+  }
+}
+
+TEST(EngineTrial, PenetrationIsMeasuredAlikeForOurWorlds) {
+  const Workspace w;
+  const json ours = runScene(w, "vertical_stack --param n=3 --param gap=0 --steps 120");
+  ASSERT_EQ(ours["outcome"], "ok");
+  const double poses = ours["metrics"]["penetration_poses"], contacts = ours["metrics"]["max_penetration"];
+  EXPECT_GT(poses, 0);
+  EXPECT_NEAR(poses, contacts, 0.1 * contacts) << "flat boxes: a contact's depth is the pair's";
+}
+
+TEST(EngineTrial, MistakesAreOneLine) {
+  const Workspace w;
+  const std::pair<const char*, const char*> wrong[] = {
+      {"engine=bulet", "there is no engine 'bulet' in 3D; valid: bullet"},
+      {"engine=bullet{iteration=3}",
+       "'bullet' has no parameter 'iteration'; valid: iterations, warm_start, split_impulse"},
+      {"engine=bullet solver=soft_step", "nothing may follow here"},
+      {"engine=box2d", "engine box2d does not exist in 3D"},
+      {"solver=soft_step engine=bullet", "unknown stage 'engine'"}};
+  for (const auto& [pipeline, message] : wrong) {
+    const Outcome out = w.lpc("run pyramid --dimension 3 --pipeline '" + std::string(pipeline) + "'");
+    EXPECT_EQ(out.code, 2) << pipeline;
+    EXPECT_NE(out.text.find(message), std::string::npos) << out.text;
+  }
+}
+
+TEST(EngineTrial, SweepsHoldThemBesidePipelines) {
+  const Workspace w;
+  const std::string sweep = w.write("mine.toml", R"(
+summary = "two engines and a world"
+kind = "world"
+pipeline = "sleep=none"
+[axes]
+scene = "vertical_stack"
+n = 2
+gap = 0
+steps = 30
+dimension = [2, 3]
+precision = ["f64", "f32"]
+iterations = 7
+[axes.resolver]
+"ours" = "solver=split_solver{velocity=catto{iterations=$iterations}}"
+"bullet" = "engine=bullet{iterations=$iterations}"
+"box2d" = "engine=box2d{iterations=$iterations}"
+)");
+  const std::string store = w.path("s.db");
+  const Outcome out = w.lpc("sweep " + sweep + " --store " + store + " --quiet");
+  ASSERT_EQ(out.code, 0) << out.text;
+  const auto of = [&](const std::string& what, const std::string& where) {
+    return ask(store, "SELECT " + what + " FROM trial t JOIN planned p ON t.key = p.key WHERE " + where);
+  };
+  const std::string bullet = "p.axes->>'resolver' = 'bullet'", box2d = "p.axes->>'resolver' = 'box2d'";
+  EXPECT_EQ(of("count(*)", bullet + " AND outcome = 'ok' AND p.axes->>'dimension' = 3"), "2");
+  EXPECT_EQ(of("reason", bullet + " AND outcome = 'unsupported'"), "engine bullet does not exist in 2D");
+  EXPECT_EQ(of("count(*)", box2d + " AND outcome = 'ok'"), "1");
+  EXPECT_EQ(of("reason", box2d + " AND p.axes->>'dimension' = 2 AND outcome = 'unsupported'"),
+            "box2d computes in f32 alone");
+  EXPECT_EQ(of("count(*)", "p.axes->>'resolver' = 'ours' AND outcome = 'ok'"), "4");
+  // What decides a row stands in it: all parameters, the adapter, its library, and what differs whatever is set.
+  const json row = json::parse(of("canonical", box2d + " AND outcome = 'ok'"));
+  EXPECT_EQ(row["pipeline"], "engine=box2d{iterations=7,position_iterations=4,warm_start=true}");
+  EXPECT_EQ(row["engine"]["name"], "box2d");
+  EXPECT_NE(row["engine"]["differs"].get<std::string>().find("1 to 1.5 cm apart"), std::string::npos);
+  EXPECT_TRUE(row["code"].contains("engine/box2d"));
+  EXPECT_TRUE(row["code"]["library"].get<std::string>().starts_with("Box2D 2.4"));
+  EXPECT_EQ(row["code"].size(), 2u) << "no stage of ours took part: " << row["code"].dump();
+  // Done is done.
+  EXPECT_NE(w.lpc("sweep " + sweep + " --store " + store).text.find("12 planned"), std::string::npos);
+  // --only finds them by name.
+  EXPECT_EQ(planSweeps(sweep, {"bullet"}).front().trials.size(), 4u);
+}
+
+TEST(EngineTrial, AnAxisNamedEngineTakesAll) {
+  const Workspace w;
+  const std::string sweep = w.write("all.toml", R"(
+summary = "all engines"
+kind = "world"
+[axes]
+scene = "slope"
+engine = "*"
+)");
+  std::set<std::string> names;
+  for (const PlannedTrial& t : planSweeps(sweep, {}).front().trials) names.insert(t.canonical["engine"]["name"]);
+  EXPECT_EQ(names, (std::set<std::string>{"box2d", "bullet"}));
+}
+
+TEST(EngineTrial, JudgesOfPairsAreNotTheirs) {
+  const SourceHash plain[] = {{"oracles/referee.h", "1"}};
+  const SourceHash more[] = {{"oracles/referee.h", "1"}, {"oracles/engines/engine_world.h", "2"}};
+  EXPECT_EQ(judgesHash(plain), judgesHash(more)) << "an engine changes no key of a pairs trial";
+}
+
+// The towers of 15, 12 and 10 boxes, 1 cm off to the left and right in turn, 0.1 m apart at the start, 10 iterations,
+// 30 s: known from measurements. Ten stand, twelve and fifteen fall.
+void towers(const std::string& pipeline) {
+  const Workspace w;
+  for (const auto& [n, outcome] : {std::pair(10, "ok"), std::pair(12, "collapsed"), std::pair(15, "collapsed")}) {
+    const json r = runScene(w, "vertical_stack --steps 1800 --param n=" + std::to_string(n) + " " + pipeline);
+    EXPECT_EQ(r["outcome"], outcome) << n << " boxes, " << pipeline << ": " << r["reason"];
+  }
+}
+TEST(EngineTrial, TowersFallInBox2dAsTheyDid) {
+  if (!built("lpc-engine-worker-f32")) GTEST_SKIP() << "this build has no f32";
+  towers("--precision f32 --pipeline 'engine=box2d{iterations=10}'");
+}
+TEST(EngineTrial, TowersFallInOursAsTheyDid) {
+  towers("--pipeline 'solver=split_solver{velocity=catto{iterations=10}}'");
+  towers("--pipeline 'solver=soft_step{substeps=10}'");
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Zlib
+// Kinds of joints with one thing wrong.
+#pragma once
+
+#include <memory>
+
+#include "framework/joint.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+enum class JointBug {
+  none,
+  pulls,      // a stop that holds both ways
+  endless,    // a motor whose torque has no limit
+  oneBody,    // turns B and not A
+  jumps,      // its angle forgets whole turns
+  wrongSign,  // pushes away from where it should be
+  ownAxes,    // rows along the world's axes where they should turn with the bodies
+  dividesByNothing
+};
+
+template <int D>
+class WrongJoint final : public JointKind<D> {
+ public:
+  WrongJoint(std::shared_ptr<const JointKind<D>> right, JointBug bug) : m_right(std::move(right)), m_bug(bug) {}
+
+  void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
+    m_right->begin(joint, X_WA, X_WB);
+  }
+  void finish(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
+    m_right->finish(joint, X_WA, X_WB);
+    if (m_bug == JointBug::jumps) joint.state[0] = 0;
+  }
+  void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
+    m_right->rows(joint, X_WA, X_WB, out);
+    for (int i = 0; i < out.count; ++i) spoil(out.row[static_cast<std::size_t>(i)]);
+  }
+
+ private:
+  void spoil(ConstraintRow<D>& row) const {
+    constexpr Real kNoLimit = ConstraintRow<D>::kNoLimit;
+    const bool stop = row.law == RowLaw::rigid && row.block == RowBlock::box && !row.absent();
+    switch (m_bug) {
+      case JointBug::none:
+      case JointBug::jumps:
+        break;
+      case JointBug::pulls:
+        if (stop) row.lo = -kNoLimit, row.hi = kNoLimit;
+        break;
+      case JointBug::endless:
+        if (row.law == RowLaw::motor) row.lo = -kNoLimit, row.hi = kNoLimit;
+        break;
+      case JointBug::oneBody:
+        row.armA.setZero();
+        break;
+      case JointBug::wrongSign:
+        row.error = -row.error;
+        break;
+      case JointBug::ownAxes:
+        row.d = row.d.norm() * Vec<D>::Unit(0);
+        break;
+      case JointBug::dividesByNothing:
+        row.error /= row.d.norm() - 1;
+        break;
+    }
+  }
+
+  std::shared_ptr<const JointKind<D>> m_right;
+  JointBug m_bug;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::test
