@@ -5,12 +5,12 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// Plays a scene's script: bodies come and go at step numbers, never at clock times, so every run is the same
-/// (the 2009 report, 6.6.1).
+/// Plays a scene's script: bodies come, are joined, pushed and set, and go at step numbers, never at clock times, so
+/// every run is the same (the 2009 report, 6.6.1).
 template <int D>
 class Director {
  public:
-  explicit Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {}
+  explicit Director(SceneSpec<D> scene);
 
   /// Does what is due before the world's next step. Call it once before every Simulation::step.
   void advance(Simulation<D>& world);
@@ -21,7 +21,8 @@ class Director {
  private:
   SceneSpec<D> m_scene;
   std::vector<Handle> m_handles;
-  std::size_t m_next = 0;
+  std::vector<std::pair<long, std::size_t>> m_joints;  // when each is due, sorted
+  std::size_t m_next = 0, m_nextJoint = 0, m_nextEvent = 0;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,8 +53,11 @@ struct NoParams {
 
 /// What a parameter is, for people and programs.
 struct ParamInfo {
+  struct Range {
+    double lo, hi;  // in `unit`; both are valid values
+  };
   std::string name, type, unit, meaning, defaultText;
-  std::string range;                 // "0 .. 10000", or empty
+  std::optional<Range> range;        // of an integer or real
   std::vector<std::string> choices;  // of a choice, flag or stage
   /// The stage whose algorithms it takes; nullptr for one that takes numbers, choices or flags.
   const StageInfo* stage = nullptr;

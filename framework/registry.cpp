@@ -99,11 +99,11 @@ class Describer final : public ParamVisitor {
   std::vector<ParamInfo> infos;
 
   void integer(std::string_view name, int& value, int lo, int hi, std::string_view meaning) override {
-    add(name, "integer", "1", meaning, std::to_string(value)).range = std::to_string(lo) + " .. " + std::to_string(hi);
+    add(name, "integer", "1", meaning, std::to_string(value)).range = {double(lo), double(hi)};
   }
   void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit,
             std::string_view meaning) override {
-    add(name, "real", unit, meaning, numberText(value)).range = numberText(lo) + " .. " + numberText(hi);
+    add(name, "real", unit, meaning, numberText(value)).range = {double(lo), double(hi)};
   }
   void flag(std::string_view name, bool& value, std::string_view meaning) override {
     add(name, "flag", "1", meaning, value ? "true" : "false").choices = {"true", "false"};

@@ -2,6 +2,7 @@
 // A scene as plain data, after its file was read: who comes into the world when.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,11 +22,19 @@ struct SceneSpec {
   struct Joint {
     int bodyA = -1, bodyB = -1;
     JointDef<D> def;  // without the bodies' handles
+    long step = 0;    // not before this step
   };
   struct SpringDef {
     int bodyA = -1, bodyB = -1;
     Vec<D> localA = Vec<D>::Zero(), localB = Vec<D>::Zero();  // in the bodies' own frames; world for -1
     Real restLength = 0, stiffness = 0, damping = 0;
+  };
+  /// What else a script does, before this step and after what comes in it. The kinds of a scene file's [[event]] are
+  /// entries of a table (experiments/trial/scene_event.cpp).
+  struct Event {
+    long step = 0;
+    int body = -1;  // a place in `spawns`
+    std::function<void(Simulation<D>&, Handle)> act;
   };
   /// What must hold at every step of a right run, 0 = no demand. A breach ends the trial with that outcome.
   struct Limits {
@@ -48,6 +57,7 @@ struct SceneSpec {
   long steps = 600;
   std::vector<Spawn> spawns;  // sorted by step
   std::vector<Joint> joints;  // made when the later of their bodies comes
+  std::vector<Event> events;  // sorted by step
   std::vector<SpringDef> springs;
   Limits limits;
   std::optional<Slope> slope;

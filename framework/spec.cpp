@@ -9,6 +9,8 @@ namespace lpc {
 namespace {
 
 // spec := name [ '{' [ key '=' spec { ',' key '=' spec } ] '}' ]
+// A sweep's marks, `*` and `$axis`, may stand where a name or value does: nobody has such a name, so one that is not
+// replaced is refused with the valid ones.
 class Parser {
  public:
   explicit Parser(std::string_view text) : m_text(text) {}
@@ -40,7 +42,7 @@ class Parser {
     skipSpace();
     const std::size_t begin = m_at;
     while (m_at < m_text.size() && (std::isalnum(static_cast<unsigned char>(m_text[m_at])) ||
-                                    std::string_view("_.+-").find(m_text[m_at]) != std::string_view::npos)) {
+                                    std::string_view("_.+-*$").find(m_text[m_at]) != std::string_view::npos)) {
       ++m_at;
     }
     if (m_at == begin) fail(std::string(what) + " is missing");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/contact.h"
+#include "framework/contact_graph.h"
 #include "framework/joint.h"
 #include "framework/registry.h"
 #include "framework/work.h"
@@ -38,6 +39,7 @@ struct SleepInput {
   Real restitutionThreshold;  // m/s
   Vec<D> gravity;             // m/s^2: tells a body that rests from one that is at the top of its flight
   Work& work;
+  const ContactGraph<D>& graph;  // of `manifolds` and `joints`
 };
 
 /// Decides who is awake, once a step before the solver. Changes `awake` and the two scalars per body; the world zeroes
@@ -50,11 +52,5 @@ class SleepPolicy : public Stage {
   virtual void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake,
                       std::span<std::array<Real, 2>> memory) = 0;
 };
-
-/// Groups of dynamic bodies that touch or are jointed: island number by body slot, -1 for bodies that are in none.
-/// Static and kinematic bodies join nobody. Numbers follow the lowest slot.
-template <int D>
-std::vector<std::int32_t> islands(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                                  std::span<const JointRecord<D>> joints);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/contact.h"
+#include "framework/contact_graph.h"
 #include "framework/force.h"
 #include "framework/joint.h"
 #include "framework/registry.h"
@@ -49,6 +50,8 @@ struct StepInput {
   Real restitutionThreshold;  // m/s
   Work& work;
   Profiler& profiler;  // for sub-phases: prepare, warm_start, iterate, integrate, correct, ...
+  /// Of `manifolds` and `joints`, new after detect.again().
+  const ContactGraph<D>& graph;
 };
 
 /// Takes the bodies from the start of a step to its end: velocities, positions, impulses. Sleeping and static bodies
@@ -80,6 +83,9 @@ struct VelocityInput {
   /// Velocities before this step's forces, by slot: what a bounce is measured by, or gravity would raise an elastic
   /// ball step by step. Empty: the bodies' own.
   std::span<const Motion<D>> arrival = {};
+  /// Offsets into `order`: contacts from order[colours[c]] to order[colours[c + 1]] share no dynamic body. Empty:
+  /// `order` has no colours.
+  std::span<const int> colours = {};
 };
 
 /// Changes velocities only, so that contacts stop approaching and joints stop drifting. Starts from the impulses in the
@@ -102,6 +108,7 @@ struct PositionInput {
   const Features& features;
   Work& work;
   Profiler& profiler;
+  std::span<const int> colours = {};  // as in VelocityInput
 };
 
 template <int D>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/box_index.h"
+#include "framework/contact_graph.h"
 #include "framework/contact_order.h"
 #include "framework/simulation.h"
 #include "framework/slots.h"
@@ -76,11 +77,11 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   Motion<D> motion(Handle body) const;  // of its centre of mass
   Real mass(Handle body) const;         // kg, 0 for bodies that forces do not move
   bool awake(Handle body) const;
-  void setPose(Handle body, const Pose<D>& X_WB);
-  void setMotion(Handle body, const Motion<D>& motion);
+  void setPose(Handle body, const Pose<D>& X_WB) override;
+  void setMotion(Handle body, const Motion<D>& motion) override;
   /// A force (N) at a world point, or a torque, for the coming step only. Wakes the body.
-  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point);
-  void applyTorque(Handle body, const Ang<D>& torque);
+  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override;
+  void applyTorque(Handle body, const Ang<D>& torque) override;
   void wake(Handle body);
   /// For a world that only shows what somebody else moves: puts each body that is not fixed at its X_WC with its
   /// motion, by slot. No event, nobody wakes. Precondition: both have bodies().size() entries.
@@ -138,6 +139,7 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   void decideSleep(Real dt);
   void refreshMasses();
   void collectActive();
+  void outdateGraph() { m_graph.reset(m_bodies, m_manifolds, m_joints, m_profiler.frame().work); }
   void finishJoints(Real dt);
   void releaseJoint(const JointRecord<D>& joint);  // tells those whom it held
 
@@ -170,6 +172,7 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   // Scratch and indices, rebuilt in each step.
   std::vector<Manifold<D>> m_oldManifolds;
   ContactOrder m_order;
+  ContactGraph<D> m_graph;
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
   ChildPairs<D> m_children;

@@ -164,6 +164,7 @@ void World<D>::again() {
     }
   }
   collectActive();
+  outdateGraph();
 }
 
 // The members of this file; the class as a whole is instantiated in world.cpp.

@@ -20,7 +20,7 @@ template <int D>
 void World<D>::decideSleep(Real dt) {
   m_awakeBefore = m_bodies.awake;
   stage<SleepPolicy>().decide({dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold,
-                               m_settings.gravity, m_profiler.frame().work},
+                               m_settings.gravity, m_profiler.frame().work, m_graph},
                               m_bodies.awake, m_bodies.sleep);
   for (std::size_t i = 0; i < m_bodies.awake.size(); ++i) {
     if (m_awakeBefore[i] && !m_bodies.awake[i]) m_bodies.motion[i] = {};
@@ -69,6 +69,7 @@ void World<D>::step(Real dt) {
     Profiler::Scope scope(m_profiler, "listeners");
     tellListeners();
   }
+  outdateGraph();
   if (m_settings.features.sleeping) {
     Profiler::Scope scope(m_profiler, "sleep");
     decideSleep(dt);
@@ -79,7 +80,8 @@ void World<D>::step(Real dt) {
     refreshMasses();
     collectActive();
     stage<Solver>().step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this,
-                          m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler});
+                          m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler,
+                          m_graph});
   }
   if (m_settings.features.joints) finishJoints(dt);
   m_boxes.outdate();

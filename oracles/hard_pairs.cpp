@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "oracles/hard_pairs.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -12,24 +13,26 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-enum Family {
-  anywhere,
-  kissingFaces,
-  nearParallel,
-  sharedPlanes,
-  ties,
-  sizeRatio,
-  slivers,
-  farFromOrigin,
-  coreContact,
-  curvedOnEdge,
-  belowTolerance,
-  nastyHulls,
-  kFamilyCount
+template <int D>
+class Drawer;
+
+/// A family: how its shapes are, how it lays B beside A, and how far from a plane. `random` is the first.
+template <int D>
+struct Family {
+  std::string_view name;
+  /// Lays out X_AB. n: a direction that often tells; size: both radii together, smaller: the smaller of them (m).
+  void (Drawer<D>::*layOut)(HardPair<D>&, const Vec<D>& n, Real size, Real smaller);
+  /// The gap between a shape of this size and a plane, as the family has it between two shapes (m).
+  Real (Drawer<D>::*gap)(Real size);
+  bool tilted = false;    // on a plane: as a thing lies on the floor, not anyhow
+  bool level = false;     // both shapes between the same two planes
+  bool equal = false;     // sizes, and sometimes shapes, are the same
+  bool unlike = false;    // one is up to 10,000 times as large as the other
+  bool thin = false;      // one, sometimes both, a ten-thousandth as thick as long
+  bool roundedB = false;  // B is rounded
+  bool nasty = false;     // hulls that were seen to make others stumble; needs a polytope
+  bool far = false;       // from the world's origin, up to 1e7 sizes
 };
-constexpr std::array<std::string_view, kFamilyCount> kNames = {
-    "random",          "kissing_faces", "near_parallel",  "shared_planes",   "ties",       "size_ratio", "slivers",
-    "far_from_origin", "core_contact",  "curved_on_edge", "below_tolerance", "nasty_hulls"};
 
 constexpr double kQuarterTurn = 1.57079632679489661923;
 
@@ -41,27 +44,70 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
  public:
   explicit Drawer(std::uint64_t seed) : m_random(seed) {}
 
-  HardPair<D> draw(ShapeKind kindA, ShapeKind kindB) {
-    const bool polytope = kindA == ShapeKind::polytope || kindB == ShapeKind::polytope;
-    const auto drawn = static_cast<int>(1 + m_random.below(16));
-    m_family = drawn < kFamilyCount ? static_cast<Family>(drawn) : anywhere;
-    if (m_family == nastyHulls && !polytope) m_family = belowTolerance;
-    m_scale = number({1e-3, 1, 1e3});
-    m_height = length();
-    const bool largeA = coin();
-    const double ratio = m_family == sizeRatio ? number({1e2, 1e3, 1e4}) : 1;
-    std::vector<Vec<D>> pointsA, pointsB;
-    HardPair<D> pair{.a = shape(kindA, largeA ? ratio : 1, true, pointsA),
-                     .b = shape(kindB, largeA ? 1 : ratio, false, pointsB),
-                     .family = kNames[m_family],
-                     .scale = m_scale};
-    if (m_family == ties && kindA == kindB && coin()) pair.b = pair.a, pointsB = pointsA;
-    pair.pointsA = std::move(pointsA), pair.pointsB = std::move(pointsB);
-    const bool plane = coreClass(kindA) == CoreClass::plane || coreClass(kindB) == CoreClass::plane;
-    plane ? layOnPlane(pair) : layOut(pair);
-    place(pair);
-    return pair;
+  HardPair<D> draw(ShapeKind kindA, ShapeKind kindB);
+
+  // --- gaps to a plane ---
+  Real gapOfRounding(Real size) {
+    return size * std::numeric_limits<Real>::epsilon() * pick({0, 1, -1, 2, -2, 3, -3, 4, -4});
   }
+  Real tinyGap(Real size) { return size * pick({1e-4, -1e-4, 1e-6, -1e-6, 1e-8, -1e-8, 1e-9, -1e-9, 1e-12, -1e-12}); }
+  Real wholeDepth(Real size) { return -size * pick({1, 0.5, 0}); }
+  Real anyGap(Real size) { return size * uniform(-1.5, 1.5); }
+
+  // --- layouts ---
+  void faceOnFace(HardPair<D>& pair, const Vec<D>&, Real size, Real smaller) {
+    lay(pair, gapOfRounding(size), smaller);
+  }
+  void almostParallel(HardPair<D>& pair, const Vec<D>&, Real, Real smaller) {
+    const double angle = number({0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3});
+    Ang<D> v;
+    for (int k = 0; k < kAngDim<D>; ++k) v[k] = static_cast<Real>(angle * number({1, 0, -1}));
+    pair.X_AB.q = turn(v);
+    lay(pair, smaller * uniform(-0.3, 0.2), smaller);
+  }
+  void besideEachOther(HardPair<D>& pair, const Vec<D>&, Real size, Real) {
+    for (int k = 0; k < D - 1; ++k) pair.X_AB.p[k] = coin() ? uniform(-1, 1) * size / 2 : Real(0);
+  }
+  void byQuarters(HardPair<D>& pair, const Vec<D>& n, Real, Real smaller) {
+    if (coin()) {
+      Ang<D> v = Ang<D>::Zero();
+      v[static_cast<int>(m_random.below(kAngDim<D>))] = static_cast<Real>(kQuarterTurn * number({0, 0.5, 1}));
+      pair.X_AB.q = turn(v);
+    }
+    if (coin()) touch(pair, n, -smaller * pick({0, 0.1, 0.5}));
+  }
+  void aroundTouching(HardPair<D>& pair, const Vec<D>& n, Real size, Real smaller) {
+    if (coin()) {
+      lay(pair, smaller * uniform(-0.5, 0.5), size);
+      return;
+    }
+    pair.X_AB.q = anyRotation();
+    touch(pair, n, smaller * uniform(-0.5, 0.5));
+  }
+  void throughEachOther(HardPair<D>& pair, const Vec<D>& n, Real, Real smaller) {
+    pair.X_AB.q = anyRotation();
+    if (coin()) {  // an inner point of A is one of B
+      const Vec<D> a = uniform(0, 1) * coreSupport(pair.a.view(), n);
+      const Vec<D> b = uniform(0, 1) * coreSupport(pair.b.view(), telling());
+      pair.X_AB.p = a - pair.X_AB.q * b;
+    } else {
+      const Real most = smaller * pick({0.1, 1e-4, 1e-5});
+      touch(pair, n, most * uniform(-1, 1));
+    }
+  }
+  void originOnCore(HardPair<D>& pair, const Vec<D>& n, Real, Real) {
+    if (coin()) pair.X_AB.q = anyRotation();
+    pair.X_AB.p = pick({0, 0.5, 1}) * coreSupport(pair.a.view(), n);
+  }
+  void barelyTouching(HardPair<D>& pair, const Vec<D>& n, Real, Real smaller) {
+    pair.X_AB.q = anyRotation();
+    touch(pair, n, smaller * pick({0, 1e-8, -1e-8, 1e-4, -1e-4}));
+  }
+  void withinTolerances(HardPair<D>& pair, const Vec<D>& n, Real size, Real) {
+    if (coin()) pair.X_AB.q = anyRotation();
+    touch(pair, n, size * pick({1e-6, -1e-6, 1e-7, -1e-7, 1e-8, -1e-8, 1e-9, -1e-9, 1e-12, -1e-12}));
+  }
+  void anyhow(HardPair<D>& pair, const Vec<D>&, Real size, Real smaller) { scatter(pair, size, smaller); }
 
  private:
   bool coin() { return m_random.below(2) == 1; }
@@ -91,24 +137,24 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
   Vec<D> half() {
     Vec<D> h;
     for (int k = 0; k < D; ++k) h[k] = length();
-    if (m_family == ties && coin()) h.setConstant(Real(h[0]));
-    if (m_family == sharedPlanes) h[D - 1] = m_height;
+    if (m_family->equal && coin()) h.setConstant(Real(h[0]));
+    if (m_family->level) h[D - 1] = m_height;
     return h;
   }
 
   Shape<D> shape(ShapeKind kind, double ratio, bool first, std::vector<Vec<D>>& points) {
     const Real large = static_cast<Real>(ratio);
     const int thinAxis = axis();
-    const Real thin = m_family == slivers && (first || coin()) ? Real(1e-4) : Real(1);
-    bool rounded = m_random.below(4) == 0 && m_family != sharedPlanes;
-    if (m_family == curvedOnEdge && !first) rounded = true;
+    const Real thin = m_family->thin && (first || coin()) ? Real(1e-4) : Real(1);
+    bool rounded = m_random.below(4) == 0 && !m_family->level;
+    if (m_family->roundedB && !first) rounded = true;
     const Real rounding = rounded ? thin * large * length() / 4 : Real(0);
     switch (coreClass(kind)) {
       case CoreClass::point:
-        return Shape<D>::sphere(large * (m_family == sharedPlanes ? m_height : length()));
+        return Shape<D>::sphere(large * (m_family->level ? m_height : length()));
       case CoreClass::segment: {
         if (kind == ShapeKind::segment) return Shape<D>::segment(large * length());
-        const Real radius = m_family == sharedPlanes ? m_height : length() / 2;
+        const Real radius = m_family->level ? m_height : length() / 2;
         return Shape<D>::capsule(large * length(), thin * large * radius);
       }
       case CoreClass::box: {
@@ -120,8 +166,8 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
       case CoreClass::curved: {
         std::vector<Real> sizes;
         for (std::size_t i = 0; i < curvedKind<D>(kind).sizes.size(); ++i) sizes.push_back(large * length());
-        if (m_family == ties && coin()) sizes.assign(sizes.size(), Real(sizes[0]));
-        if (m_family == sharedPlanes) sizes[0] = m_height;
+        if (m_family->equal && coin()) sizes.assign(sizes.size(), Real(sizes[0]));
+        if (m_family->level) sizes[0] = m_height;
         sizes[static_cast<std::size_t>(thinAxis) % sizes.size()] *= thin;
         return Shape<D>::curved(kind, sizes, rounding);
       }
@@ -130,7 +176,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
       case CoreClass::hull:
         break;
     }
-    points = m_family == sharedPlanes ? prism() : m_family == nastyHulls ? nasty() : cloud();
+    points = m_family->level ? prism() : m_family->nasty ? nasty() : cloud();
     for (Vec<D>& p : points) p *= large, p[thinAxis] *= thin;
     return Shape<D>::polytope(std::span<const Vec<D>>(points), rounding);
   }
@@ -212,34 +258,17 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     }
   }
 
-  // The gap between a shape of this size and a plane, as the family has it between two shapes.
-  Real gapOf(Real size) {
-    switch (m_family) {
-      case kissingFaces:
-      case sharedPlanes:
-        return size * std::numeric_limits<Real>::epsilon() * pick({0, 1, -1, 2, -2, 3, -3, 4, -4});
-      case belowTolerance:
-      case curvedOnEdge:
-        return size * pick({1e-4, -1e-4, 1e-6, -1e-6, 1e-8, -1e-8, 1e-9, -1e-9, 1e-12, -1e-12});
-      case coreContact:
-        return -size * pick({1, 0.5, 0});
-      default:
-        return size * uniform(-1.5, 1.5);
-    }
-  }
-  // As a thing lies on the floor, tilted as `nearParallel` and `ties` are, or anyhow.
+  // As a thing lies on the floor, a little tilted or turned by quarters, or anyhow.
   void layOnPlane(HardPair<D>& pair) {
     const bool planeA = pair.a.view().core() == CoreClass::plane;
     const ShapeView<D>& body = (planeA ? pair.b : pair.a).view();
-    const Real size = boundingRadius(body), gap = gapOf(size);
+    const Real size = boundingRadius(body), gap = (this->*m_family->gap)(size);
     Pose<D> X_PB;  // the body in the plane's frame
     Ang<D> v;
     const double angle = number({0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3}), quarter = kQuarterTurn * number({0, 0.5, 1, 2});
     for (int k = 0; k < kAngDim<D>; ++k) v[k] = static_cast<Real>(angle * number({1, 0, -1}));
     v[kAngDim<D> - 1] += static_cast<Real>(quarter);  // about z: from lying to standing
-    const bool tilted =
-        m_family == nearParallel || m_family == ties || m_family == kissingFaces || m_family == sharedPlanes;
-    X_PB.q = tilted ? turn(v) : anyRotation();
+    X_PB.q = m_family->tilted ? turn(v) : anyRotation();
     for (int k = 0; k < D; ++k) X_PB.p[k] = size * uniform(-1, 1);
     const Vec<D> down = X_PB.q.inverse() * Vec<D>(-Vec<D>::Unit(1));
     X_PB.p[1] = gap + coreSupport(body, down).dot(down) + body.radius;
@@ -249,72 +278,14 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
   // X_AB as meant.
   void layOut(HardPair<D>& pair) {
     const Real ra = boundingRadius(pair.a.view()), rb = boundingRadius(pair.b.view());
-    const Real size = ra + rb, smaller = std::min(ra, rb);
     const Vec<D> n = telling();
-    switch (m_family) {
-      case kissingFaces:
-        lay(pair, size * std::numeric_limits<Real>::epsilon() * pick({0, 1, -1, 2, -2, 3, -3, 4, -4}), smaller);
-        return;
-      case nearParallel: {
-        const double angle = number({0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3});
-        Ang<D> v;
-        for (int k = 0; k < kAngDim<D>; ++k) v[k] = static_cast<Real>(angle * number({1, 0, -1}));
-        pair.X_AB.q = turn(v);
-        lay(pair, smaller * uniform(-0.3, 0.2), smaller);
-        return;
-      }
-      case sharedPlanes:
-        for (int k = 0; k < D - 1; ++k) pair.X_AB.p[k] = coin() ? uniform(-1, 1) * size / 2 : Real(0);
-        return;
-      case ties:
-        if (coin()) {
-          Ang<D> v = Ang<D>::Zero();
-          v[static_cast<int>(m_random.below(kAngDim<D>))] = static_cast<Real>(kQuarterTurn * number({0, 0.5, 1}));
-          pair.X_AB.q = turn(v);
-        }
-        if (coin()) touch(pair, n, -smaller * pick({0, 0.1, 0.5}));
-        return;
-      case sizeRatio:
-        if (coin()) {
-          lay(pair, smaller * uniform(-0.5, 0.5), size);
-          return;
-        }
-        pair.X_AB.q = anyRotation();
-        touch(pair, n, smaller * uniform(-0.5, 0.5));
-        return;
-      case slivers:
-        pair.X_AB.q = anyRotation();
-        if (coin()) {  // an inner point of A is one of B
-          const Vec<D> a = uniform(0, 1) * coreSupport(pair.a.view(), n);
-          const Vec<D> b = uniform(0, 1) * coreSupport(pair.b.view(), telling());
-          pair.X_AB.p = a - pair.X_AB.q * b;
-        } else {
-          const Real most = smaller * pick({0.1, 1e-4, 1e-5});
-          touch(pair, n, most * uniform(-1, 1));
-        }
-        return;
-      case coreContact:
-        if (coin()) pair.X_AB.q = anyRotation();
-        pair.X_AB.p = pick({0, 0.5, 1}) * coreSupport(pair.a.view(), n);
-        return;
-      case curvedOnEdge:
-        pair.X_AB.q = anyRotation();
-        touch(pair, n, smaller * pick({0, 1e-8, -1e-8, 1e-4, -1e-4}));
-        return;
-      case belowTolerance:
-        if (coin()) pair.X_AB.q = anyRotation();
-        touch(pair, n, size * pick({1e-6, -1e-6, 1e-7, -1e-7, 1e-8, -1e-8, 1e-9, -1e-9, 1e-12, -1e-12}));
-        return;
-      default:
-        scatter(pair, size, smaller);
-        return;
-    }
+    (this->*m_family->layOut)(pair, n, ra + rb, std::min(ra, rb));
   }
 
   // The pair as a whole: half of the families' stand in A's frame as laid out, the others are turned or carried away.
   void place(HardPair<D>& pair) {
     const auto where = m_random.below(4);
-    if (m_family == farFromOrigin) {
+    if (m_family->far) {
       pair.offset = number({1e2, 1e3, 1e5, 1e7});
     } else if (where == 3) {
       pair.offset = number({1e2, 1e5});
@@ -334,10 +305,53 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
   }
 
   Random m_random;
-  Family m_family = anywhere;
+  const Family<D>* m_family = nullptr;
   double m_scale = 1;
-  Real m_height = 0;  // shared by both shapes of `sharedPlanes`
+  Real m_height = 0;  // of both shapes of a `level` family
 };
+
+template <int D>
+constexpr std::array<Family<D>, 12> kFamilies = {{
+    {.name = "random", .layOut = &Drawer<D>::anyhow, .gap = &Drawer<D>::anyGap},
+    {.name = "kissing_faces", .layOut = &Drawer<D>::faceOnFace, .gap = &Drawer<D>::gapOfRounding, .tilted = true},
+    {.name = "near_parallel", .layOut = &Drawer<D>::almostParallel, .gap = &Drawer<D>::anyGap, .tilted = true},
+    {.name = "shared_planes",
+     .layOut = &Drawer<D>::besideEachOther,
+     .gap = &Drawer<D>::gapOfRounding,
+     .tilted = true,
+     .level = true},
+    {.name = "ties", .layOut = &Drawer<D>::byQuarters, .gap = &Drawer<D>::anyGap, .tilted = true, .equal = true},
+    {.name = "size_ratio", .layOut = &Drawer<D>::aroundTouching, .gap = &Drawer<D>::anyGap, .unlike = true},
+    {.name = "slivers", .layOut = &Drawer<D>::throughEachOther, .gap = &Drawer<D>::anyGap, .thin = true},
+    {.name = "far_from_origin", .layOut = &Drawer<D>::anyhow, .gap = &Drawer<D>::anyGap, .far = true},
+    {.name = "core_contact", .layOut = &Drawer<D>::originOnCore, .gap = &Drawer<D>::wholeDepth},
+    {.name = "curved_on_edge", .layOut = &Drawer<D>::barelyTouching, .gap = &Drawer<D>::tinyGap, .roundedB = true},
+    {.name = "below_tolerance", .layOut = &Drawer<D>::withinTolerances, .gap = &Drawer<D>::tinyGap},
+    {.name = "nasty_hulls", .layOut = &Drawer<D>::anyhow, .gap = &Drawer<D>::anyGap, .nasty = true},
+}};
+
+template <int D>
+HardPair<D> Drawer<D>::draw(ShapeKind kindA, ShapeKind kindB) {
+  const bool polytope = kindA == ShapeKind::polytope || kindB == ShapeKind::polytope;
+  const std::size_t drawn = 1 + m_random.below(16);  // a third are of no family: `random`
+  m_family = &kFamilies<D>[drawn < kFamilies<D>.size() ? drawn : 0];
+  if (m_family->nasty && !polytope) --m_family;  // the one before: below_tolerance
+  m_scale = number({1e-3, 1, 1e3});
+  m_height = length();
+  const bool largeA = coin();
+  const double ratio = m_family->unlike ? number({1e2, 1e3, 1e4}) : 1;
+  std::vector<Vec<D>> pointsA, pointsB;
+  HardPair<D> pair{.a = shape(kindA, largeA ? ratio : 1, true, pointsA),
+                   .b = shape(kindB, largeA ? 1 : ratio, false, pointsB),
+                   .family = m_family->name,
+                   .scale = m_scale};
+  if (m_family->equal && kindA == kindB && coin()) pair.b = pair.a, pointsB = pointsA;
+  pair.pointsA = std::move(pointsA), pair.pointsB = std::move(pointsB);
+  const bool plane = coreClass(kindA) == CoreClass::plane || coreClass(kindB) == CoreClass::plane;
+  plane ? layOnPlane(pair) : layOut(pair);
+  place(pair);
+  return pair;
+}
 
 // The five kinds that were there first have numbers, so that their pairs stay what they are; others go by their names.
 std::uint64_t numberOf(ShapeKind a, ShapeKind b) {
@@ -354,7 +368,14 @@ std::uint64_t numberOf(ShapeKind a, ShapeKind b) {
 
 }  // namespace
 
-std::span<const std::string_view> hardPairFamilies() { return kNames; }
+std::span<const std::string_view> hardPairFamilies() {
+  static const auto names = [] {
+    std::array<std::string_view, kFamilies<3>.size()> out;
+    std::transform(kFamilies<3>.begin(), kFamilies<3>.end(), out.begin(), [](const auto& f) { return f.name; });
+    return out;
+  }();
+  return names;
+}
 
 template <int D>
 HardPair<D> hardPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {

@@ -10,9 +10,6 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr std::array<std::string_view, 9> kNames = {"huge_ratio", "thin",    "touching", "parallel_faces", "separated",
-                                                    "contained",  "shallow", "deep",     "undecided"};
-
 template <int D>
 Vecd<3> direction3(const Vec<D>& v) {
   Vecd<3> out = Vecd<3>::Zero();
@@ -81,29 +78,63 @@ double width(const ShapeView<D>& shape, const Vecd<D>& n) {
   return static_cast<double>(supportValue(shape, d)) + static_cast<double>(supportValue(shape, Vec<D>(-d)));
 }
 
+// What the regimes are told by.
+template <int D>
+struct Facts {
+  const ShapeView<D>&a, &b;
+  Vecd<2> sidesA, sidesB;
+  double smaller, larger;  // of the two longest sides (m)
+  Vecd<D> nA, nB;          // the referee's normal, in each shape's frame
+  double phi;              // separation (m)
+};
+
+template <int D>
+bool isThin(const ShapeView<D>& s, const Vecd<2>& side) {
+  return s.kind != ShapeKind::segment && side[1] < 1e-3 * side[0];
+}
+
+template <int D>
+struct Regime {
+  std::string_view name;
+  bool (*holds)(const Facts<D>&);
+};
+// The first that holds; the last one does.
+template <int D>
+constexpr std::array<Regime<D>, 8> kRegimes = {{
+    {"huge_ratio", [](const Facts<D>& f) { return f.larger >= 100 * f.smaller; }},
+    {"thin", [](const Facts<D>& f) { return isThin(f.a, f.sidesA) || isThin(f.b, f.sidesB); }},
+    {"touching", [](const Facts<D>& f) { return std::abs(f.phi) < 1e-6 * f.smaller; }},
+    {"parallel_faces", [](const Facts<D>& f) { return facesAlong<D>(f.a, f.nA) && facesAlong<D>(f.b, -f.nB); }},
+    {"separated", [](const Facts<D>& f) { return f.phi > 0; }},
+    // Along n, A ends at its reach and B begins at A's end + phi: the far ends tell who lies within whom.
+    {"contained", [](const Facts<D>& f) { return -f.phi >= std::min(width<D>(f.a, f.nA), width<D>(f.b, f.nB)); }},
+    {"shallow", [](const Facts<D>& f) { return -f.phi <= 0.1 * f.smaller; }},
+    {"deep", [](const Facts<D>&) { return true; }},
+}};
+constexpr std::string_view kUndecided = "undecided";
+
 }  // namespace
 
-std::span<const std::string_view> regimeNames() { return kNames; }
+std::span<const std::string_view> regimeNames() {
+  static const auto names = [] {
+    std::array<std::string_view, kRegimes<3>.size() + 1> out;
+    std::transform(kRegimes<3>.begin(), kRegimes<3>.end(), out.begin(), [](const auto& r) { return r.name; });
+    out.back() = kUndecided;
+    return out;
+  }();
+  return names;
+}
 
 template <int D>
 std::string_view regimeOf(const HardPair<D>& pair, const RefereeAnswer<D>& truth) {
-  if (!truth.decided) return "undecided";
+  if (!truth.decided) return kUndecided;
   const ShapeView<D>&a = pair.a.view(), &b = pair.b.view();
   const Vecd<2> sidesA = sides(a, b), sidesB = sides(b, a);
   const auto ratio = std::minmax(sidesA[0], sidesB[0]);
-  const auto isThin = [](const ShapeView<D>& s, const Vecd<2>& side) {
-    return s.kind != ShapeKind::segment && side[1] < 1e-3 * side[0];
-  };
   const Vecd<D> n = truth.normal, nB = pair.X_AB.q.matrix().template cast<double>().transpose() * n;
-  const double phi = truth.interval().middle(), smaller = ratio.first;
-  if (ratio.second >= 100 * ratio.first) return "huge_ratio";
-  if (isThin(a, sidesA) || isThin(b, sidesB)) return "thin";
-  if (std::abs(phi) < 1e-6 * smaller) return "touching";
-  if (facesAlong<D>(a, n) && facesAlong<D>(b, -nB)) return "parallel_faces";
-  if (phi > 0) return "separated";
-  // Along n, A ends at its reach and B begins at A's end + phi: the far ends tell who lies within whom.
-  if (-phi >= std::min(width<D>(a, n), width<D>(b, nB))) return "contained";
-  return -phi <= 0.1 * smaller ? "shallow" : "deep";
+  const Facts<D> facts{a, b, sidesA, sidesB, ratio.first, ratio.second, n, nB, truth.interval().middle()};
+  const auto holds = [&](const Regime<D>& r) { return r.holds(facts); };
+  return std::find_if(kRegimes<D>.begin(), kRegimes<D>.end(), holds)->name;
 }
 
 template std::string_view regimeOf(const HardPair<2>&, const RefereeAnswer<2>&);

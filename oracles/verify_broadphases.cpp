@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
-#include <array>
+#include <iterator>
+#include <string_view>
 
 #include "framework/random.h"
 #include "oracles/verdict.h"
@@ -9,9 +10,29 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-enum Family { scattered, touching, zeroSize, identical, huge, farOut, thin, mixed, kFamilyCount };
-constexpr std::array<std::string_view, kFamilyCount> kNames = {"scattered", "touching",        "zero_size", "identical",
-                                                               "huge",      "far_from_origin", "thin",      "mixed"};
+/// A family of boxes: what it makes of a box that was scattered, per axis.
+struct Family {
+  std::string_view name;
+  void (*shape)(Random& random, int dimension, bool large, double& at, double& size);  // m; `large`: one box in six
+};
+constexpr Family kFamilies[] = {
+    {"scattered", [](Random&, int, bool, double&, double&) {}},
+    {"touching",  // whole numbers: most neighbours touch exactly
+     [](Random& random, int, bool, double& at, double& size) {
+       at = static_cast<double>(random.below(12)) - 6, size = static_cast<double>(random.below(4));
+     }},
+    {"zero_size",
+     [](Random& random, int, bool, double& at, double& size) { at = static_cast<double>(random.below(4)), size = 0; }},
+    {"identical", [](Random&, int, bool, double& at, double& size) { at = 1, size = 2; }},
+    {"huge",
+     [](Random&, int, bool large, double& at, double& size) {
+       if (large) at = -5e6, size = 1e7;
+     }},
+    {"far_from_origin", [](Random&, int, bool large, double& at, double&) { at += large ? 3e7 : 1e5; }},
+    {"thin", [](Random& random, int dimension, bool, double&,
+                double& size) { size = random.below(static_cast<std::uint64_t>(dimension)) == 0 ? 15 : 1e-3; }},
+};
+constexpr std::string_view kMixed = "mixed";  // each box from another family
 constexpr int kSteps = 6;
 
 /// Boxes that come, move and go, as a broadphase is told about them.
@@ -20,11 +41,12 @@ class BoxSet {
  public:
   BoxSet(std::uint64_t seed, int index) : m_random(seed * 1000003 + static_cast<std::uint64_t>(index)) {
     m_random = Random(m_random.next());
-    m_family = static_cast<Family>(m_random.below(kFamilyCount));
+    const auto family = m_random.below(std::size(kFamilies) + 1);
+    m_family = family < std::size(kFamilies) ? &kFamilies[family] : nullptr;
     m_proxies.resize(static_cast<int>(2 + m_random.below(120)));
   }
 
-  std::string_view family() const { return kNames[m_family]; }
+  std::string_view family() const { return m_family ? m_family->name : kMixed; }
   const Proxies<D>& proxies() const { return m_proxies; }
   ProxyChanges changes() const { return {m_added, m_removed, m_moved}; }
 
@@ -55,32 +77,11 @@ class BoxSet {
  private:
   Aabb<D> drawBox() {
     Aabb<D> box;
-    const Family family = m_family == mixed ? static_cast<Family>(m_random.below(mixed)) : m_family;
+    const Family& family = m_family ? *m_family : kFamilies[m_random.below(std::size(kFamilies))];
     const bool large = m_random.below(6) == 0;
     for (int d = 0; d < D; ++d) {
       double at = m_random.uniform(-12, 12), size = m_random.uniform(0.1, 3);
-      switch (family) {
-        case touching:  // whole numbers: most neighbours touch exactly
-          at = static_cast<double>(m_random.below(12)) - 6, size = static_cast<double>(m_random.below(4));
-          break;
-        case zeroSize:
-          at = static_cast<double>(m_random.below(4)), size = 0;
-          break;
-        case identical:
-          at = 1, size = 2;
-          break;
-        case huge:
-          if (large) at = -5e6, size = 1e7;
-          break;
-        case farOut:
-          at += large ? 3e7 : 1e5;
-          break;
-        case thin:
-          size = m_random.below(D) == 0 ? 15 : 1e-3;
-          break;
-        default:
-          break;
-      }
+      family.shape(m_random, D, large, at, size);
       box.lo[d] = static_cast<Real>(at), box.hi[d] = static_cast<Real>(at + size);
     }
     return box;
@@ -114,7 +115,7 @@ class BoxSet {
   }
 
   Random m_random;
-  Family m_family = scattered;
+  const Family* m_family = nullptr;  // none: mixed
   Proxies<D> m_proxies;
   std::vector<ProxyId> m_added, m_removed, m_moved;
 };

@@ -81,8 +81,8 @@ class Nonlinear final : public PositionResolver<D> {
   }
 
  private:
-  // A contact, or of a joint either all that is wrong in metres or all that is wrong in radians. A radian counts as much
-  // as a metre when the deepest is sought.
+  // A contact, or of a joint either all that is wrong in metres or all that is wrong in radians. A radian counts as
+  // much as a metre when the deepest is sought.
   struct Item {
     int a, b;  // a -1: the world
     Vec<D> normal, localA, localB;

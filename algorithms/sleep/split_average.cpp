@@ -49,7 +49,7 @@ class SplitAverage final : public SleepPolicy<D> {
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
     const std::size_t n = awake.size();
     m_woken.assign(n, 0);
-    groupByJoints(in, n);
+    m_group = in.graph.jointedGroups();
     wakeByEvents(in, awake);
     wakeByBlows(in, awake);
     wakeJointed(in, awake);
@@ -172,32 +172,17 @@ class SplitAverage final : public SleepPolicy<D> {
     }
   }
 
-  // m_group: the lowest slot of those dynamic bodies that joints connect.
-  void groupByJoints(const SleepInput<D>& in, std::size_t n) {
-    m_group.resize(n);
-    for (std::size_t i = 0; i < n; ++i) m_group[i] = static_cast<std::int32_t>(i);
-    for (const JointRecord<D>& j : in.joints) {
-      if (!j.active() || j.bodyA < 0 || !dynamic(in, j.bodyA) || !dynamic(in, j.bodyB)) continue;
-      const std::int32_t a = root(j.bodyA), b = root(j.bodyB);
-      m_group[index(std::max(a, b))] = std::min(a, b);
-    }
-    for (std::size_t i = 0; i < n; ++i) m_group[i] = root(static_cast<std::int32_t>(i));
-  }
-  std::int32_t root(std::int32_t i) {
-    while (m_group[index(i)] != i) i = m_group[index(i)] = m_group[index(m_group[index(i)])];
-    return i;
-  }
-
   void wakeJointed(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
     if (in.joints.empty()) return;
     m_flag.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {
       const auto slot = static_cast<std::int32_t>(i);
       const bool restless = dynamic(in, slot) && awake[i] && moves(in, slot);
-      if (m_woken[i] || restless) m_flag[index(m_group[i])] = 1;
+      if (dynamic(in, slot) && (m_woken[i] || restless)) m_flag[index(m_group[i])] = 1;
     }
     for (std::size_t i = 0; i < awake.size(); ++i) {
-      if (m_flag[index(m_group[i])]) wake(in, awake, static_cast<std::int32_t>(i));
+      const auto slot = static_cast<std::int32_t>(i);
+      if (dynamic(in, slot) && m_flag[index(m_group[i])]) wake(in, awake, slot);
     }
   }
 
@@ -271,15 +256,16 @@ class SplitAverage final : public SleepPolicy<D> {
       if (m_stands[i]) m_next[index(m_group[i])] = 1;
     }
     for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (!m_calm[i]) continue;
       const std::size_t group = index(m_group[i]);
-      if (m_calm[i] && !m_flag[group] && m_next[group] > 0) awake[i] = 0;
+      if (!m_flag[group] && m_next[group] > 0) awake[i] = 0;
     }
   }
 
   Params m_params;
   // Scratch of one decision, by body slot.
   std::vector<std::uint8_t> m_woken, m_calm, m_stands, m_flag, m_front;
-  std::vector<std::int32_t> m_group;
+  std::span<const std::int32_t> m_group;  // of jointed bodies; -1 where a body is not dynamic
   std::vector<Real> m_speed, m_next;
 };
 

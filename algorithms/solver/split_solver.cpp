@@ -12,7 +12,7 @@ namespace {
 
 using namespace solver;
 
-enum class Order { stored, reverse, random, bottomUp };
+enum class Order { stored, reverse, random, bottomUp, coloured };
 enum class Loop { solveMove, resolveThenForceMove };
 
 // Forces, velocities and positions by three methods of one's choice, one after the other.
@@ -28,7 +28,8 @@ class SplitSolver final : public Solver<D> {
       v.stage("velocity", velocity, StageKind::velocity, "makes contacts stop approaching");
       v.stage("position", position, StageKind::position, "removes penetration and joint errors");
       v.stage("integrator", integrator, StageKind::integrator, "free motion under forces");
-      v.choice("order", order, {"stored", "reverse", "random", "bottom_up"}, "in which contacts are solved");
+      v.choice("order", order, {"stored", "reverse", "random", "bottom_up", "coloured"},
+               "in which contacts are solved");
       v.choice("loop", loop, {"solve_move", "resolve_then_force_move"},
                "contacts solved with this step's forces, or before them as in 2009");
       v.integer("seed", seed, 0, 1000000000, "of order=random");
@@ -74,6 +75,8 @@ class SplitSolver final : public Solver<D> {
 
  private:
   void arrange(const StepInput<D>& in) {
+    m_colours.clear();
+    if (m_params.order == Order::coloured) return in.graph.colour(in.active, m_order, m_colours);
     m_order.assign(in.active.begin(), in.active.end());
     if (m_params.order == Order::reverse) std::reverse(m_order.begin(), m_order.end());
     if (m_params.order == Order::random) {
@@ -107,7 +110,7 @@ class SplitSolver final : public Solver<D> {
   void solveVelocities(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.velocity");
     m_velocity->solve({in.dt, in.lastDt, in.bodies, in.manifolds, m_order, in.joints, *m_position, in.features,
-                       in.restitutionThreshold, in.work, in.profiler, m_arrival});
+                       in.restitutionThreshold, in.work, in.profiler, m_arrival, m_colours});
   }
   void move(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.move");
@@ -117,14 +120,15 @@ class SplitSolver final : public Solver<D> {
   }
   void correct(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.position");
-    m_position->correct({in.dt, in.bodies, in.manifolds, m_order, in.joints, in.features, in.work, in.profiler});
+    m_position->correct(
+        {in.dt, in.bodies, in.manifolds, m_order, in.joints, in.features, in.work, in.profiler, m_colours});
   }
 
   Params m_params;
   std::unique_ptr<VelocityResolver<D>> m_velocity;
   std::unique_ptr<PositionResolver<D>> m_position;
   std::unique_ptr<Integrator<D>> m_integrator;
-  std::vector<int> m_order;
+  std::vector<int> m_order, m_colours;
   std::vector<Real> m_height;
   std::vector<Motion<D>> m_drift, m_free, m_arrival;
 };

@@ -9,7 +9,10 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/locations.h"
+#include "experiments/trial/box_distribution.h"
 #include "experiments/trial/output_file.h"
+#include "experiments/trial/pair_drawing.h"
+#include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_file.h"
 #include "framework/curved_core.h"
 
@@ -65,10 +68,44 @@ json describeShapes() {
   return out;
 }
 
+// Ways to lay out boxes and to draw pairs, for sweeps of the kinds `boxes` and `pairs`.
+template <class Entry>
+json describeEntries(const std::vector<Entry>& table) {
+  json out = json::array();
+  for (const Entry& e : table) {
+    out.push_back({{"name", e.info.name}, {"summary", e.info.meaning}, {"params", describeParams(e.info.params)}});
+  }
+  return out;
+}
+
+json describeEvents() {
+  json out = json::array();
+  for (const auto& kind : eventKinds<3>())
+    out.push_back({{"name", kind.name}, {"summary", kind.meaning}, {"params", json::array()}});
+  return out;
+}
+
 std::string dimensionsText(const json& dimensions) {
   std::string text;
   for (const json& d : dimensions) text += (text.empty() ? "" : " ") + std::to_string(d.get<int>()) + "D";
   return text;
+}
+
+std::string rangeText(const json& range) {
+  if (range.is_null()) return "";
+  const auto number = [](const json& n) { return n.is_number_integer() ? n.dump() : asText(n.get<double>()); };
+  return number(range[0]) + " .. " + number(range[1]);
+}
+
+void printParams(const json& params) {
+  for (const json& p : params) {
+    std::string valid = rangeText(p["range"]);
+    for (const json& c : p["choices"]) valid += (valid.empty() ? "" : " | ") + c.get<std::string>();
+    std::printf("      %s=%s%s%s%s  %s\n", p["name"].get<std::string>().c_str(),
+                p["default"].get<std::string>().c_str(), p["unit"] == "1" ? "" : " ",
+                p["unit"] == "1" ? "" : p["unit"].get<std::string>().c_str(),
+                valid.empty() ? "" : ("  (" + valid + ")").c_str(), p["meaning"].get<std::string>().c_str());
+  }
 }
 
 void print(const json& all) {
@@ -81,13 +118,15 @@ void print(const json& all) {
     const std::string role = a["role"] == "competitor" ? "" : " (" + a["role"].get<std::string>() + ")";
     std::printf("  %-22s %-6s %s%s\n", a["name"].get<std::string>().c_str(), dimensionsText(a["dimensions"]).c_str(),
                 a["summary"].get<std::string>().c_str(), role.c_str());
-    for (const json& p : a["params"]) {
-      std::string valid = p["range"];
-      for (const json& c : p["choices"]) valid += (valid.empty() ? "" : " | ") + c.get<std::string>();
-      std::printf("      %s=%s%s%s%s  %s\n", p["name"].get<std::string>().c_str(),
-                  p["default"].get<std::string>().c_str(), p["unit"] == "1" ? "" : " ",
-                  p["unit"] == "1" ? "" : p["unit"].get<std::string>().c_str(),
-                  valid.empty() ? "" : ("  (" + valid + ")").c_str(), p["meaning"].get<std::string>().c_str());
+    printParams(a["params"]);
+  }
+  for (const auto& [key, title] :
+       {std::pair("distributions", "distributions of boxes"), std::pair("drawings", "drawings of pairs"),
+        std::pair("events", "events of scenes")}) {
+    std::printf("\n%s\n", title);
+    for (const json& e : all[key]) {
+      std::printf("  %-22s %s\n", e["name"].get<std::string>().c_str(), e["summary"].get<std::string>().c_str());
+      printParams(e["params"]);
     }
   }
   std::printf("\nshapes\n");
@@ -144,6 +183,9 @@ void addList(CommandLine& app, Session&) {
   command.callback([asJson, page] {
     if (!page->empty()) return writeNames(*page);
     const json all = {{"algorithms", describeAlgorithms()},
+                      {"distributions", describeEntries(boxDistributions())},
+                      {"drawings", describeEntries(pairDrawings())},
+                      {"events", describeEvents()},
                       {"shapes", describeShapes()},
                       {"metrics", describeMeasures()},
                       {"scenes", describeScenes()},

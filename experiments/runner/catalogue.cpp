@@ -13,6 +13,13 @@ using nlohmann::json;
 
 namespace {
 
+// Two numbers, whole ones where the parameter is; null where it has no range.
+json rangeOf(const ParamInfo& p) {
+  if (!p.range) return nullptr;
+  if (p.type != "integer") return {p.range->lo, p.range->hi};
+  return {static_cast<long>(p.range->lo), static_cast<long>(p.range->hi)};
+}
+
 const char* guaranteeName(Guarantee g) {
   return g == Guarantee::exact ? "exact" : (g == Guarantee::conservative ? "conservative" : "approximate");
 }
@@ -22,6 +29,20 @@ const char* guaranteeName(Guarantee g) {
 std::string_view roleName(Role role) {
   constexpr std::array<std::string_view, 4> kNames = {"competitor", "witness", "referee", "engine"};
   return kNames[static_cast<std::size_t>(role)];
+}
+
+json describeParams(const std::vector<ParamInfo>& params) {
+  json out = json::array();
+  for (const ParamInfo& p : params) {
+    out.push_back({{"name", p.name},
+                   {"type", p.type},
+                   {"unit", p.unit},
+                   {"meaning", p.meaning},
+                   {"default", p.defaultText},
+                   {"range", rangeOf(p)},
+                   {"choices", p.choices}});
+  }
+  return out;
 }
 
 json describeAlgorithms() {
@@ -36,16 +57,7 @@ json describeAlgorithms() {
       (*known)["dimensions"].push_back(entry.dimension);
       continue;
     }
-    json params = json::array(), failures = json::array();
-    for (const ParamInfo& p : entry.params) {
-      params.push_back({{"name", p.name},
-                        {"type", p.type},
-                        {"unit", p.unit},
-                        {"meaning", p.meaning},
-                        {"default", p.defaultText},
-                        {"range", p.range},
-                        {"choices", p.choices}});
-    }
+    json failures = json::array();
     for (const FailureMode& f : entry.info.failures) {
       failures.push_back({{"when", f.when}, {"symptom", f.symptom}, {"test", f.test}});
     }
@@ -58,7 +70,7 @@ json describeAlgorithms() {
                    {"guarantee", guaranteeName(entry.info.guarantee)},
                    {"role", roleName(entry.info.role)},
                    {"dimensions", {entry.dimension}},
-                   {"params", params},
+                   {"params", describeParams(entry.params)},
                    {"failures", failures}});
   }
   return out;

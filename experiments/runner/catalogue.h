@@ -13,6 +13,8 @@ namespace lpc::inline LPC_PRECISION {
 /// All registered algorithms, one entry per name: stage, its group, name, summary, paper, complexity, guarantee, role,
 /// dimensions, params, failures. What `lpc list --json` prints.
 nlohmann::json describeAlgorithms();
+/// Of one algorithm or entry: name, type, unit, meaning, default, range (two numbers or null), choices.
+nlohmann::json describeParams(const std::vector<ParamInfo>& params);
 
 /// All metrics and series that trials measure: what (metric, series), kind of trial, name, title, unit, meaning, role,
 /// smaller, needs.

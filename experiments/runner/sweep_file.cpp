@@ -9,23 +9,12 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/sweep_axis.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
-
-/// One value of an axis: what the sweep calls it, and what it means.
-struct AxisValue {
-  json label;            // a number or text, as written
-  std::string pipeline;  // of a labelled text: a part of a pipeline
-  const toml::node* node = nullptr;
-};
-struct Axis {
-  std::string name;
-  std::vector<AxisValue> values;
-  bool labelled = false;
-};
 
 constexpr double kMaxTrials = 1e6;  // of one group; more is a slip of the pen
 
@@ -115,60 +104,12 @@ class Sweep {
     if (s.repeats < 1) t.fail(*t.find("repeats"), "'repeats' is " + std::to_string(s.repeats) + "; valid: 1 or more");
     if (const toml::table* axes = t.table("axes")) {
       for (const auto& [name, node] : inFileOrder(*axes)) {
-        Axis axis = readAxis(name, *node);
+        Axis axis = readAxis(m_path, name, *node);
         const auto same =
             std::find_if(s.axes.begin(), s.axes.end(), [&](const Axis& a) { return a.name == axis.name; });
         (same == s.axes.end() ? s.axes.emplace_back() : *same) = std::move(axis);
       }
     }
-  }
-
-  Axis readAxis(const std::string& name, const toml::node& node) {
-    Axis axis{name, {}, false};
-    if (node.is_table()) {  // label = "text"
-      axis.labelled = true;
-      for (const auto& [label, text] : inFileOrder(*node.as_table())) {
-        if (!text->is_string()) failAt(m_path, *text, "'" + label + "' is " + describe(*text) + "; valid: a string");
-        axis.values.push_back({label, *text->value<std::string>(), text});
-      }
-      if (axis.values.empty()) failAt(m_path, node, "axis '" + name + "' is empty");
-      return axis;
-    }
-    const auto add = [&](const toml::node& n) {
-      if (n.is_integer()) {
-        axis.values.push_back({*n.value<std::int64_t>(), "", &n});
-      } else if (n.is_floating_point() && std::isfinite(*n.value<double>())) {
-        axis.values.push_back({*n.value<double>(), "", &n});
-      } else if (n.is_string()) {
-        const std::string text = *n.value<std::string>();
-        if (text.starts_with("*")) return addRegistered(axis, n, text);
-        axis.values.push_back({text, "", &n});
-      } else {
-        failAt(m_path, n, describe(n) + " in axis '" + name + "'; valid: finite numbers and strings");
-      }
-    };
-    if (const toml::array* list = node.as_array()) {
-      for (const toml::node& n : *list) add(n);
-    } else {
-      add(node);
-    }
-    const bool witnesses = node.is_string() && *node.value<std::string>() == "*witness";  // a build may have none
-    if (axis.values.empty() && !witnesses) failAt(m_path, node, "axis '" + name + "' is empty");
-    return axis;
-  }
-
-  // "*": every competitor of the stage that the axis is named after, "*witness": every witness. So a new file joins a
-  // sweep by itself.
-  void addRegistered(Axis& axis, const toml::node& node, const std::string& text) {
-    if (text != "*" && text != "*witness") failAt(m_path, node, "'" + text + "'; valid: *, *witness, names");
-    std::set<std::string> names;
-    for (const auto& [key, entry] : Registry::instance().all()) {
-      if (stageName(entry.stage) != axis.name) continue;
-      const Role role = entry.info.role == Role::engine ? Role::competitor : entry.info.role;  // of each other
-      if (role == (text == "*" ? Role::competitor : Role::witness)) names.insert(entry.info.name);
-    }
-    if (names.empty() && text == "*") failAt(m_path, node, "no stage '" + axis.name + "' has algorithms");
-    for (const std::string& n : names) axis.values.push_back({n, "", &node});
   }
 
   void product(const Settings& s, const toml::node& where) {
@@ -254,6 +195,7 @@ class Sweep {
       } else {
         continue;
       }
+      withValues(value.written, axes, used);  // a star's parameter means something also where a method lacks it
       part = withValues(part, axes, used);
       used.insert(axis.name);
       if (const auto named = engineOf(part)) {
@@ -340,8 +282,9 @@ class Sweep {
     json cell = axes;
     cell["timed"] = timed, cell["repeat"] = repeat;
     const char* method = m_kind == "boxes" ? "broadphase" : "pair_query";
-    const std::set<std::string> known = {"dimension",  "n",          "distribution", "frames", "seed",  "precision",
-                                         "broadphase", "pair_query", "kind_a",       "kind_b", "timed", "repeat"};
+    const std::set<std::string> known = {"dimension", "n",         "distribution", "drawing",    "frames",
+                                         "seed",      "precision", "broadphase",   "pair_query", "kind_a",
+                                         "kind_b",    "timed",     "repeat"};
     for (const auto& [name, value] : cell.items()) {
       if (!known.count(name)) throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + m_kind + "'");
       if (axes.contains(name)) m_out.roles.emplace(name, name == method ? "stage" : "run");

@@ -7,6 +7,8 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
+#include "experiments/trial/box_distribution.h"
+#include "experiments/trial/pair_drawing.h"
 #include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -102,6 +104,13 @@ void addDefaults(json& cell, const char* sizeName, int size) {
   requirePrecision(text(cell, "precision"));
 }
 
+// An axis that names an entry of a table, with every parameter.
+template <class Entry>
+void canonicalEntry(json& cell, const char* axis, const std::vector<Entry>& table) {
+  const Spec spec = Spec::parse(text(cell, axis));
+  cell[axis] = findEntry(table, axis, spec.name).info.canonical(spec).text();
+}
+
 }  // namespace
 
 long wholeNumber(const json& axes, const std::string& name, long lo, long hi) {
@@ -193,10 +202,7 @@ PlannedTrial Planner::boxes(json cell) {
   cell["kind"] = "boxes";
   require(cell, {"dimension", "n", "distribution", "broadphase"});
   addDefaults(cell, "frames", 60);
-  const std::string d = text(cell, "distribution");
-  if (d != "uniform" && d != "cluster" && d != "director_2") {
-    throw UserError("unknown distribution '" + d + "'; valid: uniform, cluster, director_2");
-  }
+  canonicalEntry(cell, "distribution", boxDistributions());
   PlannedTrial out;
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "broadphase"));
@@ -211,6 +217,8 @@ PlannedTrial Planner::pairs(json cell) {
   cell["kind"] = "pairs";
   require(cell, {"dimension", "kind_a", "kind_b", "pair_query"});
   addDefaults(cell, "n", 1024);
+  cell.emplace("drawing", "in_turn");
+  canonicalEntry(cell, "drawing", pairDrawings());
   if (shapeKindFromName(text(cell, "kind_a")) > shapeKindFromName(text(cell, "kind_b"))) {
     std::swap(cell["kind_a"], cell["kind_b"]);
   }

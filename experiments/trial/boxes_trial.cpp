@@ -4,13 +4,12 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "experiments/trial/box_distribution.h"
 #include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
-#include "framework/random.h"
 #include "framework/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -18,8 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kWarmUp = 10;    // frames that are not timed
-constexpr double kHalf = 0.5;  // half side of a box (m)
+constexpr int kWarmUp = 10;  // frames that are not timed
 constexpr double kFrameDt = 1.0 / 60;
 
 /// What is counted and timed, per frame.
@@ -59,58 +57,6 @@ const Measure<BoxesSeen> kMetrics[] = {
      [](S s) { return quantile(s.nanoseconds, 0.75); }},
 };
 
-/// Boxes that fly about in a room and bounce off its walls.
-template <int D>
-struct Flock {
-  std::vector<Vec<D>> place, velocity;
-  std::vector<Real> half;
-  Real room = 0;  // half side (m)
-
-  void advance() {
-    for (std::size_t i = 0; i < place.size(); ++i) {
-      for (int d = 0; d < D; ++d) {
-        place[i][d] += velocity[i][d] * static_cast<Real>(kFrameDt);
-        if (std::abs(place[i][d]) > room && place[i][d] * velocity[i][d] > 0) velocity[i][d] = -velocity[i][d];
-      }
-    }
-  }
-};
-
-// uniform: a constant density, so that the number of overlaps grows with n. cluster: nine of ten boxes in a tenth of
-// the room's side, around few centres, which defeats a grid of one cell size. director_2: the room of the 2009 script,
-// which stays as large while bodies come.
-template <int D>
-Flock<D> makeFlock(const std::string& distribution, int n, std::uint64_t seed) {
-  Random random(seed);
-  Flock<D> f;
-  // Room of side s with n unit boxes, so that one box overlaps about 2^D * n / s^D others; here about 1.
-  double volume = static_cast<double>(n) * (D == 2 ? 4 : 8), side = std::sqrt(volume);
-  if (D == 3) {
-    side = 1;
-    while (side * side * side < volume) side *= 1.01;
-  }
-  if (distribution == "director_2") side = 80;
-  f.room = static_cast<Real>(side / 2);
-  std::vector<Vec<D>> centers;
-  for (int c = 0; c < 8; ++c) {
-    Vec<D> p;
-    for (int d = 0; d < D; ++d) p[d] = static_cast<Real>(random.uniform(-0.8, 0.8) * side / 2);
-    centers.push_back(p);
-  }
-  for (int i = 0; i < n; ++i) {
-    const bool clustered = distribution == "cluster" && i % 10 != 0;
-    Vec<D> p, v;
-    for (int d = 0; d < D; ++d) {
-      p[d] = static_cast<Real>(random.uniform(-1, 1) * side / 2 * (clustered ? 0.1 : 1));
-      v[d] = static_cast<Real>(random.uniform(-10, 10));
-    }
-    if (clustered) p += centers[random.below(8)];
-    f.place.push_back(p), f.velocity.push_back(clustered ? Vec<D>(v / 10) : v);
-    f.half.push_back(static_cast<Real>(distribution == "cluster" ? kHalf * random.uniform(0.2, 2) : kHalf));
-  }
-  return f;
-}
-
 template <int D>
 std::vector<ProxyPair> allPairs(const Proxies<D>& proxies) {
   std::vector<ProxyPair> out;
@@ -133,7 +79,7 @@ std::vector<ProxyPair> allPairs(const Proxies<D>& proxies) {
 template <int D>
 TrialResult runBoxes(const json& t) {
   const int n = t.at("n").get<int>(), frames = t.at("frames").get<int>();
-  const std::string distribution = t.at("distribution");
+  const Spec distribution = Spec::parse(t.at("distribution").get<std::string>());
   const Spec spec = Spec::parse(t.at("broadphase").get<std::string>());
   const auto method = createStage<Broadphase<D>>(spec);
   const Guarantee guarantee = Registry::instance().find(StageKind::broadphase, D, spec.name).info.guarantee;
@@ -185,7 +131,7 @@ TrialResult runBoxes(const json& t) {
                    " too many; first: " + std::to_string(first.a) + "-" + std::to_string(first.b),
                frame);
     }
-    flock.advance();
+    flock.advance(kFrameDt);
   }
   char text[20];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(hash)));

@@ -3,16 +3,13 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "experiments/trial/metric.h"
+#include "experiments/trial/pair_drawing.h"
 #include "experiments/trial/trial.h"
-#include "framework/curved_core.h"
-#include "framework/random.h"
 #include "framework/stage_narrowphase.h"
-#include "framework/support_map.h"
 #include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -53,83 +50,8 @@ const Measure<PairsSeen> kMetrics[] = {
 };
 
 template <int D>
-struct Pair {
-  Shape<D> a, b;
-  Pose<D> X_AB;
-
-  PairView<D> view() const { return {a.view(), b.view(), X_AB}; }
-};
-
-template <int D>
-Shape<D> drawShape(ShapeKind kind, double size, Random& random) {
-  const auto length = [&] { return static_cast<Real>(size * random.uniform(0.2, 1)); };
-  switch (coreClass(kind)) {
-    case CoreClass::point:
-      return Shape<D>::sphere(length());
-    case CoreClass::segment: {
-      if (kind == ShapeKind::segment) return Shape<D>::segment(length());
-      const Real half = length();
-      return Shape<D>::capsule(half, length() / 2);
-    }
-    case CoreClass::box: {
-      Vec<D> half;
-      for (int d = 0; d < D; ++d) half[d] = length();
-      return Shape<D>::box(half);
-    }
-    case CoreClass::curved: {
-      std::vector<Real> sizes;
-      for (std::size_t i = 0; i < curvedKind<D>(kind).sizes.size(); ++i) sizes.push_back(length());
-      return Shape<D>::curved(kind, sizes);
-    }
-    case CoreClass::plane:
-      return Shape<D>::plane();
-    case CoreClass::hull:
-      break;
-  }
-  std::vector<Vec<D>> points;
-  for (int i = 0; i < 12; ++i) {
-    Vec<D> p;
-    for (int d = 0; d < D; ++d) p[d] = static_cast<Real>(size * random.uniform(-1, 1));
-    points.push_back(p);
-  }
-  return Shape<D>::polytope(points);
-}
-
-Rot<2> drawRotation2(Random& random) { return Rot<2>::angle(random.uniform(-3.14159, 3.14159)); }
-Rot<3> drawRotation3(Random& random) {
-  return Rot<3>::vector(Vec<3>(Real(random.uniform(-3, 3)), Real(random.uniform(-3, 3)), Real(random.uniform(-3, 3))));
-}
-
-// Six families in turn: apart, near each other, touching within 1e-9, overlapping, centres together, and faces
-// parallel. They are where methods differ (RELIABILITY: touching, deep, parallel); every third round has sizes 1 : 100.
-template <int D>
-Pair<D> drawPair(ShapeKind kindA, ShapeKind kindB, int index, Random& random) {
-  const int family = index % 6;
-  const double sizeB = index / 6 % 3 == 2 ? 0.01 : 1;
-  Pair<D> pair{drawShape<D>(kindA, 1, random), drawShape<D>(kindB, sizeB, random), {}};
-  Rot<D> q;
-  if constexpr (D == 2) {
-    q = drawRotation2(random);
-  } else {
-    q = drawRotation3(random);
-  }
-  if (family != 5) pair.X_AB.q = q;
-  Vec<D> direction = Vec<D>::Zero();
-  for (int d = 0; d < D; ++d) direction[d] = static_cast<Real>(random.uniform(-1, 1));
-  if (!(direction.norm() > Real(1e-3))) direction[0] = 1;
-  if (family == 5) direction = Vec<D>::Unit(static_cast<int>(random.below(D)));
-  direction.normalize();
-  const Real reach = boundingRadius(pair.a.view()) + boundingRadius(pair.b.view());
-  const double places[] = {random.uniform(1.1, 4), random.uniform(0.8, 1.2), 1, random.uniform(0.1, 0.8), 0, 1};
-  pair.X_AB.p = direction * (reach * static_cast<Real>(places[family]));
-  if (family == 2 || family == 5) {  // move along the line until the distance is about zero
-    for (int turn = 0; turn < 40; ++turn) {
-      const double gap = referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB).interval().middle();
-      if (std::abs(gap) < 1e-9) break;
-      pair.X_AB.p -= direction * static_cast<Real>(gap);
-    }
-  }
-  return pair;
+PairView<D> viewOf(const DrawnPair<D>& pair) {
+  return {pair.a.view(), pair.b.view(), pair.X_AB};
 }
 
 bool endedWithoutAnswer(Tally end) {
@@ -152,8 +74,12 @@ TrialResult runPairs(const json& t) {
     return out;
   }
   Random random(t.at("seed").get<std::uint64_t>());
-  std::vector<Pair<D>> pairs;
-  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(kindA, kindB, i, random));
+  const Spec drawing = Spec::parse(t.value("drawing", std::string("in_turn")));
+  const auto trueDistance = [](const DrawnPair<D>& pair) {
+    return referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB).interval().middle();
+  };
+  std::vector<DrawnPair<D>> pairs;
+  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(drawing, {kindA, kindB, i, trueDistance}, random));
 
   PairsSeen seen;
   seen.timed = t.value("timed", false), seen.asked = n;
@@ -177,7 +103,7 @@ TrialResult runPairs(const json& t) {
       const PairAnswer<D> answer = answers->get(static_cast<int>(i - begin));
       XXH64_update(hash, &answer.distance, sizeof answer.distance);
       const Ending ending = witness ? witness->endings()[i - begin] : Ending::answered;
-      const PairView<D> pair = pairs[i].view();
+      const PairView<D> pair = viewOf(pairs[i]);
       const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending);
       if (verdict.error) seen.errors.push_back(*verdict.error);
       seen.wrong += verdict.wrongSide;

@@ -8,24 +8,6 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-Rot<2> turn(const Ang<2>& vector) { return Rot<2>::angle(vector[0]); }
-Rot<3> turn(const Ang<3>& vector) { return Rot<3>::vector(vector); }
-
-// A number turns about z, in the plane of 2D; a list of three is a rotation vector, of which 2D sees the third.
-template <int D>
-Ang<D> angular(TableReader& table, SceneNumbers& numbers, const std::string& key) {
-  const toml::node* n = table.find(key);
-  Ang<D> out = Ang<D>::Zero();
-  if (!n) return out;
-  const Vec<3> v = n->is_array() ? numbers.vector<3>(*n) : Vec<3>(0, 0, static_cast<Real>(numbers.number(*n)));
-  if constexpr (D == 2) {
-    out[0] = v[2];
-  } else {
-    out = v;
-  }
-  return out;
-}
-
 // 2D points with a `depth` become a prism in 3D: the same file, the same scene.
 template <int D>
 std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
@@ -111,7 +93,7 @@ ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers) {
     shape.fail(what.starts_with(kind) ? std::string(what) : kind + ": " + std::string(what));
   }
   placed.X_SP.p = numbers.vector<D>(shape, "offset");
-  placed.X_SP.q = turn(angular<D>(shape, numbers, "angle"));
+  placed.X_SP.q = rotationOf(readAngular<D>(shape, numbers, "angle"));
   return placed;
 }
 
@@ -200,6 +182,20 @@ Vec<D> SceneNumbers::vector(TableReader& table, const std::string& key) {
 }
 
 template <int D>
+Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string& key) {
+  const toml::node* n = table.find(key);
+  Ang<D> out = Ang<D>::Zero();
+  if (!n) return out;
+  const Vec<3> v = n->is_array() ? numbers.vector<3>(*n) : Vec<3>(0, 0, static_cast<Real>(numbers.number(*n)));
+  if constexpr (D == 2) {
+    out[0] = v[2];
+  } else {
+    out = v;
+  }
+  return out;
+}
+
+template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults) {
   BodyDef<D> def;
   const std::string type = body.string("type", "dynamic");
@@ -213,9 +209,9 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
     body.fail(*body.find("type"), "unknown type '" + type + "'; valid: dynamic, fixed, kinematic");
   }
   def.X_WB.p = numbers.vector<D>(body, "position");
-  def.X_WB.q = turn(angular<D>(body, numbers, "angle"));
+  def.X_WB.q = rotationOf(readAngular<D>(body, numbers, "angle"));
   def.velocity = numbers.vector<D>(body, "velocity");
-  def.angularVelocity = angular<D>(body, numbers, "angular_velocity");
+  def.angularVelocity = readAngular<D>(body, numbers, "angular_velocity");
   def.pinned = body.flag("pinned", false);
   def.rotatable = body.flag("rotatable", true);
   def.canSleep = body.flag("can_sleep", true);
@@ -239,6 +235,8 @@ template Vec<2> SceneNumbers::vector<2>(const toml::node&);
 template Vec<3> SceneNumbers::vector<3>(const toml::node&);
 template Vec<2> SceneNumbers::vector<2>(TableReader&, const std::string&);
 template Vec<3> SceneNumbers::vector<3>(TableReader&, const std::string&);
+template Ang<2> readAngular<2>(TableReader&, SceneNumbers&, const std::string&);
+template Ang<3> readAngular<3>(TableReader&, SceneNumbers&, const std::string&);
 template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*);
 template BodyDef<3> readBody(TableReader&, SceneNumbers&, const toml::table*);
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_parsed.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -112,10 +113,16 @@ class Builder {
       defaults.finish();
     }
     for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t);
+    const std::vector<const toml::table*> events = m_top.blocks("event");
+    for (const toml::table* t : events) eventBlock(*t, true);
     sortSpawns();
     if (const toml::table* t = m_top.table("measures")) measures(*t);
     for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
     for (const toml::table* t : m_top.blocks("spring")) springBlock(*t);
+    for (const toml::table* t : events) eventBlock(*t, false);
+    checkUses();
+    std::stable_sort(m_scene.events.begin(), m_scene.events.end(),
+                     [](const auto& a, const auto& b) { return a.step < b.step; });
     m_top.finish();
     return std::move(m_scene);
   }
@@ -190,18 +197,70 @@ class Builder {
     if (every > 0 && (until - from) / every > static_cast<long>(kMaxBodies)) block.fail("more than 1000000 turns");
     for (long step = from; step<until; step += every> 0 ? every : until - from) {
       m_numbers.expressions.setLocal("step", static_cast<double>(step));
+      loops(block, [&] { addBody(block, name, step, m_numbers.whole(block, "remove", -1, -1, kMaxSteps)); });
+    }
+    if (m_turns > 0) block.finish();
+  }
+
+  void addBody(TableReader& block, const std::string& name, long step, long removeAt) {
+    typename SceneSpec<D>::Spawn spawn;
+    spawn.step = step, spawn.removeAt = removeAt;
+    spawn.body = readBody<D>(block, m_numbers, m_defaults);
+    spawn.body.name = name;
+    if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
+    m_scene.spawns.push_back(std::move(spawn));
+    if (m_scene.spawns.size() > kMaxBodies) block.fail("more than 1000000 bodies");
+  }
+
+  // Once at `step`, or at every `every`-th before `until`. Those that name new bodies are read in a round of their own.
+  void eventBlock(const toml::table& table, bool naming) {
+    TableReader block(table, m_parsed.path, "[[event]]");
+    const std::string name = block.requireString("do");
+    const auto kinds = eventKinds<D>();
+    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+    if (kind == kinds.end()) {
+      std::string valid;
+      for (const auto& k : kinds) valid += (valid.empty() ? "" : ", ") + std::string(k.name);
+      block.fail(*block.find("do"), "unknown event '" + name + "'; valid: " + valid);
+    }
+    if (kind->names != naming) return;
+    beginBlock();
+    block.require("step");
+    const long from = m_numbers.whole(block, "step", 0, 0, kMaxSteps);
+    const long every = m_numbers.whole(block, "every", 1, 1, kMaxSteps);
+    const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
+    if (block.find("every") && !block.find("until")) block.fail("'every' needs 'until'");
+    for (long step = from; step < until; step += every) {
+      m_numbers.expressions.setLocal("step", static_cast<double>(step));
       loops(block, [&] {
-        typename SceneSpec<D>::Spawn spawn;
-        spawn.step = step;
-        spawn.body = readBody<D>(block, m_numbers, m_defaults);
-        spawn.body.name = name;
-        spawn.removeAt = m_numbers.whole(block, "remove", -1, -1, kMaxSteps);
-        if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
-        m_scene.spawns.push_back(std::move(spawn));
-        if (m_scene.spawns.size() > kMaxBodies) block.fail("more than 1000000 bodies");
+        const auto bodyNamed = [&](const std::string& key) {
+          m_uses.push_back({bodyOf(block, key, false), step, &table});
+          return m_uses.back().body;
+        };
+        const auto joint = [&](TableReader& t) {
+          const auto j = readJointOf(t);
+          for (const int body : {j.bodyA, j.bodyB}) {
+            if (body >= 0) m_uses.push_back({body, step, &table});
+          }
+          return j;
+        };
+        const auto add = [&] { addBody(block, block.string("name", ""), step, -1); };
+        kind->read({block, m_numbers, step, m_scene, bodyNamed, add, joint});
+        if (m_scene.events.size() > kMaxBodies) block.fail("more than 1000000 events");
       });
     }
     if (m_turns > 0) block.finish();
+  }
+  // The bodies that events name must be there then.
+  void checkUses() const {
+    for (const Use& use : m_uses) {
+      const auto& spawn = m_scene.spawns[static_cast<std::size_t>(use.body)];
+      const std::string who = "at step " + std::to_string(use.step) + " '" + spawn.body.name + "' is not there: it ";
+      if (use.step < spawn.step) failAt(m_parsed.path, *use.block, who + "comes at " + std::to_string(spawn.step));
+      if (spawn.removeAt >= 0 && use.step > spawn.removeAt) {
+        failAt(m_parsed.path, *use.block, who + "is removed at " + std::to_string(spawn.removeAt));
+      }
+    }
   }
 
   // Bodies are known by their place among the spawns, which are sorted by step.
@@ -268,19 +327,20 @@ class Builder {
   void jointBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[joint]]");
     beginBlock();
-    loops(block, [&] {
-      typename SceneSpec<D>::Joint joint;
-      joint.bodyA = bodyOf(block, "a", true), joint.bodyB = bodyOf(block, "b", false);
-      const auto moves = [&](int body) {
-        return body >= 0 && m_scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::dynamic;
-      };
-      if (joint.bodyA == joint.bodyB)
-        block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
-      if (!moves(joint.bodyA) && !moves(joint.bodyB)) block.fail("a joint of two bodies that do not move");
-      joint.def = readJoint<D>(block, m_numbers);
-      m_scene.joints.push_back(joint);
-    });
+    loops(block, [&] { m_scene.joints.push_back(readJointOf(block)); });
     if (m_turns > 0) block.finish();
+  }
+  typename SceneSpec<D>::Joint readJointOf(TableReader& block) {
+    typename SceneSpec<D>::Joint joint;
+    joint.bodyA = bodyOf(block, "a", true), joint.bodyB = bodyOf(block, "b", false);
+    const auto moves = [&](int body) {
+      return body >= 0 && m_scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::dynamic;
+    };
+    if (joint.bodyA == joint.bodyB)
+      block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
+    if (!moves(joint.bodyA) && !moves(joint.bodyB)) block.fail("a joint of two bodies that do not move");
+    joint.def = readJoint<D>(block, m_numbers);
+    return joint;
   }
   void springBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[spring]]");
@@ -303,6 +363,12 @@ class Builder {
   const toml::table* m_defaults = nullptr;
   SceneSpec<D> m_scene;
   std::map<std::string, std::vector<int>> m_named;
+  struct Use {  // of a body by an event
+    int body;
+    long step;
+    const toml::table* block;
+  };
+  std::vector<Use> m_uses;
   std::vector<std::string> m_locals;
   long m_turns = 0;
 };
@@ -383,6 +449,7 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
       ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : "compound")];
     }
   }
+  if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
   for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
   if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
   return out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What is inside a SceneFile; only the two sources of scene reading see it.
+// What is inside a SceneFile; only the sources of scene reading see it.
 #pragma once
 
 #include <limits>
@@ -45,6 +45,13 @@ class SceneNumbers {
  private:
   std::string m_file;
 };
+
+inline Rot<2> rotationOf(const Ang<2>& vector) { return Rot<2>::angle(vector[0]); }
+inline Rot<3> rotationOf(const Ang<3>& vector) { return Rot<3>::vector(vector); }
+/// A number turns about z, in the plane of 2D; a list of three is a rotation vector, of which 2D sees the third. Zero
+/// where the key is missing.
+template <int D>
+Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string& key);
 
 /// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block.
 template <int D>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <charconv>
 #include <vector>
 
 #include "framework/registry.h"
@@ -17,9 +18,13 @@ inline std::vector<Spec> variants(const Registered& algorithm) {
   };
   for (const ParamInfo& p : algorithm.params) {
     for (const std::string& choice : p.choices) add(p.name, choice);
-    if (const auto dots = p.range.find(" .. "); dots != std::string::npos) {
-      add(p.name, p.range.substr(0, dots));
-      add(p.name, p.range.substr(dots + 4));
+    if (!p.range) continue;
+    for (const double end : {p.range->lo, p.range->hi}) {
+      char text[32];
+      const bool whole = p.type == "integer";
+      const auto last = whole ? std::to_chars(text, text + sizeof text, static_cast<long>(end)).ptr
+                              : std::to_chars(text, text + sizeof text, static_cast<Real>(end)).ptr;
+      add(p.name, {text, last});
     }
   }
   // Each choice with the other parameters at their ends: a mode may read what the default does not.

@@ -43,6 +43,7 @@ struct ImpactScene {
   Real dt = Real(1) / 60, lastDt = 0, time = 0;
   Work work;
   Profiler profiler;
+  ContactGraph<D> graph;
 
   /// Mass 0: fixed. `inertia` are the principal moments.
   int add(Real mass, const Ang<D>& inertia, const Pose<D>& pose, const Motion<D>& motion = {}) {
@@ -80,9 +81,7 @@ struct ImpactScene {
     ++m.count;
   }
   /// A pivot whose two ends are `error` apart.
-  void join(int a, int b, const Vec<D>& p, const Vec<D>& error) {
-    join("pivot", a, b, {p, {}}, {p + error, {}});
-  }
+  void join(int a, int b, const Vec<D>& p, const Vec<D>& error) { join("pivot", a, b, {p, {}}, {p + error, {}}); }
   /// A joint whose frames are where they should be at X_WJa and X_WJb; a -1: the world.
   void join(const std::string& kind, int a, int b, const Pose<D>& X_WJa, const Pose<D>& X_WJb) {
     JointDef<D> def{.kind = kind, .X_WJ = X_WJa, .X_WJb = X_WJb};
@@ -100,11 +99,12 @@ struct ImpactScene {
   /// One step, after which contacts are where their anchors went.
   void step(Solver<D>& solver) {
     NoDetection detect;
+    graph.reset(bodies, manifolds, joints, work);
     for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
       bodies.invInertia[i] = rotateInertia(bodies.pose[i].q, bodies.invInertiaBody[i]);
     }
     solver.step({dt, lastDt, time, bodies, manifolds, active, joints, field, detect, features, kRestitutionThreshold,
-                 work, profiler});
+                 work, profiler, graph});
     lastDt = dt, time += dt;
     for (Manifold<D>& m : manifolds) {
       for (int k = 0; k < m.count; ++k) {
@@ -211,7 +211,8 @@ std::ostream& operator<<(std::ostream& out, const ImpactScene<D>& s) {
   }
   for (const JointRecord<D>& j : s.joints) {
     const JointError error = s.jointError(j);
-    out << j.spec << ' ' << j.bodyA << '-' << j.bodyB << " error " << error.linear << " m " << error.angular << " rad\n";
+    out << j.spec << ' ' << j.bodyA << '-' << j.bodyB << " error " << error.linear << " m " << error.angular
+        << " rad\n";
   }
   return out;
 }

@@ -47,7 +47,9 @@ struct Stage {
   // One decision, and what the world does after it.
   void decide(SleepPolicy<D>& policy) {
     const std::vector<std::uint8_t> before = bodies.awake;
-    policy.decide({dt, bodies, manifolds, joints, events, Real(0.2), gravity, work}, bodies.awake, bodies.sleep);
+    ContactGraph<D> graph;
+    graph.reset(bodies, manifolds, joints, work);
+    policy.decide({dt, bodies, manifolds, joints, events, Real(0.2), gravity, work, graph}, bodies.awake, bodies.sleep);
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (before[i] && !bodies.awake[i]) bodies.motion[i] = {};
     }

@@ -309,9 +309,10 @@ TEST(SoftStep, SagIsThatOfASpring) {
       }
     } press;
     NoDetection detect;
+    s.graph.reset(s.bodies, s.manifolds, s.joints, s.work);
     for (int i = 0; i < 240; ++i) {
       solver->step({s.dt, s.lastDt, s.time, s.bodies, s.manifolds, s.active, s.joints, press, detect, s.features,
-                    kRestitutionThreshold, s.work, s.profiler});
+                    kRestitutionThreshold, s.work, s.profiler, s.graph});
       s.lastDt = s.dt;
     }
     return -separationNow(s.manifolds[0], s.manifolds[0].points[0], s.pose(0), s.pose(1));

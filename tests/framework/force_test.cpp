@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What moves bodies besides contacts, and what connects them: inertia, forces, islands.
+// What moves bodies besides contacts: inertia, forces.
 #include <gtest/gtest.h>
 
 #include "tests/check_property.h"
@@ -27,68 +27,6 @@ TEST(Inertia, TurnsWithItsBody) {
       "inertia turned back", [] { turnsWithItsBody(inertiaTurnedBack); }, 100);
   expectFalsified(
       "inertia not turned", [] { turnsWithItsBody(inertiaNotTurned); }, 100);
-}
-
-using Islands = std::vector<std::int32_t> (*)(const Bodies<2>&, std::span<const Manifold<2>>,
-                                              std::span<const JointRecord<2>>);
-
-// Equal to walking from body to body, for any graph.
-void areWhatIsConnected(Islands found) {
-  RapidCheckDraw draw;
-  const int n = 1 + draw.below(12);
-  Bodies<2> bodies;
-  for (int i = 0; i < n; ++i) {
-    bodies.pose.emplace_back();
-    bodies.used.push_back(draw.below(8) != 1);
-    bodies.type.push_back(draw.pick({BodyType::dynamic, BodyType::dynamic, BodyType::fixed, BodyType::kinematic}));
-  }
-  std::vector<Manifold<2>> manifolds;
-  std::vector<JointRecord<2>> joints(1);  // a free one
-  std::vector<std::pair<int, int>> links;
-  for (int k = draw.below(15); k > 0; --k) {
-    const int a = draw.below(n), b = draw.below(n);
-    if (a == b) continue;
-    const int kind = draw.below(3);
-    if (kind == 0) {
-      joints.emplace_back();
-      joints.back().kind = createStage<JointKind<2>>(Spec{"pivot", {}});
-      joints.back().bodyA = a, joints.back().bodyB = b;
-    } else {
-      manifolds.emplace_back();
-      manifolds.back().bodyA = std::min(a, b), manifolds.back().bodyB = std::max(a, b);
-      manifolds.back().ignored = kind == 2;
-    }
-    if (kind != 2) links.emplace_back(a, b);
-  }
-  const auto in = [&](int i) {
-    return bodies.used[static_cast<std::size_t>(i)] && bodies.type[static_cast<std::size_t>(i)] == BodyType::dynamic;
-  };
-  std::vector<std::int32_t> expected(static_cast<std::size_t>(n), -1);
-  std::int32_t next = 0;
-  for (int i = 0; i < n; ++i) {
-    if (!in(i) || expected[static_cast<std::size_t>(i)] >= 0) continue;
-    expected[static_cast<std::size_t>(i)] = next;
-    for (int round = 0; round < n; ++round) {
-      for (const auto& [a, b] : links) {
-        for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-          if (in(from) && in(to) && expected[static_cast<std::size_t>(from)] == next) {
-            expected[static_cast<std::size_t>(to)] = next;
-          }
-        }
-      }
-    }
-    ++next;
-  }
-  RC_ASSERT(found(bodies, manifolds, joints) == expected);
-}
-
-TEST(Islands, AnyGraph) {
-  check(
-      "islands of any graph", [] { areWhatIsConnected(islands<2>); }, 500);
-  expectFalsified(
-      "islands through the ground", [] { areWhatIsConnected(islandsThroughTheGround<2>); }, 500);
-  expectFalsified(
-      "islands without joints", [] { areWhatIsConnected(islandsWithoutJoints<2>); }, 500);
 }
 
 template <int D>

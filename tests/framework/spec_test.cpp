@@ -166,7 +166,10 @@ TEST(Params, AreDescribed) {
   AllKinds p;
   const auto infos = describeParams([&](ParamVisitor& v) { p.visit(v); });
   ASSERT_EQ(infos.size(), 5u);
-  EXPECT_EQ(infos[0].range, "1 .. 10");
+  ASSERT_TRUE(infos[0].range && infos[1].range);
+  EXPECT_EQ(std::pair(infos[0].range->lo, infos[0].range->hi), std::pair(1.0, 10.0));
+  EXPECT_EQ(std::pair(infos[1].range->lo, infos[1].range->hi), std::pair(0.0, 2.0));
+  EXPECT_FALSE(infos[2].range || infos[3].range || infos[4].range) << "of numbers only";
   EXPECT_EQ(infos[1].unit, "m");
   EXPECT_EQ(infos[1].defaultText, "0.5");
   EXPECT_EQ(infos[3].choices, (std::vector<std::string>{"tight", "loose"}));

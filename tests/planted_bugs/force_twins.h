@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Springs, islands and turned inertias with one bug each.
+// Springs and turned inertias with one bug each.
 #pragma once
 
-#include "framework/stage_sleep.h"
 #include "framework/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -20,21 +19,6 @@ struct SpoiledSpring final : ForceGenerator<D> {
     if (bug == Bug::noArm) out[1].torque.setZero();
   }
 };
-
-/// The ground carries from one to the other.
-template <int D>
-std::vector<std::int32_t> islandsThroughTheGround(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                                                  std::span<const JointRecord<D>> joints) {
-  Bodies<D> all = bodies;
-  for (BodyType& type : all.type) type = BodyType::dynamic;
-  return islands<D>(all, manifolds, joints);
-}
-
-template <int D>
-std::vector<std::int32_t> islandsWithoutJoints(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                                               std::span<const JointRecord<D>>) {
-  return islands<D>(bodies, manifolds, {});
-}
 
 /// R^T I R.
 inline Inertia<3> inertiaTurnedBack(const Rot<3>& q, const Inertia<3>& inertia) {

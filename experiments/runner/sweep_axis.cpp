@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/sweep_axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "framework/registry.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+/// One way to replace the stars of a text.
+struct Choice {
+  Spec spec;
+  std::map<std::string, std::string> names;  // what each star became, by the word before its `=`
+};
+
+class Stars {
+ public:
+  Stars(const std::string& file, const toml::node& node) : m_file(file), m_node(node) {}
+
+  static bool isStar(const std::string& name) { return name.starts_with("*"); }
+
+  /// `key`: the word before the `=`, by which a label names the star.
+  std::vector<Choice> expand(const StageInfo& stage, const std::string& key, const Spec& spec) const {
+    if (!isStar(spec.name)) return with(stage, {spec.name, {}}, spec.fields, false);
+    const std::vector<std::string> names = namesOf(stage, spec.name);
+    for (const auto& [parameter, value] : spec.fields) {
+      const auto has = [&, &p = parameter](const std::string& n) { return parameterOf(stage, n, p) != nullptr; };
+      if (!names.empty() && std::none_of(names.begin(), names.end(), has)) {
+        failAt(m_file, m_node, "'" + spec.text() + "': no " + std::string(stage.name) + " has '" + parameter + "'");
+      }
+    }
+    std::vector<Choice> out;
+    for (const std::string& name : names) {
+      for (Choice& c : with(stage, {name, {}}, spec.fields, true)) {
+        join(c, {key, name});
+        out.push_back(std::move(c));
+      }
+    }
+    return out;
+  }
+
+  /// Of a part of a pipeline, such as "solver=split_solver{velocity=*} cache=none".
+  std::vector<Choice> expand(const std::string& text, std::vector<std::string>& pipelines) const {
+    Pipeline pipeline;
+    std::vector<Choice> all = {{}};
+    pipelines = {""};
+    try {
+      if (const auto engine = engineOf(text)) {
+        all = expand(stageInfo(StageKind::engine), "engine", *engine);
+        pipelines.clear();
+        for (const Choice& c : all) pipelines.push_back("engine=" + c.spec.text());
+        return all;
+      }
+      for (const StageKind kind : pipeline.replace(text)) {
+        const std::string stage{stageName(kind)};
+        std::vector<Choice> next;
+        std::vector<std::string> texts;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+          for (const Choice& c : expand(stageInfo(kind), stage, pipeline[kind])) {
+            next.push_back(all[i]);
+            for (const auto& name : c.names) join(next.back(), name);
+            texts.push_back(pipelines[i] + (pipelines[i].empty() ? "" : " ") + stage + "=" + c.spec.text());
+          }
+        }
+        all = std::move(next), pipelines = std::move(texts);
+      }
+    } catch (const UserError& e) {
+      if (std::string_view(e.what()).starts_with(m_file)) throw;
+      failAt(m_file, m_node, e.what());
+    }
+    return all;
+  }
+
+ private:
+  // The spec with all fields that it may have; those of stages may hold stars, too.
+  std::vector<Choice> with(const StageInfo& stage, Spec spec, const std::vector<Spec::Field>& fields,
+                           bool ofAStar) const {
+    std::vector<Choice> out = {{std::move(spec), {}}};
+    for (const auto& [key, value] : fields) {
+      const ParamInfo* p = parameterOf(stage, out[0].spec.name, key);
+      if (!p && ofAStar) continue;
+      const std::vector<Choice> values = p && p->stage ? expand(*p->stage, key, value) : std::vector{Choice{value, {}}};
+      std::vector<Choice> next;
+      for (const Choice& c : out) {
+        for (const Choice& v : values) {
+          next.push_back(c);
+          next.back().spec.set(key, v.spec);
+          for (const auto& name : v.names) join(next.back(), name);
+        }
+      }
+      if (next.empty()) return {};
+      out = std::move(next);
+    }
+    return out;
+  }
+
+  void join(Choice& c, const std::pair<const std::string, std::string>& name) const {
+    if (!c.names.insert(name).second) {
+      failAt(m_file, m_node, "two stars stand after '" + name.first + "='; a label could not tell them apart");
+    }
+  }
+
+  static const ParamInfo* parameterOf(const StageInfo& stage, const std::string& name, const std::string& parameter) {
+    for (const int d : {2, 3}) {
+      const auto it = Registry::instance().all().find({stage.kind, d, name});
+      if (it == Registry::instance().all().end()) continue;
+      for (const ParamInfo& p : it->second.params) {
+        if (p.name == parameter) return &p;
+      }
+    }
+    return nullptr;
+  }
+
+  std::vector<std::string> namesOf(const StageInfo& stage, const std::string& star) const {
+    const std::size_t dash = std::min(star.find('-'), star.size());
+    const std::string kind = star.substr(0, dash);
+    if (kind != "*" && kind != "*witness") {
+      failAt(m_file, m_node, "'" + star + "'; valid: *, *witness, *-name for all but some, names");
+    }
+    std::set<std::string> names;
+    for (const auto& [key, entry] : Registry::instance().all()) {
+      const bool witness = entry.info.role == Role::witness, referee = entry.info.role == Role::referee;
+      if (entry.stage == stage.kind && !referee && witness == (kind == "*witness")) names.insert(entry.info.name);
+    }
+    std::string valid;
+    for (const std::string& n : names) valid += (valid.empty() ? "" : ", ") + n;
+    if (names.empty() && kind == "*") {
+      failAt(m_file, m_node, "nobody is registered as " + std::string(stage.name));
+    }
+    for (std::size_t at = dash; at < star.size();) {
+      const std::size_t end = std::min(star.find('-', at + 1), star.size());
+      const std::string name = star.substr(at + 1, end - at - 1);
+      if (!names.erase(name)) {
+        failAt(m_file, m_node, "'" + star + "' leaves out '" + name + "', who is not there; valid: " + valid);
+      }
+      at = end;
+    }
+    return {names.begin(), names.end()};
+  }
+
+  const std::string& m_file;
+  const toml::node& m_node;
+};
+
+// "catto+$position" with what `position=*` became.
+std::string labelOf(const std::string& file, const toml::node& node, std::string label, const Choice& choice) {
+  std::vector<std::string> keys;  // the longest first: $query must not eat the beginning of $query_of
+  for (const auto& [key, name] : choice.names) keys.push_back(key);
+  std::sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  for (const std::string& key : keys) {
+    const std::size_t at = label.find("$" + key);
+    if (at == label.npos) {
+      failAt(file, node, "the label '" + label + "' is that of several methods; valid: one with $" + key);
+    }
+    label.replace(at, key.size() + 1, choice.names.at(key));
+  }
+  return label;
+}
+
+void readLabelled(const std::string& file, const std::string& label, const toml::node& node, Axis& axis) {
+  if (!node.is_string()) failAt(file, node, "'" + label + "' is " + describe(node) + "; valid: a string");
+  const std::string text = *node.value<std::string>();
+  if (text.find('*') == text.npos) {
+    axis.values.push_back({label, text, text, &node});
+    return;
+  }
+  std::vector<std::string> pipelines;
+  const std::vector<Choice> choices = Stars(file, node).expand(text, pipelines);
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    axis.values.push_back({labelOf(file, node, label, choices[i]), pipelines[i], text, &node});
+  }
+}
+
+void readValue(const std::string& file, const toml::node& node, Axis& axis) {
+  if (node.is_integer()) {
+    axis.values.push_back({*node.value<std::int64_t>(), "", "", &node});
+  } else if (node.is_floating_point() && std::isfinite(*node.value<double>())) {
+    axis.values.push_back({*node.value<double>(), "", "", &node});
+  } else if (node.is_string()) {
+    const std::string text = *node.value<std::string>();
+    const StageInfo* stage = stageByName(axis.name);
+    if (!Stars::isStar(text)) {
+      axis.values.push_back({text, "", "", &node});
+    } else if (!stage) {
+      failAt(file, node, "'" + text + "' in axis '" + axis.name + "', which is no stage's");
+    } else {
+      std::vector<Choice> choices;
+      try {
+        choices = Stars(file, node).expand(*stage, axis.name, Spec::parse(text));
+      } catch (const UserError& e) {
+        if (std::string_view(e.what()).starts_with(file)) throw;
+        failAt(file, node, e.what());
+      }
+      for (const Choice& c : choices) axis.values.push_back({c.spec.text(), "", text, &node});
+    }
+  } else {
+    failAt(file, node, describe(node) + " in axis '" + axis.name + "'; valid: finite numbers and strings");
+  }
+}
+
+}  // namespace
+
+Axis readAxis(const std::string& file, const std::string& name, const toml::node& node) {
+  Axis axis{name, {}, node.is_table()};
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [label, text] : inFileOrder(*table)) readLabelled(file, label, *text, axis);
+    std::set<std::string> labels;
+    for (const AxisValue& v : axis.values) {
+      if (!labels.insert(v.label.get<std::string>()).second) {
+        failAt(file, *v.node, "two methods have the label '" + v.label.get<std::string>() + "'");
+      }
+    }
+  } else if (const toml::array* list = node.as_array()) {
+    for (const toml::node& n : *list) readValue(file, n, axis);
+  } else {
+    readValue(file, node, axis);
+  }
+  const std::string text = node.value<std::string>().value_or("");
+  if (axis.values.empty() && !text.starts_with("*witness")) {  // a build may have none
+    failAt(file, node, "axis '" + name + "' is empty");
+  }
+  return axis;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Zlib
+// An axis of a sweep as its file writes it, with the stars that stand for whoever is registered, so that a new file
+// joins a sweep by itself. Where a method's name stands, in a list or in a pipeline,
+//   *            is every competitor of that stage, and every engine where the stage is theirs
+//   *witness     every witness
+//   *-naive-sat  the same but for these, which the sweep treats otherwise or leaves out
+// and `*{iterations=4}` gives the parameter to those who have one of that name.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "experiments/parse/toml_reader.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// One value of an axis: what the sweep calls it, and what it means.
+struct AxisValue {
+  nlohmann::json label;              // a number or text, as written
+  std::string pipeline;              // of a labelled text: a part of a pipeline
+  std::string written;               // the same as the file has it, with parameters that not everyone has
+  const toml::node* node = nullptr;  // where
+};
+struct Axis {
+  std::string name;
+  std::vector<AxisValue> values;
+  bool labelled = false;
+};
+
+/// A number, a text, a list of these, or a table of labelled parts of pipelines. A label whose text has stars says with
+/// `$velocity` where the name goes that `velocity=*` became. Throws UserError with file and line.
+Axis readAxis(const std::string& file, const std::string& name, const toml::node& node);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/trial/box_distribution.h"
+
+#include "framework/random.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr double kHalf = 0.5;  // half side of a box (m)
+
+// Side of a room in which n unit boxes overlap about one other each: 2^D * n / side^D.
+template <int D>
+double sideFor(int n) {
+  const double volume = static_cast<double>(n) * (D == 2 ? 4 : 8);
+  if (D == 2) return std::sqrt(volume);
+  double side = 1;
+  while (side * side * side < volume) side *= 1.01;
+  return side;
+}
+
+// Drawn by all, also where nobody is put there: stored results hang on the numbers that follow.
+template <int D>
+std::vector<Vec<D>> drawCenters(Random& random, double side) {
+  std::vector<Vec<D>> centers(8);
+  for (Vec<D>& c : centers) {
+    for (int d = 0; d < D; ++d) c[d] = static_cast<Real>(random.uniform(-0.8, 0.8) * side / 2);
+  }
+  return centers;
+}
+
+// A place within `part` of a room of that side, and a velocity.
+template <int D>
+void drawOne(Flock<D>& flock, Random& random, double side, double part) {
+  Vec<D> p, v;
+  for (int d = 0; d < D; ++d) {
+    p[d] = static_cast<Real>(random.uniform(-1, 1) * side / 2 * part);
+    v[d] = static_cast<Real>(random.uniform(-10, 10));
+  }
+  flock.place.push_back(p), flock.velocity.push_back(v);
+}
+
+template <int D>
+Flock<D> everywhere(int n, double side, Random& random) {
+  Flock<D> flock;
+  flock.room = static_cast<Real>(side / 2);
+  drawCenters<D>(random, side);
+  for (int i = 0; i < n; ++i) drawOne(flock, random, side, 1);
+  flock.half.assign(static_cast<std::size_t>(n), static_cast<Real>(kHalf));
+  return flock;
+}
+
+struct Uniform {
+  static constexpr const char* kName = "uniform";
+  static constexpr const char* kMeaning = "unit boxes anywhere, as dense for every n: overlaps grow with n";
+  void visit(ParamVisitor&) {}
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    return everywhere<D>(n, sideFor<D>(n), random);
+  }
+};
+
+struct Cluster {
+  static constexpr const char* kName = "cluster";
+  static constexpr const char* kMeaning =
+      "nine of ten boxes, of many sizes, around few centres: no one cell size serves";
+  int spread = 10;
+  void visit(ParamVisitor& v) { v.integer("spread", spread, 1, 100, "side of a cluster, in hundredths of the room's"); }
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    Flock<D> flock;
+    const double side = sideFor<D>(n);
+    flock.room = static_cast<Real>(side / 2);
+    const std::vector<Vec<D>> centers = drawCenters<D>(random, side);
+    for (int i = 0; i < n; ++i) {
+      const bool clustered = i % 10 != 0;
+      drawOne(flock, random, side, clustered ? spread / 100.0 : 1.0);
+      if (clustered) {
+        flock.place.back() += centers[random.below(centers.size())];
+        flock.velocity.back() = Vec<D>(flock.velocity.back() / 10);
+      }
+      flock.half.push_back(static_cast<Real>(kHalf * random.uniform(0.2, 2)));
+    }
+    return flock;
+  }
+};
+
+struct Director2 {
+  static constexpr const char* kName = "director_2";
+  static constexpr const char* kMeaning = "the room of the 2009 script, which stays as large while boxes come";
+  Real side = 80;
+  void visit(ParamVisitor& v) { v.real("side", side, 1, Real(1e6), "m", "of the room"); }
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    return everywhere<D>(n, static_cast<double>(side), random);
+  }
+};
+
+template <class E, int D>
+Flock<D> make(const Spec& spec, int n, std::uint64_t seed) {
+  Random random(seed);
+  return readEntry<E>(spec).template make<D>(n, random);
+}
+template <class E>
+BoxDistribution entry() {
+  return {entryInfo<E>(), make<E, 2>, make<E, 3>};
+}
+
+}  // namespace
+
+const std::vector<BoxDistribution>& boxDistributions() {
+  static const std::vector<BoxDistribution> all = {entry<Uniform>(), entry<Cluster>(), entry<Director2>()};
+  return all;
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+// Rows of tables that name a way to do something: a distribution of boxes, a way of drawing pairs. One entry is a
+// struct with a name, a meaning, parameters and what it does; the table holds one of each, and everything that knows
+// the names (plans, errors, `lpc list`) reads the table.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "framework/registry.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct EntryInfo {
+  std::string name;  // stable for ever: it stands in result files
+  std::string meaning;
+  std::vector<ParamInfo> params;
+  std::function<Spec(const Spec&)> canonical;  // every parameter written out; throws UserError on a wrong one
+};
+
+/// E has kName, kMeaning and visit(ParamVisitor&).
+template <class E>
+E readEntry(const Spec& spec) {
+  E entry;
+  readParams(spec, E::kName, [&](ParamVisitor& v) { entry.visit(v); });
+  return entry;
+}
+
+template <class E>
+EntryInfo entryInfo() {
+  E defaults;
+  return {E::kName, E::kMeaning, describeParams([&](ParamVisitor& v) { defaults.visit(v); }), [](const Spec& spec) {
+            E entry = readEntry<E>(spec);
+            return canonicalSpec(E::kName, 2, [&](ParamVisitor& v) { entry.visit(v); });  // no stages: any dimension
+          }};
+}
+
+/// Throws UserError with the valid names. `what`: what kind of entry it is, for the message.
+template <class Entry>
+const Entry& findEntry(const std::vector<Entry>& table, const std::string& what, const std::string& name) {
+  const auto it = std::find_if(table.begin(), table.end(), [&](const Entry& e) { return e.info.name == name; });
+  if (it != table.end()) return *it;
+  std::string valid;
+  for (const Entry& e : table) valid += (valid.empty() ? "" : ", ") + e.info.name;
+  throw UserError("unknown " + what + " '" + name + "'; valid: " + valid);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "experiments/trial/scene_parsed.h"
+#include "framework/scene_spec.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// One [[event]] block at one turn of its loops, as the reader of its kind sees it.
+template <int D>
+struct EventBlock {
+  TableReader& block;
+  SceneNumbers& numbers;
+  long step;
+  SceneSpec<D>& scene;
+  /// The body that a key names, as its place in scene.spawns. It must be there at `step`, which is seen to later, when
+  /// all blocks are read.
+  std::function<int(const std::string& key)> bodyOf;
+  std::function<void()> addBody;                                        // by the keys of a [[body]] block
+  std::function<typename SceneSpec<D>::Joint(TableReader&)> readJoint;  // by those of a [[joint]] block
+};
+
+/// A kind of event: its fields and its mistakes are in `read`, which leaves in the scene what shall be done.
+template <int D>
+struct EventKind {
+  std::string_view name, meaning;
+  bool names;  // it makes bodies that others may name, so it is read before them
+  void (*read)(const EventBlock<D>&);
+};
+template <int D>
+std::span<const EventKind<D>> eventKinds();
+
+}  // namespace lpc::inline LPC_PRECISION

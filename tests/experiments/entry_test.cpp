@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Zlib
+// Distributions of boxes and ways of drawing pairs: what a name draws stays what it is, for stored results hang on it.
+#include "experiments/trial/entry.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/trial_plan.h"
+#include "experiments/trial/box_distribution.h"
+#include "experiments/trial/pair_drawing.h"
+#include "framework/support_map.h"
+#include "oracles/referee.h"
+#include "tests/expect_caught.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// FNV-1a of the bits of numbers.
+class Bits {
+ public:
+  void add(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    for (int i = 0; i < 64; i += 8) m_hash = (m_hash ^ ((bits >> i) & 255)) * 1099511628211u;
+  }
+  template <int D>
+  void add(const Vec<D>& v) {
+    for (int d = 0; d < D; ++d) add(static_cast<double>(v[d]));
+  }
+  std::uint64_t hash() const { return m_hash; }
+
+ private:
+  std::uint64_t m_hash = 14695981039346656037u;
+};
+
+template <int D>
+std::uint64_t boxes(const std::string& distribution) {
+  const Flock<D> flock = makeFlock<D>(Spec::parse(distribution), 200, 7);
+  Bits bits;
+  for (std::size_t i = 0; i < flock.place.size(); ++i) {
+    bits.add<D>(flock.place[i]), bits.add<D>(flock.velocity[i]), bits.add(static_cast<double>(flock.half[i]));
+  }
+  bits.add(static_cast<double>(flock.room));
+  return bits.hash();
+}
+
+template <int D>
+double trueDistance(const DrawnPair<D>& p) {
+  return referee<D>(p.a.view(), {}, p.b.view(), p.X_AB).interval().middle();
+}
+
+template <int D>
+std::uint64_t pairs(const std::string& drawing) {
+  Random random(5);
+  Bits bits;
+  for (int i = 0; i < 90; ++i) {
+    const ShapeKind a = i % 2 ? ShapeKind::box : ShapeKind::capsule;
+    const auto p = drawPair<D>(Spec::parse(drawing), {a, ShapeKind::polytope, i, trueDistance<D>}, random);
+    bits.add<D>(p.X_AB.p), bits.add<D>(Vec<D>(p.X_AB.q * Vec<D>::Unit(0)));
+    bits.add(static_cast<double>(boundingRadius(p.a.view()))),
+        bits.add(static_cast<double>(boundingRadius(p.b.view())));
+  }
+  return bits.hash();
+}
+
+// From the sources before there were entries.
+TEST(Entries, WhatANameDrawsStays) {
+  EXPECT_EQ(boxes<2>("uniform"), 0xa3a022688f626781u);
+  EXPECT_EQ(boxes<3>("uniform"), 0xdc0c3532e7928c91u);
+  EXPECT_EQ(boxes<2>("cluster"), 0x2749bafc16170283u);
+  EXPECT_EQ(boxes<3>("cluster"), 0xef42594d5646a0aeu);
+  EXPECT_EQ(boxes<2>("director_2"), 0xf6ded839a6f99ee3u);
+  EXPECT_EQ(boxes<3>("director_2"), 0xcb02ba5f33a90f64u);
+  EXPECT_EQ(pairs<2>("in_turn"), 0xb208c28634ea0e13u);
+  EXPECT_EQ(pairs<3>("in_turn"), 0x02c6aba33821cc2fu);
+  EXPECT_EQ(boxes<2>("cluster{spread=10}"), boxes<2>("cluster")) << "a default written out";
+  test::expectCaught("clusters a hundredth wider", boxes<2>("cluster{spread=11}") == boxes<2>("cluster"));
+  test::expectCaught("a family that does not take its turn", pairs<2>("near") == pairs<2>("in_turn"));
+}
+
+// A family alone is what it is in its turn.
+template <int D>
+void takeTurns() {
+  const char* families[] = {"apart", "near", "touching", "overlapping", "centred", "parallel_faces"};
+  for (int i = 0; i < 24; ++i) {
+    const PairRequest<D> request{ShapeKind::box, ShapeKind::capsule, i, trueDistance<D>};
+    Random a(3), b(3);
+    const auto alone = drawPair<D>(Spec::parse(families[i % 6]), request, a),
+               turn = drawPair<D>({"in_turn", {}}, request, b);
+    EXPECT_EQ(alone.X_AB.p, turn.X_AB.p) << families[i % 6];
+    EXPECT_EQ(a.next(), b.next()) << "all draw as many numbers";
+    const double gap = trueDistance<D>(turn);
+    const bool apart = i % 6 == 0, touching = i % 6 == 2 || i % 6 == 5, deep = i % 6 == 4;
+    EXPECT_TRUE(!apart || gap > 0) << gap;
+    EXPECT_TRUE(!touching || std::abs(gap) < 2e-9) << gap;
+    EXPECT_TRUE(!deep || gap < 0) << gap;
+  }
+}
+TEST(Entries, FamiliesTakeTurns) { takeTurns<2>(), takeTurns<3>(); }
+
+template <class F>
+std::string errorOf(const F& f) {
+  try {
+    f();
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Entries, PlansKnowThem) {
+  Planner planner;
+  const auto boxesOf = [&](const char* distribution) {
+    return planner.boxes({{"dimension", 3}, {"n", 8}, {"distribution", distribution}, {"broadphase", "naive"}});
+  };
+  const auto pairsBy = [&](const char* drawing) {
+    return planner.pairs(
+        {{"dimension", 3}, {"kind_a", "box"}, {"kind_b", "box"}, {"pair_query", "sat"}, {"drawing", drawing}});
+  };
+  EXPECT_EQ(boxesOf("cluster").key, boxesOf("cluster{spread=10}").key) << "a default written out";
+  EXPECT_NE(boxesOf("cluster").key, boxesOf("cluster{spread=11}").key);
+  EXPECT_NE(pairsBy("in_turn").key, pairsBy("near").key);
+  EXPECT_EQ(pairsBy("in_turn").key,
+            planner.pairs({{"dimension", 3}, {"kind_a", "box"}, {"kind_b", "box"}, {"pair_query", "sat"}}).key);
+  EXPECT_EQ(errorOf([&] { boxesOf("clusters"); }),
+            "unknown distribution 'clusters'; valid: uniform, cluster, director_2");
+  EXPECT_EQ(errorOf([&] { boxesOf("cluster{spread=0}"); }),
+            "parameter 'spread' of 'cluster' is '0'; valid: a whole number from 1 to 100");
+  EXPECT_EQ(errorOf([&] { boxesOf("uniform{side=3}"); }), "'uniform' has no parameter 'side'; valid: none");
+  EXPECT_EQ(errorOf([&] { pairsBy("nearer"); }),
+            "unknown drawing 'nearer'; valid: in_turn, apart, near, touching, overlapping, centred, parallel_faces");
+}
+
+TEST(Entries, DescribeThemselves) {
+  const auto look = [](const EntryInfo& e) {
+    EXPECT_FALSE(e.meaning.empty()) << e.name;
+    for (const ParamInfo& p : e.params) EXPECT_FALSE(p.meaning.empty()) << e.name << ' ' << p.name;
+    EXPECT_EQ(e.canonical(Spec{e.name, {}}).fields.size(), e.params.size());
+  };
+  for (const BoxDistribution& e : boxDistributions()) look(e.info);
+  for (const PairDrawing& e : pairDrawings()) look(e.info);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Zlib
+// What a script does between steps, against closed forms; and its mistakes, told with file and line.
+#include "experiments/trial/scene_event.h"
+
+#include <gtest/gtest.h>
+
+#include "experiments/trial/scene_file.h"
+#include "framework/director.h"
+#include "framework/world.h"
+#include "tests/expect_caught.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::expectCaught;
+using test::Workspace;
+
+// A box of 2 kg, by no force moved, and a peg; events follow.
+const std::string kHead = R"(name = "t"
+summary = "s"
+dimensions = [2, 3]
+needs = ["joints", "rotation"]
+gravity = [0, 0, 0]
+dt = 0.125
+[[body]]
+name = "box"
+position = [1, 2, 3]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], density = 2, offset = [0.25, 0, 0] }]
+[[body]]
+name = "peg"
+type = "fixed"
+position = [9, 9, 9]
+shapes = [{ kind = "circle", radius = 0.5 }]
+)";
+
+template <int D>
+SceneSpec<D> scene(const std::string& events) {
+  return SceneFile::parse(kHead + events, "t.toml").build<D>({}, 1);
+}
+
+template <int D>
+struct Played {
+  World<D> world;
+  Director<D> director;
+  explicit Played(const SceneSpec<D>& spec, int steps) : world({}, spec.settings), director(spec) {
+    for (int i = 0; i < steps; ++i) director.advance(world), world.step(spec.dt);
+  }
+  Pose<D> pose(int spawn) const { return world.pose(director.body(spawn)); }
+  Motion<D> motion(int spawn) const { return world.motion(director.body(spawn)); }
+};
+
+template <int D>
+Vec<D> vec(Real x, Real y, Real z) {
+  Vec<D> v = Vec<D>::Zero();
+  v[0] = x, v[1] = y;
+  if constexpr (D == 3) v[2] = z;
+  return v;
+}
+
+// --- push
+// --------------------------------------------------------------------------------------------------------------
+
+// v = J / m and w = r x J / I from the step of the blow on, I = m (1 + 1) / 12 about z.
+template <int D>
+bool pushed(const SceneSpec<D>& spec) {
+  const Motion<D> before = Played<D>(spec, 3).motion(0), after = Played<D>(spec, 4).motion(0);
+  const Real w = after.w[kAngDim<D> - 1], expected = (Real(0.5) * 4) / (Real(2) / 6);
+  return before.v.norm() == 0 && (after.v - vec<D>(0, 2, 0)).norm() < 1e-12 && std::abs(w - expected) < 1e-12;
+}
+template <int D>
+void push() {
+  const SceneSpec<D> right = scene<D>(R"(
+[[event]]
+do = "push"
+step = 3
+body = "box"
+impulse = [0, 4, 0]
+at = [0.75, 0, 0]
+)");
+  EXPECT_TRUE(pushed(right));
+  SceneSpec<D> wrong = right;
+  wrong.events[0].step = 4;
+  expectCaught("a blow one step late", pushed(wrong));
+  wrong = right;
+  wrong.events.push_back(right.events[0]);
+  expectCaught("a blow twice", pushed(wrong));
+  wrong = scene<D>("[[event]]\ndo = \"push\"\nstep = 3\nbody = \"box\"\nimpulse = [0, 4, 0]\nat = [0.5, 0, 0]\n");
+  expectCaught("a blow with the arm from the body's origin", pushed(wrong));
+}
+TEST(SceneEvent, PushIsABlow) { push<2>(), push<3>(); }
+
+// --- force
+// -------------------------------------------------------------------------------------------------------------
+
+// Four steps of F = 16 N give 2 kg the speed 16 * 4 * 0.125 / 2.
+template <int D>
+bool driven(const SceneSpec<D>& spec) {
+  const auto speed = [&](int steps) { return Played<D>(spec, steps).motion(0).v[0]; };
+  return speed(2) == 0 && speed(3) == 1 && speed(6) == 4 && speed(9) == 4;
+}
+template <int D>
+void force() {
+  const std::string text = "[[event]]\ndo = \"force\"\nstep = 2\nbody = \"box\"\nforce = [16, 0, 0]\nuntil = ";
+  EXPECT_TRUE(driven(scene<D>(text + "6\n")));
+  expectCaught("a force for one step too many", driven(scene<D>(text + "7\n")));
+  SceneSpec<D> lasting = scene<D>(text + "6\n");
+  for (long step = 6; step < 9; ++step) lasting.events.push_back(lasting.events[0]), lasting.events.back().step = step;
+  expectCaught("a force that does not end", driven(lasting));
+}
+TEST(SceneEvent, ForceLastsItsSteps) { force<2>(), force<3>(); }
+
+TEST(SceneEvent, TorqueTurns) {
+  const auto spec = scene<2>("[[event]]\ndo = \"force\"\nstep = 0\nbody = \"box\"\ntorque = 4\n");
+  EXPECT_NEAR(Played<2>(spec, 2).motion(0).w[0], 4 * 0.125 / (2.0 / 6), 1e-12);
+  EXPECT_EQ(Played<2>(spec, 2).motion(0).v.norm(), 0);
+}
+
+// --- set
+// ---------------------------------------------------------------------------------------------------------------
+
+template <int D>
+bool isSet(const SceneSpec<D>& spec) {
+  const Played<D> played(spec, 3);
+  const Vec<D> ahead = played.pose(0).q * vec<D>(1, 0, 0);
+  return (played.pose(0).p - vec<D>(5, Real(6.125), 7)).norm() < 1e-12 && (ahead - vec<D>(0, 1, 0)).norm() < 1e-6 &&
+         played.motion(0).v == vec<D>(0, 1, 0) && played.pose(1).p == vec<D>(9, 8, 9);
+}
+template <int D>
+void set() {
+  const std::string text = R"(
+[[event]]
+do = "set"
+step = 2
+body = "box"
+position = [5, 6, 7]
+angle = "pi / 2"
+velocity = [0, 1, 0]
+)",
+                    peg = "[[event]]\ndo = \"set\"\nstep = 1\nbody = \"peg\"\nposition = [9, 8, 9]\n";
+  EXPECT_TRUE(isSet(scene<D>(text + peg)));
+  SceneSpec<D> wrong = scene<D>(text + peg);
+  for (auto& e : wrong.events) e.body = 0;
+  expectCaught("another body is set", isSet(wrong));
+}
+TEST(SceneEvent, SetIsWhatItSays) { set<2>(), set<3>(); }
+
+// --- add, joint, remove
+// ------------------------------------------------------------------------------------------------
+
+TEST(SceneEvent, BodiesComeAreJoinedAndGo) {
+  const auto spec = scene<2>(R"(
+[[event]]
+do = "add"
+step = 2
+name = "late"
+repeat = { i = 2 }
+position = ["20 + 4 * i", 0]
+shapes = [{ kind = "circle", radius = 1 }]
+[[event]]
+do = "joint"
+step = 4
+kind = "pivot"
+a = "box"
+b = "late[1]"
+anchor = [3, 3, 3]
+[[event]]
+do = "remove"
+step = 6
+body = "late[0]"
+[[event]]
+do = "remove"
+step = 7
+body = "late[1]"
+)");
+  EXPECT_EQ(census(spec).at("removed"), 2);
+  std::vector<std::pair<int, int>> seen;  // bodies, joints
+  World<2> world({}, spec.settings);
+  Director<2> director(spec);
+  for (int i = 0; i < 9; ++i) {
+    director.advance(world);
+    seen.emplace_back(world.bodyCount(), std::count_if(world.joints().begin(), world.joints().end(),
+                                                       [](const auto& j) { return j.active(); }));
+    world.step(spec.dt);
+  }
+  EXPECT_EQ(seen,
+            (std::vector<std::pair<int, int>>{{2, 0}, {2, 0}, {4, 0}, {4, 0}, {4, 1}, {4, 1}, {3, 1}, {2, 0}, {2, 0}}));
+}
+
+// The shipped scene has each kind, and each leaves its mark.
+TEST(SceneEvent, TheShippedSceneUsesEach) {
+  const std::string text = readFile(LPC_SOURCE_DIR "/experiments/scenes/script_events.toml");
+  for (const auto& kind : eventKinds<2>()) {
+    EXPECT_NE(text.find("do = \"" + std::string(kind.name) + "\""), text.npos) << kind.name;
+    EXPECT_FALSE(kind.meaning.empty());
+  }
+  const auto spec = SceneFile::parse(text, "s").build<2>({}, 1);
+  const Played<2> before(spec, 30), after(spec, 235);
+  EXPECT_GT(after.pose(1).p[0], before.pose(1).p[0] + 1) << "the box was pushed";
+  EXPECT_GT(after.pose(3).p[1], 1) << "the lift goes up";
+  EXPECT_NEAR((after.pose(4).p - Vec<2>(6, 5)).norm(), 2, 0.05) << "the ball hangs on its peg";
+  EXPECT_EQ(Played<2>(spec, 250).world.bodyCount(), 4);
+}
+
+TEST(SceneEvent, MistakesAreOneLine) {
+  const std::pair<std::string, std::vector<std::string>> cases[] = {
+      {"do = \"pusch\"\nstep = 3\n",
+       {"t.toml:17: ", "unknown event 'pusch'; valid: add, force, joint, push, remove, set"}},
+      {"step = 3\n", {"t.toml:16: ", "'do' is missing"}},
+      {"do = \"push\"\nbody = \"box\"\nimpulse = [1, 0]\n", {"t.toml:16: ", "'step' is missing"}},
+      {"do = \"push\"\nstep = -3\nbody = \"box\"\n", {"t.toml:18: ", "'step' is -3", "valid: 0 to"}},
+      {"do = \"push\"\nstep = 1.5\nbody = \"box\"\n", {"t.toml:18: ", "'step' is 1.5", "whole numbers"}},
+      {"do = \"push\"\nstep = 3\nbody = \"bax\"\nimpulse = [1, 0]\n", {"t.toml:19: ", "'bax'", "valid: box, peg"}},
+      {"do = \"push\"\nstep = 3\nbody = \"box[1]\"\nimpulse = [1, 0]\n", {"t.toml:19: ", "'box' has 1 bodies"}},
+      {"do = \"push\"\nstep = 3\nbody = \"peg\"\nimpulse = [1, 0]\n", {"t.toml:19: ", "valid: a dynamic body"}},
+      {"do = \"push\"\nstep = 3\nbody = \"box\"\n", {"t.toml:16: ", "without effect", "impulse, angular_impulse"}},
+      {"do = \"push\"\nstep = 3\nbody = \"box\"\nimpulse = [1, 0]\nspeed = 3\n", {"t.toml:21: ", "'speed'", "impulse"}},
+      {"do = \"set\"\nstep = 3\nbody = \"peg\"\nvelocity = [1, 0]\n",
+       {"t.toml:20: ", "fixed", "valid: position, angle"}},
+      {"do = \"force\"\nstep = 3\nevery = 2\nbody = \"box\"\nforce = [1, 0]\n",
+       {"t.toml:16: ", "'every' needs 'until'"}},
+      {"do = \"joint\"\nstep = 3\nkind = \"pivot\"\na = \"box\"\nb = \"peg\"\n",
+       {"t.toml:16: ", "'anchor' is missing"}},
+      {"do = \"remove\"\nstep = 3\nbody = \"box\"\n[[event]]\ndo = \"remove\"\nstep = 4\nbody = \"box\"\n",
+       {"t.toml:23: ", "removed at step 3 already"}},
+      {"do = \"remove\"\nstep = 3\nbody = \"box\"\n[[event]]\ndo = \"push\"\nstep = 4\nbody = \"box\"\nimpulse = "
+       "[1, 0]\n",
+       {"t.toml:20: ", "at step 4 'box' is not there: it is removed at 3"}},
+      {"do = \"add\"\nstep = 5\nname = \"late\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n"
+       "[[event]]\ndo = \"push\"\nstep = 4\nbody = \"late\"\nimpulse = [1, 0]\n",
+       {"t.toml:21: ", "at step 4 'late' is not there: it comes at 5"}},
+  };
+  for (const auto& [event, parts] : cases) {
+    std::string message = "no error";
+    try {
+      scene<2>("[[event]]\n" + event);
+    } catch (const UserError& e) {
+      message = e.what();
+    }
+    for (const std::string& part : parts) EXPECT_NE(message.find(part), message.npos) << event << "\n" << message;
+    EXPECT_EQ(message.find('\n'), message.npos) << message;
+  }
+  Workspace w;
+  w.write("t.toml", kHead + "[[event]]\ndo = \"pusch\"\nstep = 3\n");
+  const test::Outcome run = w.lpc("run t.toml --profile p.csv");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_EQ(std::count(run.text.begin(), run.text.end(), '\n'), 1) << run.text;
+  EXPECT_FALSE(std::filesystem::exists(w.path("p.csv"))) << "half-written";
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
