@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Zlib
+#include <limits>
+
 #include "framework/joint.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -37,7 +39,9 @@ class Distance final : public JointKind<D> {
 
   void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     joint.state[0] = m_params.length < 0 ? JointFrames<D>(joint, X_WA, X_WB).gap.norm() : m_params.length;
-    if (m_params.mode == Mode::rod && !(joint.state[0] > 0)) {
+    // Two frames given at one point differ by the rounding of their bodies' poses.
+    const Real reach = joint.X_CaJ.p.norm() + joint.X_CbJ.p.norm() + X_WA.p.norm() + X_WB.p.norm();
+    if (m_params.mode == Mode::rod && !(joint.state[0] > 16 * std::numeric_limits<Real>::epsilon() * reach)) {
       throw UserError("'distance' is a rod of no length; valid: two points apart, or a pivot");
     }
   }
