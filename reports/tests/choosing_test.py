@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the report: which charts a sweep gets, and by which colours and markers methods are told apart. Run by ctest, or
+python3 reports/tests/choosing_test.py. Every check that guards a promise is seen to fail on a planted bug."""
+
+import random
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import make  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+
+
+def check_looks(looks, labels):
+    """No two methods look alike, and a family has one colour."""
+    seen, families = {}, {}
+    for label in labels:
+        look = (looks(label)["color"], looks(label)["marker"])
+        if look in seen:
+            return f"{label} looks like {seen[look]}"
+        seen[look] = label
+        if families.setdefault(load.family(label), look[0]) != look[0]:
+            return f"{label} has not the colour of its family"
+    return ""
+
+
+class MarkerOfTheMemberAlone(style.Looks):
+    """Planted bug: colours by position in the palette, and the marker knows nothing of other families."""
+
+    def __init__(self, store, registered, labels):
+        super().__init__(store, registered, labels)
+        places = sorted(self.families)
+        self.looks = {label: (style.PALETTE[places.index(load.family(label)) % 6], style.MARKERS[self.shifts.get(
+            self._member(label), 0) % len(style.MARKERS)]) for label in labels}
+
+
+class LooksOfMethods(unittest.TestCase):
+    def store(self, themes, **kwargs):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        synthetic_store.write(Path(folder.name) / "store.db", themes=themes, **kwargs)
+        return load.Store(Path(folder.name) / "store.db")
+
+    def test_forty_methods_are_told_apart(self):
+        for algorithms in (synthetic_store.forty_algorithms(), []):  # also where the registry names none of them
+            store = self.store((synthetic_store.forty,), algorithms=algorithms)
+            looks = chart.Context(store).looks(store.cells("forty"))
+            self.assertEqual(len(set(synthetic_store.FORTY)), 40)
+            self.assertEqual(check_looks(looks, synthetic_store.FORTY), "")
+            bad = MarkerOfTheMemberAlone(store, algorithms, synthetic_store.FORTY)
+            self.assertNotEqual(check_looks(bad, synthetic_store.FORTY), "", "the planted bug was not seen")
+
+    def test_forty_families_are_told_apart_too(self):
+        labels = [f"method_{i}" for i in range(40)]
+        self.assertEqual(check_looks(style.Looks(self.store(()), [], labels), labels), "")
+
+    def test_a_look_does_not_depend_on_the_others_in_the_store(self):
+        algorithms = synthetic_store.forty_algorithms()
+        everyone = style.Looks(self.store(()), algorithms, synthetic_store.FORTY)
+        source = random.Random(3)
+        for _ in range(20):
+            some = source.sample(synthetic_store.FORTY, 7)
+            alone = style.Looks(everyone.store, algorithms, some)
+            self.assertEqual([alone(label) for label in some], [everyone(label) for label in some])
+        # The planted bug counts places among those that are drawn.
+        some = synthetic_store.FORTY[20:]
+        bad, all_bad = (MarkerOfTheMemberAlone(everyone.store, [], labels) for labels in (some, synthetic_store.FORTY))
+        self.assertNotEqual([bad(label) for label in some], [all_bad(label) for label in some], "the planted bug was not seen")
+
+    def test_the_families_of_today_differ_in_colour(self):
+        store = self.store(synthetic_store.THEMES)
+        context = chart.Context(store)
+        for sweep in ("broadphase_crossover", "resolvers", "pair_queries"):
+            cells = store.cells(sweep)
+            families = {load.family(label): context.looks(cells)(label)["color"] for label in cells["method"]}
+            self.assertEqual(len(set(families.values())), len(families), sweep)
+        witness = context.looks_of_stage("pair_query")("fcl_libccd")
+        self.assertEqual(witness["markerfacecolor"], "white", "a witness is hollow")
+
+
+FIRST_SWEEP = [{"scene": "leaning_stack", "n": n, "iterations": i, "resolver": label}
+               for n in (5, 10, 20) for i in (4, 10, 30) for label in ("catto", "soft_step")]
+
+
+class Choosing(unittest.TestCase):
+    def made(self, fill):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        fill(maker)
+        maker.close()
+        made = make.all_charts(chart.Context(load.Store(Path(folder.name) / "store.db")))
+        self.addCleanup(style.plt.close, "all")
+        return {c.id: c for c in made if c.figure is not None}
+
+    def test_the_first_sweep_of_the_manual_has_its_charts(self):
+        def fill(maker):
+            maker.sweep("friction", "world", "", resolver="label", iterations="setting", n="parameter")
+            for axes in FIRST_SWEEP:
+                maker.world("friction", {"dimension": 2, **axes}, axes["iterations"] / 10, 1e-3 / axes["iterations"])
+        made = self.made(fill)
+        self.assertEqual(sorted(made), ["coverage", "friction_leaning_stack__2d__n_10", "friction_leaning_stack__2d__n_20",
+                                        "friction_leaning_stack__2d__n_5", "friction_raised_2d", "friction_steadiness_2d"])
+
+    def test_names_of_sweeps_and_scenes_choose_nothing(self):
+        def fill(maker):
+            maker.sweep("resolvers_of_pair_queries", "world", resolver="label")  # not timed, one method
+            maker.world("resolvers_of_pair_queries", {"scene": "slope_of_stages", "dimension": 2, "resolver": "catto"}, 1, 1e-3,
+                        repeats=0)
+        self.assertEqual(list(self.made(fill)), ["coverage"])
+
+    def test_a_scene_of_another_name_that_measures_a_slope_has_its_error(self):
+        def fill(maker):
+            maker.sweep("mine", "world", "soft_step", resolver="label")
+            for label in ("catto", "soft_step"):
+                maker.world("mine", {"scene": "my_hill", "dimension": 2, "resolver": label}, 1, 1e-3, extra={"slope": True})
+        made = self.made(fill)["mine_my_hill__2d"]
+        self.assertIn("error of the distance slid", made.finding)
+        self.assertIn("soft_step", made.finding)
+
+    def test_methods_are_compared_by_an_error_that_all_of_them_have(self):
+        def fill(maker, without=("max_penetration",)):
+            maker.sweep("mine", "world", "", resolver="label")
+            axes = {"scene": "vertical_stack", "dimension": 2}
+            maker.world("mine", {**axes, "resolver": "catto"}, 1, 1e-3)
+            # A whole engine tells no contacts and exists in one precision.
+            maker.world("mine", {**axes, "resolver": "box2d", "precision": "f32"}, 1, 1e-3, without=without,
+                        extra={"precision": "f32", "engine": {"name": "box2d", "differs": "its slop is 5 mm"}})
+        told = self.made(lambda maker: fill(maker, ()))["mine_vertical_stack__2d"].table
+        made = self.made(fill)
+        self.assertNotIn("mine_precision", made, "no method has both")
+        self.assertIn("box2d is a whole engine, here in f32: its slop is 5 mm.", made["mine_vertical_stack__2d"].note)
+        untold = made["mine_vertical_stack__2d"].table
+        self.assertIn("largest penetration", told)
+        self.assertNotIn("largest penetration of shapes", told, "one error of one meaning")
+        self.assertIn("largest penetration of shapes", untold)
+        self.assertNotIn("largest penetration", untold)
+
+    def test_a_chart_that_needs_what_nobody_has_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            synthetic_store.write(Path(folder) / "empty.db", themes=())
+            context = chart.Context(load.Store(Path(folder) / "empty.db"))
+        for needs in (chart.Needs("world", metrics=("ms_per_setp_median",)), chart.Needs("world", series=("max_sped",))):
+            bad = type("bad", (), {"NEEDS": needs, "ABSENT": None, "of_sweep": None, "__file__": "charts/planted.py"})
+            with self.assertRaisesRegex(load.UserError, "planted.py: no (metric|series) .*; valid: .*max_"):
+                chart.made(bad, context)
+
+
+if __name__ == "__main__":
+    unittest.main()
