@@ -128,6 +128,7 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
   require(isAmount(saved.time) && isAmount(saved.lastDt), "the time is no finite number >= 0");
   require(saved.steps >= 0 && saved.steps <= std::numeric_limits<std::int64_t>::max() / 2,
           "the number of steps has overflowed");
+  require(saved.pairRecords == 0, "records of pairs, which this format has not yet");
   checkBodies(saved.bodies, saved.userForces.size());
   checkShapes(saved, contacts);
   for (const JointRecord<D>& j : saved.joints) {

@@ -203,15 +203,16 @@ void fields(Archive& a, WorldSettings<D>& s) {
 
 template <int D>
 void fields(Archive& a, SavedState<D>& s) {
-  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps);
+  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps,
+    s.pairRecords);
 }
 
 }  // namespace
 
 template <int D>
 void World<D>::save(std::ostream& out) const {
-  SavedState<D> s{m_settings,   m_bodies, m_shapes, m_joints, m_manifolds,
-                  m_userForces, m_events, m_time,   m_lastDt, m_steps};
+  SavedState<D> s{m_settings, m_bodies, m_shapes, m_joints, m_manifolds, m_userForces, m_events,
+                  m_time,     m_lastDt, m_steps,  0};
   std::ostringstream body;
   Archive inner(body);
   inner(s);

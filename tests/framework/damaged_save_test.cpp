@@ -150,7 +150,8 @@ struct Damaged : SavedState<D> {
                       {{SleepEvent::userChange, 0, -1}},
                       1,
                       kDt,
-                      1} {}
+                      1,
+                      0} {}
 
   std::string refusal() const {
     try {
@@ -194,6 +195,7 @@ std::vector<Damage<D>> damages() {
       {"the time", [](P p) { p.lastDt = -1; }},
       {"the number of steps", [](P p) { p.steps = -1; }},
       {"the number of steps", [](P p) { p.steps = std::numeric_limits<std::int64_t>::max(); }},
+      {"records of pairs", [](P p) { p.pairRecords = 1; }},
       {"unequal lengths", [](P p) { p.bodies.sleep.pop_back(); }},
       {"unequal lengths", [](P p) { p.bodies.solver.pop_back(); }},
       {"unequal lengths", [](P p) { p.bodies.pose.emplace_back(); }},
