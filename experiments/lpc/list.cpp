@@ -108,18 +108,22 @@ void printParams(const json& params) {
   }
 }
 
-void print(const json& all) {
+void printAlgorithms(const json& algorithms) {
   std::string stage;
-  for (const json& a : all["algorithms"]) {
+  for (const json& a : algorithms) {
     if (a["stage"] != stage) {
       stage = a["stage"];
-      std::printf("%s%s\n", &a == &all["algorithms"][0] ? "" : "\n", stage.c_str());
+      std::printf("%s%s\n", &a == &algorithms[0] ? "" : "\n", stage.c_str());
     }
     const std::string role = a["role"] == "competitor" ? "" : " (" + a["role"].get<std::string>() + ")";
     std::printf("  %-22s %-6s %s%s\n", a["name"].get<std::string>().c_str(), dimensionsText(a["dimensions"]).c_str(),
                 a["summary"].get<std::string>().c_str(), role.c_str());
     printParams(a["params"]);
   }
+}
+
+void print(const json& all) {
+  printAlgorithms(all["algorithms"]);
   for (const auto& [key, title] :
        {std::pair("distributions", "distributions of boxes"), std::pair("drawings", "drawings of pairs"),
         std::pair("events", "events of scenes")}) {
@@ -160,6 +164,20 @@ void print(const json& all) {
   }
 }
 
+// The algorithms of one stage alone.
+json ofStage(const std::string& stage) {
+  if (!stageByName(stage)) {
+    std::string valid;
+    for (const StageInfo& s : kStages) valid += (valid.empty() ? "" : ", ") + std::string(s.name);
+    throw UserError("there is no stage '" + stage + "'; valid: " + valid);
+  }
+  json out = json::array();
+  for (const json& a : describeAlgorithms()) {
+    if (a["stage"] == stage) out.push_back(a);
+  }
+  return out;
+}
+
 void writeNames(const std::string& page) {
   std::string text = readFile(page);
   try {
@@ -177,11 +195,22 @@ void addList(CommandLine& app, Session&) {
       app.subcommand("list", "All algorithms with their parameters, all kinds of shape, metrics, scenes and sweeps");
   auto asJson = std::make_shared<bool>(false);
   auto page = std::make_shared<std::string>();
+  auto stage = std::make_shared<std::string>();
   command.flag("--json", *asJson, "for programs");
   command.option("--into", *page, "writes the algorithms' names into this page, such as docs/architecture.md");
+  command.option("--stage", *stage, "the algorithms of one stage alone, for instance velocity or joint");
   command.footer("Example: lpc list --json | python3 -m json.tool");
-  command.callback([asJson, page] {
+  command.callback([asJson, page, stage] {
     if (!page->empty()) return writeNames(*page);
+    if (!stage->empty()) {
+      const json algorithms = ofStage(*stage);
+      if (*asJson) {
+        std::cout << json{{"algorithms", algorithms}}.dump(1) << "\n";
+      } else {
+        printAlgorithms(algorithms);
+      }
+      return;
+    }
     const json all = {{"algorithms", describeAlgorithms()},
                       {"distributions", describeEntries(boxDistributions())},
                       {"drawings", describeEntries(pairDrawings())},

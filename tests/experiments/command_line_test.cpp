@@ -37,6 +37,15 @@ TEST(CommandLine, writesTheNamesIntoAPage) {
   EXPECT_EQ(readFile(page), text);
 }
 
+TEST(CommandLine, listsOneStageAlone) {
+  Workspace w;
+  const Outcome out = w.lpc("list --stage joint");
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_TRUE(out.text.starts_with("joint\n")) << out.text;
+  EXPECT_NE(out.text.find("motor_torque=0 N m"), std::string::npos) << out.text;
+  EXPECT_EQ(out.text.find("velocity"), std::string::npos) << out.text;
+}
+
 // The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
 TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
   Workspace w;
@@ -58,6 +67,7 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"sweep broadphase_crossover --only nobody", {"nobody"}},
       {"merge a.db nowhere.db", {"nowhere.db"}},
       {"list --into nowhere.md", {"nowhere.md"}},
+      {"list --stage bucket", {"'bucket'", "velocity", "joint"}},
       {"list --into /dev/null", {"/dev/null", "<!-- registry -->"}},
       {"--plugin nowhere.so list", {"nowhere.so"}},
       {"verify --stage solver", {"'solver'", "pair_query, contacts, broadphase"}},
