@@ -221,6 +221,84 @@ TEST(SceneFile, mistakesHaveFileAndLine) {
   EXPECT_NE(messageOf("name = 3", {}, false).find("t.toml:1: "), std::string::npos);
 }
 
+// Joints that cannot be: the line names the block or the number, and what would be valid.
+TEST(SceneFile, badJointsAreRefused) {
+  const std::string bodies =
+      "[[body]]\nname = \"a\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n"
+      "[[body]]\nname = \"fixed\"\ntype = \"fixed\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n";
+  struct Case {
+    const char *a, *b, *rest;
+    std::vector<const char*> parts;
+  };
+  const std::vector<Case> cases = {
+      {"a", "a", "kind = \"pivot\"", {"with itself", "world"}},
+      {"world", "fixed", "kind = \"pivot\"", {"do not move"}},
+      {"fixed", "world", "kind = \"pivot\"", {"'world'", "a, fixed"}},
+      {"fixed", "a", "kind = \"glue\"", {"'glue'", "distance, hinge, pivot, weld"}},
+      {"fixed", "a", "kind = \"hinge\"\nparameters = { lower = 1, upper = 0 }", {"cross", "lower <= upper"}},
+      {"fixed", "a", "kind = \"hinge\"\nparameters = { speed = 1 }", {"'speed'", "motor_speed"}},
+      {"fixed", "a", "kind = \"hinge\"\nparameters = { stiffness = 1e300 }", {"'stiffness'", "a number from 0"}},
+      {"fixed", "a", "kind = \"distance\"", {"no length", "a pivot"}},
+      {"fixed", "a", "kind = \"distance\"\nparameters = { damping = 1 }", {"damping", "mode=spring"}},
+      {"fixed", "a", "kind = \"distance\"\nparameters = { mode = \"glue\" }", {"'glue'", "rod, spring, rope"}},
+      {"fixed", "a", "kind = \"pivot\"\nbreak_force = -1", {"breaks at -1", "> 0"}},
+      {"fixed", "a", "kind = \"pivot\"\nbrake_force = 1", {"'brake_force'"}},
+      {"fixed", "a", "kind = \"hinge\"\naxis = [0, 0, 0]", {"'axis'", "no length"}},
+  };
+  for (const Case& c : cases) {
+    const std::string text = "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\n" + bodies + "[[joint]]\na = \"" + c.a +
+                             "\"\nb = \"" + c.b + "\"\nanchor = [0, 0]\n" + c.rest + "\n";
+    SCOPED_TRACE(text);
+    try {
+      SceneFile::parse(text, "t.toml").build<3>({}, 1);
+      ADD_FAILURE() << "was taken";
+    } catch (const UserError& e) {
+      const std::string line = e.what();
+      EXPECT_TRUE(line.starts_with("t.toml:1")) << line;  // within the block
+      EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+      for (const char* part : c.parts) EXPECT_NE(line.find(part), std::string::npos) << line;
+    }
+  }
+}
+
+TEST(SceneFile, jointsHaveParametersAxesAndEnds) {
+  const SceneFile file = SceneFile::parse(R"(
+name = "t"
+summary = "t"
+dimensions = [2, 3]
+[parameters]
+n = { default = 2, min = 0, max = 9, meaning = "turns" }
+[[body]]
+name = "a"
+shapes = [{ kind = "circle", radius = 1 }]
+[[joint]]
+kind = "hinge"
+a = "world"
+b = "a"
+anchor = [1, 2]
+axis = [2, 0, 0]
+parameters = { upper = "n * 2" }
+break_torque = "n * 10"
+[[joint]]
+kind = "distance"
+a = "world"
+b = "a"
+anchor = [0, 3]
+anchor_b = [0, 1]
+parameters = { mode = "rope" }
+)",
+                                          "t.toml");
+  const SceneSpec<3> scene = file.build<3>({}, 1);
+  ASSERT_EQ(scene.joints.size(), 2u);
+  EXPECT_EQ(scene.joints[0].bodyA, -1);
+  EXPECT_EQ(scene.joints[0].def.kind, "hinge{upper=4}");
+  EXPECT_NEAR((scene.joints[0].def.X_WJ.q * Vec<3>(0, 0, 1) - Vec<3>(1, 0, 0)).norm(), 0, 1e-6);
+  EXPECT_EQ(scene.joints[0].def.breakTorque, 20);
+  EXPECT_EQ(scene.joints[1].def.kind, "distance{mode=rope}");
+  EXPECT_EQ(scene.joints[1].def.X_WJb->p, Vec<3>(0, 1, 0));
+  EXPECT_EQ(file.build<2>({}, 1).joints[0].def.X_WJ.p, Vec<2>(1, 2));
+}
+
 TEST(SceneFile, featuresAreText) {
   Features f = featuresFromText("rotation,cache");
   EXPECT_TRUE(f.rotation && f.cache);
