@@ -251,28 +251,6 @@ class Loading(WithStore):
             self.assertTrue(cells[cells["method"] == "stranger"]["max_penetration"].notna().all())
 
 
-class Engines(unittest.TestCase):
-    def charts(self, engine):
-        with tempfile.TemporaryDirectory() as folder:
-            made = synthetic_store.Maker(Path(folder) / "engines.db")
-            made.db.execute("INSERT INTO meta VALUES ('registry', ?)",
-                            (json.dumps({"algorithms": [{"name": "box2d", "role": "engine"}]}),))
-            axes = {"scene": "pyramid", "dimension": 2, "iterations": 10}
-            for label, extra in (("catto+none", None), ("box2d", engine)):
-                made.world("resolvers", {**axes, "resolver": label, "precision": "f32" if extra else "f64"}, 1.0, 1e-3, extra=extra)
-            made.close()
-            store = load.Store(Path(folder) / "engines.db")
-            context = chart.Context(store)
-            return next(c for c in make.all_charts(context) if c.figure is not None and c.section == cost_against_error.SECTION)
-
-    def test_an_engine_is_marked_kept_in_its_precision_and_told_apart(self):
-        made = self.charts({"engine": {"name": "box2d", "differs": "a skin of 1 cm"}})
-        self.assertIn("box2d", set(made.table["method"]))
-        self.assertIn("box2d is a whole engine, here in f32: a skin of 1 cm.", made.note)
-        self.assertIn("box2d (engine)", [text.get_text() for text in made.figure.legends[0].get_texts()])
-        self.assertNotIn("whole engine", self.charts(None).note, "the planted bug was not seen")
-
-
 class Findings(WithStore):
     def test_crossover_is_found_where_it_was_planted(self):
         cells = self.store.cells("broadphase_crossover")
