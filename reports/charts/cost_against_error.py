@@ -49,8 +49,8 @@ def engine_notes(context, cells):
     for method, key in zip(cells["method"], cells["key"]):
         if key is not None and context.store.role(method) == "engine":
             trial = context.store.trials.loc[key, "canonical"]
-            differs = trial.get("engine", {}).get("differs", "")
-            said[method] = f" {method} is a whole engine, here in {trial.get('precision')}: {differs}."
+            if "engine" in trial:
+                said[method] = f" {method} is a whole engine, here in {trial['precision']}: {trial['engine']['differs']}."
     return "".join(said[method] for method in sorted(said))
 
 
