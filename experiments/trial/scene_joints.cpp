@@ -40,11 +40,11 @@ Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
   const toml::table* given = joint.table("parameters");
   if (!given) return spec;
   for (const auto& [key, node] : inFileOrder(*given)) {
-    std::string value;
+    std::string value = "0";  // of a name that the kind does not know, as it will say
     for (const ParamInfo& p : kind.params) {
       if (p.name != key) continue;
       if (!p.choices.empty()) {
-        value = node->is_boolean() ? (**node->as_boolean() ? "true" : "false") : node->value_or(std::string());
+        value = node->is_boolean() ? (**node->as_boolean() ? "true" : "false") : node->value_or(std::string("number"));
       } else {
         value = asText(numbers.number(*node));
       }
