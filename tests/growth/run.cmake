@@ -12,6 +12,8 @@
 #   edits.cmake    edit() of files that are there, which count, too; optional
 #   wrong.cmake    edit() that makes the twin
 #   use.cmake      what else must work; optional
+cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
+
 function(run out_result out_output)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   set(${out_result} ${result} PARENT_SCOPE)
