@@ -7,9 +7,7 @@ std::vector<DescribedMetric> describeMetrics() {
   std::vector<DescribedMetric> out;
   describeWorldMetrics(out);
   describeBoxesMetrics(out);
-#ifdef LPC_HAS_ORACLES
   describePairsMetrics(out);
-#endif
   return out;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What trials measure describes itself: each metric and each series is one entry of its kind's table
-// (world_metrics.cpp, boxes_trial.cpp, pairs_trial.cpp), which says what it is and computes it. The words travel with
+// (world_metrics.cpp, boxes_trial.cpp, pairs_metrics.cpp), which says what it is and computes it. The words travel with
 // the store.
 #pragma once
 

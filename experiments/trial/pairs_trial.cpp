@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "experiments/trial/metric.h"
 #include "experiments/trial/pair_drawing.h"
+#include "experiments/trial/pairs_metrics.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage_narrowphase.h"
 #include "oracles/verify.h"
@@ -16,38 +16,6 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
-
-struct PairsSeen {
-  bool timed = false;
-  double asked = 0, failed = 0, refused = 0, wrong = 0;
-  std::vector<double> errors, nanoseconds;  // of answers; of batches, per query
-};
-
-using S = const PairsSeen&;
-const Measure<PairsSeen> kMetrics[] = {
-    {{"ns_per_query", "time per query", "ns", "processor time of one pair of shapes, in batches", MetricRole::cost,
-      "cheaper", TrialNeed::timing},
-     [](S s) { return quantile(s.nanoseconds, 0.5); }},
-    {{"max_error", "worst error", "1", "worst error of the distance or depth, over the size of the query",
-      MetricRole::error, "more exact"},
-     [](S s) { return quantile(s.errors, 1); }},
-    {{"p99_error", "error of 99 of 100", "1", "99 of 100 queries stay below it, over the size of the query",
-      MetricRole::error, "more exact"},
-     [](S s) { return quantile(s.errors, 0.99); }},
-    {{"median_error", "median error", "1", "of the distance or depth, over the size of the query", MetricRole::error,
-      "more exact"},
-     [](S s) { return quantile(s.errors, 0.5); }},
-    {{"failed", "without an answer", "1", "queries that ended without an answer", MetricRole::error,
-      "fewer without an answer"},
-     [](S s) { return s.failed; }},
-    {{"wrong_boolean", "wrong yes or no", "1", "queries whose yes or no is certainly wrong", MetricRole::error,
-      "fewer wrong answers"},
-     [](S s) { return s.wrong; }},
-    {{"refused", "refused", "1", "queries of declared shapes that were refused", MetricRole::error,
-      "fewer without an answer"},
-     [](S s) { return s.refused; }},
-    {{"asked", "queries", "1", "queries asked", MetricRole::detail, ""}, [](S s) { return s.asked; }},
-};
 
 template <int D>
 PairView<D> viewOf(const DrawnPair<D>& pair) {
@@ -116,16 +84,12 @@ TrialResult runPairs(const json& t) {
   XXH64_freeState(hash);
   out.hash = text;
   measure<PairsSeen>(
-      kMetrics, seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
+      pairsMetrics(), seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
   if (seen.wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(seen.wrong)) + " wrong yes or no", 0);
   return out;
 }
 
 }  // namespace
-
-void describePairsMetrics(std::vector<DescribedMetric>& out) {
-  for (const auto& entry : kMetrics) out.push_back({"metric", "pairs", entry.info});
-}
 
 TrialResult runPairsTrial(const json& request) {
   const json& t = request.at("trial");

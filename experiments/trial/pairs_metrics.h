@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Zlib
+// Apart from the trial: a program without the oracles runs no trial of pairs, but its stores describe the same metrics.
+#pragma once
+
+#include <span>
+
+#include "experiments/trial/metric.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct PairsSeen {
+  bool timed = false;
+  double asked = 0, failed = 0, refused = 0, wrong = 0;
+  std::vector<double> errors, nanoseconds;  // of answers; of batches, per query
+};
+
+std::span<const Measure<PairsSeen>> pairsMetrics();
+
+}  // namespace lpc::inline LPC_PRECISION
