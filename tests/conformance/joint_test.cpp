@@ -253,7 +253,13 @@ void testAll() {
           RapidCheckDraw draw;
           p.property(on, draw);
         };
-        check(name, run, kRuns);
+        bool known = false;  // what a resolver says that it cannot, it cannot with a pivot
+        for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
+        if (!known) {
+          check(name, run, kRuns);
+        } else if (spec == "pivot") {
+          expectFalsified(name, run, kRuns);
+        }
       }
     }
   }

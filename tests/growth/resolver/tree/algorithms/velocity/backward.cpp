@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/joint_rows.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using namespace solver;
 
-// Accumulated impulses, from the last contact to the first, started from nothing in each step. Joints are left alone.
+// Accumulated impulses, from the last contact to the first, started from nothing in each step; joints of any kind
+// before them.
 template <int D>
 class Backward final : public VelocityResolver<D> {
  public:
   struct Params {
     int iterations = 10;
-    void visit(ParamVisitor& v) { v.integer("iterations", iterations, 0, 100000, "sweeps over all contacts"); }
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts");
+    }
   };
   explicit Backward(const Params& params) : m_params(params) {}
 
@@ -20,19 +24,22 @@ class Backward final : public VelocityResolver<D> {
     return {.name = "backward",
             .summary = "accumulated impulses, the last contact first, never warm",
             .paper = "",
-            .complexity = "iterations x contacts",
+            .complexity = "iterations x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = {
-                {"joints", "they are left alone", "Impulse.JointsStopDrifting"},
                 {"a heavy body on a light one", "ten sweeps are far from the weight", "Impulse.CarriesHeavyOnLight"}}};
   }
 
   void solve(const VelocityInput<D>& in) override {
     m_contacts.prepare(in);
+    m_joints.clear();
+    if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
     for (int i = 0; i < m_params.iterations; ++i) {
+      in.work[Count::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)});
       for (std::size_t k = m_contacts.manifolds.size(); k-- > 0;) push(m_contacts.manifolds[k], in);
     }
     m_contacts.store(in.manifolds);
+    m_joints.store(in.joints);
   }
 
  private:
@@ -52,6 +59,7 @@ class Backward final : public VelocityResolver<D> {
 
   Params m_params;
   ContactRows<D> m_contacts;
+  JointSystem<D> m_joints;
 };
 
 }  // namespace
