@@ -1,5 +1,5 @@
 # A scene that names it has its file in its key, and runs.
-file(WRITE ${work}/rail.toml [[
+file(WRITE ${work}/rail.toml [=[
 name = "rail"
 summary = "a box slides down a rail that leans by 45 degrees"
 dimensions = [2, 3]
@@ -9,12 +9,12 @@ steps = 60
 [[body]]
 name = "sled"
 position = [0, 0, 0]
-rotation = -0.7853981633974483
+angle = -0.7853981633974483
 shapes = [{ kind = "box", half = [0.2, 0.1, 0.1] }]
 [[joint]]
 kind = "slider"
 a = "world"
 b = "sled"
 anchor = [0, 0, 0]
-]])
-must_say("ok" ${bin}/lpc run ${work}/rail.toml)
+]=])
+must_say("outcome +ok" ${bin}/lpc run ${work}/rail.toml)
