@@ -27,7 +27,8 @@ void PosePenetration<D>::pairUp(const Simulation<D>& simulation) {
     });
   }
   for (const JointRecord<D>& j : simulation.joints()) {
-    if (j.active() && j.bodyA >= 0 && !j.collide) m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
+    if (simulation.settings().features.joints && j.active() && j.bodyA >= 0 && !j.collide)
+      m_unpaired.emplace_back(std::minmax(j.bodyA, j.bodyB));
   }
   std::sort(m_unpaired.begin(), m_unpaired.end());
   std::sort(m_parts.begin(), m_parts.end(), [](const Part& a, const Part& b) { return a.box.lo[0] < b.box.lo[0]; });

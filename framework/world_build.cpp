@@ -150,6 +150,9 @@ Handle World<D>::add(const JointDef<D>& def) {
   if (i == m_joints.size()) m_joints.emplace_back();
   j.generation = m_joints[i].generation;
   m_joints[i] = std::move(j);
+  for (const std::int32_t body : {m_joints[i].bodyA, m_joints[i].bodyB}) {  // it may pull at who sleeps
+    if (body >= 0 && !m_bodies.awake[static_cast<std::size_t>(body)]) touched(static_cast<std::size_t>(body));
+  }
   return {static_cast<std::int32_t>(i), m_joints[i].generation};
 }
 
@@ -180,6 +183,8 @@ void World<D>::finishJoints(Real dt) {
     if (!j.active()) continue;
     j.kind->finish(j, poseOf(m_bodies, j.bodyA), poseOf(m_bodies, j.bodyB));
     if (!std::isfinite(j.breakForce) && !std::isfinite(j.breakTorque)) continue;
+    // Who sleeps keeps the impulses of an earlier step, which may have been longer.
+    if (!m_bodies.active(j.bodyB) && (j.bodyA < 0 || !m_bodies.active(j.bodyA))) continue;
     jointRows(j, m_bodies, rows);
     const JointLoad load = jointLoad(rows.all(), std::span<const Real>(j.impulse), dt);
     if (load.force <= j.breakForce && load.torque <= j.breakTorque) continue;

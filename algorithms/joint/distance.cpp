@@ -50,6 +50,10 @@ class Distance final : public JointKind<D> {
     const JointFrames<D> at(joint, X_WA, X_WB);
     const Real distance = at.gap.norm();
     const Vec<D> d = distance > 0 ? Vec<D>(at.gap / distance) : Vec<D>(Vec<D>::Unit(0));
+    if (!(distance > 0) && m_params.mode != Mode::rod) {
+      out.absent();
+      return;
+    }
     ConstraintRow<D>& row = out.point(d, at.rA, at.rB, distance - joint.state[0]);
     switch (m_params.mode) {
       case Mode::rod:

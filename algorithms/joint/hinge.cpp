@@ -36,10 +36,15 @@ class Hinge final : public JointKind<D> {
     return {.name = "hinge",
             .summary = "turns about one axis, between limits, by a motor, against a spring",
             .paper = "catto2014",
-            .complexity = "2 rows in 2D, 5 in 3D, solved as one block, and 3 for limits, motor and spring"};
+            .complexity = "2 rows in 2D, 5 in 3D, solved as one block, and 3 for limits, motor and spring",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"both limits within reach of one step", "only the nearer holds",
+                          "JointConformance.AHingeKeepsTheNearerStopAlone"}}};
   }
 
   void begin(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
+    const JointFrames<D> at(joint, X_WA, X_WB);
+    if (!(alignment(at) > 0)) throw UserError("'hinge' has axes more than a right angle apart; valid: axes that agree");
     finish(joint, X_WA, X_WB);
   }
 
@@ -62,6 +67,8 @@ class Hinge final : public JointKind<D> {
   static constexpr Real kFar = Real(1e6);  // rad: no limit
   static constexpr double kTurn = 6.283185307179586;
 
+  static Real alignment(const JointFrames<2>&) { return 1; }
+  static Real alignment(const JointFrames<3>& at) { return (at.qA * Vec<3>(0, 0, 1)).dot(at.qB * Vec<3>(0, 0, 1)); }
   static Ang<2> align(const JointFrames<2>&, JointRows<2>&) { return Ang<2>(Real(1)); }
   // Along A's own x and y, which turn with A: a basis made from the axis alone would jump somewhere.
   static Ang<3> align(const JointFrames<3>& at, JointRows<3>& out) {

@@ -130,7 +130,8 @@ class Nonlinear final : public PositionResolver<D> {
         gap += row.error * row.d;
       }
     }
-    const Real size = item.angular ? turn.norm() : gap.norm();
+    Real size = item.angular ? turn.norm() : gap.norm();
+    if (item.angular && !turns(bodies, item)) size = 0;  // nobody can mend it: it would take all moves
     Place x{Vec<D>::Zero(), Ang<D>::Zero(), Ang<D>::Zero(), 0};
     // A joint is never exact: without a floor it would take all iterations for rounding errors.
     if (!(size > m_params.slop / 8)) return x;
@@ -141,6 +142,12 @@ class Nonlinear final : public PositionResolver<D> {
       x.n += share * row.d, x.armA += share * row.armA, x.armB += share * row.armB;
     }
     return x;
+  }
+  static bool turns(const Bodies<D>& bodies, const Item& item) {
+    const auto turns = [&](int body) {
+      return body >= 0 && bodies.invInertia[static_cast<std::size_t>(body)].trace() > 0;
+    };
+    return turns(item.a) || turns(item.b);
   }
   Real depth(const Bodies<D>& bodies, const Item& item) { return place(bodies, item).depth; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Joints as a sequential resolver sees them, whatever their kinds: the equality rows of a joint as one block, since
-// they are strongly coupled, its other rows one by one before it, so that what must hold is solved last.
+// they are strongly coupled, its other rows one by one before it, stops after motors and springs, so that what must
+// hold is solved last.
 #pragma once
 
 #include <algorithm>
@@ -51,7 +52,7 @@ class JointSystem {
     return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
   }
 
-  void clear() { blocks.clear(), rows.clear(); }
+  void clear() { blocks.clear(), rows.clear(), m_world = {}; }
   void prepare(const Bodies<D>& bodies, std::span<const JointRecord<D>> joints) {
     clear();
     for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -84,8 +85,12 @@ class JointSystem {
   std::uint64_t sweep(std::vector<Motion<D>>& motion, Real h, const Feedback& rigid) {
     for (JointBlock<D>& block : blocks) {
       Motion<D>&a = at(motion, block.a), &b = at(motion, block.b);
-      for (JointRow<D>& row : of(block).subspan(static_cast<std::size_t>(block.equalities))) {
-        sweepBox(block, row, h, rigid, a, b);
+      const std::span<JointRow<D>> boxes = of(block).subspan(static_cast<std::size_t>(block.equalities));
+      for (JointRow<D>& row : boxes) {  // motors and springs first: a stop holds against them
+        if (row.law != RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
+      }
+      for (JointRow<D>& row : boxes) {
+        if (row.law == RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
       }
       if (block.equalities > 0) sweepEqualities(block, rigid, a, b);
     }
@@ -141,6 +146,7 @@ class JointSystem {
                  block.equalities + block.first + 1 == static_cast<std::int32_t>(rows.size()));
       block.equalities += from.block == RowBlock::equality;
     }
+    LPC_ASSERT(block.equalities <= BlockInverse<D>::kRows);
     block.count = static_cast<std::int32_t>(rows.size()) - block.first;
     if (!(trace > 0)) {  // between bodies that cannot move
       rows.resize(static_cast<std::size_t>(block.first));
@@ -216,7 +222,7 @@ class JointSystem {
   }
 
   JointRows<D> m_rows;
-  Motion<D> m_world;  // stays at rest: its inverse mass is 0
+  Motion<D> m_world;  // at rest, since its inverse mass is 0; but for an infinite impulse, and then for one solve
 };
 
 }  // namespace lpc::inline LPC_PRECISION::solver

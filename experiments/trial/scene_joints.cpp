@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Zlib
+#include <algorithm>
+
 #include "experiments/trial/scene_parsed.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -8,7 +10,7 @@ namespace {
 Rot<3> alongZ(const Vec<3>& axis) {
   const Vec<3> z(0, 0, 1), a = axis.normalized();
   const Real w = 1 + z.dot(a);
-  if (!(w > Real(1e-6))) return {0, 1, 0, 0};  // half a turn about x
+  if (!(w > 8 * std::numeric_limits<Real>::epsilon())) return {0, 1, 0, 0};  // half a turn about x
   const Vec<3> v = cross(z, a);
   return Rot<3>{w, v[0], v[1], v[2]}.normalized();
 }
@@ -32,6 +34,12 @@ auto atBlock(const TableReader& joint, const Make& make) {
   }
 }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
+  return out;
+}
+
 // Numbers may be expressions, so what is a number is asked of the kind.
 Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
   Spec spec{joint.requireString("kind"), {}};
@@ -45,6 +53,10 @@ Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
       if (p.name != key) continue;
       if (!p.choices.empty()) {
         value = node->is_boolean() ? (**node->as_boolean() ? "true" : "false") : node->value_or(std::string("number"));
+        // As text it would be read with what follows a comma.
+        if (std::find(p.choices.begin(), p.choices.end(), value) == p.choices.end()) {
+          joint.fail(*node, "'" + key + "' is '" + value + "'; valid: " + joined(p.choices));
+        }
       } else {
         value = asText(numbers.number(*node));
       }

@@ -353,6 +353,14 @@ bool letsGo(const Kind<D>& hinge, const std::string& solver) {  // lower = 0
   return std::abs(double(wheel.speed()) - 1) < 1e-4;
 }
 
+// However strong a motor is, its stop is stronger.
+template <int D>
+bool motorStopsAtTheStop(const Kind<D>& hinge, const std::string& solver) {  // upper = 0.5, 1 rad/s
+  Flywheel<D> wheel(hinge, solver, 0);
+  wheel.step(300);
+  return std::abs(double(wheel.angle()) - 0.5) < 0.02 && std::abs(double(wheel.speed())) < 0.05;
+}
+
 template <int D>
 void hinges() {
   const auto motor = kindOf<D>("hinge{motor_speed=5,motor_torque=4}");
@@ -361,6 +369,10 @@ void hinges() {
     EXPECT_TRUE(motorKeepsItsTorque<D>(motor, solver)) << solver;
     EXPECT_TRUE(countsTurns<D>(turns, solver)) << solver;
     EXPECT_TRUE(letsGo<D>(stop, solver)) << solver;
+    for (const char* torque : {"10", "1000", "1000000"}) {
+      const auto both = kindOf<D>(std::string("hinge{upper=0.5,motor_speed=1,motor_torque=") + torque + "}");
+      EXPECT_TRUE(motorStopsAtTheStop<D>(both, solver)) << solver << " " << torque;
+    }
   }
   const auto wrong = [](const Kind<D>& right, JointBug bug) { return std::make_shared<WrongJoint<D>>(right, bug); };
   const std::string dimension = " " + std::to_string(D) + "D";
@@ -372,6 +384,26 @@ void hinges() {
 }
 TEST(JointConformance, HingesTurnAsTold2) { hinges<2>(); }
 TEST(JointConformance, HingesTurnAsTold3) { hinges<3>(); }
+
+// What hinges declare: of two stops that both lie within a step only the nearer holds.
+TEST(JointConformance, AHingeKeepsTheNearerStopAlone) {
+  Flywheel<2> wheel(kindOf<2>("hinge{lower=-0.01,upper=0.011}"), "split_solver{position=none}", 10);
+  wheel.step();
+  EXPECT_GT(wheel.angle(), 0.1);
+}
+
+// Of a body that may not turn, an angular error is nobody's to mend: the others are mended all the same.
+TEST(JointConformance, WhatNobodyCanTurnStarvesNobody) {
+  const auto solver = createStage<Solver<2>>(Spec::parse("split_solver{position=nonlinear}"));
+  ImpactScene<2> s;
+  s.add(1, Ang<2>::Zero(), {});
+  s.join("hinge{lower=0.5}", -1, 0, {}, {});
+  s.add(0, Ang<2>::Zero(), {Vec<2>(5, 0), {}});
+  s.add(1, Ang<2>::Constant(1), {Vec<2>(5, 1), {}});
+  s.touch(1, 2, Vec<2>(0, 1), Vec<2>(5, Real(0.5)), Real(-0.1), 0, 0);
+  for (int i = 0; i < 10; ++i) s.step(*solver);
+  EXPECT_GT(s.manifolds[0].points[0].separation, -0.01);
+}
 
 /// Errors in m and rad after two seconds, over those at the beginning (where there was one).
 template <int D>

@@ -79,6 +79,36 @@ TEST(Joints, WhatIsBrokenHoldsNobody) {
   EXPECT_GT((world.pose(high).p - world.pose(low).p).norm(), 0.95) << "they collide again";
 }
 
+// The load of a sleeper was measured in a step of another length.
+TEST(Joints, SleepersDoNotBreak) {
+  World<2> world(Pipeline::parse("sleep=split_average"));
+  addGround(world);
+  const Handle low = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+  const Handle side = world.add(body<2>(Shape<2>::box({Real(0.2), Real(0.2)}), at<2>(0.7, 0.8)));  // in the air
+  const Real weight = world.mass(side) * Real(9.81);
+  world.add(JointDef<2>{
+      .kind = "weld", .bodyA = low, .bodyB = side, .X_WJ = {at<2>(0.5, 0.8), {}}, .breakForce = Real(1.5) * weight});
+  for (int i = 0; i < 300; ++i) world.step(kDt);
+  ASSERT_FALSE(world.awake(side));
+  for (int i = 0; i < 10; ++i) world.step(kDt / 4);
+  EXPECT_FALSE(world.joints()[0].broken);
+}
+
+// A joint that is added may pull at once.
+TEST(Joints, NewOnesWakeSleepers) {
+  World<2> world(Pipeline::parse("sleep=split_average"));
+  addGround(world);
+  const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+  for (int i = 0; i < 300; ++i) world.step(kDt);
+  ASSERT_FALSE(world.awake(box));
+  world.add(JointDef<2>{.kind = "distance{mode=spring,length=0,stiffness=200}",
+                        .bodyB = box,
+                        .X_WJ = {at<2>(0, 3), {}},
+                        .X_WJb = Pose<2>{at<2>(0, 0.5), {}}});
+  for (int i = 0; i < 60; ++i) world.step(kDt);
+  EXPECT_GT(world.pose(box).p[1], 0.6);
+}
+
 TEST(Joints, ErrorsInMetresAndRadiansAreApart) {
   World<3> world;
   const Handle a = world.add(body<3>(Shape<3>::sphere(1), at<3>(0, 0)));
