@@ -54,7 +54,9 @@ class SoftStep final : public Solver<D> {
             .complexity = "substeps x (1 + relax) x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = {{"a body on a very heavy one",
-                          "sinks in deeper than on a fixed one, whose springs are stiffer", "Symmetry.HeavyIsFixed"}}};
+                          "sinks in deeper than on a fixed one, whose springs are stiffer", "Symmetry.HeavyIsFixed"},
+                         {"a motor of a million times the torque that its body needs, at a stop",
+                          "drives through the stop, which is a spring", "Joint.StopHoldsAgainstItsMotor"}}};
   }
 
   void step(const StepInput<D>& in) override {
