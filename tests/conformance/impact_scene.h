@@ -160,7 +160,8 @@ struct ImpactScene {
   /// Largest velocity (m/s, rad/s) along a row that allows none.
   Real jointVelocity(const JointRecord<D>& j) const {
     Real worst = 0;
-    for (const ConstraintRow<D>& row : rows(j).all()) {
+    const JointRows<D> now = rows(j);  // named: a loop over a part of a temporary would outlive it
+    for (const ConstraintRow<D>& row : now.all()) {
       if (row.block == RowBlock::equality) worst = std::max(worst, std::abs(rowVelocity(j, row)));
     }
     return worst;
