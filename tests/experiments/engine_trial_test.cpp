@@ -69,6 +69,7 @@ TEST(EngineTrial, MistakesAreOneLine) {
 }
 
 TEST(EngineTrial, SweepsHoldThemBesidePipelines) {
+  if (!built("lpc-engine-worker-f32")) GTEST_SKIP() << "this build has no f32";
   const Workspace w;
   const std::string sweep = w.write("mine.toml", R"(
 summary = "two engines and a world"
