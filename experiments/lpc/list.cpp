@@ -27,7 +27,9 @@ json describeScenes() {
     const SceneFile file = SceneFile::load(path);
     json params = json::array();
     for (const SceneParameter& p : file.parameters()) {
-      params.push_back({{"name", p.name}, {"meaning", p.meaning}, {"default", p.value}, {"min", p.lo}, {"max", p.hi}});
+      json entry = {{"name", p.name}, {"meaning", p.meaning}, {"default", p.value}};
+      if (!p.value.isText()) entry["min"] = p.lo, entry["max"] = p.hi;
+      params.push_back(std::move(entry));
     }
     out.push_back({{"name", file.name()},
                    {"summary", file.summary()},
@@ -153,6 +155,11 @@ void print(const json& all) {
     std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), dimensionsText(s["dimensions"]).c_str(),
                 s["summary"].get<std::string>().c_str());
     for (const json& p : s["params"]) {
+      if (p["default"].is_string()) {
+        std::printf("      %s=%s  (lpc list --stage joint)  %s\n", p["name"].get<std::string>().c_str(),
+                    p["default"].get<std::string>().c_str(), p["meaning"].get<std::string>().c_str());
+        continue;
+      }
       std::printf("      %s=%g  (%g .. %g)  %s\n", p["name"].get<std::string>().c_str(), p["default"].get<double>(),
                   p["min"].get<double>(), p["max"].get<double>(), p["meaning"].get<std::string>().c_str());
     }

@@ -33,11 +33,14 @@ ParameterValues readParameters(const std::vector<std::string>& texts) {
   ParameterValues out;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
+    const std::string name = text.substr(0, equals);
     char* end = nullptr;
-    const char* number = equals == std::string::npos ? "" : text.c_str() + equals + 1;
-    const double value = std::strtod(number, &end);
-    if (!*number || *end) throw UserError("--param " + text + " is not NAME=NUMBER");
-    out[text.substr(0, equals)] = value;
+    const char* given = equals == std::string::npos ? "" : text.c_str() + equals + 1;
+    const double value = std::strtod(given, &end);
+    if (!*given || (*end && name != kJointParameter)) {
+      throw UserError("--param " + text + " is not NAME=NUMBER, or joint=KIND");
+    }
+    out[name] = *end ? ParameterValue(std::string(given)) : ParameterValue(value);
   }
   return out;
 }
@@ -95,7 +98,7 @@ void addRun(CommandLine& app, Session& session) {
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
   command.option("--pipeline", o->pipeline,
                  "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"");
-  command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER (may be repeated)");
+  command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--dt", o->dt, "length of a step (s); default: the scene's");
   command.option("--steps", o->steps, "number of steps; default: the scene's");
   command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's")

@@ -138,14 +138,13 @@ class Sweep {
       if (label.is_string()) m_named.insert(label.get<std::string>());
     }
     std::set<std::string> names;
-    const toml::node* place = at.empty() ? &where : s.axes[0].values[at[0]].node;
     const auto add = [&](bool timed, long repeat) {
       PlannedTrial trial;
       try {
         trial = m_kind == "world" ? world(s, at, axes, timed, repeat, names) : frozen(axes, timed, repeat, names);
       } catch (const UserError& e) {
         if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
-        failAt(m_path, *place, e.what());
+        failAt(m_path, placeOf(e.what(), s, at, where), e.what());
       }
       if (!wanted(names)) return;
       trial.axes = axes;
@@ -161,6 +160,18 @@ class Sweep {
     if (s.timed) {
       for (long r = 0; r < s.repeats; ++r) add(true, r);
     }
+  }
+
+  // The axis of which a message speaks, by its name in quotes; else the first, since the values of several may be wrong
+  // together.
+  static const toml::node& placeOf(const std::string& message, const Settings& s, const std::vector<std::size_t>& at,
+                                   const toml::node& where) {
+    if (at.empty()) return where;
+    std::size_t first = 0;
+    for (std::size_t i = at.size(); i-- > 0;) {
+      if (message.find("'" + s.axes[i].name + "'") != message.npos) first = i;
+    }
+    return *s.axes[first].values[at[first]].node;
   }
 
   bool wanted(const std::set<std::string>& names) {
@@ -210,11 +221,14 @@ class Sweep {
     const std::string scenePath = beside(numberText(axes["scene"]));
     const SceneFile& file = m_planner->scene(scenePath);
     names.insert(file.name());
+    if (const SceneParameter* p = file.parameter(kJointParameter); p && p->value.isText() && axes.contains(p->name)) {
+      cell.params[p->name] = withValues(numberText(axes[p->name]), axes, used);
+    }
     for (const auto& [name, value] : axes.items()) {
-      m_out.roles.emplace(name, stageByName(name)         ? "stage"
-                                : isParameter(file, name) ? "parameter"
-                                : used.count(name)        ? "setting"
-                                                          : "run");
+      m_out.roles.emplace(name, stageByName(name)      ? "stage"
+                                : file.parameter(name) ? "parameter"
+                                : used.count(name)     ? "setting"
+                                                       : "run");
       if (name == "scene") {
       } else if (name == "dimension") {
         cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));
@@ -228,7 +242,8 @@ class Sweep {
         cell.seed = static_cast<std::uint64_t>(wholeNumber(axes, name, 0, std::numeric_limits<long>::max()));
       } else if (name == "model") {
         model = numberText(value);
-      } else if (isParameter(file, name)) {
+      } else if (cell.params.count(name)) {
+      } else if (file.parameter(name)) {
         cell.params[name] = number(name, value);
       } else if (!used.count(name)) {
         std::string valid = "scene, dimension, precision, dt, steps, seed, model, a stage, a table of pipelines, $" +
@@ -238,7 +253,10 @@ class Sweep {
       }
     }
     if (!model.empty()) applyModel(file, model, cell);
-    return m_planner->world(scenePath, cell);
+    PlannedTrial trial = m_planner->world(scenePath, cell);
+    const auto kind = cell.params.find(kJointParameter);  // now known to be right
+    if (kind != cell.params.end() && kind->second.isText()) collectNames(Spec::parse(kind->second.text), names);
+    return trial;
   }
 
   static double number(const std::string& axis, const json& value) {
@@ -253,11 +271,6 @@ class Sweep {
       if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
     }
     return scene;
-  }
-
-  static bool isParameter(const SceneFile& file, const std::string& name) {
-    const auto& all = file.parameters();
-    return std::any_of(all.begin(), all.end(), [&](const SceneParameter& p) { return p.name == name; });
   }
 
   // What a scene does not need: "minimal" is what its file asks for, "+friction" one more, "3d" the other dimension.

@@ -67,6 +67,19 @@ json canonicalEngine(json& code, std::string& unsupported, Spec& engine, int dim
   return out;
 }
 
+// The kind that a scene's parameter holds, with every parameter of its own.
+void canonicalJoint(json& code, std::string& unsupported, const SceneFile& file, ParameterValues& params,
+                    int dimension) {
+  const auto it = params.find(kJointParameter);
+  if (it == params.end() || !it->second.isText()) return;
+  try {
+    Spec kind = Spec::parse(it->second.text);
+    it->second = canonicalStage(code, unsupported, StageKind::joint, kind, dimension).get<std::string>();
+  } catch (const UserError& e) {
+    throw UserError("parameter 'joint' of scene '" + file.name() + "': " + e.what());
+  }
+}
+
 void seal(PlannedTrial& trial) {
   trial.canonical["schema"] = kSchema;
   trial.canonical["core"] = coreHash();
@@ -130,6 +143,25 @@ const SceneFile& Planner::scene(const std::string& nameOrPath) {
   return it->second;
 }
 
+const Planner::Defaults* Planner::built(const SceneFile& file, const ParameterValues& params, std::uint64_t seed,
+                                        int dimension, std::string& unsupported) {
+  const std::string id = file.path() + json(params).dump() + std::to_string(seed) + "/" + std::to_string(dimension);
+  if (const auto it = m_built.find(id); it != m_built.end()) return &it->second;
+  const auto defaults = [](const auto& spec) {
+    Defaults found{spec.dt, spec.steps, {}};
+    for (const auto& joint : spec.joints) found.jointKinds.insert(joint.def.kind);
+    return found;
+  };
+  try {
+    const Defaults found =
+        dimension == 2 ? defaults(file.build<2>(params, seed)) : defaults(file.build<3>(params, seed));
+    return &m_built.emplace(id, found).first->second;
+  } catch (const UnsupportedJoint& e) {
+    unsupported = e.what();
+    return nullptr;
+  }
+}
+
 PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   const SceneFile& file = scene(name);
   PlannedTrial out;
@@ -146,7 +178,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   }
   requirePrecision(cell.precision);
   const std::uint64_t seed = cell.seed.value_or(file.defaultSeed());
-  const ParameterValues params = file.values(cell.params);
+  ParameterValues params = file.values(cell.params);
   json code = json::object();
   std::optional<Spec> engine = engineOf(cell.pipeline);
   json engineData;
@@ -159,26 +191,17 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
 
   Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0), {}};
   const std::string features = cell.features ? *cell.features : featuresText(file.needs());
-  if (!file.has(dimension)) {
-    out.unsupported = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
-  } else {
-    const std::string id = file.path() + json(params).dump() + std::to_string(seed) + "/" + std::to_string(dimension);
-    auto it = m_built.find(id);
-    if (it == m_built.end()) {
-      const auto built = [](const auto& spec) {
-        Defaults found{spec.dt, spec.steps, {}};
-        for (const auto& joint : spec.joints) found.jointKinds.insert(joint.def.kind);
-        return found;
-      };
-      it = m_built.emplace(id, dimension == 2 ? built(file.build<2>(params, seed)) : built(file.build<3>(params, seed)))
-               .first;
-    }
-    if (!cell.dt) defaults.dt = it->second.dt;
-    if (!cell.steps) defaults.steps = it->second.steps;
-    for (const std::string& kind : it->second.jointKinds) {
+  std::string missing;  // why the scene cannot be built
+  canonicalJoint(code, missing, file, params, dimension);
+  if (!file.has(dimension)) missing = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
+  if (const Defaults* found = missing.empty() ? built(file, params, seed, dimension, missing) : nullptr) {
+    if (!cell.dt) defaults.dt = found->dt;
+    if (!cell.steps) defaults.steps = found->steps;
+    for (const std::string& kind : found->jointKinds) {
       code.update(codeHashes(StageKind::joint, Spec::parse(kind), dimension));
     }
   }
+  if (!missing.empty()) out.unsupported = missing;
   out.canonical = {{"kind", "world"},
                    {"scene", file.name()},
                    {"scene_hash", hexHash(file.bytes())},

@@ -53,6 +53,9 @@ class Planner {
     long steps;
     std::set<std::string> jointKinds;  // with their parameters
   };
+  /// nullptr, and `unsupported` says why, where the kind of joint that the parameters choose does not fit.
+  const Defaults* built(const SceneFile& file, const ParameterValues& params, std::uint64_t seed, int dimension,
+                        std::string& unsupported);
   std::map<std::string, SceneFile> m_scenes;
   std::map<std::string, Defaults> m_built;
 };

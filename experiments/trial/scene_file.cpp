@@ -59,20 +59,7 @@ void readHeader(TableReader& top, SceneFile::Parsed& out) {
       top.fail(*top.find("needs"), e.what());
     }
   }
-  if (const toml::table* parameters = top.table("parameters")) {
-    for (const auto& [name, node] : inFileOrder(*parameters)) {
-      if (!node->is_table()) top.fail(*node, "parameter '" + name + "' is " + describe(*node) + "; valid: a table");
-      TableReader p(*node->as_table(), out.path, "parameter '" + name + "'");
-      SceneParameter parameter{name, p.requireString("meaning"), p.number("default", 0), p.number("min", 0),
-                               p.number("max", 0)};
-      p.require("default"), p.require("min"), p.require("max");
-      p.finish();
-      if (!(parameter.lo <= parameter.value && parameter.value <= parameter.hi)) {
-        top.fail(*node, "the default of '" + name + "' is not between its min and max");
-      }
-      out.parameters.push_back(std::move(parameter));
-    }
-  }
+  out.parameters = readParameters(top);
 }
 
 template <int D>
@@ -80,7 +67,13 @@ class Builder {
  public:
   Builder(const SceneFile::Parsed& parsed, const ParameterValues& values, std::uint64_t seed)
       : m_parsed(parsed), m_numbers(parsed.path, seed), m_top(parsed.table, parsed.path, "the scene") {
-    for (const auto& [name, value] : values) m_numbers.expressions.setGlobal(name, value);
+    for (const auto& [name, value] : values) {
+      if (value.isText()) {
+        m_chosenJoint = value.text;
+      } else {
+        m_numbers.expressions.setGlobal(name, value.number);
+      }
+    }
     m_numbers.expressions.setGlobal("dimension", D);
   }
 
@@ -339,7 +332,7 @@ class Builder {
     if (joint.bodyA == joint.bodyB)
       block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
     if (!moves(joint.bodyA) && !moves(joint.bodyB)) block.fail("a joint of two bodies that do not move");
-    joint.def = readJoint<D>(block, m_numbers);
+    joint.def = readJoint<D>(block, m_numbers, m_chosenJoint);
     return joint;
   }
   void springBlock(const toml::table& table) {
@@ -359,6 +352,7 @@ class Builder {
 
   const SceneFile::Parsed& m_parsed;
   SceneNumbers m_numbers;
+  std::string m_chosenJoint;  // by the parameter `joint`; empty where there is none
   TableReader m_top;
   const toml::table* m_defaults = nullptr;
   SceneSpec<D> m_scene;
@@ -400,29 +394,6 @@ const Features& SceneFile::needs() const { return m_parsed->needs; }
 bool SceneFile::has(int dimension) const {
   const auto& d = m_parsed->dimensions;
   return std::find(d.begin(), d.end(), dimension) != d.end();
-}
-
-ParameterValues SceneFile::values(const ParameterValues& given) const {
-  ParameterValues out;
-  std::string valid;
-  for (const SceneParameter& p : m_parsed->parameters) {
-    out[p.name] = p.value;
-    valid += (valid.empty() ? "" : ", ") + p.name;
-  }
-  for (const auto& [name, value] : given) {
-    const auto& all = m_parsed->parameters;
-    const auto p = std::find_if(all.begin(), all.end(), [&](const SceneParameter& x) { return x.name == name; });
-    if (p == all.end()) {
-      throw UserError("scene '" + m_parsed->name + "' has no parameter '" + name +
-                      "'; valid: " + (valid.empty() ? "none" : valid));
-    }
-    if (!(value >= p->lo && value <= p->hi)) {
-      throw UserError("parameter '" + name + "' of scene '" + m_parsed->name + "' is " + asText(value) +
-                      "; valid: " + asText(p->lo) + " to " + asText(p->hi));
-    }
-    out[name] = value;
-  }
-  return out;
 }
 
 template <int D>

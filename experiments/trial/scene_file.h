@@ -5,22 +5,47 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "framework/check.h"
 #include "framework/scene_spec.h"
 
 namespace lpc::inline LPC_PRECISION {
 
 inline constexpr double kMaxDt = 10;  // longest step that a scene or a sweep may ask for (s)
 
+/// A number; or text, of the one parameter that is: `joint`, a kind of joint with its parameters.
+struct ParameterValue {
+  double number = 0;
+  std::string text;  // empty: a number
+
+  ParameterValue() = default;
+  ParameterValue(double value) : number(value) {}
+  ParameterValue(std::string value) : text(std::move(value)) {}
+  bool isText() const { return !text.empty(); }
+};
+void to_json(nlohmann::json& out, const ParameterValue& value);
+void from_json(const nlohmann::json& in, ParameterValue& value);
+
+using ParameterValues = std::map<std::string, ParameterValue>;
+
+/// Its name, where it is text, is also that of its stage: a star in an axis of that name is every joint kind.
+inline constexpr const char* kJointParameter = "joint";
+
 struct SceneParameter {
   std::string name, meaning;
-  double value = 0, lo = 0, hi = 0;
+  ParameterValue value;
+  double lo = 0, hi = 0;  // of a number
 };
 
-using ParameterValues = std::map<std::string, double>;
+/// The scene is right, and so is the kind that its parameter `joint` holds, but it cannot join these bodies so: a rod
+/// between two points that meet. A hole in a table of kinds, not a mistake.
+struct UnsupportedJoint : UserError {
+  using UserError::UserError;
+};
 
 class SceneFile {
  public:
@@ -34,13 +59,15 @@ class SceneFile {
   const std::string& bytes() const;
   const std::vector<int>& dimensions() const;
   const std::vector<SceneParameter>& parameters() const;
+  const SceneParameter* parameter(std::string_view name) const;  // nullptr: there is none
   bool has(int dimension) const;
-  /// Every parameter, with `given` in place of defaults. Throws UserError for unknown names and values out of range.
+  /// Every parameter, with `given` in place of defaults. Throws UserError for unknown names, values out of range, and
+  /// text where a number is meant; what kind of joint a text is, `build` and the planner ask.
   ParameterValues values(const ParameterValues& given) const;
   std::uint64_t defaultSeed() const;
   const Features& needs() const;
 
-  /// Expands the file: every block, repeat and script step becomes one body. Throws UserError.
+  /// Expands the file: every block, repeat and script step becomes one body. Throws UserError, UnsupportedJoint.
   template <int D>
   SceneSpec<D> build(const ParameterValues& given, std::uint64_t seed) const;
 

@@ -40,6 +40,16 @@ std::string joined(const std::vector<std::string>& names) {
   return out;
 }
 
+constexpr const char* kChosen = "$joint";
+
+Spec readChosen(TableReader& joint, const std::string& chosen) {
+  if (chosen.empty()) joint.fail(joint.require("kind"), "there is no parameter 'joint' that holds a kind as text");
+  if (const toml::node* given = joint.find("parameters")) {
+    joint.fail(*given, "'parameters' of a kind that is chosen; valid: in the text of the parameter 'joint'");
+  }
+  return atBlock(joint, [&] { return Spec::parse(chosen); });
+}
+
 // Numbers may be expressions, so what is a number is asked of the kind.
 Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
   Spec spec{joint.requireString("kind"), {}};
@@ -69,7 +79,7 @@ Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
 }  // namespace
 
 template <int D>
-JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers) {
+JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::string& chosen) {
   JointDef<D> def;
   def.X_WJ.p = numbers.vector<D>(joint.require("anchor"));
   joint.find("axis");  // of 3D
@@ -78,12 +88,23 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers) {
   def.collide = joint.flag("collide", false);
   if (const toml::node* node = joint.find("break_force")) def.breakForce = static_cast<Real>(numbers.number(*node));
   if (const toml::node* node = joint.find("break_torque")) def.breakTorque = static_cast<Real>(numbers.number(*node));
-  def.kind = readKind(joint, numbers, D).text();
-  atBlock(joint, [&] { return makeJoint<D>(def, {}, {}); });
+  const bool isChosen = joint.requireString("kind") == kChosen;
+  def.kind = (isChosen ? readChosen(joint, chosen) : readKind(joint, numbers, D)).text();
+  atBlock(joint, [&] {
+    const Spec kind = Spec::parse(def.kind);
+    return Registry::instance().find(StageKind::joint, D, kind.name).create(kind);
+  });
+  // What is left to go wrong is between the kind and the frames, but for forces to break at.
+  try {
+    makeJoint<D>(def, {}, {});
+  } catch (const UserError& e) {
+    if (isChosen && def.breakForce > 0 && def.breakTorque > 0) throw UnsupportedJoint(e.what());
+    joint.fail(e.what());
+  }
   return def;
 }
 
-template JointDef<2> readJoint(TableReader&, SceneNumbers&);
-template JointDef<3> readJoint(TableReader&, SceneNumbers&);
+template JointDef<2> readJoint(TableReader&, SceneNumbers&, const std::string&);
+template JointDef<3> readJoint(TableReader&, SceneNumbers&, const std::string&);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -53,9 +53,13 @@ inline Rot<3> rotationOf(const Ang<3>& vector) { return Rot<3>::vector(vector); 
 template <int D>
 Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string& key);
 
-/// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block.
+/// The [parameters] of a scene, in the order of its file.
+std::vector<SceneParameter> readParameters(TableReader& top);
+
+/// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block; but
+/// UnsupportedJoint where the kind is `chosen`, the text of the scene's parameter of kinds.
 template <int D>
-JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers);
+JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::string& chosen);
 
 /// One [[body]] block at one turn of its loops.
 template <int D>

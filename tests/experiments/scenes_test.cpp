@@ -26,6 +26,7 @@ const std::map<std::string, Census> kExpected = {
     {"bouncing_ball", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1}, {"dynamic sphere", 1}}},
     {"box_drop", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1}, {"dynamic box", 1}}},
     {"box_pile", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 200}, {"dynamic box", 200}}},
+    {"bridge", {{"dynamic", 11}, {"dynamic box", 11}, {"pivot", 12}}},
     {"circle_rain", {{"fixed", 3}, {"fixed box", 3}, {"dynamic", 200}, {"dynamic sphere", 200}}},
     {"circle_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic sphere", 100}}},
     {"square_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic box", 100}}},

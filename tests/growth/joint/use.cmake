@@ -18,3 +18,6 @@ b = "sled"
 anchor = [0, 0, 0]
 ]=])
 must_say("outcome +ok" ${bin}/lpc run ${work}/rail.toml)
+# Wherever a scene leaves the kind to a parameter it can be asked for, and the shipped sweep has it: nobody has told it.
+must_say("outcome +ok" ${bin}/lpc run bridge --param joint=slider --steps 5)
+must_say("joints +[1-9][0-9]* trials, [1-9][0-9]* timed, 0 unsupported" ${bin}/lpc sweep joints --only slider --dry-run)

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Zlib
+// Parameters of scenes: numbers with their ranges, and the kind of its joints, a text.
+#include <nlohmann/json.hpp>
+
+#include "experiments/trial/scene_parsed.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+void to_json(nlohmann::json& out, const ParameterValue& value) {
+  if (value.isText()) {
+    out = value.text;
+  } else {
+    out = value.number;
+  }
+}
+void from_json(const nlohmann::json& in, ParameterValue& value) {
+  value = in.is_string() ? ParameterValue(in.get<std::string>()) : ParameterValue(in.get<double>());
+}
+
+std::vector<SceneParameter> readParameters(TableReader& top) {
+  std::vector<SceneParameter> out;
+  const toml::table* parameters = top.table("parameters");
+  if (!parameters) return out;
+  for (const auto& [name, node] : inFileOrder(*parameters)) {
+    if (!node->is_table()) top.fail(*node, "parameter '" + name + "' is " + describe(*node) + "; valid: a table");
+    TableReader p(*node->as_table(), top.file(), "parameter '" + name + "'");
+    SceneParameter parameter{name, p.requireString("meaning"), {}};
+    if (name == kJointParameter && p.require("default").is_string()) {
+      parameter.value = p.requireString("default");
+      if (!parameter.value.isText()) top.fail(*node, "the default of 'joint' is empty; valid: a kind of joint");
+    } else {
+      parameter.value = p.number("default", 0), parameter.lo = p.number("min", 0), parameter.hi = p.number("max", 0);
+      p.require("default"), p.require("min"), p.require("max");
+      if (!(parameter.lo <= parameter.value.number && parameter.value.number <= parameter.hi)) {
+        top.fail(*node, "the default of '" + name + "' is not between its min and max");
+      }
+    }
+    p.finish();
+    out.push_back(std::move(parameter));
+  }
+  return out;
+}
+
+const SceneParameter* SceneFile::parameter(std::string_view name) const {
+  for (const SceneParameter& p : m_parsed->parameters) {
+    if (p.name == name) return &p;
+  }
+  return nullptr;
+}
+
+ParameterValues SceneFile::values(const ParameterValues& given) const {
+  ParameterValues out;
+  std::string valid;
+  for (const SceneParameter& p : m_parsed->parameters) {
+    out[p.name] = p.value;
+    valid += (valid.empty() ? "" : ", ") + p.name;
+  }
+  for (const auto& [name, value] : given) {
+    const SceneParameter* p = parameter(name);
+    if (!p) {
+      throw UserError("scene '" + m_parsed->name + "' has no parameter '" + name +
+                      "'; valid: " + (valid.empty() ? "none" : valid));
+    }
+    const bool ofItsKind = value.isText() == p->value.isText();
+    if (!ofItsKind || !(value.isText() || (value.number >= p->lo && value.number <= p->hi))) {
+      throw UserError("parameter '" + name + "' of scene '" + m_parsed->name + "' is " +
+                      (value.isText() ? "'" + value.text + "'" : asText(value.number)) +
+                      "; valid: " + (p->value.isText() ? "a kind of joint" : asText(p->lo) + " to " + asText(p->hi)));
+    }
+    out[name] = value;
+  }
+  return out;
+}
+
+}  // namespace lpc::inline LPC_PRECISION
