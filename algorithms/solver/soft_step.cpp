@@ -56,7 +56,12 @@ class SoftStep final : public Solver<D> {
             .failures = {{"a body on a very heavy one",
                           "sinks in deeper than on a fixed one, whose springs are stiffer", "Symmetry.HeavyIsFixed"},
                          {"a motor of a million times the torque that its body needs, at a stop",
-                          "drives through the stop, which is a spring", "Joint.StopHoldsAgainstItsMotor"}}};
+                          "drives through the stop, which is a spring", "Joint.StopHoldsAgainstItsMotor"},
+                         {"a hinge that is beyond its stop", "leaves it with a speed that nothing has given it",
+                          "JointStep.LeavesNoSpeed"},
+                         {"a stop that is hit, in ever shorter steps",
+                          "gives way by what falls slower than the step: relaxing takes out what its spring has put in",
+                          "JointMotion.Converges"}}};
   }
 
   void step(const StepInput<D>& in) override {

@@ -17,6 +17,9 @@ enum class JointBug {
   wrongSign,  // pushes away from where it should be
   ownAxes,    // rows along the world's axes where they should turn with the bodies
   drives,     // moves what it should hold
+  yields,     // a spring where it should be rigid: a compliance in absolute units
+  turnsLeft,  // each impulse turns B a little to the left
+  ages,       // changes with every step, however short
   dividesByNothing
 };
 
@@ -31,6 +34,7 @@ class WrongJoint final : public JointKind<D> {
   void finish(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     m_right->finish(joint, X_WA, X_WB);
     if (m_bug == JointBug::jumps) joint.state[0] = 0;
+    if (m_bug == JointBug::ages) joint.state[0] += Real(1e-3);
   }
   void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
     m_right->rows(joint, X_WA, X_WB, out);
@@ -44,6 +48,7 @@ class WrongJoint final : public JointKind<D> {
     switch (m_bug) {
       case JointBug::none:
       case JointBug::jumps:
+      case JointBug::ages:
         break;
       case JointBug::pulls:
         if (stop) row.lo = -kNoLimit, row.hi = kNoLimit;
@@ -62,6 +67,14 @@ class WrongJoint final : public JointKind<D> {
         break;
       case JointBug::drives:
         if (row.law == RowLaw::rigid) row.block = RowBlock::box, row.law = RowLaw::motor, row.speed = 5;
+        break;
+      case JointBug::yields:
+        if (row.law == RowLaw::rigid) {
+          row.block = RowBlock::box, row.law = RowLaw::spring, row.stiffness = 1000, row.damping = 10;
+        }
+        break;
+      case JointBug::turnsLeft:
+        row.armB += Ang<D>::Constant(Real(0.01));
         break;
       case JointBug::dividesByNothing:
         row.error /= row.d.norm() - 1;

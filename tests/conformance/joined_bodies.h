@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Zlib
+// Every registered kind of joint, between bodies that are made by hand or drawn at random, without a world.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/conformance/scene_change.h"
+#include "tests/every_solver.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+template <int D>
+using Kind = std::shared_ptr<const JointKind<D>>;
+
+template <int D>
+Kind<D> kindOf(const std::string& spec) {
+  return createStage<JointKind<D>>(Spec::parse(spec));
+}
+
+/// All kinds as they are, each with each of its choices, and what numbers make of a hinge.
+template <int D>
+std::vector<std::string> everyKind() {
+  std::vector<std::string> specs;
+  for (const Registered* r : Registry::instance().list(StageKind::joint, D)) {
+    if (!competes(*r)) continue;
+    specs.push_back(r->info.name);
+    for (const ParamInfo& p : r->params) {
+      for (const std::string& choice : p.choices) specs.push_back(r->info.name + "{" + p.name + "=" + choice + "}");
+    }
+  }
+  for (const char* more :
+       {"hinge{lower=-0.1,upper=0.2}", "hinge{lower=0,upper=0}", "hinge{motor_speed=2,motor_torque=3}",
+        "hinge{stiffness=20,damping=1}", "distance{mode=spring,damping=3}"}) {
+    specs.push_back(more);
+  }
+  return specs;
+}
+
+/// At frames that are apart, or some rows would be absent.
+template <int D>
+JointRows<D> someRows(const Kind<D>& kind) {
+  JointRows<D> rows;
+  kind->rows({}, {}, {Vec<D>::Unit(0), {}}, rows);
+  return rows;
+}
+/// Does it stay as it is when nothing pushes: no motor?
+template <int D>
+bool passive(const Kind<D>& kind) {
+  const JointRows<D> rows = someRows(kind);
+  return std::none_of(rows.all().begin(), rows.all().end(),
+                      [](const ConstraintRow<D>& row) { return row.law == RowLaw::motor && !row.absent(); });
+}
+/// Are all its rows rigid? What a spring or a motor does takes time, and no solve ends it.
+template <int D>
+bool rigid(const Kind<D>& kind) {
+  const JointRows<D> rows = someRows(kind);
+  return std::all_of(rows.all().begin(), rows.all().end(),
+                     [](const ConstraintRow<D>& row) { return row.law == RowLaw::rigid || row.absent(); });
+}
+
+/// Does it hold something one way only, or by a row of its own?
+template <int D>
+bool hasStop(const Kind<D>& kind) {
+  const JointRows<D> rows = someRows(kind);
+  return std::any_of(rows.all().begin(), rows.all().end(), [](const ConstraintRow<D>& row) {
+    return row.law == RowLaw::rigid && row.block == RowBlock::box && !row.absent();
+  });
+}
+
+/// Each frame is a point of its body, `apart` from each other where the kind has two ends. a -1: the world.
+template <int D>
+void join(ImpactScene<D>& s, const Kind<D>& kind, int a, int b, const Pose<D>& X_WJ, const Vec<D>& apart) {
+  JointRecord<D> j;
+  j.kind = kind, j.spec = "drawn", j.bodyA = a, j.bodyB = b;
+  const auto place = [&](const Vec<D>& way) {
+    const Pose<D> X_WA = poseOf(s.bodies, a), A = X_WA.inverse(), B = s.pose(b).inverse();
+    j.state = {};
+    j.X_CaJ = {A * X_WJ.p, A.q * X_WJ.q};
+    j.X_CbJ = {B * Vec<D>(X_WJ.p + way), B.q * X_WJ.q};
+    kind->begin(j, X_WA, s.pose(b));
+  };
+  place(apart);
+  if (s.jointError(j).linear > 0.1) place(Vec<D>::Zero());  // a kind whose ends are one point
+  s.joints.push_back(j);
+}
+
+/// Bodies 0 and 1, joined; body 0 may be fixed.
+template <int D>
+ImpactScene<D> drawJointed(Draw& draw, const Kind<D>& kind, bool fixed = false) {
+  ImpactScene<D> s;
+  for (int i = 0; i < 2; ++i) {
+    Ang<D> inertia;
+    for (int k = 0; k < kAngDim<D>; ++k) inertia[k] = draw.real(0.5, 2);
+    Motion<D> motion;
+    motion.v = 2 * drawVector<D>(draw);
+    for (int k = 0; k < kAngDim<D>; ++k) motion.w[k] = 2 * draw.signedUnit();
+    const Real mass = fixed && i == 0 ? Real(0) : draw.real(1, 5);
+    s.add(mass, inertia, drawPose<D>(draw, 1), mass > 0 ? motion : Motion<D>{});
+  }
+  const Pose<D> X_WJ{drawVector<D>(draw), drawRotation<D>(draw)};
+  join<D>(s, kind, 0, 1, X_WJ, Real(0.7) * drawDirection<D>(draw));
+  return s;
+}
+
+template <int D>
+void nudge(ImpactScene<D>& s, Draw& draw, Real amount) {
+  s.bodies.pose[1].p += amount * drawVector<D>(draw);
+  Ang<D> turn;
+  for (int k = 0; k < kAngDim<D>; ++k) turn[k] = amount * draw.signedUnit();
+  s.bodies.pose[1].q = integrateRotation(s.bodies.pose[1].q, turn);
+  s.bodies.invInertia[1] = rotateInertia(s.bodies.pose[1].q, s.bodies.invInertiaBody[1]);
+}
+
+/// One step, after which each joint may remember.
+template <int D>
+void stepJoined(ImpactScene<D>& s, Solver<D>& solver) {
+  s.step(solver);
+  for (JointRecord<D>& j : s.joints) j.kind->finish(j, poseOf(s.bodies, j.bodyA), s.pose(j.bodyB));
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test

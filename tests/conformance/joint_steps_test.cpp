@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Zlib
+// What whole steps owe to joints, for every registered kind under every solver: the symmetries of mechanics, fixed
+// bodies, and errors that go without leaving speed.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <functional>
+
+#include "tests/check_property.h"
+#include "tests/conformance/joined_bodies.h"
+#include "tests/planted_bugs/joint_twins.h"
+#include "tests/planted_bugs/solver_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr bool kDouble = sizeof(Real) == 8;
+constexpr int kSteps = 5, kRuns = 10;
+// Rounding over a few steps, relative to the speeds.
+constexpr Real kTolerance = kDouble ? Real(1e-9) : Real(2e-4);
+
+const std::string kLimited = "hinge{lower=-0.1,upper=0.2}";
+
+/// What a property is given: a kind by its text, how it is made, and who steps.
+template <int D>
+struct Subject {
+  Spec spec;
+  std::function<Kind<D>(const Spec&)> make;
+  Solver<D>& solver;
+
+  Kind<D> kind() const { return make(spec); }
+};
+
+template <int D>
+Kind<D> asRegistered(const Spec& spec) {
+  return createStage<JointKind<D>>(spec);
+}
+
+template <int D>
+ImpactScene<D> after(ImpactScene<D> s, Solver<D>& solver, int steps = kSteps) {
+  for (int i = 0; i < steps; ++i) stepJoined(s, solver);
+  return s;
+}
+
+template <int D>
+void require(Real error, Real limit, const ImpactScene<D>& expected, const ImpactScene<D>& found) {
+  if (!(error <= limit)) RC_LOG() << "error " << error << "\nexpected\n" << expected << "found\n" << found;
+  RC_ASSERT(error <= limit);
+}
+
+template <int D>
+ImpactScene<D> drawFalling(Draw& draw, const Kind<D>& kind, bool fixed) {
+  auto s = drawJointed(draw, kind, fixed);
+  nudge(s, draw, Real(0.05));
+  s.field.gravity = Vec<D>::Unit(1) * Real(-9.81);
+  return s;
+}
+
+// A mirror turns rotations round: limits, motors and rests would have to be others. They are the same when it also
+// turns the frames' own z round, about which hinges turn, and in 2D, which has no frame to turn, exchanges A and B.
+void mirrorFrames(ImpactScene<3>& s) {
+  for (JointRecord<3>& j : s.joints) {
+    for (Pose<3>* X : {&j.X_CaJ, &j.X_CbJ}) X->q = X->q * Rot<3>{0, 0, 1, 0};
+  }
+}
+void mirrorFrames(ImpactScene<2>& s) {
+  for (JointRecord<2>& j : s.joints) std::swap(j.bodyA, j.bodyB), std::swap(j.X_CaJ, j.X_CbJ);
+}
+
+// R8
+template <int D>
+void mirrors(const Subject<D>& on, Draw& draw) {
+  const auto before = drawFalling(draw, on.kind(), draw.coin());
+  auto image = mirrored(before);
+  mirrorFrames(image);
+  const auto expected = mirrored(after(before, on.solver)), found = after(image, on.solver);
+  require<D>(difference(expected, found), kTolerance * 10 * before.speed(), expected, found);
+}
+
+// The same joint in another unit of mass: forces and torques among its parameters are k times as large.
+template <int D>
+Spec heavier(const Spec& spec, Real k) {
+  const Registered& entry = Registry::instance().find(StageKind::joint, D, spec.name);
+  Spec out = entry.canonical(spec);
+  for (const ParamInfo& p : entry.params) {
+    if (!p.unit.starts_with("N")) continue;
+    char text[32];
+    std::snprintf(text, sizeof text, "%.17g", std::stod(out.find(p.name)->name) * double(k));
+    out.set(p.name, {text, {}});
+  }
+  return out;
+}
+
+// R11
+template <int D>
+void weighs(const Subject<D>& on, Draw& draw) {
+  const auto before = drawFalling(draw, on.kind(), draw.coin());
+  const Real k = draw.pick({Real(1e-3), Real(1e3)});
+  auto other = heavier(before, k);
+  other.joints[0].kind = on.make(heavier<D>(on.spec, k));
+  const auto expected = heavier(after(before, on.solver), k), found = after(other, on.solver);
+  Real error = difference(expected, found);
+  for (std::size_t i = 0; i < kJointRows; ++i) {
+    error += std::abs(k * expected.joints[0].impulse[i] - found.joints[0].impulse[i]) / k;
+  }
+  require<D>(error, 10 * kTolerance * before.speed(), expected, found);
+}
+
+// R13: a fixed body stays, to the last bit, and is the limit of one of 1e9 times the mass.
+template <int D>
+void heavyIsFixed(const Subject<D>& on, Draw& draw) {
+  auto fixed = drawFalling(draw, on.kind(), true);
+  fixed.field.gravity.setZero();
+  auto heavy = fixed;
+  heavy.bodies.type[0] = BodyType::dynamic;
+  heavy.bodies.mass[0] = Real(1e9), heavy.bodies.invMass[0] = Real(1e-9);
+  heavy.bodies.invInertiaBody[0].diagonal().setConstant(Real(1e-9));
+  const auto expected = after(fixed, on.solver), found = after(heavy, on.solver);
+  require<D>(difference(expected, found, 1), (kDouble ? Real(1e-6) : 10 * kTolerance) * fixed.speed(), expected, found);
+  RC_ASSERT(expected.pose(0).p == fixed.pose(0).p && expected.motion(0).v.isZero(0) && expected.motion(0).w.isZero(0));
+}
+
+// R15: what is pulled together rests when it is. A spring's error is no error.
+template <int D>
+void leavesNoSpeed(const Subject<D>& on, Draw& draw) {
+  if (!rigid(asRegistered<D>(on.spec))) return;
+  auto before = drawJointed(draw, on.kind(), draw.coin());
+  for (Motion<D>& motion : before.bodies.motion) motion = {};
+  nudge(before, draw, Real(0.4));
+  const auto rested = after(before, on.solver, 60);
+  require<D>(rested.energy(), kEps, before, rested);
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  const char* declared;  // what solvers say in info().failures that they fail, with a pivot
+  std::function<void(const Subject<D>&, Draw&)> property;
+  JointBug bug;  // that it must catch in `of`
+  const char* of;
+};
+
+template <int D>
+std::vector<Named<D>> properties() {
+  return {{"JointStep.Mirrors", "Symmetry.Mirrors", mirrors<D>, JointBug::turnsLeft, "distance"},
+          {"JointStep.WeighsInAnyUnit", "Symmetry.WeighsInAnyUnit", weighs<D>, JointBug::yields, "hinge"},
+          {"JointStep.HeavyIsFixed", "", heavyIsFixed<D>, JointBug::none, nullptr},
+          {"JointStep.LeavesNoSpeed", "PositionError.AddsNoVelocity", leavesNoSpeed<D>, JointBug::yields, "weld"}};
+}
+
+template <int D>
+auto drawn(const Named<D>& p, const Subject<D>& on) {
+  return [&p, on] {
+    RapidCheckDraw draw;
+    p.property(on, draw);
+  };
+}
+
+template <int D>
+void testAll() {
+  for (const std::string& solver : everySolver<D>()) {
+    const auto steps = createStage<Solver<D>>(Spec::parse(solver));
+    for (const std::string& spec : everyKind<D>()) {
+      const Subject<D> on{Spec::parse(spec), asRegistered<D>, *steps};
+      for (const Named<D>& p : properties<D>()) {
+        const std::string name = std::string(p.name) + " " + spec + " " + solver + " " + std::to_string(D) + "D";
+        SCOPED_TRACE(name);
+        const bool ofStops = declares<D>(solver, p.name) && hasStop(on.kind());
+        if (!declares<D>(solver, p.declared) && !ofStops) {
+          check(name, drawn(p, on), kRuns);
+        } else if (spec == (ofStops ? kLimited : "pivot")) {
+          expectFalsified(name, drawn(p, on), kRuns);
+        }
+      }
+    }
+  }
+}
+
+template <int D>
+void plantedBugs() {
+  const auto steps = createStage<Solver<D>>(Spec{"split_solver", {}});
+  for (const Named<D>& p : properties<D>()) {
+    if (p.bug == JointBug::none) continue;
+    const auto wrong = [&p](const Spec& spec) -> Kind<D> {
+      return std::make_shared<WrongJoint<D>>(asRegistered<D>(spec), p.bug);
+    };
+    const Subject<D> on{Spec::parse(p.of), wrong, *steps};
+    expectFalsified(std::string(p.name) + " planted bug " + std::to_string(D) + "D", drawn(p, on), kRuns);
+  }
+  // What no kind can spoil: a solver to which fixed is only heavy.
+  const Named<D> heavy = properties<D>()[2];
+  TwinSolver<D> right(Bug::none, 10), moves(Bug::movesFixed, 10);
+  check("JointStep.HeavyIsFixed twin", drawn(heavy, {Spec{"pivot", {}}, asRegistered<D>, right}), kRuns);
+  expectFalsified("JointStep.HeavyIsFixed planted bug " + std::to_string(D) + "D",
+                  drawn(heavy, {Spec{"pivot", {}}, asRegistered<D>, moves}), kRuns);
+}
+
+TEST(JointStep, EveryKindUnderEverySolver2) { testAll<2>(); }
+TEST(JointStep, EveryKindUnderEverySolver3) { testAll<3>(); }
+TEST(JointStep, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(JointStep, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test

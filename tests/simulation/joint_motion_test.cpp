@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Zlib
+// Joints over time, for every registered kind under every solver: what hangs at rest, rests (R14), and half the step is
+// half the error (R17).
+#include <gtest/gtest.h>
+
+#include "tests/conformance/joined_bodies.h"
+#include "tests/expect_caught.h"
+#include "tests/planted_bugs/joint_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr int kSeconds = 5;
+#else
+constexpr int kSeconds = 60;
+#endif
+
+/// Two bodies of 1 kg, side by side: the world holds the first, and the first the second.
+template <int D>
+ImpactScene<D> shelf(const Kind<D>& kind, Real dt) {
+  ImpactScene<D> s;
+  s.dt = dt;
+  s.field.gravity = Real(-9.81) * Vec<D>::Unit(1);
+  const Vec<D> x = Vec<D>::Unit(0);
+  for (int i = 0; i < 2; ++i) {
+    s.add(1, Ang<D>::Constant(Real(0.5)), {(Real(1) + Real(1.5) * static_cast<Real>(i)) * x, {}});
+    join<D>(s, kind, i - 1, i, {Real(1.5) * static_cast<Real>(i) * x, {}}, x / 2);
+  }
+  return s;
+}
+
+struct Unrest {
+  double way = 0, energy = 0;  // m, J: the largest of a minute
+};
+
+// First half a minute in honey, which end wherever this joint rests.
+template <int D>
+Unrest unrestOf(const Kind<D>& kind, const std::string& text) {
+  const auto solver = createStage<Solver<D>>(Spec::parse(text));
+  auto s = shelf(kind, Real(1) / 60);
+  for (int i = 0; i < 1800; ++i) {
+    stepJoined(s, *solver);
+    for (Motion<D>& m : s.bodies.motion) m.v *= Real(0.95), m.w *= Real(0.95);
+  }
+  const auto from = s.bodies.pose;
+  Unrest worst;
+  for (int i = 0; i < 60 * kSeconds; ++i) {
+    stepJoined(s, *solver);
+    worst.energy = std::max(worst.energy, double(s.energy()));
+    for (int b = 0; b < 2; ++b) {
+      worst.way = std::max(worst.way, double((s.pose(b).p - from[static_cast<std::size_t>(b)].p).norm()));
+    }
+  }
+  return worst;
+}
+bool rests(const Unrest& u) { return u.way <= 1e-3 && u.energy <= 1e-5; }
+
+template <int D>
+void everyKindRests() {
+  for (const std::string& solver : everySolver<D>()) {
+    // The order of 2009 ends each step with a fall of g dt^2.
+    if (solver.find("resolve_then_force_move") != solver.npos) continue;
+    int restless = 0;
+    const bool declared = declares<D>(solver, "Rest.Stays");
+    for (const std::string& kind : everyKind<D>()) {
+      if (!passive(kindOf<D>(kind))) continue;
+      const Unrest u = unrestOf<D>(kindOf<D>(kind), solver);
+      EXPECT_TRUE(declared || rests(u)) << kind << ' ' << solver << ' ' << D << "D: " << u.way << " m, " << u.energy
+                                        << " J";
+      restless += !rests(u);
+    }
+    EXPECT_EQ(restless > 0, declared) << solver;
+  }
+  const auto bug = std::make_shared<WrongJoint<D>>(kindOf<D>("weld"), JointBug::drives);
+  expectCaught("JointMotion.Rests a weld that drives " + std::to_string(D) + 'D',
+               rests(unrestOf<D>(bug, "split_solver")));
+}
+TEST(JointMotion, Rests2) { everyKindRests<2>(); }
+TEST(JointMotion, Rests3) { everyKindRests<3>(); }
+
+// Where the second body is, eight times in half a second.
+template <int D>
+std::vector<Vec<D>> track(const Kind<D>& kind, const std::string& text, int stepsPerSecond) {
+  const auto solver = createStage<Solver<D>>(Spec::parse(text));
+  auto s = shelf(kind, Real(1) / static_cast<Real>(stepsPerSecond));
+  std::vector<Vec<D>> out;
+  for (int k = 0; k < 8; ++k) {
+    for (int i = 0; i < stepsPerSecond / 16; ++i) stepJoined(s, *solver);
+    out.push_back(s.pose(1).p);
+  }
+  return out;
+}
+template <int D>
+double apart(const std::vector<Vec<D>>& a, const std::vector<Vec<D>>& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, double((a[i] - b[i]).norm()));
+  return worst;
+}
+
+// A quarter of the step: of a method of first order 0.2 of the distance to a sixteenth of it.
+template <int D>
+bool converges(const Kind<D>& kind, const std::string& solver, double share = 0.4) {
+  const auto limit = track<D>(kind, solver, 3840);
+  const double coarse = apart<D>(track<D>(kind, solver, 240), limit);
+  const double fine = apart<D>(track<D>(kind, solver, 960), limit);
+  return fine <= share * coarse || fine < double(kLinearSlop) / 5;
+}
+
+template <int D>
+void everyKindConverges() {
+  for (const std::string& solver : everySolver<D>()) {
+    const bool declared = declares<D>(solver, "JointMotion.Converges");
+    for (const std::string& kind : everyKind<D>()) {
+      const double share = declared && hasStop(kindOf<D>(kind)) ? 0.7 : 0.4;
+      EXPECT_TRUE(converges<D>(kindOf<D>(kind), solver, share)) << kind << ' ' << solver << ' ' << D << 'D';
+    }
+    if (declared) {
+      EXPECT_FALSE(converges<D>(kindOf<D>("hinge{lower=-0.1,upper=0.2}"), solver)) << solver;
+    }
+  }
+  const auto bug = std::make_shared<WrongJoint<D>>(kindOf<D>("distance"), JointBug::ages);
+  expectCaught("JointMotion.Converges a rod that grows with every step " + std::to_string(D) + 'D',
+               converges<D>(bug, "split_solver"));
+}
+TEST(JointMotion, Converges2) { everyKindConverges<2>(); }
+TEST(JointMotion, Converges3) { everyKindConverges<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
