@@ -20,6 +20,7 @@ enum class JointBug {
   yields,     // a spring where it should be rigid: a compliance in absolute units
   turnsLeft,  // each impulse turns B a little to the left
   ages,       // changes with every step, however short
+  noArm,      // forgets B's arm where A is the world
   dividesByNothing
 };
 
@@ -38,11 +39,11 @@ class WrongJoint final : public JointKind<D> {
   }
   void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
     m_right->rows(joint, X_WA, X_WB, out);
-    for (int i = 0; i < out.count; ++i) spoil(out.row[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < out.count; ++i) spoil(out.row[static_cast<std::size_t>(i)], joint.bodyA < 0);
   }
 
  private:
-  void spoil(ConstraintRow<D>& row) const {
+  void spoil(ConstraintRow<D>& row, bool onTheWorld) const {
     constexpr Real kNoLimit = ConstraintRow<D>::kNoLimit;
     const bool stop = row.law == RowLaw::rigid && row.block == RowBlock::box && !row.absent();
     switch (m_bug) {
@@ -75,6 +76,9 @@ class WrongJoint final : public JointKind<D> {
         break;
       case JointBug::turnsLeft:
         row.armB += Ang<D>::Constant(Real(0.01));
+        break;
+      case JointBug::noArm:
+        if (onTheWorld) row.armB.setZero();
         break;
       case JointBug::dividesByNothing:
         row.error /= row.d.norm() - 1;
