@@ -57,24 +57,29 @@ ImpactScene<D> drawFalling(Draw& draw, const Kind<D>& kind, bool fixed) {
 }
 
 // A mirror turns rotations round: limits, motors and rests would have to be others. They are the same when it also
-// turns the frames' own z round, about which hinges turn, and in 2D, which has no frame to turn, exchanges A and B.
-void mirrorFrames(ImpactScene<3>& s) {
-  for (JointRecord<3>& j : s.joints) {
-    for (Pose<3>* X : {&j.X_CaJ, &j.X_CbJ}) X->q = X->q * Rot<3>{0, 0, 1, 0};
+// turns the frames' own z round, about which hinges turn. 2D has no frame to turn: there a hinge is the same with A and
+// B exchanged, and a kind whose rows turn with A is the same when they are not.
+template <int D>
+ImpactScene<D> image(const ImpactScene<D>& scene, bool exchanged) {
+  auto s = mirrored(scene);
+  for (JointRecord<D>& j : s.joints) {
+    if constexpr (D == 3) {
+      for (Pose<3>* X : {&j.X_CaJ, &j.X_CbJ}) X->q = X->q * Rot<3>{0, 0, 1, 0};
+    } else if (exchanged) {
+      std::swap(j.bodyA, j.bodyB), std::swap(j.X_CaJ, j.X_CbJ);
+    }
   }
-}
-void mirrorFrames(ImpactScene<2>& s) {
-  for (JointRecord<2>& j : s.joints) std::swap(j.bodyA, j.bodyB), std::swap(j.X_CaJ, j.X_CbJ);
+  return s;
 }
 
 // R8
 template <int D>
 void mirrors(const Subject<D>& on, Draw& draw) {
   const auto before = drawFalling(draw, on.kind(), draw.coin());
-  auto image = mirrored(before);
-  mirrorFrames(image);
-  const auto expected = mirrored(after(before, on.solver)), found = after(image, on.solver);
-  require<D>(difference(expected, found), kTolerance * 10 * before.speed(), expected, found);
+  const auto expected = mirrored(after(before, on.solver)), found = after(image(before, false), on.solver);
+  Real error = difference(expected, found);
+  if (D == 2) error = std::min(error, difference(expected, after(image(before, true), on.solver)));
+  require<D>(error, kTolerance * 10 * before.speed(), expected, found);
 }
 
 // The same joint in another unit of mass: forces and torques among its parameters are k times as large.
