@@ -216,9 +216,9 @@ bool breaks(const Start<D>& start, std::initializer_list<const char*> kinds) {
   // A weld that carries a lever: the force is within its limit, the torque is not.
   for (const double share : {0.8, 1.2}) {
     const auto s = start(gravity<D>(0, -kG));
-    const Handle h = s->add(ball<D>(at<D>(2, 0)));
+    const Handle h = s->add(body<D>(cube<D>(), at<D>(0.5, 0)));  // of 1 kg
     JointDef<D> def = joint<D>("weld", Handle{}, h);
-    def.breakTorque = Real(share * 2 * kG);
+    def.breakTorque = Real(share * 0.5 * kG);
     s->add(def);
     run(*s, 0.5);
     if (bool(s->joints()[0].broken) != (share < 1)) return false;
@@ -245,13 +245,13 @@ bool breaksDistances(const Start<2>& start) {
 
 // A scene without the feature has no joints, whatever it says; nor does it ask for what an engine lacks.
 template <int D>
-bool switchesOff(const Start<D>& start) {
+bool switchesOff(const Start<D>& start, const std::string& kind) {
   WorldSettings<D> settings = gravity<D>(0, -kG);
   settings.features.joints = false;
   const auto s = start(settings);
   const Handle h = s->add(ball<D>(at<D>(1, 0)));
   const Handle gone = s->add(joint<D>("pivot", Handle{}, h));
-  s->add(joint<D>("hinge{stiffness=5}", Handle{}, h));
+  s->add(joint<D>(kind, Handle{}, h));
   run(*s, 0.5);
   s->removeJoint(gone);
   run(*s, 0.5);
@@ -259,6 +259,10 @@ bool switchesOff(const Start<D>& start) {
   s->remove(h);
   s->step(kDt);
   return fell;
+}
+template <int D>
+bool switchesAllOff(const Start<D>& start) {
+  return switchesOff<D>(start, "hinge") && switchesOff<D>(start, "hinge{stiffness=5}");
 }
 
 // A ball on an arm swings down past the side of a cube: through it, or against it.
@@ -279,7 +283,7 @@ double swingsTo(const Start<D>& start, bool collide) {
 }
 template <int D>
 bool passes(const Start<D>& start) {
-  return swingsTo<D>(start, false) < 0 && swingsTo<D>(start, true) > 0.65;
+  return swingsTo<D>(start, false) < 0 && swingsTo<D>(start, true) > 0.6;
 }
 // Two that lay on each other are joined: from now on they pass, and when the joint goes they touch again.
 template <int D>
@@ -315,7 +319,7 @@ TEST(EngineJoints, BreakAtTheirForceAndTorque) {
   everywhere("breaks", breaksAll<2>, breaksAll<3>);
   everyEngine<2>("breaks", breaksDistances);
 }
-TEST(EngineJoints, AreNotThereWhereAWorldHasNone) { everywhere("switchesOff", switchesOff<2>, switchesOff<3>); }
+TEST(EngineJoints, AreNotThereWhereAWorldHasNone) { everywhere("switchesOff", switchesAllOff<2>, switchesAllOff<3>); }
 TEST(EngineJoints, LetTheirBodiesPassOrCollide) {
   everywhere("passes", passes<2>, passes<3>);
   everywhere("partsWhatTouched", partsWhatTouched<2>, partsWhatTouched<3>);
@@ -327,7 +331,7 @@ void worldPasses() {
   EXPECT_TRUE(stops<D>(start) && stopsFromZero<D>(start) && drives<D>(start) && keepsTime<D>(start));
   EXPECT_TRUE(welds<D>(ownWorld<D>("solver=split_solver{velocity=catto{iterations=30}}")));
   EXPECT_TRUE(ropes<D>(start) && rods<D>(start) && springs<D>(start));
-  EXPECT_TRUE(breaksAll<D>(start) && switchesOff<D>(start) && passes<D>(start) && partsWhatTouched<D>(start));
+  EXPECT_TRUE(breaksAll<D>(start) && switchesAllOff<D>(start) && passes<D>(start) && partsWhatTouched<D>(start));
   if constexpr (D == 2) {
     EXPECT_TRUE(breaksDistances(start));
   }
@@ -344,7 +348,7 @@ void twinsAreCaught(const std::string& name, const Start<D>& start) {
   EXPECT_FALSE(keepsTime<D>(upsideDown<D>(start)));
   EXPECT_FALSE(welds<D>(looseWelds<D>(start)));
   EXPECT_FALSE(breaksAll<D>(unbreakable<D>(start)));
-  EXPECT_FALSE(switchesOff<D>(alwaysJoined<D>(start)));
+  EXPECT_FALSE(switchesOff<D>(alwaysJoined<D>(start), "hinge"));
   for (const bool collide : {false, true}) EXPECT_FALSE(passes<D>(jointedCollide<D>(start, collide)));
   EXPECT_FALSE(partsWhatTouched<D>(jointedCollide<D>(start, true)));
 }

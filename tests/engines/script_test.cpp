@@ -135,7 +135,9 @@ void refusesNonsense() {
   for (const auto& e : all) {
     SCOPED_TRACE(e.name);
     const auto s = e.start(gravity<D>(0, 0));
-    const Handle h = s->add(block<D>()), floor = s->add(ground<D>()), gone = s->add(block<D>());
+    BodyDef<D> deep = ground<D>();
+    deep.X_WB.p = at<D>(0, -9);
+    const Handle h = s->add(block<D>()), floor = s->add(deep), gone = s->add(block<D>());
     s->remove(gone);
     const Real nan = std::numeric_limits<Real>::quiet_NaN();
     EXPECT_THROW(s->setPose(gone, {}), UserError);
