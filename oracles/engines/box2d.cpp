@@ -71,8 +71,8 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
                                                : b2_staticBody;
     d.position = vector(ours.pose[slot].p);
     d.angle = static_cast<float>(ours.pose[slot].q.radians());
-    d.linearVelocity = vector(ours.motion[slot].v);
-    d.angularVelocity = static_cast<float>(ours.motion[slot].w[0]);
+    d.linearVelocity = vector(motionOf(slot).v);
+    d.angularVelocity = static_cast<float>(motionOf(slot).w[0]);
     d.fixedRotation = !turns(slot);
     b2Body* body = m_bodies[slot] = m_world.CreateBody(&d);
     forBodyParts(slot, [&](const ShapeView<2>& part, const Pose<2>& X_CS, const ShapeRecord<2>& s) {

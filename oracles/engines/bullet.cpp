@@ -90,6 +90,7 @@ class BulletWorld final : public EngineWorld<3> {
     Pose<3> X_CP{};
     std::vector<std::unique_ptr<btCollisionShape>> shapes;  // the last one is the body's
     std::unique_ptr<btRigidBody> body;
+    Motion<3> motion{};  // of a kinematic one: Bullet makes its velocity from its poses
   };
   struct Joint {
     std::unique_ptr<btTypedConstraint> constraint;
@@ -101,7 +102,6 @@ class BulletWorld final : public EngineWorld<3> {
   };
 
   void checkBody(const BodyDef<3>& def) const override {
-    if (def.type == BodyType::kinematic) throw UserError("bullet: kinematic bodies are not mapped");
     for (const ShapeDef<3>& s : def.shapes) {
       const ShapeDef<3>& first = def.shapes[0];
       if (s.friction != first.friction || s.restitution != first.restitution || s.category != first.category ||
@@ -180,10 +180,12 @@ class BulletWorld final : public EngineWorld<3> {
     info.m_startWorldTransform = transform(ours.pose[slot] * b.X_CP);
     b.body = std::make_unique<btRigidBody>(info);
     b.body->setActivationState(DISABLE_DEACTIVATION);
+    if (def.type == BodyType::kinematic) {
+      b.body->setCollisionFlags(b.body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    }
     if (record) b.body->setFriction(frictionOf(*record)), b.body->setRestitution(restitutionOf(*record));
     if (def.pinned) b.body->setLinearFactor({0, 0, 0});
-    b.body->setLinearVelocity(vector(ours.motion[slot].v));
-    b.body->setAngularVelocity(vector(ours.motion[slot].w));
+    putMotion(slot, motionOf(slot));
     m_world.addRigidBody(b.body.get(), static_cast<int>(record ? record->category : 0u),
                          static_cast<int>(record ? record->mask : 0u));
   }
@@ -275,6 +277,7 @@ class BulletWorld final : public EngineWorld<3> {
     m_world.updateSingleAabb(b.body.get());
   }
   void putMotion(std::size_t slot, const Motion<3>& motion) override {
+    m_bodies[slot].motion = motion;
     m_bodies[slot].body->setLinearVelocity(vector(motion.v));
     m_bodies[slot].body->setAngularVelocity(vector(motion.w));
   }
@@ -288,12 +291,27 @@ class BulletWorld final : public EngineWorld<3> {
       if (j.motor) j.motor->setMaxMotorImpulse(j.motorTorque * dt);
       if (j.load) j.armB = j.constraint->getRigidBodyB().getWorldTransform().getBasis() * j.anchorB;
     }
+    // Bullet asks where a kinematic body was, for its velocity. As in our worlds it touches where the step begins, and
+    // goes on at its end.
+    forKinematic(-dt, [](btRigidBody& b, const btTransform& past) { b.setInterpolationWorldTransform(past); });
     m_world.stepSimulation(dt, 0);  // one step of dt, however long
+    forKinematic(dt, [](btRigidBody& b, const btTransform& next) { b.setWorldTransform(next); });
+  }
+  // f(body, where it is after `time` s).
+  template <class F>
+  void forKinematic(Real time, const F& f) {
+    for (const Body& b : m_bodies) {
+      if (!b.body || !b.body->isKinematicObject()) continue;
+      btTransform X;
+      btTransformUtil::integrateTransform(b.body->getWorldTransform(), vector(b.motion.v), vector(b.motion.w), time, X);
+      f(*b.body, X);
+    }
   }
   void read(std::size_t slot, Pose<3>& X_WC, Motion<3>& motion) const override {
     const Body& b = m_bodies[slot];
     X_WC = poseOf(b.body->getWorldTransform()) * b.X_CP.inverse();
     motion = {vectorOf(b.body->getLinearVelocity()), vectorOf(b.body->getAngularVelocity())};
+    if (b.body->isKinematicObject()) motion = b.motion;
   }
   void count(int& pairs, int& points) const override {
     pairs = m_dispatcher.getNumManifolds(), points = 0;

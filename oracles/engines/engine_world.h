@@ -68,16 +68,11 @@ class EngineWorld : public Simulation<D> {
     const auto i = static_cast<std::size_t>(body.slot);
     putPose(i, m_scene.bodies().pose[i]);
   }
-  // What a pinned body or one that may not turn is given would move it here, and does not in our worlds.
   void setMotion(Handle body, const Motion<D>& motion) final {
     refresh();
     m_scene.setMotion(body, motion);
     const auto i = static_cast<std::size_t>(body.slot);
-    Motion<D> put = motion;
-    const bool dynamic = m_scene.bodies().type[i] == BodyType::dynamic;
-    if (dynamic && m_scene.bodies().pinned[i]) put.v.setZero();
-    if (dynamic ? !turns(i) : !settings().features.rotation) put.w.setZero();
-    putMotion(i, put);
+    putMotion(i, motionOf(i));
   }
   void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) final {
     if (!force.allFinite() || !point.allFinite()) throw UserError("applyForce: force or point is not finite");
@@ -155,6 +150,15 @@ class EngineWorld : public Simulation<D> {
   }
   bool turns(std::size_t slot) const {
     return settings().features.rotation && m_scene.bodies().invInertiaBody[slot].trace() > 0;
+  }
+  /// The scene's, without what would move a body here that is pinned or may not turn, and does not in our worlds.
+  Motion<D> motionOf(std::size_t slot) const {
+    const Bodies<D>& b = m_scene.bodies();
+    const bool dynamic = b.type[slot] == BodyType::dynamic;
+    Motion<D> motion = b.motion[slot];
+    if (dynamic && b.pinned[slot]) motion.v.setZero();
+    if (dynamic ? !turns(slot) : !settings().features.rotation) motion.w.setZero();
+    return motion;
   }
 
  private:

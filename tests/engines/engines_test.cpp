@@ -253,8 +253,9 @@ TEST(Engines, WhatTheyLackIsRefusedAndLeavesNoTrace) {
   for (int i = 0; i < 9; ++i) corners.push_back({Real(std::cos(0.69 * i)), Real(std::sin(0.69 * i))});
   refuses<2>("box2d", body<2>(Shape<2>::polytope(corners), at<2>(0, 5)), "at most 8 corners");
   refuses<3>("bullet", body<3>(Shape<3>::box(Vec<3>::Ones(), Real(0.1)), at<3>(0, 5)), "no shape is a rounded box");
-  BodyDef<3> lift = body<3>(cube<3>(), at<3>(0, 5), BodyType::kinematic);
-  refuses<3>("bullet", lift, "kinematic");
+  BodyDef<3> odd = body<3>(cube<3>(), at<3>(0, 5));
+  odd.shapes.push_back(odd.shapes[0]), odd.shapes[1].friction = Real(0.1);
+  refuses<3>("bullet", odd, "one friction");
 }
 
 // Every kind that Bullet maps lies on the ground where its size says.

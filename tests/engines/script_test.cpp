@@ -72,7 +72,7 @@ bool moves(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
   const Handle h = s->add(block<D>());
   BodyDef<D> stiff = block<D>();
-  stiff.X_WB.p = at<D>(0, 9), stiff.rotatable = false;
+  stiff.X_WB.p = at<D>(0, 9), stiff.rotatable = false, stiff.angularVelocity = spin<D>(1);
   const Handle rigid = s->add(stiff);
   run(*s, 0.1);
   s->setMotion(h, {at<D>(2, 1), spin<D>(1)});
@@ -81,6 +81,31 @@ bool moves(const Start<D>& start) {
   const Vec<D> center = s->pose(h) * at<D>(0.25, 0);
   return (center - at<D>(0.25 + 2 * 0.5, 0.5)).norm() < 0.01 && near(double(turnOf(s->pose(h).q).norm()), 0.5, 0.01) &&
          near(double(s->pose(rigid).p[0]), 0.5, 0.01) && turnOf(s->pose(rigid).q).norm() < 1e-5;
+}
+
+// A kinematic lift carries a box up at the velocity that it came with, and along when it is given another, by friction;
+// alone it turns as it is told.
+template <int D>
+bool carries(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, -kG));
+  Vec<D> half = Vec<D>::Constant(3);
+  half[1] = Real(0.25);
+  BodyDef<D> plate = body<D>(Shape<D>::box(half), at<D>(0, -0.25), BodyType::kinematic);
+  plate.velocity = at<D>(0, 1);
+  BodyDef<D> load = body<D>(cube<D>(), at<D>(0, 0.5));
+  load.velocity = plate.velocity;
+  const Handle lift = s->add(plate), box = s->add(load);
+  run(*s, 1);
+  if (!near(double(s->pose(lift).p[1]), 0.75, 1e-3) || !near(double(s->pose(box).p[1]), 1.5, 0.03)) return false;
+  s->setMotion(lift, {at<D>(0.5, 1), spin<D>(0)});
+  run(*s, 2);
+  if (!near(double(s->pose(lift).p[0]), 1, 1e-3) || !near(double(s->pose(lift).p[1]), 2.75, 1e-3)) return false;
+  if (!near(double(s->pose(box).p[0]), 1, 0.05) || !near(double(s->pose(box).p[1]), 3.5, 0.03)) return false;
+  if (!near(double(motion(*s, lift).v[0]), 0.5, 1e-6)) return false;
+  s->remove(box);
+  s->setMotion(lift, {at<D>(0, 0), spin<D>(1)});
+  run(*s, 1);
+  return near(double(turnOf(s->pose(lift).q)[kAngDim<D> - 1]), 1, 1e-3);
 }
 
 // A body is lifted, turned and let fall again, and the ground that it would land on is taken half a metre down.
@@ -106,12 +131,14 @@ TEST(EngineScripts, ForcesActWhereTheyAreApplied) {
   everywhere("forcesAddUp", forcesAddUp<2>, forcesAddUp<3>);
 }
 TEST(EngineScripts, VelocitiesAreSet) { everywhere("moves", moves<2>, moves<3>); }
+TEST(EngineScripts, LiftsCarry) { everywhere("carries", carries<2>, carries<3>); }
 TEST(EngineScripts, PosesAreSet) { everywhere("places", places<2>, places<3>); }
 
 template <int D>
 void worldPasses() {
   const Start<D> start = ownWorld<D>();
   EXPECT_TRUE(forces<D>(start) && forcesAddUp<D>(start) && moves<D>(start) && places<D>(start));
+  EXPECT_TRUE(carries<D>(start));
 }
 TEST(EngineScripts, WorldsPassToo) { worldPasses<2>(), worldPasses<3>(); }
 
@@ -121,6 +148,7 @@ void twinsAreCaught(const Start<D>& start) {
   EXPECT_FALSE(forces<D>(noTorques<D>(start)));
   EXPECT_FALSE(forcesAddUp<D>(ownMass<D>(start)));
   EXPECT_FALSE(moves<D>(noTurning<D>(start)));
+  EXPECT_FALSE(carries<D>(noTurning<D>(start)));
   EXPECT_FALSE(places<D>(noRotation<D>(start)));
 }
 TEST(EngineScripts, PlantedAdaptersAreCaught) {
