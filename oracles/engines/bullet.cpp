@@ -274,7 +274,6 @@ class BulletWorld final : public EngineWorld<3> {
   void putPose(std::size_t slot, const Pose<3>& X_WC) override {
     const Body& b = m_bodies[slot];
     b.body->setCenterOfMassTransform(transform(X_WC * b.X_CP));
-    m_world.updateSingleAabb(b.body.get());
   }
   void putMotion(std::size_t slot, const Motion<3>& motion) override {
     m_bodies[slot].motion = motion;

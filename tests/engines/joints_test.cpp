@@ -368,7 +368,10 @@ bool countsTurns(const Start<D>& start) {
   const auto s = start(gravity<D>(0, 0));
   const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0)));
   s->add(joint<D>("hinge{upper=7,motor_speed=4,motor_torque=5}", Handle{}, wheel));
-  for (int i = 0; i < 180; ++i) s->step(kDt);
+  for (int i = 0; i < 180; ++i) {
+    if (i == 60) s->setPose(wheel, s->pose(wheel));  // at 3.7 rad: which turn it is in is not asked of the pose
+    s->step(kDt);
+  }
   return near(double(turnOf(s->pose(wheel).q)[kAngDim<D> - 1]), 7 - 2 * kPi, 0.02) &&
          stateInvariants<D>(*s).jointTurn < 0.02;
 }
