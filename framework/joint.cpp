@@ -25,6 +25,10 @@ JointRecord<D> makeJoint(const JointDef<D>& def, const Pose<D>& X_WA, const Pose
     return Pose<D>{X_CW * X_WJ.p, (X_CW.q * X_WJ.q).normalized()};
   };
   joint.X_CaJ = seenFrom(X_WA, def.X_WJ), joint.X_CbJ = seenFrom(X_WB, X_WJb);
+  for (const Pose<D>& X_CJ : {joint.X_CaJ, joint.X_CbJ}) {
+    if (X_CJ.p.allFinite()) continue;
+    throw UserError("the joint's body is at no finite place; valid: a joint that is made before its bodies are lost");
+  }
   joint.breakForce = def.breakForce, joint.breakTorque = def.breakTorque;
   joint.kind->begin(joint, X_WA, X_WB);
   return joint;

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "framework/body.h"
+#include "framework/check.h"
 #include "framework/constraint_row.h"
 #include "framework/registry.h"
 
@@ -78,7 +79,10 @@ struct JointRows {
   std::span<const ConstraintRow<D>> all() const { return {row.data(), static_cast<std::size_t>(count)}; }
 
  private:
-  ConstraintRow<D>& next() { return row[static_cast<std::size_t>(count++)] = {}; }
+  ConstraintRow<D>& next() {
+    LPC_ASSERT(count < kJointRows);
+    return row[static_cast<std::size_t>(count++)] = {};
+  }
 };
 
 /// The two frames of a joint at given poses.

@@ -138,6 +138,7 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
     require(isFlag(j.collide) && isFlag(j.broken), "a joint's flag is neither 0 nor 1");
     require(j.breakForce > 0 && j.breakTorque > 0, "a joint that breaks at no force");
     require(isUnit(j.X_CaJ.q) && isUnit(j.X_CbJ.q), "a joint's frame is no rotation");
+    require(j.X_CaJ.p.allFinite() && j.X_CbJ.p.allFinite(), "a joint's frame is at no finite place");
   }
   checkManifolds(saved);
   for (const SleepEvent& e : saved.events) {

@@ -25,8 +25,10 @@ class Distance final : public JointKind<D> {
   };
   explicit Distance(const Params& params) : m_params(params) {
     if (params.length < 0 && params.length != -1) throw UserError("'distance' has a negative length; valid: -1, >= 0");
-    if (params.mode != Mode::spring && params.damping > 0) {
-      throw UserError("'distance' has damping, but is no spring; valid: mode=spring, or damping=0");
+    if (params.mode == Mode::spring) return;
+    if (params.damping != 0) throw UserError("'distance' has damping, but is no spring; valid: mode=spring");
+    if (params.stiffness != Params().stiffness) {
+      throw UserError("'distance' has stiffness, but is no spring; valid: mode=spring");
     }
   }
 

@@ -30,6 +30,12 @@ class Hinge final : public JointKind<D> {
   };
   explicit Hinge(const Params& params) : m_params(params) {
     if (params.lower > params.upper) throw UserError("'hinge' has limits that cross; valid: lower <= upper");
+    if (params.motorSpeed != 0 && params.motorTorque == 0) {
+      throw UserError("'hinge' has a motor_speed, but no motor; valid: motor_torque > 0, or motor_speed=0");
+    }
+    if (params.rest != 0 && params.stiffness == 0) {
+      throw UserError("'hinge' has a rest, but no spring; valid: stiffness > 0, or rest=0");
+    }
   }
 
   static Info info() {

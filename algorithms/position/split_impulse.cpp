@@ -32,7 +32,8 @@ class SplitImpulse final : public PositionResolver<D> {
     return {.name = "split_impulse",
             .summary = "position errors are removed by pseudo velocities that leave no energy",
             .paper = "catto2006",
-            .complexity = "iterations x (contacts + joints), nothing when no error exceeds the slop",
+            .complexity =
+                "iterations x (contacts + joints); nothing without joints where no contact is deeper than the slop",
             .guarantee = Guarantee::approximate,
             .failures = {}};
   }

@@ -40,6 +40,8 @@ class SplitAverage final : public SleepPolicy<D> {
             .guarantee = Guarantee::approximate,
             .failures = {{"a body slides, without turning, slower than `linear`", "it freezes on the slope",
                           "Sleep.SlowSliderStaysAwake"},
+                         {"a body is moved by the repair of positions alone",
+                          "it falls asleep before its joint has closed", "Sleep.CreeperStaysAwake"},
                          {"a sleeper is pushed slower than the restitution threshold, or its load grows",
                           "it stands like a wall", "Sleep.SlowPushWakes"},
                          {"the time step is halved", "the averages forget twice as fast", "Sleep.BySeconds"},
@@ -99,10 +101,22 @@ class SplitAverage final : public SleepPolicy<D> {
       }
     }
     if (!changed) return;
-    in.work[Count::eventVisits] += in.manifolds.size();
+    in.work[Count::eventVisits] += in.manifolds.size() + in.joints.size();
     for (const Manifold<D>& m : in.manifolds) {
       if (m_flag[index(m.bodyA)]) wake(in, awake, m.bodyB);
       if (m_flag[index(m.bodyB)]) wake(in, awake, m.bodyA);
+    }
+    forHeld(in, [&](std::int32_t body, std::int32_t holder) {
+      if (m_flag[index(holder)]) wake(in, awake, body);
+    });
+  }
+
+  // f(body, holder) for each joint of a dynamic body with one that goes its own way.
+  template <class F>
+  static void forHeld(const SleepInput<D>& in, const F& f) {
+    for (const JointRecord<D>& j : in.joints) {
+      if (!j.active() || j.bodyA < 0 || dynamic(in, j.bodyA) == dynamic(in, j.bodyB)) continue;
+      dynamic(in, j.bodyA) ? f(j.bodyA, j.bodyB) : f(j.bodyB, j.bodyA);
     }
   }
 
@@ -174,6 +188,9 @@ class SplitAverage final : public SleepPolicy<D> {
 
   void wakeJointed(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
     if (in.joints.empty()) return;
+    forHeld(in, [&](std::int32_t body, std::int32_t holder) {
+      if (moves(in, holder)) wake(in, awake, body);
+    });
     m_flag.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {
       const auto slot = static_cast<std::int32_t>(i);
@@ -247,6 +264,9 @@ class SplitAverage final : public SleepPolicy<D> {
         if (in.bodies.type[index(other)] == BodyType::kinematic && moves(in, other)) m_calm[index(at)] = 0;
       }
     }
+    forHeld(in, [&](std::int32_t body, std::int32_t holder) {
+      if (moves(in, holder)) m_calm[index(body)] = 0;
+    });
     // A jointed group may sleep when all of it is calm and somebody in it stands.
     m_flag.assign(awake.size(), 0);
     m_next.assign(awake.size(), 0);

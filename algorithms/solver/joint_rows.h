@@ -104,13 +104,13 @@ class JointSystem {
     return sweep(moves, 1, {share, 1, 0});
   }
 
-  /// Writes the accumulated impulses, times `scale`. A joint that took no part, since its bodies sleep, keeps what it
-  /// had; a row that is absent now has none.
-  void store(std::span<JointRecord<D>> joints, Real scale = 1) const {
+  /// Writes the accumulated impulses. A joint that took no part, since its bodies sleep, keeps what it had; a row that
+  /// is absent now has none.
+  void store(std::span<JointRecord<D>> joints) const {
     for (const JointBlock<D>& block : blocks) {
       auto& impulse = joints[static_cast<std::size_t>(block.joint)].impulse;
       impulse.fill(0);
-      for (const JointRow<D>& row : of(block)) impulse[static_cast<std::size_t>(row.number)] = scale * row.impulse;
+      for (const JointRow<D>& row : of(block)) impulse[static_cast<std::size_t>(row.number)] = row.impulse;
     }
   }
 

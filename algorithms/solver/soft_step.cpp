@@ -91,11 +91,7 @@ class SoftStep final : public Solver<D> {
       }
       Profiler::Scope scope(in.profiler, "solver.relax");
       for (int k = 0; k < m_params.relax; ++k) sweep(in, h, false);
-      for (const JointBlock<D>& block : m_joints.blocks) {
-        auto& impulse = m_jointImpulse[static_cast<std::size_t>(block.joint)];
-        impulse.fill(0);
-        for (const JointRow<D>& row : m_joints.of(block)) impulse[static_cast<std::size_t>(row.number)] = row.impulse;
-      }
+      keepJoints();
     }
     if (in.features.restitution) bounce(in);
     // Impulses are those of a whole step, as in every other solver.
@@ -105,7 +101,12 @@ class SoftStep final : public Solver<D> {
       }
     }
     m_contacts.store(in.manifolds);
-    m_joints.store(in.joints, substeps);
+    for (const JointBlock<D>& block : m_joints.blocks) {
+      JointRecord<D>& joint = in.joints[static_cast<std::size_t>(block.joint)];
+      const JointImpulse& sum = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+      joint.impulse = sum.step;
+      for (std::size_t i = 0; i < kJointRows; ++i) joint.memory[i] = substeps * sum.substep[i];
+    }
   }
 
  private:
@@ -113,6 +114,10 @@ class SoftStep final : public Solver<D> {
     Vec<D> localA, localB;
     Real velocity;    // along the normal before the step, m/s
     Real maxImpulse;  // of all sub-steps: did it hit at all?
+  };
+  struct JointImpulse {                      // by row
+    std::array<Real, kJointRows> substep{};  // of the last sub-step: what the next one starts from
+    std::array<Real, kJointRows> step{};     // of all of them: what the joint bore
   };
   // The springs are in this solver; what ContactRows asks for is overwritten in the sweeps.
   struct NoBias final : PositionResolver<D> {};
@@ -138,9 +143,9 @@ class SoftStep final : public Solver<D> {
     }
     m_jointImpulse.resize(in.joints.size());
     for (std::size_t j = 0; j < in.joints.size(); ++j) {
-      m_jointImpulse[j].fill(0);
+      m_jointImpulse[j] = {};
       for (std::size_t i = 0; i < kJointRows && m_params.warmStart; ++i) {
-        m_jointImpulse[j][i] = scale * in.joints[j].impulse[i];
+        m_jointImpulse[j].substep[i] = scale * in.joints[j].memory[i];
       }
     }
     m_joints.clear();
@@ -149,8 +154,20 @@ class SoftStep final : public Solver<D> {
   void prepareJoints(const StepInput<D>& in, Real h) {
     m_joints.prepare(in.bodies, in.joints);
     m_joints.warmStart(h, [&](std::int32_t joint, std::int32_t row) {
-      return m_jointImpulse[static_cast<std::size_t>(joint)][static_cast<std::size_t>(row)];
+      return m_jointImpulse[static_cast<std::size_t>(joint)].substep[static_cast<std::size_t>(row)];
     });
+  }
+
+  void keepJoints() {
+    for (const JointBlock<D>& block : m_joints.blocks) {
+      JointImpulse& kept = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+      kept.substep.fill(0);
+      for (const JointRow<D>& row : m_joints.of(block)) {
+        const auto i = static_cast<std::size_t>(row.number);
+        kept.substep[i] = row.impulse;
+        kept.step[i] += row.impulse;
+      }
+    }
   }
 
   void applyAccumulated(const StepInput<D>& in) {
@@ -232,7 +249,7 @@ class SoftStep final : public Solver<D> {
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
   std::vector<State> m_states;
-  std::vector<std::array<Real, kJointRows>> m_jointImpulse;  // per sub-step, by joint slot and row
+  std::vector<JointImpulse> m_jointImpulse;  // by joint slot
   std::vector<Wrench<D>> m_wrenches;
 };
 

@@ -168,6 +168,15 @@ bool slowSliderStaysAwake(SleepPolicy<D>& policy) {
   return stepsToSleep<D>(policy, s, body, faster) == -1;
 }
 
+// Put right by a position resolver, a centimetre a step, without any velocity.
+template <int D>
+bool creeperStaysAwake(SleepPolicy<D>& policy) {
+  int ground, body;
+  auto s = resting<D>(ground, body);
+  const auto creep = [&](int) { s.bodies.pose[static_cast<std::size_t>(body)].p[0] += Real(0.01); };
+  return stepsToSleep<D>(policy, s, body, creep) == -1;
+}
+
 // A ton leans on a sleeper.
 template <int D>
 bool slowPushWakes(SleepPolicy<D>& policy) {
@@ -217,6 +226,7 @@ constexpr Duty<D> kDuties[] = {{"Sleep.StaysAwakeInFlight", staysAwakeInFlight<D
                                {"Sleep.WakesByTheUser", wakesByTheUser<D>},
                                {"Sleep.BlowsGoThrough", blowsGoThrough<D>},
                                {"Sleep.SlowSliderStaysAwake", slowSliderStaysAwake<D>},
+                               {"Sleep.CreeperStaysAwake", creeperStaysAwake<D>},
                                {"Sleep.SlowPushWakes", slowPushWakes<D>},
                                {"Sleep.BySeconds", sleepsBySeconds<D>},
                                {"Sleep.PendulumSleeps", pendulumSleeps<D>}};
@@ -257,6 +267,7 @@ void twinsFail() {
   EXPECT_FALSE(wakesWhenSupportGoes<D>(sleepyhead));
   EXPECT_FALSE(wakesByTheUser<D>(sleepyhead));
   EXPECT_FALSE(slowSliderStaysAwake<D>(sleepyhead));
+  EXPECT_FALSE(creeperStaysAwake<D>(sleepyhead));
   WakesOnlyTheStruck<D> wall;
   EXPECT_FALSE(blowsGoThrough<D>(wall));
   EXPECT_FALSE(slowPushWakes<D>(wall));

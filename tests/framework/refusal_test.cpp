@@ -93,6 +93,9 @@ std::vector<Refusal<D>> refusals() {
   joint("cross", "hinge{lower=1,upper=-1}");
   joint("a number from", "hinge{motor_torque=-1}");
   joint("no spring", "distance{mode=rope,damping=1}");
+  joint("no spring", "distance{stiffness=5}");
+  joint("no motor", "hinge{motor_speed=1}");
+  joint("no spring", "hinge{rest=1}");
   joint("no length", "distance");
   joint("negative length", "distance{length=-0.5}");
   joint("stiffness", "distance{mode=spring,stiffness=inf,damping=1}");

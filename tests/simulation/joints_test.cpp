@@ -79,6 +79,27 @@ TEST(Joints, WhatIsBrokenHoldsNobody) {
   EXPECT_GT((world.pose(high).p - world.pose(low).p).norm(), 0.95) << "they collide again";
 }
 
+// A ball of 1 kg flies into its rope at v and is stopped within one step, which takes m v / dt, in whatever sub-steps.
+TEST(Joints, BreakByTheWholeStep) {
+  for (const char* solver : kSolvers) {
+    for (const Real share : {Real(0.9), Real(1.1)}) {
+      SCOPED_TRACE(std::string(solver) + " " + std::to_string(share));
+      World<2> world(Pipeline::parse(solver), {.gravity = Vec<2>::Zero()});
+      BodyDef<2> def = body<2>(Shape<2>::sphere(Real(0.25)), at<2>(0, 0));
+      def.shapes[0].density = 1 / Real(0.19634954);
+      const Handle ball = world.add(def);
+      world.setMotion(ball, {at<2>(0, -2), Ang<2>::Zero()});
+      world.add(JointDef<2>{.kind = "distance{mode=rope}",
+                            .bodyB = ball,
+                            .X_WJ = {at<2>(0, 1), {}},
+                            .X_WJb = Pose<2>{at<2>(0, 0), {}},
+                            .breakForce = share * 2 / kDt});
+      for (int i = 0; i < 3; ++i) world.step(kDt);
+      EXPECT_EQ(bool(world.joints()[0].broken), share < 1);
+    }
+  }
+}
+
 // The load of a sleeper was measured in a step of another length.
 TEST(Joints, SleepersDoNotBreak) {
   World<2> world(Pipeline::parse("sleep=split_average"));

@@ -111,6 +111,32 @@ bool nobodyHangsOnARemovedJoint(const std::string& policy) {
   return true;
 }
 
+// A sleeper is drawn along by what it is jointed to, and stays awake as long as that moves, however slowly; it wakes
+// when that is put elsewhere.
+template <int D>
+bool sleepersAreTowed(const std::string& policy) {
+  World<D> world(Pipeline::parse("sleep=" + policy));
+  addGround(world);
+  const Handle box = world.add(cube<D>(0, Real(0.5)));
+  const Handle tug = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(3, 0.5), BodyType::kinematic));
+  world.add(JointDef<D>{.kind = "distance",
+                        .bodyA = tug,
+                        .bodyB = box,
+                        .X_WJ = {at<D>(3, 0.5), {}},
+                        .X_WJb = Pose<D>{at<D>(0, 0.5), {}}});
+  const auto run = [&](int steps) {
+    for (int i = 0; i < steps; ++i) world.step(kDt);
+    return world.pose(box).p[0];
+  };
+  if (std::abs(run(300)) > Real(0.01)) return false;
+  world.setMotion(tug, {at<D>(0.1, 0), Ang<D>::Zero()});
+  if (std::abs(run(600) - 1) > Real(0.02)) return false;
+  world.setMotion(tug, Motion<D>{});
+  run(300);
+  world.setPose(tug, {at<D>(4.5, 0.5), {}});
+  return run(1) > Real(1.05);
+}
+
 template <int D>
 bool groundIsMovedAway(const std::string& policy) {
   Tower<D> tower(policy);
@@ -191,6 +217,7 @@ std::vector<Named<D>> properties() {
   return {{"Sleeping.RestsAsWithoutIt", restsAsWithoutIt<D>, "adrift"},
           {"Sleeping.NobodyHangsInTheAir", nobodyHangsInTheAir<D>, "deaf"},
           {"Sleeping.NobodyHangsOnARemovedJoint", nobodyHangsOnARemovedJoint<D>, "deaf_to_joints"},
+          {"Sleeping.SleepersAreTowed", sleepersAreTowed<D>, "wall"},
           {"Sleeping.GroundIsMovedAway", groundIsMovedAway<D>, "deaf"},
           {"Sleeping.ThrowsAreNotStopped", throwsAreNotStopped<D>, "nowhere"},
           {"Sleeping.BlowsWakeARow", blowsWakeARow<D>, "wall"},
