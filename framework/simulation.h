@@ -46,20 +46,14 @@ class Simulation {
   virtual void remove(Handle body) = 0;  // and its joints
   virtual void removeJoint(Handle joint) = 0;
 
-  // --- what a script does to bodies, between steps
-  // ---------------------------------------------------------------------
-  /// Of the body's own frame, and of its centre of mass. An engine that cannot be told throws UserError.
-  virtual void setPose(Handle, const Pose<D>&) { throw UserError("this simulation does not let a script set poses"); }
-  virtual void setMotion(Handle, const Motion<D>&) {
-    throw UserError("this simulation does not let a script set velocities");
-  }
+  // --- what a script does to bodies, between steps -------------------------------------------------------------------
+  // All four throw UserError for a body that is gone and for numbers that are not finite.
+  virtual void setPose(Handle body, const Pose<D>& X_WB) = 0;  // of the body's own frame
+  /// Of its centre of mass. Throws UserError for a fixed body.
+  virtual void setMotion(Handle body, const Motion<D>& motion) = 0;
   /// A force (N) at a world point, or a torque (N m), for the coming step only.
-  virtual void applyForce(Handle, const Vec<D>& /*force*/, const Vec<D>& /*point*/) {
-    throw UserError("this simulation does not let a script apply forces");
-  }
-  virtual void applyTorque(Handle, const Ang<D>&) {
-    throw UserError("this simulation does not let a script apply torques");
-  }
+  virtual void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) = 0;
+  virtual void applyTorque(Handle body, const Ang<D>& torque) = 0;
 
   // --- running -------------------------------------------------------------------------------------------------------
   /// Advances by dt seconds; this alone is timed. dt = 0 changes nothing. Throws UserError for a dt that is negative or

@@ -100,6 +100,10 @@ void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> 
     if (m_bodies.used[i] && m_bodies.type[i] != BodyType::fixed)
       m_bodies.pose[i] = X_WC[i], m_bodies.motion[i] = motion[i];
   }
+  for (JointRecord<D>& j : m_joints) {  // whole turns are counted here, too
+    if (j.active()) j.kind->finish(j, poseOf(m_bodies, j.bodyA), poseOf(m_bodies, j.bodyB));
+  }
+  m_events.clear();  // nobody decides about sleep
   m_boxes.outdate();
 }
 

@@ -86,6 +86,8 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   /// For a world that only shows what somebody else moves: puts each body that is not fixed at its X_WC with its
   /// motion, by slot. No event, nobody wakes. Precondition: both have bodies().size() entries.
   void follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion);
+  /// It stays, without rows, until it is removed. Precondition: joints()[slot] is active.
+  void breakJoint(std::size_t slot);
   Handle handle(std::int32_t slot) const;  // of the body now in that slot
   int bodyCount() const override { return m_bodySlots.inUse(); }
 

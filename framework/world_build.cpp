@@ -175,11 +175,20 @@ void World<D>::releaseJoint(const JointRecord<D>& joint) {
   m_events.push_back({SleepEvent::jointRemoved, joint.bodyB, joint.bodyA});
 }
 
-// Whole turns are counted, and what was too much breaks. A broken joint stays, without rows, until it is removed.
+template <int D>
+void World<D>::breakJoint(std::size_t slot) {
+  JointRecord<D>& j = m_joints[slot];
+  LPC_ASSERT(j.active());
+  releaseJoint(j);
+  j.broken = 1, j.impulse.fill(0);
+}
+
+// Whole turns are counted, and what was too much breaks.
 template <int D>
 void World<D>::finishJoints(Real dt) {
   JointRows<D> rows;
-  for (JointRecord<D>& j : m_joints) {
+  for (std::size_t i = 0; i < m_joints.size(); ++i) {
+    JointRecord<D>& j = m_joints[i];
     if (!j.active()) continue;
     j.kind->finish(j, poseOf(m_bodies, j.bodyA), poseOf(m_bodies, j.bodyB));
     if (!std::isfinite(j.breakForce) && !std::isfinite(j.breakTorque)) continue;
@@ -188,8 +197,7 @@ void World<D>::finishJoints(Real dt) {
     jointRows(j, m_bodies, rows);
     const JointLoad load = jointLoad(rows.all(), std::span<const Real>(j.impulse), dt);
     if (load.force <= j.breakForce && load.torque <= j.breakTorque) continue;
-    releaseJoint(j);
-    j.broken = 1, j.impulse.fill(0);
+    breakJoint(i);
   }
 }
 
@@ -202,6 +210,7 @@ void World<D>::finishJoints(Real dt) {
   template void World<D>::remove(Handle);                                           \
   template Handle World<D>::add(const JointDef<D>&);                                \
   template void World<D>::removeJoint(Handle);                                      \
+  template void World<D>::breakJoint(std::size_t);                                  \
   template void World<D>::finishJoints(Real)
 LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);

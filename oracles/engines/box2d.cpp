@@ -29,6 +29,8 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
  public:
   Box2dWorld(const Box2dParams& params, const WorldSettings<2>& settings)
       : EngineWorld<2>(settings), m_params(params), m_world(vector(settings.gravity)) {
+    const b2BodyDef fixed;
+    m_ground = m_world.CreateBody(&fixed);
     m_world.SetAllowSleeping(false);
     m_world.SetContinuousPhysics(false);
     m_world.SetWarmStarting(params.warmStart);
@@ -69,8 +71,8 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
                                                : b2_staticBody;
     d.position = vector(ours.pose[slot].p);
     d.angle = static_cast<float>(ours.pose[slot].q.radians());
-    d.linearVelocity = vector(ours.motion[slot].v);
-    d.angularVelocity = static_cast<float>(ours.motion[slot].w[0]);
+    d.linearVelocity = vector(motionOf(slot).v);
+    d.angularVelocity = static_cast<float>(motionOf(slot).w[0]);
     d.fixedRotation = !turns(slot);
     b2Body* body = m_bodies[slot] = m_world.CreateBody(&d);
     forBodyParts(slot, [&](const ShapeView<2>& part, const Pose<2>& X_CS, const ShapeRecord<2>& s) {
@@ -110,16 +112,81 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
 
   void addJoint(std::size_t slot, const JointRecord<2>& joint) override {
     if (slot >= m_joints.size()) m_joints.resize(slot + 1);
+    const auto create = [&](auto def) {
+      def.bodyA = joint.bodyA < 0 ? m_ground : m_bodies[static_cast<std::size_t>(joint.bodyA)];
+      def.bodyB = m_bodies[static_cast<std::size_t>(joint.bodyB)];
+      def.localAnchorA = vector(joint.X_CaJ.p), def.localAnchorB = vector(joint.X_CbJ.p);
+      def.collideConnected = joint.collide;
+      // Box2D counts angles of bodies, whole turns too, from where this angle is 0.
+      if constexpr (requires { def.referenceAngle; }) {
+        const float angle = static_cast<float>((framesOf(joint).qA.inverse() * framesOf(joint).qB).radians());
+        def.referenceAngle = def.bodyB->GetAngle() - def.bodyA->GetAngle() - angle;
+      }
+      m_joints[slot] = m_world.CreateJoint(&def);
+    };
+    const JointSpec<2> spec(joint, "box2d");
+    if (spec.kind() == "pivot") {
+      spec.takes({});
+      create(b2RevoluteJointDef());
+    } else if (spec.kind() == "hinge") {
+      create(hinge(spec));
+    } else if (spec.kind() == "distance") {
+      create(distance(spec, framesOf(joint).gap.norm()));
+    } else if (spec.kind() == "weld") {
+      spec.takes({});
+      create(b2WeldJointDef());
+    } else {
+      spec.refuse("no joint is a " + spec.kind());
+    }
+  }
+  JointFrames<2> framesOf(const JointRecord<2>& joint) const {
+    return {joint, poseOf(scene().bodies(), joint.bodyA), poseOf(scene().bodies(), joint.bodyB)};
+  }
+  static b2RevoluteJointDef hinge(const JointSpec<2>& spec) {
+    spec.takes({"lower", "upper", "motor_speed", "motor_torque"});
     b2RevoluteJointDef d;
-    d.bodyA = m_bodies[static_cast<std::size_t>(joint.bodyA)],
-    d.bodyB = m_bodies[static_cast<std::size_t>(joint.bodyB)];
-    d.localAnchorA = vector(joint.X_CaJ.p), d.localAnchorB = vector(joint.X_CbJ.p);
-    d.collideConnected = joint.collide;
-    m_joints[slot] = m_world.CreateJoint(&d);
+    d.enableLimit = !spec.usual("lower") || !spec.usual("upper");
+    d.lowerAngle = static_cast<float>(spec.real("lower")), d.upperAngle = static_cast<float>(spec.real("upper"));
+    d.motorSpeed = static_cast<float>(spec.real("motor_speed"));
+    d.maxMotorTorque = static_cast<float>(spec.real("motor_torque"));
+    d.enableMotor = d.maxMotorTorque > 0;
+    return d;
+  }
+  // `now` is the length at which a joint without one is made.
+  static b2DistanceJointDef distance(const JointSpec<2>& spec, Real now) {
+    spec.takes({"mode", "length", "stiffness", "damping"});
+    b2DistanceJointDef d;
+    const Real length = spec.real("length");
+    d.length = static_cast<float>(length < 0 ? now : length);
+    if (d.length < b2_linearSlop) spec.refuse("a distance is at least 5 mm");
+    if (spec.text("mode") == "spring") {
+      d.stiffness = static_cast<float>(spec.real("stiffness")), d.damping = static_cast<float>(spec.real("damping"));
+      if (d.damping > 0 && !(d.stiffness > 0)) spec.refuse("no spring has damping alone; valid: stiffness > 0");
+    } else {
+      d.maxLength = d.length;
+      if (spec.text("mode") == "rod") d.minLength = d.length;
+    }
+    return d;
   }
   void dropJoint(std::size_t slot) override {
     m_world.DestroyJoint(m_joints[slot]);
     m_joints[slot] = nullptr;
+  }
+  JointLoad load(std::size_t slot, Real dt) const override {
+    const float perSecond = static_cast<float>(1 / dt);
+    return {vectorOf(m_joints[slot]->GetReactionForce(perSecond)).norm(),
+            std::abs(m_joints[slot]->GetReactionTorque(perSecond))};
+  }
+
+  void putPose(std::size_t slot, const Pose<2>& X_WC) override {
+    b2Body& b = *m_bodies[slot];
+    // The nearest of the angles that look alike: joints count the whole turns of their bodies.
+    const float now = b.GetAngle(), angle = static_cast<float>(X_WC.q.radians());
+    b.SetTransform(vector(X_WC.p), now + std::remainder(angle - now, 2 * b2_pi));
+  }
+  void putMotion(std::size_t slot, const Motion<2>& motion) override {
+    m_bodies[slot]->SetLinearVelocity(vector(motion.v));
+    m_bodies[slot]->SetAngularVelocity(static_cast<float>(motion.w[0]));
   }
 
   void push(std::size_t slot, const Wrench<2>& wrench) override {
@@ -142,6 +209,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
 
   Box2dParams m_params;
   b2World m_world;
+  b2Body* m_ground = nullptr;      // what joints to the world hold
   std::vector<b2Body*> m_bodies;   // by slot; the world's
   std::vector<b2Joint*> m_joints;  // by slot; the world's
 };
@@ -175,8 +243,8 @@ class Box2d final : public Engine<D> {
   }
   std::string differences() const override {
     return "polygons have a skin of 1 cm, so bodies rest 1 to 1.5 cm apart (b2_polygonRadius); no body moves more than "
-           "2 m "
-           "or a quarter turn a step; a fifth of each depth over 5 mm is corrected per sweep, 0.2 m at most";
+           "2 m or a quarter turn a step; a fifth of each depth over 5 mm is corrected per sweep, 0.2 m at most; the "
+           "points of a rope or spring stay 5 mm apart";
   }
 
  private:

@@ -14,6 +14,8 @@
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
@@ -75,7 +77,7 @@ class BulletWorld final : public EngineWorld<3> {
   }
   ~BulletWorld() override {
     for (const auto& joint : m_joints) {
-      if (joint) m_world.removeConstraint(joint.get());
+      if (joint.constraint) m_world.removeConstraint(joint.constraint.get());
     }
     for (const Body& b : m_bodies) {
       if (b.body) m_world.removeRigidBody(b.body.get());
@@ -88,10 +90,18 @@ class BulletWorld final : public EngineWorld<3> {
     Pose<3> X_CP{};
     std::vector<std::unique_ptr<btCollisionShape>> shapes;  // the last one is the body's
     std::unique_ptr<btRigidBody> body;
+    Motion<3> motion{};  // of a kinematic one: Bullet makes its velocity from its poses
+  };
+  struct Joint {
+    std::unique_ptr<btTypedConstraint> constraint;
+    btHingeConstraint* motor = nullptr;  // the constraint, where it has one
+    Real motorTorque = 0;                // N m
+    // Of one that may break:
+    std::unique_ptr<btJointFeedback> load;
+    btVector3 anchorB{0, 0, 0}, armB{0, 0, 0};  // in B's axes, and in the world's as the step begins
   };
 
   void checkBody(const BodyDef<3>& def) const override {
-    if (def.type == BodyType::kinematic) throw UserError("bullet: kinematic bodies are not mapped");
     for (const ShapeDef<3>& s : def.shapes) {
       const ShapeDef<3>& first = def.shapes[0];
       if (s.friction != first.friction || s.restitution != first.restitution || s.category != first.category ||
@@ -170,10 +180,12 @@ class BulletWorld final : public EngineWorld<3> {
     info.m_startWorldTransform = transform(ours.pose[slot] * b.X_CP);
     b.body = std::make_unique<btRigidBody>(info);
     b.body->setActivationState(DISABLE_DEACTIVATION);
+    if (def.type == BodyType::kinematic) {
+      b.body->setCollisionFlags(b.body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    }
     if (record) b.body->setFriction(frictionOf(*record)), b.body->setRestitution(restitutionOf(*record));
     if (def.pinned) b.body->setLinearFactor({0, 0, 0});
-    b.body->setLinearVelocity(vector(ours.motion[slot].v));
-    b.body->setAngularVelocity(vector(ours.motion[slot].w));
+    putMotion(slot, motionOf(slot));
     m_world.addRigidBody(b.body.get(), static_cast<int>(record ? record->category : 0u),
                          static_cast<int>(record ? record->mask : 0u));
   }
@@ -195,26 +207,110 @@ class BulletWorld final : public EngineWorld<3> {
 
   void addJoint(std::size_t slot, const JointRecord<3>& joint) override {
     if (slot >= m_joints.size()) m_joints.resize(slot + 1);
-    const Body &a = m_bodies[static_cast<std::size_t>(joint.bodyA)],
-               &b = m_bodies[static_cast<std::size_t>(joint.bodyB)];
-    m_joints[slot] = std::make_unique<btPoint2PointConstraint>(
-        *a.body, *b.body, vector(a.X_CP.inverse() * joint.X_CaJ.p), vector(b.X_CP.inverse() * joint.X_CbJ.p));
-    m_world.addConstraint(m_joints[slot].get(), !joint.collide);
+    const JointSpec<3> spec(joint, "bullet");
+    const Body* a = joint.bodyA < 0 ? nullptr : &m_bodies[static_cast<std::size_t>(joint.bodyA)];
+    const Body& b = m_bodies[static_cast<std::size_t>(joint.bodyB)];
+    btRigidBody& bodyA = a ? *a->body : btTypedConstraint::getFixedBody();
+    const btTransform frameA = transform(a ? a->X_CP.inverse() * joint.X_CaJ : joint.X_CaJ);
+    const btTransform frameB = transform(b.X_CP.inverse() * joint.X_CbJ);
+    Joint j;
+    if (spec.kind() == "pivot") {
+      spec.takes({});
+      j.constraint = std::make_unique<btPoint2PointConstraint>(bodyA, *b.body, frameA.getOrigin(), frameB.getOrigin());
+    } else if (spec.kind() == "hinge") {
+      auto hinge = std::make_unique<btHingeConstraint>(bodyA, *b.body, frameA, frameB, true);  // true: of B against A
+      setUp(*hinge, spec, joint.state[0]);
+      j.motorTorque = spec.real("motor_torque");
+      if (j.motorTorque > 0) j.motor = hinge.get();
+      j.constraint = std::move(hinge);
+    } else if (spec.kind() == "weld") {
+      spec.takes({});
+      j.constraint = std::make_unique<btFixedConstraint>(bodyA, *b.body, frameA, frameB);
+    } else {
+      spec.refuse("no joint is a " + spec.kind());
+    }
+    if (std::isfinite(joint.breakForce) || std::isfinite(joint.breakTorque)) {
+      if (scene().bodies().pinned[static_cast<std::size_t>(joint.bodyB)]) {
+        spec.refuse("the force of a joint on a pinned body is not told, so that it cannot break");
+      }
+      j.load = std::make_unique<btJointFeedback>(), j.anchorB = frameB.getOrigin();
+      j.constraint->setJointFeedback(j.load.get());
+    }
+    const bool parts = a && !joint.collide;
+    m_world.addConstraint(j.constraint.get(), parts);
+    if (parts) forgetContacts(bodyA, *b.body);
+    m_joints[slot] = std::move(j);
+  }
+  // Bullet's limits are angles within a turn. No bounce, no slack before a stop, its whole correction.
+  static void setUp(btHingeConstraint& hinge, const JointSpec<3>& spec, Real angle) {
+    spec.takes({"lower", "upper", "motor_speed", "motor_torque"});
+    const Real lower = spec.real("lower"), upper = spec.real("upper");
+    const bool stops = !spec.usual("lower") || !spec.usual("upper");
+    if (stops && (upper - lower > Real(1.5) * SIMD_PI || std::abs(angle - (lower + upper) / 2) >= SIMD_PI)) {
+      spec.refuse(
+          "a hinge there does not count whole turns; valid: limits at most 3/4 of a turn apart, and a start "
+          "within half a turn of their middle");
+    }
+    if (stops) hinge.setLimit(lower, upper, Real(0.9), 1, 0);
+    hinge.enableAngularMotor(spec.real("motor_torque") > 0, spec.real("motor_speed"), 0);
+  }
+  // Else what they touched with would hold on, never asked again.
+  void forgetContacts(btRigidBody& a, btRigidBody& b) {
+    btOverlappingPairCache& cache = *m_broadphase.getOverlappingPairCache();
+    btBroadphasePair* pair = cache.findPair(a.getBroadphaseHandle(), b.getBroadphaseHandle());
+    if (pair) cache.cleanOverlappingPair(*pair, &m_dispatcher);
   }
   void dropJoint(std::size_t slot) override {
-    m_world.removeConstraint(m_joints[slot].get());
-    m_joints[slot].reset();
+    m_world.removeConstraint(m_joints[slot].constraint.get());
+    m_joints[slot] = Joint{};
+  }
+  // Bullet tells the torque about B's centre.
+  JointLoad load(std::size_t slot, Real) const override {
+    const Joint& j = m_joints[slot];
+    const btVector3 torque = j.load->m_appliedTorqueBodyB - j.armB.cross(j.load->m_appliedForceBodyB);
+    return {j.load->m_appliedForceBodyB.length(), torque.length()};
+  }
+
+  void putPose(std::size_t slot, const Pose<3>& X_WC) override {
+    const Body& b = m_bodies[slot];
+    b.body->setCenterOfMassTransform(transform(X_WC * b.X_CP));
+  }
+  void putMotion(std::size_t slot, const Motion<3>& motion) override {
+    m_bodies[slot].motion = motion;
+    m_bodies[slot].body->setLinearVelocity(vector(motion.v));
+    m_bodies[slot].body->setAngularVelocity(vector(motion.w));
   }
 
   void push(std::size_t slot, const Wrench<3>& wrench) override {
     m_bodies[slot].body->applyCentralForce(vector(wrench.force));
     m_bodies[slot].body->applyTorque(vector(wrench.torque));
   }
-  void advance(Real dt) override { m_world.stepSimulation(dt, 0); }  // one step of dt, however long
+  void advance(Real dt) override {
+    for (Joint& j : m_joints) {
+      if (j.motor) j.motor->setMaxMotorImpulse(j.motorTorque * dt);
+      if (j.load) j.armB = j.constraint->getRigidBodyB().getWorldTransform().getBasis() * j.anchorB;
+    }
+    // Bullet asks where a kinematic body was, for its velocity. As in our worlds it touches where the step begins, and
+    // goes on at its end.
+    forKinematic(-dt, [](btRigidBody& b, const btTransform& past) { b.setInterpolationWorldTransform(past); });
+    m_world.stepSimulation(dt, 0);  // one step of dt, however long
+    forKinematic(dt, [](btRigidBody& b, const btTransform& next) { b.setWorldTransform(next); });
+  }
+  // f(body, where it is after `time` s).
+  template <class F>
+  void forKinematic(Real time, const F& f) {
+    for (const Body& b : m_bodies) {
+      if (!b.body || !b.body->isKinematicObject()) continue;
+      btTransform X;
+      btTransformUtil::integrateTransform(b.body->getWorldTransform(), vector(b.motion.v), vector(b.motion.w), time, X);
+      f(*b.body, X);
+    }
+  }
   void read(std::size_t slot, Pose<3>& X_WC, Motion<3>& motion) const override {
     const Body& b = m_bodies[slot];
     X_WC = poseOf(b.body->getWorldTransform()) * b.X_CP.inverse();
     motion = {vectorOf(b.body->getLinearVelocity()), vectorOf(b.body->getAngularVelocity())};
+    if (b.body->isKinematicObject()) motion = b.motion;
   }
   void count(int& pairs, int& points) const override {
     pairs = m_dispatcher.getNumManifolds(), points = 0;
@@ -228,8 +324,8 @@ class BulletWorld final : public EngineWorld<3> {
   btDbvtBroadphase m_broadphase;
   btSequentialImpulseConstraintSolver m_solver;
   btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
-  std::vector<Body> m_bodies;                                      // by slot
-  std::vector<std::unique_ptr<btPoint2PointConstraint>> m_joints;  // by slot
+  std::vector<Body> m_bodies;   // by slot
+  std::vector<Joint> m_joints;  // by slot
 };
 
 constexpr const char* kSummary = "Bullet 3: sequential impulses over persistent manifolds";
@@ -260,11 +356,10 @@ class Bullet final : public Engine<D> {
   }
   std::string differences() const override {
     return "contacts are kept from step to step and merged, 4 a pair, until they are a fiftieth of a body's size "
-           "apart; "
-           "friction is one row, along the way of sliding; a fifth of each depth over the slop is corrected per step, "
-           "through velocities below 4 cm; warm start from 0.85; no body turns more than a quarter turn a step; "
-           "implicit "
-           "gyroscopic torque";
+           "apart; friction is one row, along the way of sliding; a fifth of each depth over the slop is corrected per "
+           "step, through velocities below 4 cm; warm start from 0.85; no body turns more than a quarter turn a step; "
+           "implicit gyroscopic torque; joints start from nothing in each step, a fifth of their error is corrected "
+           "per step; a hinge's stop acts when it is passed, in one row with its motor, which slows down before it";
   }
 
  private:

@@ -8,6 +8,7 @@
 
 #include "framework/stage_engine.h"
 #include "framework/world.h"
+#include "oracles/engines/joint_spec.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -25,6 +26,8 @@ class EngineWorld : public Simulation<D> {
       throw;
     }
     fit();
+    m_pushes.resize(m_pose.size());
+    m_pushes[static_cast<std::size_t>(body.slot)] = {};
     return body;
   }
   Handle add(const JointDef<D>& def) final {
@@ -32,11 +35,7 @@ class EngineWorld : public Simulation<D> {
     const Handle joint = m_scene.add(def);
     const JointRecord<D>& record = m_scene.joints()[static_cast<std::size_t>(joint.slot)];
     try {
-      if (Spec::parse(record.spec).name != "pivot")
-        throw UserError("an engine's joints are pivots, not " + record.spec);
-      if (record.bodyA < 0) throw UserError("an engine joins two bodies, not one and the world");
-      if (std::isfinite(record.breakForce)) throw UserError("an engine's joints do not break");
-      addJoint(static_cast<std::size_t>(joint.slot), record);
+      if (holds(record)) addJoint(static_cast<std::size_t>(joint.slot), record);
     } catch (...) {
       m_scene.removeJoint(joint);
       throw;
@@ -49,7 +48,7 @@ class EngineWorld : public Simulation<D> {
     if (m_scene.valid(body)) {  // else the scene says so
       for (std::size_t j = 0; j < m_scene.joints().size(); ++j) {
         const JointRecord<D>& joint = m_scene.joints()[j];
-        if (joint.kind && (joint.bodyA == body.slot || joint.bodyB == body.slot)) dropJoint(j);
+        if (holds(joint) && (joint.bodyA == body.slot || joint.bodyB == body.slot)) dropJoint(j);
       }
       dropBody(static_cast<std::size_t>(body.slot));
     }
@@ -57,8 +56,33 @@ class EngineWorld : public Simulation<D> {
   }
   void removeJoint(Handle joint) final {
     refresh();
+    const auto j = static_cast<std::size_t>(joint.slot);
+    const bool held = j < m_scene.joints().size() && holds(m_scene.joints()[j]);
     m_scene.removeJoint(joint);
-    dropJoint(static_cast<std::size_t>(joint.slot));
+    if (held) dropJoint(j);
+  }
+
+  void setPose(Handle body, const Pose<D>& X_WB) final {
+    refresh();
+    m_scene.setPose(body, X_WB);
+    const auto i = static_cast<std::size_t>(body.slot);
+    putPose(i, m_scene.bodies().pose[i]);
+  }
+  void setMotion(Handle body, const Motion<D>& motion) final {
+    refresh();
+    m_scene.setMotion(body, motion);
+    const auto i = static_cast<std::size_t>(body.slot);
+    putMotion(i, motionOf(i));
+  }
+  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) final {
+    if (!force.allFinite() || !point.allFinite()) throw UserError("applyForce: force or point is not finite");
+    Wrench<D>& w = pushOf(body);
+    w.force += force;
+    w.torque += cross(point - m_scene.bodies().pose[static_cast<std::size_t>(body.slot)].p, force);
+  }
+  void applyTorque(Handle body, const Ang<D>& torque) final {
+    if (!torque.allFinite()) throw UserError("applyTorque: the torque is not finite");
+    pushOf(body).torque += torque;
   }
 
   void step(Real dt) final {
@@ -66,10 +90,12 @@ class EngineWorld : public Simulation<D> {
       throw UserError("step: dt is " + std::to_string(dt) + "; valid: a finite number of seconds >= 0");
     }
     if (dt == 0) return;
+    if (!m_scene.joints().empty()) refresh();  // a hinge's whole turns are counted from step to step
     m_profiler.beginFrame(m_steps);
-    if (!m_forces.empty()) pushForces();
+    pushForces();
     advance(dt);
     ++m_steps, m_time += dt, m_lastDt = dt, m_stale = true;
+    breakJoints(dt);
   }
   long stepCount() const final { return m_steps; }
   Real time() const final { return m_time; }
@@ -96,8 +122,12 @@ class EngineWorld : public Simulation<D> {
   virtual void checkBody(const BodyDef<D>& def) const = 0;  // throws UserError for what the engine lacks
   virtual void addBody(std::size_t slot, const BodyDef<D>& def) = 0;
   virtual void dropBody(std::size_t slot) = 0;
-  virtual void addJoint(std::size_t slot, const JointRecord<D>& pivot) = 0;
+  virtual void addJoint(std::size_t slot, const JointRecord<D>& joint) = 0;  // throws for what the engine lacks
   virtual void dropJoint(std::size_t slot) = 0;
+  /// What B felt of the joint in the last step, of dt (s): asked of joints that may break.
+  virtual JointLoad load(std::size_t slot, Real dt) const = 0;
+  virtual void putPose(std::size_t slot, const Pose<D>& X_WC) = 0;
+  virtual void putMotion(std::size_t slot, const Motion<D>& motion) = 0;
   virtual void push(std::size_t slot, const Wrench<D>& wrench) = 0;  // for the coming step
   virtual void advance(Real dt) = 0;
   virtual void read(std::size_t slot, Pose<D>& X_WC, Motion<D>& motion) const = 0;
@@ -121,12 +151,23 @@ class EngineWorld : public Simulation<D> {
   bool turns(std::size_t slot) const {
     return settings().features.rotation && m_scene.bodies().invInertiaBody[slot].trace() > 0;
   }
+  /// The scene's, without what would move a body here that is pinned or may not turn, and does not in our worlds.
+  Motion<D> motionOf(std::size_t slot) const {
+    const Bodies<D>& b = m_scene.bodies();
+    const bool dynamic = b.type[slot] == BodyType::dynamic;
+    Motion<D> motion = b.motion[slot];
+    if (dynamic && b.pinned[slot]) motion.v.setZero();
+    if (dynamic ? !turns(slot) : !settings().features.rotation) motion.w.setZero();
+    return motion;
+  }
 
  private:
   void fit() const {
     const Bodies<D>& b = m_scene.bodies();
     m_pose.resize(b.pose.size()), m_motion.resize(b.pose.size());
   }
+  // Joints that are broken, or that the scene switches off, are not in the engine.
+  bool holds(const JointRecord<D>& joint) const { return settings().features.joints && joint.active(); }
   // Nobody reads poses within the timed step unless a force asks for them.
   const World<D>& refresh() const {
     if (!m_stale) return m_scene;
@@ -147,12 +188,33 @@ class EngineWorld : public Simulation<D> {
     m_profiler.endFrame(0);
     return m_scene;
   }
+  Wrench<D>& pushOf(Handle body) {
+    refresh().pose(body);  // throws for a body that is gone
+    m_pushed = true;
+    return m_pushes[static_cast<std::size_t>(body.slot)];
+  }
+  // A script's pushes, and the scene's forces on top.
   void pushForces() {
-    const Bodies<D>& b = refresh().bodies();
-    m_wrenches.assign(b.pose.size(), {});
-    for (const auto& f : m_forces) f->apply({b, b.pose, b.motion}, m_time, m_wrenches);
-    for (std::size_t i = 0; i < m_wrenches.size(); ++i) {
-      if (b.active(static_cast<int>(i))) push(i, m_wrenches[i]);
+    if (m_forces.empty() && !m_pushed) return;
+    m_pushed = false;
+    if (!m_forces.empty()) {
+      const Bodies<D>& b = refresh().bodies();
+      for (const auto& f : m_forces) f->apply({b, b.pose, b.motion}, m_time, m_pushes);
+    }
+    const Bodies<D>& b = m_scene.bodies();
+    for (std::size_t i = 0; i < m_pushes.size(); ++i) {
+      if (b.used[i] && b.type[i] == BodyType::dynamic) push(i, m_pushes[i]);
+      m_pushes[i] = {};
+    }
+  }
+  void breakJoints(Real dt) {
+    for (std::size_t i = 0; i < m_scene.joints().size(); ++i) {
+      const JointRecord<D>& j = m_scene.joints()[i];
+      if (!holds(j) || (!std::isfinite(j.breakForce) && !std::isfinite(j.breakTorque))) continue;
+      const JointLoad l = load(i, dt);
+      if (l.force <= j.breakForce && l.torque <= j.breakTorque) continue;
+      dropJoint(i);
+      m_scene.breakJoint(i);
     }
   }
 
@@ -161,8 +223,9 @@ class EngineWorld : public Simulation<D> {
   mutable std::vector<Motion<D>> m_motion;
   mutable Profiler m_profiler;
   mutable bool m_stale = false;
+  bool m_pushed = false;
   std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
-  std::vector<Wrench<D>> m_wrenches;
+  std::vector<Wrench<D>> m_pushes;  // for the coming step, by body slot
   Real m_time = 0, m_lastDt = 0;
   long m_steps = 0;
 };

@@ -52,6 +52,70 @@ TEST(EngineTrial, PenetrationIsMeasuredAlikeForOurWorlds) {
       << "flat boxes: a contact's depth is the pair's";
 }
 
+// Who there is to play a script: ours, and each engine in a precision and dimension of its own.
+std::vector<std::string> players() {
+  std::vector<std::string> out = {"--dimension 3 --precision f64", "--dimension 2 --precision f64"};
+  if (built("lpc-engine-worker-f64")) out.push_back("--dimension 3 --precision f64 --pipeline engine=bullet");
+  if (built("lpc-engine-worker-f32")) out.push_back("--dimension 2 --precision f32 --pipeline engine=box2d");
+  return out;
+}
+// A box of 2 kg, alone in space.
+const std::string kScripted = R"(name = "scripted"
+summary = "s"
+dimensions = [2, 3]
+needs = ["joints", "rotation"]
+gravity = [0, 0, 0]
+dt = 0.015625
+steps = 64
+[limits]
+drift = 100
+[[body]]
+name = "box"
+position = [1, 2, 3]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], density = 2 }]
+)";
+
+TEST(EngineTrial, EveryEventIsPlayedAlike) {
+  const Workspace w;
+  const std::string head = "[[event]]\nbody = \"box\"\n", go = "do = \"set\"\nstep = 0\nvelocity = [2, 0, 0]\n";
+  // What happens, and how far the box is from where it came after a second.
+  const std::pair<std::string, double> scripts[] = {
+      {head + "do = \"push\"\nstep = 32\nimpulse = [3, 0, 0]", 0.5 * 3 / 2},
+      {head + "do = \"push\"\nstep = 0\nimpulse = [0, 3, 0]\nat = [0.5, 0, 0]\nangular_impulse = 1", 1.5},
+      {head + go, 2},
+      {head + "do = \"set\"\nstep = 9\nposition = [4, 6, 3]\nangle = 1", 5},
+      {head + "do = \"force\"\nstep = 0\nuntil = 32\nforce = [4, 0, 0]",
+       2 * (32 * 33 / 2) / 4096. + 0.5},  // 2 m/s^2, v before x; then 1 m/s
+      {head + "do = \"force\"\nstep = 0\nuntil = 4\ntorque = 3", 0},
+      {head + go +
+           "[[event]]\ndo = \"joint\"\nstep = 32\nkind = \"weld\"\na = \"world\"\nb = \"box\"\nanchor = [2, 2, 3]",
+       1},
+      {head + go +
+           "[[event]]\ndo = \"add\"\nstep = 1\nposition = [3.9, 2, 3]\nshapes = [{ kind = \"circle\", radius = "
+           "0.5 }]\nname = \"wall\"\n[[event]]\ndo = \"remove\"\nstep = 9\nbody = \"wall\"",
+       2}};
+  for (const auto& [events, way] : scripts) {
+    const std::string scene = w.write("scripted.toml", kScripted + events + "\n");
+    for (const std::string& player : players()) {
+      const json r = runScene(w, scene + " " + player);
+      ASSERT_EQ(r["outcome"], "ok") << player << "\n" << events << r.dump();
+      EXPECT_NEAR(r["series"]["drift"].back().get<double>(), way, 2e-4) << player << "\n" << events;
+    }
+  }
+}
+
+TEST(EngineTrial, AJointThatAnEngineLacksIsARowWithAReason) {
+  if (!built("lpc-engine-worker-f64")) GTEST_SKIP() << "this build has no engines";
+  const Workspace w;
+  const std::string scene =
+      w.write("rod.toml", kScripted +
+                              "[[joint]]\nkind = \"distance\"\na = \"world\"\nb = \"box\"\nanchor = [1, 4, 3]\n"
+                              "anchor_b = [1, 2, 3]\n");
+  const json r = runScene(w, scene + " --dimension 3 --pipeline engine=bullet");
+  EXPECT_EQ(r["outcome"], "unsupported");
+  EXPECT_EQ(r["reason"], "bullet: no joint is a distance");
+}
+
 TEST(EngineTrial, MistakesAreOneLine) {
   const Workspace w;
   const std::pair<const char*, const char*> wrong[] = {

@@ -2,6 +2,8 @@
 // Adapters that forget something: the checks of engines must tell them from the true ones.
 #pragma once
 
+#include <string>
+
 #include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -19,19 +21,54 @@ Start<D> upsideDown(Start<D> start) {
   };
 }
 
-/// Hands definitions on after `change`; all else is the inner simulation's.
+/// What a twin does to what it hands on; what is not given stays as it is.
+template <int D>
+struct Changes {
+  std::function<void(BodyDef<D>&)> body = [](BodyDef<D>&) {};
+  std::function<void(JointDef<D>&)> joint = [](JointDef<D>&) {};
+  std::function<void(Pose<D>&)> pose = [](Pose<D>&) {};
+  std::function<void(Motion<D>&)> motion = [](Motion<D>&) {};
+  std::function<void(Vec<D>& force, Vec<D>& point)> force = [](Vec<D>&, Vec<D>&) {};
+  std::function<void(Ang<D>&)> torque = [](Ang<D>&) {};
+};
+
+/// All else is the inner simulation's.
 template <int D>
 class Twin final : public Simulation<D> {
  public:
-  using Change = std::function<void(BodyDef<D>&)>;
-  Twin(std::unique_ptr<Simulation<D>> inner, Change change) : m_inner(std::move(inner)), m_change(std::move(change)) {}
+  Twin(std::unique_ptr<Simulation<D>> inner, Changes<D> changes)
+      : m_inner(std::move(inner)), m_changes(std::move(changes)) {}
 
   Handle add(const BodyDef<D>& def) override {
     BodyDef<D> changed = def;
-    m_change(changed);
+    m_changes.body(changed);
     return m_inner->add(changed);
   }
-  Handle add(const JointDef<D>& def) override { return m_inner->add(def); }
+  Handle add(const JointDef<D>& def) override {
+    JointDef<D> changed = def;
+    m_changes.joint(changed);
+    return m_inner->add(changed);
+  }
+  void setPose(Handle body, const Pose<D>& X_WB) override {
+    Pose<D> changed = X_WB;
+    m_changes.pose(changed);
+    m_inner->setPose(body, changed);
+  }
+  void setMotion(Handle body, const Motion<D>& motion) override {
+    Motion<D> changed = motion;
+    m_changes.motion(changed);
+    m_inner->setMotion(body, changed);
+  }
+  void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override {
+    Vec<D> changedForce = force, changedPoint = point;
+    m_changes.force(changedForce, changedPoint);
+    m_inner->applyForce(body, changedForce, changedPoint);
+  }
+  void applyTorque(Handle body, const Ang<D>& torque) override {
+    Ang<D> changed = torque;
+    m_changes.torque(changed);
+    m_inner->applyTorque(body, changed);
+  }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override { m_inner->add(std::move(generator)); }
   void remove(Handle body) override { m_inner->remove(body); }
   void removeJoint(Handle joint) override { m_inner->removeJoint(joint); }
@@ -52,36 +89,138 @@ class Twin final : public Simulation<D> {
 
  private:
   std::unique_ptr<Simulation<D>> m_inner;
-  Change m_change;
+  Changes<D> m_changes;
 };
 
 template <int D>
-Start<D> twin(Start<D> start, typename Twin<D>::Change change) {
-  return [=](const WorldSettings<D>& settings) { return std::make_unique<Twin<D>>(start(settings), change); };
+Start<D> twin(Start<D> start, Changes<D> changes) {
+  return [=](const WorldSettings<D>& settings) { return std::make_unique<Twin<D>>(start(settings), changes); };
 }
 
 /// Leaves every body at the mass that the engine gives by itself, of density 1.
 template <int D>
 Start<D> ownMass(Start<D> start) {
-  return twin<D>(start, [](BodyDef<D>& def) {
-    for (ShapeDef<D>& s : def.shapes) s.density = 1;
-  });
+  return twin<D>(start, {.body = [](BodyDef<D>& def) {
+                   for (ShapeDef<D>& s : def.shapes) s.density = 1;
+                 }});
 }
 
 /// Leaves friction to the engine: as if pairs took the product.
 template <int D>
 Start<D> productOfFriction(Start<D> start) {
-  return twin<D>(start, [](BodyDef<D>& def) {
-    for (ShapeDef<D>& s : def.shapes) s.friction *= s.friction;
-  });
+  return twin<D>(start, {.body = [](BodyDef<D>& def) {
+                   for (ShapeDef<D>& s : def.shapes) s.friction *= s.friction;
+                 }});
 }
 
 /// Takes the larger restitution of a pair: as if the rule of the pair were the engine's own.
 template <int D>
 Start<D> largerRestitution(Start<D> start) {
-  return twin<D>(start, [](BodyDef<D>& def) {
-    for (ShapeDef<D>& s : def.shapes) s.restitution = 1;
+  return twin<D>(start, {.body = [](BodyDef<D>& def) {
+                   for (ShapeDef<D>& s : def.shapes) s.restitution = 1;
+                 }});
+}
+
+/// Hands on a joint's kind with one parameter changed, where it is given.
+template <int D>
+Start<D> parameterOfJoints(Start<D> start, std::string parameter, std::function<std::string(const Spec&)> value) {
+  return twin<D>(start, {.joint = [=](JointDef<D>& def) {
+                   Spec spec = Spec::parse(def.kind);
+                   if (!spec.find(parameter)) return;
+                   spec.set(parameter, {value(spec), {}});
+                   def.kind = spec.text();
+                 }});
+}
+inline std::string negative(const std::string& number) {
+  return number.starts_with('-') ? number.substr(1) : "-" + number;
+}
+
+/// Takes a hinge's angle as that of A against B: its stops lie on the other side.
+template <int D>
+Start<D> otherSideOfHinges(Start<D> start) {
+  return twin<D>(start, {.joint = [](JointDef<D>& def) {
+                   Spec spec = Spec::parse(def.kind);
+                   const Spec *lower = spec.find("lower"), *upper = spec.find("upper");
+                   if (!lower || !upper) return;
+                   const std::string low = negative(upper->name), high = negative(lower->name);
+                   spec.set("lower", {low, {}}), spec.set("upper", {high, {}});
+                   def.kind = spec.text();
+                 }});
+}
+/// Motors turn the other way.
+template <int D>
+Start<D> backwardMotors(Start<D> start) {
+  return parameterOfJoints<D>(start, "motor_speed",
+                              [](const Spec& s) { return negative(s.find("motor_speed")->name); });
+}
+/// Takes a motor's torque for the impulse of a step.
+template <int D>
+Start<D> impulsiveMotors(Start<D> start) {
+  return parameterOfJoints<D>(start, "motor_torque", [](const Spec& s) {
+    return std::to_string(60 * std::stod(s.find("motor_torque")->name));
   });
+}
+/// Counts the angle of a hinge from where the bodies' own frames agree, and not the joint's.
+template <int D>
+Start<D> anglesOfBodies(Start<D> start) {
+  return twin<D>(start, {.joint = [](JointDef<D>& def) { def.X_WJb.reset(); }});
+}
+/// Holds ropes as if they were rods.
+template <int D>
+Start<D> stiffRopes(Start<D> start) {
+  return parameterOfJoints<D>(
+      start, "mode", [](const Spec& s) { return s.find("mode")->name == "rope" ? "rod" : s.find("mode")->name; });
+}
+/// Forgets what damps a spring.
+template <int D>
+Start<D> undamped(Start<D> start) {
+  return parameterOfJoints<D>(start, "damping", [](const Spec&) { return std::string("0"); });
+}
+/// Makes pivots of welds.
+template <int D>
+Start<D> looseWelds(Start<D> start) {
+  return twin<D>(start, {.joint = [](JointDef<D>& def) {
+                   if (def.kind == "weld") def.kind = "pivot";
+                 }});
+}
+/// Joints do not break.
+template <int D>
+Start<D> unbreakable(Start<D> start) {
+  return twin<D>(start, {.joint = [](JointDef<D>& def) {
+                   def.breakForce = def.breakTorque = std::numeric_limits<Real>::infinity();
+                 }});
+}
+/// Joints hold although the settings switch them off.
+template <int D>
+Start<D> alwaysJoined(Start<D> start) {
+  return [start](WorldSettings<D> settings) {
+    settings.features.joints = true;
+    return start(settings);
+  };
+}
+/// Jointed bodies collide, or do not, whatever the scene says.
+template <int D>
+Start<D> jointedCollide(Start<D> start, bool collide) {
+  return twin<D>(start, {.joint = [=](JointDef<D>& def) { def.collide = collide; }});
+}
+
+/// A script's forces act at the centre of mass.
+template <int D>
+Start<D> centralForces(Start<D> start) {
+  return twin<D>(start, {.force = [](Vec<D>&, Vec<D>& point) { point.setZero(); }});
+}
+/// Forgets torques, angular velocities, rotations.
+template <int D>
+Start<D> noTorques(Start<D> start) {
+  return twin<D>(start, {.torque = [](Ang<D>& torque) { torque.setZero(); }});
+}
+template <int D>
+Start<D> noTurning(Start<D> start) {
+  return twin<D>(start, {.motion = [](Motion<D>& motion) { motion.w.setZero(); }});
+}
+template <int D>
+Start<D> noRotation(Start<D> start) {
+  return twin<D>(start, {.pose = [](Pose<D>& X) { X.q = {}; }});
 }
 
 }  // namespace lpc::inline LPC_PRECISION::test
