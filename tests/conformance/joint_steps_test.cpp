@@ -91,7 +91,13 @@ Spec heavier(const Spec& spec, Real k) {
     if (!p.unit.starts_with("N")) continue;
     char text[32];
     std::snprintf(text, sizeof text, "%.17g", std::stod(out.find(p.name)->name) * double(k));
-    out.set(p.name, {text, {}});
+    Spec with = out;
+    with.set(p.name, {text, {}});
+    try {
+      entry.create(with);
+      out = with;
+    } catch (const UserError&) {  // refused where it means nothing: a rod's stiffness
+    }
   }
   return out;
 }
