@@ -51,7 +51,8 @@ inline void sinCos(double x, double& s, double& c) {
     cr = 1 - cr * r2 / (n * (n - 1));
   }
   sr *= r;
-  switch (static_cast<long long>(k) & 3) {
+  // Whole turns are all that a k too large for an integer is.
+  switch (std::abs(k) < 1e18 ? static_cast<long long>(k) & 3 : 0) {
     case 0:
       s = sr, c = cr;
       break;

@@ -73,7 +73,7 @@ TEST(Spec, SaysWhatIsWrongAndWhere) {
       {"a{b=}", "character 5: a name or value is missing"}, {"a b", "character 3: nothing may follow here"},
       {"a{b=1}}", "character 7: nothing may follow here"},  {"a{;}", "character 3: a parameter name is missing"}};
   for (const auto& [text, message] : cases) {
-    const std::string error = errorOf([&] { Spec::parse(text); });
+    const std::string error = errorOf([text = text] { Spec::parse(text); });
     EXPECT_NE(error.find(message), std::string::npos) << text << ": " << error;
     EXPECT_NE(error.find("'" + std::string(text) + "'"), std::string::npos) << "the text is quoted";
   }
@@ -157,7 +157,7 @@ TEST(Params, WrongOnesNameTheValid) {
       {"thing{mode=wide}", "parameter 'mode' of 'thing' is 'wide'; valid: tight, loose"},
       {"thing{mode=tight{x=1}}", "valid: tight, loose"}};
   for (const auto& [text, message] : cases) {
-    const std::string error = errorOf([&] { read(text); });
+    const std::string error = errorOf([text = text] { read(text); });
     EXPECT_NE(error.find(message), std::string::npos) << text << ": " << error;
   }
 }

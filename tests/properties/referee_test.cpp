@@ -333,11 +333,11 @@ RefereeAnswer<3> facesOnly(const ShapePairCase<3>& c) {
 TEST(Referee, PlantedWrongRefereesAreCaught) {
   for (const auto& [name, judge] : plantedReferees<2>()) {
     expectFalsified(
-        "2D referee that " + name, [&] { holds<2>(judge); }, 2000);
+        "2D referee that " + name, [judge = judge] { holds<2>(judge); }, 2000);
   }
   for (const auto& [name, judge] : plantedReferees<3>()) {
     expectFalsified(
-        "3D referee that " + name, [&] { holds<3>(judge); }, 1000);
+        "3D referee that " + name, [judge = judge] { holds<3>(judge); }, 1000);
   }
   expectFalsified(
       "3D referee without edge-edge axes", [] { holds<3>(facesOnly); }, 1000);
