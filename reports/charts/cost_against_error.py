@@ -33,12 +33,14 @@ def of_sweep(context, cells):
 
 
 def errors_of(context, cells):
-    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has."""
+    """At most three errors, the most telling first, no two with one meaning, and like with like: what every method has.
+    An error that none of them makes (no contacts, no penetration) is no panel."""
     finished = cells[cells["outcome"] == "ok"]
     names, kept = context.metrics("world", "error"), {}
     for name in names:
-        has = finished["method"][np.isfinite(metrics.column(finished, name))]
-        if len(has) and set(has) == set(finished["method"]):
+        values = metrics.column(finished, name)
+        has = finished["method"][np.isfinite(values)]
+        if np.nansum(np.abs(values)) > 0 and set(has) == set(finished["method"]):
             kept.setdefault(context.metric(name).smaller, name)
     return list(kept.values())[:3] or names[:1]
 

@@ -144,6 +144,17 @@ class Choosing(unittest.TestCase):
         self.assertIn("largest penetration of shapes", untold)
         self.assertNotIn("largest penetration", untold)
 
+    def test_an_error_that_nobody_makes_is_no_panel(self):
+        def fill(maker, zero=("max_penetration", "mean_penetration", "penetration_poses")):
+            maker.sweep("mine", "world", "", joint="stage")
+            for label in ("pivot", "weld"):
+                maker.world("mine", {"scene": "bridge", "dimension": 2, "joint": label}, 1, 1e-3, zero=zero)
+        touching = self.made(lambda maker: fill(maker, ()))["mine_bridge__2d"].table
+        hanging = self.made(fill)["mine_bridge__2d"].table
+        self.assertIn("largest penetration", touching)
+        self.assertFalse([name for name in hanging if "penetration" in name])
+        self.assertIn("largest drift", " ".join(map(str, hanging)))
+
     def test_a_chart_that_needs_what_nobody_has_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             synthetic_store.write(Path(folder) / "empty.db", themes=())

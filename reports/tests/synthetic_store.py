@@ -127,7 +127,7 @@ class Maker:
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
 
     def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=2,
-              machine=1, steps=300, extra=None, without=()):
+              machine=1, steps=300, extra=None, without=(), zero=()):
         """The untimed trial and the timed repeats of one cell."""
         axes = {"kind": "world", "precision": "f64", **axes}
         n = steps if step is None else step
@@ -135,11 +135,12 @@ class Maker:
         noise = self.random.random(n)
         series = {"max_speed": restless * (0.3 + noise) + 2 * np.exp(-at / 15), "points": np.minimum(at, points) * 1.0,
                   "kinetic": 10 * np.exp(-at / 20) + restless, "potential": 100 - 5 * (1 - np.exp(-at / 20)),
-                  "drift": error * 3 * at / steps, "mean_penetration": np.full(n, error / 2)}
+                  "drift": error * 3 * at / steps, "mean_penetration": np.full(n, 0 if "mean_penetration" in zero else error / 2)}
         measured = "slope" in (extra or {})
-        facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,"max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
+        facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,
+                 "max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
                  "steps_done": n, "max_speed_end": restless}
-        facts = {name: math.nan if name in without else value for name, value in facts.items()}
+        facts = {name: math.nan if name in without else 0.0 if name in zero else value for name, value in facts.items()}
         self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra)
         if outcome in ("ok", "collapsed"):
             for repeat in range(repeats):
