@@ -152,8 +152,8 @@ class Choosing(unittest.TestCase):
         touching = self.made(lambda maker: fill(maker, ()))["mine_bridge__2d"].table
         hanging = self.made(fill)["mine_bridge__2d"].table
         self.assertIn("largest penetration", touching)
-        self.assertFalse([name for name in hanging if "penetration" in name])
-        self.assertIn("largest drift", " ".join(map(str, hanging)))
+        self.assertFalse([name for name in hanging if "largest penetration" in name])
+        self.assertIn("restlessness", " ".join(map(str, hanging)))
 
     def test_a_chart_that_needs_what_nobody_has_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
