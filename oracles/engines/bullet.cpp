@@ -301,9 +301,9 @@ class BulletWorld final : public EngineWorld<3> {
   void forKinematic(Real time, const F& f) {
     for (const Body& b : m_bodies) {
       if (!b.body || !b.body->isKinematicObject()) continue;
-      btTransform X;
-      btTransformUtil::integrateTransform(b.body->getWorldTransform(), vector(b.motion.v), vector(b.motion.w), time, X);
-      f(*b.body, X);
+      Pose<3> X = poseOf(b.body->getWorldTransform());  // Bullet's own would turn by pi / 4 at most
+      X.p += time * b.motion.v, X.q = integrateRotation(X.q, Vec<3>(time * b.motion.w));
+      f(*b.body, transform(X));
     }
   }
   void read(std::size_t slot, Pose<3>& X_WC, Motion<3>& motion) const override {

@@ -17,9 +17,9 @@ class EngineWorld : public Simulation<D> {
  public:
   Handle add(const BodyDef<D>& def) final {
     refresh();
+    checkBody(def);
     const Handle body = m_scene.add(def);
     try {
-      checkBody(def);
       addBody(static_cast<std::size_t>(body.slot), def);
     } catch (...) {
       m_scene.remove(body);
@@ -196,16 +196,15 @@ class EngineWorld : public Simulation<D> {
   // A script's pushes, and the scene's forces on top.
   void pushForces() {
     if (m_forces.empty() && !m_pushed) return;
-    m_pushed = false;
-    if (!m_forces.empty()) {
-      const Bodies<D>& b = refresh().bodies();
-      for (const auto& f : m_forces) f->apply({b, b.pose, b.motion}, m_time, m_pushes);
-    }
-    const Bodies<D>& b = m_scene.bodies();
-    for (std::size_t i = 0; i < m_pushes.size(); ++i) {
-      if (b.used[i] && b.type[i] == BodyType::dynamic) push(i, m_pushes[i]);
+    const Bodies<D>& b = m_forces.empty() ? m_scene.bodies() : refresh().bodies();
+    m_pushes.resize(b.pose.size());
+    m_wrenches = m_pushes;  // a force that throws leaves the script's pushes as they are
+    for (const auto& f : m_forces) f->apply({b, b.pose, b.motion}, m_time, m_wrenches);
+    for (std::size_t i = 0; i < m_wrenches.size(); ++i) {
+      if (b.used[i] && b.type[i] == BodyType::dynamic) push(i, m_wrenches[i]);
       m_pushes[i] = {};
     }
+    m_pushed = false;
   }
   void breakJoints(Real dt) {
     for (std::size_t i = 0; i < m_scene.joints().size(); ++i) {
@@ -225,7 +224,8 @@ class EngineWorld : public Simulation<D> {
   mutable bool m_stale = false;
   bool m_pushed = false;
   std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
-  std::vector<Wrench<D>> m_pushes;  // for the coming step, by body slot
+  std::vector<Wrench<D>> m_pushes;    // for the coming step, by body slot
+  std::vector<Wrench<D>> m_wrenches;  // scratch
   Real m_time = 0, m_lastDt = 0;
   long m_steps = 0;
 };

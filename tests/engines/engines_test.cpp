@@ -230,18 +230,29 @@ void directs() {
 }
 TEST(Engines, DirectorAndRecorderSpeakToThem) { directs<2>(), directs<3>(); }
 
+// A push on every slot, whoever is in it.
+template <int D>
+struct Everywhere final : ForceGenerator<D> {
+  void apply(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
+    for (std::size_t i = 0; i < state.pose.size(); ++i) out[i].force[0] += 1;
+  }
+};
+
 template <int D>
 void refuses(const std::string& name, const BodyDef<D>& def, const std::string& why) {
   for (const auto& e : engines<D>()) {
     if (e.name != name) continue;
     const auto s = e.start({});
     const Handle first = s->add(ground<D>());
+    s->add(std::make_shared<Everywhere<D>>());
+    const std::uint64_t before = s->hash();
     try {
       s->add(def);
       ADD_FAILURE() << name << " took what it has no shape for";
     } catch (const UserError& error) {
       EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
     }
+    EXPECT_EQ(s->hash(), before);
     EXPECT_EQ(s->bodyCount(), 1);
     EXPECT_TRUE(s->valid(first));
     s->step(kDt);

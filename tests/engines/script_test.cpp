@@ -108,6 +108,18 @@ bool carries(const Start<D>& start) {
   return near(double(turnOf(s->pose(lift).q)[kAngDim<D> - 1]), 1, 1e-3);
 }
 
+// A radian in one step.
+template <int D>
+bool spins(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, 0));
+  const Handle wheel = s->add(body<D>(cube<D>(), at<D>(0, 0), BodyType::kinematic));
+  Motion<D> turn;
+  turn.w[kAngDim<D> - 1] = 60;
+  s->setMotion(wheel, turn);
+  s->step(kDt);
+  return near(double(turnOf(s->pose(wheel).q)[kAngDim<D> - 1]), 1, 1e-3);
+}
+
 // A lift that is put 2 cm higher has no velocity for that: its load is pushed out, not thrown.
 template <int D>
 bool placesGently(const Start<D>& start) {
@@ -151,6 +163,7 @@ TEST(EngineScripts, VelocitiesAreSet) { everywhere("moves", moves<2>, moves<3>);
 TEST(EngineScripts, LiftsCarry) {
   everywhere("carries", carries<2>, carries<3>);
   everywhere("placesGently", placesGently<2>, placesGently<3>);
+  everywhere("spins", spins<2>, spins<3>);
 }
 TEST(EngineScripts, PosesAreSet) { everywhere("places", places<2>, places<3>); }
 

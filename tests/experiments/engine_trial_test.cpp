@@ -78,29 +78,40 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], density = 2 }]
 TEST(EngineTrial, EveryEventIsPlayedAlike) {
   const Workspace w;
   const std::string head = "[[event]]\nbody = \"box\"\n", go = "do = \"set\"\nstep = 0\nvelocity = [2, 0, 0]\n";
-  // What happens, and how far the box is from where it came after a second.
-  const std::pair<std::string, double> scripts[] = {
-      {head + "do = \"push\"\nstep = 32\nimpulse = [3, 0, 0]", 0.5 * 3 / 2},
-      {head + "do = \"push\"\nstep = 0\nimpulse = [0, 3, 0]\nat = [0.5, 0, 0]\nangular_impulse = 1", 1.5},
-      {head + go, 2},
-      {head + "do = \"set\"\nstep = 9\nposition = [4, 6, 3]\nangle = 1", 5},
-      {head + "do = \"force\"\nstep = 0\nuntil = 32\nforce = [4, 0, 0]",
-       2 * (32 * 33 / 2) / 4096. + 0.5},  // 2 m/s^2, v before x; then 1 m/s
-      {head + "do = \"force\"\nstep = 0\nuntil = 4\ntorque = 3", 0},
+  const std::string wall =
+      "[[event]]\ndo = \"add\"\nstep = 1\ntype = \"fixed\"\nposition = [3.9, 2, 3]\nname = \"wall\"\n"
+      "shapes = [{ kind = \"circle\", radius = 0.5 }]\n";
+  struct Script {
+    std::string events;
+    double way, energy;  // of the box after a second: m from where it came, J
+  };
+  // 2 kg, and 1/3 kg m^2 about z.
+  const Script scripts[] = {
+      {head + "do = \"push\"\nstep = 32\nimpulse = [3, 0, 0]", 0.5 * 3 / 2, 2.25},
+      {head + "do = \"push\"\nstep = 0\nimpulse = [0, 3, 0]\nat = [0.5, 0, 0]\nangular_impulse = 1", 1.5,
+       2.25 + 1.5 * 2.5 * 2.5},
+      {head + go, 2, 4},
+      {head + "do = \"set\"\nstep = 9\nposition = [4, 6, 3]\nangle = 1", 5, 0},
+      {head + "do = \"force\"\nstep = 0\nuntil = 32\nforce = [4, 0, 0]", 2 * (32 * 33 / 2) / 4096. + 0.5, 1},
+      {head + "do = \"force\"\nstep = 0\nuntil = 4\ntorque = 3", 0, 1.5 * 0.1875 * 0.1875},
       {head + go +
            "[[event]]\ndo = \"joint\"\nstep = 32\nkind = \"weld\"\na = \"world\"\nb = \"box\"\nanchor = [2, 2, 3]",
-       1},
-      {head + go +
-           "[[event]]\ndo = \"add\"\nstep = 1\nposition = [3.9, 2, 3]\nshapes = [{ kind = \"circle\", radius = "
-           "0.5 }]\nname = \"wall\"\n[[event]]\ndo = \"remove\"\nstep = 9\nbody = \"wall\"",
-       2}};
-  for (const auto& [events, way] : scripts) {
+       1, 0},
+      {head + go + wall + "[[event]]\ndo = \"remove\"\nstep = 9\nbody = \"wall\"", 2, 4}};
+  for (const auto& [events, way, energy] : scripts) {
     const std::string scene = w.write("scripted.toml", kScripted + events + "\n");
     for (const std::string& player : players()) {
+      SCOPED_TRACE(player + "\n" + events);
       const json r = runScene(w, scene + " " + player);
-      ASSERT_EQ(r["outcome"], "ok") << player << "\n" << events << r.dump();
-      EXPECT_NEAR(r["series"]["drift"].back().get<double>(), way, 2e-4) << player << "\n" << events;
+      ASSERT_EQ(r["outcome"], "ok") << r.dump();
+      EXPECT_NEAR(r["series"]["drift"].back().get<double>(), way, 2e-4);
+      EXPECT_NEAR(r["series"]["kinetic"].back().get<double>(), energy, 1e-4 * (1 + energy));
     }
+  }
+  // The wall that is not taken away stops the box, a skin before it or a slop within.
+  const std::string scene = w.write("walled.toml", kScripted + head + go + wall);
+  for (const std::string& player : players()) {
+    EXPECT_NEAR(runScene(w, scene + " " + player)["series"]["drift"].back().get<double>(), 1.9, 0.03) << player;
   }
 }
 
