@@ -141,7 +141,10 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   void decideSleep(Real dt);
   void refreshMasses();
   void collectActive();
-  void outdateGraph() { m_graph.reset(m_bodies, m_manifolds, m_joints, m_profiler.frame().work); }
+  void outdateGraph() { m_graph.reset(m_bodies, m_manifolds, jointsInUse(), m_profiler.frame().work); }
+  std::span<const JointRecord<D>> jointsInUse() const {
+    return m_settings.features.joints ? std::span<const JointRecord<D>>(m_joints) : std::span<const JointRecord<D>>();
+  }
   void finishJoints(Real dt);
   void releaseJoint(const JointRecord<D>& joint);  // tells those whom it held
 

@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 template <int D>
 void World<D>::decideSleep(Real dt) {
   m_awakeBefore = m_bodies.awake;
-  stage<SleepPolicy>().decide({dt, m_bodies, m_manifolds, m_joints, m_events, m_settings.restitutionThreshold,
+  stage<SleepPolicy>().decide({dt, m_bodies, m_manifolds, jointsInUse(), m_events, m_settings.restitutionThreshold,
                                m_settings.gravity, m_profiler.frame().work, m_graph},
                               m_bodies.awake, m_bodies.sleep);
   for (std::size_t i = 0; i < m_bodies.awake.size(); ++i) {

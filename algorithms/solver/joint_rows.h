@@ -44,6 +44,7 @@ class JointSystem {
  public:
   std::vector<JointBlock<D>> blocks;
   std::vector<JointRow<D>> rows;
+  std::vector<std::int32_t> rowless;  // joints of which every row is absent now
 
   std::span<JointRow<D>> of(const JointBlock<D>& block) {
     return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
@@ -52,7 +53,7 @@ class JointSystem {
     return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
   }
 
-  void clear() { blocks.clear(), rows.clear(), m_world = {}; }
+  void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}; }
   void prepare(const Bodies<D>& bodies, std::span<const JointRecord<D>> joints) {
     clear();
     for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -107,6 +108,7 @@ class JointSystem {
   /// Writes the accumulated impulses. A joint that took no part, since its bodies sleep, keeps what it had; a row that
   /// is absent now has none.
   void store(std::span<JointRecord<D>> joints) const {
+    for (const std::int32_t j : rowless) joints[static_cast<std::size_t>(j)].impulse.fill(0);
     for (const JointBlock<D>& block : blocks) {
       auto& impulse = joints[static_cast<std::size_t>(block.joint)].impulse;
       impulse.fill(0);
@@ -148,6 +150,7 @@ class JointSystem {
     }
     LPC_ASSERT(block.equalities <= BlockInverse<D>::kRows);
     block.count = static_cast<std::int32_t>(rows.size()) - block.first;
+    if (block.count == 0) rowless.push_back(number);
     if (!(trace > 0)) {  // between bodies that cannot move
       rows.resize(static_cast<std::size_t>(block.first));
       return;

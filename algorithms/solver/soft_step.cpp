@@ -106,12 +106,14 @@ class SoftStep final : public Solver<D> {
       }
     }
     m_contacts.store(in.manifolds);
-    for (const JointBlock<D>& block : m_joints.blocks) {
-      JointRecord<D>& joint = in.joints[static_cast<std::size_t>(block.joint)];
-      const JointImpulse& sum = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+    const auto store = [&](std::int32_t j) {
+      JointRecord<D>& joint = in.joints[static_cast<std::size_t>(j)];
+      const JointImpulse& sum = m_jointImpulse[static_cast<std::size_t>(j)];
       joint.impulse = sum.step;
       for (std::size_t i = 0; i < kJointRows; ++i) joint.memory[i] = substeps * sum.substep[i];
-    }
+    };
+    for (const JointBlock<D>& block : m_joints.blocks) store(block.joint);
+    for (const std::int32_t j : m_joints.rowless) store(j);
   }
 
  private:
@@ -164,6 +166,7 @@ class SoftStep final : public Solver<D> {
   }
 
   void keepJoints() {
+    for (const std::int32_t j : m_joints.rowless) m_jointImpulse[static_cast<std::size_t>(j)].substep.fill(0);
     for (const JointBlock<D>& block : m_joints.blocks) {
       JointImpulse& kept = m_jointImpulse[static_cast<std::size_t>(block.joint)];
       kept.substep.fill(0);

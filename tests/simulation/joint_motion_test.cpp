@@ -10,7 +10,7 @@
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(LPC_SANITIZED)
 constexpr int kSeconds = 5;
 #else
 constexpr int kSeconds = 60;

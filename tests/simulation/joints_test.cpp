@@ -115,6 +115,38 @@ TEST(Joints, SleepersDoNotBreak) {
   EXPECT_FALSE(world.joints()[0].broken);
 }
 
+// What a scene does not need keeps nobody awake.
+TEST(Joints, ThatAreSwitchedOffKeepNobodyAwake) {
+  for (const bool joints : {false, true}) {
+    WorldSettings<2> settings;
+    settings.features.joints = joints;
+    World<2> world(Pipeline::parse("sleep=split_average"), settings);
+    addGround(world);
+    const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0.5)));
+    const Handle tug = world.add(body<2>(Shape<2>::sphere(Real(0.1)), at<2>(3, 0.5), BodyType::kinematic));
+    world.add(
+        JointDef<2>{.kind = "distance{mode=rope,length=9}", .bodyA = tug, .bodyB = box, .X_WJ = {at<2>(3, 0.5), {}}});
+    world.setMotion(tug, {at<2>(0.01, 0), Ang<2>::Zero()});
+    for (int i = 0; i < 300; ++i) world.step(kDt);
+    EXPECT_EQ(world.awake(box), joints);
+  }
+}
+
+// A rope that pulled, and whose ends meet now, has no row and so no impulse.
+TEST(Joints, WithoutRowsHaveNoImpulse) {
+  for (const char* solver : {"solver=split_solver", "solver=soft_step"}) {
+    Hanging<2> hanging(solver, "distance{mode=rope,length=1}", 100);
+    for (int i = 0; i < 10; ++i) hanging.world.step(kDt);
+    const JointRecord<2>& rope = hanging.world.joints()[0];
+    EXPECT_LT(rope.impulse[0], 0) << solver;
+    hanging.world.setPose(hanging.ball, {at<2>(0, 1), {}});
+    hanging.world.setMotion(hanging.ball, Motion<2>{});
+    hanging.world.step(kDt);
+    EXPECT_EQ(rope.impulse[0], 0) << solver;
+    EXPECT_EQ(rope.memory[0], 0) << solver;
+  }
+}
+
 // A joint that is added may pull at once.
 TEST(Joints, NewOnesWakeSleepers) {
   World<2> world(Pipeline::parse("sleep=split_average"));

@@ -11,7 +11,7 @@ namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(LPC_SANITIZED)
 constexpr int kSeconds = 10;
 #else
 constexpr int kSeconds = 60;
