@@ -184,7 +184,7 @@ void readValue(const std::string& file, const toml::node& node, Axis& axis) {
     const std::string text = *node.value<std::string>();
     const StageInfo* stage = stageByName(axis.name);
     if (!Stars::isStar(text)) {
-      axis.values.push_back({text, "", "", &node});
+      axis.values.push_back({text, "", text, &node});
     } else if (!stage) {
       failAt(file, node, "'" + text + "' in axis '" + axis.name + "', which is no stage's");
     } else {

@@ -187,6 +187,10 @@ class Sweep {
     WorldCell cell;
     cell.timed = timed, cell.repeat = static_cast<int>(repeat);
     std::set<std::string> used;
+    // What one value of an axis names means something also where another value stands, or a method lacks it.
+    for (const Axis& axis : s.axes) {
+      for (const AxisValue& value : axis.values) withValues(value.written, axes, used);
+    }
     const std::string base = withValues(s.pipeline, axes, used);
     std::optional<Spec> engine = engineOf(base);  // of the last part that names one: it stands in place of all stages
     Pipeline pipeline = Pipeline::parse(engine ? "" : base);
@@ -206,7 +210,6 @@ class Sweep {
       } else {
         continue;
       }
-      withValues(value.written, axes, used);  // a star's parameter means something also where a method lacks it
       part = withValues(part, axes, used);
       used.insert(axis.name);
       if (const auto named = engineOf(part)) {

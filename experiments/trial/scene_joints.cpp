@@ -98,7 +98,9 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
   try {
     makeJoint<D>(def, {}, {});
   } catch (const UserError& e) {
-    if (isChosen && def.breakForce > 0 && def.breakTorque > 0) throw UnsupportedJoint(e.what());
+    if (isChosen && def.breakForce > 0 && def.breakTorque > 0) {
+      throw UnsupportedJoint(std::string("parameter 'joint': ") + e.what());
+    }
     joint.fail(e.what());
   }
   return def;

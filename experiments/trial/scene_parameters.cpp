@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Parameters of scenes: numbers with their ranges, and the kind of its joints, a text.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "experiments/trial/scene_parsed.h"
@@ -28,6 +29,15 @@ std::vector<SceneParameter> readParameters(TableReader& top) {
     if (name == kJointParameter && p.require("default").is_string()) {
       parameter.value = p.requireString("default");
       if (!parameter.value.isText()) top.fail(*node, "the default of 'joint' is empty; valid: a kind of joint");
+      try {
+        const Spec kind = Spec::parse(parameter.value.text);
+        const auto inPlane = Registry::instance().list(StageKind::joint, 2);
+        const bool planar =
+            std::any_of(inPlane.begin(), inPlane.end(), [&](const Registered* r) { return r->info.name == kind.name; });
+        Registry::instance().find(StageKind::joint, planar ? 2 : 3, kind.name).create(kind);
+      } catch (const UserError& e) {
+        top.fail(*node, e.what());
+      }
     } else {
       parameter.value = p.number("default", 0), parameter.lo = p.number("min", 0), parameter.hi = p.number("max", 0);
       p.require("default"), p.require("min"), p.require("max");

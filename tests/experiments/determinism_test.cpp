@@ -13,7 +13,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(LPC_SANITIZED)
 constexpr long kSteps = 15;  // thirty times slower
 #else
 constexpr long kSteps = 90;

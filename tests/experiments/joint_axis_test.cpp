@@ -115,6 +115,23 @@ TEST(JointAxis, TheKindIsInTheKeyWithAllItsParameters) {
             planned(w, "joint = \"distance{mode=rod,length=-1}\"\n").trials[0].canonical["params"]);
 }
 
+// A setting that one kind has means something, also in the cells of the others, which are one trial.
+TEST(JointAxis, SettingsAreOfTheKindsThatHaveThem) {
+  Workspace w;
+  const auto kinds = [](const PlannedSweep& sweep) {
+    std::multiset<std::string> out;
+    for (const PlannedTrial& t : sweep.trials) out.insert(Spec::parse(chosen(t)).name);
+    return out;
+  };
+  const std::string slack = "slack = [0.1, 0.2]\n";
+  EXPECT_EQ(kinds(planned(w, slack + "joint = [\"weld\", \"distance{mode=rope,length=$slack}\"]\n")),
+            (std::multiset<std::string>{"distance", "distance", "weld"}));
+  const auto star = kinds(planned(w, "torque = [3, 5]\njoint = \"*{motor_torque=$torque}\"\n"));
+  EXPECT_EQ(star.count("hinge"), 2u);
+  EXPECT_EQ(star.count("weld"), 1u);
+  EXPECT_NE(mistakeOf(w, slack + "joint = \"weld\"\n").find("axis 'slack' means nothing"), std::string::npos);
+}
+
 TEST(JointAxis, WhatCannotBeIsUnsupportedWithTheReason) {
   Workspace w;
   std::map<std::string, std::string> reasons;
@@ -124,7 +141,7 @@ TEST(JointAxis, WhatCannotBeIsUnsupportedWithTheReason) {
   for (const auto& [cell, reason] : reasons) {
     const std::string kind = cell.substr(0, cell.find(' '));
     if (kind == "distance") {
-      EXPECT_EQ(reason, "'distance' is a rod of no length; valid: two points apart, or a pivot");
+      EXPECT_EQ(reason, "parameter 'joint': 'distance' is a rod of no length; valid: two points apart, or a pivot");
     } else {
       EXPECT_EQ(reason, cell == "flat 3" ? "joint flat does not exist in 3D" : "") << cell;
     }
@@ -155,7 +172,7 @@ joint = ["pivot", "distance{mode=rope,length=0.1}", "distance"]
   EXPECT_EQ(outcomes.at("pivot"), "ok ");
   EXPECT_EQ(outcomes.at("distance{mode=rope,length=0.1}"), "ok ");
   EXPECT_EQ(outcomes.at("distance"),
-            "unsupported 'distance' is a rod of no length; valid: two points apart, or a pivot");
+            "unsupported parameter 'joint': 'distance' is a rod of no length; valid: two points apart, or a pivot");
   EXPECT_NE(hashes.at("pivot"), hashes.at("distance{mode=rope,length=0.1}"));
 
   const auto hashOf = [&](const std::string& options) {
@@ -203,7 +220,7 @@ TEST(JointAxis, MistakesAreOneLine) {
       {mistakeOf(w, "", edited(kLinks, text, number)), {"links.toml:16: ", "no parameter 'joint'", "as text"}},
       {mistakeOf(w, "", edited(kLinks, text, "")), {"links.toml:16: ", "no parameter 'joint'"}},
       {mistakeOf(w, "", edited(kLinks, "\"pivot\"", "\"\"")), {"links.toml:8: ", "'joint' is empty"}},
-      {mistakeOf(w, "", edited(kLinks, "\"pivot\"", "\"pivt\"")), {"scene 'links'", "'pivt'", "valid: distance"}},
+      {mistakeOf(w, "", edited(kLinks, "\"pivot\"", "\"pivt\"")), {"links.toml:", "'pivt'", "valid: distance"}},
       {mistakeOf(w, "", edited(kLinks, "\"pivot\", ", "\"pivot\", min = 0, ")), {"links.toml:8: ", "'min'"}},
       {mistakeOf(w, "", edited(kLinks, "joint = {", "knee = {")), {"links.toml:8: ", "'pivot'", "number"}},
       {mistakeOf(w, "", edited(kLinks, "a = \"world\"", "a = \"world\"\nparameters = { upper = 1 }")),
