@@ -59,7 +59,7 @@ class SoftStep final : public Solver<D> {
                           "drives through the stop, which is a spring", "Joint.StopHoldsAgainstItsMotor"},
                          {"a hinge that is beyond its stop", "leaves it with a speed that nothing has given it",
                           "JointStep.LeavesNoSpeed"},
-                         {"a stop that is hit, in ever shorter steps",
+                         {"a stop that is hit, or a weld that is bent, in ever shorter steps",
                           "gives way by what falls slower than the step: relaxing takes out what its spring has put in",
                           "JointMotion.Converges"}}};
   }

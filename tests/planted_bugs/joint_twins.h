@@ -35,7 +35,7 @@ class WrongJoint final : public JointKind<D> {
   void finish(JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB) const override {
     m_right->finish(joint, X_WA, X_WB);
     if (m_bug == JointBug::jumps) joint.state[0] = 0;
-    if (m_bug == JointBug::ages) joint.state[0] += Real(1e-3);
+    if (m_bug == JointBug::ages) joint.state[0] += Real(1e-5);
   }
   void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
     m_right->rows(joint, X_WA, X_WB, out);

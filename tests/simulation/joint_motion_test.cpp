@@ -105,7 +105,7 @@ bool converges(const Kind<D>& kind, const std::string& solver, double share = 0.
   const auto limit = track<D>(kind, solver, 3840);
   const double coarse = apart<D>(track<D>(kind, solver, 240), limit);
   const double fine = apart<D>(track<D>(kind, solver, 960), limit);
-  return fine <= share * coarse || fine < double(kLinearSlop) / 5;
+  return fine <= share * coarse || fine < 1e-5;
 }
 
 template <int D>
@@ -113,7 +113,7 @@ void everyKindConverges() {
   for (const std::string& solver : everySolver<D>()) {
     const bool declared = declares<D>(solver, "JointMotion.Converges");
     for (const std::string& kind : everyKind<D>()) {
-      const double share = declared && hasStop(kindOf<D>(kind)) ? 0.7 : 0.4;
+      const double share = declared ? 0.7 : 0.4;
       EXPECT_TRUE(converges<D>(kindOf<D>(kind), solver, share)) << kind << ' ' << solver << ' ' << D << 'D';
     }
     if (declared) {
