@@ -74,7 +74,8 @@ TEST(Entries, WhatANameDrawsStays) {
   EXPECT_EQ(boxes<2>("director_2"), 0xf6ded839a6f99ee3u);
   EXPECT_EQ(boxes<3>("director_2"), 0xcb02ba5f33a90f64u);
   EXPECT_EQ(pairs<2>("in_turn"), 0xb208c28634ea0e13u);
-#if !defined(__clang__)  // whose last bits of a pair that is made to touch are others: only steps are the same everywhere
+  // Last bits of pairs that are made to touch are others by clang++: only steps are the same everywhere.
+#if !defined(__clang__)
   EXPECT_EQ(pairs<3>("in_turn"), 0x02c6aba33821cc2fu);
 #endif
   EXPECT_EQ(boxes<2>("cluster{spread=10}"), boxes<2>("cluster")) << "a default written out";
