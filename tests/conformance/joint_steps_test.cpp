@@ -43,12 +43,6 @@ ImpactScene<D> after(ImpactScene<D> s, Solver<D>& solver, int steps = kSteps) {
 }
 
 template <int D>
-void require(Real error, Real limit, const ImpactScene<D>& expected, const ImpactScene<D>& found) {
-  if (!(error <= limit)) RC_LOG() << "error " << error << "\nexpected\n" << expected << "found\n" << found;
-  RC_ASSERT(error <= limit);
-}
-
-template <int D>
 ImpactScene<D> drawFalling(Draw& draw, const Kind<D>& kind, bool fixed) {
   auto s = drawJointed(draw, kind, fixed);
   nudge(s, draw, Real(0.05));

@@ -3,9 +3,17 @@
 // units. Physics does not tell them apart; an algorithm that does has something absolute in it.
 #pragma once
 
+#include "tests/check_property.h"
 #include "tests/conformance/impact_scene.h"
 
 namespace lpc::inline LPC_PRECISION::test {
+
+/// Fails the property, and shows both scenes, where the error between them is over the limit.
+template <int D>
+void require(Real error, Real limit, const ImpactScene<D>& expected, const ImpactScene<D>& found) {
+  if (!(error <= limit)) RC_LOG() << "error " << error << "\nexpected\n" << expected << "found\n" << found;
+  RC_ASSERT(error <= limit);
+}
 
 /// Seen from a frame in which the old one has pose X, moving with -boost (m/s, old axes). Fixed bodies then move, too.
 template <int D>

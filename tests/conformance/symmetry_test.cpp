@@ -25,12 +25,6 @@ ImpactScene<D> after(ImpactScene<D> s, Solver<D>& solver) {
 }
 
 template <int D>
-void require(Real error, Real limit, const ImpactScene<D>& expected, const ImpactScene<D>& found) {
-  if (!(error <= limit)) RC_LOG() << "error " << error << "\nexpected\n" << expected << "found\n" << found;
-  RC_ASSERT(error <= limit);
-}
-
-template <int D>
 ImpactScene<D> drawScene(Draw& draw) {
   auto s = drawImpact<D>(draw, {.fixed = draw.coin(),
                                 .friction = true,
