@@ -35,6 +35,17 @@ std::vector<std::string> everySolver() {
   return specs;
 }
 
+/// A velocity resolver that iterates so often, or so often per contact, and does not stop before.
+inline Spec withIterations(const Registered& entry, int iterations, int perContact) {
+  Spec spec{entry.info.name, {}};
+  for (const ParamInfo& p : entry.params) {
+    if (p.name == "iterations") spec.set("iterations", {std::to_string(iterations), {}});
+    if (p.name == "iteration_factor") spec.set("iteration_factor", {std::to_string(perContact), {}});
+    if (p.name == "epsilon") spec.set("epsilon", {"0", {}});
+  }
+  return spec;
+}
+
 /// The default pipeline with each algorithm of the stages around the solver.
 template <int D>
 std::vector<std::string> everyOtherStage() {

@@ -175,13 +175,7 @@ std::vector<Named<D>> properties() {
 
 template <int D>
 std::unique_ptr<VelocityResolver<D>> patientOf(const Registered& entry) {
-  Spec spec{entry.info.name, {}};
-  for (const ParamInfo& p : entry.params) {
-    if (p.name == "iterations") spec.set("iterations", {"3000", {}});
-    if (p.name == "iteration_factor") spec.set("iteration_factor", {"3000", {}});
-    if (p.name == "epsilon") spec.set("epsilon", {"0", {}});
-  }
-  return createStage<VelocityResolver<D>>(spec);
+  return createStage<VelocityResolver<D>>(withIterations(entry, 3000, 3000));
 }
 
 template <int D>

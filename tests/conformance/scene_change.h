@@ -28,8 +28,10 @@ ImpactScene<D> moved(ImpactScene<D> s, const Pose<D>& X, const Vec<D>& boost) {
   }
   for (Manifold<D>& m : s.manifolds) m.normal = X.q * m.normal;
   for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot
-    Vec<D> impulse = X.q * Vec<D>(Eigen::Map<Vec<D>>(j.impulse.data()));
-    std::copy(impulse.data(), impulse.data() + D, j.impulse.begin());
+    for (auto* kept : {&j.impulse, &j.memory}) {
+      Eigen::Map<Vec<D>> rows(kept->data());
+      rows = (X.q * Vec<D>(rows)).eval();
+    }
   }
   s.field.gravity = X.q * s.field.gravity;
   return s;
@@ -56,7 +58,7 @@ ImpactScene<D> mirrored(ImpactScene<D> s) {
   }
   for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot
     for (Pose<D>* X : {&j.X_CaJ, &j.X_CbJ}) mirror(X->p), mirror(X->q);
-    j.impulse[0] = -j.impulse[0];
+    j.impulse[0] = -j.impulse[0], j.memory[0] = -j.memory[0];
   }
   mirror(s.field.gravity);
   return s;

@@ -8,6 +8,7 @@
 
 #include "tests/check_property.h"
 #include "tests/conformance/scene_change.h"
+#include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -252,16 +253,6 @@ std::vector<Named<D>> properties() {
           {"Impulse.DegenerateIsFinite", degenerateIsFinite<D>, Bug::dividesByNothing}};
 }
 
-std::unique_ptr<Spec> patientSpec(const Registered& entry) {
-  auto spec = std::make_unique<Spec>(Spec{entry.info.name, {}});
-  for (const ParamInfo& p : entry.params) {
-    if (p.name == "iterations") spec->set("iterations", {"2000", {}});
-    if (p.name == "iteration_factor") spec->set("iteration_factor", {"500", {}});
-    if (p.name == "epsilon") spec->set("epsilon", {"0", {}});
-  }
-  return spec;
-}
-
 template <int D>
 class VelocityConformance : public testing::Test {};
 
@@ -273,7 +264,7 @@ void testAll() {
   ASSERT_GE(entries.size(), 3u);
   for (const Registered* entry : entries) {
     const auto normal = createStage<VelocityResolver<D>>({entry->info.name, {}});
-    const auto patient = createStage<VelocityResolver<D>>(*patientSpec(*entry));
+    const auto patient = createStage<VelocityResolver<D>>(withIterations(*entry, 2000, 500));
     for (const Named<D>& p : properties<D>()) {
       const std::string name = std::string(p.name) + " " + entry->info.name + " " + std::to_string(D) + "D";
       SCOPED_TRACE(name);

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Zlib
+// What sweeps over joints come to, for every registered kind under every velocity resolver: the same whatever the
+// order, nearer with more of them, and as fast as theory says.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "tests/check_property.h"
+#include "tests/conformance/joined_bodies.h"
+#include "tests/planted_bugs/solver_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr bool kDouble = sizeof(Real) == 8;
+constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
+constexpr int kRuns = 20, kFew = 3, kMany = 3000;
+
+template <int D>
+using Resolver = std::unique_ptr<VelocityResolver<D>>;
+
+/// Somebody who solves, by how often.
+template <int D>
+using Solves = std::function<Resolver<D>(int iterations)>;
+
+/// A registered one.
+template <int D>
+Solves<D> registered(const Registered& entry) {
+  return [&entry](int iterations) {
+    return createStage<VelocityResolver<D>>(withIterations(entry, iterations, iterations));
+  };
+}
+template <int D>
+Solves<D> twin(Bug bug) {
+  return [bug](int iterations) { return std::make_unique<TwinResolver<D>>(bug, iterations); };
+}
+
+/// What a property is given: a kind, who solves, and somebody who is known to come to the end.
+template <int D>
+struct Subject {
+  Kind<D> kind;
+  Solves<D> solves, right;
+};
+
+template <int D>
+struct NoCorrection final : PositionResolver<D> {};
+
+template <int D>
+ImpactScene<D> solved(const ImpactScene<D>& before, const Solves<D>& solves, int iterations) {
+  const NoCorrection<D> none;
+  ImpactScene<D> after = before;
+  after.solve(*solves(iterations), none);
+  return after;
+}
+
+/// Three bodies in a chain, of which the first may be fixed.
+template <int D>
+ImpactScene<D> drawChain(Draw& draw, const Kind<D>& kind) {
+  auto s = drawJointed(draw, kind, draw.coin());
+  Ang<D> inertia;
+  for (int k = 0; k < kAngDim<D>; ++k) inertia[k] = draw.real(0.5, 2);
+  s.add(draw.real(1, 20), inertia, drawPose<D>(draw, 1), {2 * drawVector<D>(draw), Ang<D>::Zero()});
+  join<D>(s, kind, 1, 2, {drawVector<D>(draw), drawRotation<D>(draw)}, Real(0.7) * drawDirection<D>(draw));
+  return s;
+}
+
+// R9: joints that are stored in another order come to the same end.
+template <int D>
+void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
+  const auto before = drawChain(draw, on.kind);
+  auto other = before;
+  std::reverse(other.joints.begin(), other.joints.end());
+  const auto a = solved(before, on.solves, kMany), b = solved(other, on.solves, kMany);
+  require<D>(difference(a, b), kConverged * 100 * before.speed(), a, b);
+}
+
+// R10: twice as many iterations are no further from the end, by the energy of the difference: each step of Gauss and
+// Seidel is a projection in that norm. Springs and motors do not move it down every time.
+template <int D>
+void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
+  if (!rigid(on.kind)) return;
+  const auto before = drawChain(draw, on.kind);
+  const auto few = solved(before, on.solves, kFew), twice = solved(before, on.solves, 2 * kFew),
+             end = solved(before, on.right, kMany);
+  const auto away = [&](ImpactScene<D> s) {
+    for (int i = 0; i < s.bodies.size(); ++i) {
+      s.bodies.motion[static_cast<std::size_t>(i)].v -= end.motion(i).v;
+      s.bodies.motion[static_cast<std::size_t>(i)].w -= end.motion(i).w;
+    }
+    return std::sqrt(s.energy());
+  };
+  require<D>(away(twice), away(few) + kConverged * before.speed(), few, twice);
+}
+
+// R12: what is fixed, a light body and a heavy one in a line, pulled along it. After a sweep the light one moves by
+// M/(M+m) of what it did after the one before. Some resolvers sweep several times for one iteration.
+template <int D>
+void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
+  if (!rigid(on.kind)) return;
+  const Real light = draw.real(1, 2), heavy = light * draw.real(1, 50);
+  ImpactScene<D> before;
+  for (const Real mass : {Real(0), light, heavy}) {
+    const Real x = Real(before.bodies.size()), v = mass > 0 ? Real(1) : Real(0);
+    before.add(mass, Ang<D>::Constant(mass), {x * Vec<D>::Unit(0), {}}, {v * Vec<D>::Unit(0), Ang<D>::Zero()});
+  }
+  for (const int i : {0, 1}) join<D>(before, on.kind, i, i + 1, before.pose(i), Vec<D>::Unit(0));
+  const auto speed = [&](int iterations) { return solved(before, on.solves, iterations).motion(1).v[0]; };
+  const Real sweeps = std::log(speed(3) / speed(2)) / std::log(heavy / (heavy + light));
+  RC_LOG() << "an iteration is " << sweeps << " sweeps\n" << before;
+  RC_ASSERT(std::abs(sweeps - std::round(sweeps)) <= (kDouble ? Real(1e-9) : Real(1e-3)));
+  RC_ASSERT(sweeps > Real(0.5));
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  void (*property)(const Subject<D>&, Draw&);
+  Bug bug;  // that it must catch, in a pivot
+};
+
+template <int D>
+std::vector<Named<D>> properties() {
+  return {{"Joint.OrderDoesNotMatter", orderDoesNotMatter<D>, Bug::givesUp},
+          {"Joint.MoreIsNoWorse", moreIsNoWorse<D>, Bug::armsOfTheWorld},
+          {"Joint.ConvergesAsPredicted", convergesAsPredicted<D>, Bug::yields}};
+}
+
+template <int D>
+auto drawn(const Named<D>& p, const Subject<D>& on) {
+  return [&p, on] {
+    RapidCheckDraw draw;
+    p.property(on, draw);
+  };
+}
+
+template <int D>
+void testAll() {
+  for (const Registered* entry : Registry::instance().list(StageKind::velocity, D)) {
+    for (const std::string& spec : everyKind<D>()) {
+      const Subject<D> on{kindOf<D>(spec), registered<D>(*entry), registered<D>(*entry)};
+      for (const Named<D>& p : properties<D>()) {
+        const std::string name =
+            std::string(p.name) + " " + spec + " " + entry->info.name + " " + std::to_string(D) + "D";
+        SCOPED_TRACE(name);
+        check(name, drawn(p, on), kRuns);
+      }
+    }
+  }
+}
+
+template <int D>
+void plantedBugs() {
+  for (const Named<D>& p : properties<D>()) {
+    const Subject<D> right{kindOf<D>("pivot"), twin<D>(Bug::none), twin<D>(Bug::none)};
+    check(std::string(p.name) + " twin", drawn(p, right), kRuns);
+    Subject<D> wrong = right;
+    wrong.solves = twin<D>(p.bug);
+    expectFalsified(std::string(p.name) + " planted bug " + std::to_string(D) + "D", drawn(p, wrong), 100);
+  }
+}
+
+TEST(JointConvergence, EveryKindUnderEveryResolver2) { testAll<2>(); }
+TEST(JointConvergence, EveryKindUnderEveryResolver3) { testAll<3>(); }
+TEST(JointConvergence, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(JointConvergence, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
