@@ -195,6 +195,15 @@ struct ImpactScene {
   }
 };
 
+/// After one solve of velocities; positions ask for nothing.
+template <int D>
+ImpactScene<D> solved(ImpactScene<D> scene, VelocityResolver<D>& resolver) {
+  const struct : PositionResolver<D> {
+  } none;
+  scene.solve(resolver, none);
+  return scene;
+}
+
 template <int D>
 std::ostream& operator<<(std::ostream& out, const ImpactScene<D>& s) {
   for (int i = 0; i < s.bodies.size(); ++i) {

@@ -121,4 +121,13 @@ void stepJoined(ImpactScene<D>& s, Solver<D>& solver) {
   for (JointRecord<D>& j : s.joints) j.kind->finish(j, poseOf(s.bodies, j.bodyA), s.pose(j.bodyB));
 }
 
+/// One of a table of properties, of `on`, with draws of RapidCheck's.
+template <class Named, class Subject>
+auto drawn(const Named& p, const Subject& on) {
+  return [&p, on] {
+    RapidCheckDraw draw;
+    p.property(on, draw);
+  };
+}
+
 }  // namespace lpc::inline LPC_PRECISION::test

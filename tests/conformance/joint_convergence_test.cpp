@@ -17,12 +17,9 @@ constexpr bool kDouble = sizeof(Real) == 8;
 constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
 constexpr int kRuns = 20, kFew = 3, kMany = 3000;
 
-template <int D>
-using Resolver = std::unique_ptr<VelocityResolver<D>>;
-
 /// Somebody who solves, by how often.
 template <int D>
-using Solves = std::function<Resolver<D>(int iterations)>;
+using Solves = std::function<std::unique_ptr<VelocityResolver<D>>(int iterations)>;
 
 /// A registered one.
 template <int D>
@@ -43,17 +40,6 @@ struct Subject {
   Solves<D> solves, right;
 };
 
-template <int D>
-struct NoCorrection final : PositionResolver<D> {};
-
-template <int D>
-ImpactScene<D> solved(const ImpactScene<D>& before, const Solves<D>& solves, int iterations) {
-  const NoCorrection<D> none;
-  ImpactScene<D> after = before;
-  after.solve(*solves(iterations), none);
-  return after;
-}
-
 /// Three bodies in a chain, of which the first may be fixed.
 template <int D>
 ImpactScene<D> drawChain(Draw& draw, const Kind<D>& kind) {
@@ -71,7 +57,7 @@ void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
   const auto before = drawChain(draw, on.kind);
   auto other = before;
   std::reverse(other.joints.begin(), other.joints.end());
-  const auto a = solved(before, on.solves, kMany), b = solved(other, on.solves, kMany);
+  const auto a = solved(before, *on.solves(kMany)), b = solved(other, *on.solves(kMany));
   require<D>(difference(a, b), kConverged * 100 * before.speed(), a, b);
 }
 
@@ -81,8 +67,8 @@ template <int D>
 void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   if (!rigid(on.kind)) return;
   const auto before = drawChain(draw, on.kind);
-  const auto few = solved(before, on.solves, kFew), twice = solved(before, on.solves, 2 * kFew),
-             end = solved(before, on.right, kMany);
+  const auto few = solved(before, *on.solves(kFew)), twice = solved(before, *on.solves(2 * kFew)),
+             end = solved(before, *on.right(kMany));
   const auto away = [&](ImpactScene<D> s) {
     for (int i = 0; i < s.bodies.size(); ++i) {
       s.bodies.motion[static_cast<std::size_t>(i)].v -= end.motion(i).v;
@@ -105,7 +91,7 @@ void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
     before.add(mass, Ang<D>::Constant(mass), {x * Vec<D>::Unit(0), {}}, {v * Vec<D>::Unit(0), Ang<D>::Zero()});
   }
   for (const int i : {0, 1}) join<D>(before, on.kind, i, i + 1, before.pose(i), Vec<D>::Unit(0));
-  const auto speed = [&](int iterations) { return solved(before, on.solves, iterations).motion(1).v[0]; };
+  const auto speed = [&](int iterations) { return solved(before, *on.solves(iterations)).motion(1).v[0]; };
   const Real sweeps = std::log(speed(3) / speed(2)) / std::log(heavy / (heavy + light));
   RC_LOG() << "an iteration is " << sweeps << " sweeps\n" << before;
   RC_ASSERT(std::abs(sweeps - std::round(sweeps)) <= (kDouble ? Real(1e-9) : Real(1e-3)));
@@ -124,14 +110,6 @@ std::vector<Named<D>> properties() {
   return {{"Joint.OrderDoesNotMatter", orderDoesNotMatter<D>, Bug::givesUp},
           {"Joint.MoreIsNoWorse", moreIsNoWorse<D>, Bug::armsOfTheWorld},
           {"Joint.ConvergesAsPredicted", convergesAsPredicted<D>, Bug::yields}};
-}
-
-template <int D>
-auto drawn(const Named<D>& p, const Subject<D>& on) {
-  return [&p, on] {
-    RapidCheckDraw draw;
-    p.property(on, draw);
-  };
 }
 
 template <int D>

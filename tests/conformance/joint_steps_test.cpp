@@ -154,14 +154,6 @@ std::vector<Named<D>> properties() {
 }
 
 template <int D>
-auto drawn(const Named<D>& p, const Subject<D>& on) {
-  return [&p, on] {
-    RapidCheckDraw draw;
-    p.property(on, draw);
-  };
-}
-
-template <int D>
 void testAll() {
   for (const std::string& solver : everySolver<D>()) {
     const auto steps = createStage<Solver<D>>(Spec::parse(solver));
@@ -195,9 +187,9 @@ void plantedBugs() {
   // What no kind can spoil: a solver to which fixed is only heavy.
   const Named<D> heavy = properties<D>()[2];
   TwinSolver<D> right(Bug::none, 10), moves(Bug::movesFixed, 10);
-  check("JointStep.HeavyIsFixed twin", drawn(heavy, {Spec{"pivot", {}}, asRegistered<D>, right}), kRuns);
+  check("JointStep.HeavyIsFixed twin", drawn(heavy, Subject<D>{Spec{"pivot", {}}, asRegistered<D>, right}), kRuns);
   expectFalsified("JointStep.HeavyIsFixed planted bug " + std::to_string(D) + "D",
-                  drawn(heavy, {Spec{"pivot", {}}, asRegistered<D>, moves}), kRuns);
+                  drawn(heavy, Subject<D>{Spec{"pivot", {}}, asRegistered<D>, moves}), kRuns);
 }
 
 TEST(JointStep, EveryKindUnderEverySolver2) { testAll<2>(); }

@@ -17,15 +17,6 @@ constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(5e-4);  // of
 constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
 constexpr int kRuns = 40;
 
-template <int D>
-struct NoCorrection final : PositionResolver<D> {};
-
-template <int D>
-void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
-  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
-  RC_ASSERT(holds);
-}
-
 /// What a property is given: the kind, who solves, and the kind that it should be.
 template <int D>
 struct Subject {
@@ -40,14 +31,6 @@ struct Subject {
     return s.rows(joint);
   }
 };
-
-template <int D>
-ImpactScene<D> solved(const ImpactScene<D>& before, VelocityResolver<D>& resolver) {
-  const NoCorrection<D> none;
-  ImpactScene<D> after = before;
-  after.solve(resolver, none);
-  return after;
-}
 
 // R1, R2: whatever the rows are, both bodies get them.
 template <int D>

@@ -15,6 +15,13 @@ void require(Real error, Real limit, const ImpactScene<D>& expected, const Impac
   RC_ASSERT(error <= limit);
 }
 
+/// The same, of what holds or not; `value` is what was compared.
+template <int D>
+void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
+  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
+  RC_ASSERT(holds);
+}
+
 /// Seen from a frame in which the old one has pose X, moving with -boost (m/s, old axes). Fixed bodies then move, too.
 template <int D>
 ImpactScene<D> moved(ImpactScene<D> s, const Pose<D>& X, const Vec<D>& boost) {
@@ -27,7 +34,7 @@ ImpactScene<D> moved(ImpactScene<D> s, const Pose<D>& X, const Vec<D>& boost) {
     if (s.bodies.type[i] == BodyType::fixed && !boost.isZero(0)) s.bodies.type[i] = BodyType::kinematic;
   }
   for (Manifold<D>& m : s.manifolds) m.normal = X.q * m.normal;
-  for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot
+  for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot, whose rows lie along the world's axes
     for (auto* kept : {&j.impulse, &j.memory}) {
       Eigen::Map<Vec<D>> rows(kept->data());
       rows = (X.q * Vec<D>(rows)).eval();
@@ -58,7 +65,7 @@ ImpactScene<D> mirrored(ImpactScene<D> s) {
   }
   for (JointRecord<D>& j : s.joints) {  // of a cold one, or a pivot
     for (Pose<D>* X : {&j.X_CaJ, &j.X_CbJ}) mirror(X->p), mirror(X->q);
-    j.impulse[0] = -j.impulse[0], j.memory[0] = -j.memory[0];
+    j.impulse[0] = -j.impulse[0];
   }
   mirror(s.field.gravity);
   return s;

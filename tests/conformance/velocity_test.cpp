@@ -19,9 +19,6 @@ constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-4);
 // What is left after many sweeps.
 constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
 
-template <int D>
-struct NoCorrection final : PositionResolver<D> {};
-
 // A resolver as it is, and given so many iterations that only its principle counts.
 template <int D>
 struct Subject {
@@ -30,20 +27,6 @@ struct Subject {
 
 template <int D>
 using Property = std::function<void(VelocityResolver<D>&, VelocityResolver<D>&, Draw&)>;
-
-template <int D>
-void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
-  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
-  RC_ASSERT(holds);
-}
-
-template <int D>
-ImpactScene<D> solved(const ImpactScene<D>& before, VelocityResolver<D>& resolver) {
-  const NoCorrection<D> none;
-  ImpactScene<D> after = before;
-  after.solve(resolver, none);
-  return after;
-}
 
 template <int D>
 void keepsLinearMomentum(VelocityResolver<D>& r, VelocityResolver<D>&, Draw& draw) {
