@@ -10,7 +10,7 @@ namespace lpc::inline LPC_PRECISION {
 
 struct PairsSeen {
   bool timed = false;
-  double asked = 0, failed = 0, refused = 0, wrong = 0;
+  double asked = 0, failed = 0, refused = 0, wrong = 0, wrongSide = 0;
   std::vector<double> errors, nanoseconds;  // of answers; of batches, per query
 };
 

@@ -74,7 +74,8 @@ TrialResult runPairs(const json& t) {
       const PairView<D> pair = viewOf(pairs[i]);
       const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending);
       if (verdict.error) seen.errors.push_back(*verdict.error);
-      seen.wrong += verdict.wrongSide;
+      seen.wrong += verdict.end == Tally::wrong;
+      seen.wrongSide += verdict.wrongSide;
       seen.refused += verdict.end == Tally::refused;
       seen.failed += endedWithoutAnswer(verdict.end);
     }
@@ -85,7 +86,7 @@ TrialResult runPairs(const json& t) {
   out.hash = text;
   measure<PairsSeen>(
       pairsMetrics(), seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
-  if (seen.wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(seen.wrong)) + " wrong yes or no", 0);
+  if (seen.wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(seen.wrong)) + " wrong answers", 0);
   return out;
 }
 

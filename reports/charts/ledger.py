@@ -8,12 +8,12 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
+import failure
 from chart import Chart, listing, plural
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt, si
 
 PLACE = 80
 SECTION = "Who is right, and who fails where?"
-FAILURES = ("wrong", "not_finite", "threw", "crashed", "hung")
 COUNTS = ("asked", "agree", "tie", "wrong", "wrong_side", "undecided", "refused", "not_finite", "threw", "crashed", "hung",
           "capped")
 NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadphase": "broadphases"}
@@ -33,11 +33,6 @@ def of_store(context):
             made.append(_cost(context, part, dimension, precision))
     order = list(NOUNS)
     return sorted(made, key=lambda c: order.index(next(s for s in order if s in c.id)))
-
-
-def failures(rows):
-    """How many answers were wrong or none at all; refusals are told apart."""
-    return sum(int(rows[name].sum()) for name in FAILURES)
 
 
 def median_error(histogram):
@@ -66,6 +61,7 @@ def by_method(rows):
         asked = int(part["asked"].sum())
         worst = part.loc[part["max_error"].fillna(-1).idxmax()]
         found.append({"method": method, "role": part["role"].iloc[0], **{name: int(part[name].sum()) for name in COUNTS},
+                      "failed": failure.in_ledger(part),
                       "max_error": float(worst["max_error"]) if part["max_error"].notna().any() else math.nan,
                       "median_error": median_error(added(part["histogram"])),
                       "ns": float(part["ns"].sum()) / asked if asked else math.nan, "worst": worst["worst"] or ""})
@@ -80,33 +76,31 @@ def finding(stage, dimension, precision, rows):
     others = methods[methods["role"] != "competitor"]
     said = []
     if len(ours):
-        bad = ours[[failures(ours[ours["method"] == m]) > 0 for m in ours["method"]]]
+        bad = ours[ours["failed"] > 0]
         asked = int(ours["asked"].sum())
         if len(bad):
-            said.append("of our own " + noun + " " + listing([f"{m} fails {_share(failures(ours[ours['method'] == m]) / n)}"
-                        for m, n in zip(bad["method"], bad["asked"])]))
+            said.append("of our own " + noun + " " + listing([f"{m} fails {_of(f, n, r)}" for m, f, n, r in
+                                                             zip(bad["method"], bad["failed"], bad["asked"], bad["refused"])]))
         else:
             said.append(f"none of our own {noun} failed on any of {asked:,} questions")
             if stage == "pair_query" and ours["max_error"].notna().any():
                 said[-1] += f" (largest error {ours['max_error'].max():.1e} of the size)"
-        if int(ours["refused"].sum()):
-            said.append(f"they refused {int(ours['refused'].sum()):,}")
-    shares = {m: failures(others[others["method"] == m]) / n for m, n in zip(others["method"], others["asked"]) if n}
-    if shares:
-        first = max(shares, key=lambda m: (shares[m], m))
-        clean = [m for m, n, no in zip(others["method"], others["asked"], others["refused"]) if shares.get(m) == 0 and no < n]
-        said.append(f"of the {plural(len(shares), 'witness', 'witnesses')} {first} fails most often, {_share(shares[first])} of "
-                    f"its questions" if shares[first] else "no witness failed")
-        if shares[first] and clean:
+    if len(others):
+        first = others.loc[(others["failed"] / others["asked"]).idxmax()]
+        clean = list(others[others["failed"] == 0]["method"])
+        said.append(f"of the {plural(len(others), 'witness', 'witnesses')} {first['method']} fails most often, on "
+                    f"{_of(first['failed'], first['asked'], first['refused'])} of its questions" if first["failed"]
+                    else "no witness failed")
+        if first["failed"] and clean:
             said.append(f"{listing(clean)} never")
-    return f"In {where} " + "; ".join(said) + "."
+    at = "" if stage == "broadphase" else f", at {failure.tolerance(precision)}"
+    return f"In {where}{at}, " + "; ".join(said) + "."
 
 
-def _share(share):
-    """A share of questions, short enough for a cell."""
-    if share == 0:
-        return "0"
-    return "<0.01%" if share < 1e-4 else f"{100 * share:.2g}%" if share < 0.995 else "100%"
+def _of(failed, asked, refused):
+    """The share that failed; how much of it is refusals, where it is not nothing."""
+    text = failure.share(failed / asked)
+    return f"{text} ({failure.share(refused / asked)} refused)" if refused else text
 
 
 def _value(text):
@@ -146,8 +140,8 @@ def _heat_map(context, rows, stage, dimension, precision):
     for ax in axes:
         first = ax.get_position().x0 == min(a.get_position().x0 for a in axes)
         ax.set_yticklabels([context.name(m) for m in methods] if first else [])
-    handles = [Patch(facecolor=RIGHT, label="0: always right"), Patch(facecolor=plt.cm.Oranges(0.3), label="seldom wrong"),
-               Patch(facecolor=plt.cm.Oranges(0.85), label="often wrong"), Patch(facecolor=REFUSED, label="refuses, share"),
+    handles = [Patch(facecolor=RIGHT, label="0: never fails"), Patch(facecolor=plt.cm.Oranges(0.3), label="seldom fails"),
+               Patch(facecolor=plt.cm.Oranges(0.85), label="often fails"), Patch(facecolor=REFUSED, label="fails by refusing alone"),
                Patch(facecolor=NOT_ASKED, label="–: does not declare it")]
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 0), ncol=5, handlelength=1.2)
     table = summary.rename(columns={"ns": "ns per question", "max_error": "largest error", "median_error": "median error"})
@@ -157,10 +151,9 @@ def _heat_map(context, rows, stage, dimension, precision):
     return Chart(f"ledger_{stage}_{dimension}d_{precision}", SECTION,
                  f"Ledger of {NOUNS.get(stage, stage)}, {dimension}D, {precision}", finding(stage, dimension, precision, everything),
                  "", figure, table, [],
-                 "A cell is the share of questions with a wrong answer or none (not finite, thrown, crashed, hung); blue, or a "
-                 "blue corner, are refusals. Witnesses are held to the accuracy that ours must have (f64: 1e-12 of the size of "
-                 "the query, f32: 1e-5), for which they were not made. The numbers hold the worst case of each method; "
-                 "lpc verify --cases replays it.",
+                 f"A cell is the share of questions that failed; blue, or a blue corner: some were refused. {failure.DEFINITION} "
+                 "Witnesses are held to this tolerance too, for which they were not made: the chart of shares within a tolerance "
+                 "shows all others. The numbers hold the worst case of each method; lpc verify --cases replays it.",
                  made_by=f"verify --stage {stage} --dimension {dimension} --precision {precision} --pairs 200")
 
 
@@ -199,13 +192,13 @@ def _panel(ax, rows, methods):
             part = groups.get((method, column))
             asked = int(part["asked"].sum()) if part is not None else 0
             if asked:
-                bad, refused = failures(part) / asked, int(part["refused"].sum()) / asked
-                text, ink = _share(bad), "black"
-                if bad:
+                bad, refused = failure.in_ledger(part) / asked, int(part["refused"].sum()) / asked
+                text, ink = failure.share(bad), "black"
+                if bad > refused:
                     depth = min(1.0, max(0.0, 1 + math.log10(bad) / 4))
                     colour, ink, corner = plt.cm.Oranges(0.2 + 0.65 * depth), "white" if depth > 0.8 else "black", refused > 0
                 elif refused:
-                    colour, text = REFUSED, _share(refused)
+                    colour = REFUSED
                 else:
                     colour, ink = RIGHT, "#4C7A5E"
             ax.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=colour, lw=0))
@@ -227,7 +220,7 @@ def _cost(context, rows, dimension, precision):
     rows = rows[(rows["axis"] == "all") & (rows["asked"] > 0)].copy()
     rows["pair"] = _pairs(rows)
     rows["median_error"] = [median_error(h) for h in rows["histogram"]]
-    rows["share"] = [sum(row[name] for name in FAILURES) / row["asked"] for _, row in rows.iterrows()]
+    rows["share"] = [failure.in_ledger(row) / row["asked"] for _, row in rows.iterrows()]
     rows["time"] = rows["ns"] / rows["asked"]
     answered = rows["refused"] < rows["asked"]
     holes = [f"{row.method} on {row.pair}: refused all {row.asked:,} questions" for row in rows[~answered].itertuples()]
@@ -255,7 +248,7 @@ def _cost(context, rows, dimension, precision):
                 ax.plot([x], [up.place(row.median_error)], color=look["color"], marker="_", ms=8, mew=1.6, ls="none")
             ax.plot([x], [worst], **{**look, "linestyle": "none"})
             if row.share > 0:
-                ends.append((worst, _share(row.share), look["color"]))
+                ends.append((worst, failure.share(row.share), look["color"]))
         ax.set_title(pairs[index])
         direct_labels(ax, ends, 7)
         if index % columns == 0:
@@ -271,7 +264,7 @@ def _cost(context, rows, dimension, precision):
     table = pd.DataFrame({"pair": rows["pair"], "method": rows["method"], "asked": rows["asked"],
                           "time per query": [si(v, "ns") for v in rows["time"]],
                           "median error": [number(v) for v in rows["median_error"]],
-                          "worst error": [number(v) for v in rows["max_error"]], "failed": [_share(v) for v in rows["share"]]})
+                          "worst error": [number(v) for v in rows["max_error"]], "failed": [failure.share(v) for v in rows["share"]]})
     return Chart(f"ledger_cost_pair_query_{dimension}d_{precision}", SECTION,
                  f"Pair queries, ours and theirs: time against error, {dimension}D, {precision}",
                  _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import failure
 import metrics
 from chart import Chart, Needs, dimension_of, holes, listing, plural
 from load import one_machine
@@ -16,12 +17,15 @@ PLACE = 70
 SECTION = "Which pair query is fast and right?"
 FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
 ERRORS = ("median_error", "p99_error", "max_error")
-FAILURES = ("failed", "refused", "wrong_boolean")
-NEEDS = Needs("pairs", metrics=("ns_per_query", *ERRORS, *FAILURES))
+NEEDS = Needs("pairs", metrics=("ns_per_query", *ERRORS))
 ABSENT = Chart("pair_queries", SECTION, "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
 
 
 def of_sweep(context, cells):
+    if "wrong" not in cells:
+        return [Chart(f"{cells['sweep'].iloc[0]}_uncounted", SECTION, "Time against error",
+                      "These trials of pairs do not count wrong answers: they are older than the definition of a failure. The "
+                      "sweep runs them again.", cells["sweep"].iloc[0])]
     cells, refused = one_machine(context.store, cells)
     if "precision" in cells and cells["precision"].nunique() > 1:
         cells["method"] = cells["method"] + " " + cells["precision"].map({"f64": "", "f32": "f32"}).fillna("")
@@ -46,18 +50,26 @@ def _present(cells, dimension):
 
 
 def _usable(cells):
-    return (cells["outcome"] == "ok").to_numpy() | (cells["outcome"] == "wrong").to_numpy()
+    return cells["outcome"].isin(["ok", "wrong"]).to_numpy()
+
+
+def _holes(cells):
+    """Who has no number; wrong answers are counted in the chart."""
+    return holes(cells[~_usable(cells)], ["pair", "method"])
 
 
 def finding(cells, dimension):
     good = cells[_usable(cells) & np.isfinite(metrics.column(cells, "ns_per_query"))]
     if not len(good):
         return f"In {dimension}D no pair query has both a time and an error."
-    fastest = good.loc[good.groupby("pair")["ns_per_query"].idxmin()]
+    passed = good[failure.in_pairs(good) == 0]
+    if not len(passed):
+        return f"In {dimension}D every pair query that was timed fails somewhere."
+    fastest = passed.loc[passed.groupby("pair")["ns_per_query"].idxmin()]
     wins = fastest.groupby("method").size().sort_values(ascending=False, kind="stable")
     errors = metrics.column(good, "max_error")
     worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
-    text = (f"In {dimension}D {wins.index[0]} is the fastest on {wins.iloc[0]} of "
+    text = (f"In {dimension}D {wins.index[0]} is the fastest of those without a failure on {wins.iloc[0]} of "
             f"{plural(len(fastest), 'pair of shapes', 'pairs of shapes')} (down to "
             f"{si(fastest['ns_per_query'].min(), 'ns')} a query)")
     if worst is not None:
@@ -76,7 +88,7 @@ def _scatter(context, cells, dimension, refused):
     figure, axes = grid_of_axes(rows, columns, 1.95, legend_width, left=0.75, gap_x=0.55, gap_y=0.5)
     usable, looks = _usable(cells), context.looks(cells)
     errors = {name: np.where(usable, metrics.column(cells, name), math.nan) for name in ERRORS}
-    time = metrics.column(cells, "ns_per_query")
+    time, failed = metrics.column(cells, "ns_per_query"), failure.in_pairs(cells)
     all_errors = np.concatenate(list(errors.values()))
     for index, ax in enumerate(axes.flat):
         if index >= len(pairs):
@@ -98,7 +110,7 @@ def _scatter(context, cells, dimension, refused):
                 ax.plot([x], [up.failed], marker=letter(cells["outcome"].iloc[i]), ms=7, ls="none", color=look["color"],
                         mew=0.3)
         p99 = np.where(np.isfinite(errors["p99_error"]), errors["p99_error"], errors["max_error"])
-        front = [mine[i] for i in metrics.pareto(time[mine], p99[mine])]
+        front = [mine[i] for i in failure.front(time[mine], p99[mine], failed[mine])]
         ax.step([time[i] for i in front], [up.place(p99[i]) for i in front], where="post", color="#222222", lw=2.4,
                 alpha=0.3, zorder=1)
         ax.set_title(pairs[index])
@@ -109,7 +121,7 @@ def _scatter(context, cells, dimension, refused):
         if index + columns >= len(pairs):
             ax.set_xlabel("time per query")
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in methods]
-    handles.append(Line2D([], [], color="#222222", lw=2.4, alpha=0.3, label="Pareto front"))
+    handles.append(Line2D([], [], color="#222222", lw=2.4, alpha=0.3, label="front, no failures"))
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
                 for o in sorted({o for o in cells["outcome"] if o not in ("ok", "wrong")})]
     legend_right(figure, handles, legend_width)
@@ -118,10 +130,10 @@ def _scatter(context, cells, dimension, refused):
                           **{name.replace("_", " "): [f"{v:.1e}" if v else "0" for v in errors[name]] for name in ERRORS}})
     return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
                  finding(cells, dimension), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
-                 refused + holes(cells, ["pair", "method"]),
+                 refused + _holes(cells),
                  "A mark is the error that 99 of 100 queries stay below; its bar goes from the median to the worst. "
                  "Errors are over the size of the query: largest extent + distance + largest coordinate. "
-                 "Hollow marks are witnesses.")
+                 "Hollow marks are witnesses. " + failure.DEFINITION)
 
 
 def _failures(context, cells, dimension):
@@ -137,24 +149,24 @@ def _failures(context, cells, dimension):
             if len(part):
                 row = part.iloc[0]
                 asked = float(row.get("asked", math.nan))
-                counts = [metrics.column(part, name)[0] for name in FAILURES]
-                known = [c for c in counts if math.isfinite(c)]
+                counts = [metrics.column(part, name)[0] for name in failure.OF_PAIRS]
+                bad_answers = failure.in_pairs(part)[0]
                 if row["outcome"] not in ("ok", "wrong"):
                     colour, text = OUTCOMES.get(row["outcome"], ("#FFFFFF", "?"))
                     ink = "black" if row["outcome"] in ("unsupported", "not run", "collapsed") else "white"
                     text = {"unsupported": "no", "not run": "?"}.get(row["outcome"], text)
                     rate = math.nan
-                elif known and asked > 0:
-                    rate = sum(known) / asked
+                elif math.isfinite(bad_answers) and asked > 0:
+                    rate = bad_answers / asked
                     share = 0 if rate == 0 else min(1.0, max(0.25, 1 + math.log10(rate) / 6))
                     colour = "#E3F0E8" if rate == 0 else plt.cm.Oranges(0.25 + 0.6 * share)
-                    text, ink = ("0", "#4C7A5E") if rate == 0 else (f"{rate:.1e}", "black")
+                    text, ink = ("0", "#4C7A5E") if rate == 0 else (failure.share(rate), "white" if rate > 0.3 else "black")
                     if rate > 0:
                         bad.append((rate, method, pair))
                 else:
                     text, rate = "?", math.nan
                 rows.append({"method": method, "pair": pair, "outcome": row["outcome"], "asked": asked,
-                             "failed": counts[0], "refused": counts[1], "wrong yes or no": counts[2], "rate": rate})
+                             "without an answer": counts[0], "refused": counts[1], "wrong": counts[2], "rate": rate})
             ax.add_patch(plt.Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=colour, lw=0))
             ax.text(x, y, text, ha="center", va="center", fontsize=7.5 if len(pairs) > 10 else 8.5, color=ink)
     ax.set_xlim(-0.5, len(pairs) - 0.5)
@@ -173,11 +185,15 @@ def _failures(context, cells, dimension):
     if bad:
         rate, method, pair = max(bad)
         clean = [m for m in methods if m not in {b[1] for b in bad} and (answered["method"] == m).any()]
-        text = (f"In {dimension}D the highest rate of failures is {method}'s on {pair}: {rate:.1e} of the queries; without "
-                f"any failure: {listing(clean)} ({total:,.0f} queries in all).")
+        text = (f"In {dimension}D, at {_tolerance(cells)}, {method} fails most often, on {pair}: {failure.share(rate)} of its "
+                f"queries; without any failure: {listing(clean)} ({total:,.0f} queries in all).")
     else:
-        text = f"In {dimension}D no query failed, was refused or had a wrong yes or no, of {total:,.0f} asked."
+        text = f"In {dimension}D no query of {total:,.0f} failed, at {_tolerance(cells)}."
     return Chart(f"{cells['sweep'].iloc[0]}_failures_{dimension}d", SECTION, f"Rate of failures by pair of shapes, {dimension}D", text,
-                 cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, ["pair", "method"]),
-                 "Failed, refused and wrong yes-or-no answers over the queries asked; “no” is a pair that the method does "
-                 "not declare.")
+                 cells["sweep"].iloc[0], figure, pd.DataFrame(rows), _holes(cells),
+                 f"Failures over the queries asked; “no” is a pair that the method does not declare. {failure.DEFINITION}")
+
+
+def _tolerance(cells):
+    precisions = sorted(set(cells["precision"]), reverse=True) if "precision" in cells else ["f64"]
+    return listing([failure.tolerance(p) + (f" ({p})" if len(precisions) > 1 else "") for p in precisions])

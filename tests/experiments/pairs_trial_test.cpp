@@ -22,7 +22,7 @@ class Careless final : public PairQuery<D> {
  public:
   using Params = NoParams;
   static inline std::vector<double> errors;  // of what it was asked last, as `lpc verify` tells them
-  static inline int refused = 0, wrongSides = 0;
+  static inline int refused = 0, wrong = 0, wrongSides = 0;
   static inline bool retelling = false;
 
   Careless() = default;
@@ -52,7 +52,7 @@ class Careless final : public PairQuery<D> {
         same, Candidate<PairQuery<D>>{"planted_careless", info(), [] { return std::make_unique<Careless>(); }});
     retelling = false;
     if (verdict.error) errors.push_back(*verdict.error);
-    refused += verdict.end == Tally::refused, wrongSides += verdict.wrongSide;
+    refused += verdict.end == Tally::refused, wrong += verdict.end == Tally::wrong, wrongSides += verdict.wrongSide;
   }
 };
 
@@ -76,6 +76,8 @@ void sameError() {
   EXPECT_EQ(r.metrics.at("median_error"), quantile(told, 0.5));
   EXPECT_EQ(r.metrics.at("refused"), Careless<D>::refused);
   EXPECT_EQ(r.metrics.at("wrong_boolean"), Careless<D>::wrongSides);
+  EXPECT_EQ(r.metrics.at("wrong"), Careless<D>::wrong);
+  EXPECT_GT(Careless<D>::wrong, Careless<D>::wrongSides) << "wrong by the distance alone counts";
   EXPECT_GT(Careless<D>::wrongSides, 0);
   EXPECT_EQ(r.outcome, "wrong");
 }
