@@ -85,7 +85,7 @@ def run(options):
     if out.exists() and not out.is_dir():
         raise UserError(f"--out {options.out}: not a folder")
     if only:
-        for path in pages.write_charts(charts, out):
+        for path in pages.write_charts(store, charts, out):
             print(path)
     else:
         pages.forget_earlier(out)

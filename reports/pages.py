@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Zlib
 """The page: one HTML file with the charts beside it, that opens from disk without a server or script."""
 
-import html
 import shlex
 from pathlib import Path
 
@@ -10,33 +9,12 @@ import pandas as pd
 
 import coverage
 import metrics
+import table
 from load import UserError
 from style import plt
 
 HERE = Path(__file__).resolve().parent
 MARK = '<meta name="generator" content="LPC reports">'
-
-
-def table_html(table):
-    """A plain table; numbers right, nothing hidden. Empty cells of a table are empty, zero is 0."""
-    head = "".join(f"<th>{html.escape(str(c))}</th>" for c in table.columns)
-    body = []
-    for row in table.itertuples(index=False):
-        cells = []
-        for value in row:
-            text = cell_text(value)
-            numeric = text[:1].isdigit() or text[:2].lstrip("-")[:1].isdigit()
-            cells.append(f"<td{' class=n' if numeric else ''}>{html.escape(text)}</td>")
-        body.append(f"<tr>{''.join(cells)}</tr>")
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
-
-
-def cell_text(value):
-    if value is None or (isinstance(value, float) and value != value) or value is pd.NA:
-        return ""
-    if isinstance(value, float):
-        return f"{value:,.0f}" if value == int(value) and abs(value) < 1e15 else f"{value:.4g}"
-    return str(value)
 
 
 def whole(path, write):
@@ -69,8 +47,10 @@ def save(figure, path):
     whole(path, lambda target: figure.savefig(target, format=ending, dpi=150, metadata=made_by.get(ending, {})))
 
 
-def save_table(table, path):
-    whole(path, lambda target: table.to_csv(target, index=False))
+def save_table(rows, about, path):
+    """Beside each other for programs: path.csv, and path.json that also says what the table is."""
+    whole(path.with_suffix(".csv"), lambda target: table.to_csv(rows, target))
+    whole(path.with_suffix(".json"), lambda target: table.to_json(rows, about, target))
 
 
 def facts(store):
@@ -93,17 +73,23 @@ def facts(store):
     return rows
 
 
+def source(store):
+    """Where a table's numbers come from, for programs; times are ISO 8601, UTC."""
+    first, last = store.started()
+    return {"store": store.path.name, "first_trial": first, "last_trial": last}
+
+
 def forget_earlier(out):
     """Removes the charts and tables of an earlier report in this folder, and nothing that is not a report's."""
     page = out / "index.html"
     if not page.is_file() or MARK not in page.read_text(encoding="utf-8", errors="replace"):
         return
-    for pattern in ("charts/*.svg", "charts/*.png", "tables/*.csv"):
+    for pattern in ("charts/*.svg", "charts/*.png", "tables/*.csv", "tables/*.json"):
         for path in out.glob(pattern):
             path.unlink()
 
 
-def write_charts(charts, out):
+def write_charts(store, charts, out):
     """Writes each chart's figure and table; returns the paths of the figures."""
     pictures, tables = out / "charts", out / "tables"
     folder(pictures)
@@ -116,25 +102,27 @@ def write_charts(charts, out):
             plt.close(chart.figure)
             written.append(pictures / f"{chart.id}.svg")
         if len(chart.table):
-            save_table(chart.table, tables / f"{chart.id}.csv")
+            about = {"id": chart.id, "title": chart.title, "question": chart.section, "finding": chart.finding,
+                     "sweep": chart.sweep}
+            save_table(chart.table, {**about, **source(store)}, tables / chart.id)
     return written
 
 
 def write(context, charts, out, store_argument, out_argument):
     """Writes out/index.html, out/charts/* and out/tables/*; returns the path of the page."""
     tables = out / "tables"
-    write_charts(charts, out)
+    write_charts(context.store, charts, out)
     items, sections = [], {}
     for chart in charts:
         item = {"id": chart.id, "title": chart.title, "finding": chart.finding, "note": chart.note,
                 "holes": chart.holes, "drawn": chart.figure is not None,
                 "width": round(100 * chart.figure.get_figwidth()) if chart.figure is not None else 0,
-                "table": table_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),
+                "table": table.to_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),
                 "commands": commands(chart, store_argument, out_argument)}
         items.append(item)
         sections.setdefault(chart.section, []).append(item)
     bad = coverage.not_ok(coverage.trials(context.store))
-    save_table(bad, tables / "not_ok.csv")
+    save_table(bad, {"id": "not_ok", "title": "All that is not ok", **source(context.store)}, tables / "not_ok")
     glossary = pd.DataFrame([(name, m.meaning, m.unit, m.smaller or "–", ", ".join(m.needs) or "–",
                               "the report" if m.compute else "the trial") for name, m in metrics.known(context.store).items()],
                             columns=["metric", "what it is", "unit", "smaller is", "needs", "computed by"])
@@ -143,7 +131,7 @@ def write(context, charts, out, store_argument, out_argument):
     page = environment.get_template("index.html.j2").render(
         sections=[{"name": name, "id": f"q{i}", "charts": part} for i, (name, part) in enumerate(sections.items())],
         charts=items, facts=facts(context.store), style=(HERE / "templates" / "style.css").read_text(),
-        not_ok=table_html(bad) if len(bad) else "", not_ok_count=len(bad), glossary=table_html(glossary),
+        not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), glossary=table.to_html(glossary),
         store=context.store.path.name, mark=MARK)
     path = out / "index.html"
     whole(path, lambda target: target.write_text(page, encoding="utf-8"))

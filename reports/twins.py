@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 from chart import Chart, holes
-from style import ZeroLog, grid_of_axes, legend_right, letter, si
+from style import ZeroLog, grid_of_axes, legend_right, letter
+from table import quantity
 
 BEFORE, AFTER = "#0072B2", "#D55E00"
 
@@ -106,9 +107,8 @@ def _table(context, rows, shown, before, after):
                 "outcome": " / ".join("not run" if r is None else r["outcome"] for r in (base, row))}
         for metric in shown:
             label, unit = context.title(metric), context.unit(metric)
-            line[f"{label}, {before}"] = si(number(base, metric), unit)
-            line[f"{label}, {after}"] = si(number(row, metric), unit)
-            ratio = ratio_of(base, row, metric)
-            line[f"ratio of {label}"] = "" if math.isnan(ratio) else f"{ratio:.3g}"
+            for which, side in ((base, before), (row, after)):
+                line |= {name: values[0] for name, values in quantity(f"{label}, {side}", unit, [number(which, metric)]).items()}
+            line[f"ratio of {label} [1]"] = ratio_of(base, row, metric)
         table.append(line)
     return pd.DataFrame(table)

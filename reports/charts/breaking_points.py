@@ -112,7 +112,9 @@ def _chart(context, cells, found, dimension):
                      label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in OUTCOMES if o in seen]
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - (legend_width - 0.65) / WIDTH, 0.97),
                   borderaxespad=0, handlelength=1.2)
-    table = pd.concat(tables)[["scene", "raised", "method", "held", "fell", "outcome", "step"]]
+    table = pd.concat(tables)
+    table["unit"] = ["s" if raised == "dt" else "" for raised in table["raised"]]
+    table = table[["scene", "raised", "unit", "method", "held", "fell", "outcome", "step"]]
     table = table.rename(columns={"held": "largest that held", "fell": "first that failed"})
     return Chart(f"{cells['sweep'].iloc[0]}_raised_{dimension}d", SECTION, f"Breaking points, {dimension}D",
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,

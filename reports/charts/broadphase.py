@@ -10,7 +10,8 @@ from matplotlib.lines import Line2D
 import metrics
 from chart import Chart, Needs, dimension_of, holes, listing
 from load import one_machine
-from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, plain_log, si, times
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, plain_log, times
+from table import quantity
 
 PLACE = 10
 SECTION = "Which broadphase for how many bodies?"
@@ -162,13 +163,11 @@ def _chart(context, cells, dimension, precision, refused):
     handles += [Line2D([], [], ls="none", marker=letter(o), color="#555555", ms=7, label=o)
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
-    table = cells.assign(**{"time per frame": [si(v, "ns") for v in metrics.column(cells, TIME)],
-                            "quartiles": [f"{si(a, 'ns')} to {si(b, 'ns')}" for a, b in
-                                          zip(metrics.column(cells, "ns_per_frame_p25"),
-                                              metrics.column(cells, "ns_per_frame_p75"))]})
-    shown = ["distribution", "method", "n", "outcome", "time per frame", "quartiles"]
-    shown += [name for name in context.metrics("boxes", "cost", "error", "detail") if not context.store.is_time(name)]
-    table = table.sort_values(["distribution", "method", "n"])[shown]
+    table = cells.sort_values(["distribution", "method", "n"])
+    numbers = {}
+    for name in context.metrics("boxes", "cost", "error", "detail"):
+        numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
+    table = table[["distribution", "method", "n", "outcome"]].assign(**numbers)
     return Chart(f"{cells['sweep'].iloc[0]}_{dimension}d{precision.strip()}", SECTION, f"Time and box tests over body count, "
                  f"{dimension}D{precision}", finding(cross, base, dimension), cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["distribution", "method", "n"]),

@@ -11,6 +11,7 @@ import metrics
 from chart import Chart, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
+from table import quantity
 
 PLACE = 20
 SECTION = "Which method is right for its cost?"
@@ -193,17 +194,17 @@ def _table(context, cells, setting, costs, errors):
     if setting:
         columns[setting] = cells[setting]
     columns["outcome"] = cells["outcome"]
-    columns["step"] = ["" if s != s else int(s) for s in cells["step"]]
+    columns["step"] = cells["step"]
     details = [name for name in context.metrics("world", "detail") if context.metric(name).compute]
     for name in [*costs, *errors, *(n for n in details if np.isfinite(metrics.column(cells, n)).any())]:
-        columns[context.title(name)] = [si(v, context.unit(name)) for v in metrics.column(cells, name)]
+        columns |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
     first, second = costs[0], errors[0]
     result = budgets(cells, first, second)
     if result is not None:
         cost_budget, error_budget, table = result
         by = table.set_index("method")
-        columns[f"best {context.title(second)} within {si(cost_budget, context.unit(first))}"] = [
-            si(by["error"][m], context.unit(second)) for m in cells["method"]]
-        columns[f"least {context.title(first)} for {si(error_budget, context.unit(second))}"] = [
-            si(by["cost"][m], context.unit(first)) for m in cells["method"]]
+        columns |= quantity(f"best {context.title(second)} within {si(cost_budget, context.unit(first))}", context.unit(second),
+                          by["error"][cells["method"]])
+        columns |= quantity(f"least {context.title(first)} for {si(error_budget, context.unit(second))}", context.unit(first),
+                          by["cost"][cells["method"]])
     return pd.DataFrame(columns).sort_values(list(columns)[:2] if setting else ["method"])

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 import failure
 from chart import Chart, listing, plural
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt, si
+from table import quantity
 
 PLACE = 80
 SECTION = "Who is right, and who fails where?"
@@ -144,10 +145,9 @@ def _heat_map(context, rows, stage, dimension, precision):
                Patch(facecolor=plt.cm.Oranges(0.85), label="often fails"), Patch(facecolor=REFUSED, label="fails by refusing alone"),
                Patch(facecolor=NOT_ASKED, label="–: does not declare it")]
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 0), ncol=5, handlelength=1.2)
-    table = summary.rename(columns={"ns": "ns per question", "max_error": "largest error", "median_error": "median error"})
-    for name in ("largest error", "median error"):
-        table[name] = ["" if math.isnan(v) else "0" if v == 0 else f"{v:.1e}" for v in table[name]]
-    table["ns per question"] = table["ns per question"].round()
+    table = summary.drop(columns=["ns", "max_error", "median_error", "worst"]).assign(
+        **quantity("time per question", "ns", summary["ns"]), **quantity("largest error", "1", summary["max_error"]),
+        **quantity("median error", "1", summary["median_error"]), worst=summary["worst"])
     return Chart(f"ledger_{stage}_{dimension}d_{precision}", SECTION,
                  f"Ledger of {NOUNS.get(stage, stage)}, {dimension}D, {precision}", finding(stage, dimension, precision, everything),
                  "", figure, table, [],
@@ -260,11 +260,9 @@ def _cost(context, rows, dimension, precision):
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in methods]
     handles.append(Line2D([], [], color="#555555", marker="_", ms=8, mew=1.6, ls="none", label="median error"))
     legend_right(figure, handles, legend_width)
-    number = lambda v: "" if math.isnan(v) else "0" if v == 0 else f"{v:.1e}"  # noqa: E731
     table = pd.DataFrame({"pair": rows["pair"], "method": rows["method"], "asked": rows["asked"],
-                          "time per query": [si(v, "ns") for v in rows["time"]],
-                          "median error": [number(v) for v in rows["median_error"]],
-                          "worst error": [number(v) for v in rows["max_error"]], "failed": [failure.share(v) for v in rows["share"]]})
+                          **quantity("time per query", "ns", rows["time"]), **quantity("median error", "1", rows["median_error"]),
+                          **quantity("worst error", "1", rows["max_error"]), **quantity("failed", "1", rows["share"])})
     return Chart(f"ledger_cost_pair_query_{dimension}d_{precision}", SECTION,
                  f"Pair queries, ours and theirs: time against error, {dimension}D, {precision}",
                  _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,

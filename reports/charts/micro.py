@@ -93,8 +93,7 @@ def _chart(context, stage, table, machines):
     for panel in range(panels):
         _panel(context, axes[panel][0], values, best, errors, table, cases[panel * columns:(panel + 1) * columns],
                columns)
-    shown = values.applymap(lambda v: si(v, "s") if math.isfinite(v) else "").reset_index()
-    shown = shown.rename(columns={"index": "algorithm"})
+    shown = values.add_suffix(" [s]").rename_axis("algorithm").reset_index()
     return Chart("micro_" + stage.replace(" ", "_").lower(), SECTION, f"Micro-benchmark: {stage}", finding(stage, values),
                  "", figure, shown, [f"{name} on {case}: {error}" for (name, case), error in errors.items()],
                  "Median time of a call. White is the fastest of its column, dark ten times slower or more; grey was not "

@@ -12,6 +12,7 @@ import metrics
 from chart import Chart, Needs, dimension_of, holes, listing, plural
 from load import one_machine
 from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, legend_room, letter, plt, si
+from table import quantity
 
 PLACE = 70
 SECTION = "Which pair query is fast and right?"
@@ -126,8 +127,8 @@ def _scatter(context, cells, dimension, refused):
                 for o in sorted({o for o in cells["outcome"] if o not in ("ok", "wrong")})]
     legend_right(figure, handles, legend_width)
     table = pd.DataFrame({"pair": cells["pair"], "method": cells["method"], "outcome": cells["outcome"],
-                          "time per query": [si(v, "ns") for v in time],
-                          **{name.replace("_", " "): [f"{v:.1e}" if v else "0" for v in errors[name]] for name in ERRORS}})
+                          **quantity("time per query", "ns", time),
+                          **{k: v for name in ERRORS for k, v in quantity(name.replace("_", " "), "1", errors[name]).items()}})
     return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
                  finding(cells, dimension), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
                  refused + _holes(cells),
@@ -166,7 +167,7 @@ def _failures(context, cells, dimension):
                 else:
                     text, rate = "?", math.nan
                 rows.append({"method": method, "pair": pair, "outcome": row["outcome"], "asked": asked,
-                             "without an answer": counts[0], "refused": counts[1], "wrong": counts[2], "rate": rate})
+                             "without an answer": counts[0], "refused": counts[1], "wrong": counts[2], "rate [1]": rate})
             ax.add_patch(plt.Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=colour, lw=0))
             ax.text(x, y, text, ha="center", va="center", fontsize=7.5 if len(pairs) > 10 else 8.5, color=ink)
     ax.set_xlim(-0.5, len(pairs) - 0.5)

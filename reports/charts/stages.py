@@ -92,9 +92,9 @@ def _timeline(context, cells, side, axes):
             last = len(whole) - max(1, len(whole) // 10)
             peaks.append((str(cell[side]) if side else where, float(np.max(whole)), float(np.mean(whole[last:]))))
             for k, v in list(shown.items()) + [("whole step", whole)]:
-                rows.append({"run": name, "stage": k, "mean": si(float(np.mean(v)), "ms"),
-                             "largest": si(float(np.max(v)), "ms"), "mean of the last tenth": si(float(np.mean(v[last:])), "ms"),
-                             "share": f"{100 * float(np.sum(v)) / max(1e-300, float(np.sum(whole))):.1f} %"})
+                rows.append({"run": name, "stage": k, "mean [s]": float(np.mean(v)) / 1e3, "largest [s]": float(np.max(v)) / 1e3,
+                             "mean of the last tenth [s]": float(np.mean(v[last:])) / 1e3,
+                             "share of the time [1]": float(np.sum(v)) / max(1e-300, float(np.sum(whole)))})
         for count, colour in COUNTS.items():
             values = None
             for key in (cell["key"], cell["key_timed"]):
@@ -128,8 +128,8 @@ def _finding(where, side, peaks, rows):
         return f"No run of {where} has stage times."
     said = [f"{name}: peak {si(peak, 'ms')}, last tenth {si(end, 'ms')} a step" for name, peak, end in peaks]
     shares = [r for r in rows if r["stage"] not in ("whole step", "other")]
-    most = max(shares, key=lambda r: float(r["share"][:-2])) if shares else None
-    tail = f"; the dearest stage is {most['stage']} ({most['share']} of the time, {most['run']})" if most else ""
+    most = max(shares, key=lambda r: r["share of the time [1]"]) if shares else None
+    tail = f"; the dearest stage is {most['stage']} ({100 * most['share of the time [1]']:.1f} % of the time, {most['run']})" if most else ""
     if side and len(peaks) == 2 and peaks[1][2] > 0:
         a, b = peaks
         slow, fast = (a, b) if a[2] >= b[2] else (b, a)

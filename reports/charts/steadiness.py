@@ -101,7 +101,7 @@ def _steady_chart(context, resting):
                         f"({si(best['restlessness'], 'm/s')}) and most restless with {worst['method']} "
                         f"({si(worst['restlessness'], 'm/s')})")
     text = f"In {dimension}D " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
-    table["restlessness"] = [si(v, "m/s") for v in table["restlessness"].astype(float)]
+    table = table.rename(columns={"restlessness": "restlessness [m/s]"})
     gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]
     return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
                  f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,

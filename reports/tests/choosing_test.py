@@ -139,10 +139,10 @@ class Choosing(unittest.TestCase):
         self.assertNotIn("mine_precision", made, "no method has both")
         self.assertIn("box2d is a whole engine, here in f32: its slop is 5 mm.", made["mine_vertical_stack__2d"].note)
         untold = made["mine_vertical_stack__2d"].table
-        self.assertIn("largest penetration", told)
-        self.assertNotIn("largest penetration of shapes", told, "one error of one meaning")
-        self.assertIn("largest penetration of shapes", untold)
-        self.assertNotIn("largest penetration", untold)
+        self.assertIn("largest penetration [m]", told)
+        self.assertNotIn("largest penetration of shapes [m]", told, "one error of one meaning")
+        self.assertIn("largest penetration of shapes [m]", untold)
+        self.assertNotIn("largest penetration [m]", untold)
 
     def test_an_error_that_nobody_makes_is_no_panel(self):
         def fill(maker, zero=("max_penetration", "mean_penetration", "penetration_poses")):
@@ -151,7 +151,7 @@ class Choosing(unittest.TestCase):
                 maker.world("mine", {"scene": "bridge", "dimension": 2, "joint": label}, 1, 1e-3, zero=zero)
         touching = self.made(lambda maker: fill(maker, ()))["mine_bridge__2d"].table
         hanging = self.made(fill)["mine_bridge__2d"].table
-        self.assertIn("largest penetration", touching)
+        self.assertIn("largest penetration [m]", touching)
         self.assertFalse([name for name in hanging if "largest penetration" in name])
         self.assertIn("restlessness", " ".join(map(str, hanging)))
 

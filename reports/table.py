@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Zlib
+"""Tables: for programs as CSV and JSON with raw SI numbers, for eyes as HTML with the same numbers rounded.
+
+A column of numbers is titled "what it is [unit]", with the unit in SI; texts and counts of things have no unit. Nothing is
+formatted before the page is written, so a number that is read from a table is the one that the chart was drawn from.
+"""
+
+import html
+import json
+import math
+import numbers
+import re
+
+import pandas as pd
+
+from style import si
+
+SI = {"ms": (1e3, "s"), "us": (1e6, "s"), "ns": (1e9, "s")}  # the units of metrics that are not SI: parts of one, and the one
+
+
+def quantity(title, unit, values):
+    """{title of the column: its numbers}, in SI. For an unknown value NaN."""
+    parts, unit = SI.get(unit, (1.0, unit))
+    return {f"{title} [{unit}]": [math.nan if v is None else float(v) / parts for v in values]}
+
+
+def heading(name):
+    """(title, unit) of a column; the unit is empty where it has none."""
+    found = re.fullmatch(r"(.+) \[([^\[\]]+)\]", str(name))
+    return (found[1], found[2]) if found else (str(name), "")
+
+
+def unknown(value):
+    return value is None or value is pd.NA or (isinstance(value, numbers.Real) and value != value)
+
+
+def shown(value, unit):
+    """A value for eyes: empty where it is unknown, rounded where it is a number; zero is 0."""
+    if unknown(value):
+        return ""
+    if isinstance(value, numbers.Real) and unit:
+        return si(float(value), unit)
+    if isinstance(value, float):
+        return f"{value:,.0f}" if math.isfinite(value) and value == int(value) and abs(value) < 1e15 else f"{value:.4g}"
+    return str(value)
+
+
+def to_html(table):
+    """Numbers right, nothing hidden."""
+    headings = [heading(name) for name in table.columns]
+    head = "".join(f"<th>{html.escape(title)}</th>" for title, _ in headings)
+    body = []
+    for row in table.itertuples(index=False):
+        cells = [f"<td{' class=n' if isinstance(value, numbers.Real) else ''}>{html.escape(shown(value, unit))}</td>"
+                 for value, (_, unit) in zip(row, headings)]
+        body.append(f"<tr>{''.join(cells)}</tr>")
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
+
+
+def to_csv(table, target):
+    """Every digit of a number, so that it is read back as it was; unknown is empty."""
+    table.to_csv(target, index=False)
+
+
+def to_json(table, about, target):
+    """{**about, columns: [{title, unit}], rows: [[value]]}: unknown is null, infinite is the text "inf" or "-inf"."""
+    described = [dict(zip(("title", "unit"), heading(name))) for name in table.columns]
+    rows = [[_plain(value) for value in row] for row in table.itertuples(index=False)]
+    target.write_text(json.dumps({**about, "columns": described, "rows": rows}, ensure_ascii=False, allow_nan=False, indent=1) +
+                      "\n", encoding="utf-8")
+
+
+def _plain(value):
+    if unknown(value):
+        return None
+    if not isinstance(value, numbers.Real):
+        return str(value)
+    if isinstance(value, numbers.Integral):
+        return int(value)
+    return float(value) if math.isfinite(value) else str(float(value))
