@@ -56,9 +56,30 @@ def made(module, context):
         found = module.of_store(context)
     else:
         context.check(module)
-        found = [chart for sweep in context.store.sweeps() if context.has(sweep, module.NEEDS)
+        found = [chart for sweep in context.store.sweeps() if context.has(sweep, module.NEEDS, name_of(module))
                  for chart in module.of_sweep(context, context.cells(sweep, module.NEEDS.metrics))]
+        found += [_asked_for(module, sweep) for sweep in context.store.sweeps()
+                  if name_of(module) in context.store.sweep(sweep).report and sweep not in {c.sweep for c in found}]
     return found or [module.ABSENT]
+
+
+def name_of(module):
+    """As a sweep names it in `report = [...]`."""
+    return Path(module.__file__).stem
+
+
+def _asked_for(module, sweep):
+    """What stands for a chart that a sweep names and has not the data for."""
+    absent = module.ABSENT
+    return Chart(identifier(f"{sweep} {absent.id}"), module.SECTION, f"{absent.title}: {sweep}",
+                 f"{sweep} asks for this chart and has not what it needs: {described(module.NEEDS)}.", sweep)
+
+
+def described(needs):
+    parts = [f"trials of kind {needs.kind}", *(f"several values of {axis}" for axis in needs.varies)]
+    if needs.metrics:
+        parts.append(f"{listing(needs.metrics)} in a finished cell")
+    return listing(parts)
 
 
 class Context:
@@ -79,16 +100,18 @@ class Context:
         except load.UserError as error:
             raise load.UserError(f"{Path(module.__file__).name}: {error}") from error
 
-    def has(self, sweep, needs):
+    def has(self, sweep, needs, name):
+        """Whether the chart of this name and these needs is made of a sweep. Where the sweep itself says what it is for, how
+        many methods compete and what is fixed are its own affair."""
         about, cells = self.store.sweep(sweep), self.store.cells(sweep)
-        if about.kind != needs.kind or not len(cells):
+        if about.kind != needs.kind or not len(cells) or (about.report and name not in about.report):
             return False
         several = load.varying(self.store, cells)
         low, high = needs.methods
-        if (not set(needs.varies) <= set(several) or not low <= cells["method"].nunique() <= high or
-                any(axis in needs.fixed or about.roles.get(axis) in needs.fixed for axis in several)):
+        if not about.report and (not low <= cells["method"].nunique() <= high or any(
+                axis in needs.fixed or about.roles.get(axis) in needs.fixed for axis in several)):
             return False
-        return all(self._holds(sweep, cells, name) for name in needs.metrics)
+        return set(needs.varies) <= set(several) and all(self._holds(sweep, cells, metric) for metric in needs.metrics)
 
     def _holds(self, sweep, cells, name):
         if self.store.is_time(name):  # what is timed stands in the plan
@@ -118,8 +141,11 @@ class Context:
         return metrics.find(self.store, name).floor
 
     def baseline(self, cells):
-        """What the sweep of these cells compares the others with; empty where it says nothing."""
-        return self.store.sweep(cells["sweep"].iloc[0]).baseline
+        """What the sweep of these cells compares the others with; empty where it says nothing. Where several stages vary it is
+        the first method that has it."""
+        named = self.store.sweep(cells["sweep"].iloc[0]).baseline
+        having = [label for label in sorted(set(cells["method"])) if named in label.split(load.JOINED)]
+        return having[0] if having else named
 
     def settings(self, cells):
         """Numeric axes that are settings of the methods, such as iterations, and that vary; most values first."""
@@ -151,9 +177,9 @@ class Context:
         return {entry["stage"]: entry["group"] for entry in self.store.algorithms}
 
     def _group_of(self, sweep):
-        axis, groups = self.store.method_axis(sweep), self._groups()
-        if axis in groups:
-            return groups[axis]
+        axes, groups = self.store.method_axes(sweep), self._groups()
+        if axes and axes[0] in groups:
+            return groups[axes[0]]
         # Labels of a sweep's own: the group to which most of their families belong.
         families = {load.family(label) for label in self.store.cells(sweep)["method"]}
         votes = [entry["group"] for entry in self.store.algorithms if entry["name"] in families]

@@ -22,6 +22,8 @@ NOT_RUN = "not run"
 # The worst outcome of a cell's trials is the cell's; an outcome that this list does not know is worse than ok.
 SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "collapsed", "exploded", "diverged", "timeout",
             "out_of_memory", "crash"]
+# Between the parts of a method's label where several stages vary: `sat_clip / region_tree`.
+JOINED = " / "
 # Axes that tell the trials of one cell apart, not the cells.
 WITHIN_CELL = ("timed", "repeat")
 
@@ -58,14 +60,23 @@ class Sweep:
     baseline: str = ""  # the value of an axis that the others are compared with
     # Axis -> "label" (of pipelines), "stage", "setting" (used as $name in a pipeline), "parameter" (of the scene), "run"
     roles: dict = field(default_factory=dict)
+    report: tuple = ()  # the charts that it is for; empty: whatever it has the data for
 
-    def method_axis(self, planned):
-        """The axis along which methods compete: labelled pipelines before a stage, several values before one."""
-        for role in ("label", "stage"):
-            axes = [name for name in self.roles if self.roles[name] == role]
-            if axes:
-                return max(axes, key=lambda name: len({str(cell.get(name)) for cell in planned}))
-        return None
+    def method_axes(self, planned):
+        """The axes along which methods compete: all that say what a pipeline is made of and vary, the one that tells
+        most first; one where none varies."""
+        def values(name):
+            return len({str(cell[name]) for cell in planned if name in cell})
+        named = [name for name, role in self.roles.items() if role in ("label", "stage")]
+        named.sort(key=lambda name: (self.roles[name] != "label", -values(name)))
+        return [name for name in named if values(name) > 1] or named[:1]
+
+
+def _sweep(name, kind, summary, baseline, roles):
+    """Among the roles, which are texts, may stand the list of charts."""
+    roles = json.loads(roles)
+    charts = roles.pop("report") if isinstance(roles.get("report"), list) else ()
+    return Sweep(name, kind, summary, baseline, roles, tuple(charts))
 
 
 def _plain(value):
@@ -104,7 +115,7 @@ class Store:
         self.planned = self._read_planned()
         self.algorithms = self._read_registry()
         self.metrics, self.described_series = self._read_metrics("metric"), self._read_metrics("series")
-        self._sweeps = {row[0]: Sweep(*row[:4], json.loads(row[4])) for row in
+        self._sweeps = {row[0]: _sweep(*row) for row in
                         self.db.execute("SELECT name, kind, summary, baseline, roles FROM sweep")}
         self._cells, self._method_axes = {}, {}
 
@@ -151,10 +162,10 @@ class Store:
     def sweep(self, name):
         return self._sweeps.get(name) or Sweep(name, "")
 
-    def method_axis(self, sweep):
+    def method_axes(self, sweep):
         if sweep not in self._method_axes:
             planned = self.planned[self.planned["sweep"] == sweep]["axes"]
-            self._method_axes[sweep] = self.sweep(sweep).method_axis(planned)
+            self._method_axes[sweep] = self.sweep(sweep).method_axes(planned)
         return self._method_axes[sweep]
 
     def series(self, key, name):
@@ -235,7 +246,7 @@ class Store:
         return cell
 
     def method_of(self, sweep, axes):
-        return str(axes.get(self.method_axis(sweep), "default"))
+        return JOINED.join(str(axes[name]) for name in self.method_axes(sweep) if name in axes) or "default"
 
     def started(self):
         times = sorted(t for t in self.trials["started"] if t)
@@ -261,7 +272,7 @@ def described(table, name):
 def varying(store, cells, but=()):
     """Axes of these cells with more than one value, but for those that tell methods apart. An engine that exists in one
     precision only does not make the precision an axis."""
-    axes = axes_of(store, cells) - {store.method_axis(name) for name in cells["sweep"].unique()} - set(but)
+    axes = axes_of(store, cells) - {axis for name in cells["sweep"].unique() for axis in store.method_axes(name)} - set(but)
     several = [c for c in cells.columns if c in axes and cells[c].map(str).nunique() > 1]
     return [c for c in several if c != "precision" or (cells.groupby("method")[c].nunique() > 1).any()]
 

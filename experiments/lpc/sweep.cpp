@@ -11,13 +11,13 @@ namespace {
 
 struct Options {
   std::string sweep, store;
-  std::vector<std::string> only;
+  std::vector<std::string> only, with;
   bool dryRun = false;
   RunOptions run;
 };
 
 void sweep(Options& o, Session& session) {
-  const std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only);
+  const std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with);
   if (o.dryRun) {
     for (const PlannedSweep& s : sweeps) {
       std::size_t timed = 0, unsupported = 0;
@@ -49,11 +49,14 @@ void addSweep(CommandLine& app, Session& session) {
   command.option("--store", o->store, "SQLite file, made if absent").showDefault();
   command.option("--only", o->only, "keeps the cells of these labels, algorithms or scenes (comma-separated)")
       .commaSeparated();
+  command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
   command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
   command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
   command.flag("--dry-run", o->dryRun, "counts the trials and runs none");
   command.flag("--quiet", o->run.quiet, "no progress line");
-  command.footer("Example: lpc sweep broadphase_crossover --only naive,region_tree --store results/mine.db");
+  command.footer(
+      "Example: lpc sweep broadphase_crossover --only naive,region_tree --store results/mine.db\n"
+      "         lpc sweep resolvers --with 'catto20=solver=split_solver{velocity=catto{iterations=20}}'");
   command.callback([o, &session] { sweep(*o, session); });
 }
 

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "framework/check.h"
 
@@ -26,6 +28,19 @@ std::vector<std::string> listToml(const std::string& folder) {
     if (entry.path().extension() == ".toml") out.push_back(entry.path().string());
   }
   if (error) throw UserError(directory.string() + ": cannot be read; set LPC_HOME to the directory with experiments/");
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::vector<std::string> chartsOfSweeps() {
+  std::vector<std::string> out;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(fs::path(homeDirectory()) / "reports" / "charts", none)) {
+    if (entry.path().extension() != ".py") continue;
+    std::ifstream in(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    if (text.find("\ndef of_sweep(") != text.npos) out.push_back(entry.path().stem().string());
+  }
   std::sort(out.begin(), out.end());
   return out;
 }

@@ -13,6 +13,8 @@ namespace lpc::inline LPC_PRECISION {
 std::string homeDirectory();
 /// All *.toml of experiments/<folder>, sorted by name.
 std::vector<std::string> listToml(const std::string& folder);
+/// Charts that are made of sweeps, the files of reports/charts, sorted by name.
+std::vector<std::string> chartsOfSweeps();
 /// A path that exists, or experiments/<folder>/NAME.toml. Throws UserError with the valid names.
 std::string findToml(const std::string& folder, const std::string& nameOrPath);
 /// lpc-worker-<precision> beside this program, or lpc-engine-worker-<precision>, which has engines and no witnesses.

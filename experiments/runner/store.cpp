@@ -153,7 +153,9 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   }
   SQLite::Statement about(m_db, "INSERT OR REPLACE INTO sweep VALUES (?, ?, ?, ?, ?)");
   about.bind(1, sweep.name), about.bind(2, sweep.kind), about.bind(3, sweep.summary), about.bind(4, sweep.baseline);
-  about.bind(5, json(sweep.roles).dump());
+  json roles = sweep.roles;
+  if (!sweep.charts.empty()) roles["report"] = sweep.charts;  // the only list among them
+  about.bind(5, roles.dump());
   about.exec();
   SQLite::Statement s(m_db, "INSERT OR REPLACE INTO planned VALUES (?, ?, ?)");
   for (const PlannedTrial& t : sweep.trials) {

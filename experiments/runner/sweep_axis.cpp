@@ -11,6 +11,11 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+// What messages begin with: "sweep.toml:12".
+std::string placeIn(const std::string& file, const toml::node& node) {
+  return file + ":" + std::to_string(node.source().begin.line);
+}
+
 /// One way to replace the stars of a text.
 struct Choice {
   Spec spec;
@@ -19,7 +24,8 @@ struct Choice {
 
 class Stars {
  public:
-  Stars(const std::string& file, const toml::node& node) : m_file(file), m_node(node) {}
+  /// `place`: what messages begin with.
+  explicit Stars(std::string place) : m_place(std::move(place)) {}
 
   static bool isStar(const std::string& name) { return name.starts_with("*"); }
 
@@ -30,7 +36,7 @@ class Stars {
     for (const auto& [parameter, value] : spec.fields) {
       const auto has = [&, &p = parameter](const std::string& n) { return parameterOf(stage, n, p) != nullptr; };
       if (!names.empty() && std::none_of(names.begin(), names.end(), has)) {
-        failAt(m_file, m_node, "'" + spec.text() + "': no " + std::string(stage.name) + " has '" + parameter + "'");
+        fail("'" + spec.text() + "': no " + std::string(stage.name) + " has '" + parameter + "'");
       }
     }
     std::vector<Choice> out;
@@ -69,8 +75,8 @@ class Stars {
         all = std::move(next), pipelines = std::move(texts);
       }
     } catch (const UserError& e) {
-      if (std::string_view(e.what()).starts_with(m_file)) throw;
-      failAt(m_file, m_node, e.what());
+      if (std::string_view(e.what()).starts_with(m_place)) throw;
+      fail(e.what());
     }
     return all;
   }
@@ -100,7 +106,7 @@ class Stars {
 
   void join(Choice& c, const std::pair<const std::string, std::string>& name) const {
     if (!c.names.insert(name).second) {
-      failAt(m_file, m_node, "two stars stand after '" + name.first + "='; a label could not tell them apart");
+      fail("two stars stand after '" + name.first + "='; a label could not tell them apart");
     }
   }
 
@@ -119,7 +125,7 @@ class Stars {
     const std::size_t dash = std::min(star.find('-'), star.size());
     const std::string kind = star.substr(0, dash);
     if (kind != "*" && kind != "*witness") {
-      failAt(m_file, m_node, "'" + star + "'; valid: *, *witness, *-name for all but some, names");
+      fail("'" + star + "'; valid: *, *witness, *-name for all but some, names");
     }
     std::set<std::string> names;
     for (const auto& [key, entry] : Registry::instance().all()) {
@@ -129,49 +135,57 @@ class Stars {
     std::string valid;
     for (const std::string& n : names) valid += (valid.empty() ? "" : ", ") + n;
     if (names.empty() && kind == "*") {
-      failAt(m_file, m_node, "nobody is registered as " + std::string(stage.name));
+      fail("nobody is registered as " + std::string(stage.name));
     }
     for (std::size_t at = dash; at < star.size();) {
       const std::size_t end = std::min(star.find('-', at + 1), star.size());
       const std::string name = star.substr(at + 1, end - at - 1);
       if (!names.erase(name)) {
-        failAt(m_file, m_node, "'" + star + "' leaves out '" + name + "', who is not there; valid: " + valid);
+        fail("'" + star + "' leaves out '" + name + "', who is not there; valid: " + valid);
       }
       at = end;
     }
     return {names.begin(), names.end()};
   }
 
-  const std::string& m_file;
-  const toml::node& m_node;
+  [[noreturn]] void fail(const std::string& what) const { throw UserError(m_place + ": " + what); }
+
+  std::string m_place;
 };
 
 // "catto+$position" with what `position=*` became.
-std::string labelOf(const std::string& file, const toml::node& node, std::string label, const Choice& choice) {
+std::string labelOf(const std::string& place, std::string label, const Choice& choice) {
   std::vector<std::string> keys;  // the longest first: $query must not eat the beginning of $query_of
   for (const auto& [key, name] : choice.names) keys.push_back(key);
   std::sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
   for (const std::string& key : keys) {
     const std::size_t at = label.find("$" + key);
     if (at == label.npos) {
-      failAt(file, node, "the label '" + label + "' is that of several methods; valid: one with $" + key);
+      throw UserError(place + ": the label '" + label + "' is that of several methods; valid: one with $" + key);
     }
     label.replace(at, key.size() + 1, choice.names.at(key));
   }
   return label;
 }
 
-void readLabelled(const std::string& file, const std::string& label, const toml::node& node, Axis& axis) {
-  if (!node.is_string()) failAt(file, node, "'" + label + "' is " + describe(node) + "; valid: a string");
-  const std::string text = *node.value<std::string>();
+// `node`: where it stands; none when it was given on the command line.
+void addLabelled(const std::string& place, const std::string& label, const std::string& text, const toml::node* node,
+                 Axis& axis) {
+  std::vector<std::pair<std::string, std::string>> found;
   if (text.find('*') == text.npos) {
-    axis.values.push_back({label, text, text, &node});
-    return;
+    found.emplace_back(label, text);
+  } else {
+    std::vector<std::string> pipelines;
+    const std::vector<Choice> choices = Stars(place).expand(text, pipelines);
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      found.emplace_back(labelOf(place, label, choices[i]), pipelines[i]);
+    }
   }
-  std::vector<std::string> pipelines;
-  const std::vector<Choice> choices = Stars(file, node).expand(text, pipelines);
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    axis.values.push_back({labelOf(file, node, label, choices[i]), pipelines[i], text, &node});
+  for (const auto& [name, pipeline] : found) {
+    for (const AxisValue& v : axis.values) {
+      if (v.label == name) throw UserError(place + ": two methods have the label '" + name + "'");
+    }
+    axis.values.push_back({name, pipeline, text, node});
   }
 }
 
@@ -190,7 +204,7 @@ void readValue(const std::string& file, const toml::node& node, Axis& axis) {
     } else {
       std::vector<Choice> choices;
       try {
-        choices = Stars(file, node).expand(*stage, axis.name, Spec::parse(text));
+        choices = Stars(placeIn(file, node)).expand(*stage, axis.name, Spec::parse(text));
       } catch (const UserError& e) {
         if (std::string_view(e.what()).starts_with(file)) throw;
         failAt(file, node, e.what());
@@ -207,12 +221,9 @@ void readValue(const std::string& file, const toml::node& node, Axis& axis) {
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node) {
   Axis axis{name, {}, node.is_table()};
   if (const toml::table* table = node.as_table()) {
-    for (const auto& [label, text] : inFileOrder(*table)) readLabelled(file, label, *text, axis);
-    std::set<std::string> labels;
-    for (const AxisValue& v : axis.values) {
-      if (!labels.insert(v.label.get<std::string>()).second) {
-        failAt(file, *v.node, "two methods have the label '" + v.label.get<std::string>() + "'");
-      }
+    for (const auto& [label, text] : inFileOrder(*table)) {
+      if (!text->is_string()) failAt(file, *text, "'" + label + "' is " + describe(*text) + "; valid: a string");
+      addLabelled(placeIn(file, *text), label, *text->value<std::string>(), text, axis);
     }
   } else if (const toml::array* list = node.as_array()) {
     for (const toml::node& n : *list) readValue(file, n, axis);
@@ -224,6 +235,24 @@ Axis readAxis(const std::string& file, const std::string& name, const toml::node
     failAt(file, node, "axis '" + name + "' is empty");
   }
   return axis;
+}
+
+bool addMethod(const std::string& given, std::vector<Axis>& axes) {
+  const std::string place = "--with '" + given + "'";
+  const std::size_t equals = given.find('=');
+  const std::string label = given.substr(0, equals);
+  if (equals == given.npos || label.empty() || given.find('=', equals + 1) == given.npos) {
+    throw UserError(place + "; valid: LABEL=PIPELINE, such as jacobi=solver=split_solver{velocity=jacobi}");
+  }
+  const std::string text = given.substr(equals + 1);
+  const auto axis = std::find_if(axes.begin(), axes.end(), [](const Axis& a) { return a.labelled; });
+  if (axis == axes.end()) return false;
+  for (std::size_t at = text.find('$'); at != text.npos; at = text.find('$', at + 1)) {
+    const auto named = [&](const Axis& a) { return text.compare(at + 1, a.name.size(), a.name) == 0; };
+    if (std::none_of(axes.begin(), axes.end(), named)) return false;
+  }
+  addLabelled(place, label, text, nullptr, *axis);
+  return true;
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -20,7 +20,7 @@ struct AxisValue {
   nlohmann::json label;              // a number or text, as written
   std::string pipeline;              // of a labelled text: a part of a pipeline
   std::string written;               // the same as the file has it, with parameters that not everyone has
-  const toml::node* node = nullptr;  // where
+  const toml::node* node = nullptr;  // where; none for one that was given on the command line
 };
 struct Axis {
   std::string name;
@@ -31,5 +31,9 @@ struct Axis {
 /// A number, a text, a list of these, or a table of labelled parts of pipelines. A label whose text has stars says with
 /// `$velocity` where the name goes that `velocity=*` became. Throws UserError with file and line.
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node);
+
+/// One more method, "LABEL=PIPELINE" as the command line has it, joins the labelled axis. Not where none is, or where
+/// the text uses a `$name` that no axis has. Throws UserError for what is no such text, and for a label that is taken.
+bool addMethod(const std::string& given, std::vector<Axis>& axes);
 
 }  // namespace lpc::inline LPC_PRECISION

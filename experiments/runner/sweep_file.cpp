@@ -43,8 +43,15 @@ void collectNames(const Spec& spec, std::set<std::string>& out) {
 
 class Sweep {
  public:
-  Sweep(const std::string& path, const std::set<std::string>& only, std::set<std::string>& matched)
-      : m_path(path), m_only(only), m_matched(matched), m_table(parseToml(readFile(path), path)) {
+  /// `matched` and `taken` get what was found of the names in `only` and of the methods in `with`.
+  Sweep(const std::string& path, const std::set<std::string>& only, std::set<std::string>& matched,
+        const std::vector<std::string>& with, std::set<std::string>& taken)
+      : m_path(path),
+        m_only(only),
+        m_matched(matched),
+        m_with(with),
+        m_taken(taken),
+        m_table(parseToml(readFile(path), path)) {
     m_out.name = std::filesystem::path(path).stem().string();
   }
 
@@ -58,8 +65,12 @@ class Sweep {
     }
     m_out.wallLimit = limit(top, "wall_limit", m_out.wallLimit);
     m_out.memoryLimit = limit(top, "memory_limit", m_out.memoryLimit);
+    readCharts(top);
     Settings settings;
     readSettings(top, settings);
+    for (const std::string& method : m_with) {
+      if (addMethod(method, settings.axes)) m_taken.insert(method);
+    }
     const auto groups = top.blocks("group");
     top.finish();
     if (groups.empty()) product(settings, m_table);
@@ -75,6 +86,7 @@ class Sweep {
       for (const std::string& n : m_named) valid += (valid.empty() ? "" : ", ") + n;
       top.fail(*top.find("baseline"), "no axis has the value '" + m_out.baseline + "'; valid: " + valid);
     }
+    refuseWhatIsThere(settings.axes);
     if (m_out.trials.empty() && m_only.empty()) throw UserError(m_path + ": the sweep has no cell");
     return std::move(m_out);
   }
@@ -84,6 +96,33 @@ class Sweep {
     const double value = t.number(key, fallback);
     if (!(value > 0)) t.fail(*t.find(key), std::string("'") + key + "' is " + asText(value) + "; valid: above 0");
     return value;
+  }
+
+  void readCharts(TableReader& top) {
+    if (!top.find("report")) return;
+    m_out.charts = top.strings("report");
+    const std::vector<std::string> known = chartsOfSweeps();
+    for (const std::string& name : m_out.charts) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      std::string valid;
+      for (const std::string& n : known) valid += (valid.empty() ? "" : ", ") + n;
+      top.fail(*top.find("report"), "'report' names the chart '" + name + "'; valid: " + valid);
+    }
+  }
+
+  // The same trial under two labels runs once, under the first: a method of the command line would vanish.
+  void refuseWhatIsThere(const std::vector<Axis>& axes) {
+    std::set<std::string> planned;
+    for (const PlannedTrial& t : m_out.trials) {
+      for (const auto& [axis, value] : t.axes.items()) planned.insert(axis + "=" + value.dump());
+    }
+    for (const Axis& axis : axes) {
+      for (const AxisValue& v : axis.values) {
+        if (v.node || !m_only.empty() || planned.count(axis.name + "=" + v.label.dump())) continue;
+        throw UserError("--with " + v.label.get<std::string>() + ": " + m_path +
+                        " has all its trials under another label");
+      }
+    }
   }
 
   struct Settings {
@@ -144,6 +183,12 @@ class Sweep {
         trial = m_kind == "world" ? world(s, at, axes, timed, repeat, names) : frozen(axes, timed, repeat, names);
       } catch (const UserError& e) {
         if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
+        // What goes wrong with a method of the command line does so in its first cell, when the others have been
+        // planned.
+        for (std::size_t i = 0; i < at.size(); ++i) {
+          const AxisValue& value = s.axes[i].values[at[i]];
+          if (!value.node) throw UserError("--with " + value.label.get<std::string>() + ": " + e.what());
+        }
         failAt(m_path, placeOf(e.what(), s, at, where), e.what());
       }
       if (!wanted(names)) return;
@@ -312,6 +357,8 @@ class Sweep {
   std::string m_path, m_kind;
   const std::set<std::string>& m_only;
   std::set<std::string>& m_matched;
+  const std::vector<std::string>& m_with;
+  std::set<std::string>& m_taken;
   toml::table m_table;
   Planner* m_planner = nullptr;
   std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
@@ -320,10 +367,11 @@ class Sweep {
 
 }  // namespace
 
-std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& onlyList) {
+std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& onlyList,
+                                     const std::vector<std::string>& with) {
   const std::string path = findToml("sweeps", nameOrPath);
   const std::set<std::string> only(onlyList.begin(), onlyList.end());
-  std::set<std::string> matched;
+  std::set<std::string> matched, taken;
   std::vector<std::string> files = {path};
   const toml::table table = parseToml(readFile(path), path);
   if (table.contains("sweeps")) {
@@ -342,7 +390,13 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
   }
   Planner planner;
   std::vector<PlannedSweep> out;
-  for (const std::string& file : files) out.push_back(Sweep(file, only, matched).plan(planner));
+  for (const std::string& file : files) out.push_back(Sweep(file, only, matched, with, taken).plan(planner));
+  for (const std::string& method : with) {
+    if (!taken.count(method)) {
+      throw UserError("--with '" + method + "': no sweep of '" + nameOrPath +
+                      "' has labelled methods in [axes], and an axis for each $name that this one uses");
+    }
+  }
   for (const std::string& name : only) {
     if (!matched.count(name)) {
       throw UserError("--only " + name + ": no cell of '" + nameOrPath +

@@ -17,14 +17,17 @@ struct PlannedSweep {
   /// What each axis is to the sweep: "label" (of pipelines), "stage", "setting" (used as $name in a pipeline),
   /// "parameter" (of the scene), or "run".
   std::map<std::string, std::string> roles;
-  double wallLimit = 120;  // s, per trial
-  double memoryLimit = 4;  // GiB, per trial
+  std::vector<std::string> charts;  // what it is for: files of reports/charts; empty: whatever it has the data for
+  double wallLimit = 120;           // s, per trial
+  double memoryLimit = 4;           // GiB, per trial
   std::vector<PlannedTrial> trials;
 };
 
 /// The sweeps of a file: itself, or those of a set (`sweeps = [...]`). Throws UserError with file and line, also for
 /// mistakes in the scenes and pipelines that it names. `only` keeps the cells in which one of these labels, algorithms
-/// or scenes takes part; `--only` of something that nobody has is a mistake.
-std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& only);
+/// or scenes takes part; `--only` of something that nobody has is a mistake. `with` holds methods that the files lack,
+/// as "LABEL=PIPELINE": they join the labelled axis of `[axes]` in each sweep that has one.
+std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& only,
+                                     const std::vector<std::string>& with = {});
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -25,8 +25,8 @@ STRETCHES = 240
 
 
 def of_sweep(context, cells):
-    side = context.store.method_axis(cells["sweep"].iloc[0])
-    side = side if side in cells and cells["method"].nunique() > 1 else None
+    axes = context.store.method_axes(cells["sweep"].iloc[0])
+    side = None if cells["method"].nunique() < 2 else axes[0] if len(axes) == 1 else "method"
     others = varying(context.store, cells)
     made = []
     for part in split(cells, others):

@@ -2,6 +2,7 @@
 """Tests of the report: which charts a sweep gets, and by which colours and markers methods are told apart. Run by ctest, or
 python3 reports/tests/choosing_test.py. Every check that guards a promise is seen to fail on a planted bug."""
 
+import itertools
 import random
 import sys
 import tempfile
@@ -109,6 +110,38 @@ class Choosing(unittest.TestCase):
         made = self.made(fill)
         self.assertEqual(sorted(made), ["coverage", "friction_leaning_stack__2d__n_10", "friction_leaning_stack__2d__n_20",
                                         "friction_leaning_stack__2d__n_5", "friction_raised_2d", "friction_steadiness_2d"])
+
+    def test_a_method_is_named_by_every_stage_that_varies(self):
+        def fill(maker, cache=("by_feature",)):
+            maker.sweep("mine", "world", "naive", broadphase="stage", cache="stage", contacts="stage", sleep="stage")
+            for contacts, broadphase, kept in itertools.product(("query_clip", "sat_clip"), ("naive", "region_tree", "uniform_grid"),
+                                                                cache):
+                maker.world("mine", {"scene": "vertical_stack", "dimension": 2, "contacts": contacts, "broadphase": broadphase,
+                                     "cache": kept, "sleep": "none"}, 1, 1e-3 if contacts == "sat_clip" else 2e-3)
+        made = self.made(fill)
+        self.assertEqual(sorted(made), ["coverage", "mine_steadiness_2d", "mine_vertical_stack__2d"], "one chart, not six")
+        self.assertEqual(list(made["mine_vertical_stack__2d"].table["method"]), [
+            f"{b} / {c}" for b in ("naive", "region_tree", "uniform_grid") for c in ("query_clip", "sat_clip")])
+        self.assertIn("the time of naive / query_clip", made["mine_vertical_stack__2d"].finding)
+        three = self.made(lambda maker: fill(maker, ("by_feature", "none")))["mine_vertical_stack__2d"].table
+        self.assertIn("region_tree / by_feature / sat_clip", list(three["method"]), "what has most values comes first")
+
+    def test_a_sweep_may_say_which_charts_it_is_for(self):
+        def fill(maker, **what):
+            maker.sweep("mine", "world", "", resolver="label", iterations="setting", **what)
+            for i, label in itertools.product((4, 10), ("catto", "naive", "soft_step")):
+                maker.world("mine", {"scene": "pyramid", "dimension": 2, "resolver": label, "iterations": i}, i, 1e-3)
+        self.assertEqual(sorted(self.made(fill)), ["coverage", "mine_pyramid__2d", "mine_steadiness_2d"])
+        only = self.made(lambda maker: fill(maker, report=["steadiness"]))
+        self.assertEqual(sorted(only), ["coverage", "mine_steadiness_2d"])
+        with tempfile.TemporaryDirectory() as folder:
+            maker = synthetic_store.Maker(Path(folder) / "store.db")
+            fill(maker, report=["cost_against_error", "broadphase"])
+            maker.close()
+            told = {c.id: c for c in make.all_charts(chart.Context(load.Store(Path(folder) / "store.db")))}
+        self.assertIn("mine_pyramid__2d", told)
+        self.assertEqual(told["mine_broadphase"].finding, "mine asks for this chart and has not what it needs: trials of kind boxes, "
+                         "several values of n and ns_per_frame_median and box_tests_mean in a finished cell.")
 
     def test_names_of_sweeps_and_scenes_choose_nothing(self):
         def fill(maker):

@@ -100,7 +100,7 @@ class Maker:
         self.db.execute("INSERT INTO machine VALUES (2, ?)", (json.dumps({**MACHINE, "cpu": "Another CPU"}),))
 
     def sweep(self, name, kind="world", baseline="", **roles):
-        """What a sweep says of its axes: roles that are not told are "run"."""
+        """What a sweep says of its axes: roles that are not told are "run"; `report` is a list of charts."""
         self.db.execute("INSERT OR REPLACE INTO sweep VALUES (?,?,?,?,?)", (name, kind, "invented", baseline, json.dumps(roles)))
 
     def plan(self, sweep, **axes):

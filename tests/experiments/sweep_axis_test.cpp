@@ -158,5 +158,103 @@ scene = "box_drop"
   test::expectCaught("a sweep that lists its resolvers by hand", lacking(planSweeps(byHand, {}).at(0)).empty());
 }
 
+Names resolversOf(const PlannedSweep& sweep) {
+  Names labels;
+  for (const PlannedTrial& t : sweep.trials) labels.insert(t.axes["resolver"].get<std::string>());
+  return labels;
+}
+
+const std::string kTwoResolvers = R"(
+summary = "s"
+kind = "world"
+[axes]
+scene = "box_drop"
+iterations = [4, 10]
+[axes.resolver]
+"naive" = "solver=split_solver{velocity=naive{iterations=$iterations}}"
+[[group]]
+[[group]]
+axes = { scene = "pyramid", resolver = { "millington" = "solver=split_solver{velocity=millington{iteration_factor=$iterations}}" } }
+)";
+
+TEST(SweepWith, AMethodOfTheCommandLineJoinsTheLabelledAxis) {
+  Workspace w;
+  const std::string path = w.write("s.toml", kTwoResolvers);
+  const auto sweeps = planSweeps(path, {}, {"damped=solver=split_solver{velocity=catto{iterations=$iterations}}"});
+  std::map<std::string, int> cells;
+  for (const PlannedTrial& t : sweeps[0].trials)
+    ++cells[t.axes["resolver"].get<std::string>() + " " + t.axes["scene"].get<std::string>()];
+  const std::map<std::string, int> right = {{"naive box_drop", 2}, {"damped box_drop", 2}, {"millington pyramid", 2}};
+  EXPECT_EQ(cells, right) << "a group with an axis of its own keeps it";
+  for (const PlannedTrial& t : sweeps[0].trials) {
+    const std::string n = std::to_string(t.axes["iterations"].get<int>()), pipeline = t.canonical["pipeline"];
+    EXPECT_EQ(pipeline.find("velocity=catto{iterations=" + n) != pipeline.npos, t.axes["resolver"] == "damped");
+  }
+  EXPECT_EQ(
+      resolversOf(planSweeps(path, {}, {"$velocity+none=solver=split_solver{velocity=*-naive,position=none}"})[0]),
+      (Names{"naive", "millington", "catto+none", "millington+none"}));
+  EXPECT_EQ(resolversOf(planSweeps(path, {"soft"}, {"soft=solver=soft_step{substeps=$iterations}"})[0]), Names{"soft"});
+}
+
+TEST(SweepWith, ShippedSweepsTakeOneMore) {
+  const std::string method =
+      "mine=solver=split_solver{velocity=catto{iterations=$iterations},position=none} cache=none";
+  EXPECT_TRUE(resolversOf(planSweeps("resolvers", {}, {method}).at(0)).count("mine"));
+  for (const PlannedSweep& s : planSweeps("quick", {}, {method})) {
+    const bool here = std::any_of(s.trials.begin(), s.trials.end(),
+                                  [](const auto& t) { return t.axes.value("resolver", "") == "mine"; });
+    EXPECT_EQ(here, s.name == "resolvers" || s.name.starts_with("breaking_points")) << s.name;
+  }
+}
+
+TEST(SweepWith, MistakesAreOneLine) {
+  Workspace w;
+  w.write("s.toml", kTwoResolvers);
+  w.write("boxes.toml",
+          "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\nn = 8\ndistribution = \"uniform\"\nbroadphase = "
+          "\"*\"\n");
+  const std::pair<const char*, std::vector<const char*>> cases[] = {
+      {"s.toml --with catto", {"--with 'catto'", "valid: LABEL=PIPELINE"}},
+      {"s.toml --with =solver=soft_step", {"--with '=solver=soft_step'", "valid: LABEL=PIPELINE"}},
+      {"s.toml --with soft=soft_step", {"--with 'soft=soft_step'", "valid: LABEL=PIPELINE"}},
+      {"s.toml --with naive=solver=soft_step", {"--with 'naive=", "two methods have the label 'naive'"}},
+      {"s.toml --with 'again=solver=split_solver{velocity=naive{iterations=$iterations}}'",
+       {"--with again: ", "s.toml has all its trials under another label"}},
+      {"s.toml --with mine=solver=soft_stpe", {"--with mine: ", "'soft_stpe'", "soft_step"}},
+      {"s.toml --with mine=sovler=soft_step", {"--with mine: ", "'sovler'", "solver"}},
+      {"s.toml --with 'mine=solver=split_solver{velocity=*}'", {"--with 'mine=", "one with $velocity"}},
+      {"s.toml --with 'mine=solver=soft_step{substeps=$substeps}'",
+       {"--with 'mine=", "'s.toml'", "an axis for each $name"}},
+      {"boxes.toml --with mine=broadphase=naive", {"--with 'mine=", "'boxes.toml'", "labelled methods"}}};
+  for (const auto& [arguments, parts] : cases) {
+    const test::Outcome out = w.lpc(std::string("sweep --store never.db ") + arguments);
+    EXPECT_EQ(out.code, 2) << arguments << "\n" << out.text;
+    EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+    for (const char* part : parts) EXPECT_NE(out.text.find(part), std::string::npos) << arguments << "\n" << out.text;
+  }
+  EXPECT_FALSE(std::filesystem::exists(w.path("never.db")));
+}
+
+TEST(SweepReport, TheChartsThatASweepIsForAreInTheStore) {
+  Workspace w;
+  const auto text = [](const std::string& charts) {
+    return "summary = \"s\"\nkind = \"boxes\"\nreport = " + charts +
+           "\n[axes]\ndimension = 2\nn = 8\nframes = 12\ndistribution = \"uniform\"\nbroadphase = \"naive\"\n";
+  };
+  w.write("s.toml", text("[\"broadphase\"]"));
+  ASSERT_EQ(w.lpc("sweep s.toml --store a.db --quiet").code, 0);
+  EXPECT_EQ(nlohmann::json::parse(test::ask(w.path("a.db"), "SELECT roles FROM sweep"))["report"],
+            nlohmann::json({"broadphase"}));
+  w.write("s.toml", text("[\"boradphase\", \"ledger\"]"));
+  const test::Outcome wrong = w.lpc("sweep s.toml --store b.db --quiet");
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(
+      wrong.text.find(
+          "s.toml:3: 'report' names the chart 'boradphase'; valid: breaking_points, broadphase, cost_against_error, "),
+      std::string::npos)
+      << wrong.text;
+  EXPECT_EQ(wrong.text.find("ledger,"), std::string::npos) << "which is of a store and no sweep's: " << wrong.text;
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION
