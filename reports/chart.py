@@ -10,12 +10,30 @@ import importlib
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Optional
 
 import pandas as pd
 
 import load
 import metrics
 from style import Looks
+
+
+@dataclass(frozen=True)
+class Headline:
+    """The sentence of a chart that a researcher would repeat, and the numbers that it compares: they rank it, and are drawn
+    small beside it (headlines.py)."""
+    text: str
+    values: dict  # name -> number; NaN is what failed
+    unit: str = "1"
+
+    @property
+    def effect(self):
+        """How many times the smallest number the largest is; a zero or a failure beside another number counts as 1000."""
+        known = [value for value in self.values.values() if math.isfinite(value)]
+        if not known or max(known) <= 0:
+            return 1.0
+        return min(1000.0, max(known) / min(known) if min(known) > 0 and len(known) == len(self.values) else 1000.0)
 
 
 @dataclass
@@ -31,6 +49,7 @@ class Chart:
     note: str = ""  # how to read it
     made_by: str = ""  # arguments of `lpc` where no sweep made the data
     telling: bool = False  # may stand for the whole report
+    headline: Optional[Headline] = None  # where the data tell one: a difference that is larger than the noise
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,10 @@ import jinja2
 import pandas as pd
 
 import coverage
+import headlines
 import metrics
 import table
+from chart import plural
 from load import UserError
 from style import plt
 
@@ -84,7 +86,7 @@ def forget_earlier(out):
     page = out / "index.html"
     if not page.is_file() or MARK not in page.read_text(encoding="utf-8", errors="replace"):
         return
-    for pattern in ("charts/*.svg", "charts/*.png", "tables/*.csv", "tables/*.json"):
+    for pattern in ("charts/*.svg", "charts/*.png", "charts/small/*.svg", "tables/*.csv", "tables/*.json"):
         for path in out.glob(pattern):
             path.unlink()
 
@@ -108,18 +110,30 @@ def write_charts(store, charts, out):
     return written
 
 
+def write_headlines(charts, out):
+    """Writes the small charts of the findings that stand first; returns what the page says of them."""
+    folder(out / "charts" / "small")
+    said = []
+    for chart in headlines.chosen(charts):
+        figure = headlines.drawn(chart.headline)
+        save(figure, out / "charts" / "small" / f"{chart.id}.svg")
+        said.append({"id": chart.id, "text": chart.headline.text, "title": chart.title,
+                     "width": round(100 * figure.get_figwidth())})
+        plt.close(figure)
+    return said
+
+
 def write(context, charts, out, store_argument, out_argument):
     """Writes out/index.html, out/charts/* and out/tables/*; returns the path of the page."""
     tables = out / "tables"
     write_charts(context.store, charts, out)
-    items, sections = [], {}
+    first, sections = write_headlines(charts, out), {}
     for chart in charts:
         item = {"id": chart.id, "title": chart.title, "finding": chart.finding, "note": chart.note,
                 "holes": chart.holes, "drawn": chart.figure is not None,
                 "width": round(100 * chart.figure.get_figwidth()) if chart.figure is not None else 0,
                 "table": table.to_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),
                 "commands": commands(chart, store_argument, out_argument)}
-        items.append(item)
         sections.setdefault(chart.section, []).append(item)
     bad = coverage.not_ok(coverage.trials(context.store))
     save_table(bad, {"id": "not_ok", "title": "All that is not ok", **source(context.store)}, tables / "not_ok")
@@ -129,13 +143,19 @@ def write(context, charts, out, store_argument, out_argument):
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE / "templates"), autoescape=True,
                                      trim_blocks=True, lstrip_blocks=True)
     page = environment.get_template("index.html.j2").render(
-        sections=[{"name": name, "id": f"q{i}", "charts": part} for i, (name, part) in enumerate(sections.items())],
-        charts=items, facts=facts(context.store), style=(HERE / "templates" / "style.css").read_text(),
+        sections=[{"name": name, "id": f"q{i}", "charts": part, "told": told(part)} for i, (name, part) in enumerate(sections.items())],
+        first=first, facts=facts(context.store), style=(HERE / "templates" / "style.css").read_text(),
         not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), glossary=table.to_html(glossary),
         store=context.store.path.name, mark=MARK)
     path = out / "index.html"
     whole(path, lambda target: target.write_text(page, encoding="utf-8"))
     return path
+
+
+def told(items):
+    """How much of a section there is to see."""
+    drawn = sum(item["drawn"] for item in items)
+    return plural(drawn, "chart") if drawn else "not in this store"
 
 
 def commands(chart, store, out):

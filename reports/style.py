@@ -109,7 +109,7 @@ def si(value, unit="", digits=3):
     if math.isinf(value):
         return "never" if unit == "s" else "infinite"
     if value == 0:
-        return f"0 {unit}".strip()
+        return "0" if unit == "1" else f"0 {unit}".strip()
     if unit in ("ms", "ns", "us"):
         value, unit = value * {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit], "s"
     if unit in ("", "1", "J", "kg m/s", "rad"):

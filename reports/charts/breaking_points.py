@@ -6,7 +6,7 @@ import math
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
-from chart import Chart, Needs, holes, listing, methods
+from chart import Chart, Headline, Needs, holes, listing, methods
 from load import split
 from style import OUTCOMES, WIDTH, plt, si
 
@@ -86,6 +86,22 @@ def finding(scene, name, table):
     return text + f" and {methods(last['method'], everyone)} last, at {_value(name, last['fell'].iloc[0])}"
 
 
+def headline(scene, name, table, dimension):
+    """How far each method holds; none where all hold alike."""
+    known, everyone = table[~table["hole"]], list(table["method"])
+    fallen, held = known[known["fell"].notna()], dict(zip(known["method"], known["held"]))
+    if not len(fallen):
+        return None
+    first = fallen[fallen["fell"] == fallen["fell"].min()]["method"]
+    top = known["held"].max()
+    last = known[known["held"] == top]["method"]
+    if not len(last) or set(last) & set(first):
+        return None
+    return Headline(f"On {scene} in {dimension}D {methods(first, everyone)} {'falls' if len(first) == 1 else 'fall'} first when "
+                    f"{name} is raised, at {_value(name, fallen['fell'].min())}; {methods(last, everyone)} "
+                    f"{'holds' if len(last) == 1 else 'hold'} to {_value(name, top)}.", held, "s" if name == "dt" else "1")
+
+
 def _chart(context, cells, found, dimension):
     rows_of = sorted(cells["method"].unique())
     columns = min(3, len(found))
@@ -97,7 +113,7 @@ def _chart(context, cells, found, dimension):
     cell_width = (WIDTH - left - legend_width - (columns - 1) * gap_x) / columns
     figure.subplots_adjust(left=left / WIDTH, right=1 - legend_width / WIDTH, top=1 - top / height,
                            bottom=bottom / height, wspace=gap_x / cell_width, hspace=gap_y / row_height)
-    seen, said, tables = set(), [], []
+    seen, said, tables, told = set(), [], [], []
     for index, ax in enumerate(axes.flat):
         if index >= len(found):
             ax.set_visible(False)
@@ -105,6 +121,7 @@ def _chart(context, cells, found, dimension):
         scene, name, ladder = found[index]
         table = breaking(ladder, name)
         said.append(finding(scene, name, table))
+        told.append(headline(scene, name, table, dimension))
         tables.append(table.assign(scene=scene, raised=name))
         seen |= _strips(context, ax, ladder, name, rows_of, table, index % columns == 0)
         ax.set_title(f"{scene}, {dimension}D: {name} raised")
@@ -120,7 +137,8 @@ def _chart(context, cells, found, dimension):
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
                        ["scene", "method", *sorted({name for _, name, _ in found})]),
-                 "A square is one run. Beside a row stands the largest value that held before the first failure.")
+                 "A square is one run. Beside a row stands the largest value that held before the first failure.",
+                 headline=max(filter(None, told), key=lambda found: found.effect, default=None))
 
 
 def _strips(context, ax, ladder, name, rows_of, table, labelled):

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
-from chart import Chart, Needs, dimension_of, holes, listing
+from chart import Chart, Headline, Needs, dimension_of, holes, listing
 from load import one_machine
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, plain_log, times
 from table import quantity
@@ -108,6 +108,20 @@ def finding(cross, base, dimension):
     return f"In {dimension}D " + "; ".join(said) + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
 
 
+def headline(cells, cross, base, dimension):
+    """Where the fastest leaves the baseline farthest behind, at the largest size that both finished."""
+    if not cross["ratio"].notna().any():
+        return None
+    best = cross.loc[cross["ratio"].idxmax()]
+    if best["ratio"] <= 1:
+        return None
+    part = cells[(cells["distribution"] == best["distribution"]) & (cells["n"] == best["largest"]) & (cells["outcome"] == "ok")]
+    ahead = f", and is ahead from {best['n']:,.0f} on" if best["kind"] == "crosses" else ""
+    return Headline(f"Among {best['largest']:,.0f} {best['distribution']} boxes in {dimension}D {best['method']} finds the pairs "
+                    f"{times(best['ratio'])} times as fast as {base}{ahead}.",
+                    dict(zip(part["method"], metrics.column(part, TIME))), "ns")
+
+
 def n_share(cells, n):
     low, high = math.log(cells["n"].min()), math.log(cells["n"].max())
     return 0.0 if high == low else (math.log(n) - low) / (high - low)
@@ -173,4 +187,4 @@ def _chart(context, cells, dimension, precision, refused):
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
                  "frames. The dotted line is where the named method begins to beat "
-                 f"{base} for good.")
+                 f"{base} for good.", headline=headline(cells, cross, base, dimension))

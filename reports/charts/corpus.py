@@ -6,7 +6,7 @@ import io
 import pandas as pd
 from matplotlib.patches import Rectangle
 
-from chart import Chart, listing, plural
+from chart import Chart, Headline, listing, plural
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, plt
 
 PLACE = 90
@@ -102,7 +102,8 @@ def _chart(context, rows, file):
     return Chart("corpus", SECTION, "Published hard cases, method by method", finding(table, rows), "", figure,
                  verdicts.reset_index(), [],
                  f"From {file}. Refused are shapes and queries that a method does not declare; failed is an exception, a crash "
-                 "or a number that is not finite. All cases with their names are in the numbers.", made_by=MADE_BY)
+                 "or a number that is not finite. All cases with their names are in the numbers.", made_by=MADE_BY,
+                 headline=Headline(finding(table, rows), dict(zip(methods, table["wrong"] + table["failed"] + table["hang"]))))
 
 
 def _plain(ax, columns, rows):

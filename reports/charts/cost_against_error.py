@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
-from chart import Chart, Needs, describe, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
 from table import quantity
@@ -109,6 +109,25 @@ def finding(context, cells, where, cost_name, error_name):
     return head + f" and {worst['method']} the largest ({si(worst['error'], unit)}).{tail}"
 
 
+def headline(context, cells, where, cost_name, error_name):
+    """The errors that methods reach at equal cost."""
+    result = budgets(cells, cost_name, error_name)
+    if result is None:
+        return None
+    cost_budget, _, table = result
+    floor, unit = context.floor(error_name), context.unit(error_name)
+    errors = {m: 0.0 if e <= floor else e for m, e in zip(table["method"], table["error"])}
+    known = {m: e for m, e in errors.items() if e == e}
+    if len(known) < 2:
+        return None
+    best, worst = min(known, key=known.get), max(known, key=known.get)
+    failed = [m for m in errors if m not in known]
+    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {best} has the smallest "
+                    f"{context.title(error_name).removeprefix('largest ')}, {si(known[best], unit)}; {worst} has "
+                    f"{si(known[worst], unit)}" + (f", and {methods(failed, list(errors))} "
+                                                   f"{'fails' if len(failed) == 1 else 'fail'}." if failed else "."), errors, unit)
+
+
 def against_baseline(context, cells, cost_name, error_name):
     """The best of the others against what the sweep compares with, at the largest setting of both."""
     setting, base = next(iter(context.settings(cells)), None), context.baseline(cells)
@@ -186,7 +205,7 @@ def _cost_chart(context, cells, groups, refused):
                  refused + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed; the front joins what no other beats in both."
                  + engine_notes(context, cells),
-                 telling=True)
+                 telling=True, headline=headline(context, cells, where, costs[0], errors[0]))
 
 
 def _table(context, cells, setting, costs, errors):

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
 import failure
-from chart import Chart, listing, plural
+from chart import Chart, Headline, listing, plural
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt, si
 from table import quantity
 
@@ -154,6 +154,8 @@ def _heat_map(context, rows, stage, dimension, precision):
                  f"A cell is the share of questions that failed; blue, or a blue corner: some were refused. {failure.DEFINITION} "
                  "Witnesses are held to this tolerance too, for which they were not made: the chart of shares within a tolerance "
                  "shows all others. The numbers hold the worst case of each method; lpc verify --cases replays it.",
+                 headline=Headline(finding(stage, dimension, precision, everything),
+                                   dict(zip(methods, summary["failed"] / summary["asked"]))),
                  made_by=f"verify --stage {stage} --dimension {dimension} --precision {precision} --pairs 200")
 
 

@@ -7,7 +7,7 @@ from collections import OrderedDict
 import numpy as np
 import pandas as pd
 
-from chart import Chart, listing
+from chart import Chart, Headline, listing
 from style import WIDTH, plt, si, times
 
 PLACE = 110
@@ -68,6 +68,18 @@ def finding(stage, values):
             f"({max(wins.values())} of {cases}); the widest gap is {times(ratio)} times, {worst} on {case}.")
 
 
+def headline(stage, values):
+    """The call on which the algorithms differ most."""
+    gap = (values.max(axis=0) / values.min(axis=0)).dropna()
+    if not len(gap):
+        return None
+    case = gap.idxmax()
+    found = values[case].dropna().to_dict()
+    first, last = min(found, key=found.get), max(found, key=found.get)
+    return Headline(f"A single call of {stage} on {case} takes {first} {si(found[first], 's')} and {last} "
+                    f"{si(found[last], 's')}.", found, "s")
+
+
 def _chart(context, stage, table, machines):
     cases = list(OrderedDict.fromkeys(case for runs in table.values() for case in runs))
     names = sorted(table)
@@ -97,7 +109,7 @@ def _chart(context, stage, table, machines):
     return Chart("micro_" + stage.replace(" ", "_").lower(), SECTION, f"Micro-benchmark: {stage}", finding(stage, values),
                  "", figure, shown, [f"{name} on {case}: {error}" for (name, case), error in errors.items()],
                  "Median time of a call. White is the fastest of its column, dark ten times slower or more; grey was not "
-                 "measured. Imported " + "; ".join(machines) + ".")
+                 "measured. Imported " + "; ".join(machines) + ".", headline=headline(stage, values))
 
 
 def _panel(context, ax, values, best, errors, table, cases, columns):

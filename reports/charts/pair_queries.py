@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 import failure
 import metrics
-from chart import Chart, Needs, dimension_of, holes, listing, plural
+from chart import Chart, Headline, Needs, dimension_of, holes, listing, plural
 from load import one_machine
 from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, legend_room, letter, plt, si
 from table import quantity
@@ -80,6 +80,20 @@ def finding(cells, dimension):
     return text + "."
 
 
+def headline(cells, dimension):
+    """The pair of kinds that most methods answer without a failure; of these the one on which their times differ most."""
+    good = cells[_usable(cells) & np.isfinite(metrics.column(cells, "ns_per_query")) & (failure.in_pairs(cells) == 0)]
+    found = [(part["method"].nunique(), part["ns_per_query"].max() / part["ns_per_query"].min(), pair)
+             for pair, part in good.groupby("pair", sort=True) if part["method"].nunique() > 1]
+    if not found:
+        return None
+    part = good[good["pair"] == max(found)[2]].sort_values("ns_per_query", kind="stable")
+    first, last = part.iloc[0], part.iloc[-1]
+    return Headline(f"On {first['pair']} in {dimension}D {first['method']} is the fastest of those that never fail, "
+                    f"{si(first['ns_per_query'], 'ns')} a query; {last['method']} takes {si(last['ns_per_query'], 'ns')}.",
+                    dict(zip(part["method"], part["ns_per_query"])), "ns")
+
+
 def _scatter(context, cells, dimension, refused):
     pairs = sorted(cells["pair"].unique())
     methods = sorted(cells["method"].unique())
@@ -134,7 +148,7 @@ def _scatter(context, cells, dimension, refused):
                  refused + _holes(cells),
                  "A mark is the error that 99 of 100 queries stay below; its bar goes from the median to the worst. "
                  "Errors are over the size of the query: largest extent + distance + largest coordinate. "
-                 "Hollow marks are witnesses. " + failure.DEFINITION)
+                 "Hollow marks are witnesses. " + failure.DEFINITION, headline=headline(cells, dimension))
 
 
 def _failures(context, cells, dimension):

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from chart import Chart, Needs, describe, holes, identifier, listing
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing
 from load import split, varying
 from style import PALETTE, grid_of_axes, legend_right, si, times
 
@@ -120,7 +120,18 @@ def _timeline(context, cells, side, axes):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} timeline {where}"), SECTION,
                  f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, [*axes, side] if side else axes),
-                 f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show.")
+                 f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show.",
+                 headline=_headline(where, rows))
+
+
+def _headline(where, rows):
+    """The stages of the first run."""
+    parts = {r["stage"]: r["mean [s]"] for r in rows if r["run"] == rows[0]["run"] and r["stage"] != "whole step"}
+    if len(parts) < 2:
+        return None
+    most = max(parts, key=parts.get)
+    share = 100 * parts[most] / sum(parts.values())
+    return Headline(f"On {where} ({rows[0]['run']}) {most} takes {share:.0f} % of the time of a step.", parts, "s")
 
 
 def _finding(where, side, peaks, rows):

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from chart import Chart, Needs, describe, holes
+from chart import Chart, Headline, Needs, describe, holes
 from load import split, varying
 from style import HALO, ZeroLog, grid_of_axes, legend_right, legend_room, letter, si
 
@@ -92,7 +92,7 @@ def _steady_chart(context, resting):
     axes[1][0].set_ylabel("contact points")
     legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], legend_width)
     table = pd.DataFrame(rows)
-    said = []
+    said, told = [], []
     for scene, part in table.groupby("scene", sort=False):
         part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float))]
         if len(part) > 1:
@@ -100,10 +100,15 @@ def _steady_chart(context, resting):
             said.append(f"on {scene} the last quarter is calmest with {best['method']} "
                         f"({si(best['restlessness'], 'm/s')}) and most restless with {worst['method']} "
                         f"({si(worst['restlessness'], 'm/s')})")
+            told.append(Headline(f"On {scene} in {dimension}D the fastest body of the last quarter goes at "
+                                 f"{si(best['restlessness'], 'm/s')} with {best['method']} and at "
+                                 f"{si(worst['restlessness'], 'm/s')} with {worst['method']}.",
+                                 dict(zip(part["method"], part["restlessness"].astype(float))), "m/s"))
     text = f"In {dimension}D " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
     table = table.rename(columns={"restlessness": "restlessness [m/s]"})
     gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]
     return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
                  f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,
                  gaps + holes(cells, ["scene", "method"]),
-                 "Lines are the largest value of each of 150 stretches; a letter marks where a run failed.")
+                 "Lines are the largest value of each of 150 stretches; a letter marks where a run failed.",
+                 headline=max(told, key=lambda found: found.effect, default=None))

@@ -5,6 +5,7 @@ seen to fail on a planted bug."""
 import csv
 import json
 import math
+import random
 import re
 import sys
 import tempfile
@@ -17,6 +18,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import pandas as pd  # noqa: E402
 
 import chart  # noqa: E402
+import headlines  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
 import pages  # noqa: E402
@@ -108,6 +110,55 @@ class Tables(unittest.TestCase):
         self.assertEqual((read["id"], read["finding"], read["store"]), ("coverage", made.finding, "store.db"))
         for name in ("first_trial", "last_trial"):
             self.assertRegex(read[name], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+
+
+def check_first(chosen, charts):
+    """At most ten; no question comes twice before every one that has a finding came once; none says that all is the same."""
+    picked = chosen(charts)
+    if len(picked) > 10 or any(c.headline is None or c.headline.effect <= 1 for c in picked):
+        return f"{len(picked)} findings"
+    questions = list(dict.fromkeys(c.section for c in charts if c.headline is not None and c.headline.effect > 1))
+    rounds = [picked[i].section for i in range(min(len(questions), len(picked)))]
+    if rounds != questions[:10]:
+        return f"first come {rounds}"
+    for i, made in enumerate(picked):
+        left = [c for c in charts if c.section == made.section and c.headline is not None and c not in picked[:i]]
+        if max(c.headline.effect for c in left) > made.headline.effect:
+            return f"{made.id} is not the strongest that was left of its question"
+    return ""
+
+
+def strongest_of_all(charts):
+    """Planted bug: by effect alone, so one question may have all places."""
+    return sorted((c for c in charts if c.headline is not None), key=lambda c: -c.headline.effect)[:10]
+
+
+class First(unittest.TestCase):
+    def charts(self, *effects):
+        return [chart.Chart(f"c{i}", section, "", "", "", headline=chart.Headline("", {"a": 1.0, "b": effect}))
+                for i, (section, effect) in enumerate(effects)]
+
+    def test_the_first_screen_has_the_strongest_of_every_question(self):
+        source = random.Random(8)
+        seen = False
+        for _ in range(200):
+            charts = self.charts(*sorted((f"question {source.randrange(14):02}", source.choice([1.0, 1.5, 3.0, source.random() + 1]))
+                                         for _ in range(source.randrange(30))))
+            charts.insert(0, chart.Chart("without", "question 00", "", "", ""))
+            self.assertEqual(check_first(headlines.chosen, charts), "")
+            seen |= bool(check_first(strongest_of_all, charts))
+        self.assertTrue(seen, "the planted bug was not seen")
+
+    def test_an_effect_is_a_ratio_and_a_failure_is_large(self):
+        for values, effect in (({"a": 2.0, "b": 3.0}, 1.5), ({"a": 0.0, "b": 3.0}, 1000), ({"a": 0.0, "b": 0.0}, 1),
+                               ({"a": math.nan, "b": 3.0}, 1000), ({"a": math.nan}, 1), ({"a": 3.0}, 1), ({}, 1)):
+            self.assertEqual(chart.Headline("", values).effect, effect, values)
+
+    def test_of_many_methods_the_least_and_the_largest_are_drawn(self):
+        rows = headlines.rows_of(chart.Headline("", {f"m{i}": float(9 - i) for i in range(9)} | {"fell": math.nan}))
+        self.assertEqual([name for name, _ in rows], ["m8", "m7", "m6", "… 6 between", "fell"])
+        rows = headlines.rows_of(chart.Headline("", {"a": 2.0, "b": 0.0, "c": math.nan}))
+        self.assertEqual([name for name, _ in rows], ["b", "a", "c"])
 
 
 if __name__ == "__main__":
