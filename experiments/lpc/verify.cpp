@@ -76,9 +76,7 @@ void verify(Arguments& a, Session& session) {
   describeProgram(store);
   const VerificationSummary done = runVerification(a.options, store);
   const int faults = printLedger(ledgerOf(a.options, store), std::cout);
-  for (const std::string& path : writeFoundCases(store, a.store)) {
-    std::cout << "simplest pair of this failure: " << path << "\n";
-  }
+  for (const std::string& line : writeFoundCases(store, a.store)) std::cout << line << "\n";
   std::cout << a.store << ": " << done.asked << " inputs asked, " << done.skipped << " were done\n";
   std::cout << (faults ? "WRONG: " + std::to_string(faults) + " of our own methods" : "our own methods: all right")
             << "\n";
@@ -103,7 +101,9 @@ void addVerify(CommandLine& app, Session& session) {
   command.option("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
   command.option("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
   command.option("--role", a->role, "competitor, witness or all (default)");
-  command.option("--methods", o.methods, "methods with parameters, separated by spaces; default: all");
+  command.option(
+      "--methods", o.methods,
+      "methods with parameters, separated by spaces; default: all, witnesses also at their tightest tolerance");
   Option store = command.option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
   store.showDefault();
   command.option("--jobs", o.jobs, "workers at once; default: one per core");

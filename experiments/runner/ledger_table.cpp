@@ -12,7 +12,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr int kMethodWidth = 20;
+constexpr std::size_t kMethodWidth = 20;  // or what the longest name needs
 
 // Lower end of the decade in which the median lies.
 std::string medianOf(const LedgerEntry& e) {
@@ -61,6 +61,7 @@ class Printer {
     }
     const auto& [stage, dimension, precision] = section;
     m_out << fmt::format("{} in {}D, {}\n", stage, dimension, precision);
+    for (const auto& [name, e] : m_methods) m_width = std::max(m_width, name.size() + 1);
   }
 
   int print() {
@@ -75,14 +76,14 @@ class Printer {
 
  private:
   void verdicts() {
-    m_out << fmt::format("\n  {:<{}}", "method", kMethodWidth);
+    m_out << fmt::format("\n  {:<{}}", "method", m_width);
     for (const char* head : {"asked", "agree", "tie", "wrong", "side", "undecided", "refused", "not_finite", "threw",
                              "crashed", "hung", "capped", "max error", "median", "ns"}) {
       m_out << fmt::format("{:>11}", head);
     }
     m_out << "\n";
     for (const auto& [name, e] : m_methods) {
-      m_out << fmt::format("  {:<{}}", name, kMethodWidth);
+      m_out << fmt::format("  {:<{}}", name, m_width);
       for (const Tally t : {Tally::asked, Tally::agree, Tally::tie, Tally::wrong, Tally::wrongSide, Tally::undecided,
                             Tally::refused, Tally::notFinite, Tally::threw, Tally::crashed, Tally::hung, Tally::capped})
         m_out << fmt::format("{:>11}", e[t]);
@@ -95,7 +96,8 @@ class Printer {
     const auto found = m_axes.find(axis);
     if (found == m_axes.end()) return;
     m_out << fmt::format("\n  faults, %, by {:<{}}", axis, kMethodWidth);
-    for (const auto& [name, e] : m_methods) m_out << fmt::format("{:>{}}", name, kMethodWidth);
+    const auto width = [](const std::string& name) { return std::max(kMethodWidth, name.size() + 2); };
+    for (const auto& [name, e] : m_methods) m_out << fmt::format("{:>{}}", name, width(name));
     m_out << "\n";
     for (const auto& [value, entries] : found->second) {
       m_out << fmt::format("  {:<{}}", value, kMethodWidth + 14);
@@ -106,22 +108,22 @@ class Printer {
           const double faults = static_cast<double>(at->second.faults());
           text = faults > 0 ? fmt::format("{:.3g}", 100 * faults / static_cast<double>(at->second[Tally::asked])) : "0";
         }
-        m_out << fmt::format("{:>{}}", text, kMethodWidth);
+        m_out << fmt::format("{:>{}}", text, width(name));
       }
       m_out << "\n";
     }
   }
 
   void byKinds() {
-    m_out << fmt::format("\n  {:<19}{:<{}}", "shapes", "method", kMethodWidth);
+    m_out << fmt::format("\n  {:<20}{:<{}}", "shapes", "method", m_width);
     for (const char* head : {"asked", "wrong", "side", "refused", "no answer", "max error", "median", "ns"}) {
       m_out << fmt::format("{:>11}", head);
     }
     m_out << "\n";
     for (const auto& [kinds, entries] : m_kinds) {
       for (const auto& [name, e] : entries) {
-        m_out << fmt::format("  {:<19}{:<{}}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11.1e}{:>11}{:>11}{}\n",
-                             kinds.first + " " + kinds.second, name, kMethodWidth, e[Tally::asked], e[Tally::wrong],
+        m_out << fmt::format("  {:<20}{:<{}}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11.1e}{:>11}{:>11}{}\n",
+                             kinds.first + " " + kinds.second, name, m_width, e[Tally::asked], e[Tally::wrong],
                              e[Tally::wrongSide], e[Tally::refused], withoutAnswer(e), e.maxError, medianOf(e),
                              nanosecondsOf(e), remark(e));
       }
@@ -129,6 +131,7 @@ class Printer {
   }
 
   std::ostream& m_out;
+  std::size_t m_width = kMethodWidth;
   std::map<std::string, LedgerEntry> m_methods;                                             // sums over kinds
   std::map<std::string, std::map<std::string, std::map<std::string, LedgerEntry>>> m_axes;  // axis, value, method
   std::map<std::pair<std::string, std::string>, std::map<std::string, LedgerEntry>> m_kinds;

@@ -59,6 +59,8 @@ class Store {
   Ledger ledger();
   /// The simplest pairs on which methods failed, by file name without extension.
   std::map<std::string, std::string> foundCases();
+  /// The pair with the largest error of each method that was wrong, in the same way.
+  std::map<std::string, std::string> worstCases();
   /// Takes over all trials, plans, benchmarks and ledgers of methods of another store that this one lacks. Returns the
   /// number of trials.
   long merge(const std::string& path);

@@ -56,8 +56,8 @@ void putEntry(SQLite::Statement& s, const LedgerKey& key, const LedgerEntry& e) 
 }
 
 // A file's name: gjk_epa-wrong_distance-3d-f64, braces and the like left out.
-std::string nameOf(const FoundCase& c, const LedgerMethod& m) {
-  std::string name = c.method + "-" + c.failure + "-" + std::to_string(m.dimension) + "d-" + m.precision;
+std::string nameOf(const std::string& method, const std::string& what, int dimension, const std::string& precision) {
+  std::string name = method + "-" + what + "-" + std::to_string(dimension) + "d-" + precision;
   for (char& letter : name) {
     if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '-') letter = '_';
   }
@@ -100,8 +100,10 @@ void Store::addVerified(const std::vector<VerifiedBlock>& blocks, const Verified
   SQLite::Statement keep(m_db,
                          "INSERT INTO found_case VALUES (?1, ?2, ?3, ?4) ON CONFLICT(name) DO UPDATE SET vertices=?2, "
                          "size=?3, data=?4 WHERE ?2 < vertices OR (?2 = vertices AND ?3 < size)");
+  const LedgerMethod& of = blocks.front().method;
   for (const auto& [name, c] : verified.found) {
-    keep.bind(1, nameOf(c, blocks.front().method)), keep.bind(2, c.vertices), keep.bind(3, c.size);
+    keep.bind(1, nameOf(c.method, c.failure, of.dimension, of.precision)), keep.bind(2, c.vertices),
+        keep.bind(3, c.size);
     keep.bind(4, c.text);
     keep.exec();
     keep.reset();
@@ -151,6 +153,22 @@ std::map<std::string, std::string> Store::foundCases() try {
   std::map<std::string, std::string> out;
   SQLite::Statement s(m_db, "SELECT name, data FROM found_case");
   while (s.executeStep()) out[s.getColumn(0).getString()] = s.getColumn(1).getString();
+  return out;
+} catch (const SQLite::Exception& e) {
+  failStore(m_db.getFilename(), e);
+}
+
+std::map<std::string, std::string> Store::worstCases() try {
+  std::map<std::string, std::string> out;
+  // SQLite takes the other columns from the row that holds the maximum.
+  SQLite::Statement s(
+      m_db,
+      "SELECT method, dimension, precision, worst, max(max_error) FROM ledger WHERE axis='all' AND wrong > 0 "
+      "AND worst <> '' GROUP BY stage, method, dimension, precision");
+  while (s.executeStep()) {
+    out[nameOf(s.getColumn(0).getString(), "worst", s.getColumn(1).getInt(), s.getColumn(2).getString())] =
+        s.getColumn(3).getString();
+  }
   return out;
 } catch (const SQLite::Exception& e) {
   failStore(m_db.getFilename(), e);

@@ -92,7 +92,7 @@ class Plan {
     for (const StageKind stage : m_options.stages) {
       for (const int d : m_options.dimensions) {
         for (const Registered* r : Registry::instance().list(stage, d)) {
-          if (given.empty()) add(*r, {r->info.name, {}});
+          for (const Spec& spec : given.empty() ? specsToVerify(*r) : std::vector<Spec>{}) add(*r, spec);
           for (std::size_t i = 0; i < given.size(); ++i) {
             if (given[i].name == r->info.name) add(*r, given[i]), known[i] = true;
           }
@@ -339,6 +339,17 @@ bool contains(const auto& list, const auto& value) { return std::find(list.begin
 
 }  // namespace
 
+std::vector<Spec> specsToVerify(const Registered& method) {
+  std::vector<Spec> out = {{method.info.name, {}}};
+  if (method.info.role != Role::witness) return out;
+  for (const ParamInfo& p : method.params) {
+    if (p.name != "tolerance" || !p.range) continue;
+    out.push_back(out.front());
+    out.back().set(p.name, {fmt::format("{}", p.range->lo), {}});
+  }
+  return out;
+}
+
 void checkVerification(const VerificationOptions& options) { Plan{options}; }
 
 VerificationSummary runVerification(const VerificationOptions& options, Store& store) {
@@ -365,14 +376,18 @@ std::vector<std::string> writeFoundCases(Store& store, const std::string& storeP
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(storePath).parent_path() / "found";
   std::vector<std::string> out;
-  for (const auto& [name, text] : store.foundCases()) {
-    fs::create_directories(folder);
-    const fs::path path = folder / (name + ".json");
-    OutputFile file(path.string());
-    file.stream() << "{\"schema\": {}, \"count\": 1, \"cases\": [\n" << text << "\n]}\n";
-    file.finish();
-    out.push_back(path.string());
-  }
+  const auto write = [&](const std::string& what, const std::map<std::string, std::string>& cases) {
+    for (const auto& [name, text] : cases) {
+      fs::create_directories(folder);
+      const fs::path path = folder / (name + ".json");
+      OutputFile file(path.string());
+      file.stream() << "{\"schema\": {}, \"count\": 1, \"cases\": [\n" << text << "\n]}\n";
+      file.finish();
+      out.push_back(what + ": " + path.string());
+    }
+  };
+  write("simplest pair of this failure", store.foundCases());
+  write("worst pair of this method", store.worstCases());
   return out;
 }
 

@@ -43,7 +43,12 @@ VerificationSummary runVerification(const VerificationOptions& options, Store& s
 /// What the options are about, out of the store's ledger.
 Ledger ledgerOf(const VerificationOptions& options, Store& store);
 
-/// Writes the store's found cases as one file each into the folder "found" beside it. Returns their paths.
+/// Who is asked when no methods are named: the method with its defaults, and a witness also at the tightest tolerance
+/// that its library offers, the lower end of its parameter `tolerance`. (Bullet's are constants of its build.)
+std::vector<Spec> specsToVerify(const Registered& method);
+
+/// Writes the simplest pair of each failure and the worst of each method as one file each into the folder "found"
+/// beside the store. Returns lines that say what is where.
 std::vector<std::string> writeFoundCases(Store& store, const std::string& storePath);
 
 }  // namespace lpc::inline LPC_PRECISION

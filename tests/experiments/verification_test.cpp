@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "experiments/runner/store.h"
@@ -131,6 +132,32 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
       w.lpc("--plugin " + kPlugin + " verify --cases v/found/planted_half-wrong_distance-2d-f64.json");
   EXPECT_EQ(replay.code, 1);
   EXPECT_NE(replay.text.find("planted_half"), std::string::npos) << replay.text;
+  // And the one with the largest error, of the methods that were wrong.
+  const std::string worst = "v/found/planted_half-worst-2d-f64.json", largest = ask(w.path("v/s.db"), R"(
+      SELECT max(max_error) FROM ledger WHERE method='planted_half' AND axis='all')");
+  std::ifstream in(w.path(worst));
+  const nlohmann::json kept = nlohmann::json::parse(in);
+  EXPECT_NEAR(kept.at("cases").at(0).at("found").at("error").get<double>(), std::stod(largest), 1e-12);
+  EXPECT_EQ(w.lpc("--plugin " + kPlugin + " verify --cases " + worst).code, 1);
+  EXPECT_FALSE(std::filesystem::exists(w.path("v/found/closed_form-worst-2d-f64.json")));
+  EXPECT_NE(run.text.find("worst pair of this method: v/found/planted_half-worst-2d-f64.json"), std::string::npos);
+}
+
+// A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told.
+TEST(Verification, WitnessesAreAlsoAskedAtTheTightestToleranceOfTheirLibrary) {
+  int tight = 0;
+  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 3)) {
+    const std::vector<Spec> specs = specsToVerify(*r);
+    ASSERT_FALSE(specs.empty());
+    EXPECT_EQ(specs[0].text(), r->info.name);
+    const bool foreign = r->info.name.starts_with("fcl_") || r->info.name.starts_with("libccd_");
+    ASSERT_EQ(specs.size(), foreign ? 2u : 1u) << r->info.name << ": ours have their defaults, Bullet's are constants";
+    if (!foreign) continue;
+    EXPECT_EQ(specs[1].text(), r->info.name + "{tolerance=1e-14}");
+    EXPECT_NO_THROW(r->create(specs[1]));
+    ++tight;
+  }
+  EXPECT_EQ(tight, 5);
 }
 
 TEST(Verification, SinglePrecisionRunsInItsOwnWorker) {
