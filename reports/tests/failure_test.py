@@ -18,7 +18,7 @@ import load  # noqa: E402
 import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import pair_queries  # noqa: E402
+from charts import distinctness, pair_queries, within_tolerance  # noqa: E402
 
 MANUAL = HERE.parent.parent / "docs" / "manual.md"
 
@@ -34,7 +34,7 @@ def front_of_all(cost, error, _failures):
     return metrics.pareto(cost, error)
 
 
-class Failure(unittest.TestCase):
+class Synthetic(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -48,6 +48,8 @@ class Failure(unittest.TestCase):
         cls.store.db.close()
         cls.folder.cleanup()
 
+
+class Failure(Synthetic):
     def charts(self):
         return [c for c in chart.made(pair_queries, self.context)]
 
@@ -87,6 +89,86 @@ class Failure(unittest.TestCase):
         made = pair_queries.of_sweep(self.context, cells)
         self.assertEqual(len(made), 1)
         self.assertIn("do not count wrong answers", made[0].finding)
+
+
+
+def check_at_the_ledgers_tolerance(rows, outside):
+    """At the referee's tolerance the failures are those of the ledger; a wider one never has more."""
+    for _, row in rows.iterrows():
+        part = rows.loc[[row.name]]
+        found = [outside(part, decade) for decade in within_tolerance.DECADES]
+        if outside(part, -12) != failure.in_ledger(part):
+            return f"{row['method']}: {outside(part, -12)} at 1e-12, {failure.in_ledger(part)} in the ledger"
+        if found != sorted(found, reverse=True):
+            return f"{row['method']}: {found} is not falling"
+    return ""
+
+
+def answers_alone(rows, decade):
+    """Planted bug: who crashes or refuses is right, because an answer that is none has no error."""
+    return sum(n for h in rows["histogram"] for name, n in h.items() if name != "zero" and int(name) >= decade)
+
+
+class WithinTolerance(Synthetic):
+    def rows(self):
+        rows = self.store.ledger()
+        return rows[(rows["stage"] == "pair_query") & (rows["axis"] == "all")]
+
+    def test_at_the_ledgers_tolerance_it_is_the_ledger(self):
+        self.assertEqual(check_at_the_ledgers_tolerance(self.rows(), within_tolerance.outside), "")
+        self.assertNotEqual(check_at_the_ledgers_tolerance(self.rows(), answers_alone), "", "the planted bug was not seen")
+
+    def test_a_wrong_side_without_a_value_is_outside_at_every_tolerance(self):
+        rows = self.rows().head(1).copy()
+        rows["wrong"] = rows["wrong"] + 3
+        self.assertEqual(within_tolerance.outside(rows, 0), within_tolerance.outside(self.rows().head(1), 0) + 3)
+
+    def test_ranks_that_turn_are_named(self):
+        """One is always off by 1e-7; the other seldom, but by the whole size."""
+        rows = self.rows().query("method in ('fcl_libccd', 'libccd_mpr') and dimension == 3").copy()
+        for name in failure.UNANSWERED:
+            rows[name] = 0
+        often = rows["method"] == "fcl_libccd"
+        rows["wrong"] = np.where(often, rows["asked"] * 7 // 10, rows["asked"] * 32 // 100)
+        rows["histogram"] = [{"-14": n - w, "-7" if o else "-1": w} for n, w, o in zip(rows["asked"], rows["wrong"], often)]
+        text = within_tolerance.finding(rows, 3, "f64")
+        self.assertIn("judged at 1e-12 of the size fcl_libccd fails on 70% of its questions and libccd_mpr on 32%", text)
+        self.assertIn("at 1e-3 it is 0 and 32%: the rank turns round", text)
+        tight = rows[often].assign(method="fcl_libccd{tolerance=1e-14}", wrong=0, histogram=[{"-15": n} for n in rows[often]["asked"]])
+        text = within_tolerance.finding(load.pd.concat([rows, tight], ignore_index=True), 3, "f64")
+        self.assertIn("The tightest setting of a library helps fcl_libccd most: 70% become 0", text)
+
+
+def check_paths(agreements):
+    """Two methods that end alike in three of four cells are one path; one that ends alike in one of four is another, and so
+    is one that fell in all but one of the cells."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = synthetic_store.Maker(Path(folder) / "s.db")
+        ends = {"catto+none": "abcd", "catto+linear": "abce", "naive": "axyz", "millington": "a"}
+        for label, letters in ends.items():
+            for iterations, end in zip((4, 10, 40, 80), letters + "----"):
+                axes = {"scene": "pyramid", "dimension": 2, "resolver": label, "iterations": iterations}
+                key = made.trial("resolvers", {**axes, "timed": False, "repeat": 0}, {}, "diverged" if end == "-" else "ok")
+                made.db.execute("UPDATE trial SET hash=? WHERE key=?", (end, key))
+        made.close()
+        store = load.Store(Path(folder) / "s.db")
+        table = agreements(store, store.cells("resolvers"))
+        store.db.close()
+    found = distinctness.paths(table)
+    return "" if found == [["catto+linear", "catto+none"]] else f"paths {found}\n{table}", distinctness.finding(table)
+
+
+def any_iterations(store, cells):
+    """Planted bug: cells are not told apart by their setting, so the last one stands for all."""
+    return distinctness.agreements(store, cells.drop(columns="iterations").assign(outcome="ok"))
+
+
+class Distinctness(unittest.TestCase):
+    def test_methods_that_end_in_the_same_bits_are_one_path(self):
+        wrong, text = check_paths(distinctness.agreements)
+        self.assertEqual(wrong, "")
+        self.assertIn("In resolvers catto+linear and catto+none are one path (3 of 4 comparisons", text)
+        self.assertNotEqual(check_paths(any_iterations)[0], "", "the planted bug was not seen")
 
 
 if __name__ == "__main__":

@@ -119,7 +119,7 @@ class Maker:
         clean = {k: None if v is None or math.isnan(v) else v for k, v in metrics.items()}
         self.db.execute("INSERT INTO trial VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)",
                         (key, axes.get("kind"), json.dumps(canonical), outcome, reason, step, json.dumps(clean), machine,
-                         "abc1234", "2026-11-21T04:00:00Z", 0.1, timed, "00"))
+                         "abc1234", "2026-11-21T04:00:00Z", 0.1, timed, key[-16:]))
         for name, values in (series or {}).items():
             self.db.execute("INSERT INTO series VALUES (?,?,?)", (key, name, np.asarray(values, "<f8").tobytes()))
         return key
@@ -295,6 +295,14 @@ FAMILIES = ("random", "aligned_boxes", "edge_on_edge", "touching", "deep", "cont
 REGIMES = ("separated", "touching", "shallow", "deep", "parallel_faces", "thin", "contained", "huge_ratio")
 
 
+def _errors(decade, worst, right, wrong):
+    """Right answers within the tolerance; nine of ten wrong ones in the decade of the median, the others in the worst's."""
+    found = {"zero" if decade is None else str(min(decade, -13)): right}
+    for name, count in ((decade, wrong - wrong // 10), (math.floor(math.log10(worst)) if worst > 0 else 0, wrong // 10)):
+        found[str(name)] = found.get(str(name), 0) + count
+    return {name: count for name, count in found.items() if count}
+
+
 def ledger(make, asked=20000):
     """Wrong only where it is planted: libccd_mpr everywhere, fcl_libccd on boxes, the others in the family `needles`."""
 
@@ -306,7 +314,7 @@ def ledger(make, asked=20000):
                   "axis": axis, "value": value, "method": method, "role": role, "asked": n,
                   "agree": answered - wrong - answered // 50, "wrong": wrong, "tie": answered // 50, "refused": refused,
                   "crashed": crashed, "max_error": None if math.isnan(worst) or not answered else worst if wrong else min(worst, 1e-13),
-                  "histogram": json.dumps({"zero" if decade is None else str(decade): answered} if answered else {}),
+                  "histogram": json.dumps(_errors(decade, worst, answered - wrong, wrong)),
                   "ns": n * ns * (1 + 0.2 * len(kinds[1]) / 8), "worst": '{"id": "planted"}' if axis == "all" else ""}
         make.db.execute(f"INSERT INTO ledger({','.join(LEDGER)}) VALUES ({','.join('?' * len(LEDGER))})",
                         [values.get(name, 0) for name in LEDGER])

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Zlib
+"""Who is right within which tolerance: the ledger's errors by decade say for every tolerance what they say for one."""
+
+import math
+
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import failure
+from chart import Chart
+from load import family
+from style import grid_of_axes, legend_right, legend_room
+
+PLACE = 75
+SECTION = "Who is right, and who fails where?"
+DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
+LOOSE = -3  # a thousandth of the size: what a game would not see
+EVERYTHING = "all that it was asked"
+ABSENT = Chart("within_tolerance", SECTION, "Right within which tolerance?", "No verification of pair queries is in this store.",
+               "", made_by="verify --stage pair_query --pairs 200")
+
+
+def of_store(context):
+    ledger = context.store.ledger()
+    rows = ledger[(ledger["stage"] == "pair_query") & (ledger["axis"] == "all") & (ledger["asked"] > 0)]
+    return [_chart(context, part, *of) for of, part in rows.groupby(["dimension", "precision"], sort=True)]
+
+
+def outside(rows, decade):
+    """How many questions of these rows failed, had the tolerance been 10^decade: those without an answer, with an error from
+    there on, or on the wrong side without a value. At the referee's own tolerance these are the failures of the ledger."""
+    return sum(_outside(row, decade) for _, row in rows.iterrows())
+
+
+def _outside(row, decade):
+    beyond = lambda at: sum(n for name, n in row["histogram"].items() if name != "zero" and int(name) >= at)  # noqa: E731
+    sides = max(0, int(row["wrong"]) - beyond(round(math.log10(failure.TOLERANCE[row["precision"]]))))
+    return sum(int(row[name]) for name in failure.UNANSWERED) + sides + beyond(decade)
+
+
+def shares(rows):
+    """One row per method and pair of kinds, and one for all pairs: share of the questions that failed, by decade."""
+    found = []
+    for method, part in rows.groupby("method", sort=True):
+        pairs = [("–".join(pair), of) for pair, of in part.groupby(["kind_a", "kind_b"], sort=True)]
+        for pair, of in [(EVERYTHING, part), *pairs]:
+            asked = int(of["asked"].sum())
+            found.append({"pair": pair, "method": method, "role": of["role"].iloc[0], "asked": asked,
+                          **{decade: outside(of, decade) / asked for decade in DECADES}})
+    return pd.DataFrame(found)
+
+
+def turned(whole, tight, loose):
+    """The two methods whose ranks turn round by most: the first fails more at the tight tolerance, and less at the loose."""
+    best, found = 0.0, None
+    for a in whole.index:
+        for b in whole.index:
+            by = min(whole[tight][a] - whole[tight][b], whole[loose][b] - whole[loose][a])
+            if by > best:
+                best, found = by, (a, b)
+    return found
+
+
+def finding(rows, dimension, precision):
+    whole = shares(rows)
+    whole = whole[whole["pair"] == EVERYTHING].set_index("method")
+    tight = round(math.log10(failure.TOLERANCE[precision]))
+    text = f"In {dimension}D, {precision}, "
+    others = whole[whole["role"] != "competitor"]
+    ours = whole[whole["role"] == "competitor"]
+    plain = others[[family(m) == m for m in others.index]]
+    pair = turned(plain, tight, LOOSE)
+    say = lambda m, decade: failure.share(whole[decade][m])  # noqa: E731
+    if pair:
+        a, b = pair
+        text += (f"judged at 1e{tight} of the size {a} fails on {say(a, tight)} of its questions and {b} on {say(b, tight)}; at "
+                 f"1e{LOOSE} it is {say(a, LOOSE)} and {say(b, LOOSE)}: the rank turns round")
+    elif len(plain):
+        first = plain[tight].idxmax()
+        text += (f"no two witnesses change ranks between 1e{tight} and 1e{LOOSE} of the size; {first} fails on {say(first, tight)} "
+                 f"and {say(first, LOOSE)} of its questions")
+    if len(ours):
+        worst = ours[tight].idxmax()
+        text += ("; " if len(plain) else "") + (f"ours fail on none at 1e{tight}" if not ours[tight].any() else
+                                                f"of ours {worst} fails on {say(worst, tight)} at 1e{tight}")
+    gains = {m: whole[tight][family(m)] - whole[tight][m] for m in others.index if family(m) != m and family(m) in whole.index}
+    if gains:
+        most = max(gains, key=gains.get)
+        text += (f". The tightest setting of a library helps {family(most)} most: {say(family(most), tight)} become "
+                 f"{say(most, tight)}" if gains[most] > 0 else ". At the tightest setting of its library no witness fails less")
+    return text + "."
+
+
+def _chart(context, rows, dimension, precision):
+    table = shares(rows)
+    methods = list(dict.fromkeys(table.sort_values(["role", "method"], kind="stable")["method"]))
+    pairs = [EVERYTHING, *sorted(set(table["pair"]) - {EVERYTHING})]
+    looks = context.looks_of_stage("pair_query")
+    columns = min(5, len(pairs))
+    legend_width = legend_room(map(context.name, methods), 2.2)
+    figure, axes = grid_of_axes(math.ceil(len(pairs) / columns), columns, 1.0, legend_width, left=0.75, gap_x=0.2, gap_y=0.42)
+    tight = round(math.log10(failure.TOLERANCE[precision]))
+    for index, ax in enumerate(axes.flat):
+        if index >= len(pairs):
+            ax.set_visible(False)
+            continue
+        part = table[table["pair"] == pairs[index]].set_index("method")
+        ax.axvline(tight, color="#999999", lw=0.8, ls=(0, (4, 3)))
+        for method in methods:
+            if method in part.index:
+                ax.plot(list(DECADES), [100 * (1 - part[d][method]) for d in DECADES], **_line(looks, method))
+        ax.set_title(pairs[index], fontsize=8.5)
+        ax.set_xlim(min(DECADES), max(DECADES))
+        ax.set_ylim(-4, 104)
+        ax.set_yticks([0, 50, 100])
+        ax.set_xticks([-15, -10, -5, 0])
+        ax.set_xticklabels([f"$10^{{{d}}}$" for d in (-15, -10, -5)] + ["1"] if index + columns >= len(pairs) else [])
+        ax.tick_params(labelleft=index % columns == 0)
+        if index % columns == 0:
+            ax.set_ylabel("right, %", fontsize=8.5)
+        if index + columns >= len(pairs):
+            ax.set_xlabel("tolerance / size", fontsize=8.5)
+    handles = [Line2D([], [], label=context.name(m), **_line(looks, m)) for m in methods]
+    handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="the ledger's"))
+    legend_right(figure, handles, legend_width)
+    numbers = table.drop(columns="role").rename(columns={d: f"fails at 1e{d}" for d in DECADES})
+    return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION, f"Right within which tolerance, {dimension}D, {precision}",
+                 finding(rows, dimension, precision), "", figure, numbers, [],
+                 "The share of the questions that would not be failures, had the referee allowed that tolerance, over the tolerance. "
+                 "The dashed line is the one that the ledger takes. A right side without a value (some witnesses give depths alone) "
+                 f"is no failure at any. Settings in braces are the tightest that a library offers. {failure.DEFINITION}",
+                 made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
+
+
+def _line(looks, method):
+    """A colour for each family; its defaults drawn through, the tightest setting dotted, ours thicker."""
+    look = looks(method)
+    tight = family(method) != method
+    return {"color": look["color"], "lw": 1.2 if "markerfacecolor" in look else 2.2, "ls": ":" if tight else "-"}
