@@ -92,7 +92,8 @@ def _chart(context, table):
         ax.grid(False, axis="y")
         ax.set_xlabel("cells that end in the same bits, %")
     more = int((table["equal"] > 0).sum()) - len(shown)
-    return Chart("distinctness", SECTION, "Runs that end in the same bits", finding(table), "", figure, table,
+    return Chart("distinctness", SECTION, "Runs that end in the same bits", finding(table), "", figure,
+                 table.rename(columns={"share": "share [1]"}),
                  [f"{plural(more, 'further pair')} that agree somewhere are in the numbers alone"] if more > 0 else [],
                  "Two runs are equal when the hash of their final poses and velocities is: to the last bit, not nearly. Dark are "
                  "methods that agree in most of the cells that both finished: one path under two names, whose times are two "

@@ -123,7 +123,7 @@ def _chart(context, rows, dimension, precision):
     handles = [Line2D([], [], label=context.name(m), **_line(looks, m)) for m in methods]
     handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="the ledger's"))
     legend_right(figure, handles, legend_width)
-    numbers = table.drop(columns="role").rename(columns={d: f"fails at 1e{d}" for d in DECADES})
+    numbers = table.drop(columns="role").rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
     return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION, f"Right within which tolerance, {dimension}D, {precision}",
                  finding(rows, dimension, precision), "", figure, numbers, [],
                  "The share of the questions that would not be failures, had the referee allowed that tolerance, over the tolerance. "
