@@ -37,7 +37,7 @@ def drawn(headline):
     rows = rows_of(headline)
     height = 0.2 * len(rows) + 0.06
     figure, ax = plt.subplots(figsize=(WIDTH, height))
-    left = 0.1 + 0.062 * max(len(short(name)) for name, _ in rows)
+    left = 0.14 + 0.066 * max(len(short(name)) for name, _ in rows)
     figure.subplots_adjust(left=left / WIDTH, right=1 - 0.72 / WIDTH, top=1, bottom=0)
     finite = [value for _, value in rows if value is not None and math.isfinite(value)]
     above = [value for value in finite if value > 0]
@@ -63,4 +63,4 @@ def drawn(headline):
 
 
 def short(name):
-    return name if len(name) <= 24 else name[:23] + "…"
+    return name if len(name) <= 22 else name[:21] + "…"

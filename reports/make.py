@@ -20,10 +20,12 @@ def parse(arguments):
     parser.add_argument("--only", metavar="ID,ID", default="", help="only the charts whose id begins with one of these, and no page")
     parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` picks the most telling")
     parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
+    parser.add_argument("--check", action="store_true", help="measure the pictures: print the texts that overlap or are cut off "
+                        "and end with 1 where there are any; write nothing")
     parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and the metrics, and write nothing")
     options = parser.parse_args(arguments)
-    if not (options.out or options.list or (options.chart and options.to)):
-        parser.error("give --out DIR, or --chart ID --to FILE, or --list")
+    if not (options.out or options.list or options.check or (options.chart and options.to)):
+        parser.error("give --out DIR, or --chart ID --to FILE, or --list, or --check")
     return options
 
 
@@ -69,7 +71,9 @@ def run(options):
         print("\nmetrics")
         for name, metric in known(store).items():
             print(f"  {name} ({metric.unit})  {metric.meaning}")
-        return
+        return 0
+    if options.check:
+        return check(charts)
     if options.chart:
         found = most_telling(charts) if options.chart == "best" else next((c for c in charts if c.id == options.chart), None)
         if found is None or found.figure is None:
@@ -80,7 +84,7 @@ def run(options):
         pages.folder(target.parent)
         pages.save(found.figure, target)
         print(f"{target}: {found.finding}")
-        return
+        return 0
     out = Path(options.out)
     if out.exists() and not out.is_dir():
         raise UserError(f"--out {options.out}: not a folder")
@@ -90,6 +94,23 @@ def run(options):
     else:
         pages.forget_earlier(out)
         print(pages.write(context, charts, out, options.store, options.out))
+    return 0
+
+
+def check(charts):
+    """Prints the faults of the pictures; 1 where there are any."""
+    import headlines
+    import overlap
+    faults = 0
+    for chart in charts:
+        figures = [chart.figure, headlines.drawn(chart.headline) if chart.headline is not None else None]
+        for figure in filter(None, figures):
+            together, outside = overlap.overlaps(figure)
+            said = [f"{a!r} on {b!r}" for a, b in together] + [f"{text!r} is cut off" for text in outside]
+            print("".join(f"{chart.id}: {fault}\n" for fault in said), end="")
+            faults += len(said)
+    print(f"{faults} faults in the pictures of {len(charts)} charts")
+    return 1 if faults else 0
 
 
 def main(arguments=None):
@@ -105,11 +126,10 @@ def main(arguments=None):
         return 2
     from load import UserError
     try:
-        run(options)
+        return run(options)
     except UserError as error:
         print(f"reports/make.py: {error}", file=sys.stderr)
         return 2
-    return 0
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 """How charts look: colours that stay with an algorithm, log axes with a place for zero and for failures, labels."""
 
 import math
+import textwrap
 import zlib
 
 import matplotlib
+import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.patheffects as patheffects  # noqa: E402
@@ -102,6 +104,72 @@ def letter(outcome):
 HALO = [patheffects.withStroke(linewidth=2.5, foreground="white")]  # keeps a letter readable on lines
 
 
+def fallen(ax, spots, **kwargs):
+    """Letters of failed runs at (x, y, outcome, colour). Those that would lie on one another are one letter with their number.
+    They are the last that a panel gets: the limits of its axes stand from now on."""
+    if not spots:
+        return
+    ax.update_datalim([spot[:2] for spot in spots])
+    ax.autoscale_view()
+    ax.autoscale(False)
+    dots, box = ax.figure.dpi / 72, ax.get_window_extent()
+    places = ax.transData.transform([(x, y) for x, y, *_ in spots])
+    groups = [([i], places[i]) for i in np.argsort(places[:, 0], kind="stable")]
+    merged = True
+    while merged:
+        merged = False
+        for i, (members, middle) in enumerate(groups):
+            near = next((j for j, (others, at) in enumerate(groups[i + 1:], i + 1) if abs(middle[1] - at[1]) < 9 * dots and
+                         abs(middle[0] - at[0]) < (_wide(spots, members) + _wide(spots, others)) / 2 * dots), None)
+            if near is not None:
+                members = members + groups.pop(near)[0]
+                half = _wide(spots, members) / 2 * dots
+                x, y = places[members].mean(axis=0)
+                groups[i] = (members, (min(max(x, box.x0 + half), max(box.x1 - half, box.x0 + half)), y))
+                merged = True
+                break
+    for members, middle in groups:
+        colours, text = {spots[i][3] for i in members}, _counted(spots, members)
+        colour = colours.pop() if len(colours) == 1 else "#444444"
+        if len(members) == 1:
+            ax.plot(*[[v] for v in spots[members[0]][:2]], ls="none", marker=letter(spots[members[0]][2]), ms=7, mew=0.3,
+                    color=colour, zorder=4, **kwargs)
+        else:
+            ax.text(*ax.transData.inverted().transform(middle), text, ha="center", va="center", fontsize=8, fontweight="bold",
+                    color=colour, zorder=4)
+
+
+def _counted(spots, members):
+    letters = [OUTCOMES.get(spots[i][2], ("", "?"))[1] or "?" for i in members]
+    return " ".join(f"{one}×{letters.count(one)}" if len(members) > 1 else one for one in dict.fromkeys(letters))
+
+
+def _wide(spots, members):
+    """Of the letters of these spots, in points, with room beside them."""
+    return 7.0 * len(_counted(spots, members)) + 3
+
+
+def same(curves):
+    """{method: the first of those with exactly these points}: lines that lie on one another are drawn once."""
+    curves, firsts = {method: np.asarray(points, float) for method, points in curves.items()}, {}
+    return {method: firsts.setdefault(points.tobytes() if np.isfinite(points).any() else method, method)
+            for method, points in curves.items()}
+
+
+def one_line(ax, firsts, words):
+    """Says above the axes which methods share a line, `words` (of a group) or, where there is no room, their number alone."""
+    groups = [[m for m in firsts if firsts[m] == first] for first in dict.fromkeys(firsts.values())]
+    groups = [group for group in groups if len(group) > 1]
+    room = int(ax.get_position().width * ax.figure.get_figwidth() / 0.067)
+    lines = textwrap.wrap("; ".join(f"{words(group)} are one line here" for group in groups), room)
+    if len(lines) > (2 if ax.get_title("left") else 1):  # without a title there is the row of charts above
+        lines = textwrap.wrap("; ".join(f"{len(group)} methods are one line here" for group in groups), room)
+    if lines:
+        ax.text(0, 1.01, "\n".join(lines), transform=ax.transAxes, va="bottom", fontsize=8, color="#555555")
+        if ax.get_title("left"):
+            ax.set_title(ax.get_title("left"), pad=4 + 10.5 * len(lines))
+
+
 def si(value, unit="", digits=3):
     """A number for a sentence: 0.00123 m -> 1.23 mm. Zero stays 0."""
     if value is None or math.isnan(value):
@@ -153,6 +221,21 @@ def _ticks(low, high, most):
     return decades
 
 
+def _apart(ticks, kept, inch_of, which):
+    """Those of the ticks whose labels do not touch: the `kept` first, then the others in order."""
+    found = {}
+    for value in sorted(ticks, key=lambda v: (v not in kept, v)):
+        if all(abs(inch_of(value) - inch_of(other)) > (_inches(ticks[value], which) + _inches(ticks[other], which)) / 2 + 0.05
+               for other in found):
+            found[value] = ticks[value]
+    return found
+
+
+def _inches(label, which):
+    """Of the label of a tick, along its axis; powers of ten are set smaller than they are written."""
+    return 0.12 if which == "y" else 0.075 * (4 if label.startswith("$") else len(label))
+
+
 class ZeroLog:
     """A log axis on which nothing vanishes: zeros stand left of (below) a gap at "0", failures beyond the other end.
 
@@ -186,6 +269,7 @@ class ZeroLog:
             ticks[self.zero] = f"<{si(floor, unit)}" if below else "0"
         if self.has_failed:
             ticks[self.failed] = failed_name
+        ticks = _apart(ticks, {self.zero, self.failed}, lambda v: inches * (math.log10(v) - bottom) / (top - bottom), which)
         axis = getattr(ax, which + "axis")
         axis.set_major_locator(ticker.FixedLocator(sorted(ticks)))
         axis.set_major_formatter(ticker.FixedFormatter([ticks[t] for t in sorted(ticks)]))
@@ -230,41 +314,6 @@ def direct_labels(ax, ends, size=8.5):
     for (place, _, text, colour), origin in zip(spots, wanted):
         ax.plot([1.0, 1.025], [origin, place], transform=ax.transAxes, color=colour, lw=0.8, clip_on=False)
         ax.text(1.032, place, text, transform=ax.transAxes, color=colour, size=size, va="center", clip_on=False)
-
-
-def overlaps(figure):
-    """(pairs of drawn texts that overlap by more than a pixel, texts cut off by the edge): both empty in a good chart."""
-    figure.canvas.draw()
-    renderer = figure.canvas.get_renderer()
-    hidden = _hidden_ticks(figure)
-    boxes = []
-    for text in figure.findobj(matplotlib.text.Text):
-        # The box round a slanted label is much larger than the label: such ones are judged by eye.
-        if text.get_text().strip() and text.get_visible() and id(text) not in hidden and text.get_rotation() % 90 == 0:
-            boxes.append((text.get_text(), text.get_window_extent(renderer)))
-    found = []
-    for i, (a, box_a) in enumerate(boxes):
-        for b, box_b in boxes[i + 1:]:
-            wide = min(box_a.x1, box_b.x1) - max(box_a.x0, box_b.x0)
-            high = min(box_a.y1, box_b.y1) - max(box_a.y0, box_b.y0)
-            if wide > 1 and high > 1:
-                found.append((a, b))
-    outside = [t for t, box in boxes if box.x0 < -1 or box.y0 < -1 or box.x1 > figure.bbox.x1 + 1 or
-               box.y1 > figure.bbox.y1 + 1]
-    return found, outside
-
-
-def _hidden_ticks(figure):
-    """Matplotlib keeps label objects of ticks outside the limits; they are not drawn."""
-    hidden = set()
-    for ax in figure.axes:
-        for axis, limits in ((ax.xaxis, sorted(ax.get_xlim())), (ax.yaxis, sorted(ax.get_ylim()))):
-            for tick in axis.get_major_ticks() + axis.get_minor_ticks():
-                if not ax.get_visible() or not limits[0] <= tick.get_loc() <= limits[1]:
-                    hidden |= {id(tick.label1), id(tick.label2)}
-        if not ax.get_visible():
-            hidden |= {id(text) for text in ax.findobj(matplotlib.text.Text)}
-    return hidden
 
 
 def grid_of_axes(rows, columns, row_height, legend_width=0.0, width=WIDTH, top=0.45, bottom=0.6, left=0.85, gap_x=0.85,

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 import metrics
 from chart import Chart, Headline, Needs, dimension_of, holes, listing
 from load import one_machine
-from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, plain_log, times
+from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same, times
 from table import quantity
 
 PLACE = 10
@@ -144,6 +144,7 @@ def _chart(context, cells, dimension, precision, refused):
             ax, part = axes[row][column], cells[cells["distribution"] == distribution]
             plain_log(ax, "x", part["n"].astype(float))
             scale = ZeroLog(ax, "y", values, unit, failures=not finished.all())
+            spots = []
             for method in methods:
                 n, value = curve(part, method, metric)
                 look = looks(method)
@@ -152,11 +153,12 @@ def _chart(context, cells, dimension, precision, refused):
                 mine = part[part["method"] == method].sort_values("n")
                 for at, outcome in zip(n, mine["outcome"]):
                     if outcome != "ok":
-                        ax.plot([at], [scale.failed], ls="none", marker=letter(outcome), color=look["color"], ms=7, mew=0.3)
+                        spots.append((at, scale.failed, outcome, look["color"]))
                 if metric == TIME:
                     ax.fill_between(n[good], mine["ns_per_frame_p25"].astype(float).to_numpy()[good],
                                     mine["ns_per_frame_p75"].astype(float).to_numpy()[good], color=look["color"],
                                     alpha=0.15, lw=0)
+            fallen(ax, spots)
             hit = marked[marked["distribution"] == distribution]
             if metric == TIME and len(hit):
                 at, winner = hit["n"].iloc[0], hit["method"].iloc[0]
@@ -169,6 +171,7 @@ def _chart(context, cells, dimension, precision, refused):
                 ax.set_title(f"{distribution} boxes, {dimension}D")
             else:
                 ax.set_xlabel("bodies n")
+            one_line(ax, same({m: curve(part, m, metric) for m in methods}), listing)
             if column == 0:
                 ax.set_ylabel(context.title(metric))
             else:

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 import metrics
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
-from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
+from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of, si, times
 from table import quantity
 
 PLACE = 20
@@ -120,12 +120,16 @@ def headline(context, cells, where, cost_name, error_name):
     known = {m: e for m, e in errors.items() if e == e}
     if len(known) < 2:
         return None
-    best, worst = min(known, key=known.get), max(known, key=known.get)
+    least, most = si(min(known.values()), unit), si(max(known.values()), unit)
+    best, worst = ([m for m in known if si(known[m], unit) == text] for text in (least, most))  # what reads alike is a tie
     failed = [m for m in errors if m not in known]
-    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {best} has the smallest "
-                    f"{context.title(error_name).removeprefix('largest ')}, {si(known[best], unit)}; {worst} has "
-                    f"{si(known[worst], unit)}" + (f", and {methods(failed, list(errors))} "
-                                                   f"{'fails' if len(failed) == 1 else 'fail'}." if failed else "."), errors, unit)
+    if best == worst and not failed:
+        return None
+    return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {methods(best, list(errors))} "
+                    f"{'has' if len(best) == 1 else 'have'} the smallest {context.title(error_name).removeprefix('largest ')}, {least}"
+                    + (f"; {methods(worst, list(errors))} {'has' if len(worst) == 1 else 'have'} {most}" if worst != best else "")
+                    + (f"; {methods(failed, list(errors))} {'fails' if len(failed) == 1 else 'fail'}." if failed else "."),
+                    errors, unit)
 
 
 def against_baseline(context, cells, cost_name, error_name):
@@ -168,6 +172,7 @@ def _cost_chart(context, cells, groups, refused):
             error[failed] = math.nan
             across = ZeroLog(ax, "x", cost, context.unit(cost_name), failed_name="none")
             up = ZeroLog(ax, "y", error, context.unit(error_name), floor=context.floor(error_name))
+            spots = []
             for method in labels:
                 mine = np.flatnonzero((cells["method"] == method).to_numpy())
                 if setting:
@@ -185,14 +190,16 @@ def _cost_chart(context, cells, groups, refused):
                                 color=look["color"], mfc="white" if hollow else look["color"],
                                 mec=look["color"] if hollow else "white", mew=1.2 if hollow else 0.5, zorder=3)
                     else:
-                        ax.plot([x], [y], ls="none", ms=7, marker=letter(cells["outcome"].iloc[i]), color=look["color"],
-                                mew=0.3, zorder=3)
+                        spots.append((x, y, cells["outcome"].iloc[i], look["color"]))
+            fallen(ax, spots)
             front = metrics.pareto(cost, error)
             ax.step([across.place(cost[i]) for i in front], [up.place(error[i]) for i in front], where="post",
                     color="#222222", lw=2.6, alpha=0.35, zorder=1)
             ax.set_xlabel(context.title(cost_name))
             if row == 0:
                 ax.set_title(context.title(error_name))
+            one_line(ax, same({m: [values[(cells["method"] == m).to_numpy()] for values in (cost, error)] for m in labels}),
+                     lambda group: methods(group, labels))
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
     handles.append(Line2D([], [], color="#222222", lw=2.6, alpha=0.35, label="Pareto front"))
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)

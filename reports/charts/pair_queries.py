@@ -11,7 +11,7 @@ import failure
 import metrics
 from chart import Chart, Headline, Needs, dimension_of, holes, listing, plural
 from load import one_machine
-from style import OUTCOMES, WIDTH, ZeroLog, grid_of_axes, legend_right, legend_room, letter, plt, si
+from style import OUTCOMES, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si
 from table import quantity
 
 PLACE = 70
@@ -113,6 +113,7 @@ def _scatter(context, cells, dimension, refused):
         across = ZeroLog(ax, "x", time, "ns", failed_name="not timed")
         up = ZeroLog(ax, "y", list(all_errors[np.isfinite(all_errors)]), "1", floor=FLOOR,
                      failures=not usable.all() or bool(np.isnan(errors["max_error"]).any()))
+        spots = []
         for i in mine:
             look = looks(cells["method"].iloc[i])
             x = across.place(time[i])
@@ -122,8 +123,8 @@ def _scatter(context, cells, dimension, refused):
                 middle = errors["p99_error"][i] if math.isfinite(errors["p99_error"][i]) else max(spread)
                 ax.plot([x], [up.place(middle)], **{**look, "linestyle": "none"})
             else:
-                ax.plot([x], [up.failed], marker=letter(cells["outcome"].iloc[i]), ms=7, ls="none", color=look["color"],
-                        mew=0.3)
+                spots.append((x, up.failed, cells["outcome"].iloc[i], look["color"]))
+        fallen(ax, spots)
         p99 = np.where(np.isfinite(errors["p99_error"]), errors["p99_error"], errors["max_error"])
         front = [mine[i] for i in failure.front(time[mine], p99[mine], failed[mine])]
         ax.step([time[i] for i in front], [up.place(p99[i]) for i in front], where="post", color="#222222", lw=2.4,

@@ -69,7 +69,7 @@ def _timeline(context, cells, side, axes):
     cells = cells.sort_values(side) if side else cells
     legend_width = 1.6
     figure, panels = grid_of_axes(2, len(cells), 2.3, legend_width, left=0.75, gap_x=0.35, gap_y=0.5)
-    rows, seen, top, high, peaks = [], OrderedDict(), 0.0, 1.0, []
+    rows, seen, top, high, peaks, finished = [], OrderedDict(), 0.0, 1.0, [], set()
     for column, (_, cell) in enumerate(cells.iterrows()):
         above, below = panels[0][column], panels[1][column]
         name = f"{side}: {cell[side]}" if side else where
@@ -90,7 +90,9 @@ def _timeline(context, cells, side, axes):
             seen.update(dict.fromkeys(shown))
             top = max(top, float(np.max(whole)))
             last = len(whole) - max(1, len(whole) // 10)
-            peaks.append((str(cell[side]) if side else where, float(np.max(whole)), float(np.mean(whole[last:]))))
+            if cell["outcome"] == "ok":  # what failed has no end that could be compared
+                finished.add(name)
+                peaks.append((str(cell[side]) if side else where, float(np.max(whole)), float(np.mean(whole[last:]))))
             for k, v in list(shown.items()) + [("whole step", whole)]:
                 rows.append({"run": name, "stage": k, "mean [s]": float(np.mean(v)) / 1e3, "largest [s]": float(np.max(v)) / 1e3,
                              "mean of the last tenth [s]": float(np.mean(v[last:])) / 1e3,
@@ -121,11 +123,11 @@ def _timeline(context, cells, side, axes):
                  f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, [*axes, side] if side else axes),
                  f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show.",
-                 headline=_headline(where, rows))
+                 headline=_headline(where, [r for r in rows if r["run"] in finished]))
 
 
 def _headline(where, rows):
-    """The stages of the first run."""
+    """The stages of the first run that finished."""
     parts = {r["stage"]: r["mean [s]"] for r in rows if r["run"] == rows[0]["run"] and r["stage"] != "whole step"}
     if len(parts) < 2:
         return None
@@ -136,7 +138,7 @@ def _headline(where, rows):
 
 def _finding(where, side, peaks, rows):
     if not peaks:
-        return f"No run of {where} has stage times."
+        return f"No run of {where} finished with stage times."
     said = [f"{name}: peak {si(peak, 'ms')}, last tenth {si(end, 'ms')} a step" for name, peak, end in peaks]
     shares = [r for r in rows if r["stage"] not in ("whole step", "other")]
     most = max(shares, key=lambda r: r["share of the time [1]"]) if shares else None

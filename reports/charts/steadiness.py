@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from chart import Chart, Headline, Needs, describe, holes
+from chart import Chart, Headline, Needs, describe, holes, methods
 from load import split, varying
-from style import HALO, ZeroLog, grid_of_axes, legend_right, legend_room, letter, si
+from style import HALO, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si
 
 PLACE = 30
 SECTION = "How restless is a scene that should be at rest?"
@@ -20,6 +20,7 @@ ABSENT = Chart("steadiness", SECTION, "The fastest body and the contacts over ti
                "No sweep of several methods on a scene that should be at rest is in this store.", "resolvers")
 PANELS = 3  # side by side
 MARKS = 4  # on a line
+REST = 1e-9  # m/s: rounding, not motion
 LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
 
 
@@ -48,6 +49,20 @@ def envelope(values, count=150):
     return edges[:-1], np.array([np.max(values[a:b]) for a, b in zip(edges[:-1], edges[1:])])
 
 
+def headline(where, speeds):
+    """How fast bodies go that should rest; below REST they do."""
+    speeds = {m: 0.0 if v <= REST else v for m, v in speeds.items()}
+    resting, moving = [m for m in speeds if speeds[m] == 0], {m: v for m, v in speeds.items() if v > 0}
+    if not moving:
+        return None
+    calmest, worst = min(moving, key=moving.get), max(moving, key=moving.get)
+    still = methods(resting, list(speeds)) if resting else ""
+    first = (f"{still} {'comes' if len(resting) == 1 else 'come'} to rest (below {si(REST, 'm/s')})" if resting else
+             f"bodies go at {si(moving[calmest], 'm/s')} with {calmest}")
+    return Headline(f"On {where}, in the last quarter, {first}; the fastest body goes at {si(moving[worst], 'm/s')} with {worst}.",
+                    speeds, "m/s")
+
+
 def _steady_chart(context, resting):
     left_out = [where for where, _ in resting[PANELS:]]
     resting = resting[:PANELS]
@@ -68,26 +83,30 @@ def _steady_chart(context, resting):
                 tracks[cell["method"]] = (cell, context.store.series(cell["key"], "max_speed"),
                                           context.store.series(cell["key"], "points"))
         speeds = [v for _, s, _ in tracks.values() if s is not None for v in envelope(s)[1] if math.isfinite(v)]
-        scale = ZeroLog(axes[0][column], "y", speeds, "m/s", failures=False, floor=1e-9)
+        scale = ZeroLog(axes[0][column], "y", speeds, "m/s", failures=False, floor=REST)
+        firsts = [same({m: [] if tracks[m][which] is None else tracks[m][which] for m in sorted(tracks)}) for which in (1, 2)]
+        spots = [], []
         for order, (method, (cell, speed, points)) in enumerate(sorted(tracks.items())):
             look = {**looks(method), "lw": 1.2}
-            for ax, values, place in ((axes[0][column], speed, scale.place), (axes[1][column], points, float)):
-                if values is None or not len(values):
+            for row, values, place in ((0, speed, scale.place), (1, points, float)):
+                if values is None or not len(values) or firsts[row][method] != method:
                     continue
                 step, high = envelope(np.where(np.isfinite(values), values, np.nan))
                 # Few markers, and not all at the same steps: members of a family have one colour.
                 every = max(1, len(step) // MARKS)
-                ax.plot(step, [place(v) if math.isfinite(v) else math.nan for v in high], **look,
-                        markevery=(order * every // max(1, len(tracks)), every))
+                axes[row][column].plot(step, [place(v) if math.isfinite(v) else math.nan for v in high], **look,
+                                       markevery=(order * every // max(1, len(tracks)), every))
                 if cell["outcome"] != "ok":
                     last = [v for v in high if math.isfinite(v)]
-                    ax.plot([len(values)], [place(last[-1] if last else 0)], marker=letter(cell["outcome"]), ms=8,
-                            ls="none", color=look["color"], clip_on=False, path_effects=HALO, zorder=4)
+                    spots[row].append((len(values), place(last[-1] if last else 0), cell["outcome"], look["color"]))
             rows.append({"scene": scene, "method": method, "outcome": cell["outcome"], "restlessness": cell.get("jitter"),
                          "contact points at the end": math.nan if points is None or not len(points) else points[-1]})
         axes[0][column].set_title(f"{scene}, {dimension}D")
         axes[1][column].set_xlabel("step")
         axes[1][column].set_ylim(bottom=0)
+        for row in (0, 1):
+            fallen(axes[row][column], spots[row], clip_on=False, path_effects=HALO)
+            one_line(axes[row][column], firsts[row], lambda group: methods(group, labels))
     axes[0][0].set_ylabel("fastest body")
     axes[1][0].set_ylabel("contact points")
     legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], legend_width)
@@ -100,10 +119,7 @@ def _steady_chart(context, resting):
             said.append(f"on {scene} the last quarter is calmest with {best['method']} "
                         f"({si(best['restlessness'], 'm/s')}) and most restless with {worst['method']} "
                         f"({si(worst['restlessness'], 'm/s')})")
-            told.append(Headline(f"On {scene} in {dimension}D the fastest body of the last quarter goes at "
-                                 f"{si(best['restlessness'], 'm/s')} with {best['method']} and at "
-                                 f"{si(worst['restlessness'], 'm/s')} with {worst['method']}.",
-                                 dict(zip(part["method"], part["restlessness"].astype(float))), "m/s"))
+            told.append(headline(f"{scene} in {dimension}D", dict(zip(part["method"], part["restlessness"].astype(float)))))
     text = f"In {dimension}D " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
     table = table.rename(columns={"restlessness": "restlessness [m/s]"})
     gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]
@@ -111,4 +127,4 @@ def _steady_chart(context, resting):
                  f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,
                  gaps + holes(cells, ["scene", "method"]),
                  "Lines are the largest value of each of 150 stretches; a letter marks where a run failed.",
-                 headline=max(told, key=lambda found: found.effect, default=None))
+                 headline=max(filter(None, told), key=lambda found: found.effect, default=None))

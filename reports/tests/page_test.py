@@ -16,11 +16,13 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import pandas as pd  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
 
 import chart  # noqa: E402
 import headlines  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
+import overlap  # noqa: E402
 import pages  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
@@ -69,6 +71,76 @@ def rounded(rows, target):
     rows.to_csv(target, index=False, float_format="%.6g")
 
 
+class Pictures(unittest.TestCase):
+    """Faults that an eye sees at once, measured as the figure is drawn as SVG."""
+
+    def figure(self, draw):
+        figure, ax = style.plt.subplots(figsize=(3, 2))
+        figure.subplots_adjust(left=0.2, bottom=0.25)
+        ax.set_xlim(0, 10)
+        ax.set_ylim(0, 10)
+        draw(ax)
+        found = overlap.overlaps(figure)
+        style.plt.close(figure)
+        return found
+
+    def test_letters_on_letters_and_cut_letters_are_seen(self):
+        def twins(ax):
+            ax.text(5, 5, "planted")
+            ax.text(5.2, 5, "twin")
+
+        def slanted(ax, apart=0.8):  # the boxes round slanted labels meet, the labels do not
+            ax.text(2, 2, "a long slanted label", rotation=45)
+            ax.text(2 + apart, 2, "another slanted label", rotation=45)
+
+        self.assertEqual(self.figure(twins), ([("planted", "twin")], []))
+        self.assertEqual(self.figure(lambda ax: slanted(ax, 1.5)), ([], []))
+        self.assertEqual(len(self.figure(lambda ax: slanted(ax, 0.3))[0]), 1)
+        legend = self.figure(lambda ax: ax.figure.legend([Line2D([], [])], ["bullet (witness)"], loc="upper left",
+                                                         bbox_to_anchor=(0.6, 1)))
+        self.assertEqual(legend, ([], ["bullet (witness)"]))
+
+    def test_thirteen_failures_at_one_place_are_one_letter_with_their_number(self):
+        spots = [(5.0, 9.0, "collapsed", "#000000")] * 12 + [(5.1, 9.0, "diverged", "#000000"), (1.0, 9.0, "timeout", "#000000")]
+
+        def piled(ax):
+            for x, y, outcome, colour in spots:
+                ax.plot([x], [y], ls="none", marker=style.letter(outcome), ms=7, color=colour)
+
+        self.assertGreater(len(self.figure(piled)[0]), 60, "the planted bug was not seen")
+        said = []
+        self.assertEqual(self.figure(lambda ax: (style.fallen(ax, spots), said.extend(t.get_text() for t in ax.texts))), ([], []))
+        self.assertEqual(said, ["C×12 N×1"])
+
+    def test_failures_stay_apart_wherever_they_are(self):
+        source = random.Random(4)
+        for _ in range(60):
+            spots = [(source.uniform(0, 10), source.choice([9.0, 9.3, 5.0]), source.choice(["collapsed", "diverged", "timeout"]),
+                      "#000000") for _ in range(source.randrange(1, 25))]
+            told = []
+            found = self.figure(lambda ax: (style.fallen(ax, spots), told.extend([len(ax.lines), *(t.get_text() for t in ax.texts)])))
+            self.assertEqual(found, ([], []), spots)
+            counted = told[0] + sum(int(part.split("×")[1]) for text in told[1:] for part in text.split())
+            self.assertEqual(counted, len(spots), "a failure vanished")
+
+    def test_ticks_leave_room_for_zero_and_failures(self):
+        source = random.Random(6)
+        for _ in range(60):
+            values = [10**source.uniform(-9, 3) for _ in range(source.randrange(1, 5))] + [0.0, math.nan]
+            found = self.figure(lambda ax: (style.ZeroLog(ax, "x", values, source.choice(["ns", "m", "1"]), failed_name="not timed"),
+                                            style.ZeroLog(ax, "y", values, "s")))
+            self.assertEqual(found[0], [], values)
+
+    def test_lines_on_one_another_are_named(self):
+        curves = {"a": [1.0, math.nan], "b": [1.0, 2.0], "c": [1.0, math.nan], "d": [math.nan, math.nan], "e": [math.nan] * 2}
+        firsts = style.same(curves)
+        self.assertEqual(firsts, {"a": "a", "b": "b", "c": "a", "d": "d", "e": "e"})
+        said = []
+        self.assertEqual(self.figure(lambda ax: (style.one_line(ax, firsts, " and ".join), said.extend(t.get_text()
+                                                 for t in ax.texts))), ([], []))
+        self.assertEqual(said, ["a and c are one line here"])
+
+
 class Tables(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -77,7 +149,19 @@ class Tables(unittest.TestCase):
         synthetic_store.write(Path(cls.folder.name) / "store.db")
         cls.store = load.Store(Path(cls.folder.name) / "store.db")
         cls.charts = make.all_charts(chart.Context(cls.store))
-        style.plt.close("all")
+
+    def test_no_letters_overlap_or_are_cut_off(self):
+        for made in self.charts:
+            figures = [made.figure] if made.figure is not None else []
+            figures += [headlines.drawn(made.headline)] if made.headline is not None else []
+            for figure in figures:
+                self.assertEqual(overlap.overlaps(figure), ([], []), made.id)
+                style.plt.close(figure)
+
+    def test_a_ratio_of_one_is_not_told(self):
+        for made in self.charts:
+            told = made.finding + (made.headline.text if made.headline is not None else "")
+            self.assertNotRegex(told, r"\b1(\.0+)? times\b", made.id)
 
     def test_every_table_has_raw_numbers_with_units_and_round_trips(self):
         shown = 0

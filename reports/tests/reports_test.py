@@ -341,23 +341,6 @@ class Drawing(WithStore):
         self.assertTrue(check_zero_place(style.ZeroLog))
         self.assertFalse(check_zero_place(PlainLog), "the planted bug was not seen")
 
-    def test_no_labels_overlap_or_are_cut_off(self):
-        for made in make.all_charts(self.context):
-            if made.figure is not None:
-                together, outside = style.overlaps(made.figure)
-                self.assertEqual((together, outside), ([], []), made.id)
-                style.plt.close(made.figure)
-
-    def test_overlapping_labels_are_seen(self):
-        figure, ax = style.plt.subplots()
-        ax.text(0.5, 0.5, "planted")
-        ax.text(0.51, 0.5, "planted twin")
-        ax.text(2.5, 0.5, "planted outside")
-        together, outside = style.overlaps(figure)
-        style.plt.close(figure)
-        self.assertIn(("planted", "planted twin"), together)
-        self.assertIn("planted outside", outside)
-
     def test_every_theme_survives_an_empty_store(self):
         with tempfile.TemporaryDirectory() as folder:
             synthetic_store.write(Path(folder) / "empty.db", themes=())

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Zlib
+"""Faults that an eye sees in a picture at once: letters on letters, and letters that are cut off."""
+
+import io
+import math
+
+import matplotlib.text
+import numpy as np
+from matplotlib.backends.backend_svg import RendererSVG
+
+SLACK = 0.75  # points by which the boxes of two texts may overlap: a box is a little larger than its letters
+
+
+def overlaps(figure):
+    """(pairs of texts that overlap, texts cut off by the edge), measured as the figure is drawn as SVG. Letters that stand for
+    failed runs are texts, too."""
+    dpi = figure.dpi
+    figure.set_dpi(72)  # of SVG: a dot is a point
+    wide, high = figure.bbox.width, figure.bbox.height
+    renderer = RendererSVG(wide, high, io.StringIO(), image_dpi=72)
+    figure.draw(renderer)
+    hidden = _hidden(figure)
+    boxes = [_box(text, renderer) for text in figure.findobj(matplotlib.text.Text)
+             if text.get_text().strip() and text.get_visible() and id(text) not in hidden]
+    boxes += [box for ax in figure.axes if ax.get_visible() for line in ax.lines for box in _letters(line)]
+    figure.set_dpi(dpi)
+    together = [(a.words, b.words) for i, a in enumerate(boxes) for b in boxes[i + 1:] if a.meets(b) and b.meets(a)]
+    outside = [box.words for box in boxes if box.corners.min() < -SLACK or box.corners[:, 0].max() > wide + SLACK or
+               box.corners[:, 1].max() > high + SLACK]
+    return together, outside
+
+
+class Box:
+    """A rectangle round words, turned by an angle."""
+
+    def __init__(self, words, centre, wide, high, angle=0.0):
+        self.words = words
+        along = np.array([math.cos(angle), math.sin(angle)])
+        self.sides = np.array([along, [-along[1], along[0]]])
+        half = self.sides * [[wide / 2], [high / 2]]
+        self.corners = np.array([centre + a * half[0] + b * half[1] for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
+
+    def meets(self, other):
+        """Whether no side of this box lies between the two."""
+        mine, theirs = self.corners @ self.sides.T, other.corners @ self.sides.T
+        deep = np.minimum(mine.max(axis=0), theirs.max(axis=0)) - np.maximum(mine.min(axis=0), theirs.min(axis=0))
+        return bool((deep > SLACK).all())
+
+
+def _box(text, renderer):
+    """Round the middle of what is round the turned text; as wide and high as the text is when it is not turned."""
+    around, angle = text.get_window_extent(renderer), text.get_rotation()
+    centre = np.array([(around.x0 + around.x1) / 2, (around.y0 + around.y1) / 2])
+    text.set_rotation(0)
+    flat = text.get_window_extent(renderer)
+    text.set_rotation(angle)
+    return Box(text.get_text(), centre, flat.width, flat.height, math.radians(angle))
+
+
+def _letters(line):
+    """Markers that are letters; thirteen at one place are one blot."""
+    marker = line.get_marker()
+    if not isinstance(marker, str) or not marker.startswith("$") or not line.get_visible():
+        return []
+    size = 0.8 * line.get_markersize()
+    spots = line.get_transform().transform(np.column_stack([line.get_xdata(orig=False), line.get_ydata(orig=False)]).astype(float))
+    return [Box(marker, spot, size, size) for spot in spots if np.isfinite(spot).all()]
+
+
+def _hidden(figure):
+    """Matplotlib keeps label objects of ticks outside the limits; they are not drawn."""
+    hidden = set()
+    for ax in figure.axes:
+        for axis, limits in ((ax.xaxis, sorted(ax.get_xlim())), (ax.yaxis, sorted(ax.get_ylim()))):
+            for tick in axis.get_major_ticks() + axis.get_minor_ticks():
+                if not (ax.get_visible() and ax.axison) or not limits[0] <= tick.get_loc() <= limits[1]:
+                    hidden |= {id(tick.label1), id(tick.label2)}
+        if not ax.get_visible():
+            hidden |= {id(text) for text in ax.findobj(matplotlib.text.Text)}
+    return hidden
