@@ -31,7 +31,7 @@ def agreements(store, cells):
     columns = ["sweep", "a", "b", "cells", "equal"]
     if not len(cells):
         return pd.DataFrame(columns=columns)
-    others = sorted(load.axes_of(store, cells) - {store.method_axis(name) for name in cells["sweep"].unique()})
+    others = sorted(load.axes_of(store, cells) - {axis for name in cells["sweep"].unique() for axis in store.method_axes(name)})
     others = [name for name in others if name in cells]
     ends = {}
     for _, cell in cells[cells["outcome"] == "ok"].iterrows():
