@@ -35,7 +35,7 @@ def front(cost, error, failures):
 
 def tolerance(precision):
     """In the words of a finding."""
-    return f"{TOLERANCE[precision]:.0e} of the size"
+    return f"1e{round(math.log10(TOLERANCE[precision]))} of the size"
 
 
 def share(part):

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import failure
-from chart import Chart
+from chart import Chart, listing
 from load import family
 from style import grid_of_axes, legend_right, legend_room
 
@@ -16,14 +16,15 @@ SECTION = "Who is right, and who fails where?"
 DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
 LOOSE = -3  # a thousandth of the size: what a game would not see
 EVERYTHING = "all that it was asked"
-ABSENT = Chart("within_tolerance", SECTION, "Right within which tolerance?", "No verification of pair queries is in this store.",
-               "", made_by="verify --stage pair_query --pairs 200")
+ABSENT = Chart("within_tolerance", SECTION, "Right within which tolerance?", "No pair query that fails somewhere is in this "
+               "store.", "", made_by="verify --stage pair_query --pairs 200")
 
 
 def of_store(context):
     ledger = context.store.ledger()
     rows = ledger[(ledger["stage"] == "pair_query") & (ledger["axis"] == "all") & (ledger["asked"] > 0)]
-    return [_chart(context, part, *of) for of, part in rows.groupby(["dimension", "precision"], sort=True)]
+    groups = rows.groupby(["dimension", "precision"], sort=True)
+    return [_chart(context, part, *of) for of, part in groups if failure.in_ledger(part)]  # others are right within all of these
 
 
 def outside(rows, decade):
@@ -50,11 +51,12 @@ def shares(rows):
     return pd.DataFrame(found)
 
 
-def turned(whole, tight, loose):
-    """The two methods whose ranks turn round by most: the first fails more at the tight tolerance, and less at the loose."""
+def turned(whole, tight, loose, kinds):
+    """The two methods whose ranks turn round by most: the first fails more at the tight tolerance, and less at the loose. Only
+    methods that were asked of the same kinds of shapes are compared."""
     best, found = 0.0, None
     for a in whole.index:
-        for b in whole.index:
+        for b in (b for b in whole.index if kinds[a] == kinds[b]):
             by = min(whole[tight][a] - whole[tight][b], whole[loose][b] - whole[loose][a])
             if by > best:
                 best, found = by, (a, b)
@@ -62,14 +64,15 @@ def turned(whole, tight, loose):
 
 
 def finding(rows, dimension, precision):
-    whole = shares(rows)
-    whole = whole[whole["pair"] == EVERYTHING].set_index("method")
+    table = shares(rows)
+    whole = table[table["pair"] == EVERYTHING].set_index("method")
+    kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
     tight = round(math.log10(failure.TOLERANCE[precision]))
     text = f"In {dimension}D, {precision}, "
     others = whole[whole["role"] != "competitor"]
     ours = whole[whole["role"] == "competitor"]
     plain = others[[family(m) == m for m in others.index]]
-    pair = turned(plain, tight, LOOSE)
+    pair = turned(plain, tight, LOOSE, kinds)
     say = lambda m, decade: failure.share(whole[decade][m])  # noqa: E731
     if pair:
         a, b = pair
@@ -94,12 +97,14 @@ def finding(rows, dimension, precision):
 def _chart(context, rows, dimension, precision):
     table = shares(rows)
     methods = list(dict.fromkeys(table.sort_values(["role", "method"], kind="stable")["method"]))
-    pairs = [EVERYTHING, *sorted(set(table["pair"]) - {EVERYTHING})]
+    tight = round(math.log10(failure.TOLERANCE[precision]))
+    everyones = table.groupby("pair")[tight].max()
+    easy = sorted(everyones[everyones == 0].index)
+    pairs = [EVERYTHING, *sorted(set(table["pair"]) - {EVERYTHING, *easy})]
     looks = context.looks_of_stage("pair_query")
     columns = min(5, len(pairs))
     legend_width = legend_room(map(context.name, methods), 2.2)
     figure, axes = grid_of_axes(math.ceil(len(pairs) / columns), columns, 1.0, legend_width, left=0.75, gap_x=0.2, gap_y=0.42)
-    tight = round(math.log10(failure.TOLERANCE[precision]))
     for index, ax in enumerate(axes.flat):
         if index >= len(pairs):
             ax.set_visible(False)
@@ -125,7 +130,8 @@ def _chart(context, rows, dimension, precision):
     legend_right(figure, handles, legend_width)
     numbers = table.drop(columns="role").rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
     return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION, f"Right within which tolerance, {dimension}D, {precision}",
-                 finding(rows, dimension, precision), "", figure, numbers, [],
+                 finding(rows, dimension, precision), "", figure, numbers,
+                 [f"Nobody fails on {listing(easy)}: not drawn"] if easy else [],
                  "The share of the questions that would not be failures, had the referee allowed that tolerance, over the tolerance. "
                  "The dashed line is the one that the ledger takes. A right side without a value (some witnesses give depths alone) "
                  f"is no failure at any. Settings in braces are the tightest that a library offers. {failure.DEFINITION}",
