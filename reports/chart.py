@@ -61,6 +61,7 @@ class Needs:
     methods: tuple = (1, math.inf)  # how many compete
     metrics: tuple = ()  # that a finished cell holds; where none is finished, the plan decides
     series: tuple = ()  # that the chart reads
+    calibrated: bool = False  # by the runner, to budgets, which are then the sweep's one question
 
 
 def modules():
@@ -96,6 +97,7 @@ def _asked_for(module, sweep):
 
 def described(needs):
     parts = [f"trials of kind {needs.kind}", *(f"several values of {axis}" for axis in needs.varies)]
+    parts += ["calibrated methods"] if needs.calibrated else []
     if needs.metrics:
         parts.append(f"{listing(needs.metrics)} in a finished cell")
     return listing(parts)
@@ -123,7 +125,9 @@ class Context:
         """Whether the chart of this name and these needs is made of a sweep. Where the sweep itself says what it is for, how
         many methods compete and what is fixed are its own affair."""
         about, cells = self.store.sweep(sweep), self.store.cells(sweep)
-        if about.kind != needs.kind or not len(cells) or (about.report and name not in about.report):
+        if not len(cells) or (about.kind, bool(about.calibrate)) != (needs.kind, needs.calibrated):
+            return False
+        if about.report and name not in about.report:
             return False
         several = load.varying(self.store, cells)
         low, high = needs.methods

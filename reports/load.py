@@ -61,6 +61,7 @@ class Sweep:
     # Axis -> "label" (of pipelines), "stage", "setting" (used as $name in a pipeline), "parameter" (of the scene), "run"
     roles: dict = field(default_factory=dict)
     report: tuple = ()  # the charts that it is for; empty: whatever it has the data for
+    calibrate: dict = field(default_factory=dict)  # equal, metric, setting: what the runner made equal; empty: nothing
 
     def method_axes(self, planned):
         """The axes along which methods compete: all that say what a pipeline is made of and vary, the one that tells
@@ -73,10 +74,11 @@ class Sweep:
 
 
 def _sweep(name, kind, summary, baseline, roles):
-    """Among the roles, which are texts, may stand the list of charts."""
+    """Among the roles, which are texts, may stand the list of charts and the table of what is equal."""
     roles = json.loads(roles)
     charts = roles.pop("report") if isinstance(roles.get("report"), list) else ()
-    return Sweep(name, kind, summary, baseline, roles, tuple(charts))
+    equal = roles.pop("calibrate") if isinstance(roles.get("calibrate"), dict) else {}
+    return Sweep(name, kind, summary, baseline, roles, tuple(charts), equal)
 
 
 def _plain(value):

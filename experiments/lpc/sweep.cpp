@@ -22,8 +22,9 @@ void sweep(Options& o, Session& session) {
     for (const PlannedSweep& s : sweeps) {
       std::size_t timed = 0, unsupported = 0;
       for (const PlannedTrial& t : s.trials) timed += t.timed(), unsupported += !t.unsupported.empty();
-      std::printf("%-24s %5zu trials, %zu timed, %zu unsupported\n", s.name.c_str(), s.trials.size(), timed,
-                  unsupported);
+      std::printf("%-24s %5zu trials, %zu timed, %zu unsupported", s.name.c_str(), s.trials.size(), timed, unsupported);
+      if (!s.calibrated.empty()) std::printf(", and %zu cells to calibrate", s.calibrated.size());
+      std::printf("\n");
     }
     return;
   }

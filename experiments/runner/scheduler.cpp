@@ -157,10 +157,15 @@ class Scheduler {
 
 }  // namespace
 
-RunSummary runSweeps(const std::vector<PlannedSweep>& sweeps, Store& store, const RunOptions& options) {
-  for (const PlannedSweep& sweep : sweeps) store.plan(sweep, !options.partial);
+RunSummary runSweeps(std::vector<PlannedSweep> sweeps, Store& store, const RunOptions& options) {
   const InterruptGuard interrupts;
-  return Scheduler(store, options).run(sweeps);
+  Scheduler scheduler(store, options);
+  const auto run = [&](const PlannedSweep& round) { return !scheduler.run({round}).stopped; };
+  for (PlannedSweep& sweep : sweeps) {
+    calibrate(sweep, store, run);
+    store.plan(sweep, !options.partial);
+  }
+  return scheduler.run(sweeps);
 }
 
 }  // namespace lpc::inline LPC_PRECISION

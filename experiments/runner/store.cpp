@@ -135,6 +135,20 @@ std::optional<std::string> Store::hash(const std::string& key) try {
   failStore(m_db.getFilename(), e);
 }
 
+std::optional<Store::Row> Store::measured(const std::string& key) try {
+  SQLite::Statement s(m_db, "SELECT outcome, reason, metrics FROM trial WHERE key=?");
+  s.bind(1, key);
+  if (!s.executeStep()) return std::nullopt;
+  Row row{s.getColumn(0).getString(), s.getColumn(1).getString(), {}};
+  const json metrics = json::parse(s.getColumn(2).getString());
+  for (const auto& [name, value] : metrics.items()) {
+    if (value.is_number()) row.metrics[name] = value;
+  }
+  return row;
+} catch (const SQLite::Exception& e) {
+  failStore(m_db.getFilename(), e);
+}
+
 std::optional<double> Store::wall(const std::string& key) try {
   SQLite::Statement s(m_db, "SELECT wall FROM trial WHERE key=?");
   s.bind(1, key);
@@ -154,7 +168,11 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   SQLite::Statement about(m_db, "INSERT OR REPLACE INTO sweep VALUES (?, ?, ?, ?, ?)");
   about.bind(1, sweep.name), about.bind(2, sweep.kind), about.bind(3, sweep.summary), about.bind(4, sweep.baseline);
   json roles = sweep.roles;
-  if (!sweep.charts.empty()) roles["report"] = sweep.charts;  // the only list among them
+  // The only list and the only table among them.
+  if (!sweep.charts.empty()) roles["report"] = sweep.charts;
+  if (const auto& c = sweep.calibration) {
+    roles["calibrate"] = {{"equal", c->equal}, {"metric", c->metric}, {"setting", c->setting}};
+  }
   about.bind(5, roles.dump());
   about.exec();
   SQLite::Statement s(m_db, "INSERT OR REPLACE INTO planned VALUES (?, ?, ?)");

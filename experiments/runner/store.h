@@ -40,6 +40,12 @@ class Store {
   std::optional<std::string> outcome(const std::string& key);
   /// The final hash of a trial that ended with `ok`.
   std::optional<std::string> hash(const std::string& key);
+  /// What a trial that was run ended with.
+  struct Row {
+    std::string outcome, reason;
+    std::map<std::string, double> metrics;  // that are numbers
+  };
+  std::optional<Row> measured(const std::string& key);
   /// Seconds that the trial took.
   std::optional<double> wall(const std::string& key);
   /// Replaces what the sweep planned before, or adds to it (a part of a sweep was asked for).

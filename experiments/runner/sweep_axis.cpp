@@ -237,7 +237,7 @@ Axis readAxis(const std::string& file, const std::string& name, const toml::node
   return axis;
 }
 
-bool addMethod(const std::string& given, std::vector<Axis>& axes) {
+bool addMethod(const std::string& given, const std::string& searched, std::vector<Axis>& axes) {
   const std::string place = "--with '" + given + "'";
   const std::size_t equals = given.find('=');
   const std::string label = given.substr(0, equals);
@@ -248,8 +248,9 @@ bool addMethod(const std::string& given, std::vector<Axis>& axes) {
   const auto axis = std::find_if(axes.begin(), axes.end(), [](const Axis& a) { return a.labelled; });
   if (axis == axes.end()) return false;
   for (std::size_t at = text.find('$'); at != text.npos; at = text.find('$', at + 1)) {
-    const auto named = [&](const Axis& a) { return text.compare(at + 1, a.name.size(), a.name) == 0; };
-    if (std::none_of(axes.begin(), axes.end(), named)) return false;
+    const auto is = [&](const std::string& name) { return text.compare(at + 1, name.size(), name) == 0; };
+    const bool named = std::any_of(axes.begin(), axes.end(), [&](const Axis& a) { return is(a.name); });
+    if (!named && (searched.empty() || !is(searched))) return false;
   }
   addLabelled(place, label, text, nullptr, *axis);
   return true;

@@ -33,7 +33,8 @@ struct Axis {
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node);
 
 /// One more method, "LABEL=PIPELINE" as the command line has it, joins the labelled axis. Not where none is, or where
-/// the text uses a `$name` that no axis has. Throws UserError for what is no such text, and for a label that is taken.
-bool addMethod(const std::string& given, std::vector<Axis>& axes);
+/// the text uses a `$name` that neither an axis nor `searched`, the setting that is calibrated, has. Throws UserError
+/// for what is no such text, and for a label that is taken.
+bool addMethod(const std::string& given, const std::string& searched, std::vector<Axis>& axes);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <set>
 
 #include "experiments/parse/toml_reader.h"
@@ -41,7 +43,8 @@ void collectNames(const Spec& spec, std::set<std::string>& out) {
   for (const auto& [key, value] : spec.fields) collectNames(value, out);
 }
 
-class Sweep {
+/// Kept alive by the cells that are to be calibrated: their trials are planned when a setting is tried.
+class Sweep : public std::enable_shared_from_this<Sweep> {
  public:
   /// `matched` and `taken` get what was found of the names in `only` and of the methods in `with`.
   Sweep(const std::string& path, const std::set<std::string>& only, std::set<std::string>& matched,
@@ -55,8 +58,8 @@ class Sweep {
     m_out.name = std::filesystem::path(path).stem().string();
   }
 
-  PlannedSweep plan(Planner& planner) {
-    m_planner = &planner;
+  PlannedSweep plan(std::shared_ptr<Planner> planner) {
+    m_planner = std::move(planner);
     TableReader top(m_table, m_path, "the sweep");
     m_out.summary = top.requireString("summary"), m_out.baseline = top.string("baseline", "");
     m_kind = m_out.kind = top.requireString("kind");
@@ -66,10 +69,14 @@ class Sweep {
     m_out.wallLimit = limit(top, "wall_limit", m_out.wallLimit);
     m_out.memoryLimit = limit(top, "memory_limit", m_out.memoryLimit);
     readCharts(top);
+    if (const toml::table* calibrate = top.table("calibrate")) {
+      m_calibration = m_out.calibration = readCalibration(*calibrate, m_path);
+      if (m_kind != "world") top.fail(*calibrate, "'calibrate' in a sweep of kind '" + m_kind + "'; valid: world");
+    }
     Settings settings;
     readSettings(top, settings);
     for (const std::string& method : m_with) {
-      if (addMethod(method, settings.axes)) m_taken.insert(method);
+      if (addMethod(method, m_calibration ? m_calibration->setting : "", settings.axes)) m_taken.insert(method);
     }
     const auto groups = top.blocks("group");
     top.finish();
@@ -87,7 +94,8 @@ class Sweep {
       top.fail(*top.find("baseline"), "no axis has the value '" + m_out.baseline + "'; valid: " + valid);
     }
     refuseWhatIsThere(settings.axes);
-    if (m_out.trials.empty() && m_only.empty()) throw UserError(m_path + ": the sweep has no cell");
+    if (m_out.trials.empty() && m_out.calibrated.empty() && m_only.empty())
+      throw UserError(m_path + ": the sweep has no cell");
     return std::move(m_out);
   }
 
@@ -113,9 +121,11 @@ class Sweep {
   // The same trial under two labels runs once, under the first: a method of the command line would vanish.
   void refuseWhatIsThere(const std::vector<Axis>& axes) {
     std::set<std::string> planned;
-    for (const PlannedTrial& t : m_out.trials) {
-      for (const auto& [axis, value] : t.axes.items()) planned.insert(axis + "=" + value.dump());
-    }
+    const auto add = [&](const auto& cell) {
+      for (const auto& [axis, value] : cell.axes.items()) planned.insert(axis + "=" + value.dump());
+    };
+    std::for_each(m_out.trials.begin(), m_out.trials.end(), add);
+    std::for_each(m_out.calibrated.begin(), m_out.calibrated.end(), add);
     for (const Axis& axis : axes) {
       for (const AxisValue& v : axis.values) {
         if (v.node || !m_only.empty() || planned.count(axis.name + "=" + v.label.dump())) continue;
@@ -130,6 +140,7 @@ class Sweep {
     std::string pipeline;
     bool timed = false, untimed = true;
     long repeats = 1;
+    std::vector<double> budgets;
   };
 
   void readSettings(TableReader& t, Settings& s) {
@@ -141,6 +152,10 @@ class Sweep {
     s.untimed = t.flag("untimed", s.untimed);
     s.repeats = t.integer("repeats", s.repeats);
     if (s.repeats < 1) t.fail(*t.find("repeats"), "'repeats' is " + std::to_string(s.repeats) + "; valid: 1 or more");
+    if (const toml::node* budgets = t.find("budgets")) {
+      if (!m_calibration) t.fail(*budgets, "'budgets' without 'calibrate', which says of what");
+      s.budgets = readBudgets(t);
+    }
     if (const toml::table* axes = t.table("axes")) {
       for (const auto& [name, node] : inFileOrder(*axes)) {
         Axis axis = readAxis(m_path, name, *node);
@@ -152,6 +167,7 @@ class Sweep {
   }
 
   void product(const Settings& s, const toml::node& where) {
+    if (m_calibration) refuseUncalibrated(s, where);
     std::vector<std::size_t> at(s.axes.size(), 0);
     double trials = static_cast<double>(s.repeats);
     for (const Axis& axis : s.axes) {
@@ -170,13 +186,55 @@ class Sweep {
     }
   }
 
+  void refuseUncalibrated(const Settings& s, const toml::node& where) const {
+    const std::string& setting = m_calibration->setting;
+    for (const Axis& axis : s.axes) {
+      if (axis.name != setting && axis.name != "budget") continue;
+      failAt(m_path, *axis.values[0].node,
+             "axis '" + axis.name + "' is what 'calibrate' finds; valid: budgets = [...]");
+    }
+    if (s.budgets.empty()) failAt(m_path, where, "'calibrate' needs budgets = [...], here or for all groups");
+    if (m_calibration->isTime && !s.timed) {
+      failAt(m_path, where, "'calibrate' by '" + m_calibration->metric + "', a time; valid: timed = true");
+    }
+  }
+
+  // Planned once now, so that a mistake is told before anything runs.
+  void calibratedCell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where,
+                      const json& axes) {
+    const auto trialsAt = [self = shared_from_this(), s, at, &where, axes](long setting, std::set<std::string>& names) {
+      json cell = axes;
+      cell[self->m_calibration->setting] = setting;
+      return self->trialsOf(s, at, where, cell, names);
+    };
+    std::set<std::string> names;
+    const std::vector<PlannedTrial> first = trialsAt(1, names);
+    m_out.roles["budget"] = "run";
+    if (!wanted(names) || !m_seen.insert(first.at(0).key).second) return;
+    m_out.calibrated.push_back({axes, s.budgets, [trialsAt](long setting) {
+                                  std::set<std::string> unused;
+                                  return trialsAt(setting, unused);
+                                }});
+  }
+
   void cell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where) {
     json axes = json::object();
     for (std::size_t i = 0; i < at.size(); ++i) {
       const json& label = axes[s.axes[i].name] = s.axes[i].values[at[i]].label;
       if (label.is_string()) m_named.insert(label.get<std::string>());
     }
+    if (m_calibration) return calibratedCell(s, at, where, axes);
     std::set<std::string> names;
+    for (PlannedTrial& trial : trialsOf(s, at, where, axes, names)) {
+      // Two groups may meet in one cell; it runs once.
+      if (wanted(names) && m_seen.insert(trial.key).second) m_out.trials.push_back(std::move(trial));
+    }
+  }
+
+  // `names` gets the labels, algorithms and scenes that take part.
+  std::vector<PlannedTrial> trialsOf(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where,
+                                     const json& axes, std::set<std::string>& names) {
+    std::vector<PlannedTrial> out;
     const auto add = [&](bool timed, long repeat) {
       PlannedTrial trial;
       try {
@@ -191,13 +249,11 @@ class Sweep {
         }
         failAt(m_path, placeOf(e.what(), s, at, where), e.what());
       }
-      if (!wanted(names)) return;
       trial.axes = axes;
       trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
       if (m_kind == "world") trial.axes["scene"] = trial.canonical["scene"];
       trial.axes["timed"] = timed, trial.axes["repeat"] = repeat;
-      // Two groups may meet in one cell; it runs once.
-      if (m_seen.insert(trial.key).second) m_out.trials.push_back(std::move(trial));
+      out.push_back(std::move(trial));
     };
     if (s.untimed) {
       for (long r = 0; r < (s.timed ? 1 : s.repeats); ++r) add(false, r);
@@ -205,6 +261,7 @@ class Sweep {
     if (s.timed) {
       for (long r = 0; r < s.repeats; ++r) add(true, r);
     }
+    return out;
   }
 
   // The axis of which a message speaks, by its name in quotes; else the first, since the values of several may be wrong
@@ -360,7 +417,8 @@ class Sweep {
   const std::vector<std::string>& m_with;
   std::set<std::string>& m_taken;
   toml::table m_table;
-  Planner* m_planner = nullptr;
+  std::shared_ptr<Planner> m_planner;
+  std::optional<Calibration> m_calibration;
   std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
   PlannedSweep m_out;
 };
@@ -388,9 +446,11 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
     if (files.empty()) set.fail(*set.find("sweeps"), "'sweeps' is empty; valid: names of sweeps");
     set.finish();
   }
-  Planner planner;
+  const auto planner = std::make_shared<Planner>();
   std::vector<PlannedSweep> out;
-  for (const std::string& file : files) out.push_back(Sweep(file, only, matched, with, taken).plan(planner));
+  for (const std::string& file : files) {
+    out.push_back(std::make_shared<Sweep>(file, only, matched, with, taken)->plan(planner));
+  }
   for (const std::string& method : with) {
     if (!taken.count(method)) {
       throw UserError("--with '" + method + "': no sweep of '" + nameOrPath +

@@ -4,10 +4,11 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "experiments/runner/trial_plan.h"
+#include "experiments/runner/calibration.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -21,6 +22,8 @@ struct PlannedSweep {
   double wallLimit = 120;           // s, per trial
   double memoryLimit = 4;           // GiB, per trial
   std::vector<PlannedTrial> trials;
+  std::optional<Calibration> calibration;
+  std::vector<CalibratedCell> calibrated;  // cells that `calibrate` turns into trials
 };
 
 /// The sweeps of a file: itself, or those of a set (`sweeps = [...]`). Throws UserError with file and line, also for

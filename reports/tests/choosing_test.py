@@ -114,8 +114,8 @@ class Choosing(unittest.TestCase):
     def test_a_method_is_named_by_every_stage_that_varies(self):
         def fill(maker, cache=("by_feature",)):
             maker.sweep("mine", "world", "naive", broadphase="stage", cache="stage", contacts="stage", sleep="stage")
-            for contacts, broadphase, kept in itertools.product(("query_clip", "sat_clip"), ("naive", "region_tree", "uniform_grid"),
-                                                                cache):
+            broadphases = ("naive", "region_tree", "uniform_grid")
+            for contacts, broadphase, kept in itertools.product(("query_clip", "sat_clip"), broadphases, cache):
                 maker.world("mine", {"scene": "vertical_stack", "dimension": 2, "contacts": contacts, "broadphase": broadphase,
                                      "cache": kept, "sleep": "none"}, 1, 1e-3 if contacts == "sat_clip" else 2e-3)
         made = self.made(fill)
@@ -140,8 +140,9 @@ class Choosing(unittest.TestCase):
             maker.close()
             told = {c.id: c for c in make.all_charts(chart.Context(load.Store(Path(folder) / "store.db")))}
         self.assertIn("mine_pyramid__2d", told)
-        self.assertEqual(told["mine_broadphase"].finding, "mine asks for this chart and has not what it needs: trials of kind boxes, "
-                         "several values of n and ns_per_frame_median and box_tests_mean in a finished cell.")
+        self.assertEqual(told["mine_broadphase"].finding,
+                         "mine asks for this chart and has not what it needs: trials of kind boxes, several values of n and "
+                         "ns_per_frame_median and box_tests_mean in a finished cell.")
 
     def test_names_of_sweeps_and_scenes_choose_nothing(self):
         def fill(maker):

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "experiments/runner/store.h"
+#include "experiments/runner/sweep_file.h"
+#include "experiments/trial/metric.h"
+#include "experiments/trial/trial.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+bool isNamed(const DescribedMetric& m, const std::string& name) {
+  const std::string_view known = m.info.name;
+  return known == name || (known.ends_with("*") && name.starts_with(known.substr(0, known.size() - 1)));
+}
+
+// The entry of a metric of world trials.
+std::optional<MetricInfo> infoOf(const std::string& name) {
+  for (const DescribedMetric& m : describeMetrics()) {
+    if (m.what == "metric" && m.kind == "world" && isNamed(m, name)) return m.info;
+  }
+  return std::nullopt;
+}
+
+bool isCost(const MetricInfo& info) { return info.smaller == "cheaper"; }
+
+/// The boundary between the settings that a budget allows (cost) or that do not meet it yet (error) and the larger
+/// ones.
+class Search {
+ public:
+  Search(const Calibration& what, double budget, long most) : m_what(what), m_budget(budget), m_most(most) {}
+
+  bool open() const { return m_above == 0 ? m_below < m_most : m_above - m_below > 1; }
+  long next() const {
+    if (m_above > 0) return m_below + (m_above - m_below) / 2;
+    return std::clamp(2 * m_below, 1L, m_most);
+  }
+  void tell(double value) {
+    const bool within = value <= m_budget;
+    (within == (m_what.equal == "cost") ? m_below : m_above) = next();
+    m_last = value;
+  }
+  std::optional<long> found() const {
+    if (m_what.equal == "cost") return m_below > 0 ? std::optional(m_below) : std::nullopt;
+    return m_above > 0 ? std::optional(m_above) : std::nullopt;
+  }
+  /// Why nothing was found.
+  std::string reason(const std::string& failure) const {
+    const bool cost = m_what.equal == "cost";
+    const std::string at = m_what.setting + "=" + std::to_string(cost ? 1 : m_most);
+    const std::string does =
+        !failure.empty() ? " ends in " + failure : (cost ? " costs " : ", the most, errs by ") + asText(m_last);
+    return at + does + " (" + m_what.metric + "), the budget is " + asText(m_budget);
+  }
+
+ private:
+  const Calibration& m_what;
+  double m_budget;
+  long m_most, m_below = 0, m_above = 0;  // the largest and the smallest known on either side; 0: none yet
+  double m_last = 0;
+};
+
+/// What a cell measured at one setting.
+struct Measured {
+  double value = kNever;
+  std::string failure;  // outcome and reason where that makes the value
+};
+
+class Calibrator {
+ public:
+  Calibrator(PlannedSweep& sweep, Store& store) : m_sweep(sweep), m_what(*sweep.calibration), m_store(store) {
+    for (std::size_t c = 0; c < sweep.calibrated.size(); ++c) {
+      const CalibratedCell& cell = sweep.calibrated[c];
+      // A method that does not use the setting has one.
+      const long most = at(c, 1).trials[0].key == at(c, 2).trials[0].key ? 1 : m_what.most;
+      for (const double budget : cell.budgets) m_asked.push_back({c, budget, Search(m_what, budget, most)});
+    }
+  }
+
+  void search(const std::function<bool(const PlannedSweep&)>& run) {
+    for (bool goOn = true; goOn;) {
+      PlannedSweep round = m_sweep;
+      round.trials.clear(), round.calibrated.clear();
+      bool any = false;
+      for (Asked& a : m_asked) {
+        while (a.search.open() && canRun(a)) {  // as far as the store knows
+          At& here = at(a.cell, a.search.next());
+          if (!here.measured && !(here.measured = measure(here.trials))) break;
+          a.search.tell(here.measured->value), a.failure = here.measured->failure;
+        }
+        if (!a.search.open() || !canRun(a)) continue;
+        any = true;
+        for (const PlannedTrial* t : measuring(at(a.cell, a.search.next()).trials)) round.trials.push_back(*t);
+      }
+      if (!any) return;
+      goOn = run(round);
+    }
+  }
+
+  void addCells() {
+    for (const Asked& a : m_asked) {
+      json mark = {{"metric", m_what.metric}, {"budget", a.budget}};
+      const bool ended = !a.search.open() || !canRun(a);
+      const auto found = ended ? a.search.found() : std::nullopt;
+      std::string reason;
+      if (!found && ended && canRun(a)) reason = a.search.reason(a.failure);
+      if (!found && !ended) mark["reason"] = "the search was stopped";
+      if (!reason.empty()) mark["reason"] = reason;
+      for (PlannedTrial t : at(a.cell, found.value_or(1)).trials) {
+        // Two budgets may have one answer; each is a cell of its own.
+        t.canonical["calibrated"] = mark;
+        t.key = trialKey(t.canonical);
+        t.axes["budget"] = a.budget;
+        if (!found) t.axes.erase(m_what.setting);
+        if (t.unsupported.empty()) t.unsupported = reason;
+        m_sweep.trials.push_back(std::move(t));
+      }
+    }
+  }
+
+ private:
+  struct At {
+    std::vector<PlannedTrial> trials;
+    std::optional<Measured> measured;
+  };
+  struct Asked {
+    std::size_t cell;
+    double budget;
+    Search search;
+    std::string failure = "";
+  };
+
+  At& at(std::size_t cell, long setting) {
+    const auto [it, added] = m_at.try_emplace({cell, setting});
+    if (added) it->second.trials = m_sweep.calibrated[cell].plan(setting);
+    return it->second;
+  }
+  bool canRun(const Asked& a) { return at(a.cell, 1).trials[0].unsupported.empty(); }
+
+  // The trials that have the metric: times are measured in all repeats, everything else once.
+  std::vector<const PlannedTrial*> measuring(const std::vector<PlannedTrial>& trials) const {
+    std::vector<const PlannedTrial*> out;
+    for (const PlannedTrial& t : trials) {
+      if (m_what.isTime ? t.timed() : out.empty()) out.push_back(&t);
+    }
+    return out;
+  }
+
+  // None while a trial is not in the store.
+  std::optional<Measured> measure(const std::vector<PlannedTrial>& trials) {
+    std::vector<double> values;
+    for (const PlannedTrial* t : measuring(trials)) {
+      const auto row = m_store.measured(t->key);
+      if (!row) return std::nullopt;
+      const auto it = row->metrics.find(m_what.metric);
+      const bool has = it != row->metrics.end() && std::isfinite(it->second);
+      // A tower that fell has cost what it cost; its error says nothing of the method.
+      if (!has || (m_what.equal == "error" && row->outcome != "ok")) {
+        return Measured{kNever,
+                        row->outcome == "ok" ? "a trial without the metric" : row->outcome + ": " + row->reason};
+      }
+      values.push_back(it->second);
+    }
+    return Measured{quantile(values, 0.5), ""};
+  }
+
+  PlannedSweep& m_sweep;
+  const Calibration m_what;
+  Store& m_store;
+  std::map<std::pair<std::size_t, long>, At> m_at;
+  std::vector<Asked> m_asked;
+};
+
+}  // namespace
+
+Calibration readCalibration(const toml::table& table, const std::string& file) {
+  TableReader t(table, file, "'calibrate'");
+  Calibration out;
+  out.equal = t.requireString("equal");
+  if (out.equal != "cost" && out.equal != "error") {
+    t.fail(*t.find("equal"), "'equal' is '" + out.equal + "'; valid: cost, error");
+  }
+  out.metric = t.requireString("metric");
+  const bool cost = out.equal == "cost";
+  const auto info = infoOf(out.metric);
+  if (!info || info->smaller.empty() || isCost(*info) != cost) {
+    std::string valid;
+    for (const DescribedMetric& m : describeMetrics()) {
+      if (m.what != "metric" || m.kind != "world" || m.info.smaller.empty() || isCost(m.info) != cost) continue;
+      valid += (valid.empty() ? "" : ", ") + std::string(m.info.name);
+    }
+    t.fail(*t.find("metric"), "'" + out.metric + "' is no metric of " + out.equal + "; valid: " + valid);
+  }
+  out.isTime = info->need == TrialNeed::timing;
+  out.setting = t.requireString("setting");
+  out.most = t.integer("most", out.most);
+  if (out.most < 1 || out.most > 1000000) {
+    t.fail(*t.find("most"), "'most' is " + std::to_string(out.most) + "; valid: 1 to 1000000");
+  }
+  t.finish();
+  return out;
+}
+
+std::vector<double> readBudgets(TableReader& t) {
+  std::vector<double> out;
+  const toml::array* list = t.array("budgets");
+  if (!list) return out;
+  for (const toml::node& n : *list) {
+    const double value = n.value<double>().value_or(0);
+    if (!n.is_number() || !(value > 0) || !std::isfinite(value)) {
+      t.fail(n, "'budgets' holds " + describe(n) + "; valid: numbers above 0");
+    }
+    if (std::find(out.begin(), out.end(), value) != out.end()) {
+      t.fail(n, "'budgets' holds " + asText(value) + " twice");
+    }
+    out.push_back(value);
+  }
+  if (out.empty()) t.fail(*list, "'budgets' is empty; valid: numbers above 0");
+  return out;
+}
+
+void calibrate(PlannedSweep& sweep, Store& store, const std::function<bool(const PlannedSweep&)>& run) {
+  if (sweep.calibrated.empty()) return;
+  Calibrator calibrator(sweep, store);
+  calibrator.search(run);
+  calibrator.addCells();
+}
+
+}  // namespace lpc::inline LPC_PRECISION

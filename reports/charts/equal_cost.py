@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Zlib
+"""Methods at equal cost, or at equal error: each at the setting that meets a budget, ranked at every budget."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import metrics
+from chart import Chart, Needs, describe, holes, identifier, listing, methods, plural
+from charts.cost_against_error import errors_of
+from load import one_machine, split, varying
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si
+from table import quantity
+
+PLACE = 15
+SECTION = "Which method is best at equal cost, and which is cheapest at equal error?"
+NEEDS = Needs("world", methods=(2, math.inf), calibrated=True)
+ABSENT = Chart("equal_cost", SECTION, "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
+PANELS = 3
+
+
+def of_sweep(context, cells):
+    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error", "detail")))
+    about = context.store.sweep(cells["sweep"].iloc[0]).calibrate
+    groups = [c for c in ("scene", "dimension") if c in cells]
+    made = []
+    for part in split(cells, groups):
+        inner = varying(context.store, part, (*groups, "budget", "seed", about["setting"], "precision"))
+        for equal in split(part, inner, sort=True):
+            made.append(_chart(context, equal, about, groups + inner, refused))
+    return made
+
+
+def ranked_metrics(context, cells, about):
+    """What methods are ranked by: errors where the cost is equal, costs where the error is."""
+    if about["equal"] == "cost":
+        return errors_of(context, cells)[:PANELS]
+    costs = context.metrics("world", "cost")
+    return [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
+
+
+def spread(part, name):
+    """(median, lowest, highest) over the cells of one method: its seeds, and the repeats of a time."""
+    ok = part[part["outcome"] == "ok"]
+    values = metrics.column(ok, name)
+    if not len(part) or len(ok) < len(part) or not np.isfinite(values).all():
+        return math.nan, math.nan, math.nan
+    ends = [metrics.column(ok, name[:-6] + end) if name[:-6] + end in ok else values for end in ("lo", "hi")]
+    low, high = (np.where(np.isfinite(end), end, values) for end in ends)
+    return float(np.median(values)), float(np.min(low)), float(np.max(high))
+
+
+def ranks(cells, name, floor=0.0):
+    """Rows (rank, method, median, lowest, highest), the smallest first. Whoever's range meets that of the first of a rank
+    shares it: that is a tie. What failed, or met no budget, has no rank."""
+    rows = [(method, *spread(part, name)) for method, part in cells.groupby("method", sort=True)]
+    rows.sort(key=lambda row: (math.isnan(row[1]), row[1]))
+    made, first = [], None
+    for place, (method, median, low, high) in enumerate(rows, 1):
+        if math.isnan(median):
+            made.append((None, method, median, low, high))
+            continue
+        tie = first is not None and (low <= first[1] or high <= floor)
+        first = first if tie else (place, high)
+        made.append((first[0], method, median, low, high))
+    return made
+
+
+def finding(context, cells, about, where, name):
+    unit = context.unit(name)
+    budgets = sorted(cells["budget"].unique())
+    everyone = sorted(cells["method"].unique())
+    what = context.title(name).removeprefix("largest ")
+    said, firsts = [], []
+    for budget in budgets:
+        here = cells[cells["budget"] == budget]
+        table = ranks(here, name, context.floor(name))
+        best = [row for row in table if row[0] == 1]
+        firsts.append({row[1] for row in best})
+        none = sorted(row[1] for row in table if row[0] is None)
+        text = f"at {said_of(context, about, budget)} "
+        if best:
+            last = [row for row in table if row[0] is not None][-1]
+            named = methods([row[1] for row in best], everyone)
+            text += f"{named} {'is' if len(best) == 1 else 'tie'} first ({si(best[0][2], unit)})"
+            text += f", {last[1]} last ({si(last[2], unit)})" if last[0] != 1 else ""
+        else:
+            text += "nobody has a rank"
+        said.append(text + (f", without a rank {methods(none, everyone)}" if none else ""))
+    always = set.intersection(*firsts)
+    tail = f" First at every budget: {listing(sorted(always))}." if always and len(budgets) > 1 else (
+        " No method is first at every budget." if len(budgets) > 1 else "")
+    return (f"On {where}, by {what} at equal {about['equal']} ({context.title(about['metric'])}): "
+            f"{'; '.join(said)}.{tail}")
+
+
+def _chart(context, cells, about, axes, refused):
+    where = describe(cells.iloc[0], axes)
+    names, looks = ranked_metrics(context, cells, about), context.looks(cells)
+    labels, budgets = sorted(cells["method"].unique()), sorted(cells["budget"].unique())
+    legend_width = legend_room(map(context.name, labels), 2.0)
+    figure, panels = grid_of_axes(1, len(names), 2.9, legend_width, left=0.95, gap_x=0.95)
+    # Methods stand side by side at a budget, or letters and equal values would hide one another.
+    gap = min([math.log(b / a) for a, b in zip(budgets, budgets[1:])] or [1.0])
+    beside = {label: math.exp(0.6 * gap * ((i + 0.5) / len(labels) - 0.5)) for i, label in enumerate(labels)}
+    for ax, name in zip(panels[0], names):
+        values = {label: [spread(cells[(cells["method"] == label) & (cells["budget"] == b)], name) for b in budgets]
+                  for label in labels}
+        ZeroLog(ax, "x", [b * s for b in budgets for s in beside.values()], context.unit(about["metric"]), failures=False)
+        ax.set_xticks(budgets, [said_of(context, about, b) for b in budgets])
+        up = ZeroLog(ax, "y", [v for row in values.values() for v in np.ravel(row)], context.unit(name), failed_name="none",
+                     floor=context.floor(name))
+        for label in labels:
+            look, x = looks(label), [b * beside[label] for b in budgets]
+            good = [(at, v) for at, v in zip(x, values[label]) if math.isfinite(v[0])]
+            ax.plot([at for at, _ in good], [up.place(v[0]) for _, v in good], lw=1, alpha=0.6, **{**look, "marker": None})
+            for at, (median, low, high) in good:
+                ax.plot([at, at], [up.place(low), up.place(high)], color=look["color"], lw=1.2)
+                ax.plot([at], [up.place(median)], **{**look, "linestyle": "none", "markersize": 6 * scale_of(look["marker"])})
+        _failures(ax, up.failed, cells, looks)
+        ax.set_title(context.title(name))
+        ax.set_xlabel(f"budget: {context.title(about['metric'])}")
+    handles = [Line2D([], [], label=context.name(label), **looks(label)) for label in labels]
+    handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
+                for o in sorted({o for o in cells["outcome"] if o != "ok"})]
+    legend_right(figure, handles, legend_width)
+    setting = about["setting"]
+    found = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than that"
+    seeds = cells["seed"].nunique() if "seed" in cells else 1
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"At equal {about['equal']}: {where}",
+                 finding(context, cells, about, where, names[0]), cells["sweep"].iloc[0], figure,
+                 _table(context, cells, about, names), refused + holes(cells, ["method", "budget"]),
+                 f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
+                 f"{plural(seeds, 'seed')}. Methods stand side by side at a budget; bars are the range over seeds and repeats, "
+                 "and ranges that meet are ties. A letter in the top band failed or met no budget.", telling=True)
+
+
+def _failures(ax, y, cells, looks):
+    """Letters side by side above each budget, as wide as they are, so that each can be read."""
+    inches = ax.get_position().width * ax.figure.get_figwidth()
+    low, high = map(math.log, ax.get_xlim())
+    for budget, here in cells[cells["outcome"] != "ok"].groupby("budget"):
+        fallen = here.drop_duplicates("method").sort_values("method")
+        for place, (label, outcome) in enumerate(zip(fallen["method"], fallen["outcome"])):
+            at = budget * math.exp((place - (len(fallen) - 1) / 2) * 0.095 / inches * (high - low))
+            ax.plot([at], [y], ls="none", ms=6.5, mew=0.3, color=looks(label)["color"], marker=letter(outcome))
+
+
+def said_of(context, about, budget):
+    unit = context.unit(about["metric"])
+    return f"{budget:,g}" if unit == "1" else si(budget, unit)
+
+
+def _table(context, cells, about, names):
+    rows = [(budget, *row[:2], here[here["method"] == row[1]]) for budget, here in cells.groupby("budget", sort=True)
+            for row in ranks(here, names[0], context.floor(names[0]))]
+    budgets, places, labels, parts = zip(*rows)
+    table = {**quantity("budget", context.unit(about["metric"]), budgets), "rank": ["" if p is None else p for p in places],
+             "method": labels, about["setting"]: [_settings(part[about["setting"]]) for part in parts],
+             "outcome": [listing(sorted(set(part["outcome"]))) for part in parts]}
+    for name in dict.fromkeys((about["metric"], *names)):
+        table.update(quantity(context.title(name), context.unit(name), [spread(part, name)[0] for part in parts]))
+    return pd.DataFrame(table)
+
+
+def _settings(values):
+    """What was found; over seeds, from the smallest to the largest."""
+    found = sorted(values.dropna().unique())
+    return " to ".join(f"{value:g}" for value in dict.fromkeys((found[0], found[-1]))) if found else ""

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the chart of methods at equal cost: ranks at each budget, ties, and methods that meet no budget. Run by ctest, or
+python3 reports/tests/equal_cost_test.py."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import pandas as pd  # noqa: E402
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import make  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+from charts import equal_cost  # noqa: E402
+
+EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations"}
+
+
+def cells(rows):
+    """Rows of (method, outcome, error) of one budget, a method once per seed."""
+    return pd.DataFrame([{"method": m, "outcome": outcome, "error": e} for m, outcome, e in rows])
+
+
+def check_ranks(ranks_of):
+    apart = cells([("a", "ok", 1.0), ("b", "ok", 2.0), ("c", "collapsed", 0.5), ("d", "unsupported", float("nan"))])
+    found = {row[1]: row[0] for row in ranks_of(apart, "error")}
+    if found != {"a": 1, "b": 2, "c": None, "d": None}:
+        return f"apart: {found}"
+    # Over three seeds a and b change places; c is always behind them.
+    seeds = cells([("a", "ok", e) for e in (1.0, 1.2, 1.4)] + [("b", "ok", e) for e in (1.1, 1.3, 1.6)] +
+                  [("c", "ok", e) for e in (2.0, 2.1, 2.2)])
+    found = {row[1]: row[0] for row in ranks_of(seeds, "error")}
+    if found != {"a": 1, "b": 1, "c": 3}:
+        return f"over seeds: {found}"
+    once = cells([("a", "ok", 1.0), ("a", "collapsed", 1.0), ("b", "ok", 2.0)])
+    found = {row[1]: row[0] for row in ranks_of(once, "error")}
+    return "" if found == {"a": None, "b": 1} else f"one seed fell: {found}"
+
+
+def ranks_without_ties(part, name):
+    """Planted bug: a difference is a rank, however small beside what another seed changes."""
+    return [(None if row[0] is None else place, *row[1:]) for place, row in enumerate(equal_cost.ranks(part, name), 1)]
+
+
+def ranks_of_those_that_stood(part, name):
+    """Planted bug: what fell under one seed is ranked by the seeds under which it stood."""
+    return equal_cost.ranks(part[part["outcome"] == "ok"], name)
+
+
+class EqualCost(unittest.TestCase):
+    def test_ranks(self):
+        self.assertEqual(check_ranks(equal_cost.ranks), "")
+        for bug in (ranks_without_ties, ranks_of_those_that_stood):
+            self.assertNotEqual(check_ranks(bug), "", "the planted bug was not seen")
+
+    def made(self, about=EQUAL, **more):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        maker.sweep("mine", "world", "", resolver="label", iterations="setting", budget="run", calibrate=about, **more)
+        errors = {"catto": (3e-3, 1e-3), "naive": (2e-2, 4e-3), "soft_step": (4e-3, 5e-4)}
+        for label, found in errors.items():
+            for i, budget in enumerate((100, 400)):
+                axes = {"scene": "pyramid", "dimension": 2, "resolver": label, "budget": budget}
+                if label == "naive" and i == 0:
+                    maker.trial("mine", {"kind": "world", **axes, "timed": False, "repeat": 0}, {}, "unsupported",
+                                "iterations=1 costs 120 (work_row_updates), the budget is 100")
+                else:
+                    maker.world("mine", {**axes, "iterations": 4 * (i + 1)}, budget / 4000, found[i])
+        maker.close()
+        made = [c for c in make.all_charts(chart.Context(load.Store(Path(folder.name) / "store.db")))
+                if c.sweep == "mine"]
+        self.addCleanup(style.plt.close, "all")
+        return made
+
+    def test_a_calibrated_sweep_has_this_chart_and_no_other(self):
+        made = self.made()
+        self.assertEqual([c.id for c in made], ["mine_pyramid__2d"])
+        self.assertEqual(made[0].section, equal_cost.SECTION)
+        self.assertEqual(style.overlaps(made[0].figure), ([], []))
+
+    def test_the_finding_ranks_at_every_budget_and_tells_who_met_none(self):
+        made = self.made()[0]
+        self.assertIn("at 100 catto is first (3 mm), soft_step last (4 mm), without a rank naive", made.finding)
+        self.assertIn("at 400 soft_step is first (500 µm), naive last (4 mm)", made.finding)
+        self.assertIn("No method is first at every budget.", made.finding)
+        self.assertIn("iterations=1 costs 120", " ".join(made.holes))
+        self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])
+        self.assertEqual(list(made.table["iterations"]), ["4", "4", "", "8", "8", "8"])
+
+    def test_equal_error_ranks_costs(self):
+        made = self.made({**EQUAL, "equal": "error", "metric": "max_penetration"})[0]
+        self.assertIn("by time per step at equal error (largest penetration)", made.finding)
+
+
+if __name__ == "__main__":
+    unittest.main()
