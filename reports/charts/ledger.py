@@ -21,15 +21,16 @@ NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadp
 FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
 
 
-ABSENT = Chart("ledger", SECTION, "Ledger of verifications", "No verification is in this store.", "",
-               made_by="verify --pairs 200")
+PARTS, MADE_BY = ["stage", "dimension", "precision"], "verify --pairs 200"
+ABSENT = Chart("ledger", SECTION, "Ledgers with failures", "No ledger with a failure is in this store.", "", made_by=MADE_BY)
 
 
 def of_store(context):
     ledger = context.store.ledger()
     made = []
     for (stage, dimension, precision), part in ledger.groupby(["stage", "dimension", "precision"], sort=True):
-        made.append(_heat_map(context, part, stage, dimension, precision))
+        if failure.in_ledger(part):  # those without a failure share a matrix (ledger_clean.py)
+            made.append(_heat_map(context, part, stage, dimension, precision))
         if stage == "pair_query":
             made.append(_cost(context, part, dimension, precision))
     order = list(NOUNS)

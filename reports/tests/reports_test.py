@@ -20,12 +20,13 @@ import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
 import coverage  # noqa: E402
+import failure  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
 import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import breaking_points, broadphase, corpus, ledger, micro  # noqa: E402
+from charts import breaking_points, broadphase, corpus, ledger, ledger_clean, micro  # noqa: E402
 from charts import coverage as coverage_chart  # noqa: E402
 
 
@@ -121,6 +122,21 @@ def check_ledger(questions, by_method_of):
         if len(found) != 1 or int(found["asked"].iloc[0]) != int(part["asked"].sum()) or ends != int(part["asked"].sum()):
             return f"{method}: {int(part['asked'].sum())} asked, {ends} in the summary"
     return ""
+
+
+def check_clean(questions, clean_of):
+    """A ledger is wholly in the matrix or not at all, and it is there if nothing failed."""
+    kept = clean_of(questions)
+    for parts, part in questions.groupby(ledger.PARTS):
+        inside = kept.index.isin(part.index).sum()
+        if inside != (0 if failure.in_ledger(part) else len(part)):
+            return f"{parts}: {inside} of {len(part)} rows, {failure.in_ledger(part)} failures"
+    return ""
+
+
+def with_failures(questions):
+    """Planted bug: the rows of clean methods stand in the matrix though others of their ledger failed."""
+    return questions[questions["wrong"] == 0]
 
 
 def only_with_an_error(rows):
@@ -279,10 +295,10 @@ class Findings(WithStore):
 
     def test_who_fails_is_named_with_the_share(self):
         made = {c.id: c for c in ledger.of_store(self.context)}
-        solid, flat = made["ledger_pair_query_3d_f64"], made["ledger_pair_query_2d_f64"]
+        solid = made["ledger_pair_query_3d_f64"]
+        self.assertNotIn("ledger_pair_query_2d_f64", made, "what never failed has no heat map")
         self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
         self.assertIn("of the 8 witnesses bullet_box_box fails most often, on 100% (100% refused) of its questions", solid.finding)
-        self.assertNotIn("witness", flat.finding)
         numbers = solid.table.set_index("method")
         self.assertEqual(numbers.loc["fcl_libccd", "crashed"], 4 * 200)
         self.assertEqual(numbers.loc["closed_form", "median error [1]"], 0.0)
@@ -294,6 +310,19 @@ class Findings(WithStore):
         self.assertEqual(shown["capsule–capsule", "fcl_libccd"], 0.0)
         for c in made.values():
             style.plt.close(c.figure)
+
+    def test_ledgers_without_a_failure_share_a_matrix_and_lose_no_question(self):
+        questions = self.store.ledger()
+        self.assertEqual(check_clean(questions, ledger_clean.clean), "")
+        self.assertNotEqual(check_clean(questions, with_failures), "", "the planted bug was not seen")
+        made = ledger_clean.of_store(self.context)[0]
+        everything = questions[(questions["axis"] == "all") & ~((questions["stage"] == "pair_query") & (questions["dimension"] == 3))]
+        asked = everything["asked"].sum()
+        self.assertIn(f"Nothing fails in 2 ledgers: broadphases 3D f64 and pair queries 2D f64; {asked:,} questions to 3 methods.",
+                      made.finding)
+        queries = made.table[made.table["stage"] == "pair_query"]["asked"].sum()
+        self.assertEqual(queries, everything[everything["stage"] == "pair_query"]["asked"].sum())
+        style.plt.close(made.figure)
 
     def test_what_falls_first_and_what_has_no_result_beyond(self):
         made = chart.made(breaking_points, self.context)
