@@ -61,6 +61,7 @@ struct SceneSpec {
   std::vector<SpringDef> springs;
   Limits limits;
   std::optional<Slope> slope;
+  bool seeded = false;  // whether the seed decided anything: another one is then another scene
 };
 
 }  // namespace lpc::inline LPC_PRECISION

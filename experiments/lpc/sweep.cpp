@@ -18,6 +18,9 @@ struct Options {
 
 void sweep(Options& o, Session& session) {
   const std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with);
+  for (const PlannedSweep& s : sweeps) {
+    for (const std::string& note : s.notes) std::fprintf(stderr, "lpc: sweep %s: %s\n", s.name.c_str(), note.c_str());
+  }
   if (o.dryRun) {
     for (const PlannedSweep& s : sweeps) {
       std::size_t timed = 0, unsupported = 0;

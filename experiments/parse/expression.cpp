@@ -13,6 +13,7 @@ namespace {
 
 // muParser's callbacks are plain functions; the stream that `rand` draws from is that of the evaluation under way.
 thread_local Random* drawing = nullptr;
+thread_local bool decided = false;
 
 double sine(double x) {
   double s = 0, c = 1;
@@ -24,7 +25,10 @@ double cosine(double x) {
   sinCos(x, s, c);
   return c;
 }
-double draw(double lo, double hi) { return drawing->uniform(lo, hi); }
+double draw(double lo, double hi) {
+  decided = decided || lo != hi;
+  return drawing->uniform(lo, hi);
+}
 double root(double x) { return std::sqrt(x); }
 double magnitude(double x) { return std::fabs(x); }
 double roundDown(double x) { return std::floor(x); }
@@ -56,7 +60,7 @@ void Expressions::forgetLocals() {
 bool Expressions::knows(const std::string& name) const { return m_globals.count(name) || m_locals.count(name); }
 
 double Expressions::evaluate(const std::string& text) {
-  drawing = &m_random;
+  drawing = &m_random, decided = m_drew;
   try {
     auto& compiled = m_compiled[text];
     if (!compiled) {
@@ -80,6 +84,7 @@ double Expressions::evaluate(const std::string& text) {
       p.SetExpr(text);
     }
     const double value = compiled->parser.Eval();
+    m_drew = decided;
     if (!std::isfinite(value)) throw UserError("'" + text + "' is not a finite number");
     return value;
   } catch (const mu::Parser::exception_type& e) {

@@ -29,6 +29,8 @@ class Expressions {
   void setLocal(const std::string& name, double value);
   void forgetLocals();
   bool knows(const std::string& name) const;
+  /// Whether `rand` gave a number that the seed decided.
+  bool drew() const { return m_drew; }
 
   /// Throws UserError that quotes the text and names what is known.
   double evaluate(const std::string& text);
@@ -38,6 +40,7 @@ class Expressions {
   std::map<std::string, double> m_globals, m_locals;  // nodes do not move: parsers keep their addresses
   std::map<std::string, std::unique_ptr<Compiled>> m_compiled;
   Random m_random;
+  bool m_drew = false;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <set>
 
 #include "experiments/runner/worker_pool.h"
@@ -21,6 +22,7 @@ using Clock = std::chrono::steady_clock;
 struct Job {
   const PlannedTrial* trial;
   WorkerLimits limits;
+  double turn = 0;  // of a timed one: the share of its cell's repeats that come before it
 };
 
 class Scheduler {
@@ -47,7 +49,7 @@ class Scheduler {
         (t.timed() ? timed : untimed).push_back({&t, {sweep.wallLimit, sweep.memoryLimit * 1073741824.0}});
       }
     }
-    shuffle(timed);
+    interleave(timed);
     const std::vector<int> cores = processors();
     const int jobs = m_options.jobs > 0 ? m_options.jobs : std::max(1, static_cast<int>(cores.size()));
     phase("untimed", untimed, jobs, -1);
@@ -64,9 +66,23 @@ class Scheduler {
     return !(m_options.retry && (*outcome == "timeout" || *outcome == "crash" || *outcome == "out_of_memory"));
   }
 
-  static void shuffle(std::vector<Job>& jobs) {
+  // In rounds: every cell once before any cell again, in each round in another order, so that a slow spell of the
+  // machine meets all alike. A cell with twice the repeats of the others is in two places of each round.
+  static void interleave(std::vector<Job>& jobs) {
     Random random(2009);
     for (std::size_t i = jobs.size(); i > 1; --i) std::swap(jobs[i - 1], jobs[random.below(i)]);
+    const auto ofCell = [](const Job& job) {
+      json cell = job.trial->canonical;
+      cell.erase("repeat");
+      return cell.dump();
+    };
+    std::map<std::string, double> last;
+    for (const Job& job : jobs) {
+      double& most = last[ofCell(job)];
+      most = std::max(most, job.trial->canonical.at("repeat").get<double>());
+    }
+    for (Job& job : jobs) job.turn = job.trial->canonical.at("repeat").get<double>() / (last.at(ofCell(job)) + 1);
+    std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.turn < b.turn; });
   }
 
   void phase(const char* name, const std::vector<Job>& jobs, int parallel, int core) {
@@ -97,6 +113,7 @@ class Scheduler {
     } else {
       result.fail(end.outcome, end.reason, -1);
     }
+    if (trial.timed()) result.metrics[std::string(kLoad.info.name)] = end.load;
     checkRepeats(trial, result);
     finish(trial, result, end.started, end.seconds);
     ++m_finished;

@@ -66,6 +66,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (m_kind != "world" && m_kind != "boxes" && m_kind != "pairs") {
       top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'; valid: world, boxes, pairs");
     }
+    m_twice = top.string("twice", "");
     m_out.wallLimit = limit(top, "wall_limit", m_out.wallLimit);
     m_out.memoryLimit = limit(top, "memory_limit", m_out.memoryLimit);
     readCharts(top);
@@ -88,10 +89,16 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       group.finish();
       product(own, *t);
     }
-    if (!m_out.baseline.empty() && !m_named.count(m_out.baseline)) {
+    for (const auto& [key, value] : {std::pair("baseline", m_out.baseline), std::pair("twice", m_twice)}) {
+      if (value.empty() || m_named.count(value)) continue;
       std::string valid;
       for (const std::string& n : m_named) valid += (valid.empty() ? "" : ", ") + n;
-      top.fail(*top.find("baseline"), "no axis has the value '" + m_out.baseline + "'; valid: " + valid);
+      top.fail(*top.find(key), "no axis has the value '" + value + "'; valid: " + valid);
+    }
+    for (const auto& [scene, seeds] : m_seeds) {
+      if (seeds.size() < 2 || m_seeded.count(scene)) continue;
+      m_out.notes.push_back("the seed decides nothing in scene '" + scene + "': set its parameter '" +
+                            kPerturbParameter + "', such as 1e-6 (m and rad)");
     }
     refuseWhatIsThere(settings.axes);
     if (m_out.trials.empty() && m_out.calibrated.empty() && m_only.empty())
@@ -219,9 +226,11 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   void cell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where) {
     json axes = json::object();
+    bool twice = false;
     for (std::size_t i = 0; i < at.size(); ++i) {
       const json& label = axes[s.axes[i].name] = s.axes[i].values[at[i]].label;
       if (label.is_string()) m_named.insert(label.get<std::string>());
+      twice = twice || label == m_twice;
     }
     if (m_calibration) return calibratedCell(s, at, where, axes);
     std::set<std::string> names;
@@ -259,7 +268,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       for (long r = 0; r < (s.timed ? 1 : s.repeats); ++r) add(false, r);
     }
     if (s.timed) {
-      for (long r = 0; r < s.repeats; ++r) add(true, r);
+      for (long r = 0; r < (twice ? 2 : 1) * s.repeats; ++r) add(true, r);
     }
     return out;
   }
@@ -359,6 +368,10 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
     if (!model.empty()) applyModel(file, model, cell);
     PlannedTrial trial = m_planner->world(scenePath, cell);
+    if (trial.unsupported.empty()) {
+      m_seeds[file.name()].insert(cell.seed.value_or(file.defaultSeed()));
+      if (trial.seeded) m_seeded.insert(file.name());
+    }
     const auto kind = cell.params.find(kJointParameter);  // now known to be right
     if (kind != cell.params.end() && kind->second.isText()) collectNames(Spec::parse(kind->second.text), names);
     return trial;
@@ -420,6 +433,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::shared_ptr<Planner> m_planner;
   std::optional<Calibration> m_calibration;
   std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
+  std::string m_twice;                    // a value of an axis: its cells are timed as if they were two
+  std::map<std::string, std::set<std::uint64_t>> m_seeds;  // of each scene
+  std::set<std::string> m_seeded;                          // scenes in which a seed decides something
   PlannedSweep m_out;
 };
 

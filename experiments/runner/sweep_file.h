@@ -18,6 +18,8 @@ struct PlannedSweep {
   /// What each axis is to the sweep: "label" (of pipelines), "stage", "setting" (used as $name in a pipeline),
   /// "parameter" (of the scene), or "run".
   std::map<std::string, std::string> roles;
+  /// What whoever plans it should hear: it is right, but hardly what was meant.
+  std::vector<std::string> notes;
   std::vector<std::string> charts;  // what it is for: files of reports/charts; empty: whatever it has the data for
   double wallLimit = 120;           // s, per trial
   double memoryLimit = 4;           // GiB, per trial

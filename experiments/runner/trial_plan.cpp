@@ -148,7 +148,7 @@ const Planner::Defaults* Planner::built(const SceneFile& file, const ParameterVa
   const std::string id = file.path() + json(params).dump() + std::to_string(seed) + "/" + std::to_string(dimension);
   if (const auto it = m_built.find(id); it != m_built.end()) return &it->second;
   const auto defaults = [](const auto& spec) {
-    Defaults found{spec.dt, spec.steps, {}};
+    Defaults found{spec.dt, spec.steps, {}, spec.seeded};
     for (const auto& joint : spec.joints) found.jointKinds.insert(joint.def.kind);
     return found;
   };
@@ -189,7 +189,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
     for (const StageKind stage : kWorldStages) canonicalStage(code, out.unsupported, stage, pipeline[stage], dimension);
   }
 
-  Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0), {}};
+  Defaults defaults{cell.dt.value_or(0), cell.steps.value_or(0), {}, true};
   const std::string features = cell.features ? *cell.features : featuresText(file.needs());
   std::string missing;  // why the scene cannot be built
   canonicalJoint(code, missing, file, params, dimension);
@@ -197,6 +197,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   if (const Defaults* found = missing.empty() ? built(file, params, seed, dimension, missing) : nullptr) {
     if (!cell.dt) defaults.dt = found->dt;
     if (!cell.steps) defaults.steps = found->steps;
+    out.seeded = found->seeded;
     for (const std::string& kind : found->jointKinds) {
       code.update(codeHashes(StageKind::joint, Spec::parse(kind), dimension));
     }

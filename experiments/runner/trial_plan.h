@@ -20,6 +20,7 @@ struct PlannedTrial {
   std::string key;
   std::string sceneFile;
   std::string unsupported;  // a reason when the cell cannot run at all
+  bool seeded = true;       // another seed is another trial; not so where a scene draws nothing
   bool timed() const { return canonical.value("timed", false); }
 };
 
@@ -52,6 +53,7 @@ class Planner {
     double dt;
     long steps;
     std::set<std::string> jointKinds;  // with their parameters
+    bool seeded = true;
   };
   /// nullptr, and `unsupported` says why, where the kind of joint that the parameters choose does not fit.
   const Defaults* built(const SceneFile& file, const ParameterValues& params, std::uint64_t seed, int dimension,

@@ -7,8 +7,10 @@
 
 #include <array>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "experiments/runner/locations.h"
@@ -23,6 +25,12 @@ void interrupt(int) { interruptFlag = 1; }
 
 constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
 std::array<struct sigaction, 2> oldActions;
+
+// Of the last minute; the worker that is about to start is not in it yet.
+double loadAverage() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
+}
 
 }  // namespace
 
@@ -39,7 +47,7 @@ void WorkerPool::start(std::size_t job, const std::string& precision, nlohmann::
   }
   const bool engine = request.contains("trial") && request["trial"].contains("engine");
   auto child = std::make_unique<Child>(workerPath(precision, engine), request.dump(), core, false);
-  m_running.push_back({job, limits, std::move(child), timeStamp(), "", ""});
+  m_running.push_back({job, limits, std::move(child), timeStamp(), loadAverage(), "", ""});
 }
 
 std::vector<WorkerEnd> WorkerPool::ended() {
@@ -80,7 +88,8 @@ void WorkerPool::guard(Running& r) {
 WorkerEnd WorkerPool::endOf(const Running& r) {
   const Child& c = *r.child;
   const std::string last = c.lastError();
-  WorkerEnd end{.job = r.job, .reason = last, .output = {}, .started = r.started, .seconds = c.seconds()};
+  WorkerEnd end{
+      .job = r.job, .reason = last, .output = {}, .started = r.started, .load = r.load, .seconds = c.seconds()};
   if (!r.killedFor.empty()) {
     end.outcome = r.killedFor, end.reason = r.why;
   } else if (c.signal()) {

@@ -23,6 +23,7 @@ struct WorkerEnd {
   std::string reason;
   std::string output;   // of a worker that ended well
   std::string started;  // UTC
+  double load = 0;      // the machine's load average when it started; NaN where it is not told
   double seconds = 0;
 };
 
@@ -45,6 +46,7 @@ class WorkerPool {
     WorkerLimits limits;
     std::unique_ptr<Child> child;
     std::string started;
+    double load;
     std::string killedFor, why;  // timeout or out_of_memory, when we did it
   };
   void waitForOutput();

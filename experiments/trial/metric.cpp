@@ -3,11 +3,18 @@
 
 namespace lpc::inline LPC_PRECISION {
 
+const DescribedMetric kLoad = {
+    "metric",
+    "any",
+    {"load", "load average", "1", "processes that wanted a processor when the trial started, mean of a minute",
+     MetricRole::detail, "a quieter machine", TrialNeed::timing}};
+
 std::vector<DescribedMetric> describeMetrics() {
   std::vector<DescribedMetric> out;
   describeWorldMetrics(out);
   describeBoxesMetrics(out);
   describePairsMetrics(out);
+  out.push_back(kLoad);
   return out;
 }
 

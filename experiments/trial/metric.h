@@ -56,9 +56,12 @@ void measure(const Entries& entries, const Seen& seen, const Applies& applies, s
 
 struct DescribedMetric {
   std::string_view what;  // "metric" or "series"
-  std::string_view kind;  // of trial
+  std::string_view kind;  // of trial; "any"
   MetricInfo info;
 };
+
+/// What the runner adds to every timed trial, whatever its kind.
+extern const DescribedMetric kLoad;
 
 /// All of them, of each kind those that tell most first.
 std::vector<DescribedMetric> describeMetrics();

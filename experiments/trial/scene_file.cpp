@@ -66,7 +66,11 @@ template <int D>
 class Builder {
  public:
   Builder(const SceneFile::Parsed& parsed, const ParameterValues& values, std::uint64_t seed)
-      : m_parsed(parsed), m_numbers(parsed.path, seed), m_top(parsed.table, parsed.path, "the scene") {
+      : m_parsed(parsed),
+        m_numbers(parsed.path, seed),
+        m_seed(seed),
+        m_perturb(values.at(kPerturbParameter).number),
+        m_top(parsed.table, parsed.path, "the scene") {
     for (const auto& [name, value] : values) {
       if (value.isText()) {
         m_chosenJoint = value.text;
@@ -117,6 +121,8 @@ class Builder {
     std::stable_sort(m_scene.events.begin(), m_scene.events.end(),
                      [](const auto& a, const auto& b) { return a.step < b.step; });
     m_top.finish();
+    m_scene.seeded = m_numbers.expressions.drew();
+    perturb(m_scene, m_perturb, m_seed);
     return std::move(m_scene);
   }
 
@@ -352,6 +358,8 @@ class Builder {
 
   const SceneFile::Parsed& m_parsed;
   SceneNumbers m_numbers;
+  std::uint64_t m_seed;
+  double m_perturb;
   std::string m_chosenJoint;  // by the parameter `joint`; empty where there is none
   TableReader m_top;
   const toml::table* m_defaults = nullptr;

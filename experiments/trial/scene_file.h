@@ -35,6 +35,9 @@ using ParameterValues = std::map<std::string, ParameterValue>;
 /// Its name, where it is text, is also that of its stage: a star in an axis of that name is every joint kind.
 inline constexpr const char* kJointParameter = "joint";
 
+/// A parameter of every scene: how far bodies start from where the file puts them (m and rad), by the seed.
+inline constexpr const char* kPerturbParameter = "perturb";
+
 struct SceneParameter {
   std::string name, meaning;
   ParameterValue value;

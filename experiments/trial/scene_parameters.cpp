@@ -19,10 +19,14 @@ void from_json(const nlohmann::json& in, ParameterValue& value) {
 }
 
 std::vector<SceneParameter> readParameters(TableReader& top) {
-  std::vector<SceneParameter> out;
+  // The range is that of a start which is still the same scene: less than the size of its bodies.
+  const SceneParameter everyScenes{kPerturbParameter, "how far bodies start from their places, by the seed (m and rad)",
+                                   0.0, 0, 0.1};
   const toml::table* parameters = top.table("parameters");
-  if (!parameters) return out;
+  if (!parameters) return {everyScenes};
+  std::vector<SceneParameter> out;
   for (const auto& [name, node] : inFileOrder(*parameters)) {
+    if (name == everyScenes.name) top.fail(*node, "'" + name + "' is a parameter of every scene; valid: another name");
     if (!node->is_table()) top.fail(*node, "parameter '" + name + "' is " + describe(*node) + "; valid: a table");
     TableReader p(*node->as_table(), top.file(), "parameter '" + name + "'");
     SceneParameter parameter{name, p.requireString("meaning"), {}};
@@ -48,6 +52,7 @@ std::vector<SceneParameter> readParameters(TableReader& top) {
     p.finish();
     out.push_back(std::move(parameter));
   }
+  out.push_back(everyScenes);
   return out;
 }
 

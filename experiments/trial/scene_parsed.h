@@ -65,4 +65,11 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
 template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults);
 
+/// Moves every dynamic body from where the file puts it: each coordinate by up to `amount` (m) and each angle by up to
+/// `amount` (rad), drawn from a stream of its own, so that `rand` gives the same numbers with and without. A pinned
+/// body only turns; what does not rotate is only shifted, also where the scene has rotation off. Joints are made at the
+/// poses that the bodies then have, from anchors in the world, so none starts with an error.
+template <int D>
+void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed);
+
 }  // namespace lpc::inline LPC_PRECISION

@@ -26,6 +26,13 @@ double slopeError(const WorldSeen<D>& r) {
   return std::abs(r.slid - (pull > 1e-9 * g ? pull * t * t / 2 : 0));
 }
 
+/// What gravity gives all bodies in one step, as impulse times speed (J): what complementarity is compared with.
+template <int D>
+double energyOfStep(const WorldSeen<D>& r) {
+  const double speed = double(r.scene.settings.gravity.norm()) * r.scene.dt;
+  return speed > 0 && r.weight > 0 ? r.weight * speed * speed : std::numeric_limits<double>::quiet_NaN();
+}
+
 template <int D>
 const std::vector<Measure<WorldSeen<D>>>& seriesEntries() {
   using R = const WorldSeen<D>&;
@@ -42,6 +49,10 @@ const std::vector<Measure<WorldSeen<D>>>& seriesEntries() {
       {{"complementarity", "complementarity", "J", "worst normal impulse times closing speed", kDetail,
         "contacts obey Signorini"},
        [](R r) { return r.now.complementarity; }},
+      {{"residual", "normalised complementarity", "1",
+        "worst normal impulse times closing speed, over m (g dt)^2 of all bodies: how far a step is from solved",
+        kDetail, "contacts obey Signorini"},
+       [](R r) { return r.now.complementarity / energyOfStep(r); }},
       {{"cone_excess", "excess over the friction cone", "N s", "worst friction impulse beyond Coulomb's cone", kDetail,
         "friction obeys Coulomb"},
        [](R r) { return r.now.coneExcess; }},
@@ -118,6 +129,10 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
         "worst normal impulse times closing speed of a contact that shall not bounce: one of the two should be 0",
         kDetail, "contacts obey Signorini"},
        [](R r) { return r.largest("complementarity"); }},
+      {{"residual_median", "normalised complementarity", "1",
+        "worst normal impulse times closing speed of a step over m (g dt)^2 of all bodies, median over steps", kDetail,
+        "contacts obey Signorini"},
+       [](R r) { return r.quantileOf("residual", 0.5); }},
       {{"cone_excess_max", "largest excess over the friction cone", "N s",
         "worst friction impulse beyond Coulomb's cone", kDetail, "friction obeys Coulomb"},
        [](R r) { return r.largest("cone_excess"); }},
@@ -149,6 +164,11 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
       {{"ms_per_step_p75", "time per step, upper quartile", "ms", "a quarter of the steps is slower", kDetail,
         "cheaper", TrialNeed::timing},
        [](R r) { return 1e3 * r.quantileOf("seconds", 0.75); }},
+      {{"ms_per_step_p99", "time per step, 99th percentile", "ms", "a hundredth of the steps is slower", kDetail,
+        "cheaper", TrialNeed::timing},
+       [](R r) { return 1e3 * r.quantileOf("seconds", 0.99); }},
+      {{"ms_per_step_worst", "time per step, worst", "ms", "the slowest step", kDetail, "cheaper", TrialNeed::timing},
+       [](R r) { return 1e3 * r.quantileOf("seconds", 1); }},
       {{"us_*", "time of a stage", "us", "processor time of a stage, median over steps", kDetail, "cheaper",
         TrialNeed::timing},
        nullptr},
@@ -207,7 +227,9 @@ double WorldSeen<D>::end(const char* name) const {
 template <int D>
 double WorldSeen<D>::quantileOf(const std::string& name, double q) const {
   const auto& list = find(*this, name);
-  return quantile({list.begin() + std::min<long>(kWarmUp, static_cast<long>(list.size())), list.end()}, q);
+  std::vector<double> values(list.begin() + std::min<long>(kWarmUp, static_cast<long>(list.size())), list.end());
+  std::erase_if(values, [](double x) { return std::isnan(x); });  // not told, or not defined
+  return quantile(std::move(values), q);
 }
 
 template <int D>

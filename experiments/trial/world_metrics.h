@@ -28,6 +28,7 @@ struct WorldSeen {
   double seconds = 0;  // processor time of the step
   double drift = 0, topDrift = 0, slid = 0;
   double height = 0;  // m, of the highest body
+  double weight = 0;  // kg, of all dynamic bodies
   // Over all steps:
   double energyMax = 0;               // J
   double deepest = 0, meanDepth = 0;  // m, on poses; the mean of the last time it was asked

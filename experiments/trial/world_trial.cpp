@@ -47,6 +47,7 @@ class WorldTrial {
   WorldTrial(const json& request, SceneSpec<D> scene)
       : m_request(request),
         m_timed(request.at("trial").value("timed", false)),
+        m_again(m_timed && request.at("trial").value("repeat", 0) > 0),
         m_engine(request.at("trial").contains("engine")),
         m_scene(scene),
         m_director(std::move(scene)),
@@ -94,6 +95,7 @@ class WorldTrial {
  private:
   void start() {
     m_seen.timed = m_timed;
+    if (m_again) m_seen.deepest = m_seen.meanDepth = kNan;
     m_seen.start = stateInvariants(m_world);
     m_seen.energyMax = m_seen.start.kinetic + m_seen.start.potential;
     // In a room with walls momentum comes and goes; alone in space it must stay.
@@ -134,11 +136,16 @@ class WorldTrial {
       if (way > m_seen.drift) m_seen.drift = way, farthest = i;
       if (!std::isnan(way)) m_seen.height = std::fmax(m_seen.height, m_world.pose(m_director.body(i)).p[1]);
     }
+    m_seen.weight = 0;
+    const Bodies<D>& b = m_world.bodies();
+    for (std::size_t i = 0; i < b.mass.size(); ++i) {
+      if (b.used[i] && b.type[i] == BodyType::dynamic) m_seen.weight += double(b.mass[i]);
+    }
     m_seen.topDrift = m_top < 0 ? kNan : moved(m_top);
     m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
     const double energy = m_seen.now.kinetic + m_seen.now.potential;
     m_seen.energyMax = std::max(m_seen.energyMax, energy);
-    if (m_seen.now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
+    if (!m_again && m_seen.now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
       const auto depths = m_penetration.of(m_world);
       m_seen.deepest = std::max(m_seen.deepest, depths.max), m_seen.meanDepth = depths.mean;
     }
@@ -177,6 +184,7 @@ class WorldTrial {
 
   // slot, position, rotation (angle, or quaternion w x y z) of every body
   void keepPoses(long step) {
+    if (m_again) return;
     std::vector<double>& data = m_out.poses[step];
     const Bodies<D>& b = m_world.bodies();
     for (std::size_t i = 0; i < b.pose.size(); ++i) {
@@ -205,14 +213,16 @@ class WorldTrial {
       list.resize(static_cast<std::size_t>(steps), 0.0);
       m["us_" + name.substr(4)] = 1e6 * m_seen.quantileOf(name, 0.5);
     }
-    m_out.series = std::move(m_seen.series);
+    if (!m_again) m_out.series = std::move(m_seen.series);
     char text[20];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(m_world.hash()));
     m_out.hash = text;
   }
 
   const json& m_request;
-  bool m_timed, m_engine;  // an engine does not count its work
+  bool m_timed;
+  bool m_again;   // a repeat of a timed trial: the same bits as the first one, so it tells its times and no more
+  bool m_engine;  // does not count its work
   SceneSpec<D> m_scene;
   Director<D> m_director;
   std::unique_ptr<Simulation<D>> m_simulation;

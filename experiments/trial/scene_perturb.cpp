@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Zlib
+// Ensembles: the same scene many times, each started a little beside the others.
+#include "experiments/trial/scene_parsed.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Another stream than that of the file's expressions, which starts at the seed itself.
+constexpr std::uint64_t kStream = 0x7065727475726221u;
+
+template <class Vector>
+Vector drawn(Random& random, double amount) {
+  Vector out;
+  for (int d = 0; d < out.size(); ++d) out[d] = static_cast<Real>(random.uniform(-amount, amount));
+  return out;
+}
+
+}  // namespace
+
+template <int D>
+void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed) {
+  if (amount == 0) return;  // not one bit
+  Random random(seed ^ kStream);
+  for (auto& spawn : scene.spawns) {
+    BodyDef<D>& body = spawn.body;
+    if (body.type != BodyType::dynamic) continue;
+    // Drawn for all alike: what is pinned or does not turn shifts nobody else's numbers.
+    const Vec<D> shift = drawn<Vec<D>>(random, amount);
+    const Ang<D> turn = drawn<Ang<D>>(random, amount);
+    if (!body.pinned) body.X_WB.p += shift;
+    if (body.rotatable && scene.settings.features.rotation) body.X_WB.q = rotationOf(turn) * body.X_WB.q;
+    scene.seeded = true;
+  }
+}
+
+template void perturb(SceneSpec<2>&, double, std::uint64_t);
+template void perturb(SceneSpec<3>&, double, std::uint64_t);
+
+}  // namespace lpc::inline LPC_PRECISION

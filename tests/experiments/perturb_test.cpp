@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Zlib
+// Ensembles: seeds that do something, in every scene, and are told where they do nothing.
+#include <algorithm>
+#include <filesystem>
+
+#include "experiments/runner/locations.h"
+#include "experiments/runner/sweep_file.h"
+#include "experiments/trial/scene_file.h"
+#include "framework/director.h"
+#include "framework/invariants.h"
+#include "framework/world.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::ask;
+using test::Outcome;
+using test::Workspace;
+
+constexpr double kAmount = 1e-3;
+
+std::vector<SceneFile> scenes() {
+  std::vector<SceneFile> out;
+  for (const std::string& path : listToml("scenes")) out.push_back(SceneFile::load(path));
+  return out;
+}
+
+double angleBetween(const Rot<2>& a, const Rot<2>& b) { return std::abs((a * b.inverse()).radians()); }
+double angleBetween(const Rot<3>& a, const Rot<3>& b) {
+  const Rot<3> turn = a * b.inverse();
+  return 2 * std::atan2(Vec<3>(turn.x, turn.y, turn.z).norm(), std::abs(turn.w));
+}
+
+template <int D>
+bool samePoses(const SceneSpec<D>& a, const SceneSpec<D>& b) {
+  return std::equal(a.spawns.begin(), a.spawns.end(), b.spawns.begin(), b.spawns.end(),
+                    [](const auto& x, const auto& y) {
+                      return x.body.X_WB.p == y.body.X_WB.p && x.body.X_WB.q.matrix() == y.body.X_WB.q.matrix();
+                    });
+}
+
+// What is wrong with `moved`, which should be `still` perturbed by kAmount; empty where nothing is.
+template <int D>
+std::string fault(const SceneSpec<D>& still, const SceneSpec<D>& moved) {
+  if (still.spawns.size() != moved.spawns.size()) return "other bodies";
+  int shifted = 0, dynamic = 0;
+  for (std::size_t i = 0; i < still.spawns.size(); ++i) {
+    const BodyDef<D>&a = still.spawns[i].body, &b = moved.spawns[i].body;
+    const double shift = (a.X_WB.p - b.X_WB.p).cwiseAbs().maxCoeff(), turn = angleBetween(a.X_WB.q, b.X_WB.q);
+    const std::string body = "body " + std::to_string(i) + " ";
+    if (shift > kAmount * (1 + 1e-9)) return body + "is too far off";
+    if (turn > 2 * kAmount) return body + "turned too far";
+    if (a.type != BodyType::dynamic && (shift != 0 || turn != 0)) return body + "is not dynamic and moved";
+    if (a.pinned && shift != 0) return body + "is pinned and moved";
+    const bool turns = a.type == BodyType::dynamic && a.rotatable && still.settings.features.rotation;
+    if (turns != (turn != 0)) return body + (turns ? "did not turn" : "cannot turn and did");
+    dynamic += a.type == BodyType::dynamic && !a.pinned, shifted += shift > 0;
+  }
+  return shifted < dynamic ? "bodies that did not move" : "";
+}
+
+template <int D>
+void everyScene() {
+  for (const SceneFile& file : scenes()) {
+    if (!file.has(D) || file.name() == "large_pyramid") continue;
+    SCOPED_TRACE(file.name() + " in " + std::to_string(D) + "D");
+    const std::uint64_t seed = file.defaultSeed();
+    const SceneSpec<D> still = file.build<D>({}, seed), moved = file.build<D>({{"perturb", kAmount}}, seed);
+    EXPECT_TRUE(samePoses(still, file.build<D>({{"perturb", 0.0}}, seed)));
+    EXPECT_EQ(fault(still, moved), "");
+    EXPECT_TRUE(samePoses(moved, file.build<D>({{"perturb", kAmount}}, seed)));
+    EXPECT_FALSE(samePoses(moved, file.build<D>({{"perturb", kAmount}}, seed + 1)));
+    EXPECT_EQ(still.seeded, !samePoses(still, file.build<D>({}, seed + 1)));
+    EXPECT_TRUE(moved.seeded);
+    // Planted bugs: a step too far, a floor that moves too.
+    SceneSpec<D> wrong = moved;
+    wrong.spawns[0].body.X_WB.p[0] += Real(3 * kAmount);
+    EXPECT_NE(fault(still, wrong), "");
+  }
+}
+
+TEST(Perturb, movesTheDynamicBodiesOfEveryScene) {
+  everyScene<2>();
+  everyScene<3>();
+}
+
+// Of the joints of a world in its first moment (m, and rad).
+template <int D>
+double errorAtStart(const SceneSpec<D>& scene) {
+  World<D> world(Pipeline::parse(""), scene.settings);
+  Director<D> director(scene);
+  director.advance(world);
+  const StateInvariants<D> start = stateInvariants(world);
+  return std::max(start.jointError, start.jointTurn);
+}
+
+TEST(Perturb, noJointStartsWithAnError) {
+  const SceneFile bridge = SceneFile::load(findToml("scenes", "bridge"));
+  for (const char* kind : {"pivot", "weld", "hinge"}) {
+    const ParameterValues values = {{"joint", std::string(kind)}, {"perturb", kAmount}};
+    const SceneSpec<3> moved = bridge.build<3>(values, 1);
+    ASSERT_FALSE(moved.joints.empty());
+    EXPECT_LT(errorAtStart(moved), 1e-12) << kind;
+    // Planted bug: joints are made first, and then the bodies are moved.
+    World<3> world(Pipeline::parse(""), moved.settings);
+    Director<3> director(bridge.build<3>({{"joint", std::string(kind)}}, 1));
+    director.advance(world);
+    for (std::size_t i = 0; i < moved.spawns.size(); ++i) {
+      world.setPose(director.body(static_cast<int>(i)), moved.spawns[i].body.X_WB);
+    }
+    EXPECT_GT(stateInvariants(world).jointError, kAmount / 10) << "the planted bug was not seen";
+  }
+}
+
+TEST(Perturb, isNoNameForAnotherParameter) {
+  Workspace w;
+  const std::string text = "name = \"s\"\nsummary = \"s\"\ndimensions = [2]\n[parameters]\n";
+  w.write("s.toml", text + "perturb = { default = 1, min = 0, max = 2, meaning = \"m\" }\n");
+  const Outcome out = w.lpc("run ./s.toml");
+  EXPECT_EQ(out.code, 2);
+  EXPECT_NE(out.text.find("s.toml:5: 'perturb' is a parameter of every scene; valid: another name"), out.text.npos)
+      << out.text;
+  EXPECT_NE(
+      w.lpc("run pyramid --param perturb=1 --steps 1").text.find("'perturb' of scene 'pyramid' is 1; valid: 0 to 0.1"),
+      std::string::npos);
+}
+
+std::string ensemble(const std::string& scene, const std::string& more) {
+  return "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"" + scene + "\"\nsteps = 5\nseed = [1, 2, 3]\n" + more;
+}
+
+TEST(Perturb, aSeedThatDecidesNothingIsTold) {
+  Workspace w;
+  w.write("idle.toml", ensemble("vertical_stack", ""));
+  w.write("moved.toml", ensemble("vertical_stack", "perturb = 1e-6\n"));
+  w.write("drawn.toml", ensemble("box_pile", "n = 8\n"));
+  const std::string note =
+      "sweep idle: the seed decides nothing in scene 'vertical_stack': set its parameter 'perturb', such as 1e-6";
+  EXPECT_NE(w.lpc("sweep ./idle.toml --dry-run").text.find(note), std::string::npos);
+  EXPECT_EQ(w.lpc("sweep ./moved.toml --dry-run").text.find("decides nothing"), std::string::npos);
+  EXPECT_EQ(w.lpc("sweep ./drawn.toml --dry-run").text.find("decides nothing"), std::string::npos);
+  // And it is true: by the final states.
+  const std::string count = "SELECT count(DISTINCT hash) || ' of ' || count(*) FROM trial WHERE outcome = 'ok'";
+  for (const auto& [name, hashes] :
+       {std::pair("idle", "1 of 3"), std::pair("moved", "3 of 3"), std::pair("drawn", "3 of 3")}) {
+    const std::string store = std::string(name) + ".db";
+    ASSERT_EQ(w.lpc("sweep ./" + std::string(name) + ".toml --quiet --store " + store).code, 0);
+    EXPECT_EQ(ask(w.path(store), count), hashes) << name;
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
