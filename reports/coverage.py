@@ -5,7 +5,7 @@ import numpy as np
 import pandas as pd
 
 from chart import describe
-from load import NOT_RUN, WITHIN_CELL
+from load import NOT_RUN, REPEATS
 
 
 def trials(store):
@@ -14,7 +14,7 @@ def trials(store):
     for entry in store.planned.itertuples():
         known = entry.key in store.trials.index
         trial = store.trials.loc[entry.key] if known else None
-        axes = {k: v for k, v in entry.axes.items() if k not in WITHIN_CELL}
+        axes = {k: v for k, v in entry.axes.items() if k not in REPEATS}
         named = {**axes, "method": store.method_of(entry.sweep, axes)}
         rows.append({"sweep": entry.sweep, "cell": describe(named, _order(axes)),
                      "timed": bool(entry.axes.get("timed", False)), "outcome": trial["outcome"] if known else NOT_RUN,

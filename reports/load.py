@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Zlib
 """A result store (SQLite, schema 3) as pandas tables.
 
-A *cell* is what a sweep plans: one set of axis values. It holds one untimed trial (errors, counts, series) and any
-number of timed repeats (times). Every planned cell is a row here, whatever became of it: a cell without a result has
-the outcome "not run", a failed one its outcome, step and reason. Nothing is dropped.
+A *cell* is what a sweep plans: one set of axis values. It holds one untimed trial (errors, counts, series) of each seed
+and any number of timed repeats (times). Every planned cell is a row here, whatever became of it: a cell without a result
+has the outcome "not run", a failed one its outcome, step and reason. Nothing is dropped: the value of each seed is in
+the column `<metric> seeds`, that of each repeat in `<metric> runs`.
 """
 
 import json
+import math
 import re
 import sqlite3
 from dataclasses import dataclass, field
@@ -24,8 +26,8 @@ SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "collapsed", "expl
             "out_of_memory", "crash"]
 # Between the parts of a method's label where several stages vary: `sat_clip / region_tree`.
 JOINED = " / "
-# Axes that tell the trials of one cell apart, not the cells.
-WITHIN_CELL = ("timed", "repeat")
+REPEATS = ("timed", "repeat")
+WITHIN_CELL = (*REPEATS, "seed")  # axes that tell the trials of one cell apart, not the cells
 
 
 class UserError(Exception):
@@ -219,33 +221,60 @@ class Store:
         kind = self.sweep(sweep).kind
         cell = {"sweep": sweep, **axes, "method": self.method_of(sweep, axes), "planned_trials": len(entries),
                 "finished_trials": len(have), "outcome": NOT_RUN, "reason": "planned, no result in the store",
-                "step": np.nan, "key": None, "key_timed": None, "machine": None,
-                **{_free(name, axes): np.nan for name, m in self.metrics.items() if m.kind == kind and "*" not in name}}
+                "step": np.nan, "key": None, "key_timed": None, "machine": None, "keys": [], "hashes": [],
+                "seeds": list(dict.fromkeys(entry.axes.get("seed") for entry in entries)), "failed_seeds": 0,
+                **{_free(name, axes): np.nan for name, m in self.metrics.items() if m.kind in (kind, "any") and "*" not in name}}
         if not have:
             return cell
-        worst = max(trials.itertuples(), key=lambda t: SEVERITY.index(t.outcome) if t.outcome in SEVERITY else 1)
+        worst = max(trials.itertuples(), key=severity)
         cell.update(outcome=worst.outcome, reason=worst.reason or "", step=np.nan if worst.step is None else worst.step)
         if len(have) < len(entries):
             cell["reason"] = "; ".join(filter(None, [cell["reason"], f"{len(entries) - len(have)} of {len(entries)} "
                                                      "trials not run"]))
         timed = trials[trials["timed"] == 1]
-        untimed = trials[trials["timed"] != 1]
-        facts = untimed if len(untimed) else timed
-        cell["key"] = facts.index[0]
-        for name, value in facts.iloc[0]["metrics"].items():
-            if not self.is_time(name) or not len(timed):
-                cell[_free(name, axes)] = np.nan if value is None else value
+        seed_of = {entry.key: entry.axes.get("seed") for entry in entries}
+        self._facts(cell, axes, trials, seed_of)
         if len(timed):
             # Machines do not mix: times come from the machine with most repeats, the others are counted as refused.
             machine = timed["machine"].mode().iloc[0] if timed["machine"].notna().any() else None
             same = timed if machine is None else timed[timed["machine"] == machine]
             cell.update(key_timed=same.index[0], machine=machine, refused_repeats=len(timed) - len(same))
             for name in dict.fromkeys(name for metrics in same["metrics"] for name in metrics if self.is_time(name)):
-                values = [metrics[name] for metrics in same["metrics"] if metrics.get(name) is not None]
+                repeats = {}  # of each the median over seeds: a repeat is one round over all cells
+                for entry in entries:
+                    value = same["metrics"][entry.key].get(name) if entry.key in same.index else None
+                    if value is not None:
+                        repeats.setdefault(entry.axes.get("repeat"), []).append(value)
+                values = [float(np.median(of_seeds)) for of_seeds in repeats.values()]
                 cell[_free(name, axes)] = float(np.median(values)) if values else np.nan
+                cell[_free(name, axes) + " runs"] = values
                 if values and name.endswith("_median"):
                     cell[name[:-6] + "lo"], cell[name[:-6] + "hi"] = min(values), max(values)
         return cell
+
+    def _facts(self, cell, axes, trials, seed_of):
+        """What does not depend on the hour, from one trial of each seed: medians over the seeds that are ok, and all values.
+        The key is that of the first seed that is ok, whose series and poses stand for the cell."""
+        of_seed, bad = {}, set()
+        for trial in trials.sort_values("timed", kind="stable").itertuples():  # untimed first
+            of_seed.setdefault(seed_of[trial.Index], trial)
+            if trial.outcome != "ok":
+                bad.add(seed_of[trial.Index])
+        cell["failed_seeds"] = len(bad)
+        firsts = [of_seed.get(seed) for seed in cell["seeds"]]
+        cell["keys"] = [None if trial is None else trial.Index for trial in firsts]
+        cell["hashes"] = [None if trial is None else trial.hash for trial in firsts]
+        good = [trial for seed, trial in of_seed.items() if seed not in bad] or list(of_seed.values())
+        cell["key"] = good[0].Index
+        any_timed = bool((trials["timed"] == 1).any())
+        for name in dict.fromkeys(name for trial in good for name in trial.metrics):
+            if self.is_time(name) and any_timed:
+                continue
+            cell[_free(name, axes)] = middle([trial.metrics.get(name) for trial in good])
+            if len(cell["seeds"]) > 1:
+                cell[_free(name, axes) + " seeds"] = [
+                    math.nan if trial is None or seed in bad or trial.metrics.get(name) is None else trial.metrics[name]
+                    for seed, trial in zip(cell["seeds"], firsts)]
 
     def method_of(self, sweep, axes):
         return JOINED.join(str(axes[name]) for name in self.method_axes(sweep) if name in axes) or "default"
@@ -253,6 +282,16 @@ class Store:
     def started(self):
         times = sorted(t for t in self.trials["started"] if t)
         return (times[0], times[-1]) if times else ("", "")
+
+
+def severity(trial):
+    return SEVERITY.index(trial.outcome) if trial.outcome in SEVERITY else 1
+
+
+def middle(values):
+    """The median of those that are numbers; one value stays what it is."""
+    values = [value for value in values if value is not None and value == value]
+    return values[0] if len(values) == 1 else float(np.median(values)) if values else math.nan
 
 
 def _free(metric, axes):
@@ -302,6 +341,6 @@ def one_machine(store, cells):
                for row in cells[other].itertuples()]
     cells = cells.copy()
     for name in cells.columns:
-        if store.is_time(re.sub("_(lo|hi)$", "_median", name)):
+        if store.is_time(re.sub("_(lo|hi)$", "_median", name.removesuffix(" runs"))):
             cells.loc[other, name] = np.nan
     return cells, sorted(set(refused))

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from load import Metric, UserError, described
+from load import Metric, UserError, described, middle
 
 DERIVED = {}
 
@@ -177,7 +177,13 @@ def add(store, cells, names):
     for name in names:
         entry = find(store, name)
         if entry.compute and len(cells):
-            cells[name] = [math.nan if key is None else _value(entry, Trial(store, key)) for key in cells["key"]]
+            values = [[math.nan if key is None else _value(entry, Trial(store, key)) for key in keys or [None]]
+                      for keys in cells["keys"]]
+            ok = [[store.trials["outcome"].get(key) == "ok" for key in keys] for keys in cells["keys"]]
+            cells[name] = [middle([v for v, good in zip(mine, fine) if good] or mine) for mine, fine in zip(values, ok)]
+            if any(len(mine) > 1 for mine in values):
+                cells[name + " seeds"] = [[v if good else math.nan for v, good in zip(mine, fine)]
+                                          for mine, fine in zip(values, ok)]
     return cells
 
 

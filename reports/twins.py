@@ -6,6 +6,7 @@ import math
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import noise
 from chart import Chart, holes
 from style import ZeroLog, grid_of_axes, legend_right, letter
 from table import quantity
@@ -50,7 +51,7 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     places = max(len(place) for place, _ in groups)
     left, legend_width = min(3.4, 0.3 + max(0.07 * labels, 0.082 * places)), 1.25
     figure, axes = grid_of_axes(1, len(shown), 0.24 * lines + 0.1, legend_width, left=left, gap_x=0.62, bottom=0.35)
-    outcomes = set()
+    outcomes, least = set(), {metric: noise.floor(cells, metric) for metric in shown if context.store.is_time(metric)}
     for column, metric in enumerate(shown):
         ax = axes[0][column]
         pairs = [(number(base, metric), number(row, metric)) for _, _, base, row in rows]
@@ -72,6 +73,10 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
                     if outcome == "ok" and not math.isfinite(value):
                         continue
                     place_x = scale.place(value)
+                    runs = noise.runs(which, metric) if which is not None else []
+                    if len(runs) > 1 and math.isfinite(value):
+                        low, high = noise.interval(runs)
+                        ax.plot([scale.place(low), scale.place(high)], [y + shift] * 2, color=colour, lw=1, alpha=0.7, zorder=2.5)
                     ends.append((place_x, y + shift))
                     marker = "o" if math.isfinite(value) else letter(outcome)
                     if outcome != "ok":
@@ -80,10 +85,9 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
                             mec="white" if marker == "o" else colour, mew=0.5)
                 if len(ends) == 2:
                     ax.plot(*zip(*ends), color="#999999", lw=1.2, zorder=2)
-                ratio = ratio_of(base, row, metric)
-                if column == 0 and math.isfinite(ratio):
-                    ax.text(1.02, y, f"×{ratio:.2f}", transform=ax.get_yaxis_transform(), va="center", fontsize=8,
-                            color="#444444")
+                if column == 0:
+                    ax.text(1.02, y, beside(base, row, metric, least), transform=ax.get_yaxis_transform(), va="center",
+                            fontsize=8, color="#444444")
                 ticks.append((y, run))
                 y += 1
         ax.set_ylim(y - 0.3, -0.7)
@@ -95,12 +99,27 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
                Line2D([], [], ls="none", marker="o", color=AFTER, label=after)]
     handles += [Line2D([], [], ls="none", marker=letter(o), color="#555555", ms=7, label=o) for o in sorted(outcomes)]
     legend_right(figure, handles, legend_width)
-    return Chart(name, section, title, text, cells["sweep"].iloc[0], figure, _table(context, rows, shown, before, after),
-                 refused + holes(cells, ["scene", "dimension", "method", "model", "precision"]),
-                 note + " Numbers beside the first panel are ratios of time.")
+    return Chart(name, section, title, text, cells["sweep"].iloc[0], figure, _table(context, rows, shown, before, after, least),
+                 refused + noise.idle_seeds(cells) + holes(cells, ["scene", "dimension", "method", "model", "precision"]),
+                 note + " Numbers beside the first panel are ratios of time; whiskers hold the median of the repeats. " +
+                 noise.rule(next(iter(least.values()), noise.UNMEASURED)))
 
 
-def _table(context, rows, shown, before, after):
+def beside(base, row, metric, least):
+    """What stands beside a row: the ratio where there is one to tell."""
+    if metric not in least:
+        found = ratio_of(base, row, metric)
+        return f"×{found:.2f}" if math.isfinite(found) else ""
+    text = told(base, row, metric, least[metric])
+    return {"identical work": "= work"}.get(text, f"×{text}" if text[:1].isdigit() else text)
+
+
+def told(base, row, metric, least):
+    """noise.said of two runs that both finished."""
+    return noise.said(base, row, metric, least) if math.isfinite(ratio_of(base, row, metric)) else ""
+
+
+def _table(context, rows, shown, before, after, least):
     table = []
     for place, name, base, row in rows:
         line = {"scene": place, "run": name,
@@ -109,6 +128,11 @@ def _table(context, rows, shown, before, after):
             label, unit = context.title(metric), context.unit(metric)
             for which, side in ((base, before), (row, after)):
                 line |= {name: values[0] for name, values in quantity(f"{label}, {side}", unit, [number(which, metric)]).items()}
-            line[f"ratio of {label} [1]"] = ratio_of(base, row, metric)
+            if metric in least:  # a number only where it is one, and else why not
+                text = told(base, row, metric, least[metric])
+                line[f"ratio of {label} [1]"] = float(text) if text[:1].isdigit() else math.nan
+                line[f"{label}: why no ratio"] = "" if text[:1].isdigit() else text
+            else:
+                line[f"ratio of {label} [1]"] = ratio_of(base, row, metric)
         table.append(line)
     return pd.DataFrame(table)

@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
+import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
 from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of, si, times
@@ -58,7 +59,8 @@ def engine_notes(context, cells):
 
 
 def budgets(cells, cost_name, error_name):
-    """What each method reaches at equal cost, and pays at equal error; the budgets are those that every method meets."""
+    """What each method reaches at equal cost (`at`: in which cell), and pays at equal error; the budgets are those that every
+    method meets."""
     good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost_name)) &
                  np.isfinite(metrics.column(cells, error_name))]
     if not len(good):
@@ -70,9 +72,10 @@ def budgets(cells, cost_name, error_name):
         mine = good[good["method"] == method]
         within = mine[mine[cost_name] <= cost_budget]
         reach = mine[mine[error_name] <= error_budget]
-        rows.append((method, within[error_name].min() if len(within) else math.nan,
-                     reach[cost_name].min() if len(reach) else math.nan, len(part), int((part["outcome"] != "ok").sum())))
-    table = pd.DataFrame(rows, columns=["method", "error", "cost", "cells", "failed"])
+        at = within[error_name].idxmin() if len(within) else None
+        rows.append((method, math.nan if at is None else within[error_name][at],
+                     reach[cost_name].min() if len(reach) else math.nan, len(part), int((part["outcome"] != "ok").sum()), at))
+    table = pd.DataFrame(rows, columns=["method", "error", "cost", "cells", "failed", "at"])
     return cost_budget, error_budget, table
 
 
@@ -95,12 +98,20 @@ def finding(context, cells, where, cost_name, error_name):
     everyone = sorted(cells["method"].unique())
     if len(shown) == 1:
         return f"On {where} only {best['method']} finishes, with {what} {si(best['error'], unit)}.{tail}"
+    cell = {method: cells.loc[at] for method, at in zip(shown["method"], shown["at"])}
+    seeds = max(map(len, cells["seeds"]))
+    under = f", under each of {seeds} seeds," if seeds > 1 else ""
+    # Whom the best does not beat under every seed is as good.
+    firsts = [m for m in shown["method"] if not noise.beats(cell[best["method"]], cell[m], error_name, floor)]
+    if worst["error"] != best["error"] and len(firsts) == len(shown):
+        return (f"On {where}, within {si(cost_budget, cost_unit)} per step, the order by {what.removeprefix('largest ')} of "
+                f"{methods(shown['method'], everyone)} turns round between seeds: a tie ({si(best['error'], unit)} to "
+                f"{si(worst['error'], unit)} in the median of {seeds}).{tail}")
     if worst["error"] == best["error"]:
         return (f"On {where} {methods(shown['method'], everyone)} have the same {what.removeprefix('largest ')} "
                 f"({si(best['error'], unit)}) within {si(cost_budget, cost_unit)} per step.{tail}")
-    firsts = shown[shown["error"] == best["error"]]["method"]
     head = (f"On {where}, within {si(cost_budget, cost_unit)} per step (every method that finishes "
-            f"has a setting below it), {methods(firsts, everyone)} {'has' if len(firsts) == 1 else 'have'} the "
+            f"has a setting below it), {methods(firsts, everyone)} {'has' if len(firsts) == 1 else 'have'}{under} the "
             f"smallest {what.removeprefix('largest ')} ({si(best['error'], unit)})")
     tail = against_baseline(context, cells, cost_name, error_name) + tail
     if best["error"] > 0:
@@ -123,7 +134,8 @@ def headline(context, cells, where, cost_name, error_name):
     least, most = si(min(known.values()), unit), si(max(known.values()), unit)
     best, worst = ([m for m in known if si(known[m], unit) == text] for text in (least, most))  # what reads alike is a tie
     failed = [m for m in errors if m not in known]
-    if best == worst and not failed:
+    ends = [cells.loc[table.set_index("method")["at"][group[0]]] for group in (best, worst)]
+    if not failed and (best == worst or not noise.beats(*ends, error_name, floor)):  # a tie, or one between seeds
         return None
     return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {methods(best, list(errors))} "
                     f"{'has' if len(best) == 1 else 'have'} the smallest {context.title(error_name).removeprefix('largest ')}, {least}"
@@ -134,7 +146,7 @@ def headline(context, cells, where, cost_name, error_name):
 
 def against_baseline(context, cells, cost_name, error_name):
     """The best of the others against what the sweep compares with, at the largest setting of both."""
-    setting, base = next(iter(context.settings(cells)), None), context.baseline(cells)
+    setting, base, everything = next(iter(context.settings(cells)), None), context.baseline(cells), cells
     if setting:
         cells = cells[cells[setting] == cells[setting].max()]
     named = cells[cells["method"] == base]
@@ -152,7 +164,13 @@ def against_baseline(context, cells, cost_name, error_name):
     ratio = errors[0] / errors[1] if errors[1] > 0 else math.inf
     how = "with the same error" if abs(ratio - 1) < 0.005 else f"with {ratio:.2g} times its error"
     how = f"with an error where {base} has none" if math.isinf(ratio) else how if ratio else "without error"
-    return f" {at}{best['method']} takes {costs[0] / costs[1]:.2g} times the time of {base} {how}."
+    if not context.store.is_time(cost_name):
+        return f" {at}{best['method']} takes {costs[0] / costs[1]:.2g} times the {context.title(cost_name)} of {base} {how}."
+    text = noise.said(row, best, cost_name, noise.floor(everything, cost_name))
+    time = {"noise": f"takes the time of {base}, within the noise,",
+            "identical work": f"does the same work as {base}, by all counts,"}.get(
+                text, f"takes {costs[0] / costs[1]:.2g} times the time of {base}")
+    return f" {at}{best['method']} {time} {how}."
 
 
 def _cost_chart(context, cells, groups, refused):
@@ -184,6 +202,7 @@ def _cost_chart(context, cells, groups, refused):
                 for rank, i in enumerate(mine):
                     size = 5 + 4 * rank / max(1, len(mine) - 1) if setting else 6.5
                     x, y = across.place(cost[i]), up.place(error[i])
+                    whiskers(ax, cells.iloc[i], cost_name, error_name, across, up, look["color"])
                     if math.isfinite(error[i]):
                         hollow = "markerfacecolor" in look
                         ax.plot([x], [y], ls="none", ms=size * scale_of(look["marker"]), marker=look["marker"],
@@ -209,10 +228,24 @@ def _cost_chart(context, cells, groups, refused):
     order = f"Along a line {setting} grows with the marker. " if setting else ""
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
-                 refused + holes(cells, ["method", setting] if setting else ["method"]),
-                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both."
+                 refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
+                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both. Whiskers "
+                 "hold the median of repeats and seeds. " + noise.rule(noise.floor(cells, "ms_per_step_median"))
                  + engine_notes(context, cells),
                  telling=True, headline=headline(context, cells, where, costs[0], errors[0]))
+
+
+def whiskers(ax, cell, cost_name, error_name, across, up, colour):
+    """The interval of the median of the repeats in time, and of the seeds in error."""
+    cost, error = cell[cost_name], cell[error_name]
+    if cell["outcome"] != "ok" or not (math.isfinite(cost) and math.isfinite(error)):
+        return
+    for numbers, scale, along_x in ((noise.runs(cell, cost_name), across, True),
+                                    (noise.values(cell, f"{error_name} seeds"), up, False)):
+        if len(numbers) > 1:
+            ends = [scale.place(v) for v in noise.interval(numbers)]
+            x, y = (ends, [up.place(error)] * 2) if along_x else ([across.place(cost)] * 2, ends)
+            ax.plot(x, y, color=colour, lw=0.9, alpha=0.7, zorder=2)
 
 
 def _table(context, cells, setting, costs, errors):
@@ -220,10 +253,18 @@ def _table(context, cells, setting, costs, errors):
     if setting:
         columns[setting] = cells[setting]
     columns["outcome"] = cells["outcome"]
+    if max(map(len, cells["seeds"])) > 1:
+        columns["seeds"], columns["seeds that failed"] = cells["seeds"].map(len), cells["failed_seeds"]
     columns["step"] = cells["step"]
     details = [name for name in context.metrics("world", "detail") if context.metric(name).compute]
     for name in [*costs, *errors, *(n for n in details if np.isfinite(metrics.column(cells, n)).any())]:
         columns |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
+        for numbers in (f"{name} runs", f"{name} seeds"):
+            if numbers in cells and any(len(noise.values(cell, numbers)) > 1 for _, cell in cells.iterrows()):
+                ends = [noise.interval(noise.values(cell, numbers)) for _, cell in cells.iterrows()]
+                for end, place in (("low", 0), ("high", 1)):
+                    columns |= quantity(f"{context.title(name)}, {end} end over {numbers[len(name) + 1:]}", context.unit(name),
+                                        [pair[place] for pair in ends])
     first, second = costs[0], errors[0]
     result = budgets(cells, first, second)
     if result is not None:

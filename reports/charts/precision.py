@@ -5,8 +5,9 @@ import math
 
 import numpy as np
 
+import noise
 import twins
-from chart import Chart, Needs, describe, listing
+from chart import Chart, Needs, describe, listing, plural
 from load import one_machine, split, varying
 
 PLACE = 60
@@ -28,15 +29,18 @@ def of_sweep(context, cells):
         rows.append((describe(first, place_axes) or "scene",
                      describe(first, ["method", *(c for c in same if c not in place_axes)]),
                      f64.iloc[0] if len(f64) else None, row))
-    ratios = [twins.ratio_of(base, row, COST) for _, _, base, row in rows if base is not None and row is not None]
-    ratios = [r for r in ratios if math.isfinite(r)]
+    least = noise.floor(cells, COST)
+    words = [twins.told(base, row, COST, least) for _, _, base, row in rows if base is not None and row is not None]
+    ratios, silent = [float(word) for word in words if word[:1].isdigit()], words.count("noise")
     worse = [(place, name, twins.ratio_of(base, row, error)) for place, name, base, row in rows
              if base is not None and row is not None]
     worse = [w for w in worse if math.isfinite(w[2])]
     said = []
     if ratios:
         said.append(f"f32 takes {np.median(ratios):.2f} times the time of f64 (median of {len(ratios)} pairs, "
-                    f"{min(ratios):.2f} to {max(ratios):.2f})")
+                    f"{min(ratios):.2f} to {max(ratios):.2f})" + (f"; {plural(silent, 'pair')} within the noise" if silent else ""))
+    elif silent:
+        said.append(f"f32 and f64 take the same time within the noise (all {silent} pairs)")
     if worse:
         most = max(worse, key=lambda w: w[2])
         said.append(f"its {context.title(error)} differs most on {most[0]} with {most[1]} ({most[2]:.3g} times)")

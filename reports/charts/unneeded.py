@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """The same scene with one feature more that it does not need: what the feature costs."""
 
-import math
-
+import noise
 import twins
 from chart import Chart, Needs, describe, listing
 from load import one_machine, split, varying
@@ -25,13 +24,16 @@ def of_sweep(context, cells):
         base = part[part["model"] == base_name]
         for _, row in part[part["model"] != base_name].iterrows():
             rows.append((describe(row, same) or "scene", str(row["model"]), base.iloc[0] if len(base) else None, row))
-    said = []
+    least, said = noise.floor(cells, COST), []
     for place, part in twins.grouped(rows):
-        ratios = [(model, twins.ratio_of(base, row, COST)) for model, base, row in part]
-        ratios = [(m, r) for m, r in ratios if math.isfinite(r)]
-        if ratios:
-            flat = [f"{model} {ratio:.2f}" for model, ratio in sorted(ratios, key=lambda r: -r[1])]
-            said.append(f"on {place} {listing(flat)}")
+        words = [(model, twins.told(base, row, COST, least)) for model, base, row in part]
+        ratios = sorted(((float(text), model) for model, text in words if text[:1].isdigit()), reverse=True)
+        parts = [listing([f"{model} {ratio:.2f}" for ratio, model in ratios])] if ratios else []
+        for word, meaning in (("identical work", "identical work with"), ("noise", "within the noise")):
+            alike = [model for model, text in words if text == word]
+            parts += [f"{meaning} {listing(alike)}"] if alike else []
+        if parts:
+            said.append(f"on {place} {', '.join(parts)}")
     text = (f"Times the time of {base_name}: " + "; ".join(said) + "." if said else
             f"No timed pair of {base_name} and one more feature finished.")
     return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_model", SECTION, "One unneeded feature at a time", text, cells,

@@ -127,7 +127,7 @@ class Maker:
     def poses(self, key, step, rows):
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
 
-    def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=2,
+    def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=5,
               machine=1, steps=300, extra=None, without=(), zero=()):
         """The untimed trial and the timed repeats of one cell."""
         axes = {"kind": "world", "precision": "f64", **axes}

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Zlib
+"""What a difference must be to be told: noise of times over repeats, and of results over seeds.
+
+Times of one cell differ from repeat to repeat. The *floor* is how far apart the same method is from itself, entered twice
+in the same sweep: its even repeats against its odd ones, which were made in the same rounds as everybody else's. A ratio
+of two times is told when it is beyond the floor and the intervals of the two medians are apart; else it is noise. A rank
+that another seed turns round is a tie.
+"""
+
+import math
+
+import numpy as np
+
+UNMEASURED = 2.0  # the floor where nothing was repeated often enough to measure one: below this ratio nothing is told
+FEWEST = 4  # repeats of a cell from which a floor can be measured: two of each kind
+SURE = 0.9  # least probability with which an interval holds the median
+LIKELY = 95  # percent of the comparisons of a method with itself that are below the floor
+
+
+def values(cell, name):
+    """A list of a cell's column `<metric> runs` or `<metric> seeds`, without what is unknown."""
+    found = cell.get(name)
+    return [float(v) for v in found if v is not None and math.isfinite(v)] if isinstance(found, (list, tuple)) else []
+
+
+def runs(cell, metric):
+    return values(cell, f"{metric} runs")
+
+
+def interval(numbers):
+    """(low, high): order statistics that hold the median with at least SURE, whatever the distribution (from five values
+    on: the smallest and the largest of five, the second and ninth of ten). Fewer give all they span."""
+    ordered = sorted(numbers)
+    if not ordered:
+        return math.nan, math.nan
+    n, cut = len(ordered), 0
+    while 2 * (cut + 1) < n and 1 - 2 * sum(math.comb(n, k) for k in range(cut + 2)) / 2**n >= SURE:
+        cut += 1
+    return ordered[cut], ordered[n - 1 - cut]
+
+
+def with_itself(cells, metric):
+    """Ratios of a cell's even repeats to its odd ones: the same method entered twice, one ratio per cell."""
+    found = []
+    for _, cell in cells.iterrows():
+        mine = runs(cell, metric)
+        if len(mine) >= FEWEST and min(mine) > 0:
+            found.append(float(np.median(mine[::2]) / np.median(mine[1::2])))
+    return found
+
+
+def floor(cells, metric):
+    """The ratio below which two times of these cells are one: LIKELY percent of those of methods with themselves are nearer
+    to 1. UNMEASURED where there are too few repeats."""
+    ratios = [abs(math.log(ratio)) for ratio in with_itself(cells, metric)]
+    return math.exp(float(np.percentile(ratios, LIKELY, method="higher"))) if ratios else UNMEASURED
+
+
+def work(cell):
+    """What a cell counted, by name."""
+    return {name: value for name, value in cell.items() if isinstance(name, str) and name.startswith("work_") and
+            isinstance(value, (int, float)) and math.isfinite(value)}
+
+
+def same_work(a, b):
+    """Whether two cells did the same by all counts, in the same arithmetic: their times can differ by noise only, or by what
+    is not counted."""
+    mine, other = work(a), work(b)
+    alike = all(a.get(axis) == b.get(axis) for axis in ("precision", "dimension"))
+    return alike and bool(mine) and any(mine.values()) and mine == other
+
+
+def ratio(a, b, metric):
+    """b over a; NaN where one is unknown."""
+    before, after = (float(cell[metric]) if cell is not None and cell.get(metric) is not None else math.nan for cell in (a, b))
+    return after / before if before > 0 else math.nan
+
+
+def tells(a, b, metric, least):
+    """Whether the ratio of two cells' times is more than noise; `least` is the floor of their sweep."""
+    found = ratio(a, b, metric)
+    if not math.isfinite(found) or found <= 0 or max(found, 1 / found) <= least:
+        return False
+    (low_a, high_a), (low_b, high_b) = interval(runs(a, metric)), interval(runs(b, metric))
+    return not (low_a <= high_b and low_b <= high_a)  # unknown intervals tell by the floor alone
+
+
+def said(a, b, metric, least):
+    """A ratio of times in words, or why there is none: "1.43", "noise", "identical work"; empty where one is unknown."""
+    found = ratio(a, b, metric)
+    if not math.isfinite(found):
+        return ""
+    if same_work(a, b):
+        return "identical work"
+    return f"{found:.2f}" if tells(a, b, metric, least) else "noise"
+
+
+def rule(least):
+    """What a reader must know of the ratios of a chart."""
+    if least == UNMEASURED:
+        return f"Too few repeats to measure the noise: only ratios beyond {UNMEASURED:g} are told."
+    return f"The same method against itself differs by up to {100 * (least - 1):.2g} %: ratios within that are noise, and not told."
+
+
+def of_seeds(cell, metric):
+    """The values of all seeds, infinite where a seed failed; a cell of one seed has one."""
+    found = cell.get(f"{metric} seeds")
+    if isinstance(found, (list, tuple)):
+        return [math.inf if v is None or v != v else float(v) for v in found]
+    value = cell.get(metric)
+    return [math.inf if value is None or value != value or cell["outcome"] != "ok" else float(value)]
+
+
+def beats(a, b, metric, zero=0.0):
+    """Whether `a` is better than `b` under every seed: a rank that flips is a tie. What is not above `zero` is 0."""
+    mine, other = ([x if x > zero else 0.0 for x in of_seeds(cell, metric)] for cell in (a, b))
+    return len(mine) == len(other) and all(x < y for x, y in zip(mine, other))
+
+
+def idle_seeds(cells):
+    """A sentence where several seeds give the same final state in every cell: they decide nothing."""
+    several = [(len(found), len(set(found))) for found in ([h for h in hashes if h] for hashes in cells["hashes"])
+               if len(found) > 1]
+    if not several or any(different > 1 for _, different in several):
+        return []
+    return [f"seeds change nothing here: all {max(planned for planned, _ in several)} end in the same state, bit for bit "
+            "(a scene's parameter `perturb` would start each elsewhere)"]
