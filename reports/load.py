@@ -266,6 +266,7 @@ class Store:
         cell["hashes"] = [None if trial is None else trial.hash for trial in firsts]
         good = [trial for seed, trial in of_seed.items() if seed not in bad] or list(of_seed.values())
         cell["key"] = good[0].Index
+        cell["arithmetic"] = tuple(good[0].canonical.get(name) for name in ("dimension", "precision"))
         any_timed = bool((trials["timed"] == 1).any())
         for name in dict.fromkeys(name for trial in good for name in trial.metrics):
             if self.is_time(name) and any_timed:

@@ -63,11 +63,10 @@ def work(cell):
 
 
 def same_work(a, b):
-    """Whether two cells did the same by all counts, in the same arithmetic: their times can differ by noise only, or by what
-    is not counted."""
+    """Whether two cells did the same by all counts, in the same dimension and precision: their times can differ by noise only,
+    or by what is not counted."""
     mine, other = work(a), work(b)
-    alike = all(a.get(axis) == b.get(axis) for axis in ("precision", "dimension"))
-    return alike and bool(mine) and any(mine.values()) and mine == other
+    return a.get("arithmetic") == b.get("arithmetic") and bool(mine) and any(mine.values()) and mine == other
 
 
 def ratio(a, b, metric):

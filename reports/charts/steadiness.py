@@ -25,8 +25,8 @@ LADDER = 4  # so many values of a parameter are a question of when a method fall
 
 
 def of_sweep(context, cells):
-    if any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)):
-        return []
+    if any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)) or (cells["seeds"].map(len) > 1).any():
+        return []  # of ensembles one run says little
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         setting = next(iter(context.settings(part)), None)

@@ -49,6 +49,10 @@ end_drift_max|world|largest drift at the end|m|detail|less drift|
 max_speed_end|world|largest speed at the end|m/s|detail|calmer|
 bodies|world|bodies|1|detail||
 steps_done|world|steps|1|detail||
+residual_median|world|normalised complementarity|1|detail|contacts obey|
+ms_per_step_p99|world|99th|ms|detail|cheaper|timing
+ms_per_step_worst|world|slowest|ms|detail|cheaper|timing
+load|any|load average|1|detail|a quieter machine|timing
 us_*|world|time of a stage|us|detail|cheaper|timing
 ns_per_frame_median|boxes|time per frame|ns|cost|cheaper|timing
 box_tests_mean|boxes|box tests per frame|1|cost|cheaper|
@@ -66,7 +70,7 @@ wrong_boolean|pairs|wrong yes or no|1|error|fewer wrong|
 wrong|pairs|wrong answers|1|error|fewer wrong|
 asked|pairs|asked|1|detail||""".splitlines()] + [("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
     ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("mean_penetration", ""),
-    ("pairs", ""), ("bodies", ""), ("awake", ""), ("seconds", "timing"), ("sec_*", "timing"))]
+    ("residual", ""), ("pairs", ""), ("bodies", ""), ("awake", ""), ("seconds", "timing"), ("sec_*", "timing"))]
 GROUPS = {"broadphase": "broadphase", "pair_query": "narrowphase", "solver": "solver", "velocity": "solver", "position": "solver",
           "engine": "engine"}
 STAGES = {"solver": ("soft_step", "split_solver"), "velocity": ("catto", "millington", "naive"),
@@ -136,10 +140,10 @@ class Maker:
         noise = self.random.random(n)
         series = {"max_speed": restless * (0.3 + noise) + 2 * np.exp(-at / 15), "points": np.minimum(at, points) * 1.0,
                   "kinetic": 10 * np.exp(-at / 20) + restless, "potential": 100 - 5 * (1 - np.exp(-at / 20)),
-                  "drift": error * 3 * at / steps, "mean_penetration": np.full(n, 0 if "mean_penetration" in zero else error / 2)}
+                  "drift": error * 3 * at / steps, "residual": error * (0.5 + noise) / 10, "mean_penetration": np.full(n, 0 if "mean_penetration" in zero else error / 2)}
         measured = "slope" in (extra or {})
         facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,
-                 "max_penetration": error, "end_drift_max": error * 3, "work_row_updates": base_ms * 4000, "bodies": 15,
+                 "max_penetration": error, "end_drift_max": error * 3, "residual_median": error / 10, "work_row_updates": base_ms * 4000, "bodies": 15,
                  "steps_done": n, "max_speed_end": restless}
         facts = {name: math.nan if name in without else 0.0 if name in zero else value for name, value in facts.items()}
         self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra)
@@ -148,6 +152,7 @@ class Maker:
                 ms = base_ms * (1 + 0.04 * self.random.random())
                 self.trial(sweep, {**axes, "timed": True, "repeat": repeat},
                            {"ms_per_step_median": ms, "ms_per_step_p25": ms * 0.97, "ms_per_step_p75": ms * 1.05,
+                            "ms_per_step_p99": ms * 1.3, "ms_per_step_worst": ms * 2.5, "load": 0.4,
                             **facts}, outcome, reason, step, machine=machine, extra=extra)
 
     def close(self):

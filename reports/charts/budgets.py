@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Zlib
+"""What each method reaches within a budget of time, and of work: at every budget, not at the dearest method's alone."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+import metrics
+import noise
+from chart import Chart, Needs, describe, holes, identifier, methods
+from charts.cost_against_error import errors_of
+from load import one_machine, split, varying
+from matplotlib.lines import Line2D
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si
+from table import quantity
+
+PLACE = 21
+SECTION = "Which method is right within a budget?"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",))
+ABSENT = Chart("budgets", SECTION, "Error within a budget", "No timed sweep of several methods at several costs is in this store.",
+               "resolvers")
+BUDGETS = 4  # that the finding names, evenly on a log axis from where two methods have finished to the dearest
+
+
+def of_sweep(context, cells):
+    cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics("world", "error")))
+    groups = [c for c in ("scene", "dimension") if c in cells]
+    made = []
+    for part in split(cells, groups):
+        setting = next(iter(context.settings(part)), None)
+        if not setting:
+            continue
+        inner = varying(context.store, part, (*groups, setting))
+        for equal in split(part, inner, sort=True):
+            chart = _chart(context, equal, describe(equal.iloc[0], groups + inner), setting, refused)
+            made += [chart] if chart else []
+    return made
+
+
+def within(cells, cost, error, budget):
+    """{method: its cell with the least error at that budget}; whoever has none at that cost is not in it."""
+    good = cells[(cells["outcome"] == "ok").to_numpy() & (metrics.column(cells, cost) <= budget) &
+                 np.isfinite(metrics.column(cells, error))]
+    return {method: part.loc[part[error].idxmin()] for method, part in good.groupby("method", sort=True)}
+
+
+def marks(cells, cost, error):
+    """The budgets that are named."""
+    good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
+                 np.isfinite(metrics.column(cells, error))]
+    firsts = sorted(good.groupby("method")[cost].min())
+    if len(firsts) < 2 or firsts[1] <= 0:
+        return []
+    return list(np.geomspace(firsts[1], good[cost].max(), BUDGETS)) if good[cost].max() > firsts[1] else [firsts[1]]
+
+
+def finding(context, cells, cost, error):
+    unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
+    for budget in marks(cells, cost, error):
+        reached = within(cells, cost, error, budget)
+        best = min(reached.values(), key=lambda cell: cell[error])
+        equals = [m for m, cell in reached.items() if not noise.beats(best, cell, error, context.floor(error))]
+        value = best[error] if best[error] > context.floor(error) else 0.0
+        said.append((si(budget, context.unit(cost)), f"{methods(equals, everyone)} ({si(value, unit)})"))
+    changes = [(budget, text) for i, (budget, text) in enumerate(said) if i == 0 or said[i - 1][1] != text]
+    return "; ".join(f"from {budget} on {text}" for budget, text in changes)
+
+
+def _chart(context, cells, where, setting, refused):
+    error = errors_of(context, cells)[0]
+    costs = [name for name in context.metrics("world", "cost") if marks(cells, name, error)][:2]
+    if not costs:
+        return None
+    labels, looks = sorted(cells["method"].unique()), context.looks(cells)
+    width = legend_room(map(context.name, labels), 2.0)
+    figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
+    rows = []
+    for column, cost in enumerate(costs):
+        ax = axes[0][column]
+        good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
+                     np.isfinite(metrics.column(cells, error))]
+        plain_log(ax, "x", [v for v in good[cost] if v > 0], context.unit(cost))
+        up = ZeroLog(ax, "y", list(good[error]), context.unit(error), failures=False, floor=context.floor(error))
+        for method, part in good.groupby("method", sort=True):
+            part = part.sort_values(cost)
+            reached = np.minimum.accumulate(part[error].to_numpy(dtype=float))
+            ends = [*part[cost], max(good[cost])]
+            ax.step(ends, [up.place(v) for v in (*reached, reached[-1])], where="post", **{**looks(method), "lw": 1.3},
+                    markevery=list(range(len(part))))
+        for budget in marks(cells, cost, error):
+            ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
+            for method, cell in within(cells, cost, error, budget).items():
+                rows.append({"cost": context.title(cost), "budget": budget, "unit of the budget": context.unit(cost),
+                             "method": method, setting: cell[setting],
+                             **{name: v[0] for name, v in quantity(context.title(error), context.unit(error), [cell[error]]).items()}})
+        ax.set_xlabel(context.title(cost))
+        ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
+    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], width)
+    said = [f"by {context.title(cost).removesuffix(' per step')}: {finding(context, cells, cost, error)}" for cost in costs]
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), SECTION, f"Least error within a budget: {where}",
+                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} has, " + "; ".join(said) + ".",
+                 cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
+                 f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines are "
+                 "the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that cheap.")

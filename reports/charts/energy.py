@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Zlib
+"""Mechanical energy over the steps of a run: what comes from nowhere, and what goes."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+import metrics
+import over_steps
+from chart import Chart, Needs, holes, methods
+from load import split
+from style import si
+from table import quantity
+
+PLACE = 36
+SECTION = "Does energy come from nowhere?"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("energy_gain",), series=("kinetic", "potential"))
+ABSENT = Chart("energy", SECTION, "Energy", "No sweep of several methods with energies is in this store.", "resolvers")
+ROUNDING = 1e-9  # of the energy exchanged: no energy from nowhere
+LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
+
+
+def of_sweep(context, cells):
+    if any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)) or (cells["seeds"].map(len) > 1).any():
+        return []  # of ensembles one run says little
+    made = []
+    for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        shown, left_out, setting = over_steps.scenes(context, part)
+        made.append(_chart(context, part, [(where, over_steps.at_middle(mine, setting)) for where, mine in shown], left_out))
+    return made
+
+
+def over_start(context, cell):
+    """(E - E of the start) over the largest energy that the run exchanged, per step."""
+    kinetic, potential = (context.store.series(cell["key"], name) for name in ("kinetic", "potential"))
+    if kinetic is None or potential is None or not len(kinetic):
+        return None
+    finite = np.isfinite(kinetic) & np.isfinite(potential)
+    if not finite[0]:
+        return None
+    scale = max(float(np.max(kinetic[finite])), float(np.ptp(potential[finite])))
+    return (kinetic + potential - kinetic[0] - potential[0]) / scale if scale > 0 else None
+
+
+def finding(where, cells):
+    good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
+    if not len(good):
+        return f"on {where} no run finished"
+    gains = good[good["energy_gain"] > ROUNDING]
+    if not len(gains):
+        return f"on {where} no method that finishes gains energy"
+    worst = gains.loc[gains["energy_gain"].idxmax()]
+    return (f"on {where} {methods(sorted(gains['method'].unique()), sorted(cells['method'].unique()))} "
+            f"{'gains' if gains['method'].nunique() == 1 else 'gain'} energy, {worst['method']} most, "
+            f"{si(100 * worst['energy_gain'])} % of what is exchanged")
+
+
+def _chart(context, cells, shown, left_out):
+    dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
+    figure, axes, width = over_steps.grid(context, cells, 1, len(shown))
+    for column, (where, part) in enumerate(shown):
+        ax = axes[0][column]
+        over_steps.lines(context, ax, part, lambda cell: over_start(context, cell), lambda v: min(1.1, max(-1.1, v)))
+        ax.axhline(0, color="#999999", lw=0.8, ls=(0, (4, 3)), zorder=0.5)
+        low, high = ax.get_ylim()
+        ax.set_ylim(min(low, -0.02), max(high, 0.02))
+        ax.set_title(f"{where}, {dimension}D")
+    axes[0][0].set_ylabel("energy above the start")
+    over_steps.legend(context, figure, cells, width)
+    drawn = pd.concat([part.assign(where=where) for where, part in shown])
+    table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], "outcome": drawn["outcome"],
+                          **quantity(context.title("energy_gain"), "1", metrics.column(drawn, "energy_gain"))})
+    said = [finding(where, part) for where, part in shown]
+    return Chart(f"{cells['sweep'].iloc[0]}_energy_{dimension}d", SECTION, f"Energy over the steps, {dimension}D",
+                 f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
+                 left_out + holes(drawn, ["scene", "method"]),
+                 "Kinetic and of gravity, above the start, over the largest energy that the run exchanged: 1 is as much again, and what "
+                 "is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere.")

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Zlib
+"""The same scene many times, each started a little beside the others: how often a method fails, and how far its errors spread."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import metrics
+import noise
+from chart import Chart, Needs, describe, holes, identifier, listing, methods
+from charts.cost_against_error import errors_of
+from load import split, varying
+from style import ZeroLog, grid_of_axes, legend_right, si
+from table import quantity
+
+PLACE = 25
+SECTION = "Which ranks hold when a scene starts a little elsewhere?"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"))
+ABSENT = Chart("ensembles", SECTION, "Ensembles", "No sweep over seeds is in this store.", "ensembles")
+ERRORS = 2  # panels
+
+
+def of_sweep(context, cells):
+    cells = metrics.add(context.store, cells[cells["seeds"].map(len) > 1], context.metrics("world", "error"))
+    if not len(cells):
+        return []
+    groups = [axis for axis in ("scene", "dimension") if axis in cells]
+    return [_chart(context, part, describe(part.iloc[0], groups), varying(context.store, part, groups))
+            for part in split(cells, groups)]
+
+
+def ranks(part, error, zero):
+    """(the best by the median, whom it does not beat under every seed, who never finished) among the cells of one ensemble."""
+    known = part[np.isfinite([np.median(noise.of_seeds(cell, error)) for _, cell in part.iterrows()])]
+    never = sorted(set(part["method"]) - set(known["method"]))
+    if not len(known):
+        return None, [], never
+    order = sorted(range(len(known)), key=lambda i: float(np.median(noise.of_seeds(known.iloc[i], error))))
+    best = known.iloc[order[0]]
+    return best, [known.iloc[i]["method"] for i in order if not noise.beats(best, known.iloc[i], error, zero)], never
+
+
+def finding(context, groups, error, everyone):
+    unit, what = context.unit(error), context.title(error).removeprefix("largest ")
+    said = []
+    for place, part in groups:
+        seeds = max(map(len, part["seeds"]))
+        best, equals, never = ranks(part, error, context.floor(error))
+        if best is None:
+            said.append(f"{place}: every method fails under most of {seeds} seeds")
+            continue
+        value = si(float(np.median(noise.of_seeds(best, error))), unit)
+        text = (f"{place}: {equals[0]} has the smallest {what} under each of {seeds} seeds (median {value})" if len(equals) == 1 else
+                f"{place}: {methods(equals, everyone)} tie: their rank by {what} turns round between {seeds} seeds "
+                f"(smallest median {value}, {best['method']})")
+        fails = [f"{cell['failed_seeds']} of {cell['method']}" for _, cell in part.iterrows() if cell["failed_seeds"]]
+        said.append(text + (f"; seeds that fail: {listing(fails)}" if fails else ""))
+    return "; ".join(said) + "."
+
+
+def _chart(context, cells, where, inner):
+    errors, looks = errors_of(context, cells)[:ERRORS], context.looks(cells)
+    everyone = sorted(cells["method"].unique())
+    groups = [(describe(part.iloc[0], inner) or "all", part.sort_values("method")) for part in split(cells, inner, sort=True)]
+    lines = sum(len(part) + 1 for _, part in groups)
+    left = max(1.2, 0.3 + 0.078 * max(map(len, [context.name(m) for m in everyone] + [place for place, _ in groups])))
+    figure, axes = grid_of_axes(1, 1 + len(errors), 0.24 * lines + 0.1, 1.5, left=left, gap_x=0.5, bottom=0.55)
+    for column, error in enumerate([None, *errors]):
+        ax = axes[0][column]
+        if error is None:
+            ax.set_xlim(-4, 104)
+            ax.set_title("seeds that failed (%)")
+        else:
+            all_values = [v for _, cell in cells.iterrows() for v in noise.of_seeds(cell, error)]
+            scale = ZeroLog(ax, "x", all_values, context.unit(error), floor=context.floor(error))
+            ax.set_title(context.title(error))
+        y, ticks = 0, []
+        for place, part in groups:
+            if column == 0:
+                ax.text(-0.04, y, place, transform=ax.get_yaxis_transform(), ha="right", va="center", fontsize=9,
+                        fontweight="bold")
+            y += 1
+            for _, cell in part.iterrows():
+                look = {**looks(cell["method"]), "linestyle": "none"}
+                if error is None:
+                    ax.plot([100 * cell["failed_seeds"] / len(cell["seeds"])], [y], **look)
+                else:
+                    of_seeds = noise.of_seeds(cell, error)
+                    ax.plot([scale.place(v) for v in of_seeds], [y] * len(of_seeds), ls="none", marker="|", ms=9,
+                            color=look["color"], alpha=0.5, mew=0.8)
+                    ax.plot([scale.place(v) for v in noise.interval(of_seeds)], [y, y], color=look["color"], lw=1.4, alpha=0.8)
+                    ax.plot([scale.place(float(np.median(of_seeds)))], [y], **look, zorder=3)
+                ticks.append((y, context.name(cell["method"])))
+                y += 1
+        ax.set_ylim(y - 0.3, -0.7)
+        ax.set_yticks([t for t, _ in ticks])
+        ax.set_yticklabels([name for _, name in ticks] if column == 0 else [])
+        ax.tick_params(axis="y", length=0)
+    legend_right(figure, [Line2D([], [], ls="none", marker="o", color="#555555", label="median"),
+                          Line2D([], [], ls="none", marker="|", ms=9, color="#555555", label="one seed"),
+                          Line2D([], [], color="#555555", label="90 % of medians")], 1.5)
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} ensemble {where}"), SECTION, f"Ensembles: {where}",
+                 f"On {where}, {finding(context, groups, errors[0], everyone)}", cells["sweep"].iloc[0], figure,
+                 _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
+                 "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. The "
+                 "bar holds the median with at least 90 %, whatever the distribution. A rank that one seed turns round is a tie.")
+
+
+def _table(context, cells, inner, errors):
+    columns = {name: cells[name] for name in [*inner, "method", "outcome"]}
+    columns |= {"seeds": cells["seeds"].map(len), "seeds that failed": cells["failed_seeds"]}
+    for error in errors:
+        of_seeds = [noise.of_seeds(cell, error) for _, cell in cells.iterrows()]
+        for name, values in (("median", [float(np.median(v)) for v in of_seeds]), ("low end", [noise.interval(v)[0] for v in of_seeds]),
+                             ("high end", [noise.interval(v)[1] for v in of_seeds]), ("worst", [max(v) for v in of_seeds])):
+            columns |= quantity(f"{context.title(error)}, {name}", context.unit(error), values)
+    return pd.DataFrame(columns).sort_values([*inner, "method"])

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Zlib
+"""How far from solved a step is: normalised complementarity over the iterations spent, and over the steps of the run."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+import metrics
+import over_steps
+from chart import Chart, Needs, holes
+from load import split
+from style import ZeroLog, plain_log, si
+from table import quantity
+
+PLACE = 35
+SECTION = "Do more iterations solve the contacts?"
+SERIES, RESIDUAL = "residual", "residual_median"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"))
+ABSENT = Chart("residual", SECTION, "Residual", "No sweep of several methods with residuals is in this store.", "resolvers")
+FLOOR = 1e-12  # below it a residual is rounding
+
+
+def of_sweep(context, cells):
+    if RESIDUAL not in context.store.metrics or (cells["seeds"].map(len) > 1).any():
+        return []  # a store of an earlier program; an ensemble, of which one run says little
+    made = []
+    for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        shown, left_out, setting = over_steps.scenes(context, part)
+        if setting and metrics.column(part[part["outcome"] == "ok"], RESIDUAL).size:
+            made.append(_chart(context, part, shown, left_out, setting))
+    return made
+
+
+def slopes(cells, setting):
+    """Per method: its residual at the least and at the most of the setting, where both finished."""
+    rows = []
+    for method, part in cells[cells["outcome"] == "ok"].groupby("method", sort=True):
+        part = part[np.isfinite(metrics.column(part, RESIDUAL))].sort_values(setting)
+        if len(part) > 1:
+            rows.append((method, part[setting].iloc[0], part[RESIDUAL].iloc[0], part[setting].iloc[-1], part[RESIDUAL].iloc[-1]))
+    return pd.DataFrame(rows, columns=["method", "least", "before", "most", "after"])
+
+
+def finding(where, cells, setting):
+    table = slopes(cells, setting)
+    falls = table[(table["before"] > FLOOR) & (table["after"] < table["before"])]
+    if not len(falls):
+        return f"on {where} no residual falls with {setting}"
+    drops = falls["before"] / falls["after"].clip(lower=FLOOR)
+    best = falls.loc[drops.idxmax()]
+    idle = len(table) - len(falls)
+    return (f"on {where} the residual of {best['method']} falls most, from {si(best['before'])} at {best['least']:g} {setting} to "
+            f"{si(best['after'])} at {best['most']:g}" + (f", and that of {idle} of {len(table)} methods does not fall" if idle else ""))
+
+
+def _chart(context, cells, shown, left_out, setting):
+    dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
+    figure, axes, width = over_steps.grid(context, cells, 2, len(shown))
+    looks, said = context.looks(cells), []
+    for column, (where, part) in enumerate(shown):
+        above, below = axes[0][column], axes[1][column]
+        good = part[(part["outcome"] == "ok") & np.isfinite(part[RESIDUAL].astype(float))]
+        up = ZeroLog(above, "y", list(good[RESIDUAL]), failures=False, floor=FLOOR)
+        plain_log(above, "x", [float(v) for v in part[setting].dropna()] or [1.0])
+        for method, mine in good.groupby("method", sort=True):
+            mine = mine.sort_values(setting)
+            above.plot(mine[setting].astype(float), [up.place(v) for v in mine[RESIDUAL]], **looks(method))
+        above.set_xlabel(setting)
+        above.set_title(f"{where}, {dimension}D")
+        middle = over_steps.at_middle(part, setting)
+        tracks = {key: context.store.series(key, SERIES) for key in middle["key"] if key is not None}
+        values = [v for track in tracks.values() if track is not None for v in over_steps.stretches(track)[1] if math.isfinite(v)]
+        scale = ZeroLog(below, "y", values, failures=False, floor=FLOOR)
+        over_steps.lines(context, below, middle, lambda cell, tracks=tracks: tracks[cell["key"]], scale.place)
+        said.append(finding(where, part, setting))
+    axes[0][0].set_ylabel("residual, median of steps")
+    axes[1][0].set_ylabel("residual")
+    over_steps.legend(context, figure, cells, width)
+    drawn = pd.concat([part.assign(where=where) for where, part in shown])
+    table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], setting: drawn[setting], "outcome": drawn["outcome"],
+                          **quantity(context.title(RESIDUAL), "1", metrics.column(drawn, RESIDUAL))})
+    return Chart(f"{cells['sweep'].iloc[0]}_residual_{dimension}d", SECTION, f"Residual over iterations and over steps, {dimension}D",
+                 f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
+                 left_out + holes(drawn, ["scene", "method", setting]),
+                 "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, over "
+                 f"m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks where a run "
+                 "failed. Engines that tell no contacts have none.")

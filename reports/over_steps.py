@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Zlib
+"""Panels over the steps of a run, one column per scene and one line per method: what several charts draw."""
+
+import math
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from chart import describe
+from load import split, varying
+from style import HALO, grid_of_axes, legend_right, legend_room, letter
+
+COLUMNS = 3  # scenes side by side
+STRETCHES = 150
+MARKS = 4  # on a line
+
+
+def scenes(context, cells):
+    """[(name, cells of one scene, all settings)]: at most COLUMNS of them, and sentences for the rest."""
+    setting = next(iter(context.settings(cells)), None)
+    found = []
+    for scene in split(cells, ["scene"]):
+        names = ["scene", *varying(context.store, scene, ("dimension", setting))]
+        found += [(describe(equal.iloc[0], names), equal) for equal in split(scene, names)]
+    return found[:COLUMNS], [f"{where}: not drawn, there is room for {COLUMNS}" for where, _ in found[COLUMNS:]], setting
+
+
+def at_middle(cells, setting):
+    """The cells at the middle value of the setting: where methods are compared at one."""
+    if not setting or cells[setting].dropna().empty:
+        return cells
+    values = sorted(cells[setting].dropna().unique())
+    return cells[cells[setting].isna() | (cells[setting] == values[len(values) // 2])]
+
+
+def stretches(values, of=np.median):
+    """(first step, value) of each of STRETCHES stretches; what is not a number does not count."""
+    edges = np.unique(np.linspace(0, len(values), min(STRETCHES, len(values)) + 1).astype(int))
+    parts = [values[a:b][np.isfinite(values[a:b])] for a, b in zip(edges[:-1], edges[1:])]
+    return edges[:-1], np.array([of(part) if len(part) else math.nan for part in parts])
+
+
+def grid(context, cells, rows, columns):
+    legend_width = legend_room(map(context.name, cells["method"].unique()), 2.0)
+    figure, axes = grid_of_axes(rows, columns, 2.2, legend_width, left=1.0, gap_x=0.8, gap_y=0.75)
+    return figure, axes, legend_width
+
+
+def legend(context, figure, cells, width):
+    looks = context.looks(cells)
+    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in sorted(cells["method"].unique())], width)
+
+
+def lines(context, ax, cells, values_of, place):
+    """One line per method: `values_of(cell)` has a value per step, `place` puts a value on the axis."""
+    looks = context.looks(cells)
+    for order, (_, cell) in enumerate(cells.drop_duplicates("method").sort_values("method").iterrows()):
+        values = None if cell["key"] is None else values_of(cell)
+        if values is None or not np.isfinite(values).any():
+            continue
+        step, shown = stretches(values)
+        every = max(1, len(step) // MARKS)
+        look = {**looks(cell["method"]), "lw": 1.2}
+        ax.plot(step, [place(v) if math.isfinite(v) else math.nan for v in shown], **look,
+                markevery=(order * every // max(1, cells["method"].nunique()), every))
+        if cell["outcome"] != "ok":
+            last = [v for v in shown if math.isfinite(v)][-1]
+            ax.plot([len(values)], [place(last)], marker=letter(cell["outcome"]), ms=8, ls="none", color=look["color"],
+                    clip_on=False, path_effects=HALO, zorder=4)
+    ax.set_xlabel("step")
