@@ -98,7 +98,8 @@ def rule(least):
     """What a reader must know of the ratios of a chart."""
     if least == UNMEASURED:
         return f"Too few repeats to measure the noise: only ratios beyond {UNMEASURED:g} are told."
-    return f"The same method against itself differs by up to {100 * (least - 1):.2g} %: ratios within that are noise, and not told."
+    return (f"The same method against itself differs by up to {100 * (least - 1):.2g} %: ratios within that are noise, and not "
+            "told.")
 
 
 def of_seeds(cell, metric):

@@ -42,7 +42,7 @@ def ratio_of(base, row, metric):
     return b / a if a > 0 and math.isfinite(b) else math.nan
 
 
-def drawn(context, name, section, title, text, cells, rows, before, after, refused, note):
+def drawn(context, name, section, title, text, cells, rows, before, after, refused, note, headline=None):
     shown = measures(context)
     shown = [m for m in shown if any(math.isfinite(number(r, m)) for _, _, base, row in rows for r in (base, row))] or shown[:1]
     groups = list(grouped(rows))
@@ -102,7 +102,7 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     return Chart(name, section, title, text, cells["sweep"].iloc[0], figure, _table(context, rows, shown, before, after, least),
                  refused + noise.idle_seeds(cells) + holes(cells, ["scene", "dimension", "method", "model", "precision"]),
                  note + " Numbers beside the first panel are ratios of time; whiskers hold the median of the repeats. " +
-                 noise.rule(next(iter(least.values()), noise.UNMEASURED)))
+                 noise.rule(next(iter(least.values()), noise.UNMEASURED)), headline=headline)
 
 
 def beside(base, row, metric, least):

@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
+import noise
 from chart import Chart, Headline, Needs, dimension_of, holes, listing
 from load import one_machine
 from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same, times
@@ -56,8 +57,9 @@ def baseline_of(context, cells):
     return largest["method"].iloc[int(np.nanargmax(values))] if np.isfinite(values).any() else cells["method"].iloc[0]
 
 
-def crossings(cells, base):
-    """Per distribution and method: where it starts to beat the baseline for good."""
+def crossings(cells, base, least=1.0):
+    """Per distribution and method: where it starts to beat the baseline for good. A ratio at the largest size that is not
+    beyond `least` is noise, and no crossing."""
     rows = []
     for distribution, part in cells.groupby("distribution", sort=True):
         methods = sorted(part["method"].unique())
@@ -76,6 +78,8 @@ def crossings(cells, base):
             last = np.flatnonzero(both)[-1]
             kind = "crosses" if cross else ("always faster" if (b[both] < a[both]).all() else
                                             "never faster" if (b[both] >= a[both]).all() else "slower at the end")
+            if max(a[last] / b[last], b[last] / a[last]) <= least:
+                kind, cross = "as fast as it at the largest size, within the noise", None
             rows.append((distribution, method, kind, cross or math.nan, shared[last], a[last] / b[last]))
     return pd.DataFrame(rows, columns=["distribution", "method", "kind", "n", "largest", "ratio"])
 
@@ -102,7 +106,7 @@ def finding(cross, base, dimension):
     fastest = []
     for distribution, part in cross.groupby("distribution", sort=True):
         best = part.loc[part["ratio"].idxmax()] if part["ratio"].notna().any() else None
-        if best is not None and best["ratio"] > 1:
+        if best is not None and best["ratio"] > 1 and "noise" not in best["kind"]:
             fastest.append(f"{best['method']} on {distribution} ({times(best['ratio'])} times the speed of {base} at "
                            f"{best['largest']:,.0f})")
     return f"In {dimension}D " + "; ".join(said) + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
@@ -131,7 +135,8 @@ def _chart(context, cells, dimension, precision, refused):
     distributions = sorted(cells["distribution"].unique())
     methods = sorted(cells["method"].unique())
     base, looks = baseline_of(context, cells), context.looks(cells)
-    cross = crossings(cells, base)
+    least = noise.floor(cells, TIME)
+    cross = crossings(cells, base, least)
     marked = crossing_methods(cross)
     legend_width = legend_room(map(context.name, methods), 1.75)
     figure, axes = grid_of_axes(2, len(distributions), 2.55, legend_width, left=0.9, gap_x=0.3, bottom=0.55, gap_y=0.5)
@@ -158,6 +163,10 @@ def _chart(context, cells, dimension, precision, refused):
                     ax.fill_between(n[good], mine["ns_per_frame_p25"].astype(float).to_numpy()[good],
                                     mine["ns_per_frame_p75"].astype(float).to_numpy()[good], color=look["color"],
                                     alpha=0.15, lw=0)
+                    for at, (_, cell) in zip(n[good], mine[good].iterrows()):
+                        low, high = noise.interval(noise.runs(cell, TIME))
+                        if high > low:
+                            ax.plot([at, at], [scale.place(low), scale.place(high)], color=look["color"], lw=1.2)
             fallen(ax, spots)
             hit = marked[marked["distribution"] == distribution]
             if metric == TIME and len(hit):
@@ -190,4 +199,5 @@ def _chart(context, cells, dimension, precision, refused):
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
                  "frames. The dotted line is where the named method begins to beat "
-                 f"{base} for good.", headline=headline(cells, cross, base, dimension))
+                 f"{base} for good. Whiskers hold the median of the repeats. {noise.rule(least)}",
+                 headline=headline(cells, cross, base, dimension))

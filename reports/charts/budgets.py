@@ -18,8 +18,8 @@ from table import quantity
 PLACE = 21
 SECTION = "Which method is right within a budget?"
 NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",))
-ABSENT = Chart("budgets", SECTION, "Error within a budget", "No timed sweep of several methods at several costs is in this store.",
-               "resolvers")
+ABSENT = Chart("budgets", SECTION, "Error within a budget",
+               "No timed sweep of several methods at several costs is in this store.", "resolvers")
 BUDGETS = 4  # that the finding names, evenly on a log axis from where two methods have finished to the dearest
 
 
@@ -62,7 +62,9 @@ def finding(context, cells, cost, error):
         best = min(reached.values(), key=lambda cell: cell[error])
         equals = [m for m, cell in reached.items() if not noise.beats(best, cell, error, context.floor(error))]
         value = best[error] if best[error] > context.floor(error) else 0.0
-        said.append((si(budget, context.unit(cost)), f"{methods(equals, everyone)} ({si(value, unit)})"))
+        unit_of_cost = context.unit(cost)
+        text = f"{budget:,.0f}" if unit_of_cost == "1" and budget >= 100 else si(budget, unit_of_cost)
+        said.append((text, f"{methods(equals, everyone)} ({si(value, unit)})"))
     changes = [(budget, text) for i, (budget, text) in enumerate(said) if i == 0 or said[i - 1][1] != text]
     return "; ".join(f"from {budget} on {text}" for budget, text in changes)
 
@@ -91,9 +93,9 @@ def _chart(context, cells, where, setting, refused):
         for budget in marks(cells, cost, error):
             ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
             for method, cell in within(cells, cost, error, budget).items():
-                rows.append({"cost": context.title(cost), "budget": budget, "unit of the budget": context.unit(cost),
-                             "method": method, setting: cell[setting],
-                             **{name: v[0] for name, v in quantity(context.title(error), context.unit(error), [cell[error]]).items()}})
+                numbers = quantity(f"{context.title(cost)}, at most", context.unit(cost), [budget])
+                numbers |= quantity(context.title(error), context.unit(error), [cell[error]])
+                rows.append({"method": method, setting: cell[setting], **{name: v[0] for name, v in numbers.items()}})
         ax.set_xlabel(context.title(cost))
         ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
     legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], width)
@@ -101,5 +103,6 @@ def _chart(context, cells, where, setting, refused):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), SECTION, f"Least error within a budget: {where}",
                  f"On {where} the smallest {context.title(error).removeprefix('largest ')} has, " + "; ".join(said) + ".",
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
-                 f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines are "
-                 "the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that cheap.")
+                 f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
+                 "are the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that "
+                 "cheap.")

@@ -15,7 +15,8 @@ from table import quantity
 
 PLACE = 36
 SECTION = "Does energy come from nowhere?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("energy_gain",), series=("kinetic", "potential"))
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("energy_gain",),
+              series=("kinetic", "potential"))
 ABSENT = Chart("energy", SECTION, "Energy", "No sweep of several methods with energies is in this store.", "resolvers")
 ROUNDING = 1e-9  # of the energy exchanged: no energy from nowhere
 LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
@@ -75,5 +76,5 @@ def _chart(context, cells, shown, left_out):
     return Chart(f"{cells['sweep'].iloc[0]}_energy_{dimension}d", SECTION, f"Energy over the steps, {dimension}D",
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
-                 "Kinetic and of gravity, above the start, over the largest energy that the run exchanged: 1 is as much again, and what "
-                 "is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere.")
+                 "Kinetic and of gravity, above the start, over the largest energy that the run exchanged: 1 is as much again, "
+                 "and what is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere.")

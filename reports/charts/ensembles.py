@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Needs, describe, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
 from load import split, varying
 from style import ZeroLog, grid_of_axes, legend_right, si
@@ -42,7 +42,7 @@ def ranks(part, error, zero):
     return best, [known.iloc[i]["method"] for i in order if not noise.beats(best, known.iloc[i], error, zero)], never
 
 
-def finding(context, groups, error, everyone):
+def finding(context, where, groups, error, everyone):
     unit, what = context.unit(error), context.title(error).removeprefix("largest ")
     said = []
     for place, part in groups:
@@ -52,20 +52,35 @@ def finding(context, groups, error, everyone):
             said.append(f"{place}: every method fails under most of {seeds} seeds")
             continue
         value = si(float(np.median(noise.of_seeds(best, error))), unit)
-        text = (f"{place}: {equals[0]} has the smallest {what} under each of {seeds} seeds (median {value})" if len(equals) == 1 else
+        text = (f"{place}: {equals[0]} has the smallest {what} under each of {seeds} seeds (median {value})"
+                if len(equals) == 1 else
                 f"{place}: {methods(equals, everyone)} tie: their rank by {what} turns round between {seeds} seeds "
                 f"(smallest median {value}, {best['method']})")
         fails = [f"{cell['failed_seeds']} of {cell['method']}" for _, cell in part.iterrows() if cell["failed_seeds"]]
         said.append(text + (f"; seeds that fail: {listing(fails)}" if fails else ""))
-    return "; ".join(said) + "."
+    return "; ".join(text.removeprefix(f"{where}: ") for text in said) + "."
+
+
+def headline(context, where, groups, error):
+    """The widest ensemble, where one method is best under every seed."""
+    place, part = groups[-1]
+    best, equals, _ = ranks(part, error, context.floor(error))
+    if len(equals) != 1:
+        return None
+    medians = {cell["method"]: float(np.median(noise.of_seeds(cell, error))) for _, cell in part.iterrows()}
+    what, inside = context.title(error).removeprefix("largest "), "" if place == where else f" ({place})"
+    return Headline(f"On {where}, started in {len(best['seeds'])} places{inside}, {equals[0]} has the smallest {what} "
+                    "every time.",
+                    {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error))
 
 
 def _chart(context, cells, where, inner):
     errors, looks = errors_of(context, cells)[:ERRORS], context.looks(cells)
     everyone = sorted(cells["method"].unique())
-    groups = [(describe(part.iloc[0], inner) or "all", part.sort_values("method")) for part in split(cells, inner, sort=True)]
+    groups = [(describe(part.iloc[0], inner) or where, part.sort_values("method")) for part in split(cells, inner, sort=True)]
     lines = sum(len(part) + 1 for _, part in groups)
-    left = max(1.2, 0.3 + 0.078 * max(map(len, [context.name(m) for m in everyone] + [place for place, _ in groups])))
+    longest = max(map(len, [context.name(m) for m in everyone] + [place for place, _ in groups]))
+    left = max(1.2, 0.3 + 0.078 * longest)
     figure, axes = grid_of_axes(1, 1 + len(errors), 0.24 * lines + 0.1, 1.5, left=left, gap_x=0.5, bottom=0.55)
     for column, error in enumerate([None, *errors]):
         ax = axes[0][column]
@@ -102,10 +117,11 @@ def _chart(context, cells, where, inner):
                           Line2D([], [], ls="none", marker="|", ms=9, color="#555555", label="one seed"),
                           Line2D([], [], color="#555555", label="90 % of medians")], 1.5)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} ensemble {where}"), SECTION, f"Ensembles: {where}",
-                 f"On {where}, {finding(context, groups, errors[0], everyone)}", cells["sweep"].iloc[0], figure,
+                 f"On {where}, {finding(context, where, groups, errors[0], everyone)}", cells["sweep"].iloc[0], figure,
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
-                 "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. The "
-                 "bar holds the median with at least 90 %, whatever the distribution. A rank that one seed turns round is a tie.")
+                 "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. "
+                 "The bar holds the median with at least 90 %, whatever the distribution. A rank that one seed turns round is a tie.",
+                 headline=headline(context, where, groups, errors[0]))
 
 
 def _table(context, cells, inner, errors):
@@ -113,7 +129,8 @@ def _table(context, cells, inner, errors):
     columns |= {"seeds": cells["seeds"].map(len), "seeds that failed": cells["failed_seeds"]}
     for error in errors:
         of_seeds = [noise.of_seeds(cell, error) for _, cell in cells.iterrows()]
-        for name, values in (("median", [float(np.median(v)) for v in of_seeds]), ("low end", [noise.interval(v)[0] for v in of_seeds]),
-                             ("high end", [noise.interval(v)[1] for v in of_seeds]), ("worst", [max(v) for v in of_seeds])):
+        ends = [noise.interval(v) for v in of_seeds]
+        for name, values in (("median", [float(np.median(v)) for v in of_seeds]), ("low end", [low for low, _ in ends]),
+                             ("high end", [high for _, high in ends]), ("worst", [max(v) for v in of_seeds])):
             columns |= quantity(f"{context.title(error)}, {name}", context.unit(error), values)
     return pd.DataFrame(columns).sort_values([*inner, "method"])

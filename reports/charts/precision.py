@@ -7,12 +7,13 @@ import numpy as np
 
 import noise
 import twins
-from chart import Chart, Needs, describe, listing, plural
+from chart import Chart, Headline, Needs, describe, listing, plural
 from load import one_machine, split, varying
 
 PLACE = 60
 SECTION = "What does single precision change?"
 COST = "ms_per_step_median"
+SAME_ERROR = 1.005  # a ratio of errors that reads as 1
 NEEDS = Needs("world", varies=("precision",), metrics=(COST, "lean"))
 ABSENT = Chart("precision", SECTION, "f32 against f64", "No sweep over precisions is in this store.", "precision")
 
@@ -37,19 +38,32 @@ def of_sweep(context, cells):
     worse = [w for w in worse if math.isfinite(w[2])]
     said = []
     if ratios:
-        said.append(f"f32 takes {np.median(ratios):.2f} times the time of f64 (median of {len(ratios)} pairs, "
-                    f"{min(ratios):.2f} to {max(ratios):.2f})" + (f"; {plural(silent, 'pair')} within the noise" if silent else ""))
-    elif silent:
+        silence = f"; {plural(silent, 'pair')} within the noise" if silent else ""
+        said.append(f"f32 takes {np.median(ratios):.2f} times the time of f64 (median of {plural(len(ratios), 'pair')}, "
+                    f"{min(ratios):.2f} to {max(ratios):.2f}){silence}")
+    elif silent and least < noise.UNMEASURED:
         said.append(f"f32 and f64 take the same time within the noise (all {silent} pairs)")
+    elif silent:
+        said.append(f"too few repeats to tell f32 and f64 apart in time ({plural(silent, 'pair')})")
+    worse = [w for w in worse if max(w[2], 1 / max(w[2], 1e-300)) > SAME_ERROR]
     if worse:
-        most = max(worse, key=lambda w: w[2])
+        most = max(worse, key=lambda w: max(w[2], 1 / max(w[2], 1e-300)))
         said.append(f"its {context.title(error)} differs most on {most[0]} with {most[1]} ({most[2]:.3g} times)")
     differ = [f"{place} with {name} ({base['outcome']} in f64, {row['outcome']} in f32)" for place, name, base, row in rows
               if base is not None and row is not None and base["outcome"] != row["outcome"]]
     said.append(f"the outcome differs on {listing(differ)}" if differ else "no outcome differs")
     return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_precision", SECTION, "f32 against f64",
                         _capital("; ".join(said)) + ".", cells, rows, "f64", "f32", refused,
-                        "Each row is one run in both precisions.")]
+                        "Each row is one run in both precisions.", headline(ratios, silent))]
+
+
+def headline(ratios, silent):
+    """What most pairs show, where most of them tell a difference and on one side."""
+    if len(ratios) <= silent or min(ratios) < 1 < max(ratios):
+        return None
+    middle = float(np.median(ratios))
+    return Headline(f"A step in f32 takes {middle:.2f} times the time of one in f64 (median of {plural(len(ratios), 'pair')}).",
+                    {"f64": 1.0, "f32": middle}, "1")
 
 
 def _capital(text):

@@ -50,8 +50,9 @@ def finding(where, cells, setting):
     drops = falls["before"] / falls["after"].clip(lower=FLOOR)
     best = falls.loc[drops.idxmax()]
     idle = len(table) - len(falls)
-    return (f"on {where} the residual of {best['method']} falls most, from {si(best['before'])} at {best['least']:g} {setting} to "
-            f"{si(best['after'])} at {best['most']:g}" + (f", and that of {idle} of {len(table)} methods does not fall" if idle else ""))
+    tail = f", and that of {idle} of {len(table)} methods does not fall" if idle else ""
+    return (f"on {where} the residual of {best['method']} falls most, from {si(best['before'])} at {best['least']:g} {setting} "
+            f"to {si(best['after'])} at {best['most']:g}{tail}")
 
 
 def _chart(context, cells, shown, left_out, setting):
@@ -78,11 +79,12 @@ def _chart(context, cells, shown, left_out, setting):
     axes[1][0].set_ylabel("residual")
     over_steps.legend(context, figure, cells, width)
     drawn = pd.concat([part.assign(where=where) for where, part in shown])
-    table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], setting: drawn[setting], "outcome": drawn["outcome"],
-                          **quantity(context.title(RESIDUAL), "1", metrics.column(drawn, RESIDUAL))})
-    return Chart(f"{cells['sweep'].iloc[0]}_residual_{dimension}d", SECTION, f"Residual over iterations and over steps, {dimension}D",
+    table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], setting: drawn[setting],
+                          "outcome": drawn["outcome"], **quantity(context.title(RESIDUAL), "1", metrics.column(drawn, RESIDUAL))})
+    return Chart(f"{cells['sweep'].iloc[0]}_residual_{dimension}d", SECTION,
+                 f"Residual over {setting} and over steps, {dimension}D",
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method", setting]),
-                 "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, over "
-                 f"m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks where a run "
-                 "failed. Engines that tell no contacts have none.")
+                 "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, "
+                 f"over m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks where a "
+                 "run failed. Engines that tell no contacts have none.")

@@ -8,14 +8,16 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing
 from load import split, varying
 from style import PALETTE, grid_of_axes, legend_right, si, times
 
 PLACE = 100
 SECTION = "Where does the time of a step go?"
+COST = "ms_per_step_median"
 # A comparison of many methods is no place for timelines.
-NEEDS = Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=("ms_per_step_median",),
+NEEDS = Needs("world", methods=(1, 2), fixed=("model", "precision", "setting"), metrics=(COST,),
               series=("seconds", "sec_solver", "bodies", "awake", "points"))
 ABSENT = Chart("stages", SECTION, "Stage timelines", "No timed sweep of at most two methods is in this store.", "stages")
 # From the bottom of a stack of stage times upwards, as World::step goes.
@@ -120,7 +122,7 @@ def _timeline(context, cells, side, axes):
                 for count, colour in COUNTS.items()]
     legend_right(figure, handles, legend_width)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} timeline {where}"), SECTION,
-                 f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows),
+                 f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows, noise.floor(cells, COST)),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, [*axes, side] if side else axes),
                  f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show.",
                  headline=_headline(where, [r for r in rows if r["run"] in finished]))
@@ -136,15 +138,18 @@ def _headline(where, rows):
     return Headline(f"On {where} ({rows[0]['run']}) {most} takes {share:.0f} % of the time of a step.", parts, "s")
 
 
-def _finding(where, side, peaks, rows):
+def _finding(where, side, peaks, rows, least):
     if not peaks:
         return f"No run of {where} finished with stage times."
     said = [f"{name}: peak {si(peak, 'ms')}, last tenth {si(end, 'ms')} a step" for name, peak, end in peaks]
     shares = [r for r in rows if r["stage"] not in ("whole step", "other")]
     most = max(shares, key=lambda r: r["share of the time [1]"]) if shares else None
-    tail = f"; the dearest stage is {most['stage']} ({100 * most['share of the time [1]']:.1f} % of the time, {most['run']})" if most else ""
+    tail = (f"; the dearest stage is {most['stage']} ({100 * most['share of the time [1]']:.1f} % of the time, {most['run']})"
+            if most else "")
     if side and len(peaks) == 2 and peaks[1][2] > 0:
         a, b = peaks
         slow, fast = (a, b) if a[2] >= b[2] else (b, a)
-        tail = f"; {slow[0]} ends {times(slow[2] / max(fast[2], 1e-9))} times as dear as {fast[0]}" + tail
+        ratio = slow[2] / max(fast[2], 1e-9)
+        how = f"ends {times(ratio)} times as dear as" if ratio > least else "ends as dear, within the noise, as"
+        tail = f"; {slow[0]} {how} {fast[0]}" + tail
     return f"On {where}, {side + ' ' if side else ''}{listing(said)}{tail}."

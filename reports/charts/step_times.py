@@ -42,7 +42,8 @@ def finding(context, where, cells):
     most, least = good.loc[ratios.idxmax()], good.loc[ratios.idxmin()]
     text = f"on {where} the slowest step takes "
     if len(good) == 1 or _spread(most)[0] <= _spread(least)[1]:  # the order of slowest steps is noise
-        text += f"{times(float(ratios.min()))} to {times(float(ratios.max()))} times the median"
+        ends = [times(float(ratios.min())), times(float(ratios.max()))]
+        text += f"{' to '.join(dict.fromkeys(ends))} times the median"
     else:
         text += (f"{times(float(ratios.max()))} times the median with {most['method']} ({si(most[WORST], 'ms')}) and "
                  f"{times(float(ratios.min()))} times with {least['method']} ({si(least[WORST], 'ms')})")
@@ -96,8 +97,8 @@ def _chart(context, cells, shown, gaps):
         ax.tick_params(axis="y", length=0)
         ax.set_title(f"{where}, {dimension}D")
         ax.set_xlabel("time of a step")
-    legend_right(figure, [Line2D([], [], ls="none", marker=marker, ms=size, color="#555555", label=label) for (_, marker, size), label in
-                          zip(MARKS, ("median", "99th percentile", "slowest"))], 1.3)
+    legend_right(figure, [Line2D([], [], ls="none", marker=marker, ms=size, color="#555555", label=label)
+                          for (_, marker, size), label in zip(MARKS, ("median", "99th percentile", "slowest"))], 1.3)
     drawn = pd.concat([part.assign(where=where) for where, part in shown])
     columns = {"scene": drawn["where"], "method": drawn["method"], "outcome": drawn["outcome"]}
     for name, _, _ in MARKS:

@@ -3,7 +3,7 @@
 
 import noise
 import twins
-from chart import Chart, Needs, describe, listing
+from chart import Chart, Headline, Needs, describe, listing
 from load import one_machine, split, varying
 
 PLACE = 50
@@ -38,4 +38,16 @@ def of_sweep(context, cells):
             f"No timed pair of {base_name} and one more feature finished.")
     return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_model", SECTION, "One unneeded feature at a time", text, cells,
                         rows, base_name, "with it", refused, "Each row is one scene with one feature that it does not need; "
-                        f"the ratio is to the blue dot, the same scene with the {base_name} model.")]
+                        f"the ratio is to the blue dot, the same scene with the {base_name} model.",
+                        headline(rows, base_name, least))]
+
+
+def headline(rows, base_name, least):
+    """The feature that makes its scene dearest."""
+    told = [(float(text), place, model, base, row) for place, model, base, row in rows
+            if (text := twins.told(base, row, COST, least))[:1].isdigit()]
+    if not told or max(told, key=lambda pair: pair[0])[0] <= 1:
+        return None
+    ratio, place, model, base, row = max(told, key=lambda pair: pair[0])
+    return Headline(f"{place} does not need {model}, which makes its step {ratio:.2f} times as dear.",
+                    {base_name: base[COST] / 1e3, model: row[COST] / 1e3}, "s")

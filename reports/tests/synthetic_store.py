@@ -115,15 +115,16 @@ class Maker:
         self.db.execute("INSERT INTO planned VALUES (?, ?, ?)", (sweep, key, json.dumps(axes)))
         return key
 
-    def trial(self, sweep, axes, metrics, outcome="ok", reason="", step=None, series=None, machine=1, extra=None):
+    def trial(self, sweep, axes, metrics, outcome="ok", reason="", step=None, series=None, machine=1, extra=None, hash=None):
         """Plans and finishes one trial; returns its key."""
         key = self.plan(sweep, **axes)
         timed = 1 if axes.get("timed") else 0
-        canonical = {"schema": 1, "seed": 1, "dt": 1 / 60, **(extra or {}), "axes": axes}
+        canonical = {"schema": 1, "seed": 1, "dt": 1 / 60, "dimension": axes.get("dimension"),
+                     "precision": axes.get("precision"), **(extra or {}), "axes": axes}
         clean = {k: None if v is None or math.isnan(v) else v for k, v in metrics.items()}
         self.db.execute("INSERT INTO trial VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)",
                         (key, axes.get("kind"), json.dumps(canonical), outcome, reason, step, json.dumps(clean), machine,
-                         "abc1234", "2026-11-21T04:00:00Z", 0.1, timed, key[-16:]))
+                         "abc1234", "2026-11-21T04:00:00Z", 0.1, timed, hash or key[-16:]))
         for name, values in (series or {}).items():
             self.db.execute("INSERT INTO series VALUES (?,?,?)", (key, name, np.asarray(values, "<f8").tobytes()))
         return key
@@ -132,7 +133,7 @@ class Maker:
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
 
     def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=5,
-              machine=1, steps=300, extra=None, without=(), zero=()):
+              machine=1, steps=300, extra=None, without=(), zero=(), work=None, hash=None):
         """The untimed trial and the timed repeats of one cell."""
         axes = {"kind": "world", "precision": "f64", **axes}
         n = steps if step is None else step
@@ -143,17 +144,17 @@ class Maker:
                   "drift": error * 3 * at / steps, "residual": error * (0.5 + noise) / 10, "mean_penetration": np.full(n, 0 if "mean_penetration" in zero else error / 2)}
         measured = "slope" in (extra or {})
         facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,
-                 "max_penetration": error, "end_drift_max": error * 3, "residual_median": error / 10, "work_row_updates": base_ms * 4000, "bodies": 15,
+                 "max_penetration": error, "end_drift_max": error * 3, "residual_median": error / 10, "work_row_updates": base_ms * 4000 if work is None else work, "bodies": 15,
                  "steps_done": n, "max_speed_end": restless}
         facts = {name: math.nan if name in without else 0.0 if name in zero else value for name, value in facts.items()}
-        self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra)
+        self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra, hash)
         if outcome in ("ok", "collapsed"):
             for repeat in range(repeats):
                 ms = base_ms * (1 + 0.04 * self.random.random())
                 self.trial(sweep, {**axes, "timed": True, "repeat": repeat},
                            {"ms_per_step_median": ms, "ms_per_step_p25": ms * 0.97, "ms_per_step_p75": ms * 1.05,
                             "ms_per_step_p99": ms * 1.3, "ms_per_step_worst": ms * 2.5, "load": 0.4,
-                            **facts}, outcome, reason, step, machine=machine, extra=extra)
+                            **facts}, outcome, reason, step, machine=machine, extra=extra, hash=hash)
 
     def close(self):
         self.db.commit()

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Zlib
+"""How far times are from themselves: the same method entered twice, per sweep, and how busy the machine was."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+import noise
+from chart import Chart, listing
+from style import grid_of_axes
+
+PLACE = 115
+SECTION = "How noisy are these times?"
+WIDEST = 50.0  # percent that are drawn
+
+
+def of_store(context):
+    rows = [row for row in (_row(context, sweep) for sweep in context.store.sweeps()) if row]
+    if not rows:
+        return [Chart("noise", SECTION, "Noise of times", "No timed trial is in this store.", "")]
+    figure, axes = grid_of_axes(1, 2, 0.3 * len(rows) + 0.2, 0.2, left=2.1, gap_x=0.4, bottom=0.6)
+    left, right = axes[0]
+    for y, row in enumerate(rows):
+        shares = [min(WIDEST, max(-WIDEST, 100 * math.log(ratio))) for ratio in row["ratios"]]
+        left.plot(shares, [y] * len(shares), ls="none", marker="|", ms=9, color="#0072B2", alpha=0.5)
+        if row["ratios"]:
+            wide = min(WIDEST, 100 * math.log(row["floor"]))
+            left.plot([-wide, wide], [y, y], color="#D55E00", lw=1.6, zorder=3)
+        right.plot(row["loads"], [y] * len(row["loads"]), ls="none", marker="|", ms=9, color="#0072B2", alpha=0.3)
+    for ax in (left, right):
+        ax.set_ylim(len(rows) - 0.4, -0.6)
+        ax.set_yticks(range(len(rows)))
+        ax.set_yticklabels([row["sweep"] for row in rows] if ax is left else [])
+        ax.tick_params(axis="y", length=0)
+    left.set_xlabel("even repeats against odd ones (%); the bar holds 95 of 100")
+    right.set_xlabel("load average when a timed trial started")
+    right.set_xlim(left=0)
+    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "least repeats": row["repeats"],
+                           "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,
+                           "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
+                           "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
+    return [Chart("noise", SECTION, "The same method against itself", finding(rows), "", figure, table,
+                  [f"{row['sweep']}: too few repeats to measure its noise, so only ratios beyond {noise.UNMEASURED:g} are told"
+                   for row in rows if not row["ratios"]],
+                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were made "
+                  "in the same rounds. What differs by less than the bar is told as noise in every chart. Load is the mean of a "
+                  "minute.")]
+
+
+def finding(rows):
+    known = sorted((row for row in rows if row["ratios"]), key=lambda row: row["floor"])
+    if not known:
+        return "No cell was repeated often enough to measure its noise."
+    loads = [load for row in rows for load in row["loads"]]
+    said = [f"{row['sweep']} {100 * (row['floor'] - 1):.2g} %" for row in known]
+    busy = f"; the load average was {np.median(loads):.2g} in the median, {max(loads):.2g} at most" if loads else ""
+    return f"The same method against itself differs by up to (95 of 100 cells) {listing(said)}{busy}."
+
+
+def _row(context, sweep):
+    kind, cells = context.store.sweep(sweep).kind, context.store.cells(sweep)
+    time = next((name for name in context.metrics(kind, "cost") if context.store.is_time(name)), None)
+    timed = cells[cells["key_timed"].notna()] if len(cells) else cells
+    if time is None or not len(timed):
+        return None
+    repeats = [len(noise.runs(cell, time)) for _, cell in timed.iterrows()]
+    return {"sweep": sweep, "cells": len(timed), "repeats": min(repeats), "ratios": noise.with_itself(timed, time),
+            "floor": noise.floor(timed, time), "loads": [v for _, cell in timed.iterrows() for v in noise.runs(cell, "load")]}

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the report: noise over repeats, ranks over seeds. Run by ctest, or python3 reports/tests/noise_test.py. Every
+check that guards a promise is seen to fail on a planted bug."""
+
+import math
+import random
+import sys
+import tempfile
+import unittest
+import unittest.mock
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import numpy as np  # noqa: E402
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import noise  # noqa: E402
+import overlap  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+from charts import broadphase, budgets, cost_against_error, ensembles, noise_floor, precision, stages, step_times, unneeded  # noqa: E402
+
+COST = "ms_per_step_median"
+
+
+def cell(runs, **more):
+    return {COST: float(np.median(runs)), f"{COST} runs": runs, "outcome": "ok", "arithmetic": (2, "f64"), **more}
+
+
+def check_interval(interval_of):
+    """It holds the median of the distribution at least as often as it promises, whatever the distribution."""
+    source = random.Random(4)
+    for size in (5, 8, 10):
+        for draw, median in ((source.random, 0.5), (lambda: source.expovariate(1.0), math.log(2))):
+            held = sum(low <= median <= high for low, high in
+                       (interval_of([draw() for _ in range(size)]) for _ in range(3000)))
+            if held < 3000 * noise.SURE - 3 * math.sqrt(3000 * 0.09):
+                return f"{size} values: {held} of 3000"
+    return ""
+
+
+class Noise(unittest.TestCase):
+    def test_an_interval_holds_the_median(self):
+        self.assertEqual(check_interval(noise.interval), "")
+        quartiles = lambda values: (float(np.percentile(values, 25)), float(np.percentile(values, 75)))  # noqa: E731
+        self.assertNotEqual(check_interval(quartiles), "", "quartiles were not seen")
+        self.assertEqual(noise.interval([3, 1, 2, 5, 4]), (1, 5))
+        self.assertEqual(noise.interval(range(10)), (1, 8))
+
+    def test_a_ratio_is_told_only_beyond_the_floor_and_with_intervals_apart(self):
+        base = cell([1.0, 1.01, 1.02, 1.03, 1.04])
+        for runs, least, told in (([1.5, 1.51, 1.52, 1.53, 1.54], 1.1, "1.49"), ([1.05, 1.06, 1.07, 1.08, 1.09], 1.1, "noise"),
+                                  ([0.9, 1.5, 1.5, 1.5, 1.6], 1.1, "noise"), ([math.nan] * 5, 1.1, "")):
+            self.assertEqual(noise.said(base, cell(runs), COST, least), told)
+
+    def test_identical_work_is_no_ratio(self):
+        base = cell([1.0, 1.01, 1.02, 1.03, 1.04], work_row_updates=700.0)
+        other = [0.8, 0.81, 0.82, 0.83, 0.84]
+        self.assertEqual(noise.said(base, cell(other, work_row_updates=700.0), COST, 1.05), "identical work")
+        self.assertEqual(noise.said(base, cell(other, work_row_updates=701.0), COST, 1.05), "0.80")
+        self.assertEqual(noise.said(base, {**cell(other, work_row_updates=700.0), "arithmetic": (2, "f32")}, COST, 1.05), "0.80")
+        self.assertEqual(noise.said(base, cell(other), COST, 1.05), "0.80", "nobody counted")
+
+    def test_a_rank_that_a_seed_turns_round_is_a_tie(self):
+        of = lambda *seeds: {"e": seeds[0], "e seeds": list(seeds), "outcome": "ok"}  # noqa: E731
+        self.assertTrue(noise.beats(of(1, 2, 3), of(2, 3, 4), "e"))
+        self.assertFalse(noise.beats(of(1, 2, 5), of(2, 3, 4), "e"))
+        self.assertFalse(noise.beats(of(1, 2, math.nan), of(2, 3, 4), "e"), "a seed that failed")
+        self.assertFalse(noise.beats(of(1e-15, 1e-15), of(1e-14, 1e-14), "e", 1e-12), "rounding")
+
+
+class OfStores(unittest.TestCase):
+    def context(self, fill):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(style.plt.close, "all")
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        fill(maker)
+        maker.close()
+        return chart.Context(load.Store(Path(folder.name) / "store.db"))
+
+    def made(self, module, fill):
+        found = chart.made(module, self.context(fill))
+        for c in found:
+            if c.figure is not None:
+                self.assertEqual(overlap.overlaps(c.figure), ([], []), c.id)
+        return found
+
+    @staticmethod
+    def features(slower):
+        def fill(maker):
+            maker.sweep("features", "world", "minimal", resolver="label")
+            for model, ms in (("minimal", 1.0), ("+joints", 0.81), ("+cache", 1.3), ("+friction", 1.02)):
+                work = {} if model in ("minimal", "+joints") else {"work": 5000 * ms}
+                maker.world("features", {"scene": "slope", "dimension": 2, "model": model, "resolver": "catto"}, ms * slower, 1e-3,
+                            work=work.get("work", 4000))
+        return fill
+
+    def test_identical_work_is_never_a_finding(self):
+        """A scene without joints cannot be 0.81 times with joints."""
+        found = self.made(unneeded, self.features(1.0))[0]
+        self.assertIn("+cache 1.3", found.finding)
+        self.assertIn("identical work with +joints", found.finding)
+        self.assertIn("within the noise +friction", found.finding)
+        self.assertNotIn("0.8", found.finding)
+        told = found.table.set_index("run")
+        self.assertTrue(math.isnan(told.loc["+joints", "ratio of time per step [1]"]))
+        self.assertEqual(told.loc["+joints", "time per step: why no ratio"], "identical work")
+        self.assertIn("+cache", found.headline.text)
+        with unittest.mock.patch.object(noise, "same_work", lambda a, b: False):
+            bad = self.made(unneeded, self.features(1.0))[0]
+        self.assertRegex(bad.finding, r"\+joints 0\.8\d", "the planted bug was not seen")
+
+    def test_all_repeats_are_kept(self):
+        context = self.context(self.features(1.0))
+        cells = context.store.cells("features")
+        self.assertEqual({len(runs) for runs in cells[f"{COST} runs"]}, {5})
+        self.assertEqual(float(np.median(cells[f"{COST} runs"].iloc[0])), cells[COST].iloc[0])
+        self.assertEqual(cells["load"].iloc[0], 0.4)
+
+    def test_the_floor_is_that_of_a_method_with_itself(self):
+        def fill(maker, spread=0.2):
+            for repeat in range(6):
+                axes = {"kind": "world", "scene": "s", "resolver": "a", "precision": "f64", "timed": True, "repeat": repeat}
+                maker.trial("noisy", axes, {COST: 1 + spread * (repeat % 2)})
+        context = self.context(fill)
+        self.assertAlmostEqual(noise.floor(context.store.cells("noisy"), COST), 1.2)
+        few = context.store.cells("noisy").assign(**{f"{COST} runs": [[1.0, 1.1, 1.0]]})
+        self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
+        row = chart.made(noise_floor, context)[0]
+        self.assertIn("noisy 20 %", row.finding)
+
+    def test_precisions_within_the_noise_are_said_to_be(self):
+        def fill(maker, ratio=1.01):
+            for name in ("f64", "f32"):
+                maker.world("precision", {"scene": "stack", "dimension": 2, "resolver": "catto", "precision": name},
+                            1.0 if name == "f64" else ratio, 1e-3)
+        self.assertIn("the same time within the noise", self.made(precision, fill)[0].finding)
+        found = self.made(precision, lambda maker: fill(maker, 0.5))[0]
+        self.assertRegex(found.finding, "f32 takes 0.[45]")
+
+    def test_a_broadphase_within_the_noise_crosses_nothing(self):
+        def fill(maker):
+            maker.sweep("boxes", "boxes", "naive", broadphase="stage")
+            for method, power in (("naive", 1.0), ("other", 0.996)):
+                for n in (64, 512):
+                    for repeat in range(5):
+                        axes = {"kind": "boxes", "dimension": 2, "distribution": "uniform", "broadphase": method, "n": n,
+                                "precision": "f64", "timed": True, "repeat": repeat}
+                        ns = (1.02 if method == "other" else 1.0) * n**power * (1 + 0.05 * (repeat % 2))
+                        maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
+                                                    "box_tests_mean": 5.0, "load": 0.1})
+        found = self.made(broadphase, fill)[0]
+        self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
+        self.assertNotIn("times faster", found.finding)
+
+    def test_the_end_of_a_script_within_the_noise_is_no_difference(self):
+        said = lambda end: stages._finding("s", "sleep", [("none", 2.0, 1.0), ("some", 2.0, end)], [], 1.1)  # noqa: E731
+        self.assertIn("some ends as dear, within the noise, as none", said(1.09))
+        self.assertIn("some ends 1.2 times as dear as none", said(1.2))
+
+    @staticmethod
+    def ensemble(turned=False, failing=(), idle=False):
+        def fill(maker):
+            maker.sweep("ensemble", "world", resolver="label", perturb="parameter")
+            for seed in range(1, 11):
+                for label, error in (("catto", 1e-3), ("naive", 2e-3)):
+                    worse = 5 if turned and seed == 7 and label == "catto" else 1
+                    axes = {"scene": "stack", "dimension": 2, "perturb": 1e-3, "resolver": label, "seed": seed}
+                    failed = seed in failing and label == "naive"
+                    maker.world("ensemble", axes, 1.0, error * worse * (1 + seed / 100), "collapsed" if failed else "ok",
+                                "fell" if failed else "", 50 if failed else None, repeats=0, hash="00" if idle else f"{seed:02x}")
+        return fill
+
+    def test_seeds_are_one_cell_with_all_values(self):
+        context = self.context(self.ensemble(failing=(3, 4)))
+        cells = context.store.cells("ensemble").set_index("method")
+        self.assertEqual(len(cells), 2)
+        self.assertEqual(len(cells.loc["catto", "max_penetration seeds"]), 10)
+        self.assertEqual(cells.loc["naive", "failed_seeds"], 2)
+        self.assertEqual(cells.loc["naive", "outcome"], "collapsed", "one seed that fails is not hidden by nine that do not")
+        self.assertAlmostEqual(cells.loc["catto", "max_penetration"], 1e-3 * 1.055)
+
+    def test_ranks_over_seeds(self):
+        found = self.made(ensembles, self.ensemble(failing=(3, 4)))[0]
+        self.assertIn("catto has the smallest penetration under each of 10 seeds", found.finding)
+        self.assertIn("seeds that fail: 2 of naive", found.finding)
+        self.assertIn("catto", found.headline.text)
+        found = self.made(ensembles, self.ensemble(turned=True))[0]
+        self.assertIn("catto and naive tie", found.finding)
+        self.assertIsNone(found.headline, "a tie is no headline")
+        with unittest.mock.patch.object(noise, "beats", lambda a, b, metric, zero: a[metric] < b[metric]):
+            bad = self.made(ensembles, self.ensemble(turned=True))[0]
+        self.assertNotIn("tie", bad.finding, "a rank by medians was not seen")
+
+    def test_seeds_that_change_nothing_are_told(self):
+        found = self.made(ensembles, self.ensemble(idle=True))[0]
+        self.assertIn("seeds change nothing here: all 10 end in the same state", " ".join(found.holes))
+        found = self.made(ensembles, self.ensemble())[0]
+        self.assertNotIn("seeds change nothing", " ".join(found.holes))
+
+    def test_a_rank_that_flips_is_a_tie_in_cost_against_error(self):
+        for turned, words in ((False, "catto has, under each of 10 seeds, the smallest"), (True, "turns round between seeds: a tie")):
+            def fill(maker, turned=turned):
+                maker.sweep("costs", "world", resolver="label")
+                for seed in range(1, 11):
+                    for label, error in (("catto", 1e-3), ("naive", 2e-3)):
+                        worse = 5 if turned and seed == 7 and label == "catto" else 1
+                        maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}, 1.0, error * worse)
+            found = self.made(cost_against_error, fill)
+            self.assertEqual(len(found), 1, "not one chart for each seed")
+            self.assertIn(words, found[0].finding)
+
+    def test_budgets_name_who_is_best_at_each(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label", iterations="setting")
+            for iterations, errors in ((4, (4e-3, 8e-3)), (10, (3e-3, 2e-3)), (40, (3e-3, 1e-3))):
+                for label, error in zip(("catto", "naive"), errors):
+                    maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
+                                iterations / 10, error)
+        found = self.made(budgets, fill)[0]
+        self.assertRegex(found.finding, r"by time: from 4\d\d µs on catto \(4 mm\); from .* on naive \(2 mm\); .* naive \(1 mm\)")
+
+    def test_slowest_steps_and_engines(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label")
+            for label, ms in (("catto", 1.0), ("naive", 0.9), ("box2d", 0.3)):
+                maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label}, ms, 1e-3)
+        found = self.made(step_times, fill)[0]
+        self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
+        self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
+
+
+if __name__ == "__main__":
+    unittest.main()
