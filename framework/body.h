@@ -32,7 +32,8 @@ struct ShapeDef {
   Real friction = Real(0.5);  // Coulomb; a pair uses the geometric mean of its two shapes
   Real restitution = 0;       // a pair uses the arithmetic mean
   std::uint32_t category = 1;
-  std::uint32_t mask = ~0u;  // a pair collides when each one's category is in the other's mask
+  std::uint32_t mask = ~0u;    // a pair collides when each one's category is in the other's mask
+  std::uint64_t userData = 0;  // the user's own: kept, saved and shown, never read
 };
 
 /// A body as a user adds it. Mass, centre of mass and inertia follow from its shapes and their densities.
@@ -47,7 +48,8 @@ struct BodyDef {
   bool canSleep = true;
   bool awake = true;
   std::vector<ShapeDef<D>> shapes;
-  std::string name;  // for people; may be empty
+  std::string name;            // for people; may be empty
+  std::uint64_t userData = 0;  // as a shape's
 };
 
 template <int D>
@@ -75,6 +77,7 @@ struct Bodies {
   std::vector<std::array<Real, 2>> sleep;   // the sleep policy's two scalars
   std::vector<std::array<Real, 6>> solver;  // the solver's own; zeros for a new body
   std::vector<std::uint32_t> generation;
+  std::vector<std::uint64_t> userData;
 
   int size() const { return static_cast<int>(pose.size()); }
   /// Moves by forces and contacts this step.
@@ -93,6 +96,7 @@ struct ShapeRecord {
   std::int32_t index = 0;  // its number among its body's shapes
   Real friction = 0, restitution = 0;
   std::uint32_t category = 1, mask = ~0u;
+  std::uint64_t userData = 0;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

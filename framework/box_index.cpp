@@ -73,13 +73,13 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
 }
 
 template <int D>
-void BoxIndex<D>::findPairs(std::vector<ProxyPair>& out, Work& work) {
+void BoxIndex<D>::findPairs(std::vector<ProxyPair>& out, WorkDone& work) {
   m_broadphase->findPairs(m_proxies, out, work);
   const ShapeView<D> plane = Shape<D>::plane().view();
   for (const Plane& p : m_planes) {
     for (ProxyId i = 0; i < m_proxies.size(); ++i) {
       if (m_proxies.isFree(i) || !active(i) || !m_proxies.mayCollide(p.shape, i)) continue;
-      ++work[Count::boxTests];
+      ++work[WorkCount::boxTests];
       // The other half of the margin, by which a plane's own box would have grown.
       if (overlapsBox(plane, p.X_WS, m_proxies.box(i).grown(m_margin / 2))) {
         out.push_back({std::min(p.shape, i), std::max(p.shape, i)});

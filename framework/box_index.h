@@ -34,7 +34,7 @@ class BoxIndex {
   bool active(std::int32_t shape) const { return m_proxies.active[static_cast<std::size_t>(shape)] != 0; }
   // What the broadphase says of these boxes; see there. Planes are added; of a ray with t = 0, before anything is
   // known.
-  void findPairs(std::vector<ProxyPair>& out, Work& work);
+  void findPairs(std::vector<ProxyPair>& out, WorkDone& work);
   void overlap(const Aabb<D>& box, std::vector<ProxyId>& out) const;
   void at(const Vec<D>& point, std::vector<ProxyId>& out) const;
   void ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, std::vector<RayHit<D>>& out) const;

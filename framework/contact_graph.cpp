@@ -15,7 +15,7 @@ std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 template <int D>
 void ContactGraph<D>::reset(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds,
-                            std::span<const JointRecord<D>> joints, Work& work) {
+                            std::span<const JointRecord<D>> joints, WorkDone& work) {
   m_bodies = &bodies, m_manifolds = manifolds, m_joints = joints, m_work = &work;
   m_touching.built = m_jointed.built = m_hasIslands = m_hasGroups = m_hasLevels = false;
 }
@@ -50,7 +50,7 @@ void ContactGraph<D>::build(Incidence& out, std::size_t edges, const Edge& edge)
   out.ids.resize(index(out.start[bodies]));
   out.next.assign(out.start.begin(), out.start.end());
   each([&](std::size_t body, std::size_t k) { out.ids[index(out.next[body]++)] = static_cast<std::int32_t>(k); });
-  (*m_work)[Count::graphVisits] += bodies + 2 * edges;
+  (*m_work)[WorkCount::graphVisits] += bodies + 2 * edges;
 }
 
 template <int D>
@@ -110,7 +110,7 @@ void ContactGraph<D>::group(std::vector<std::int32_t>& out, bool alsoTouching) c
     }
     ++number;
   }
-  (*m_work)[Count::graphVisits] += visits;
+  (*m_work)[WorkCount::graphVisits] += visits;
 }
 
 template <int D>
@@ -146,7 +146,7 @@ std::span<const std::int32_t> ContactGraph<D>::supportLevels() const {
     }
     visits += touching().of(body).size();
   }
-  (*m_work)[Count::graphVisits] += visits;
+  (*m_work)[WorkCount::graphVisits] += visits;
   return m_levels;
 }
 
@@ -174,7 +174,7 @@ void ContactGraph<D>::colour(std::span<const int> contacts, std::vector<int>& or
   m_queue.assign(offsets.begin(), offsets.end());  // where the next of each colour goes
   order.resize(contacts.size());
   for (std::size_t k = 0; k < contacts.size(); ++k) order[index(m_queue[index(m_colour[k])]++)] = contacts[k];
-  (*m_work)[Count::graphVisits] += m_taken.size() + 2 * contacts.size() + offsets.size();
+  (*m_work)[WorkCount::graphVisits] += m_taken.size() + 2 * contacts.size() + offsets.size();
 }
 
 template class ContactGraph<2>;

@@ -14,13 +14,13 @@ namespace lpc::inline LPC_PRECISION {
 /// Who touches and who is jointed to whom: bodies are nodes, manifolds that no listener vetoed and joints are edges.
 /// The world, and a static or kinematic body, whose motion no contact changes, connects nobody and may have any colour.
 /// Each question is answered when it is asked first and kept until reset(); the answer depends on the arrays alone, not
-/// on what was asked before. All of it takes time linear in bodies, manifolds and joints (Count::graphVisits).
+/// on what was asked before. All of it takes time linear in bodies, manifolds and joints (WorkCount::graphVisits).
 template <int D>
 class ContactGraph {
  public:
   /// Forgets all answers; later ones are about these arrays, which must stay as they are until the next reset().
   void reset(const Bodies<D>& bodies, std::span<const Manifold<D>> manifolds, std::span<const JointRecord<D>> joints,
-             Work& work);
+             WorkDone& work);
 
   /// Indices of the manifolds and slots of the joints of a body, rising. A joint to the world is
   /// one of its body; a broken one holds nobody.
@@ -63,7 +63,7 @@ class ContactGraph {
   const Bodies<D>* m_bodies = nullptr;
   std::span<const Manifold<D>> m_manifolds;
   std::span<const JointRecord<D>> m_joints;
-  Work* m_work = nullptr;
+  WorkDone* m_work = nullptr;
 
   // Answers and scratch.
   mutable Incidence m_touching, m_jointed;

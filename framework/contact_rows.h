@@ -16,7 +16,7 @@ namespace lpc::inline LPC_PRECISION {
 template <int D>
 void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<ConstraintRow<D>>& out) {
   const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
-  const Matrix<D, D - 1> t = tangents(m.normal);
+  const RealMatrix<D, D - 1> t = tangents(m.normal);
   for (int k = 0; k < m.count; ++k) {
     const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
     const ContactArms<D> arms(c, m.normal, in.bodies.pose[a], in.bodies.pose[b]);

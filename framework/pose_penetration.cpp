@@ -57,7 +57,7 @@ typename PosePenetration<D>::Depths PosePenetration<D>::of(const Simulation<D>& 
   pairUp(simulation);
   Depths out;
   double sum = 0;
-  Work work;
+  WorkDone work;
   for (const auto& pairs : m_pairs) {
     for (std::size_t i = 0; i < pairs.size();) {
       m_batch->clear(pairs[i].first->view.kind, pairs[i].second->view.kind);
@@ -65,7 +65,7 @@ typename PosePenetration<D>::Depths PosePenetration<D>::of(const Simulation<D>& 
         const auto& [a, b] = pairs[i];
         m_batch->add(a->view, b->view, a->X_WP.inverse() * b->X_WP);
       }
-      m_query->query(*m_batch, Need::distance, *m_answers, {}, work);
+      m_query->query(*m_batch, QueryNeed::distance, *m_answers, {}, work);
       for (int k = 0; k < m_batch->count; ++k) {
         const double depth = -static_cast<double>(m_answers->distance[static_cast<std::size_t>(k)]);
         if (!(depth > 0)) continue;

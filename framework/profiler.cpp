@@ -11,7 +11,7 @@ void Profiler::beginFrame(long step) {
   m_frame.step = step;
   m_frame.seconds = 0;
   for (Time& t : m_frame.times) t.seconds = 0;  // the names stay: no allocation after the first steps
-  m_frame.work = Work{};
+  m_frame.work = WorkDone{};
 }
 
 void Profiler::endFrame(double seconds) {

@@ -41,7 +41,7 @@ class Profiler {
     double seconds = 0;       // the whole step
     std::vector<Time> times;  // in order of first use
     int bodies = 0, awake = 0, pairs = 0, manifolds = 0, points = 0;
-    Work work;
+    WorkDone work;
   };
 
   void keepFrames(bool keep) { m_keep = keep; }

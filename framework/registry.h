@@ -4,7 +4,7 @@
 //   LPC_REGISTER(Broadphase, SortAndSweep, 2, 3);
 //
 // which instantiates SortAndSweep<2> and <3> and files them. The class has a nested `Params`, a constructor from it,
-// and `static Info info()`.
+// and `static AlgorithmInfo info()`.
 #pragma once
 
 #include <functional>
@@ -20,21 +20,21 @@
 namespace lpc::inline LPC_PRECISION {
 
 enum class Guarantee { exact, conservative, approximate };
-enum class Role { competitor, witness, referee, engine };
+enum class AlgorithmRole { competitor, witness, referee, engine };
 
 /// A way in which a method is known to fail. The test named here is run and must fail.
 struct FailureMode {
   std::string when, symptom, test;
 };
 
-struct Info {
+struct AlgorithmInfo {
   std::string name;     // stable for ever: it stands in result files
   std::string summary;  // one line
   std::string paper;    // key in docs/references.bib; empty when there is none
   std::string complexity;
   Guarantee guarantee = Guarantee::exact;
   std::vector<FailureMode> failures = {};
-  Role role = Role::competitor;
+  AlgorithmRole role = AlgorithmRole::competitor;
 };
 
 /// Base of all stages, so that the registry can hold any of them.
@@ -46,7 +46,7 @@ class Stage {
 struct Registered {
   StageKind stage;
   int dimension;
-  Info info;
+  AlgorithmInfo info;
   std::vector<ParamInfo> params;
   std::string file;                                           // source path as compiled
   std::function<std::unique_ptr<Stage>(const Spec&)> create;  // throws UserError on a wrong spec
@@ -118,7 +118,7 @@ class Registrar {
   static void add(const char* file) {
     using A = Algorithm<Dim>;
     using Params = typename A::Params;
-    const Info info = A::info();
+    const AlgorithmInfo info = A::info();
     const auto read = [name = info.name](const Spec& spec) {
       Params params;
       readParams(spec, name, [&](ParamVisitor& v) { params.visit(v); });

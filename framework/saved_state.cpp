@@ -32,7 +32,7 @@ void checkBodies(const Bodies<D>& b, std::size_t userForces) {
   require(n <= std::size_t(std::numeric_limits<std::int32_t>::max()), "more bodies than can be counted");
   for (const std::size_t size : {b.motion.size(), b.mass.size(), b.invInertiaBody.size(), b.center.size(),
                                  b.type.size(), b.used.size(), b.awake.size(), b.canSleep.size(), b.pinned.size(),
-                                 b.sleep.size(), b.solver.size(), b.generation.size(), userForces}) {
+                                 b.sleep.size(), b.solver.size(), b.generation.size(), b.userData.size(), userForces}) {
     require(size == n, "the tables of bodies have unequal lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {

@@ -176,9 +176,21 @@ bool containsPoint(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>&
 template <int D>
 bool overlapsBox(const ShapeView<D>& shape, const Pose<D>& X_WS, const Aabb<D>& box);
 
-/// Where the ray p + t * direction (0 <= t <= maxT) enters the shape: t, or a negative number when it misses. A ray
-/// that starts inside gives 0.
 template <int D>
-Real castRay(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction, Real maxT);
+struct RayEntry {
+  Real t = -1;                     // a negative number when the ray misses
+  Vec<D> normal = Vec<D>::Zero();  // unit, world, out of the shape; zero when it misses or starts inside
+};
+
+/// Where the ray p + t * direction (0 <= t <= maxT) enters the shape. One that starts inside does so at once, t = 0. On
+/// an edge the normal is that of a face that the ray enters by.
+template <int D>
+RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction,
+                     Real maxT);
+/// Its t alone.
+template <int D>
+Real castRay(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction, Real maxT) {
+  return rayEntry(shape, X_WS, p, direction, maxT).t;
+}
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -91,14 +91,14 @@ Real faceDistance(const Polytope<3>& hull, const Vec<3>& p) {
 }
 
 // Entry of a ray through the faces moved outwards by r.
-Real faceRay(const Polytope<2>&, Real, const Vec<2>&, const Vec<2>&) { return kInf; }
-Real faceRay(const Polytope<3>& hull, Real r, const Vec<3>& p, const Vec<3>& d) {
-  Real best = kInf;
+RayEntry<2> faceRay(const Polytope<2>&, Real, const Vec<2>&, const Vec<2>&) { return {kInf}; }
+RayEntry<3> faceRay(const Polytope<3>& hull, Real r, const Vec<3>& p, const Vec<3>& d) {
+  RayEntry<3> best{kInf};
   for (const auto& face : hull.faces) {
     const Real speed = face.normal.dot(d);
     if (!(speed < 0)) continue;
     const Real t = (face.offset + r - face.normal.dot(p)) / speed;
-    if (t >= 0 && t < best && insideFace(hull, face, p + t * d)) best = t;
+    if (t >= 0 && t < best.t && insideFace(hull, face, p + t * d)) best = {t, face.normal};
   }
   return best;
 }
@@ -175,34 +175,42 @@ Real segmentBoxSquared(const Vec<D>& a, const Vec<D>& b, const Vec<D>& half) {
   return best;
 }
 
+template <int D>
+void takeNearer(RayEntry<D>& best, const RayEntry<D>& other) {
+  if (other.t < best.t) best = other;
+}
+
 // Entry of a ray into the ball of radius r around c. The chord is measured from the point of closest approach: the
 // textbook discriminant loses all digits for far balls (Haines, Guenther, Akenine-Moeller 2019).
 template <int D>
-Real ballRay(const Vec<D>& c, Real r, const Vec<D>& p, const Vec<D>& d) {
+RayEntry<D> ballRay(const Vec<D>& c, Real r, const Vec<D>& p, const Vec<D>& d) {
   const Real dd = d.squaredNorm();
   const Vec<D> m = p - c;
   const Real t0 = -m.dot(d) / dd;
-  const Real chord = r * r - (m + t0 * d).squaredNorm();
-  if (!(chord >= 0)) return kInf;
-  const Real t = t0 - std::sqrt(chord / dd);
-  return t >= 0 ? t : kInf;
+  const Vec<D> closest = m + t0 * d;
+  const Real chord = r * r - closest.squaredNorm();
+  if (!(chord >= 0)) return {kInf};
+  const Real back = std::sqrt(chord / dd), t = t0 - back;
+  if (!(t >= 0)) return {kInf};
+  return {t, Vec<D>(closest - back * d).normalized()};
 }
 
 // Entry of a ray that starts outside into the capsule around a b.
 template <int D>
-Real capsuleRay(const Vec<D>& a, const Vec<D>& b, Real r, const Vec<D>& p, const Vec<D>& d) {
+RayEntry<D> capsuleRay(const Vec<D>& a, const Vec<D>& b, Real r, const Vec<D>& p, const Vec<D>& d) {
   const Vec<D> u = b - a;
   const Real uu = u.squaredNorm();
-  Real best = std::min(ballRay<D>(a, r, p, d), ballRay<D>(b, r, p, d));
+  RayEntry<D> best = ballRay<D>(a, r, p, d);
+  takeNearer(best, ballRay<D>(b, r, p, d));
   if (!(uu > 0)) return best;
   // Seen along the axis the mantle is a ball (a strip in 2D) around a.
   const Vec<D> m = p - a;
   const Vec<D> mSide = m - u * (m.dot(u) / uu), dSide = d - u * (d.dot(u) / uu);
   if (dSide.squaredNorm() > 0) {
-    const Real t = ballRay<D>(Vec<D>::Zero(), r, mSide, dSide);
-    if (t < best) {
-      const Real along = (m + t * d).dot(u);
-      if (along >= 0 && along <= uu) best = t;
+    const RayEntry<D> mantle = ballRay<D>(Vec<D>::Zero(), r, mSide, dSide);
+    if (mantle.t < best.t) {
+      const Real along = (m + mantle.t * d).dot(u);
+      if (along >= 0 && along <= uu) best = mantle;
     }
   }
   return best;
@@ -210,51 +218,67 @@ Real capsuleRay(const Vec<D>& a, const Vec<D>& b, Real r, const Vec<D>& p, const
 
 // Entry of a ray into the box |x_k| <= half_k whose faces are moved outwards by r, edges left to others.
 template <int D>
-Real boxFaceRay(const Vec<D>& half, Real r, const Vec<D>& p, const Vec<D>& d) {
-  Real best = kInf;
+RayEntry<D> boxFaceRay(const Vec<D>& half, Real r, const Vec<D>& p, const Vec<D>& d) {
+  RayEntry<D> best{kInf};
   for (int k = 0; k < D; ++k) {
     if (d[k] == 0) continue;
     const Real t = ((d[k] > 0 ? -half[k] - r : half[k] + r) - p[k]) / d[k];
-    if (!(t >= 0 && t < best)) continue;
+    if (!(t >= 0 && t < best.t)) continue;
     Vec<D> at = p + t * d;
     at[k] = 0;
-    if ((at.cwiseAbs().array() <= half.array()).all()) best = t;
+    if ((at.cwiseAbs().array() <= half.array()).all()) best = {t, Vec<D>(Vec<D>::Unit(k) * (d[k] > 0 ? -1 : 1))};
   }
   return best;
 }
 
+// Entry of a ray into a core without rounding that is a box, a flat one too. Of the planes that it faces it meets that
+// of the face it enters by last.
+template <int D>
+RayEntry<D> sharpBoxRay(const Vec<D>& half, const Vec<D>& p, const Vec<D>& d, Real maxT) {
+  RayEntry<D> entry{castRay(Aabb<D>{-half, half}, p, d, maxT)};
+  if (entry.t < 0) return entry;
+  Real last = -kInf;
+  for (int k = 0; k < D; ++k) {
+    if (d[k] == 0) continue;
+    const Real t = ((d[k] > 0 ? -half[k] : half[k]) - p[k]) / d[k];
+    if (t > last) last = t, entry.normal = Vec<D>::Unit(k) * (d[k] > 0 ? -1 : 1);
+  }
+  return entry;
+}
+
 // Entry of a ray into a polytope without rounding, by clipping with its planes.
 template <int D>
-Real planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d) {
-  Real enter = 0, leave = kInf;
+RayEntry<D> planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d) {
+  RayEntry<D> enter{0};
+  Real leave = kInf;
   forEachPlane(hull, [&](const Vec<D>& n, Real offset) {
     const Real gap = offset - n.dot(p), speed = n.dot(d);
     if (speed < 0) {
-      enter = std::max(enter, gap / speed);
+      if (gap / speed >= enter.t) enter = {gap / speed, n};
     } else if (speed > 0) {
       leave = std::min(leave, gap / speed);
     } else if (gap < 0) {
       leave = -1;
     }
   });
-  return enter <= leave ? enter : kInf;
+  return enter.t <= leave ? enter : RayEntry<D>{kInf};
 }
 
 // Entry of a ray that starts outside a curved core with rounding r. The nearest point's tangent plane lies before the
 // surface everywhere, so the ray may go on to where it meets that plane; near the surface this is Newton's iteration.
 template <int D>
-Real curvedRay(const CurvedCore<D>& core, Real r, const Vec<D>& p, const Vec<D>& d) {
+RayEntry<D> curvedRay(const CurvedCore<D>& core, Real r, const Vec<D>& p, const Vec<D>& d) {
   Real t = 0;
   for (int step = 0; step < kMostRaySteps; ++step) {
     const Vec<D> at = p + t * d;
     const Gap<D> gap = pointCurvedGap<D>(core, at);
     const Real ahead = gap.gap - r;
-    if (ahead <= kRayRounding * (at.norm() + core.half().norm() + r)) return t;
+    if (ahead <= kRayRounding * (at.norm() + core.half().norm() + r)) return {t, Vec<D>(-gap.n)};
     const Real speed = gap.n.dot(d);
-    if (!(speed > 0)) return kInf;
+    if (!(speed > 0)) return {kInf};
     t += ahead / speed;
   }
-  return kInf;  // along the surface, nearer and nearer: it grazes
+  return {kInf};  // along the surface, nearer and nearer: it grazes
 }
 
 // f(axis): every direction in which a box or hull and an axis-aligned box can be separated. The cross products with the
@@ -350,44 +374,45 @@ bool overlapsBox(const ShapeView<D>& shape, const Pose<D>& X_WS, const Aabb<D>& 
 }
 
 template <int D>
-Real castRay(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p_W, const Vec<D>& direction, Real maxT) {
+RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p_W, const Vec<D>& direction,
+                     Real maxT) {
   const Vec<D> p = X_WS.q.inverse() * Vec<D>(p_W - X_WS.p);
   const Vec<D> d = X_WS.q.inverse() * direction;
-  if (pointCoreSquared(shape, p) <= shape.radius * shape.radius) return 0;
-  if (!(d.squaredNorm() > 0)) return -1;
-  Real t = kInf;
+  if (pointCoreSquared(shape, p) <= shape.radius * shape.radius) return {0};
+  if (!(d.squaredNorm() > 0)) return {};
+  const bool sharp = !(shape.radius > 0);
+  RayEntry<D> entry{kInf};
   switch (shape.core()) {
     case CoreClass::point:
-    case CoreClass::segment:
-      // Without rounding a segment is a flat box, a point an empty one.
-      if (!(shape.radius > 0)) return castRay(Aabb<D>{-shape.half, shape.half}, p, d, maxT);
+    case CoreClass::segment:  // without rounding a flat box
+      if (sharp) entry = sharpBoxRay<D>(shape.half, p, d, maxT);
       break;
     case CoreClass::box:
-      if (!(shape.radius > 0)) return castRay(Aabb<D>{-shape.half, shape.half}, p, d, maxT);
-      t = boxFaceRay<D>(shape.half, shape.radius, p, d);
+      entry = sharp ? sharpBoxRay<D>(shape.half, p, d, maxT) : boxFaceRay<D>(shape.half, shape.radius, p, d);
       break;
     case CoreClass::hull:
-      t = shape.radius > 0 ? faceRay(*shape.hull, shape.radius, p, d) : planesRay<D>(*shape.hull, p, d);
+      entry = sharp ? planesRay<D>(*shape.hull, p, d) : faceRay(*shape.hull, shape.radius, p, d);
       break;
     case CoreClass::curved:
-      t = curvedRay<D>(*shape.curved, shape.radius, p, d);
+      entry = curvedRay<D>(*shape.curved, shape.radius, p, d);
       break;
     case CoreClass::plane:
-      if (d[1] < 0) t = (p[1] - shape.radius) / -d[1];
+      if (d[1] < 0) entry = {(p[1] - shape.radius) / -d[1], Vec<D>(Vec<D>::Unit(1))};
       break;
   }
-  if (shape.radius > 0) {
+  if (!sharp) {
     forEachEdge(shape,
-                [&](const Vec<D>& a, const Vec<D>& b) { t = std::min(t, capsuleRay<D>(a, b, shape.radius, p, d)); });
+                [&](const Vec<D>& a, const Vec<D>& b) { takeNearer(entry, capsuleRay<D>(a, b, shape.radius, p, d)); });
   }
-  return t <= maxT ? t : Real(-1);
+  if (!(entry.t >= 0 && entry.t <= maxT)) return {};
+  return {entry.t, X_WS.q * entry.normal};
 }
 
 template bool containsPoint(const ShapeView<2>&, const Pose<2>&, const Vec<2>&);
 template bool containsPoint(const ShapeView<3>&, const Pose<3>&, const Vec<3>&);
 template bool overlapsBox(const ShapeView<2>&, const Pose<2>&, const Aabb<2>&);
 template bool overlapsBox(const ShapeView<3>&, const Pose<3>&, const Aabb<3>&);
-template Real castRay(const ShapeView<2>&, const Pose<2>&, const Vec<2>&, const Vec<2>&, Real);
-template Real castRay(const ShapeView<3>&, const Pose<3>&, const Vec<3>&, const Vec<3>&, Real);
+template RayEntry<2> rayEntry(const ShapeView<2>&, const Pose<2>&, const Vec<2>&, const Vec<2>&, Real);
+template RayEntry<3> rayEntry(const ShapeView<3>&, const Pose<3>&, const Vec<3>&, const Vec<3>&, Real);
 
 }  // namespace lpc::inline LPC_PRECISION

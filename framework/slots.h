@@ -11,7 +11,7 @@ namespace lpc::inline LPC_PRECISION {
 
 /// Gives out the slots of a table, the lowest free one first: the same calls give the same slots, and a table stays as
 /// short as it can. Free slots are a heap; `visits` is raised by the number of them that were looked at.
-class Slots {
+class SlotTable {
   struct Higher {
     std::uint64_t& visits;
     bool operator()(std::size_t a, std::size_t b) const { return ++visits, a > b; }

@@ -26,18 +26,18 @@ using Real = LPC_REAL;  // double (f64) or float (f32), fixed when the library i
 
 // DontAlign: the same layout whatever -m flags a user compiles with, and plain bytes for saving.
 template <int Rows, int Cols>
-using Matrix = Eigen::Matrix<Real, Rows, Cols, Eigen::DontAlign>;
+using RealMatrix = Eigen::Matrix<Real, Rows, Cols, Eigen::DontAlign>;
 
 template <int D>
-using Vec = Matrix<D, 1>;
+using Vec = RealMatrix<D, 1>;
 template <int D>
 inline constexpr int kAngDim = D*(D - 1) / 2;
 template <int D>
-using Ang = Matrix<kAngDim<D>, 1>;
+using Ang = RealMatrix<kAngDim<D>, 1>;
 template <int D>
-using Mat = Matrix<D, D>;
+using Mat = RealMatrix<D, D>;
 template <int D>
-using Inertia = Matrix<kAngDim<D>, kAngDim<D>>;
+using Inertia = RealMatrix<kAngDim<D>, kAngDim<D>>;
 
 /// Sine and cosine of `x` radians, from +, -, * only: libm picks another code path, and other last bits, on another
 /// CPU. Error below 1e-15 for |x| < 1e5.
@@ -193,13 +193,13 @@ inline Inertia<2> rotateInertia(const Rot<2>&, const Inertia<2>& inertia) { retu
 Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia);  // mass.cpp
 
 /// Unit vectors that complete `n` to a right-handed basis: one column in 2D, two in 3D. A function of `n` alone.
-inline Matrix<2, 1> tangents(const Vec<2>& n) { return {-n[1], n[0]}; }
-inline Matrix<3, 2> tangents(const Vec<3>& n) {
+inline RealMatrix<2, 1> tangents(const Vec<2>& n) { return {-n[1], n[0]}; }
+inline RealMatrix<3, 2> tangents(const Vec<3>& n) {
   // The branch keeps the divisor away from zero; Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
   const Real sign = n[2] >= 0 ? Real(1) : Real(-1);
   const Real a = -1 / (sign + n[2]);
   const Real b = n[0] * n[1] * a;
-  Matrix<3, 2> t;
+  RealMatrix<3, 2> t;
   t.col(0) << 1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0];
   t.col(1) << b, sign + n[1] * n[1] * a, -n[1];
   return t;

@@ -78,7 +78,7 @@ class Broadphase : public Stage {
   /// Called at least once between a change and findPairs or a query. A method without memory ignores it.
   virtual void update(const Proxies<D>&, const ProxyChanges&) {}
   /// Appends to `out`, which arrives empty.
-  virtual void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) = 0;
+  virtual void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) = 0;
 
   // Queries on boxes, not on shapes; each has a linear scan as default. Filters and activity play no part in them.
   virtual void overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const;

@@ -29,13 +29,13 @@ void PairBatch<D>::add(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<
 
 template <int D>
 PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB,
-                        Need need) {
+                        QueryNeed need) {
   const bool swapped = a.kind > b.kind;
   const ShapeView<D>&first = swapped ? b : a, &second = swapped ? a : b;
   if (!method.supports(first.kind, second.kind)) return {};
   const auto batch = std::make_unique<PairBatch<D>>();
   const auto answers = std::make_unique<PairAnswers<D>>();
-  Work work;
+  WorkDone work;
   batch->clear(first.kind, second.kind);
   batch->add(first, second, swapped ? X_AB.inverse() : X_AB);
   method.query(*batch, need, *answers, {}, work);
@@ -52,7 +52,7 @@ PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const Shape
 template <int D>
 std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pairs,
                                                  std::span<const ShapeRecord<D>> shapes, std::span<const Pose<D>> pose,
-                                                 Real margin, Work& work) {
+                                                 Real margin, WorkDone& work) {
   m_pairs.clear();
   for (const ShapePair& p : pairs) {
     const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.a)], &b = shapes[static_cast<std::size_t>(p.b)];
@@ -63,7 +63,7 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
     const Pose<D>&X_WA = pose[static_cast<std::size_t>(a.body)], &X_WB = pose[static_cast<std::size_t>(b.body)];
     // A plane has no box of its own: the other's is put to it.
     const auto near = [&](const Aabb<D>& boxA, const Aabb<D>& boxB) {
-      ++work[Count::partTests];
+      ++work[WorkCount::partTests];
       if (a.shape.isPlane()) return overlapsBox(a.shape.view(), X_WA * a.X_CS, boxB.grown(margin));
       if (b.shape.isPlane()) return overlapsBox(b.shape.view(), X_WB * b.X_CS, boxA.grown(margin));
       return boxA.grown(margin).overlaps(boxB);
@@ -110,7 +110,7 @@ template class ChildPairs<2>;
 template class ChildPairs<3>;
 template void requireContacts(const ContactGenerator<2>&, const std::array<bool, kShapeKinds>&, const std::string&);
 template void requireContacts(const ContactGenerator<3>&, const std::array<bool, kShapeKinds>&, const std::string&);
-template PairAnswer<2> queryPair(PairQuery<2>&, const ShapeView<2>&, const ShapeView<2>&, const Pose<2>&, Need);
-template PairAnswer<3> queryPair(PairQuery<3>&, const ShapeView<3>&, const ShapeView<3>&, const Pose<3>&, Need);
+template PairAnswer<2> queryPair(PairQuery<2>&, const ShapeView<2>&, const ShapeView<2>&, const Pose<2>&, QueryNeed);
+template PairAnswer<3> queryPair(PairQuery<3>&, const ShapeView<3>&, const ShapeView<3>&, const Pose<3>&, QueryNeed);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -72,9 +72,9 @@ struct PairAnswer {
 };
 
 /// What the caller will read. A method may do less when less is asked.
-enum class Need { boolean, distance, witnesses };
+enum class QueryNeed { boolean, distance, witnesses };
 
-/// The answers of one batch, as arrays too. For Need::boolean only the sign of `distance` counts.
+/// The answers of one batch, as arrays too. For QueryNeed::boolean only the sign of `distance` counts.
 template <int D>
 struct PairAnswers {
   std::array<QueryStatus, PairBatch<D>::kCapacity> status{};
@@ -116,15 +116,15 @@ class PairQuery : public Stage {
   /// Only a <= b is asked.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
   /// Precondition: supports(batch.kindA, batch.kindB). `memory` is empty (cold) or has batch.count entries.
-  virtual void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-                     Work& work) = 0;
+  virtual void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+                     WorkDone& work) = 0;
 };
 
 /// One pair, any order of kinds; a convenience for tests and tools, which pays for a batch of one. The answer is in A's
 /// frame for (a, b) as given. Unsupported kinds give QueryStatus::refused.
 template <int D>
 PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB,
-                        Need need = Need::witnesses);
+                        QueryNeed need = QueryNeed::witnesses);
 
 /// A pair of shape slots with body(a) < body(b).
 struct ShapePair {
@@ -150,7 +150,7 @@ class ChildPairs {
   /// In order: all whose boxes come within the margin (m) of each other. A convex shape is its own one child, number 0;
   /// two of them are not asked for their boxes again. `pose` is X_WC by body slot.
   std::span<const ConvexPair<D>> of(std::span<const ShapePair> pairs, std::span<const ShapeRecord<D>> shapes,
-                                    std::span<const Pose<D>> pose, Real margin, Work& work);
+                                    std::span<const Pose<D>> pose, Real margin, WorkDone& work);
 
  private:
   std::vector<ConvexPair<D>> m_pairs;
@@ -197,7 +197,7 @@ class ContactGenerator : public Stage {
 
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
   /// Appends to `fresh`. Pairs of kinds that are not supported do not occur: the world refuses such bodies.
-  virtual void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) = 0;
+  virtual void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) = 0;
 };
 
 /// Carries knowledge from the old manifolds to the fresh ones. Both are sorted by Manifold::key.

@@ -38,7 +38,7 @@ struct SleepInput {
   std::span<const SleepEvent> events;
   Real restitutionThreshold;  // m/s
   Vec<D> gravity;             // m/s^2: tells a body that rests from one that is at the top of its flight
-  Work& work;
+  WorkDone& work;
   const ContactGraph<D>& graph;  // of `manifolds` and `joints`
 };
 

@@ -29,9 +29,9 @@ struct Features {
 };
 
 /// Lets a solver ask for fresh contacts inside its step. Afterwards StepInput::manifolds and ::active are new.
-class Detect {
+class DetectAgain {
  public:
-  virtual ~Detect() = default;
+  virtual ~DetectAgain() = default;
   virtual void again() = 0;
 };
 
@@ -45,10 +45,10 @@ struct StepInput {
   std::vector<int>& active;             // indices of manifolds that have an active body and were not vetoed
   std::span<JointRecord<D>> joints;     // by slot; jointRows() gives the rows of those that are active
   const Forces<D>& forces;
-  Detect& detect;
+  DetectAgain& detect;
   const Features& features;
   Real restitutionThreshold;  // m/s
-  Work& work;
+  WorkDone& work;
   Profiler& profiler;  // for sub-phases: prepare, warm_start, iterate, integrate, correct, ...
   /// Of `manifolds` and `joints`, new after detect.again().
   const ContactGraph<D>& graph;
@@ -78,7 +78,7 @@ struct VelocityInput {
   const PositionResolver<D>& position;  // bias() is asked once per contact and step
   const Features& features;
   Real restitutionThreshold;
-  Work& work;
+  WorkDone& work;
   Profiler& profiler;
   /// Velocities before this step's forces, by slot: what a bounce is measured by, or gravity would raise an elastic
   /// ball step by step. Empty: the bodies' own.
@@ -106,7 +106,7 @@ struct PositionInput {
   std::span<const int> order;
   std::span<JointRecord<D>> joints;
   const Features& features;
-  Work& work;
+  WorkDone& work;
   Profiler& profiler;
   std::span<const int> colours = {};  // as in VelocityInput
 };
@@ -131,7 +131,7 @@ struct IntegrateInput {
   Bodies<D>& bodies;  // motion is changed, pose is not
   const Forces<D>& forces;
   const Features& features;
-  Work& work;
+  WorkDone& work;
 };
 
 /// Free motion under forces for one step. Writes the new velocities into bodies.motion, and into `drift`, by slot, the

@@ -8,7 +8,7 @@
 namespace lpc {
 
 /// What was done, counted: a cost that no noisy machine disturbs. One counter per chart; they are never summed.
-enum class Count {
+enum class WorkCount {
   boxTests,       // box-box overlap tests
   nodeVisits,     // nodes of a tree or cells of a grid
   sortMoves,      // elements moved while sorting
@@ -25,15 +25,15 @@ enum class Count {
   kCount
 };
 
-inline constexpr std::array<std::string_view, static_cast<std::size_t>(Count::kCount)> kCountNames = {
+inline constexpr std::array<std::string_view, static_cast<std::size_t>(WorkCount::kCount)> kCountNames = {
     "box_tests",      "node_visits", "sort_moves",  "part_tests", "pair_queries", "support_calls", "axis_tests",
     "polytope_faces", "row_updates", "force_evals", "detections", "event_visits", "graph_visits"};
 
-struct Work {
-  std::array<std::uint64_t, static_cast<std::size_t>(Count::kCount)> counts{};
+struct WorkDone {
+  std::array<std::uint64_t, static_cast<std::size_t>(WorkCount::kCount)> counts{};
 
-  std::uint64_t& operator[](Count c) { return counts[static_cast<std::size_t>(c)]; }
-  std::uint64_t operator[](Count c) const { return counts[static_cast<std::size_t>(c)]; }
+  std::uint64_t& operator[](WorkCount c) { return counts[static_cast<std::size_t>(c)]; }
+  std::uint64_t operator[](WorkCount c) const { return counts[static_cast<std::size_t>(c)]; }
 };
 
 }  // namespace lpc

@@ -53,6 +53,15 @@ bool World<D>::awake(Handle body) const {
 }
 
 template <int D>
+std::uint64_t World<D>::userData(Handle body) const {
+  return m_bodies.userData[slotOf(body)];
+}
+template <int D>
+void World<D>::setUserData(Handle body, std::uint64_t data) {
+  m_bodies.userData[slotOf(body)] = data;
+}
+
+template <int D>
 void World<D>::touched(std::size_t body) {
   ++m_visits;
   m_bodies.awake[body] = 1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <span>
@@ -31,21 +32,32 @@ class ContactListener {
   /// False: the contact is kept, and reported again next step, but not solved (a veto, for this step).
   virtual bool begin(const World<D>&, const Manifold<D>&) { return true; }
   virtual bool persist(const World<D>&, const Manifold<D>&) { return true; }
-  /// `last` is the manifold of the step before; its bodies may be gone.
+  /// `last` is the manifold of the step before. Its bodies are still there, also when one is just being removed.
   virtual void end(const World<D>&, const Manifold<D>& /*last*/) {}
 };
 
 template <int D>
 struct BodyRayHit {
   Handle body;
-  std::int32_t shape;  // number among the body's shapes
-  Real t;
+  std::int32_t shape;      // number among the body's shapes
+  Real t;                  // of entering the shape
+  Vec<D> normal;           // unit, world, out of the shape and so against the ray; zero when the ray starts inside
+  std::uint64_t userData;  // the shape's
+};
+
+/// Whom a ray meets: as a shape of this category and mask would collide. Without a filter it meets every shape.
+template <int D>
+struct RayFilter {
+  std::uint32_t category = 1;
+  std::uint32_t mask = ~0u;
+  /// Empty: all of these. Is asked before the shape is, in no promised order.
+  std::function<bool(Handle body, const ShapeRecord<D>& shape)> accepts = {};
 };
 
 /// Bodies, joints, forces, and one algorithm of each stage. A step: boxes, pairs, cache.select, contacts, cache.carry,
 /// listeners, sleep, solver. Same definitions, same calls, same build: the same bits.
 template <int D>
-class World final : public Simulation<D>, private Detect, private Forces<D> {
+class World final : public Simulation<D>, private DetectAgain, private Forces<D> {
  public:
   /// Throws UserError when the pipeline names an unknown algorithm or parameter.
   explicit World(const Pipeline& pipeline = {}, const WorldSettings<D>& settings = {});
@@ -83,6 +95,9 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override;
   void applyTorque(Handle body, const Ang<D>& torque) override;
   void wake(Handle body);
+  /// The user's own number, as BodyDef gave it or as it was set last. A step neither reads nor changes it.
+  std::uint64_t userData(Handle body) const;
+  void setUserData(Handle body, std::uint64_t data);
   /// For a world that only shows what somebody else moves: puts each body that is not fixed at its X_WC with its
   /// motion, by slot. No event, nobody wakes. Precondition: both have bodies().size() entries.
   void follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> motion);
@@ -91,15 +106,16 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   Handle handle(std::int32_t slot) const;  // of the body now in that slot
   int bodyCount() const override { return m_bodySlots.inUse(); }
 
-  // --- queries on exact shapes, through the broadphase
-  // -----------------------------------------------------------------
+  // --- queries on exact shapes, through the broadphase ---------------------------------------------------------------
   std::vector<Handle> at(const Vec<D>& point) const;
   std::vector<Handle> overlap(const Aabb<D>& box) const;
-  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one.
+  /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Throws UserError for a point
+  /// or direction that is not finite and a maxT below zero; an infinite one will do.
   std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const;
+  std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+                                 const RayFilter<D>& filter) const;
 
-  // --- data, for invariants, recordings, drawing; slots as in Bodies
-  // -----------------------------------------------------
+  // --- data, for invariants, recordings, drawing; slots as in Bodies -------------------------------------------------
   const Bodies<D>& bodies() const override { return m_bodies; }
   std::span<const ShapeRecord<D>> shapes() const override { return m_shapes; }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
@@ -113,8 +129,7 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
 
   std::uint64_t hash() const override;
 
-  // --- saving
-  // ----------------------------------------------------------------------------------------------------------
+  // --- saving --------------------------------------------------------------------------------------------------------
   /// Everything that a trajectory depends on except force generators and listeners, which the caller adds again. The
   /// bytes are a function of the state: saved, loaded and continued is the same as continued.
   void save(std::ostream& out) const;
@@ -124,7 +139,7 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   void load(std::istream& in);
 
  private:
-  void again() override;                                                                   // Detect
+  void again() override;                                                                   // DetectAgain
   void eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const override;  // Forces
   std::size_t slotOf(Handle body) const;  // throws UserError for a handle of nobody
   std::size_t freeBodySlot();
@@ -135,6 +150,9 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
   bool resting(const Manifold<D>& m) const { return !m_boxes.active(m.shapeA) && !m_boxes.active(m.shapeB); }
   template <class Holds>
   std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const;
+  template <class Meets>
+  std::vector<BodyRayHit<D>> rayHits(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+                                     const Meets& meets) const;
   void findPairs();
   void makeContacts();
   void tellListeners();
@@ -170,9 +188,9 @@ class World final : public Simulation<D>, private Detect, private Forces<D> {
 
   // Derived from the state; the boxes are brought up to date by sync() when somebody asks.
   mutable BoxIndex<D> m_boxes;
-  Slots m_bodySlots, m_shapeSlots, m_jointSlots;
+  SlotTable m_bodySlots, m_shapeSlots, m_jointSlots;
   std::array<int, kShapeKinds> m_kindCount{};  // of convex parts
-  std::uint64_t m_visits = 0;                  // Count::eventVisits since the last step
+  std::uint64_t m_visits = 0;                  // WorkCount::eventVisits since the last step
 
   // Scratch and indices, rebuilt in each step.
   std::vector<Manifold<D>> m_oldManifolds;

@@ -36,7 +36,7 @@ std::size_t World<D>::freeBodySlot() {
   b.invInertia.push_back(Inertia<D>::Zero()), b.invInertiaBody.push_back(Inertia<D>::Zero());
   b.type.push_back(BodyType::fixed);
   b.used.push_back(0), b.awake.push_back(0), b.canSleep.push_back(0), b.pinned.push_back(0);
-  b.sleep.push_back({}), b.solver.push_back({}), b.generation.push_back(0);
+  b.sleep.push_back({}), b.solver.push_back({}), b.generation.push_back(0), b.userData.push_back(0);
   m_userForces.emplace_back();
   return i;
 }
@@ -79,7 +79,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
   b.mass[i] = dynamic ? mass.mass : Real(0);
   b.invInertiaBody[i] = Inertia<D>::Zero();
   if (dynamic && def.rotatable && mass.inertia.trace() > 0) b.invInertiaBody[i] = mass.inertia.inverse();
-  b.sleep[i] = {}, b.solver[i] = {}, m_userForces[i] = {};
+  b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = def.userData, m_userForces[i] = {};
   for (std::size_t s = 0; s < def.shapes.size(); ++s) {
     putShape(def.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
   }
@@ -98,8 +98,11 @@ void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t 
   if (i == m_shapes.size()) m_shapes.emplace_back();
   countKinds(def.shape, 1);
   const Vec<D>& center = m_bodies.center[static_cast<std::size_t>(body)];
-  m_shapes[i] = {def.shape, {def.X_BS.p - center, def.X_BS.q}, body, index, def.friction, def.restitution, def.category,
-                 def.mask};
+  m_shapes[i] = {def.shape,    {def.X_BS.p - center, def.X_BS.q},
+                 body,         index,
+                 def.friction, def.restitution,
+                 def.category, def.mask,
+                 def.userData};
   m_boxes.add(i, m_shapes[i]);
 }
 
@@ -108,6 +111,14 @@ void World<D>::remove(Handle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
   m_visits += m_shapes.size() + m_manifolds.size() + m_joints.size();
+  std::optional<decltype(Manifold<D>{}.shapeKey())> told;  // once for each pair of shapes
+  std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
+    if (m.bodyA != slot && m.bodyB != slot) return false;
+    if (std::exchange(told, m.shapeKey()) == m.shapeKey()) return true;
+    m_events.push_back({SleepEvent::bodyRemoved, m.bodyA == slot ? m.bodyB : m.bodyA, slot});
+    for (ContactListener<D>* l : m_listeners) l->end(*this, m);  // who may still ask both for their user data
+    return true;
+  });
   for (std::size_t s = 0; s < m_shapes.size(); ++s) {
     if (m_shapes[s].body != slot) continue;
     countKinds(m_shapes[s].shape, -1);
@@ -115,14 +126,6 @@ void World<D>::remove(Handle body) {
     m_shapeSlots.give(s, m_visits);
     m_boxes.remove(s);
   }
-  std::optional<decltype(Manifold<D>{}.shapeKey())> told;  // once for each pair of shapes
-  std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
-    if (m.bodyA != slot && m.bodyB != slot) return false;
-    if (std::exchange(told, m.shapeKey()) == m.shapeKey()) return true;
-    m_events.push_back({SleepEvent::bodyRemoved, m.bodyA == slot ? m.bodyB : m.bodyA, slot});
-    for (ContactListener<D>* l : m_listeners) l->end(*this, m);
-    return true;
-  });
   for (std::size_t j = 0; j < m_joints.size(); ++j) {
     const JointRecord<D>& joint = m_joints[j];
     if (!joint.kind || (joint.bodyA != slot && joint.bodyB != slot)) continue;
@@ -133,7 +136,7 @@ void World<D>::remove(Handle body) {
   b.pose[i] = {}, b.motion[i] = {}, b.invMass[i] = b.mass[i] = 0, b.center[i] = Vec<D>::Zero();
   b.invInertia[i] = b.invInertiaBody[i] = Inertia<D>::Zero();
   b.type[i] = BodyType::fixed, b.used[i] = b.awake[i] = b.canSleep[i] = b.pinned[i] = 0;
-  b.sleep[i] = {}, b.solver[i] = {}, m_userForces[i] = {};
+  b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = 0, m_userForces[i] = {};
   ++b.generation[i];
   m_bodySlots.give(i, m_visits);
 }

@@ -81,7 +81,7 @@ template <int D>
 void World<D>::makeContacts() {
   std::swap(m_manifolds, m_oldManifolds);
   m_manifolds.clear();
-  Work& work = m_profiler.frame().work;
+  WorkDone& work = m_profiler.frame().work;
   {
     Profiler::Scope scope(m_profiler, "cache");
     stage<ContactCache>().select(m_pairs, m_oldManifolds, m_bodies.pose, m_regenerate);
@@ -151,7 +151,7 @@ void World<D>::collectActive() {
 
 template <int D>
 void World<D>::again() {
-  ++m_profiler.frame().work[Count::detections];
+  ++m_profiler.frame().work[WorkCount::detections];
   makeContacts();
   // What was begun or vetoed in this step stays so.
   std::size_t o = 0;

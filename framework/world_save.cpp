@@ -17,7 +17,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD3";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD4";  // a change of the format is a new number
 
 /// Before the world itself, so that what was damaged is told before it is read.
 struct Header {
@@ -125,7 +125,7 @@ void fields(Archive& a, JointRecord<D>& j) {
 template <int D>
 void fields(Archive& a, Bodies<D>& b) {
   a(b.pose, b.motion, b.mass, b.invInertiaBody, b.center, b.type, b.used, b.awake, b.canSleep, b.pinned, b.sleep,
-    b.solver, b.generation);
+    b.solver, b.generation, b.userData);
 }
 void fields(Archive& a, Features& f) { a(f.friction, f.rotation, f.restitution, f.cache, f.joints, f.sleeping); }
 
@@ -194,7 +194,7 @@ void fields(Archive& a, Shape<D>& shape) {
 template <int D>
 void fields(Archive& a, ShapeRecord<D>& s) {
   a(s.body);
-  if (s.body >= 0) a(s.shape, s.X_CS, s.index, s.friction, s.restitution, s.category, s.mask);
+  if (s.body >= 0) a(s.shape, s.X_CS, s.index, s.friction, s.restitution, s.category, s.mask, s.userData);
 }
 template <int D>
 void fields(Archive& a, WorldSettings<D>& s) {

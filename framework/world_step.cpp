@@ -58,7 +58,7 @@ void World<D>::step(Real dt) {
   if (dt == 0) return;
   const Clock::time_point start = Clock::now();
   m_profiler.beginFrame(m_steps);
-  m_profiler.frame().work[Count::eventVisits] += std::exchange(m_visits, 0);
+  m_profiler.frame().work[WorkCount::eventVisits] += std::exchange(m_visits, 0);
   {
     Profiler::Scope scope(m_profiler, "boxes");
     sync();

@@ -92,7 +92,7 @@ class BulletGjkEpa final : public IsolatedWitness {
   using Params = NoParams;
   explicit BulletGjkEpa(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "bullet_gjk_epa",
             .summary = "Bullet's btGjkPairDetector with its EPA as depth solver, in double precision",
             .paper = "",
@@ -101,7 +101,7 @@ class BulletGjkEpa final : public IsolatedWitness {
             .failures = {{.when = "boxes of equal orientation, one deep in the other",
                           .symptom = "a depth that is too small, along no separating direction (0.346 for 0.5)",
                           .test = "Witnesses.BulletDepthOfAlignedBoxesIsOff"}},
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
@@ -143,7 +143,7 @@ class BulletBoxBox final : public IsolatedWitness {
   using Params = NoParams;
   explicit BulletBoxBox(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "bullet_box_box",
             .summary = "Bullet's btBoxBoxDetector: separating axes of ODE, depths only, in double precision",
             .paper = "",
@@ -152,7 +152,7 @@ class BulletBoxBox final : public IsolatedWitness {
             .failures = {{.when = "the least depth is between two edges, by less than 5 %",
                           .symptom = "the depth of a face: the two are weighed 1 to 1.05",
                           .test = "Witnesses.BulletBoxBoxPrefersFaces"}},
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;

@@ -63,7 +63,7 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
     row.reason = "not finite";
     return;
   }
-  if (row.role == Role::witness && answer.status == QueryStatus::degenerate) {
+  if (row.role == AlgorithmRole::witness && answer.status == QueryStatus::degenerate) {
     // It knows only on which side it is (libccd of shapes that are apart).
     row.verdict = row.value * expected.distance >= 0 || std::abs(expected.distance) <= allowed ? CaseVerdict::ok
                                                                                                : CaseVerdict::wrong;
@@ -77,7 +77,7 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
   const Vecd<D> n = (g.a.X_WS.q * answer.normal).template cast<double>();
   if (n.isZero(0)) {
     // No direction is an answer only where the boundaries touch, and witnesses may have none.
-    const bool stated = std::abs(expected.distance) <= allowed || row.role != Role::competitor;
+    const bool stated = std::abs(expected.distance) <= allowed || row.role != AlgorithmRole::competitor;
     row.verdict = stated ? CaseVerdict::ok : CaseVerdict::wrong;
     row.reason = stated ? "" : "no normal";
     return;
@@ -101,7 +101,7 @@ template <int D>
 CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g) {
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
   const RefereeAnswer<D> truth = referee(a, g.a.X_WS, b, g.b.X_WS);
-  CaseResult row{.id = c.id, .method = "referee", .role = Role::referee, .expected = c.expected.distance};
+  CaseResult row{.id = c.id, .method = "referee", .role = AlgorithmRole::referee, .expected = c.expected.distance};
   const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, c.expected.distance);
   const double off = truth.interval().distanceTo(c.expected.distance);
   const bool right = truth.decided && off <= c.expected.tolerance + toleranceOf(c) * s;
@@ -136,7 +136,7 @@ template <int D>
 void runDistance(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::vector<CaseResult>& rows) {
   if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g));
   for (Method<D>& method : methods) {
-    const Info& info = method.entry->info;
+    const AlgorithmInfo& info = method.entry->info;
     rows.push_back({.id = c.id, .method = info.name, .role = info.role, .expected = c.expected.distance});
     askMethod(c, g, method, rows.back());
   }
@@ -299,7 +299,7 @@ std::vector<CaseResult> runCases(const std::vector<Case>& cases) {
 }
 
 bool isOurFault(const CaseResult& result) {
-  if (result.role != Role::competitor) return false;
+  if (result.role != AlgorithmRole::competitor) return false;
   const bool undeclared = result.reason == "unsupported_shape" || result.reason == "unsupported_query";
   return result.verdict != CaseVerdict::ok && !(result.verdict == CaseVerdict::refused && undeclared);
 }

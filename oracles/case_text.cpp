@@ -19,7 +19,7 @@ std::ostringstream exactStream() {
 }
 
 template <int N>
-std::string listed(const Matrix<N, 1>& v) {
+std::string listed(const RealMatrix<N, 1>& v) {
   std::ostringstream out = exactStream();
   for (int k = 0; k < N; ++k) out << (k ? ", " : "[") << static_cast<double>(v[k]);
   return out.str() + "]";
@@ -65,7 +65,7 @@ std::string shapeText(const ShapeView<D>& s, const std::vector<Vec<D>>& given) {
 }
 
 std::string rotationText(const Rot<2>& q) { return "\"cos_sin\": " + listed<2>(Vec<2>(q.c, q.s)); }
-std::string rotationText(const Rot<3>& q) { return "\"q_wxyz\": " + listed<4>(Matrix<4, 1>(q.w, q.x, q.y, q.z)); }
+std::string rotationText(const Rot<3>& q) { return "\"q_wxyz\": " + listed<4>(RealMatrix<4, 1>(q.w, q.x, q.y, q.z)); }
 
 template <int D>
 std::string poseText(const Pose<D>& X) {

@@ -82,7 +82,7 @@ std::string_view caseVerdictName(CaseVerdict verdict);
 /// One case and one method.
 struct CaseResult {
   std::string id, method;
-  Role role = Role::competitor;
+  AlgorithmRole role = AlgorithmRole::competitor;
   CaseVerdict verdict = CaseVerdict::refused;
   std::string reason = {};  // unsupported_shape, unsupported_query, or what is wrong
   double value = 0, expected = 0;

@@ -137,7 +137,7 @@ class FclLibccd final : public FclWitness<D> {
   using FclWitness<D>::FclWitness;
   using typename FclWitness<D>::Params;
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "fcl_libccd",
             .summary = "FCL's signed distance with its libccd solver: GJK of libccd, EPA with FCL's repairs",
             .paper = "",
@@ -146,7 +146,7 @@ class FclLibccd final : public FclWitness<D> {
             .failures = {{.when = "two boxes apart, nearest at an edge and a face",
                           .symptom = "a distance that is too large (FCL issue 508: 3.16228 for 3)",
                           .test = "Witnesses.FclDistanceOfCubesIsWrong"}},
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
@@ -171,7 +171,7 @@ class FclLibccdCollide final : public FclWitness<D> {
   using FclWitness<D>::FclWitness;
   using typename FclWitness<D>::Params;
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {
         .name = "fcl_libccd_collide",
         .summary = "FCL's collide with its libccd solver: portal refinement, closed forms for spheres, ODE for boxes",
@@ -181,7 +181,7 @@ class FclLibccdCollide final : public FclWitness<D> {
         .failures = {{.when = "the least depth is not along the line of centres",
                       .symptom = "the depth is too large, up to many times",
                       .test = "Witnesses.FclCollideDepthIsNotMinimal"}},
-        .role = Role::witness};
+        .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
@@ -210,7 +210,7 @@ class FclIndep final : public FclWitness<D> {
   using FclWitness<D>::FclWitness;
   using typename FclWitness<D>::Params;
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "fcl_indep",
             .summary = "FCL's own GJK for the distance, and where shapes overlap its own EPA by collide",
             .paper = "",
@@ -219,7 +219,7 @@ class FclIndep final : public FclWitness<D> {
             .failures = {{.when = "capsules or polytopes deep in one another",
                           .symptom = "EPA ends early: a depth that is off by up to a third of the size",
                           .test = "Witnesses.FclIndepDepthOfCapsulesIsOff"}},
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;

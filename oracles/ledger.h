@@ -46,7 +46,7 @@ struct LedgerKey {
 };
 
 struct LedgerEntry {
-  Role role = Role::competitor;
+  AlgorithmRole role = AlgorithmRole::competitor;
   std::array<long, kTallies> tallies{};
   double maxError = 0, nanoseconds = 0;   // error / s; time inside the method
   std::map<std::string, long> histogram;  // of errors, by decade: "-17" for 1e-17 up to 1e-16, "zero"

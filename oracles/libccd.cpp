@@ -70,7 +70,7 @@ class LibccdGjk final : public LibccdWitness {
   };
   explicit LibccdGjk(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "libccd_gjk",
             .summary = "libccd's GJK with EPA: depths only",
             .paper = "",
@@ -79,7 +79,7 @@ class LibccdGjk final : public LibccdWitness {
             .failures = {{.when = "faces, edges or vertices just touch",
                           .symptom = "depth 0 without a direction",
                           .test = "Witnesses.LibccdGjkHasNoDirectionAtTouch"}},
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
@@ -121,7 +121,7 @@ class LibccdMpr final : public LibccdWitness {
   };
   explicit LibccdMpr(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "libccd_mpr",
             .summary = "libccd's portal refinement: depths along the line of centres, an upper bound",
             .paper = "",
@@ -130,7 +130,7 @@ class LibccdMpr final : public LibccdWitness {
             .failures = {{.when = "the least depth is not along the line of centres",
                           .symptom = "the depth is too large, up to many times",
                           .test = "Witnesses.LibccdMprDepthIsNotMinimal"}},
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;

@@ -17,13 +17,14 @@ class Prisms : public Witness<2> {
  public:
   using Params = typename Solid::Params;
   explicit Prisms(const Params& params) : m_solid(params) {}
-  static Info info() { return Solid::info(); }
+  static AlgorithmInfo info() { return Solid::info(); }
 
   std::span<const Ending> endings() const final { return m_solid.endings(); }
   std::int64_t nanoseconds() const final { return m_solid.nanoseconds(); }
 
-  void query(const PairBatch<2>& batch, Need, PairAnswers<2>& answers, std::span<PairMemory>, Work& work) final {
-    work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
+  void query(const PairBatch<2>& batch, QueryNeed, PairAnswers<2>& answers, std::span<PairMemory>,
+             WorkDone& work) final {
+    work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
     m_hulls.clear(), m_pairs.clear();
     for (int i = 0; i < batch.count; ++i) m_pairs.push_back(prisms(batch.pair(i)));
     m_answers.resize(m_pairs.size());

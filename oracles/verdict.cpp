@@ -14,7 +14,8 @@ std::string decadeOf(double error) {
   return error > 0 ? std::to_string(static_cast<int>(std::floor(std::log10(error)))) : "zero";
 }
 
-LedgerEntry& bookUnder(Ledger& ledger, const LedgerKey& key, Role role, const Verdict& verdict, double nanoseconds) {
+LedgerEntry& bookUnder(Ledger& ledger, const LedgerKey& key, AlgorithmRole role, const Verdict& verdict,
+                       double nanoseconds) {
   LedgerEntry& entry = ledger[key];
   entry.role = role;
   ++entry[Tally::asked], ++entry[verdict.end];
@@ -33,7 +34,7 @@ Verdict withoutAnswer(Tally end) {
   return v;
 }
 
-void book(Ledger& ledger, LedgerKey subject, Role role, const Labels& labels, const Verdict& verdict,
+void book(Ledger& ledger, LedgerKey subject, AlgorithmRole role, const Labels& labels, const Verdict& verdict,
           double nanoseconds, const std::function<std::string()>& text) {
   const double error = verdict.error.value_or(0);
   for (const auto& [axis, value] : labels) {

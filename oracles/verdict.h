@@ -29,7 +29,7 @@ using Labels = std::vector<std::pair<std::string, std::string>>;
 
 /// Books the verdict under axis `all` and under each label. `text` is the input as a line of a file of cases; it is
 /// asked for only when the line is kept.
-void book(Ledger& ledger, LedgerKey subject, Role role, const Labels& labels, const Verdict& verdict,
+void book(Ledger& ledger, LedgerKey subject, AlgorithmRole role, const Labels& labels, const Verdict& verdict,
           double nanoseconds, const std::function<std::string()>& text);
 
 /// What was wrong with whom, as a field of a case: see CaseFinding.

@@ -11,7 +11,7 @@ std::vector<Candidate<StageOf>> candidates(const std::vector<std::string>& specs
   std::vector<Candidate<StageOf>> out;
   for (const std::string& text : specs) {
     const Spec spec = Spec::parse(text);
-    const Info info = Registry::instance().find(StageOf::kStage, StageOf::kDimension, spec.name).info;
+    const AlgorithmInfo info = Registry::instance().find(StageOf::kStage, StageOf::kDimension, spec.name).info;
     out.push_back({text, info, [spec] { return createStage<StageOf>(spec); }});
   }
   return out;

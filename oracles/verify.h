@@ -22,7 +22,7 @@ namespace lpc::inline LPC_PRECISION {
 template <class StageOf>
 struct Candidate {
   std::string name;
-  Info info;
+  AlgorithmInfo info;
   std::function<std::unique_ptr<StageOf>()> create;
 };
 
@@ -49,7 +49,7 @@ PairTruth<D> pairTruth(const PairView<D>& pair);
 /// The one measure of an answer's error, in ledgers and in trials: |distance - referee's interval| / s, or what the
 /// separation along the normal lacks, whichever is more. A side alone (a witness's `degenerate`) has none.
 template <int D>
-Verdict judge(const PairView<D>& pair, const PairTruth<D>& truth, const PairAnswer<D>& answer, Role role,
+Verdict judge(const PairView<D>& pair, const PairTruth<D>& truth, const PairAnswer<D>& answer, AlgorithmRole role,
               Ending ending = Ending::answered);
 
 /// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them.

@@ -155,7 +155,7 @@ void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broad
       for (int step = 0; step < kSteps && !range.ended; ++step) {
         boxes.advance(step);
         std::vector<ProxyPair> found;
-        Work work;
+        WorkDone work;
         const double before = threadNanoseconds();
         method->update(boxes.proxies(), boxes.changes());
         method->findPairs(boxes.proxies(), found, work);

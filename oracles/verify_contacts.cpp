@@ -146,7 +146,7 @@ Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<Placed<D
     pose.push_back(nudge && p.resting() ? *p.pair.X_WBNudged : p.pair.X_WB);
   }
   ChildPairs<D> childPairs;
-  Work work;
+  WorkDone work;
   const auto children = childPairs.of(pairs, shapes, pose, kContactMargin, work);
   std::vector<Manifold<D>> fresh;
   const double before = threadNanoseconds();
@@ -250,7 +250,7 @@ const std::vector<Manifold<D>>* manifoldsOf(const Manifolds<D>& all, std::size_t
   return at == all.end() ? nullptr : &at->second;
 }
 
-bool keepsOnePoint(const Info& info) {
+bool keepsOnePoint(const AlgorithmInfo& info) {
   const auto declares = [](const FailureMode& f) { return f.test == kPatchTest; };
   return std::any_of(info.failures.begin(), info.failures.end(), declares);
 }

@@ -59,15 +59,15 @@ Tally endOf(Ending ending) {
 
 // What the separation along the answer's normal lacks, which is all that a normal is for.
 template <int D>
-double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<D>& n, Role role) {
+double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<D>& n, AlgorithmRole role) {
   const Interval truth = known.answer.interval();
   if (n.isZero(0)) {
     // No direction is an answer only where the boundaries touch, and witnesses may have none.
     const bool touching = std::abs(truth.middle()) <= verifyTolerance() * known.s;
-    return touching || role != Role::competitor ? 0 : known.s;
+    return touching || role != AlgorithmRole::competitor ? 0 : known.s;
   }
   const double length = std::abs(n.norm() - 1);
-  if (role == Role::competitor && length > static_cast<double>(kUnitTolerance)) return length * known.s;
+  if (role == AlgorithmRole::competitor && length > static_cast<double>(kUnitTolerance)) return length * known.s;
   const Interval along = separationAlong<D>(pair.a, {}, pair.b, pair.X_AB, n);
   return std::max(0.0, truth.lo - along.hi);
 }
@@ -85,7 +85,7 @@ template PairTruth<2> pairTruth(const PairView<2>&);
 template PairTruth<3> pairTruth(const PairView<3>&);
 
 template <int D>
-Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, Role role,
+Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, AlgorithmRole role,
               Ending ending) {
   // The bounds of a curved core leave something open: who is judged by them must be content with ten times that.
   const bool narrow = 10 * known.answer.interval().width() <= verifyTolerance() * known.s;
@@ -102,7 +102,7 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
   v.capped = answer.status != QueryStatus::converged;
   v.wrongSide = (phi < 0 && truth.lo > allowed) || (phi >= 0 && truth.hi < -allowed);
   // A witness that is `degenerate` knows the side and no value (libccd of shapes that are apart).
-  if (role == Role::competitor || answer.status != QueryStatus::degenerate) {
+  if (role == AlgorithmRole::competitor || answer.status != QueryStatus::degenerate) {
     const Vecd<D> n = answer.normal.template cast<double>();
     const double value = truth.distanceTo(phi), along = shortfall(pair, known, n, role);
     v.value = phi, v.error = std::max(value, along) / known.s;
@@ -116,8 +116,8 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
   return v;
 }
 
-template Verdict judge(const PairView<2>&, const PairTruth<2>&, const PairAnswer<2>&, Role, Ending);
-template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer<3>&, Role, Ending);
+template Verdict judge(const PairView<2>&, const PairTruth<2>&, const PairAnswer<2>&, AlgorithmRole, Ending);
+template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer<3>&, AlgorithmRole, Ending);
 
 template <int D>
 Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method) {
@@ -149,12 +149,12 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
       const auto method = m.create();
       if (!method->supports(kindA, kindB)) continue;
       const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
-      Work work;
+      WorkDone work;
       double spent = 0;
       if (!range.ended) {
-        if (!witness) method->query(*batch, Need::witnesses, *answers, {}, work);  // warms the caches
+        if (!witness) method->query(*batch, QueryNeed::witnesses, *answers, {}, work);  // warms the caches
         const double before = threadNanoseconds();
-        method->query(*batch, Need::witnesses, *answers, {}, work);
+        method->query(*batch, QueryNeed::witnesses, *answers, {}, work);
         spent = witness ? static_cast<double>(witness->nanoseconds()) : threadNanoseconds() - before;
       }
       LedgerKey subject = subjectOf(StageKind::pairQuery, D, m.name);

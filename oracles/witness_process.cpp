@@ -340,9 +340,9 @@ class IsolatedWitness::Process {
 IsolatedWitness::IsolatedWitness() : m_process(std::make_unique<Process>(*this)) {}
 IsolatedWitness::~IsolatedWitness() = default;
 
-void IsolatedWitness::query(const PairBatch<3>& batch, Need, PairAnswers<3>& answers, std::span<PairMemory>,
-                            Work& work) {
-  work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
+void IsolatedWitness::query(const PairBatch<3>& batch, QueryNeed, PairAnswers<3>& answers, std::span<PairMemory>,
+                            WorkDone& work) {
+  work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
   m_pairs.clear();
   for (int i = 0; i < batch.count; ++i) m_pairs.push_back(batch.pair(i));
   m_answers.resize(m_pairs.size());

@@ -17,8 +17,8 @@ class IsolatedWitness : public Witness<3> {
   IsolatedWitness();
   ~IsolatedWitness() override;
 
-  void query(const PairBatch<3>& batch, Need need, PairAnswers<3>& answers, std::span<PairMemory> memory,
-             Work& work) final;
+  void query(const PairBatch<3>& batch, QueryNeed need, PairAnswers<3>& answers, std::span<PairMemory> memory,
+             WorkDone& work) final;
   std::span<const Ending> endings() const final { return m_endings; }
   std::int64_t nanoseconds() const final { return m_nanoseconds; }
 

@@ -59,7 +59,7 @@ struct ContactScene {
   std::vector<Manifold<D>> run(ContactGenerator<D>& generator) const {
     const ShapePair pair{0, 1};
     ChildPairs<D> childPairs;
-    Work work;
+    WorkDone work;
     const auto children = childPairs.of({&pair, 1}, shapes, pose, margin, work);
     std::vector<Manifold<D>> fresh;
     generator.generate({children, shapes, pose, margin, true}, fresh, work);

@@ -11,7 +11,7 @@
 
 namespace lpc::inline LPC_PRECISION::test {
 
-inline bool competes(const Registered& r) { return r.info.role == Role::competitor; }
+inline bool competes(const Registered& r) { return r.info.role == AlgorithmRole::competitor; }
 
 template <int D>
 std::vector<std::string> everySolver() {

@@ -192,10 +192,10 @@ class PairQueryProperties {
     out << what << value;
     return out.str();
   }
-  PairAnswer<D> ask(const Asked<D>& pair, Need need = Need::witnesses) {
+  PairAnswer<D> ask(const Asked<D>& pair, QueryNeed need = QueryNeed::witnesses) {
     return queryPair<D>(m_method, pair.a.view(), pair.b.view(), pair.X_AB, need);
   }
-  double askDistance(const Asked<D>& pair) { return static_cast<double>(ask(pair, Need::distance).distance); }
+  double askDistance(const Asked<D>& pair) { return static_cast<double>(ask(pair, QueryNeed::distance).distance); }
   // `value` is `expected` within so many tolerances.
   std::string near(double value, double expected, double T) const {
     return std::abs(value - expected) <= T * m_T ? "" : say("off by s times ", (value - expected) / m_size);
@@ -241,7 +241,7 @@ class PairQueryProperties {
         inB{pair.b, Shape<D>::sphere(0), {pair.X_AB.inverse() * answer.pB, {}}};
     for (const Asked<D>& point : {inA, inB}) {
       const auto sat = createStage<PairQuery<D>>(Spec{"sat", {}});
-      const double out = queryPair<D>(*sat, point.a.view(), point.b.view(), point.X_AB, Need::distance).distance;
+      const double out = queryPair<D>(*sat, point.a.view(), point.b.view(), point.X_AB, QueryNeed::distance).distance;
       if (!(out <= loose)) return say("outside by s times ", out / m_size);
     }
     return "";
@@ -273,7 +273,7 @@ class PairQueryProperties {
   }
 
   std::string boolean(const Asked<D>& pair, const PairAnswer<D>& answer, Draw&) {
-    const PairAnswer<D> side = ask(pair, Need::boolean);
+    const PairAnswer<D> side = ask(pair, QueryNeed::boolean);
     const bool wrong = std::abs(answer.distance) > 2 * m_T && (side.distance < 0) != (answer.distance < 0);
     return wrong ? say("says ", side.distance) : "";
   }
@@ -309,13 +309,13 @@ class PairQueryProperties {
     const auto batch = std::make_unique<PairBatch<D>>();
     const auto answers = std::make_unique<PairAnswers<D>>();
     std::vector<PairMemory> memory(1);
-    Work work;
+    WorkDone work;
     for (const Real shift : {Real(0.1), Real(0)}) {
       Pose<D> X = pair.X_AB;
       X.p[0] += shift * static_cast<Real>(m_size);
       batch->clear(pair.a.kind(), pair.b.kind());
       batch->add(pair.a.view(), pair.b.view(), X);
-      m_method.query(*batch, Need::witnesses, *answers, memory, work);
+      m_method.query(*batch, QueryNeed::witnesses, *answers, memory, work);
     }
     return near(answers->distance[0], answer.distance, 2);
   }

@@ -13,15 +13,15 @@ class Naive final : public Broadphase<D> {
   using Params = NoParams;
   explicit Naive(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "naive", .summary = "tests every pair of boxes", .paper = "", .complexity = "n^2/2 box tests"};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     const ProxyId n = proxies.size();
     for (ProxyId a = 0; a < n; ++a) {
       if (proxies.isFree(a)) continue;
-      work[Count::boxTests] += static_cast<std::uint64_t>(n - a - 1);
+      work[WorkCount::boxTests] += static_cast<std::uint64_t>(n - a - 1);
       for (ProxyId begin = a + 1; begin < n; begin += kBlock) {
         const ProxyId end = std::min(begin + kBlock, n);
         if (!findGaps(proxies, a, begin, end)) continue;

@@ -16,7 +16,7 @@ class NaiveSphere final : public Broadphase<D> {
   using Params = NoParams;
   explicit NaiveSphere(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "naive_sphere",
             .summary = "tests every pair of circles or spheres around the boxes",
             .paper = "",
@@ -27,11 +27,11 @@ class NaiveSphere final : public Broadphase<D> {
                           .test = "sphere_planks_false_pairs"}}};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     gather(proxies);
     const std::size_t n = m_radius.size();
     for (std::size_t a = 0; a + 1 < n; ++a) {
-      work[Count::boxTests] += n - a - 1;
+      work[WorkCount::boxTests] += n - a - 1;
       for (std::size_t block = a + 1; block < n; block += kBlock) {
         const std::size_t end = std::min(n, block + kBlock);
         std::size_t hits = 0;

@@ -33,7 +33,7 @@ class RegionTree final : public Broadphase<D> {
   };
   explicit RegionTree(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "region_tree",
             .summary = "quadtree or octree, rebuilt each step",
             .paper = "ulrich2000",
@@ -43,7 +43,7 @@ class RegionTree final : public Broadphase<D> {
                           .test = "tree_centre_line_work"}}};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     listSlots(proxies, m_slots);
     if (m_slots.size() < 2) return;
     m_packing = Packing<D>(widened(findWindow(proxies, m_slots, m_sample)));
@@ -58,10 +58,10 @@ class RegionTree final : public Broadphase<D> {
       gatherSorted(proxies);
       build();
       pairsWithin(0);
-      work[Count::sortMoves] += m_boxes.size();
+      work[WorkCount::sortMoves] += m_boxes.size();
     }
-    work[Count::boxTests] += m_tests;
-    work[Count::nodeVisits] += m_visits;
+    work[WorkCount::boxTests] += m_tests;
+    work[WorkCount::nodeVisits] += m_visits;
   }
 
  private:

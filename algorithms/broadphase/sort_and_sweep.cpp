@@ -24,7 +24,7 @@ class SortAndSweep final : public Broadphase<D> {
   };
   explicit SortAndSweep(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "sort_and_sweep",
             .summary = "full sort on one axis each step, then a sweep over the sorted boxes",
             .paper = "baraff1992",
@@ -34,13 +34,13 @@ class SortAndSweep final : public Broadphase<D> {
                           .test = "sweep_shared_interval_work"}}};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     listSlots(proxies, m_slots);
     if (m_slots.size() < 2) return;
     const std::size_t axis = m_params.axis >= 0 ? static_cast<std::size_t>(m_params.axis) : widestAxis(proxies);
     arrange(proxies, axis);
-    work[Count::sortMoves] += m_slots.size();
-    work[Count::boxTests] += sweep(out);
+    work[WorkCount::sortMoves] += m_slots.size();
+    work[WorkCount::boxTests] += sweep(out);
   }
 
  private:

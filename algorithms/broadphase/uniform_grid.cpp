@@ -26,7 +26,7 @@ class UniformGrid final : public Broadphase<D> {
   };
   explicit UniformGrid(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "uniform_grid",
             .summary = "one flat grid, rebuilt each step by counting sort; larger boxes apart",
             .paper = "",
@@ -36,7 +36,7 @@ class UniformGrid final : public Broadphase<D> {
                           .test = "grid_many_large_work"}}};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     listSlots(proxies, m_slots);
     if (m_slots.size() < 2) return;
     const Window<D> window = findWindow(proxies, m_slots, m_sample);
@@ -45,8 +45,8 @@ class UniformGrid final : public Broadphase<D> {
     m_tests = 0;
     visitCells(out, work);
     for (std::size_t k = 0; k < m_large.size(); ++k) visitLarge(k, out, work);
-    work[Count::boxTests] += m_tests;
-    work[Count::sortMoves] += m_boxes.size();
+    work[WorkCount::boxTests] += m_tests;
+    work[WorkCount::sortMoves] += m_boxes.size();
   }
 
  private:
@@ -166,7 +166,7 @@ class UniformGrid final : public Broadphase<D> {
     return out;
   }
 
-  void visitCells(std::vector<ProxyPair>& out, Work& work) {
+  void visitCells(std::vector<ProxyPair>& out, WorkDone& work) {
     const std::int32_t width = m_size[0];
     const std::size_t rows = m_cells / static_cast<std::size_t>(width);
     for (std::size_t row = 0; row < rows; ++row) {
@@ -174,7 +174,7 @@ class UniformGrid final : public Broadphase<D> {
       const LaterRows later = laterRows(row);
       for (std::int32_t x = 0; x < width; ++x) {
         if (start[x] == start[x + 1]) continue;
-        ++work[Count::nodeVisits];
+        ++work[WorkCount::nodeVisits];
         std::array<Range, 2 + 2 * later.size()> ranges;
         // The cell itself, after the box in question, and its right neighbour: one range unless the row ends.
         Range* end = ranges.data() + 1;
@@ -204,7 +204,7 @@ class UniformGrid final : public Broadphase<D> {
   }
 
   // A large box meets the small ones in its cells and one before, and the large ones after it in the list.
-  void visitLarge(std::size_t k, std::vector<ProxyPair>& out, Work& work) {
+  void visitLarge(std::size_t k, std::vector<ProxyPair>& out, WorkDone& work) {
     const Large& large = m_large[k];
     for (std::size_t other = k + 1; other < m_large.size(); ++other) {
       if (Packing<D>::overlap(large.packed, m_large[other].packed)) emitIfPair(large.box, m_large[other].box, out);
@@ -228,7 +228,7 @@ class UniformGrid final : public Broadphase<D> {
       }
       end = addRow(end, row, large.lo[0] - 1, count[0]);
     }
-    work[Count::nodeVisits] += rows;
+    work[WorkCount::nodeVisits] += rows;
     test(large.box, large.packed, {m_ranges.data(), end}, out);
   }
 

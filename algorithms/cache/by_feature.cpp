@@ -12,7 +12,7 @@ class ByFeature final : public ContactCache<D> {
   using Params = NoParams;
   explicit ByFeature(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "by_feature",
             .summary = "a point inherits from the old point with the same shapes and feature number",
             .paper = "catto2006",
@@ -35,7 +35,7 @@ class ByFeature final : public ContactCache<D> {
     // tangents(n) jumps where n_z changes its sign, so on a slope the two bases may differ by a mirror image although
     // the normals differ by one rounding: friction is carried as a vector, not as two numbers.
     const bool sameBasis = old.normal == m.normal;
-    const Matrix<D - 1, D - 1> turn = tangents(m.normal).transpose() * tangents(old.normal);
+    const RealMatrix<D - 1, D - 1> turn = tangents(m.normal).transpose() * tangents(old.normal);
     int o = 0;
     for (int i = 0; i < m.count; ++i) {
       ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];

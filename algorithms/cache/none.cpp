@@ -11,7 +11,7 @@ class NoCache final : public ContactCache<D> {
   using Params = NoParams;
   explicit NoCache(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {
         .name = "none",
         .summary = "forgets all impulses: every step starts cold",

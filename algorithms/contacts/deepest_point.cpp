@@ -16,7 +16,7 @@ class DeepestPoint final : public ContactGenerator<D> {
   };
   explicit DeepestPoint(const Params& params) : m_batches(params.query) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "deepest_point",
             .summary = "one contact per pair: the witnesses of the pair query",
             .paper = "vandenbergen2001",
@@ -32,7 +32,7 @@ class DeepestPoint final : public ContactGenerator<D> {
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
 
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_batches.run(in, kBias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
       PatchPoint<D> point = witnessPoint(placed, answer);
       addPatch<D>(in, placed, answer.normal, {&point, 1}, fresh);

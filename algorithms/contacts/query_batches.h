@@ -19,7 +19,7 @@ class QueryBatches {
   /// Calls use(placed, answer) for each pair that is within the margin. The answer is that of the shapes, not of
   /// their cores, and always has a unit normal.
   template <class Use>
-  void run(const ContactInput<D>& in, Real bias, Work& work, const Use& use) {
+  void run(const ContactInput<D>& in, Real bias, WorkDone& work, const Use& use) {
     for (auto& group : m_groups) group.clear();
     m_placed.clear();
     for (std::size_t i = 0; i < in.pairs.size(); ++i) {
@@ -28,7 +28,7 @@ class QueryBatches {
       const auto k2 = static_cast<std::size_t>(m_placed.back().view2().kind);
       m_groups[kShapeKinds * k1 + k2].push_back(i);
     }
-    work[Count::pairQueries] += in.pairs.size();
+    work[WorkCount::pairQueries] += in.pairs.size();
     for (const auto& group : m_groups) {
       for (std::size_t at = 0; at < group.size(); at += PairBatch<D>::kCapacity) {
         const std::size_t count = std::min<std::size_t>(group.size() - at, PairBatch<D>::kCapacity);
@@ -50,13 +50,13 @@ class QueryBatches {
   }
 
  private:
-  void ask(std::span<const std::size_t> pairs, Work& work) {
+  void ask(std::span<const std::size_t> pairs, WorkDone& work) {
     const PlacedPair<D>& first = m_placed[pairs[0]];
     m_batch->clear(first.view1().kind, first.view2().kind);
     for (std::size_t i : pairs) {
       m_batch->add(m_placed[i].view1(), m_placed[i].view2(), m_placed[i].X_12);
     }
-    m_query->query(*m_batch, Need::witnesses, *m_answers, {}, work);
+    m_query->query(*m_batch, QueryNeed::witnesses, *m_answers, {}, work);
   }
 
   std::unique_ptr<PairQuery<D>> m_query;

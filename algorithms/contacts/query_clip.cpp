@@ -35,7 +35,7 @@ class QueryClip final : public ContactGenerator<D> {
   };
   explicit QueryClip(const Params& params) : m_params(params), m_batches(params.query) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "query_clip",
             .summary = "any pair query for the normal, then clips the two faces that meet along it",
             .paper = "gregorius2015",
@@ -47,7 +47,7 @@ class QueryClip final : public ContactGenerator<D> {
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
 
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_batches.run(in, m_params.bias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
       if (hasPlane(placed)) {
         const Vec<D> down = planePatch(placed, m_plane);

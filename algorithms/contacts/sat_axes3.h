@@ -37,7 +37,7 @@ inline FaceAxis3 bestFace(const Core3& p, const Core3& q, Real limit) {
 
 /// Two edges span a face of the Minkowski difference when their arcs on the Gauss map cross (Gregorius, GDC 2013); only
 /// those are projected. A segment's arc is a whole great circle. Counts the axes that were projected.
-inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, std::vector<Real>& along, Work& work) {
+inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, std::vector<Real>& along, WorkDone& work) {
   EdgeAxis3 best;
   const int faces2 = c2.faceCount();
   if (along.size() < static_cast<std::size_t>(faces2)) along.resize(static_cast<std::size_t>(faces2));
@@ -61,7 +61,7 @@ inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, std::ve
       if (norm2 <= kParallelSine * kParallelSine * length1 * d2.squaredNorm()) continue;
       n /= std::sqrt(norm2);
       if (n.dot(c2.n[e2.faceA] + c2.n[e2.faceB]) > 0) n = -n;
-      ++work[Count::axisTests];
+      ++work[WorkCount::axisTests];
       const Real s = n.dot(c2.v[e2.v0] - c1.v[e1.v0]);
       if (s > best.separation) best = {i, k, s, n};
       if (s > limit) return best;

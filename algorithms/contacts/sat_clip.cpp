@@ -32,7 +32,7 @@ class SatClip final : public ContactGenerator<D> {
   };
   explicit SatClip(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "sat_clip",
             .summary = "separating axis test, then clips the incident face against the reference face; no curved cores",
             .paper = "gregorius2013",
@@ -48,8 +48,8 @@ class SatClip final : public ContactGenerator<D> {
     return first != CoreClass::plane || second != CoreClass::plane;
   }
 
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
-    work[Count::pairQueries] += in.pairs.size();
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
+    work[WorkCount::pairQueries] += in.pairs.size();
     for (const ConvexPair<D>& pair : in.pairs) {
       const PlacedPair<D> placed = placePair(in, pair, m_params.bias);
       if (hasPlane(placed)) {

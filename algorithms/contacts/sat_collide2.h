@@ -23,7 +23,7 @@ inline void clipAgainst(const Core2& c1, const Core2& c2, bool firstIsReference,
 /// Separating axes, then clipping. In 2D the largest separation over all edge normals belongs to an edge next to the
 /// nearest vertex: -h is concave, so on the circle of directions it falls off on both sides of its maximum. Hence the
 /// nearest points of that edge and of the one that faces it are the nearest points of the polygons.
-inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, Work& work) {
+inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, WorkDone& work) {
   Patch2& out = scratch.patch;
   out.count = 0;
   const ShapeView<2>&s1 = pair.view1(), &s2 = pair.view2();
@@ -34,7 +34,7 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, Work& work)
   }
   Axis2 axis1, axis2;
   if (boxes) {
-    work[Count::axisTests] += 4;
+    work[WorkCount::axisTests] += 4;
     bestEdgesOfBoxes(coreHalf(s1), coreHalf(s2), pair.X_12, axis1, axis2);
     if (std::max(axis1.separation, axis2.separation) > pair.limit) return;
   }
@@ -42,10 +42,10 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, Work& work)
   const Core2 c2 = makeCore2(s2, &pair.X_12, scratch.second);
   if (!boxes) {
     if (!point) axis1 = bestEdge(c1, c2, pair.limit);
-    work[Count::axisTests] += static_cast<std::uint64_t>(c1.count);
+    work[WorkCount::axisTests] += static_cast<std::uint64_t>(c1.count);
     if (axis1.separation > pair.limit) return;
     axis2 = bestEdge(c2, c1, pair.limit);
-    work[Count::axisTests] += static_cast<std::uint64_t>(c2.count);
+    work[WorkCount::axisTests] += static_cast<std::uint64_t>(c2.count);
     if (axis2.separation > pair.limit) return;
   }
   const bool firstIsBest = axis1.separation >= axis2.separation;

@@ -63,7 +63,7 @@ inline void collideSegments(const Core3& c1, const Core3& c2, const PlacedPair<3
   touchEdges(c1, c2, e, pair, out);
 }
 
-inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, Work& work) {
+inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
   Patch3& out = s.patch;
   out.points.clear();
   const ShapeView<3>&s1 = pair.view1(), &s2 = pair.view2();
@@ -75,7 +75,7 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, Work& work) {
   Axes3 axes;
   const bool boxes = s1.core() == CoreClass::box && s2.core() == CoreClass::box;
   if (boxes) {
-    work[Count::axisTests] += 15;
+    work[WorkCount::axisTests] += 15;
     if (!boxAxes(s1.half, s2.half, pair.X_12.p, pair.X_12.q.matrix(), pair.limit, pair.tolerance, axes)) return;
   }
   const Core3 c1 = makeCore3(s1, nullptr, s.first), c2 = makeCore3(s2, &pair.X_12, s.second);
@@ -84,7 +84,7 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, Work& work) {
     return;
   }
   if (!boxes) {
-    work[Count::axisTests] += static_cast<std::uint64_t>(c1.faceCount() + c2.faceCount());
+    work[WorkCount::axisTests] += static_cast<std::uint64_t>(c1.faceCount() + c2.faceCount());
     axes.face2 = bestFace(c2, c1, pair.limit);
     if (axes.face2.separation > pair.limit) return;
     axes.face1 = bestFace(c1, c2, pair.limit);

@@ -16,7 +16,7 @@ class ExplicitEuler final : public Integrator<D> {
   using Params = NoParams;
   explicit ExplicitEuler(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "explicit_euler",
             .summary = "x by the old v, v by the old force; no gyroscopic term",
             .paper = "euler1768",

@@ -21,7 +21,7 @@ class Rk4 final : public Integrator<D> {
   using Params = NoParams;
   explicit Rk4(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {
         .name = "rk4",
         .summary = "Runge-Kutta of order four, with the gyroscopic term; pays off between contacts",
@@ -41,7 +41,7 @@ class Rk4 final : public Integrator<D> {
     for (int stage = 0; stage < 4; ++stage) {
       if (stage > 0) place(in, kOffset[stage] * in.dt);
       in.forces.eval({in.bodies, m_pose, m_motion}, in.time + kOffset[stage] * in.dt, m_wrenches);
-      ++in.work[Count::forceEvals];
+      ++in.work[WorkCount::forceEvals];
       for (std::size_t i = 0; i < n; ++i) {
         Rate& k = m_rate[i];
         const bool turns = m_turns[i];

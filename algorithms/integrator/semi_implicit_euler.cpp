@@ -16,7 +16,7 @@ class SemiImplicitEuler final : public Integrator<D> {
   using Params = NoParams;
   explicit SemiImplicitEuler(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "semi_implicit_euler",
             .summary = "v by the old force, x by the new v; no gyroscopic term",
             .paper = "hairer2003",

@@ -32,7 +32,7 @@ class Distance final : public JointKind<D> {
     }
   }
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "distance",
             .summary = "two points keep their distance: a rod, a damped spring, a rope",
             .paper = "catto2011",

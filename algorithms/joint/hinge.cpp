@@ -38,7 +38,7 @@ class Hinge final : public JointKind<D> {
     }
   }
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "hinge",
             .summary = "turns about one axis, between limits, by a motor, against a spring",
             .paper = "catto2014",

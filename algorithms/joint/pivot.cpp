@@ -12,7 +12,7 @@ class Pivot final : public JointKind<D> {
   using Params = NoParams;
   explicit Pivot(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "pivot",
             .summary = "one point of both bodies stays together; all rotations are free",
             .paper = "lpc2009",

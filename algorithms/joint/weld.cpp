@@ -10,7 +10,7 @@ class Weld final : public JointKind<D> {
   using Params = NoParams;
   explicit Weld(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "weld",
             .summary = "both bodies move as one",
             .paper = "catto2014",

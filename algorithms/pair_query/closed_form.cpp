@@ -17,7 +17,7 @@ class ClosedForm final : public PairQuery<D> {
   using Params = NoParams;
   explicit ClosedForm(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "closed_form",
             .summary = "formulas for rounded points, segments and boxes, box-box left out, and for planes",
             .paper = "ericson2004",
@@ -31,9 +31,9 @@ class ClosedForm final : public PairQuery<D> {
     return thin && (second == CoreClass::point || second == CoreClass::segment || second == CoreClass::box);
   }
 
-  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory>,
-             Work& work) override {
-    work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
+  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory>,
+             WorkDone& work) override {
+    work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
     const CoreClass classA = coreClass(batch.kindA), classB = coreClass(batch.kindB);
     const bool pointA = classA == CoreClass::point;
     for (int i = 0; i < batch.count; ++i) {
@@ -64,7 +64,7 @@ class ClosedForm final : public PairQuery<D> {
   }
 
   // Directions that are perpendicular to the unit vector u, and what is left of v without its part along u.
-  static void tryPerpendicular(const CorePair<D>& pair, const Vec<D>& u, Vec<D> v, BestAxis<D>& best, Work& work) {
+  static void tryPerpendicular(const CorePair<D>& pair, const Vec<D>& u, Vec<D> v, BestAxis<D>& best, WorkDone& work) {
     removeAlong<D>(v, u);
     best.tryDirection(pair, v, work);
     const auto t = tangents(u);
@@ -80,7 +80,7 @@ class ClosedForm final : public PairQuery<D> {
     best.take(n, n.dot(pair.p));
   }
 
-  static void pointSegment(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+  static void pointSegment(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     const Vec<D> u = pair.r.col(0);
     const Vec<D> v = pair.p + std::clamp(-pair.p.dot(u), -pair.b.half[0], pair.b.half[0]) * u;
     if (!proves(pair, v, best)) tryPerpendicular(pair, u, v, best, work);
@@ -98,7 +98,7 @@ class ClosedForm final : public PairQuery<D> {
     best.take(q[k] > 0 ? Vec<D>(-pair.r.col(k)) : Vec<D>(pair.r.col(k)), std::abs(q[k]) - pair.b.half[k]);
   }
 
-  static void segmentSegment(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+  static void segmentSegment(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     const Vec<D>&p = pair.p, u = pair.r.col(0);
     const Real lA = pair.a.half[0], lB = pair.b.half[0];
     // A lies on its own x axis: the parts of u across it, and the common normal, carry no cancellation.
@@ -136,7 +136,7 @@ class ClosedForm final : public PairQuery<D> {
 
   // The squared distance of a point of the segment from the box is convex and piecewise quadratic along the segment;
   // its slope, piecewise linear, changes its law only where the segment's line crosses a plane of a face.
-  static void segmentBox(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+  static void segmentBox(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     const Vec<D> c = -(pair.r.transpose() * pair.p), u = pair.r.row(0).transpose(), &h = pair.b.half;
     const Real l = pair.a.half[0];
     const auto excess = [&](Real t) {
@@ -176,7 +176,8 @@ class ClosedForm final : public PairQuery<D> {
   }
 
   // v without its part along u, but still exactly zero where it was: it stays in the cone of the box's feature.
-  static void tryPerpendicularWithinBox(const CorePair<D>& pair, Vec<D> v, Vec<D> u, BestAxis<D>& best, Work& work) {
+  static void tryPerpendicularWithinBox(const CorePair<D>& pair, Vec<D> v, Vec<D> u, BestAxis<D>& best,
+                                        WorkDone& work) {
     for (int k = 0; k < D; ++k) u[k] = v[k] == 0 ? 0 : u[k];
     if (!makeUnit<D>(u)) return;
     removeAlong<D>(v, u);

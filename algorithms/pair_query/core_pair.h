@@ -95,9 +95,9 @@ struct BestAxis {
     if (value > bound) n = direction, bound = value;
   }
   /// Tests one more direction, of any length but zero.
-  void tryDirection(const CorePair<D>& pair, Vec<D> direction, Work& work) {
+  void tryDirection(const CorePair<D>& pair, Vec<D> direction, WorkDone& work) {
     if (!makeUnit<D>(direction)) return;
-    ++work[Count::axisTests];
+    ++work[WorkCount::axisTests];
     take(direction, pair.bound(direction));
   }
 };

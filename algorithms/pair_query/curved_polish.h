@@ -11,31 +11,31 @@
 namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// |H|^-1 g, each eigenvalue of the symmetric H made positive and no smaller than `shift`.
-inline Matrix<1, 1> uphill(const Matrix<1, 1>& h, const Matrix<1, 1>& g, Real shift) {
+inline RealMatrix<1, 1> uphill(const RealMatrix<1, 1>& h, const RealMatrix<1, 1>& g, Real shift) {
   return g / (std::abs(h(0, 0)) + shift);
 }
-inline Matrix<2, 1> uphill(const Matrix<2, 2>& h, const Matrix<2, 1>& g, Real shift) {
+inline RealMatrix<2, 1> uphill(const RealMatrix<2, 2>& h, const RealMatrix<2, 1>& g, Real shift) {
   const Real middle = (h(0, 0) + h(1, 1)) / 2, half = (h(0, 0) - h(1, 1)) / 2;
   const Real radius = std::sqrt(half * half + h(0, 1) * h(0, 1));
   const Real high = 1 / (std::abs(middle + radius) + shift), low = 1 / (std::abs(middle - radius) + shift);
   if (!(radius > 0)) return high * g;
-  const Matrix<2, 1> along = (h * g - (middle - radius) * g) / (2 * radius);  // the part of g along the higher one
+  const RealMatrix<2, 1> along = (h * g - (middle - radius) * g) / (2 * radius);  // the part of g along the higher one
   return high * along + low * (g - along);
 }
 
 /// Newton's step from n within the plane of n and the columns of t, unit and across n and each other. Not of unit
 /// length.
 template <int D, int K>
-Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const Matrix<D, K>& t, Work& work) {
+Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const RealMatrix<D, K>& t, WorkDone& work) {
   const auto support = [&](const Vec<D>& direction) {
-    work[Count::supportCalls] += 2;
+    work[WorkCount::supportCalls] += 2;
     return pair.support(direction);
   };
   const Vec<D> m = support(n);
-  const Matrix<K, 1> g = t.transpose() * m;
+  const RealMatrix<K, 1> g = t.transpose() * m;
   // Central differences: across a rim, where the core turns without moving, the curvature that counts is n . m, near
   // contact far less than what differences to one side are off by.
-  Matrix<K, K> curvature;
+  RealMatrix<K, K> curvature;
   for (int k = 0; k < K; ++k) {
     const Vec<D> ahead = support(n + kTurn * t.col(k)), behind = support(n - kTurn * t.col(k));
     curvature.col(k) = t.transpose() * (ahead - behind) / (2 * kTurn);
@@ -43,7 +43,7 @@ Vec<D> newtonDirection(const CorePair<D>& pair, const Vec<D>& n, const Matrix<D,
   curvature.diagonal().array() -= n.dot(m);  // of the sphere of directions itself
   // At the maximum the curvature is negative; on a ring of maxima it has a zero, which the shift keeps harmless, and
   // beside a ridge it is positive, where only the way up counts.
-  const Matrix<K, K> symmetric = (curvature + curvature.transpose()) / 2;
+  const RealMatrix<K, K> symmetric = (curvature + curvature.transpose()) / 2;
   return n + t * uphill(symmetric, g, kLeastCurvature * symmetric.cwiseAbs().maxCoeff());
 }
 
@@ -52,7 +52,7 @@ template <int D>
 class CurvedPolish {
  public:
   /// Steps as long as the bound gets better: a search may have ended before its tolerance.
-  void improve(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+  void improve(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     for (int step = 0; step < kMostPolishSteps; ++step) {
       const Real before = best.bound;
       const Vec<D> n = best.n;
@@ -68,7 +68,7 @@ class CurvedPolish {
 
   /// For witnesses: a direction that is off by the root of a rounding gives the right bound, and a support point that
   /// is off by that root. Two steps that cost the bound no more than roundings.
-  void settle(const CorePair<D>& pair, BestAxis<D>& best, Work& work) {
+  void settle(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     for (int step = 0; step < kSettleSteps; ++step) {
       Vec<D> n = best.n;
       const int edges = gatherEdges(pair, n);
@@ -124,7 +124,7 @@ class CurvedPolish {
 
   // A ridge need not be a maximum: on one side of it, among the normals of one corner, L may go on rising. There the
   // pair is that corner and the other core.
-  void leaveRidge(const CorePair<D>& pair, const Vec<D>& n, BestAxis<D>& best, Work& work) {
+  void leaveRidge(const CorePair<D>& pair, const Vec<D>& n, BestAxis<D>& best, WorkDone& work) {
     for (const bool second : {false, true}) {
       const ShapeView<D>& shape = second ? pair.b : pair.a;
       if (shape.core() == CoreClass::curved) continue;
@@ -147,7 +147,7 @@ class CurvedPolish {
     }
   }
 
-  Vec<3> acrossEdge(const CorePair<3>& pair, Vec<3> n, Work& work) const {
+  Vec<3> acrossEdge(const CorePair<3>& pair, Vec<3> n, WorkDone& work) const {
     removeAlong<3>(n, m_edge);
     if (!makeUnit<3>(n)) return n;
     return newtonDirection<3, 1>(pair, n, cross(m_edge, n), work);

@@ -22,7 +22,7 @@ template <>
 class Epa<2> {
  public:
   QueryStatus run(const CorePair<2>& pair, const Simplex<2>& start, const EpaLimits& limits, BestAxis<2>& best,
-                  Work& work) {
+                  WorkDone& work) {
     if (!seed(pair, start, best, work)) return QueryStatus::converged;  // flat: both normals of its line are tested
     // Only bounds of true edges end the search: from outside, the polygon's own edges bound nothing from above.
     Real settled = -std::numeric_limits<Real>::infinity();
@@ -59,22 +59,22 @@ class Epa<2> {
   };
 
   // The farthest point of the difference along d; every support is a bound as well.
-  static Vec<2> support(const CorePair<2>& pair, const Vec<2>& d, BestAxis<2>& best, Work& work) {
-    work[Count::supportCalls] += 2;
+  static Vec<2> support(const CorePair<2>& pair, const Vec<2>& d, BestAxis<2>& best, WorkDone& work) {
+    work[WorkCount::supportCalls] += 2;
     const Vec<2> w = pair.support(-d);
     best.take(-d, -d.dot(w));
     return w;
   }
 
-  static Edge makeEdge(const Vec<2>& from, const Vec<2>& to, Work& work) {
-    ++work[Count::polytopeFaces];
+  static Edge makeEdge(const Vec<2>& from, const Vec<2>& to, WorkDone& work) {
+    ++work[WorkCount::polytopeFaces];
     Vec<2> outward(to[1] - from[1], from[0] - to[0]);
     const bool open = makeUnit<2>(outward);
     return {from, outward, outward.dot(from), open};
   }
 
   // A triangle that is not flat: from GJK's, or by supports across what there is of it.
-  bool seed(const CorePair<2>& pair, const Simplex<2>& start, BestAxis<2>& best, Work& work) {
+  bool seed(const CorePair<2>& pair, const Simplex<2>& start, BestAxis<2>& best, WorkDone& work) {
     const Real flat = kFlat * pair.scale;
     const Vec<2> u = start.count > 0 ? start[0] : support(pair, Vec<2>::Unit(0), best, work);
     Vec<2> v = u;

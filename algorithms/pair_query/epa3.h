@@ -14,7 +14,7 @@ template <>
 class Epa<3> {
  public:
   QueryStatus run(const CorePair<3>& pair, const Simplex<3>& start, const EpaLimits& limits, BestAxis<3>& best,
-                  Work& work) {
+                  WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
     m_visible = kVisible * pair.scale;
     m_points.clear(), m_faces.clear();
@@ -63,7 +63,7 @@ class Epa<3> {
 
   // The farthest point of the difference along unit d; every support is a bound as well.
   Vec<3> support(const Vec<3>& d) {
-    (*m_work)[Count::supportCalls] += 2;
+    (*m_work)[WorkCount::supportCalls] += 2;
     const Vec<3> w = m_pair->support(-d);
     m_best->take(-d, -d.dot(w));
     return w;
@@ -72,7 +72,7 @@ class Epa<3> {
   bool isKnown(const Vec<3>& w) const { return std::find(m_points.begin(), m_points.end(), w) != m_points.end(); }
 
   int addFace(int i, int j, int k) {
-    ++(*m_work)[Count::polytopeFaces];
+    ++(*m_work)[WorkCount::polytopeFaces];
     const Vec<3>&a = m_points[at(i)], &b = m_points[at(j)], &c = m_points[at(k)];
     Face f{{i, j, k}, {-1, -1, -1}, (b - a).cross(c - a), 0, true, true};
     f.open = makeUnit<3>(f.outward);
@@ -107,7 +107,7 @@ class Epa<3> {
     Vec<3> e = v - u;
     if (e.norm() <= flat || !makeUnit<3>(e)) e = Vec<3>::Unit(0);  // one point: any direction will do
     const auto width = [&](const Vec<3>& q) { return (q - u).cross(e).norm(); };
-    const Matrix<3, 2> across = tangents(e);
+    const RealMatrix<3, 2> across = tangents(e);
     for (int k = 0; k < 2; ++k) {
       farther(support(across.col(k)), width, w);
       farther(support(-across.col(k)), width, w);
@@ -200,7 +200,7 @@ class Epa<3> {
 
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
-  Work* m_work = nullptr;
+  WorkDone* m_work = nullptr;
   Real m_visible = 0, m_doubt = 0;
   std::vector<Vec<3>> m_points;
   std::vector<Face> m_faces;

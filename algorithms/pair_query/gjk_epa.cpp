@@ -32,7 +32,7 @@ class GjkEpa final : public PairQuery<D> {
   };
   explicit GjkEpa(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "gjk_epa",
             .summary = "GJK for the distance and EPA for the depth of the cores",
             .paper = "gilbert1988",
@@ -41,9 +41,9 @@ class GjkEpa final : public PairQuery<D> {
 
   bool supports(ShapeKind a, ShapeKind b) const override { return !hasPlane(a, b) || supportsPlane(a, b); }
 
-  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             Work& work) override {
-    work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
+  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+             WorkDone& work) override {
+    work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
     for (int i = 0; i < batch.count; ++i) {
       const CorePair<D> pair(batch, i);
       if (hasPlane(batch.kindA, batch.kindB)) {
@@ -54,7 +54,7 @@ class GjkEpa final : public PairQuery<D> {
       BestAxis<D> best;
       const QueryStatus status = search(pair, need, remembered, best, work);
       if (remembered) remember(best.n, *remembered);
-      if ((pair.a.curved || pair.b.curved) && need == Need::witnesses) m_polish.settle(pair, best, work);
+      if ((pair.a.curved || pair.b.curved) && need == QueryNeed::witnesses) m_polish.settle(pair, best, work);
       answers.set(i, answerFrom<D>(pair, best, status, need, m_touching));
     }
   }
@@ -81,11 +81,12 @@ class GjkEpa final : public PairQuery<D> {
     std::memcpy(memory.bytes.data(), stored.data(), sizeof(stored));
   }
 
-  QueryStatus search(const CorePair<D>& pair, Need need, const PairMemory* memory, BestAxis<D>& best, Work& work) {
+  QueryStatus search(const CorePair<D>& pair, QueryNeed need, const PairMemory* memory, BestAxis<D>& best,
+                     WorkDone& work) {
     const bool curved = pair.a.curved || pair.b.curved;
     const Real tolerance = m_params.tolerance * pair.scale * (curved ? kCurvedTolerance : Real(1));
     const auto support = [&](const Vec<D>& n) {
-      work[Count::supportCalls] += 2;
+      work[WorkCount::supportCalls] += 2;
       const Vec<D> w = pair.support(n);
       best.take(n, n.dot(w));
       return w;
@@ -97,7 +98,7 @@ class GjkEpa final : public PairQuery<D> {
     bool inside = false, capped = true;
     for (int i = 0; i < m_params.iterations; ++i) {
       const Real length = std::sqrt(nearest.length2);
-      if (need == Need::boolean && (best.bound > pair.radii() || length < pair.radii())) {
+      if (need == QueryNeed::boolean && (best.bound > pair.radii() || length < pair.radii())) {
         if (length < pair.radii()) best.bound = length;  // surely less than the radii: only the sign counts
         return QueryStatus::converged;
       }
@@ -121,7 +122,7 @@ class GjkEpa final : public PairQuery<D> {
       nearest = next;
     }
     if (!inside && std::sqrt(nearest.length2) - best.bound <= tolerance) return QueryStatus::converged;
-    if (inside && need == Need::boolean) return QueryStatus::converged;
+    if (inside && need == QueryNeed::boolean) return QueryStatus::converged;
     if (capped) return QueryStatus::iterationLimit;
     const EpaLimits limits{m_params.faces, tolerance};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);

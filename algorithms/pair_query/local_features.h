@@ -11,7 +11,7 @@ template <int D>
 class LocalFeatures {
  public:
   /// `gap` is how far best.bound may be from the truth (m).
-  void improve(const CorePair<D>& pair, Real gap, BestAxis<D>& best, Work& work) {
+  void improve(const CorePair<D>& pair, Real gap, BestAxis<D>& best, WorkDone& work) {
     const Real band = kGapBand * gap + kFeatureBand * pair.scale;
     supportingVertices<D>(pair.a, best.n, band, m_a);
     supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * best.n)), band, m_b);
@@ -43,7 +43,7 @@ class LocalFeatures {
 
   /// Cores that barely overlap: a facet of the difference may be a needle that was lost among rounded sums. The edges
   /// that leave the features at contact are not sums, and give the normals of all facets there.
-  void improveAcrossEdges(const CorePair<3>& pair, BestAxis<3>& best, Work& work) {
+  void improveAcrossEdges(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& work) {
     const Real band = -kGapBand * best.bound + kFeatureBand * pair.scale;
     for (int round = 0; round < kMostEdgeRounds; ++round) {
       const Real before = best.bound;

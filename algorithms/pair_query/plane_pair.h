@@ -20,14 +20,14 @@ template <int D>
 class PlanePair {
  public:
   /// The pair's answer, with the middle of the feature that faces the plane as witness. Exact but for rounding.
-  PairAnswer<D> answer(const CorePair<D>& pair, Work& work) {
+  PairAnswer<D> answer(const CorePair<D>& pair, WorkDone& work) {
     const bool planeB = pair.b.core() == CoreClass::plane;
     const ShapeView<D>& body = planeB ? pair.a : pair.b;
     // Up out of the half-space, and how high the frame's origin stands, in the body's frame.
     Vec<D> up = planeB ? Vec<D>(pair.r.col(1)) : Vec<D>(pair.r.row(1).transpose());
     makeUnit<D>(up);
     const Real origin = planeB ? -up.dot(pair.p) : pair.p[1];
-    ++work[Count::supportCalls];
+    ++work[WorkCount::supportCalls];
     const Real lowest = coreSupport(body, Vec<D>(-up)).dot(up) - body.radius;
     PairAnswer<D> answer;
     answer.status = QueryStatus::converged;

@@ -18,7 +18,7 @@ class Sat final : public PairQuery<D> {
   using Params = NoParams;
   explicit Sat(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {
         .name = "sat",
         .summary = "separating axes: face normals, edge-edge normals, and nearest vertices when apart; no curved cores",
@@ -31,9 +31,9 @@ class Sat final : public PairQuery<D> {
     return !hasPlane(a, b) || supportsPlane(a, b);
   }
 
-  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory>,
-             Work& work) override {
-    work[Count::pairQueries] += static_cast<std::uint64_t>(batch.count);
+  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory>,
+             WorkDone& work) override {
+    work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
     for (int i = 0; i < batch.count; ++i) {
       const CorePair<D> pair(batch, i);
       if (hasPlane(batch.kindA, batch.kindB)) {

@@ -10,7 +10,7 @@ namespace lpc::inline LPC_PRECISION::pair_query {
 template <int D>
 class SatBoxes {
  public:
-  SatBoxes(const CorePair<D>& pair, BestAxis<D>& best, Work& work)
+  SatBoxes(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work)
       : m_pair(pair), m_best(best), m_work(work), m_hA(pair.a.half), m_hB(pair.b.half) {}
 
   void run() {
@@ -30,7 +30,7 @@ class SatBoxes {
 
   // Both signs at once: boxes are their own mirror images.
   void test(const Vec<D>& n) {
-    ++m_work[Count::axisTests];
+    ++m_work[WorkCount::axisTests];
     const Real along = n.dot(m_pair.p);
     const Real reach = m_hA.dot(n.cwiseAbs()) + m_hB.dot((m_pair.r.transpose() * n).cwiseAbs());
     const Real bound = std::abs(along) - reach;
@@ -97,7 +97,7 @@ class SatBoxes {
 
   const CorePair<D>& m_pair;
   BestAxis<D>& m_best;
-  Work& m_work;
+  WorkDone& m_work;
   const Vec<D>&m_hA, &m_hB;
 };
 

@@ -14,7 +14,7 @@ class SatPolytope;
 template <>
 class SatPolytope<2> {
  public:
-  void run(const CorePair<2>& pair, BestAxis<2>& best, Work& work) {
+  void run(const CorePair<2>& pair, BestAxis<2>& best, WorkDone& work) {
     fill(pair.a, Pose<2>{}.p, Mat<2>::Identity(), m_a);
     fill(pair.b, pair.p, pair.r, m_b);
     testNormals(m_a, m_b, 1, best, work);
@@ -69,8 +69,8 @@ class SatPolytope<2> {
   }
 
   // The outward normals of `of`; sign 1 when that is A, so that n points from A to B.
-  static void testNormals(const Core& of, const Core& other, Real sign, BestAxis<2>& best, Work& work) {
-    work[Count::axisTests] += of.normals.size();
+  static void testNormals(const Core& of, const Core& other, Real sign, BestAxis<2>& best, WorkDone& work) {
+    work[WorkCount::axisTests] += of.normals.size();
     for (std::size_t i = 0; i < of.normals.size(); ++i) {
       const Vec<2>& n = of.normals[i];
       // A rounded normal may lean out over the next vertex: both ends of the edge hold the line.

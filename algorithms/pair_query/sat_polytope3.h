@@ -15,7 +15,7 @@ class SatPolytope;
 template <>
 class SatPolytope<3> {
  public:
-  void run(const CorePair<3>& pair, BestAxis<3>& best, Work& work) {
+  void run(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
     fill(pair.a, Vec<3>::Zero(), Mat<3>::Identity(), m_a);
     fill(pair.b, pair.p, pair.r, m_b);
@@ -110,7 +110,7 @@ class SatPolytope<3> {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
   void testFaces(const Core& of, const Core& other, Real sign) {
-    (*m_work)[Count::axisTests] += of.faces.size();
+    (*m_work)[WorkCount::axisTests] += of.faces.size();
     for (const Plane& face : of.faces) {
       Real bound = std::numeric_limits<Real>::infinity();
       for (const Vec<3>& v : other.vertices) {
@@ -148,7 +148,7 @@ class SatPolytope<3> {
   }
 
   void testAxis(const Vec<3>& n) {
-    ++(*m_work)[Count::axisTests];
+    ++(*m_work)[WorkCount::axisTests];
     Real farA = -std::numeric_limits<Real>::infinity();
     for (const Vec<3>& v : m_a.vertices) farA = std::max(farA, n.dot(v));
     Real bound = std::numeric_limits<Real>::infinity();
@@ -223,7 +223,7 @@ class SatPolytope<3> {
 
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
-  Work* m_work = nullptr;
+  WorkDone* m_work = nullptr;
   Core m_a, m_b;
   std::vector<Vec<3>> m_verticesA, m_verticesB;
   std::vector<const Edge*> m_edgesA, m_edgesB;

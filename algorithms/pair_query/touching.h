@@ -196,7 +196,7 @@ class TouchingPoint {
     return (lo + hi) / 2 * t;
   }
   Vec<3> commonPoint(const Vec<3>& n, Vec<3>& miss) {
-    const Matrix<3, 2> basis = tangents(n);
+    const RealMatrix<3, 2> basis = tangents(n);
     project(m_a3, basis, m_polygonA);
     project(m_b3, basis, m_polygonB);
     Planar offset = Planar::Zero();
@@ -205,7 +205,7 @@ class TouchingPoint {
     return basis * q;
   }
 
-  void project(const std::vector<Vec<3>>& points, const Matrix<3, 2>& basis, std::vector<Planar>& out) {
+  void project(const std::vector<Vec<3>>& points, const RealMatrix<3, 2>& basis, std::vector<Planar>& out) {
     out.clear();
     for (const Vec<3>& v : points) out.push_back(basis.transpose() * v);
     planarHull(out, m_scratch);
@@ -297,13 +297,13 @@ class TouchingPoint {
 
 /// Finishes an answer from its best axis: radii, normal, witnesses if asked.
 template <int D>
-PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, Need need,
+PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, QueryNeed need,
                          TouchingPoint& touching) {
   PairAnswer<D> answer;
   answer.status = status;
   answer.normal = best.n;
   answer.distance = best.bound - pair.radii();
-  if (need == Need::witnesses) touching.find(pair, best, answer);
+  if (need == QueryNeed::witnesses) touching.find(pair, best, answer);
   return answer;
 }
 

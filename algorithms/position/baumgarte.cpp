@@ -23,7 +23,7 @@ class Baumgarte final : public PositionResolver<D> {
   };
   explicit Baumgarte(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {
         .name = "baumgarte",
         .summary = "position errors become target velocities",

@@ -25,7 +25,7 @@ class Linear final : public PositionResolver<D> {
   };
   explicit Linear(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "linear",
             .summary = "moves bodies apart along the normal without turning them",
             .paper = "lpc2009",
@@ -53,7 +53,7 @@ class Linear final : public PositionResolver<D> {
           if (row.binds()) error += row.error * row.d;
         }
         push(j.bodyA, j.bodyB, -m_params.factor * error);
-        in.work[Count::rowUpdates] += m_rows.all().size();
+        in.work[WorkCount::rowUpdates] += m_rows.all().size();
       }
       for (int k : in.order) {
         const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
@@ -62,7 +62,7 @@ class Linear final : public PositionResolver<D> {
           const ContactPoint<D>& c = m.points[static_cast<std::size_t>(p)];
           const Real depth = -ContactArms<D>(c, m.normal, bodies.pose[a], bodies.pose[b]).separation - m_params.slop;
           if (depth > 0) push(m.bodyA, m.bodyB, m_params.factor * depth * m.normal);
-          ++in.work[Count::rowUpdates];
+          ++in.work[WorkCount::rowUpdates];
         }
       }
     }

@@ -11,7 +11,7 @@ class NoPosition final : public PositionResolver<D> {
   using Params = NoParams;
   explicit NoPosition(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "none",
             .summary = "leaves penetration and joint errors as they are",
             .paper = "",

@@ -28,7 +28,7 @@ class Nonlinear final : public PositionResolver<D> {
   };
   explicit Nonlinear(const Params& params) : m_params(params), m_depths(params.search) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "nonlinear",
             .summary = "moves and turns bodies out of the deepest contact first",
             .paper = "millington2007",
@@ -76,7 +76,7 @@ class Nonlinear final : public PositionResolver<D> {
         if (body < 0) continue;
         for (std::uint32_t k : m_neighbours.of(body)) m_depths.set(k, depth(in.bodies, m_contacts[k]));
       }
-      ++in.work[Count::rowUpdates];
+      ++in.work[WorkCount::rowUpdates];
     }
   }
 

@@ -28,7 +28,7 @@ class SplitImpulse final : public PositionResolver<D> {
   };
   explicit SplitImpulse(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "split_impulse",
             .summary = "position errors are removed by pseudo velocities that leave no energy",
             .paper = "catto2006",
@@ -52,7 +52,7 @@ class SplitImpulse final : public PositionResolver<D> {
         applyRow<D>(c.row, c.n, c.invMassA, c.invMassB, c.impulse - old, a, b, rotation);
       }
     }
-    in.work[Count::rowUpdates] +=
+    in.work[WorkCount::rowUpdates] +=
         static_cast<std::uint64_t>(m_params.iterations) * (m_contacts.size() + m_joints.rows.size());
     for (std::size_t i = 0; i < m_moves.size(); ++i) {
       Pose<D>& x = in.bodies.pose[i];

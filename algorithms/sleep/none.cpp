@@ -11,7 +11,7 @@ class None final : public SleepPolicy<D> {
   using Params = NoParams;
   explicit None(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "none",
             .summary = "keeps every body awake",
             .paper = "",

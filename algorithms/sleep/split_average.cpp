@@ -32,7 +32,7 @@ class SplitAverage final : public SleepPolicy<D> {
   };
   explicit SplitAverage(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "split_average",
             .summary = "two recency-weighted averages of speed; wakes by blows and when support goes",
             .paper = "lpc2009",
@@ -79,7 +79,7 @@ class SplitAverage final : public SleepPolicy<D> {
   void wakeByEvents(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
     bool changed = false;
     m_flag.assign(awake.size(), 0);
-    in.work[Count::eventVisits] += in.events.size();
+    in.work[WorkCount::eventVisits] += in.events.size();
     for (const SleepEvent& e : in.events) {
       switch (e.kind) {
         case SleepEvent::bodyRemoved:
@@ -101,7 +101,7 @@ class SplitAverage final : public SleepPolicy<D> {
       }
     }
     if (!changed) return;
-    in.work[Count::eventVisits] += in.manifolds.size() + in.joints.size();
+    in.work[WorkCount::eventVisits] += in.manifolds.size() + in.joints.size();
     for (const Manifold<D>& m : in.manifolds) {
       if (m_flag[index(m.bodyA)]) wake(in, awake, m.bodyB);
       if (m_flag[index(m.bodyB)]) wake(in, awake, m.bodyA);

@@ -82,11 +82,11 @@ template <int D>
 struct PointRows {
   Row<D> normal;
   std::array<Row<D>, D - 1> tangent;
-  Matrix<D - 1, D - 1> stick;   // inverse of the tangents' response: impulse that ends sliding, kg
-  Real slide;                   // 1 / the largest eigenvalue of that response, kg
-  Real target;                  // least normal velocity, m/s
-  Real kick;                    // part of the normal velocity that this step\'s forces have just made, m/s
-  std::array<Real, D> impulse;  // accumulated in this step: along n, then along the tangents
+  RealMatrix<D - 1, D - 1> stick;  // inverse of the tangents' response: impulse that ends sliding, kg
+  Real slide;                      // 1 / the largest eigenvalue of that response, kg
+  Real target;                     // least normal velocity, m/s
+  Real kick;                       // part of the normal velocity that this step\'s forces have just made, m/s
+  std::array<Real, D> impulse;     // accumulated in this step: along n, then along the tangents
 };
 
 template <int D>
@@ -97,7 +97,7 @@ struct ManifoldRows {
   Real invMassA, invMassB;
   Real friction;
   Vec<D> n;
-  Matrix<D, D - 1> t;
+  RealMatrix<D, D - 1> t;
 };
 
 inline void prepareFriction(PointRows<2>& row) { row.stick[0] = row.slide = row.tangent[0].mass; }
@@ -180,9 +180,9 @@ struct ContactRows {
 /// The tangential impulse nearest to `impulse` that Coulomb's law allows, |impulse| <= limit: an interval in 2D, a disc
 /// in 3D, which unlike a pyramid has no preferred direction.
 template <int D>
-Matrix<D - 1, 1> clampFriction(const Matrix<D - 1, 1>& impulse, Real limit) {
+RealMatrix<D - 1, 1> clampFriction(const RealMatrix<D - 1, 1>& impulse, Real limit) {
   if constexpr (D == 2) {
-    return Matrix<1, 1>(std::clamp(impulse[0], -limit, limit));
+    return RealMatrix<1, 1>(std::clamp(impulse[0], -limit, limit));
   } else {
     const Real squared = impulse.squaredNorm();
     if (squared <= limit * limit) return impulse;
@@ -198,15 +198,15 @@ Matrix<D - 1, 1> clampFriction(const Matrix<D - 1, 1>& impulse, Real limit) {
 /// neither.)
 template <int D>
 void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>& b, bool rotation) {
-  Matrix<D - 1, 1> v, old;
+  RealMatrix<D - 1, 1> v, old;
   for (int d = 0; d < D - 1; ++d) {
     v[d] = rowVelocity<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), a, b, rotation);
     old[d] = row.impulse[static_cast<std::size_t>(d) + 1];
   }
   const Real limit = m.friction * row.impulse[0];
-  Matrix<D - 1, 1> impulse = old - row.stick * v;
+  RealMatrix<D - 1, 1> impulse = old - row.stick * v;
   if (impulse.squaredNorm() > limit * limit) {
-    const Matrix<D - 1, 1> down = old - row.slide * v;
+    const RealMatrix<D - 1, 1> down = old - row.slide * v;
     impulse = clampFriction<D>(down, limit);
   }
   for (int d = 0; d < D - 1; ++d) {

@@ -17,7 +17,7 @@ void kick(const IntegrateInput<D>& in, std::vector<Wrench<D>>& wrenches) {
   auto& motion = bodies.motion;
   wrenches.resize(bodies.pose.size());
   in.forces.eval({bodies, bodies.pose, motion}, in.time, wrenches);
-  ++in.work[Count::forceEvals];
+  ++in.work[WorkCount::forceEvals];
   for (std::size_t i = 0; i < motion.size(); ++i) {
     motion[i].v += (in.dt * bodies.invMass[i]) * wrenches[i].force;
     if (in.features.rotation) motion[i].w += bodies.invInertia[i] * (in.dt * wrenches[i].torque);

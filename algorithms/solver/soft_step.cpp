@@ -47,7 +47,7 @@ class SoftStep final : public Solver<D> {
   };
   explicit SoftStep(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "soft_step",
             .summary = "sub-steps with soft contacts, relaxed after each move, restitution at the end",
             .paper = "catto2024",
@@ -197,7 +197,7 @@ class SoftStep final : public Solver<D> {
   void sweep(const StepInput<D>& in, Real h, bool springs) {
     auto& motion = in.bodies.motion;
     const bool rotation = in.features.rotation;
-    in.work[Count::rowUpdates] += m_joints.sweep(motion, h, springs ? m_softJoint : Softness());
+    in.work[WorkCount::rowUpdates] += m_joints.sweep(motion, h, springs ? m_softJoint : Softness());
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
       const Pose<D>& X_WA = in.bodies.pose[static_cast<std::size_t>(m.a)];
@@ -227,7 +227,7 @@ class SoftStep final : public Solver<D> {
           rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], a, b, rotation);
         }
       }
-      in.work[Count::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
       motion[static_cast<std::size_t>(m.a)] = a, motion[static_cast<std::size_t>(m.b)] = b;
     }
   }
@@ -247,7 +247,7 @@ class SoftStep final : public Solver<D> {
         const Real old = row.impulse[0];
         row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
-        ++in.work[Count::rowUpdates];
+        ++in.work[WorkCount::rowUpdates];
       }
     }
   }

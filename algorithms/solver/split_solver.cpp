@@ -41,7 +41,7 @@ class SplitSolver final : public Solver<D> {
         m_position(createStage<PositionResolver<D>>(params.position)),
         m_integrator(createStage<Integrator<D>>(params.integrator)) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "split_solver",
             .summary = "integrator, velocity resolver and position resolver, each of one's choice",
             .paper = "lpc2009",

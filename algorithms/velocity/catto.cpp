@@ -31,7 +31,7 @@ class Catto final : public VelocityResolver<D> {
   };
   explicit Catto(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "catto",
             .summary = "sequential impulses, accumulated and clamped, warm started",
             .paper = "catto2006",
@@ -64,7 +64,7 @@ class Catto final : public VelocityResolver<D> {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
     }
-    in.work[Count::rowUpdates] += rows * static_cast<std::uint64_t>(m_params.iterations);
+    in.work[WorkCount::rowUpdates] += rows * static_cast<std::uint64_t>(m_params.iterations);
     m_contacts.store(in.manifolds);
     m_joints.store(in.joints);
   }

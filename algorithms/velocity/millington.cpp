@@ -26,7 +26,7 @@ class Millington final : public VelocityResolver<D> {
   };
   explicit Millington(const Params& params) : m_params(params), m_errors(params.search) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "millington",
             .summary = "the contact with the largest error of velocity first, until none or the limit is left",
             .paper = "millington2007",
@@ -74,7 +74,7 @@ class Millington final : public VelocityResolver<D> {
       for (int body : {m_points[k].a, m_points[k].b}) {
         for (std::uint32_t other : m_neighbours.of(body)) m_errors.set(other, error(in, m_points[other]));
       }
-      in.work[Count::rowUpdates] += in.features.friction ? D : 1;
+      in.work[WorkCount::rowUpdates] += in.features.friction ? D : 1;
     }
     solveJoints(in);
   }
@@ -107,7 +107,7 @@ class Millington final : public VelocityResolver<D> {
   void solveJoints(const VelocityInput<D>& in) {
     const Feedback feedback{.rate = in.position.jointBias(in.dt)};
     for (int i = 0; i < static_cast<int>(m_params.iterationFactor) + 1 && !m_joints.rows.empty(); ++i) {
-      in.work[Count::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, feedback);
+      in.work[WorkCount::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, feedback);
     }
   }
 

@@ -21,7 +21,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
   };
   explicit NaiveVelocity(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {
         .name = "naive",
         .summary = "each contact once, in stored order, without accumulation",
@@ -62,7 +62,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
                                              in.features.restitution ? manifold.restitution : Real(0),
                                              in.restitutionThreshold, in.dt, in.position);
         const Real impulse = row.normal.mass * (target - v);
-        ++in.work[Count::rowUpdates];
+        ++in.work[WorkCount::rowUpdates];
         if (!(impulse > 0)) continue;  // moving apart
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, impulse, a, b, rotation);
         row.impulse[0] += impulse;
@@ -74,7 +74,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
         rubAt(m, row, a, b, rotation);
         row.impulse[0] = total[0];
         for (std::size_t d = 1; d < D; ++d) row.impulse[d] += total[d];
-        in.work[Count::rowUpdates] += D - 1;
+        in.work[WorkCount::rowUpdates] += D - 1;
       }
     }
   }

@@ -22,6 +22,6 @@ void addSolvers();
 std::vector<std::string> specsOf(const Registered& algorithm);
 
 /// Counters of the work, per operation.
-void report(benchmark::State& state, const Work& work, double operations);
+void report(benchmark::State& state, const WorkDone& work, double operations);
 
 }  // namespace lpc::inline LPC_PRECISION::bench

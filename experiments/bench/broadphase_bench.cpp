@@ -66,11 +66,11 @@ void runAlgorithm(benchmark::State& state, const std::string& spec, BoxLayout la
   BoxFrames<D> frames = boxFrames<D>(layout, static_cast<int>(state.range(0)));
   auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
   std::vector<ProxyPair> pairs;
-  Work work;
+  WorkDone work;
   Timer timer;
   broadphase->update(frames.proxies(), {frames.all(), {}, {}});
   broadphase->findPairs(frames.proxies(), pairs, work);
-  work = Work{};
+  work = WorkDone{};
   for (auto _ : state) {
     frames.advance();
     pairs.clear();
@@ -133,10 +133,10 @@ int mostBoxes(const std::string& spec) {
   const BoxFrames<D> frames = boxFrames<D>(BoxLayout::uniform, kProbe);
   auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
   std::vector<ProxyPair> pairs;
-  Work work;
+  WorkDone work;
   broadphase->update(frames.proxies(), {frames.all(), {}, {}});
   broadphase->findPairs(frames.proxies(), pairs, work);
-  return work[Count::boxTests] > std::uint64_t{kProbe} * kProbe / 5 ? 10000 : 100000;
+  return work[WorkCount::boxTests] > std::uint64_t{kProbe} * kProbe / 5 ? 10000 : 100000;
 }
 
 template <int D, class Run>

@@ -14,7 +14,7 @@ std::vector<std::string> specsOf(const Registered& algorithm) {
   return specs;
 }
 
-void report(benchmark::State& state, const Work& work, double operations) {
+void report(benchmark::State& state, const WorkDone& work, double operations) {
   for (std::size_t k = 0; k < work.counts.size(); ++k) {
     if (work.counts[k] == 0) continue;
     state.counters[std::string(kCountNames[k])] = static_cast<double>(work.counts[k]) / operations;

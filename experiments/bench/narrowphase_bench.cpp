@@ -87,7 +87,7 @@ Real separationAlong(const PairView<D>& pair, const Vec<D>& n) {
 }
 
 template <int D>
-void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB, Need need) {
+void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB, QueryNeed need) {
   const PairData<D> data(kindA, kindB, static_cast<int>(state.range(0)));
   auto method = createStage<PairQuery<D>>(Spec::parse(spec));
   auto batch = std::make_unique<PairBatch<D>>();
@@ -95,7 +95,7 @@ void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA,
   batch->clear(kindA, kindB);
   for (std::size_t k = 0; k < kPairs; ++k)
     batch->add(data.a[k].view(), data.b[k].view(), data.X_WA[k].inverse() * data.X_WB[k]);
-  Work work;
+  WorkDone work;
   const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
   for (auto _ : state) {
     method->query(*batch, need, *answers, {}, work);
@@ -106,7 +106,7 @@ void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA,
   report(state, work, static_cast<double>(state.iterations()) * kPairs);
 
   // Right if the method says that it finished, and its own normal proves its distance.
-  method->query(*batch, Need::witnesses, *answers, {}, work);
+  method->query(*batch, QueryNeed::witnesses, *answers, {}, work);
   int unfinished = 0, unproved = 0, overlaps = 0;
   for (int k = 0; k < kPairs; ++k) {
     const PairAnswer<D> answer = answers->get(k);
@@ -139,7 +139,7 @@ void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind ki
     pairs.push_back({slot, slot + 1});
   }
   ChildPairs<D> childPairs;
-  Work work;
+  WorkDone work;
   const auto children = childPairs.of(pairs, shapes, poses, Real(0.02), work);
   const ContactInput<D> input{children, shapes, poses, Real(0.02), true};
   std::vector<Manifold<D>> manifolds;
@@ -172,9 +172,9 @@ std::string kindText(ShapeKind a, ShapeKind b) {
   return std::string(shapeKindName(a)) + "-" + std::string(shapeKindName(b));
 }
 
-void addSizes(benchmark::internal::Benchmark* bench, Role role, int dimension, ShapeKind a, ShapeKind b) {
+void addSizes(benchmark::internal::Benchmark* bench, AlgorithmRole role, int dimension, ShapeKind a, ShapeKind b) {
   // Witnesses work in a process of their own, where they take their time themselves.
-  if (role == Role::witness) bench->UseManualTime();
+  if (role == AlgorithmRole::witness) bench->UseManualTime();
   if (a != ShapeKind::polytope && b != ShapeKind::polytope) {
     bench->Arg(0);
     return;
@@ -203,9 +203,10 @@ void forKinds(StageKind stage, Add add) {
 template <int D>
 void addQueries() {
   const std::string dimension = std::to_string(D) + "D/";
-  forKinds<D, PairQuery<D>>(StageKind::pairQuery, [&](Role role, const std::string& spec, ShapeKind a, ShapeKind b) {
-    static constexpr std::pair<Need, const char*> needs[] = {
-        {Need::boolean, "/boolean"}, {Need::distance, "/distance"}, {Need::witnesses, "/witnesses"}};
+  forKinds<D, PairQuery<D>>(StageKind::pairQuery, [&](AlgorithmRole role, const std::string& spec, ShapeKind a,
+                                                      ShapeKind b) {
+    static constexpr std::pair<QueryNeed, const char*> needs[] = {
+        {QueryNeed::boolean, "/boolean"}, {QueryNeed::distance, "/distance"}, {QueryNeed::witnesses, "/witnesses"}};
     for (const auto& [need, text] : needs) {
       const std::string name = "pair_query/" + dimension + spec + "/" + kindText(a, b) + text;
       addSizes(benchmark::RegisterBenchmark(
@@ -219,7 +220,7 @@ template <int D>
 void addGenerators() {
   const std::string dimension = std::to_string(D) + "D/";
   forKinds<D, ContactGenerator<D>>(
-      StageKind::contacts, [&](Role role, const std::string& spec, ShapeKind a, ShapeKind b) {
+      StageKind::contacts, [&](AlgorithmRole role, const std::string& spec, ShapeKind a, ShapeKind b) {
         const std::string name = "contacts/" + dimension + spec + "/" + kindText(a, b);
         addSizes(benchmark::RegisterBenchmark(name.c_str(),
                                               [=](benchmark::State& state) { runGenerator<D>(state, spec, a, b); }),

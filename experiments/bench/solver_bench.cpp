@@ -56,7 +56,7 @@ void runSolver(benchmark::State& state, const std::string& solver) {
     Pipeline pipeline;
     pipeline[StageKind::solver] = Spec::parse(solver);
     World<D> world(pipeline, settings);
-    Work work;
+    WorkDone work;
     double steps = 0, points = 0, whole = 0, moved = 0;
     for (auto _ : state) {
       const bool reload = world.bodyCount() == 0 || world.stepCount() == kSettle + kSteps;

@@ -39,9 +39,9 @@ void readChoices(Arguments& a) {
     if (d != 2 && d != 3) throw UserError("the dimension is " + std::to_string(d) + "; valid: 2, 3");
   }
   if (a.role == "competitor") {
-    a.options.role = Role::competitor;
+    a.options.role = AlgorithmRole::competitor;
   } else if (a.role == "witness") {
-    a.options.role = Role::witness;
+    a.options.role = AlgorithmRole::witness;
   } else if (a.role != "all") {
     throw UserError("unknown role '" + a.role + "'; valid: competitor, witness, all");
   }

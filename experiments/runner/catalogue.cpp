@@ -26,7 +26,7 @@ const char* guaranteeName(Guarantee g) {
 
 }  // namespace
 
-std::string_view roleName(Role role) {
+std::string_view roleName(AlgorithmRole role) {
   constexpr std::array<std::string_view, 4> kNames = {"competitor", "witness", "referee", "engine"};
   return kNames[static_cast<std::size_t>(role)];
 }
@@ -105,7 +105,7 @@ std::string withNames(const std::string& page) {
   for (const StageInfo& stage : kStages) {
     std::set<std::string> names;
     for (const auto& [key, entry] : Registry::instance().all()) {
-      const bool listed = entry.info.role == Role::competitor || entry.info.role == Role::engine;
+      const bool listed = entry.info.role == AlgorithmRole::competitor || entry.info.role == AlgorithmRole::engine;
       if (entry.stage == stage.kind && listed) names.insert(entry.info.name);
     }
     table += "| " + std::string(stage.name) + " | ";

@@ -28,6 +28,6 @@ void describeProgram(Store& store);
 /// "<!-- end -->". Throws UserError when it lacks them.
 std::string withNames(const std::string& page);
 
-std::string_view roleName(Role role);
+std::string_view roleName(AlgorithmRole role);
 
 }  // namespace lpc::inline LPC_PRECISION

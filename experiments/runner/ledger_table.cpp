@@ -40,7 +40,7 @@ std::string nanosecondsOf(const LedgerEntry& e) {
 }
 
 std::string remark(const LedgerEntry& e) {
-  if (e.role != Role::competitor) return "  (" + std::string(roleName(e.role)) + ")";
+  if (e.role != AlgorithmRole::competitor) return "  (" + std::string(roleName(e.role)) + ")";
   return e.faults() ? "  WRONG" : "";
 }
 
@@ -70,7 +70,7 @@ class Printer {
     if (m_kinds.size() > 1) byKinds();
     m_out << "\n";
     return static_cast<int>(std::count_if(m_methods.begin(), m_methods.end(), [](const auto& m) {
-      return m.second.role == Role::competitor && m.second.faults() > 0;
+      return m.second.role == AlgorithmRole::competitor && m.second.faults() > 0;
     }));
   }
 

@@ -33,7 +33,8 @@ void bindMethod(SQLite::Statement& s, const LedgerMethod& m) {
 LedgerEntry entryOf(SQLite::Statement& s) {
   LedgerEntry e;
   const std::string role = s.getColumn(kKeys).getString();
-  for (const Role r : {Role::competitor, Role::witness, Role::referee, Role::engine}) {
+  for (const AlgorithmRole r :
+       {AlgorithmRole::competitor, AlgorithmRole::witness, AlgorithmRole::referee, AlgorithmRole::engine}) {
     if (roleName(r) == role) e.role = r;
   }
   int at = kKeys + 1;

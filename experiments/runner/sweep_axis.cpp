@@ -129,7 +129,8 @@ class Stars {
     }
     std::set<std::string> names;
     for (const auto& [key, entry] : Registry::instance().all()) {
-      const bool witness = entry.info.role == Role::witness, referee = entry.info.role == Role::referee;
+      const bool witness = entry.info.role == AlgorithmRole::witness,
+                 referee = entry.info.role == AlgorithmRole::referee;
       if (entry.stage == stage.kind && !referee && witness == (kind == "*witness")) names.insert(entry.info.name);
     }
     std::string valid;

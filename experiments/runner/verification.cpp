@@ -32,7 +32,7 @@ struct Method {
   LedgerMethod ledger;
   Spec spec;  // every parameter written out
   std::string code;
-  Role role = Role::competitor;
+  AlgorithmRole role = AlgorithmRole::competitor;
 };
 
 /// What can be asked in one worker: one stage and dimension, and for all but broadphases one pair of kinds.
@@ -171,7 +171,7 @@ class Verification {
         m_tty(isatty(STDERR_FILENO) == 1) {
     for (const Method& m : m_plan.methods()) {
       store.keepOnlyCode(m.ledger, m.code);
-      if (m.role == Role::witness) m_blocksPerJob = kBlocksPerSlowJob;
+      if (m.role == AlgorithmRole::witness) m_blocksPerJob = kBlocksPerSlowJob;
     }
   }
 
@@ -217,7 +217,7 @@ class Verification {
     int witnesses = 0;
     for (const Method* m : part.methods) {
       task["methods"].push_back(m->ledger.method);
-      witnesses += m->role == Role::witness;
+      witnesses += m->role == AlgorithmRole::witness;
     }
     if (s.kinds) task["kind_a"] = shapeKindName(s.kinds->first), task["kind_b"] = shapeKindName(s.kinds->second);
     if (!part.ended.empty()) task["ended"] = part.ended;

@@ -20,8 +20,8 @@ struct VerificationOptions {
   std::vector<StageKind> stages = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase};
   std::vector<int> dimensions = {2, 3};
   std::vector<std::string> precisions = {"f64"};
-  std::vector<std::string> methods = {};  // specs; empty: all that are registered
-  std::optional<Role> role = {};          // of the methods; none: all
+  std::vector<std::string> methods = {};   // specs; empty: all that are registered
+  std::optional<AlgorithmRole> role = {};  // of the methods; none: all
   std::uint64_t seed = 1;
   long pairs = kVerifyBlock;  // per two kinds of shape (or sets of boxes), rounded up to whole blocks
   double minutes = 0;         // above 0: go on until then, whatever `pairs` says

@@ -107,15 +107,15 @@ TrialResult runBoxes(const json& t) {
     ProxyChanges changes;
     (frame == 0 ? changes.added : changes.moved) = everyone;
     pairs.clear();
-    Work work;
+    WorkDone work;
     const double before = cpuSeconds();
     method->update(proxies, changes);
     method->findPairs(proxies, pairs, work);
     const double after = cpuSeconds();
     if (frame >= kWarmUp) seen.nanoseconds.push_back(1e9 * (after - before));
     seen.found.push_back(static_cast<double>(pairs.size()));
-    seen.tests.push_back(static_cast<double>(work[Count::boxTests]));
-    seen.visits.push_back(static_cast<double>(work[Count::nodeVisits]));
+    seen.tests.push_back(static_cast<double>(work[WorkCount::boxTests]));
+    seen.visits.push_back(static_cast<double>(work[WorkCount::nodeVisits]));
     std::sort(pairs.begin(), pairs.end());
     XXH64_update(hash, pairs.data(), pairs.size() * sizeof(ProxyPair));
     const std::vector<ProxyPair> right = allPairs(proxies);

@@ -33,7 +33,7 @@ TrialResult runPairs(const json& t) {
   const int n = t.at("n").get<int>();
   const Spec spec = Spec::parse(t.at("pair_query").get<std::string>());
   const auto method = createStage<PairQuery<D>>(spec);
-  const Role role = Registry::instance().find(StageKind::pairQuery, D, spec.name).info.role;
+  const AlgorithmRole role = Registry::instance().find(StageKind::pairQuery, D, spec.name).info.role;
   // A witness works in a process of its own, where this thread's clock does not see it: it tells the time itself.
   const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
   TrialResult out;
@@ -53,7 +53,7 @@ TrialResult runPairs(const json& t) {
   seen.timed = t.value("timed", false), seen.asked = n;
   const auto batch = std::make_unique<PairBatch<D>>();
   const auto answers = std::make_unique<PairAnswers<D>>();
-  Work work;
+  WorkDone work;
   XXH64_state_t* hash = XXH64_createState();
   XXH64_reset(hash, 0);
   for (std::size_t begin = 0; begin < pairs.size(); begin += PairBatch<D>::kCapacity) {
@@ -63,7 +63,7 @@ TrialResult runPairs(const json& t) {
     const int repeats = seen.timed && !witness ? 8 : 1;  // the first warms the caches
     for (int r = 0; r < repeats; ++r) {
       const double before = cpuSeconds();
-      method->query(*batch, Need::witnesses, *answers, {}, work);
+      method->query(*batch, QueryNeed::witnesses, *answers, {}, work);
       const double spent = witness ? static_cast<double>(witness->nanoseconds()) : 1e9 * (cpuSeconds() - before);
       if (r > 0 || witness) seen.nanoseconds.push_back(spent / static_cast<double>(end - begin));
     }

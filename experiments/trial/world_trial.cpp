@@ -234,7 +234,7 @@ class WorldTrial {
   int m_top = -1;
   long m_poseEvery = kPoseEvery;
   WorldSeen<D> m_seen{m_scene};
-  Work m_work;
+  WorkDone m_work;
 };
 
 template <int D>

@@ -225,13 +225,13 @@ class Box2d final : public Engine<D> {
   using Params = Box2dParams;
   explicit Box2d(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "box2d",
             .summary = kSummary,
             .paper = "",
             .complexity = "rows x iterations",
             .guarantee = Guarantee::approximate,
-            .role = Role::engine};
+            .role = AlgorithmRole::engine};
   }
   std::unique_ptr<Simulation<D>> start([[maybe_unused]] const WorldSettings<D>& settings) const override {
 #ifdef LPC_HAS_BOX2D

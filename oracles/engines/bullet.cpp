@@ -339,13 +339,13 @@ class Bullet final : public Engine<D> {
   using Params = BulletParams;
   explicit Bullet(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "bullet",
             .summary = kSummary,
             .paper = "",
             .complexity = "rows x iterations",
             .guarantee = Guarantee::approximate,
-            .role = Role::engine};
+            .role = AlgorithmRole::engine};
   }
   std::unique_ptr<Simulation<D>> start([[maybe_unused]] const WorldSettings<D>& settings) const override {
 #ifdef LPC_HAS_BULLET

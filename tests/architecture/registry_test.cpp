@@ -65,7 +65,7 @@ TEST(RegistryRules, EveryAlgorithmDescribesItself) {
     }
     for (const FailureMode& f : r.info.failures) EXPECT_FALSE(f.when.empty() || f.symptom.empty() || f.test.empty());
     for (const ParamInfo& p : r.params) EXPECT_FALSE(p.meaning.empty() || p.unit.empty()) << p.name;
-    if (r.info.role != Role::competitor) continue;
+    if (r.info.role != AlgorithmRole::competitor) continue;
     const std::string folder = "algorithms/" + std::string(stageName(r.stage)) + "/" + r.info.name + ".cpp";
     EXPECT_TRUE(r.file.ends_with(folder)) << r.file << " should be " << folder;
   }

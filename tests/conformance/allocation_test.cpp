@@ -64,7 +64,7 @@ long allocationsOfWarmFrames(Broadphase<D>& broadphase) {
   }
   std::vector<ProxyPair> pairs;
   pairs.reserve(kBoxes * kBoxes / 2);
-  Work work;
+  WorkDone work;
   broadphase.update(proxies, {all, {}, {}});
   long warm = 0;
   for (int frame = 0; frame < 40; ++frame) {
@@ -95,7 +95,7 @@ TEST(Allocations, Broadphases3) { checkBroadphases<3>(); }
 // Planted bug: a list of candidates that is made anew in each frame.
 class ForgetsItsMemory final : public Broadphase<2> {
  public:
-  void findPairs(const Proxies<2>& proxies, std::vector<ProxyPair>&, Work&) override {
+  void findPairs(const Proxies<2>& proxies, std::vector<ProxyPair>&, WorkDone&) override {
     std::vector<ProxyId> candidates(static_cast<std::size_t>(proxies.size()));
     m_last = candidates.data();
   }

@@ -240,7 +240,7 @@ void checkPairs(const BroadphaseFactory<D>& create, Guarantee guarantee, BoxFami
   const auto broadphase = create();
   BoxCrowd<D> crowd(family);
   std::vector<ProxyPair> found;
-  Work work;
+  WorkDone work;
   for (std::size_t k = 0; k <= list.size(); ++k) {
     if (k % 16 == 15 || k == list.size()) {
       crowd.update(*broadphase);

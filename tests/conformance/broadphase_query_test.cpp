@@ -88,7 +88,7 @@ void checkQueries(Broadphase<D>& broadphase, BoxFamily family, std::uint64_t see
   Hall<D> hall(family, seed, count);
   broadphase.update(hall.proxies, {hall.added, {}, hall.added});
   std::vector<ProxyPair> pairs;
-  Work work;
+  WorkDone work;
   broadphase.findPairs(hall.proxies, pairs, work);
   Random random(seed + 1);
   const Aabb<D> box = drawBox<D>(random, family);
@@ -141,7 +141,7 @@ void checkQueries(Broadphase<D>& broadphase, BoxFamily family, std::uint64_t see
 template <int D>
 void checkAllQueries() {
   for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
-    if (algorithm->info.role != Role::competitor) continue;
+    if (algorithm->info.role != AlgorithmRole::competitor) continue;
     check(
         "queries of " + algorithm->info.name + ", " + std::to_string(D) + "D",
         [&] {
@@ -165,7 +165,7 @@ TEST(BroadphaseQueries, ThreeDimensions) { checkAllQueries<3>(); }
 template <int D>
 class OpenQuery final : public Broadphase<D> {
  public:
-  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, Work&) override {}
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, WorkDone&) override {}
   void overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const override {
     for (ProxyId i = 0; i < proxies.size(); ++i) {
       const Aabb<D> b = proxies.box(i);
@@ -178,7 +178,7 @@ class OpenQuery final : public Broadphase<D> {
 template <int D>
 class LooksBack final : public Broadphase<D> {
  public:
-  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, Work&) override {}
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, WorkDone&) override {}
   void ray(const Proxies<D>& proxies, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
            std::vector<RayHit<D>>& out) const override {
     Broadphase<D>::ray(proxies, p, direction, maxT, firstOnly, out);

@@ -95,12 +95,12 @@ class Stand {
     std::sort(out.begin(), out.end());
     return out;
   }
-  std::uint64_t visits() const { return m_work[Count::nodeVisits]; }  // of the last pairs()
+  std::uint64_t visits() const { return m_work[WorkCount::nodeVisits]; }  // of the last pairs()
 
  private:
   std::unique_ptr<Broadphase<D>> m_broadphase;
   Proxies<D> m_proxies;
-  mutable Work m_work;
+  mutable WorkDone m_work;
 };
 
 std::vector<ProxyId> inOrder(int n) {
@@ -195,7 +195,7 @@ void touchingShapesAreFound(const BroadphaseFactory<D>& create) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     for (std::size_t j = i + 1; j < shapes.size(); ++j) {
       const Pose<D> X = poses[i].inverse() * poses[j];
-      const auto answer = queryPair<D>(*exact, shapes[i].view(), shapes[j].view(), X, Need::distance);
+      const auto answer = queryPair<D>(*exact, shapes[i].view(), shapes[j].view(), X, QueryNeed::distance);
       const ProxyPair pair{static_cast<ProxyId>(i), static_cast<ProxyId>(j)};
       if (answer.distance <= 0) RC_ASSERT(std::binary_search(found.begin(), found.end(), pair));
     }
@@ -265,7 +265,7 @@ struct Named {
   void (*holds)(const BroadphaseFactory<D>&);
   Of of = Of::all;
 
-  bool concerns(const Info& info) const {
+  bool concerns(const AlgorithmInfo& info) const {
     return of == Of::all || (of == Of::exact && info.guarantee == Guarantee::exact) ||
            (of == Of::trees && info.name.ends_with("_tree"));
   }
@@ -281,7 +281,7 @@ std::vector<Named<D>> properties() {
 template <int D>
 void everyBroadphase() {
   for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
-    if (algorithm->info.role != Role::competitor) continue;
+    if (algorithm->info.role != AlgorithmRole::competitor) continue;
     const std::vector<Spec> specs = variants(*algorithm);
     for (const Named<D>& p : properties<D>()) {
       if (!p.concerns(algorithm->info)) continue;

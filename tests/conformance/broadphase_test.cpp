@@ -19,7 +19,7 @@ void checkAllPairs() {
   const auto list = Registry::instance().list(StageKind::broadphase, D);
   ASSERT_GE(list.size(), 5u);
   for (const Registered* algorithm : list) {
-    if (algorithm->info.role != Role::competitor) continue;
+    if (algorithm->info.role != AlgorithmRole::competitor) continue;
     const std::vector<Spec> specs = variants(*algorithm);
     std::size_t runs = 0, total = 0;
     // The lengths grow with the number of the case: half of the cases are the default, so that it sees the long ones.
@@ -127,10 +127,10 @@ class Boxes {
   Outcome run(const char* spec) const {
     const auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
     std::vector<ProxyPair> pairs;
-    Work work;
+    WorkDone work;
     broadphase->update(m_proxies, {});
     broadphase->findPairs(m_proxies, pairs, work);
-    return {pairs.size(), work[Count::boxTests]};
+    return {pairs.size(), work[WorkCount::boxTests]};
   }
 
  private:

@@ -16,7 +16,7 @@ namespace {
 template <int D, class Property>
 void onEveryGenerator(const std::string& name, const Property& property, int cases) {
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
-    if (r->info.role != Role::competitor) continue;
+    if (r->info.role != AlgorithmRole::competitor) continue;
     bool mustFail = false;
     for (const FailureMode& f : r->info.failures) mustFail = mustFail || f.test == name;
     const auto generator = createStage<ContactGenerator<D>>({r->info.name, {}});
@@ -48,10 +48,10 @@ void pairsAreIndependent() {
     pairs.push_back({2 * i, 2 * i + 1});
   }
   ChildPairs<D> childPairs;
-  Work none;
+  WorkDone none;
   const auto children = childPairs.of(pairs, shapes, pose, kContactMargin, none);
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
-    Work work;
+    WorkDone work;
     std::vector<Manifold<D>> together, alone;
     const auto generator = createStage<ContactGenerator<D>>({r->info.name, {}});
     generator->generate({children, shapes, pose, kContactMargin, true}, together, work);

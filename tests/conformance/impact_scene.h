@@ -28,7 +28,7 @@ struct Field final : Forces<D> {
   }
 };
 
-struct NoDetection final : Detect {
+struct NoDetection final : DetectAgain {
   void again() override { std::abort(); }
 };
 
@@ -41,7 +41,7 @@ struct ImpactScene {
   Features features;
   Field<D> field;
   Real dt = Real(1) / 60, lastDt = 0, time = 0;
-  Work work;
+  WorkDone work;
   Profiler profiler;
   ContactGraph<D> graph;
 

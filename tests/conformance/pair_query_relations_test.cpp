@@ -17,7 +17,7 @@ constexpr int kRuns = 400;  // cases of each property, and of each bug that it m
 
 template <int D>
 double distanceOf(PairQuery<D>& method, const Asked<D>& pair) {
-  const auto answer = queryPair<D>(method, pair.a.view(), pair.b.view(), pair.X_AB, Need::distance);
+  const auto answer = queryPair<D>(method, pair.a.view(), pair.b.view(), pair.X_AB, QueryNeed::distance);
   RC_ASSERT(answer.status != QueryStatus::refused);
   return static_cast<double>(answer.distance);
 }
@@ -250,7 +250,7 @@ std::vector<Named<D>> properties() {
 template <int D>
 void everyMethod() {
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
-    if (r->info.role != Role::competitor) continue;
+    if (r->info.role != AlgorithmRole::competitor) continue;
     const auto method = createStage<PairQuery<D>>(Spec{r->info.name, {}});
     for (const Named<D>& p : properties<D>()) {
       check(
@@ -264,7 +264,7 @@ TEST(PairQueryRelations, ThreeDimensions) { everyMethod<3>(); }
 
 TEST(PairQueryRelations, PrismsAreFlat) {
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 2)) {
-    if (r->info.role != Role::competitor) continue;  // witnesses in 2D are prisms themselves
+    if (r->info.role != AlgorithmRole::competitor) continue;  // witnesses in 2D are prisms themselves
     const auto flat = createStage<PairQuery<2>>(Spec{r->info.name, {}});
     const auto solid = createStage<PairQuery<3>>(Spec{r->info.name == "closed_form" ? "sat" : r->info.name, {}});
     check(

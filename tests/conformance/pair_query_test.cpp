@@ -18,12 +18,12 @@ using namespace wrong_queries;
 template <int D>
 struct Method {
   std::string name;
-  Role role;
+  AlgorithmRole role;
   std::unique_ptr<PairQuery<D>> query;
 };
 
 template <int D>
-std::vector<Method<D>> methods(Role role) {
+std::vector<Method<D>> methods(AlgorithmRole role) {
   std::vector<Method<D>> out;
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
     if (r->info.role == role) out.push_back({r->info.name, role, createStage<PairQuery<D>>(Spec{r->info.name, {}})});
@@ -56,7 +56,7 @@ auto holdsFor(PairQuery<D>& query, const std::string& only = "") {
 
 template <int D>
 void properties() {
-  const auto all = methods<D>(Role::competitor);
+  const auto all = methods<D>(AlgorithmRole::competitor);
   ASSERT_GE(all.size(), 3u);
   for (const Method<D>& m : all) {
     SCOPED_TRACE(m.name);
@@ -101,7 +101,7 @@ TEST(PairQuery, PlantedBugs3) { bugsAreCaught<3>(); }
 // Each method's answer against the best bound that any of them proves: no two may differ, and none may be wrong.
 template <int D>
 void agreement() {
-  const auto all = methods<D>(Role::competitor);
+  const auto all = methods<D>(AlgorithmRole::competitor);
   std::map<std::string, double> worst;
   PlainDraw draw(seedOf("agreement"));
   for (int n = caseCount(20000); n > 0; --n) {
@@ -110,7 +110,7 @@ void agreement() {
     double best = -std::numeric_limits<double>::infinity();
     std::vector<std::pair<const Method<D>*, PairAnswer<D>>> answers;
     for (const Method<D>& m : all) {
-      const PairAnswer<D> answer = queryPair<D>(*m.query, pair.a.view(), pair.b.view(), pair.X_AB, Need::distance);
+      const PairAnswer<D> answer = queryPair<D>(*m.query, pair.a.view(), pair.b.view(), pair.X_AB, QueryNeed::distance);
       if (answer.status == QueryStatus::refused) continue;
       answers.emplace_back(&m, answer);
       ASSERT_TRUE(std::isfinite(answer.distance) && answer.normal.allFinite()) << m.name << "\n" << c;

@@ -61,7 +61,7 @@ std::vector<JudgedPair<D>> judgedPairs(int count) {
 
 // `errors` comes out sorted.
 template <int D>
-Tally against(PairQuery<D>& method, Need need, const std::vector<JudgedPair<D>>& pairs) {
+Tally against(PairQuery<D>& method, QueryNeed need, const std::vector<JudgedPair<D>>& pairs) {
   Tally tally;
   double largest = -1;
   for (const JudgedPair<D>& p : pairs) {
@@ -77,7 +77,7 @@ Tally against(PairQuery<D>& method, Need need, const std::vector<JudgedPair<D>>&
     const Interval phi = p.truth.interval();
     if ((distance < 0) != (phi.lo < 0) && std::abs(phi.middle()) > kBound * p.s) ++tally.wrongSigns;
     double error = 0;  // of a boolean there is only the sign
-    if (need != Need::boolean) {
+    if (need != QueryNeed::boolean) {
       const Vecd<D> n = answer.normal.template cast<double>();
       const bool unit = std::abs(n.norm() - 1) <= static_cast<double>(kUnitTolerance);
       const double along = unit ? separationAlong(a, Pose<D>{}, b, p.X_AB, n).hi : distance - p.s;
@@ -98,17 +98,17 @@ template <int D>
 void competitorsAgree() {
   const auto pairs = judgedPairs<D>(caseCount(10000));
   for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
-    if (entry->info.role != Role::competitor) continue;
+    if (entry->info.role != AlgorithmRole::competitor) continue;
     const auto method = createStage<PairQuery<D>>(Spec{entry->info.name, {}});
-    for (const Need need : {Need::witnesses, Need::distance, Need::boolean}) {
+    for (const QueryNeed need : {QueryNeed::witnesses, QueryNeed::distance, QueryNeed::boolean}) {
       const Tally tally = against<D>(*method, need, pairs);
       ASSERT_FALSE(tally.errors.empty()) << entry->info.name;
       const std::size_t n = tally.errors.size();
       std::printf("%dD %-12s %-9s %6zu pairs, error/s median %.1e, 99.9 %% %.1e, worst %.1e; wrong signs %d\n", D,
                   entry->info.name.c_str(),
-                  need == Need::witnesses  ? "witnesses"
-                  : need == Need::distance ? "distance"
-                                           : "boolean",
+                  need == QueryNeed::witnesses  ? "witnesses"
+                  : need == QueryNeed::distance ? "distance"
+                                                : "boolean",
                   n, tally.errors[n / 2], tally.errors[n * 999 / 1000], tally.errors.back(), tally.wrongSigns);
       EXPECT_TRUE(tally.right()) << entry->info.name << ", unanswered " << tally.unanswered << ", wrong signs "
                                  << tally.wrongSigns << "\n"
@@ -126,8 +126,8 @@ class Spoiled final : public PairQuery<D> {
   enum Way { offByMore, flippedNormal, missedTouch, neverAnswers, leaningNormal, halfTheDigits };
   Spoiled(PairQuery<D>& method, Way way) : m_method(method), m_way(way) {}
   bool supports(ShapeKind a, ShapeKind b) const override { return m_method.supports(a, b); }
-  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             Work& work) override {
+  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+             WorkDone& work) override {
     m_method.query(batch, need, answers, memory, work);
     for (int i = 0; i < batch.count; ++i) {
       PairAnswer<D> answer = answers.get(i);
@@ -162,7 +162,7 @@ void spoiledAreSeen() {
   for (const auto way :
        {S::offByMore, S::flippedNormal, S::missedTouch, S::neverAnswers, S::leaningNormal, S::halfTheDigits}) {
     S spoiled(*method, way);
-    EXPECT_FALSE(against<D>(spoiled, Need::witnesses, pairs).right()) << "way " << way << " was not seen";
+    EXPECT_FALSE(against<D>(spoiled, QueryNeed::witnesses, pairs).right()) << "way " << way << " was not seen";
   }
 }
 TEST(PairQueryTruth, SpoiledMethodsAreSeen) { spoiledAreSeen<2>(), spoiledAreSeen<3>(); }
@@ -235,9 +235,9 @@ void bothPrecisions(std::uint64_t inputs) {
   for (int n = 2000; n > 0; --n) pairs.push_back(source.draw());
   EXPECT_EQ(source.hash(), inputs) << "the other precision is asked something else";
   for (const Registered* entry : Registry::instance().list(StageKind::pairQuery, D)) {
-    if (entry->info.role != Role::competitor) continue;
+    if (entry->info.role != AlgorithmRole::competitor) continue;
     const auto method = createStage<PairQuery<D>>(Spec{entry->info.name, {}});
-    const Tally tally = against<D>(*method, Need::witnesses, pairs);
+    const Tally tally = against<D>(*method, QueryNeed::witnesses, pairs);
     EXPECT_TRUE(tally.right()) << entry->info.name << ", worst error " << tally.errors.back() << ":\n" << tally.worst;
   }
 }

@@ -80,14 +80,14 @@ struct RowProblem {
   /// onto the cone.
   void rub(RowContact<D>& c) {
     if (c.row[1].absent()) return;
-    Matrix<D - 1, D - 1> k;
-    Matrix<D - 1, 1> v, old;
+    RealMatrix<D - 1, D - 1> k;
+    RealMatrix<D - 1, 1> v, old;
     for (int i = 0; i < D - 1; ++i) {
       v[i] = speed(c, i + 1), old[i] = c.impulse[static_cast<std::size_t>(i) + 1];
       for (int j = 0; j < D - 1; ++j) k(i, j) = response(c, i + 1, j + 1);
     }
     const Real limit = c.row[1].friction * c.impulse[0];
-    Matrix<D - 1, 1> now = old - k.inverse() * v;
+    RealMatrix<D - 1, 1> now = old - k.inverse() * v;
     if (now.norm() > limit) {
       now = old - v / Eigen::SelfAdjointEigenSolver<Eigen::Matrix<Real, D - 1, D - 1>>(k).eigenvalues().maxCoeff();
       if (now.norm() > limit) now *= limit / now.norm();

@@ -23,7 +23,7 @@ struct Stage {
   std::vector<SleepEvent> events;
   Vec<D> gravity = -kG * Vec<D>::Unit(1);
   Real dt = kDt;
-  Work work;
+  WorkDone work;
 
   int add(BodyType type, bool awake = true, Real mass = 1) {
     bodies.pose.push_back({}), bodies.motion.push_back({});

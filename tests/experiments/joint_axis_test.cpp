@@ -21,7 +21,9 @@ class Flat final : public JointKind<D> {
  public:
   using Params = NoParams;
   explicit Flat(const Params&) {}
-  static Info info() { return {.name = "flat", .summary = "holds nothing", .paper = "", .complexity = "0 rows"}; }
+  static AlgorithmInfo info() {
+    return {.name = "flat", .summary = "holds nothing", .paper = "", .complexity = "0 rows"};
+  }
   void rows(const JointRecord<D>&, const Pose<D>&, const Pose<D>&, JointRows<D>&) const override {}
 };
 LPC_REGISTER(JointKind, Flat, 2);

@@ -27,10 +27,10 @@ class Careless final : public PairQuery<D> {
 
   Careless() = default;
   explicit Careless(const Params&) {}
-  static Info info() { return {.name = "planted_careless", .summary = "", .paper = "", .complexity = "1"}; }
+  static AlgorithmInfo info() { return {.name = "planted_careless", .summary = "", .paper = "", .complexity = "1"}; }
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::capsule && b == ShapeKind::box; }
 
-  void query(const PairBatch<D>& batch, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
     for (int i = 0; i < batch.count; ++i) {
       const PairView<D> pair = batch.pair(i);
       PairAnswer<D> answer;
@@ -115,7 +115,8 @@ TEST(PairsTrial, ALibrarysVersionIsPartOfTheKeyOfItsWitness) {
     ASSERT_FALSE(source.empty()) << r->file;
     const nlohmann::json code = codeHashes(StageKind::pairQuery, Spec{r->info.name, {}}, 3);
     EXPECT_TRUE(code.contains("pair_query/" + r->info.name));
-    EXPECT_EQ(code.contains("library"), r->info.role == Role::witness && std::regex_search(source, foreign)) << code;
+    EXPECT_EQ(code.contains("library"), r->info.role == AlgorithmRole::witness && std::regex_search(source, foreign))
+        << code;
     if (!code.contains("library")) continue;
     EXPECT_TRUE(std::regex_match(code.at("library").get<std::string>(), version)) << code;
     ++witnesses;

@@ -16,7 +16,7 @@ namespace {
 using test::Workspace;
 using Names = std::set<std::string>;
 
-Names registered(StageKind kind, Role role = Role::competitor) {
+Names registered(StageKind kind, AlgorithmRole role = AlgorithmRole::competitor) {
   Names names;
   for (const auto& [key, entry] : Registry::instance().all()) {
     if (entry.stage == kind && entry.info.role == role) names.insert(entry.info.name);
@@ -53,7 +53,8 @@ TEST(SweepStar, IsEveryRegisteredOneOfAnyStage) {
   for (const StageInfo& stage : kStages) {
     const std::string name{stage.name};
     SCOPED_TRACE(name);
-    const Names all = registered(stage.kind, stage.kind == StageKind::engine ? Role::engine : Role::competitor);
+    const Names all =
+        registered(stage.kind, stage.kind == StageKind::engine ? AlgorithmRole::engine : AlgorithmRole::competitor);
     ASSERT_FALSE(all.empty());
     EXPECT_EQ(labelsOf(name, "\"*\""), all);
     EXPECT_EQ(labelsOf(name, "[\"*-" + *all.begin() + "\"]"), without(all, {*all.begin()}));

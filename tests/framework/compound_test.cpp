@@ -131,12 +131,12 @@ std::vector<std::pair<int, int>> nearParts(const std::vector<ShapeRecord<D>>& sh
                                            const std::vector<Pose<D>>& pose) {
   const ShapePair pair{0, 1};
   ChildPairs<D> childPairs;
-  Work work;
+  WorkDone work;
   std::vector<std::pair<int, int>> numbers;
   for (const ConvexPair<D>& c : childPairs.of({&pair, 1}, shapes, pose, kContactMargin, work)) {
     numbers.emplace_back(c.childA, c.childB);
   }
-  EXPECT_LT(work[Count::partTests], 100u);
+  EXPECT_LT(work[WorkCount::partTests], 100u);
   return numbers;
 }
 template <int D>

@@ -245,7 +245,7 @@ TEST(ContactGraph, KnowsTheEdgesOfEachBody) {
   addBodies(in, 1, BodyType::fixed), addBodies(in, 3, BodyType::dynamic);
   touch(in, 0, 1), touch(in, 0, 2, true), touch(in, 1, 2), touch(in, 0, 3);
   in.joints = {JointRecord<2>{}, pivot(3, 1), pivot(-1, 3)};
-  Work work;
+  WorkDone work;
   ContactGraph<2> graph;
   graph.reset(in.bodies, in.manifolds, in.joints, work);
   const auto list = [](std::span<const std::int32_t> s) { return std::vector<std::int32_t>(s.begin(), s.end()); };
@@ -271,13 +271,13 @@ GraphInput drawLarge(int kind, int n) {
   return in;
 }
 std::uint64_t visits(const GraphInput& in) {
-  Work work;
+  WorkDone work;
   ContactGraph<2> graph;
   graph.reset(in.bodies, in.manifolds, in.joints, work);
   GraphAnswers out;
   (void)graph.islands(), (void)graph.jointedGroups(), (void)graph.supportLevels();
   graph.colour(in.contacts, out.order, out.offsets);
-  return work[Count::graphVisits];
+  return work[WorkCount::graphVisits];
 }
 // Of a colouring that asks all neighbours of both bodies for each contact.
 std::uint64_t visitsOfNeighbours(const GraphInput& in) {
@@ -301,9 +301,9 @@ TEST(ContactGraph, WorkIsLinear) {
   EXPECT_TRUE(isLinear(visits));
   expectCaught("a colouring that asks all neighbours", isLinear(visitsOfNeighbours));
   EXPECT_EQ(visits(drawLarge(0, 0)), visits(drawLarge(0, 0)));
-  Work work;
+  WorkDone work;
   ContactGraph<2>().reset({}, {}, {}, work);
-  EXPECT_EQ(work[Count::graphVisits], 0u) << "nothing is built before it is asked for";
+  EXPECT_EQ(work[WorkCount::graphVisits], 0u) << "nothing is built before it is asked for";
 }
 
 // --- in a world
@@ -336,12 +336,12 @@ class Onlooker final : public VelocityResolver<D> {
  public:
   using Params = NoParams;
   explicit Onlooker(const Params&) : m_right(createStage<VelocityResolver<D>>({"catto", {}})) {}
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "planted_onlooker",
             .summary = "catto, looked at",
             .paper = "",
             .complexity = "that of catto",
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   void solve(const VelocityInput<D>& in) override {
     look<D>(in.order, in.colours, in.manifolds, in.bodies);
@@ -356,8 +356,9 @@ class PositionOnlooker final : public PositionResolver<D> {
  public:
   using Params = NoParams;
   explicit PositionOnlooker(const Params&) {}
-  static Info info() {
-    return {.name = "planted_onlooker", .summary = "looks", .paper = "", .complexity = "1", .role = Role::witness};
+  static AlgorithmInfo info() {
+    return {
+        .name = "planted_onlooker", .summary = "looks", .paper = "", .complexity = "1", .role = AlgorithmRole::witness};
   }
   void correct(const PositionInput<D>& in) override { look<D>(in.order, in.colours, in.manifolds, in.bodies); }
 };

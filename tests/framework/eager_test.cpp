@@ -13,8 +13,8 @@ namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
 template <int R, int C = 1>
-Matrix<R, C> drawn(RapidCheckDraw& draw) {
-  Matrix<R, C> m;
+RealMatrix<R, C> drawn(RapidCheckDraw& draw) {
+  RealMatrix<R, C> m;
   for (int i = 0; i < R * C; ++i) m.data()[i] = draw.signedUnit() * draw.pick({Real(1e-3), Real(1), Real(1e3)});
   return m;
 }
@@ -28,24 +28,24 @@ void same(const Ours& ours, const Eigens& eigens) {
 template <int R, int K, int C>
 void plain() {
   RapidCheckDraw draw;
-  const Matrix<R, K> a = drawn<R, K>(draw), b = drawn<R, K>(draw);
-  const Matrix<K, C> c = drawn<K, C>(draw);
-  const Matrix<K, R> d = drawn<K, R>(draw);
+  const RealMatrix<R, K> a = drawn<R, K>(draw), b = drawn<R, K>(draw);
+  const RealMatrix<K, C> c = drawn<K, C>(draw);
+  const RealMatrix<K, R> d = drawn<K, R>(draw);
   const Real s = draw.signedUnit();
-  same<Matrix<R, K>>(a + b, a.operator+(b));
-  same<Matrix<R, K>>(a - b, a.operator-(b));
-  same<Matrix<R, K>>(-a, a.operator-());
-  same<Matrix<R, K>>(s * a, a.operator*(s));
-  same<Matrix<R, K>>(a * 3, a.operator*(Real(3)));
-  same<Matrix<R, K>>(a / (s + 2), a.operator/(s + 2));
-  same<Matrix<R, C>>(a * c, a.operator*(c));
-  same<Matrix<R, C>>(d.transpose() * c, d.transpose().operator*(c));
-  same<Matrix<R, R>>(a * b.transpose(), a.operator*(b.transpose()));
+  same<RealMatrix<R, K>>(a + b, a.operator+(b));
+  same<RealMatrix<R, K>>(a - b, a.operator-(b));
+  same<RealMatrix<R, K>>(-a, a.operator-());
+  same<RealMatrix<R, K>>(s * a, a.operator*(s));
+  same<RealMatrix<R, K>>(a * 3, a.operator*(Real(3)));
+  same<RealMatrix<R, K>>(a / (s + 2), a.operator/(s + 2));
+  same<RealMatrix<R, C>>(a * c, a.operator*(c));
+  same<RealMatrix<R, C>>(d.transpose() * c, d.transpose().operator*(c));
+  same<RealMatrix<R, R>>(a * b.transpose(), a.operator*(b.transpose()));
   // Nested, against one expression of Eigen's. (It takes s * (A * B) for (s * A) * B: that one may differ.)
-  same<Matrix<R, K>>((a + s * b) / (s + 2) - b, (a.operator+(b.operator*(s))).operator/(s + 2).operator-(b));
-  same<Matrix<R, C>>(-(a - b) * c, a.operator-(b).operator-().operator*(c));
-  same<Matrix<R, C>>(a * (s * c), a.operator*(c.operator*(s)));
-  same<Matrix<R, R>>(a * (s * b).transpose(), a.operator*(b.operator*(s).transpose()));
+  same<RealMatrix<R, K>>((a + s * b) / (s + 2) - b, (a.operator+(b.operator*(s))).operator/(s + 2).operator-(b));
+  same<RealMatrix<R, C>>(-(a - b) * c, a.operator-(b).operator-().operator*(c));
+  same<RealMatrix<R, C>>(a * (s * c), a.operator*(c.operator*(s)));
+  same<RealMatrix<R, R>>(a * (s * b).transpose(), a.operator*(b.operator*(s).transpose()));
 }
 TEST(Eager, PlainMatricesAsEigenSays) {
   check("columns", [] { plain<1, 1, 1>(), plain<2, 2, 1>(), plain<3, 2, 1>(), plain<3, 3, 1>(); });

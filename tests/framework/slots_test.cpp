@@ -57,8 +57,8 @@ struct LastFreed {
   void read(const Table&, const IsFree&) {}
 };
 
-TEST(Slots, TheLowestFreeOneIsNext) {
-  EXPECT_TRUE(givesTheLowest(Slots()));
+TEST(SlotTable, TheLowestFreeOneIsNext) {
+  EXPECT_TRUE(givesTheLowest(SlotTable()));
   expectCaught("slots: the last freed one is next", givesTheLowest(LastFreed()));
 }
 

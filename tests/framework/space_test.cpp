@@ -167,7 +167,7 @@ TEST(Tangents, CompleteTheNormal) {
       "by a fixed axis",
       [] {
         orthonormal<3>([](const Vec<3>& n) {
-          Matrix<3, 2> t;
+          RealMatrix<3, 2> t;
           t.col(0) = n.cross(Vec<3>(Vec<3>::Unit(0))).normalized(), t.col(1) = n.cross(Vec<3>(t.col(0)));
           return t;
         });

@@ -217,7 +217,7 @@ class Twin final : public SleepPolicy<D> {
  public:
   using Params = NoParams;
   explicit Twin(const Params&) {}
-  static Info info() { return {.name = "none", .summary = "a second one", .paper = "", .complexity = "1"}; }
+  static AlgorithmInfo info() { return {.name = "none", .summary = "a second one", .paper = "", .complexity = "1"}; }
   void decide(const SleepInput<D>&, std::span<std::uint8_t>, std::span<std::array<Real, 2>>) override {}
 };
 TEST(RegistryDeathTest, ASecondOfTheSameNameAborts) {

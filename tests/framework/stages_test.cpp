@@ -19,7 +19,7 @@ namespace {
 template <int D>
 class DefaultQueries final : public Broadphase<D> {
  public:
-  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, Work&) override {}
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, WorkDone&) override {}
 };
 
 template <int D>
@@ -139,7 +139,7 @@ template <int D>
 class SphereCapsule final : public PairQuery<D> {
  public:
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::sphere && b <= ShapeKind::capsule; }
-  void query(const PairBatch<D>& batch, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
     for (int i = 0; i < batch.count; ++i) {
       const PairView<D> v = batch.pair(i);
       // The rotation of the batch is the pose's, row by row.

@@ -217,7 +217,7 @@ TYPED_TEST(WorldTest, UserForcesCostWhatTheForcesCost) {
     ASSERT_EQ(world.manifolds().size(), static_cast<std::size_t>(n));
     for (const Handle& h : row) world.applyForce(h, at<D>(1, 0), world.pose(h).p);
     world.step(kDt);
-    EXPECT_EQ(world.profiler().frame().work[Count::eventVisits], static_cast<std::uint64_t>(3 * n));
+    EXPECT_EQ(world.profiler().frame().work[WorkCount::eventVisits], static_cast<std::uint64_t>(3 * n));
   }
 }
 
@@ -232,7 +232,7 @@ TYPED_TEST(WorldTest, FreeSlotsAreNotSearchedFor) {
   }
   world.step(kDt);
   // A slot for the body and one for its shape, each out of a heap of at most 500.
-  EXPECT_LT(world.profiler().frame().work[Count::eventVisits], 500u * 2 * 2 * 10);
+  EXPECT_LT(world.profiler().frame().work[WorkCount::eventVisits], 500u * 2 * 2 * 10);
 }
 
 TYPED_TEST(WorldTest, PinnedTurnsNonRotatableSlidesKinematicObeys) {

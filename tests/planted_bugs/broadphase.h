@@ -10,7 +10,7 @@ namespace lpc::inline LPC_PRECISION::test {
 template <int D>
 class PlantedBug : public Broadphase<D> {
  public:
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work&) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone&) override {
     for (ProxyId a = 0; a < proxies.size(); ++a) {
       for (ProxyId b = a + 1; b < proxies.size(); ++b) {
         if (meet(proxies, a, b) && filter(proxies, a, b)) out.push_back({a, b});
@@ -75,7 +75,7 @@ class StaleSlot final : public PlantedBug<D> {
 template <int D>
 class Duplicates final : public PlantedBug<D> {
  public:
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     PlantedBug<D>::findPairs(proxies, out, work);
     for (std::size_t k = 0, n = out.size(); k < n; ++k) {
       const Aabb<D> a = proxies.box(out[k].a), b = proxies.box(out[k].b);
@@ -176,13 +176,13 @@ class CornersOnly final : public PlantedBug<D> {
 template <int D>
 class Bottomless final : public PlantedBug<D> {
  public:
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     PlantedBug<D>::findPairs(proxies, out, work);
     const bool alike = std::any_of(out.begin(), out.end(), [&](const ProxyPair& p) {
       const Aabb<D> a = proxies.box(p.a), b = proxies.box(p.b);
       return a.lo == b.lo && a.hi == b.hi;
     });
-    work[Count::nodeVisits] += alike ? 1000 : out.size();
+    work[WorkCount::nodeVisits] += alike ? 1000 : out.size();
   }
 };
 

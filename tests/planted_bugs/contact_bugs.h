@@ -15,7 +15,7 @@ template <int D>
 class SpoiledContacts : public ContactGenerator<D> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_right->generate(in, fresh, work);
     for (Manifold<D>& m : fresh) spoil(in, m);
   }
@@ -99,7 +99,7 @@ template <int D>
 class NoEdgeContacts final : public ContactGenerator<D> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work&) override {
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone&) override {
     for (const ConvexPair<D>& pair : in.pairs) {
       const PlacedPair<3> placed = placePair(in, pair, kLinearSlop / 10);
       const Core3 c1 = makeCore3(placed.view1(), nullptr, m_scratch.first);

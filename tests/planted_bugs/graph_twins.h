@@ -29,7 +29,7 @@ enum class Asked { islands, groups, levels, colours };
 inline constexpr std::array kEachOnce = {Asked::islands, Asked::groups, Asked::levels, Asked::colours};
 
 inline GraphAnswers answersOf(const GraphInput& in, std::span<const Asked> questions = kEachOnce) {
-  Work work;
+  WorkDone work;
   ContactGraph<2> graph;
   graph.reset(in.bodies, in.manifolds, in.joints, work);
   GraphAnswers out;

@@ -20,10 +20,12 @@ class UlpContacts final : public ContactGenerator<D> {
  public:
   using Params = NoParams;
   explicit UlpContacts(const Params&) : m_inner(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
-  static Info info() { return {.name = "ulp_contacts", .summary = "planted bug", .paper = "", .complexity = "1"}; }
+  static AlgorithmInfo info() {
+    return {.name = "ulp_contacts", .summary = "planted bug", .paper = "", .complexity = "1"};
+  }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_inner->supports(a, b); }
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_inner->generate(in, fresh, work);
     if (m_call++ == kUlpCall && !fresh.empty()) addUlp(fresh.back().points[0].separation);
   }
@@ -39,7 +41,9 @@ class UlpVelocity final : public VelocityResolver<D> {
  public:
   using Params = NoParams;
   explicit UlpVelocity(const Params&) : m_inner(createStage<VelocityResolver<D>>({"catto", {}})) {}
-  static Info info() { return {.name = "ulp_velocity", .summary = "planted bug", .paper = "", .complexity = "1"}; }
+  static AlgorithmInfo info() {
+    return {.name = "ulp_velocity", .summary = "planted bug", .paper = "", .complexity = "1"};
+  }
 
   void solve(const VelocityInput<D>& in) override {
     m_inner->solve(in);
@@ -57,7 +61,9 @@ class UlpPosition final : public PositionResolver<D> {
  public:
   using Params = NoParams;
   explicit UlpPosition(const Params&) : m_inner(createStage<PositionResolver<D>>({"split_impulse", {}})) {}
-  static Info info() { return {.name = "ulp_position", .summary = "planted bug", .paper = "", .complexity = "1"}; }
+  static AlgorithmInfo info() {
+    return {.name = "ulp_position", .summary = "planted bug", .paper = "", .complexity = "1"};
+  }
 
   Real bias(Real separation, Real dt) const override { return m_inner->bias(separation, dt); }
   Real jointBias(Real dt) const override { return m_inner->jointBias(dt); }

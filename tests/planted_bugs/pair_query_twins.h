@@ -14,8 +14,8 @@ template <int D>
 class SpoiledQuery : public PairQuery<D> {
  public:
   bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
-  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             Work& work) override {
+  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+             WorkDone& work) override {
     m_right->query(batch, need, answers, {}, work);
     for (int i = 0; i < batch.count; ++i) {
       PairAnswer<D> answer = answers.get(i);
@@ -162,9 +162,9 @@ class ReportsItsCutOff final : public SpoiledQuery<D> {
 template <int D>
 class SphereBoolean final : public SpoiledQuery<D> {
  public:
-  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             Work& work) override {
-    m_boolean = need == Need::boolean;
+  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+             WorkDone& work) override {
+    m_boolean = need == QueryNeed::boolean;
     SpoiledQuery<D>::query(batch, need, answers, memory, work);
   }
 
@@ -248,8 +248,8 @@ class SilentLimit final : public PairQuery<D> {
  public:
   explicit SilentLimit(PairQuery<D>& limited) : m_limited(limited) {}
   bool supports(ShapeKind a, ShapeKind b) const override { return m_limited.supports(a, b); }
-  void query(const PairBatch<D>& batch, Need need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             Work& work) override {
+  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
+             WorkDone& work) override {
     m_limited.query(batch, need, answers, memory, work);
     answers.status.fill(QueryStatus::converged);
   }

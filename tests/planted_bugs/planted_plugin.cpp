@@ -24,13 +24,13 @@ class Planted : public Broadphase<D> {
   using Params = NoParams;
   explicit Planted(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     const char* const names[] = {"planted_hang",   "planted_crash", "planted_allocate",
                                  "planted_forget", "planted_dice",  "planted_slow"};
     return {.name = names[static_cast<int>(kBug)], .summary = "planted bug", .paper = "", .complexity = "n^2"};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work&) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone&) override {
     if (kBug == Bug::hang) {
       for (;;) usleep(1000);
     }
@@ -72,8 +72,8 @@ template <int D>
 class Dice : public Planted<D, Bug::dice> {
  public:
   using Planted<D, Bug::dice>::Planted;
-  static Info info() {
-    Info i = Planted<D, Bug::dice>::info();
+  static AlgorithmInfo info() {
+    AlgorithmInfo i = Planted<D, Bug::dice>::info();
     i.guarantee = Guarantee::conservative;
     return i;
   }
@@ -86,14 +86,14 @@ class PlantedQuery : public PairQuery<D> {
   using Params = NoParams;
   explicit PlantedQuery(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = kCrashes ? "planted_abort" : "planted_half",
             .summary = "planted bug",
             .paper = "",
             .complexity = "one square root"};
   }
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::sphere && b == ShapeKind::sphere; }
-  void query(const PairBatch<D>& batch, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
     for (int i = 0; i < batch.count; ++i) {
       const PairView<D> pair = batch.pair(i);
       const Real length = pair.X_AB.p.norm();

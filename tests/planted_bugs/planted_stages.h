@@ -13,12 +13,12 @@
 
 namespace lpc::inline LPC_PRECISION::test {
 
-inline Info planted(const std::string& stage) {
+inline AlgorithmInfo planted(const std::string& stage) {
   return {.name = "planted_" + stage,
           .summary = "planted bugs",
           .paper = "",
           .complexity = "that of what it spoils",
-          .role = Role::witness};
+          .role = AlgorithmRole::witness};
 }
 
 /// The default solver, spoiled.
@@ -49,7 +49,7 @@ class PlantedSolver final : public Solver<D> {
   };
   explicit PlantedSolver(const Params& params)
       : m_bug(params.bug), m_right(createStage<Solver<D>>({"split_solver", {}})) {}
-  static Info info() { return planted("solver"); }
+  static AlgorithmInfo info() { return planted("solver"); }
 
   void step(const StepInput<D>& in) override {
     m_right->step(in);
@@ -59,7 +59,7 @@ class PlantedSolver final : public Solver<D> {
       if (in.bodies.active(static_cast<int>(i))) spoil(in, in.bodies.pose[i], in.bodies.motion[i], runs);
     }
     if (m_bug == Bug::writesDown) writeDown(in);
-    if (m_bug == Bug::remembersRuns) in.work[Count::rowUpdates] += static_cast<std::uint64_t>(runs);
+    if (m_bug == Bug::remembersRuns) in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(runs);
   }
 
  private:
@@ -136,7 +136,7 @@ class PlantedSleep final : public SleepPolicy<D> {
   };
   explicit PlantedSleep(const Params& params)
       : m_bug(params.bug), m_right(createStage<SleepPolicy<D>>({"split_average", {}})) {}
-  static Info info() { return planted("sleep"); }
+  static AlgorithmInfo info() { return planted("sleep"); }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
     SleepInput<D> heard = in;
@@ -170,10 +170,10 @@ class PlantedBroadphase final : public Broadphase<D> {
  public:
   using Params = NoParams;
   explicit PlantedBroadphase(const Params&) : m_right(createStage<Broadphase<D>>({"naive", {}})) {}
-  static Info info() { return planted("broadphase"); }
+  static AlgorithmInfo info() { return planted("broadphase"); }
 
   void update(const Proxies<D>& proxies, const ProxyChanges& changes) override { m_right->update(proxies, changes); }
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     m_right->findPairs(proxies, out, work);
     if (!out.empty()) out.pop_back();
   }
@@ -189,10 +189,10 @@ class PlantedContacts final : public ContactGenerator<D> {
  public:
   using Params = NoParams;
   explicit PlantedContacts(const Params&) : m_right(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
-  static Info info() { return planted("contacts"); }
+  static AlgorithmInfo info() { return planted("contacts"); }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_right->generate(in, fresh, work);
     fresh.insert(fresh.end(), fresh.begin(), fresh.end());
   }
@@ -208,10 +208,10 @@ class PlantedChildren final : public ContactGenerator<D> {
  public:
   using Params = NoParams;
   explicit PlantedChildren(const Params&) : m_right(createStage<ContactGenerator<D>>({"sat_clip", {}})) {}
-  static Info info() { return planted("children"); }
+  static AlgorithmInfo info() { return planted("children"); }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
-  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, Work& work) override {
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_whole.clear();
     m_right->generate(in, m_whole, work);
     for (const Manifold<D>& whole : m_whole) {

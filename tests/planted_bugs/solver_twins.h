@@ -87,8 +87,8 @@ class TwinResolver final : public VelocityResolver<D> {
     }
     apply(in.bodies, m.bodyA, m.bodyB, p, m.normal * (c.impulse[0] - old));
     if (!(m.friction > 0) || !in.features.friction) return;
-    Matrix<D, D - 1> t = tangents(m.normal);
-    Matrix<D - 1, 1> before, after;
+    RealMatrix<D, D - 1> t = tangents(m.normal);
+    RealMatrix<D - 1, 1> before, after;
     const Real step = leastMass(in.bodies, m.bodyA, m.bodyB, p);
     for (int d = 0; d < D - 1; ++d) before[d] = c.impulse[static_cast<std::size_t>(d) + 1];
     const Vec<D> v = relative(in.bodies, m, c);

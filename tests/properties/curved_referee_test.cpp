@@ -170,7 +170,7 @@ void methodsAreRight(StageKind stage, int count) {
       if (!late || !kindExists(task.kindA, D) || !kindExists(task.kindB, D)) continue;
       if (coreClass(task.kindA) == CoreClass::plane) continue;  // two planes never meet
       for (const Registered* r : Registry::instance().list(stage, D)) {
-        if (r->info.role == Role::competitor) task.methods.push_back(r->info.name);
+        if (r->info.role == AlgorithmRole::competitor) task.methods.push_back(r->info.name);
       }
       const Verified verified = verify(task);
       for (const auto& [key, entry] : verified.ledger) {

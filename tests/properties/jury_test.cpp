@@ -22,7 +22,7 @@ struct Juror {
   std::unique_ptr<PairQuery<D>> query;
 };
 template <int D>
-std::vector<Juror<D>> registered(Role role) {
+std::vector<Juror<D>> registered(AlgorithmRole role) {
   std::vector<Juror<D>> out;
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
     if (r->info.role == role) out.push_back({r->info.name, createStage<PairQuery<D>>(Spec{r->info.name, {}})});
@@ -78,7 +78,7 @@ class Jury {
  private:
   const Witness<D>& witness(std::size_t i) const { return dynamic_cast<const Witness<D>&>(*m_witnesses[i].query); }
 
-  std::vector<Juror<D>> m_witnesses = registered<D>(Role::witness);
+  std::vector<Juror<D>> m_witnesses = registered<D>(AlgorithmRole::witness);
   Asked<D> m_pair{Shape<D>::sphere(1), Shape<D>::sphere(1), {}};
   std::vector<PairAnswer<D>> m_opinions;
 };
@@ -93,7 +93,7 @@ constexpr int kCases = 100;
 template <int D>
 void competitorsAgree() {
   Jury<D> jury;
-  const std::vector<Juror<D>> competitors = registered<D>(Role::competitor);
+  const std::vector<Juror<D>> competitors = registered<D>(AlgorithmRole::competitor);
   int agreements = 0, disagreements = 0;
   check(
       D == 3 ? "pair queries agree with the witnesses within both error bars, or the referee is with them"

@@ -38,7 +38,7 @@ std::vector<std::pair<ShapeKind, ShapeKind>> kindPairs(int dimension,
 Verified verifyOurs(StageKind stage, int dimension, int count) {
   VerifyTask task{.stage = stage, .dimension = dimension, .range = {.seed = 2, .first = 0, .count = count}};
   for (const Registered* r : Registry::instance().list(stage, dimension)) {
-    if (r->info.role == Role::competitor) task.methods.push_back(r->info.name);
+    if (r->info.role == AlgorithmRole::competitor) task.methods.push_back(r->info.name);
   }
   Verified sum;
   for (const auto& [a, b] : kindPairs(dimension)) {
@@ -50,7 +50,7 @@ Verified verifyOurs(StageKind stage, int dimension, int count) {
 }
 
 template <class StageOf>
-Candidate<StageOf> planted(std::function<std::unique_ptr<StageOf>()> create, Info info = {}) {
+Candidate<StageOf> planted(std::function<std::unique_ptr<StageOf>()> create, AlgorithmInfo info = {}) {
   return {"planted", std::move(info), std::move(create)};
 }
 template <class StageOf, class Bug>
@@ -179,7 +179,7 @@ class Recorder final : public ContactGenerator<D> {
  public:
   static inline std::vector<double> asked;
   bool supports(ShapeKind, ShapeKind) const override { return true; }
-  void generate(const ContactInput<D>& input, std::vector<Manifold<D>>&, Work&) override {
+  void generate(const ContactInput<D>& input, std::vector<Manifold<D>>&, WorkDone&) override {
     for (const ConvexPair<D>& pair : input.pairs) {
       asked.push_back(input.pose[static_cast<std::size_t>(pair.shapes.b)].p[0]);
     }
@@ -221,7 +221,7 @@ template <int D>
 class Fails final : public PairQuery<D> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
-  void query(const PairBatch<D>& batch, Need, PairAnswers<D>& answers, std::span<PairMemory>, Work&) override {
+  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
     for (int i = 0; i < batch.count; ++i) {
       PairAnswer<D> answer;
       answer.status = i % 4 == 0 ? QueryStatus::refused : i % 4 == 1 ? QueryStatus::failed : QueryStatus::converged;
@@ -245,7 +245,7 @@ class Troubled final : public Witness<3> {
   bool supports(ShapeKind, ShapeKind) const override { return true; }
   std::span<const Ending> endings() const override { return m_endings; }
   std::int64_t nanoseconds() const override { return 1000 * static_cast<std::int64_t>(m_endings.size()); }
-  void query(const PairBatch<3>& batch, Need, PairAnswers<3>& answers, std::span<PairMemory>, Work&) override {
+  void query(const PairBatch<3>& batch, QueryNeed, PairAnswers<3>& answers, std::span<PairMemory>, WorkDone&) override {
     m_endings.clear();
     for (int i = 0; i < batch.count; ++i) {
       PairAnswer<3> answer;
@@ -259,14 +259,14 @@ class Troubled final : public Witness<3> {
   std::vector<Ending> m_endings;
 };
 TEST(Verify, EndingsOfWitnessesAreBooked) {
-  Info info;
-  info.role = Role::witness;
+  AlgorithmInfo info;
+  info.role = AlgorithmRole::witness;
   const auto method = planted<PairQuery<3>>([] { return std::make_unique<Troubled>(); }, info);
   Verified verified;
   verifyPairQueries<3>(ShapeKind::box, ShapeKind::box, {.seed = 1, .first = 0, .count = 40}, {&method, 1}, verified);
   const LedgerEntry all = total(verified);
   for (const Tally t : {Tally::threw, Tally::crashed, Tally::hung, Tally::notFinite}) EXPECT_EQ(all[t], 10);
-  EXPECT_EQ(all.role, Role::witness);
+  EXPECT_EQ(all.role, AlgorithmRole::witness);
   EXPECT_NEAR(all.nanoseconds, 40000, 1e-6);
 }
 
@@ -360,7 +360,7 @@ TEST(Verify, CasesComeBackExactly) {
 
 template <template <int> class Bug>
 void broadphaseIsFound(Guarantee guarantee = Guarantee::exact) {
-  Info info;
+  AlgorithmInfo info;
   info.guarantee = guarantee;
   const auto method = planted<Broadphase<2>>([] { return std::make_unique<Bug<2>>(); }, info);
   Verified verified;

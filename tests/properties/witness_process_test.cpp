@@ -124,9 +124,9 @@ TEST(WitnessProcess, BatchesAreAnswered) {
   const auto answers = std::make_unique<PairAnswers<3>>();
   batch->clear(ShapeKind::sphere, ShapeKind::sphere);
   for (const PairView<3>& pair : pairsInARow(PairBatch<3>::kCapacity)) batch->add(pair.a, pair.b, pair.X_AB);
-  Work work;
-  witness.query(*batch, Need::witnesses, *answers, {}, work);
-  EXPECT_EQ(work[Count::pairQueries], 1024u);
+  WorkDone work;
+  witness.query(*batch, QueryNeed::witnesses, *answers, {}, work);
+  EXPECT_EQ(work[WorkCount::pairQueries], 1024u);
   for (int i = 0; i < batch->count; ++i) {
     const bool planted = i == 3 || i == 1023;
     EXPECT_EQ(answers->get(i).status, planted ? QueryStatus::failed : QueryStatus::converged) << i;

@@ -26,7 +26,8 @@ template <int D>
 std::vector<Entry<D>> witnesses() {
   std::vector<Entry<D>> out;
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
-    if (r->info.role == Role::witness) out.push_back({r->info.name, createStage<PairQuery<D>>(Spec{r->info.name, {}})});
+    if (r->info.role == AlgorithmRole::witness)
+      out.push_back({r->info.name, createStage<PairQuery<D>>(Spec{r->info.name, {}})});
   }
   return out;
 }
@@ -201,8 +202,8 @@ Measured measure(const Entry<D>& e, ShapeKind a, ShapeKind b) {
   const auto answers = std::make_unique<PairAnswers<D>>();
   batch->clear(a, b);
   for (const Pair<D>& p : pairs) batch->add(p.a.view(), p.b.view(), p.X_AB);
-  Work work;
-  e.query->query(*batch, Need::witnesses, *answers, {}, work);
+  WorkDone work;
+  e.query->query(*batch, QueryNeed::witnesses, *answers, {}, work);
   for (int i = 0; i < kPairs; ++i) {
     const Pair<D>& p = pairs[static_cast<std::size_t>(i)];
     const PairAnswer<D> answer = answers->get(i);

@@ -132,7 +132,7 @@ TEST(Corpus, FoundCasesStayRight) {
 TEST(Corpus, TheRefereeConfirmsEveryExpectedValue) {
   int confirmed = 0;
   for (const CaseResult& row : runCases(readCases(kCorpus))) {
-    if (row.role != Role::referee) continue;
+    if (row.role != AlgorithmRole::referee) continue;
     EXPECT_EQ(row.verdict, CaseVerdict::ok) << row.id << ": " << row.value << " against " << row.expected;
     ++confirmed;
   }
@@ -147,9 +147,12 @@ class WrongWitness final : public IsolatedWitness {
   static inline int mode = 0;  // 0 right, 1 too deep, 2 flipped normal, 3 NaN, 4 throws, 5 aborts, 6 never returns
   using Params = NoParams;
   explicit WrongWitness(const Params&) {}
-  static Info info() {
-    return {
-        .name = "planted_wrong", .summary = "wrong on purpose", .paper = "", .complexity = "1", .role = Role::witness};
+  static AlgorithmInfo info() {
+    return {.name = "planted_wrong",
+            .summary = "wrong on purpose",
+            .paper = "",
+            .complexity = "1",
+            .role = AlgorithmRole::witness};
   }
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::box && b == ShapeKind::box; }
 
@@ -194,7 +197,7 @@ TEST(Corpus, SeesPlantedWrongMethods) {
   EXPECT_EQ(cubes(6).verdict, CaseVerdict::hang);
   CaseResult ours = cubes(1);
   EXPECT_FALSE(isOurFault(ours));  // it is registered as a witness
-  ours.role = Role::competitor;
+  ours.role = AlgorithmRole::competitor;
   EXPECT_TRUE(isOurFault(ours));
   WrongWitness<3>::mode = 0;
 }

@@ -81,7 +81,7 @@ TEST(CurvedRest, EllipsoidsRestOnTheirFlatSide) { ellipsoidsRest<2>(), ellipsoid
 template <int D>
 void planeCarries() {
   for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
-    if (r->info.role != Role::competitor || r->info.name.starts_with("planted")) continue;
+    if (r->info.role != AlgorithmRole::competitor || r->info.name.starts_with("planted")) continue;
     World<D> world(Pipeline::parse("contacts=" + r->info.name));
     addFloor(world, true);
     const Handle box = world.add(test::body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(3, 0.6)));

@@ -67,7 +67,7 @@ bool towerSleeps(const std::string& policy) {
   Tower<D> tower(policy);
   tower.run(300);
   tower.world.step(kDt);
-  return tower.sleepers() == 5 && tower.world.profiler().frame().work[Count::rowUpdates] == 0;
+  return tower.sleepers() == 5 && tower.world.profiler().frame().work[WorkCount::rowUpdates] == 0;
 }
 
 // The lowest box is taken away: the others fall by its height, and may sleep again.

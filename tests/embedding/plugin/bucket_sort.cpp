@@ -20,12 +20,12 @@ class BucketSort final : public Broadphase<D> {
   };
   explicit BucketSort(const Params& params) : m_buckets(static_cast<std::size_t>(params.buckets)) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {
         .name = "bucket_sort", .summary = "equal buckets along x", .paper = "", .complexity = "n + pairs in buckets"};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     Real lo = 0, hi = 0;
     for (ProxyId i = 0; i < proxies.size(); ++i) {
       const Real x = proxies.lo[0][static_cast<std::size_t>(i)];
@@ -50,7 +50,7 @@ class BucketSort final : public Broadphase<D> {
         for (std::size_t c = b; c <= last; ++c) {
           for (std::size_t n = c == b ? k + 1 : 0; n < m_buckets[c].size(); ++n) {
             const ProxyId j = m_buckets[c][n];
-            ++work[Count::boxTests];
+            ++work[WorkCount::boxTests];
             if (!proxies.boxesOverlap(i, j) || !proxies.mayCollide(i, j)) continue;
             out.push_back({std::min(i, j), std::max(i, j)});
           }

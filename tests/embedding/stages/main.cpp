@@ -16,7 +16,7 @@ int main() {
   const auto broadphase = lpc::createStage<lpc::Broadphase<3>>(lpc::Spec::parse("sort_and_sweep{axis=0}"));
   std::vector<lpc::ProxyId> all = {0, 1, 2};
   std::vector<lpc::ProxyPair> pairs;
-  lpc::Work work;
+  lpc::WorkDone work;
   broadphase->update(proxies, {all, {}, {}});
   broadphase->findPairs(proxies, pairs, work);
 

@@ -19,13 +19,13 @@ class AlternatingProjections final : public IsolatedWitness {
   };
   explicit AlternatingProjections(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "alternating_projections",
             .summary = "nearest points of two segments by projections to and fro",
             .paper = "",
             .complexity = "rounds",
             .guarantee = Guarantee::approximate,
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;

@@ -19,14 +19,14 @@ class Naive final : public Broadphase<D> {
   };
   explicit Naive(const Params& params) : m_first(static_cast<std::size_t>(params.buckets) + 1) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "counting_buckets",
             .summary = "buckets along the widest axis, filled by counting sort",
             .paper = "",
             .complexity = "n + buckets + pairs that overlap along the axis"};
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work& work) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     m_boxes.clear();
     for (ProxyId i = 0; i < proxies.size(); ++i) {
       if (!proxies.isFree(i) &&
@@ -41,7 +41,7 @@ class Naive final : public Broadphase<D> {
       for (std::size_t n = k + 1; n < m_sorted.size(); ++n) {
         const ProxyId b = m_sorted[n];
         if (m_bucket[static_cast<std::size_t>(b)] > last) break;
-        ++work[Count::boxTests];
+        ++work[WorkCount::boxTests];
         if (proxies.boxesOverlap(a, b) && proxies.mayCollide(a, b)) out.push_back({std::min(a, b), std::max(a, b)});
       }
     }
@@ -68,7 +68,7 @@ class Naive final : public Broadphase<D> {
     return std::min(last, static_cast<std::size_t>((x / 2 - m_from / 2) / m_half * static_cast<Real>(last + 1)));
   }
 
-  void sort(const Proxies<D>& proxies, Work& work) {
+  void sort(const Proxies<D>& proxies, WorkDone& work) {
     std::fill(m_first.begin(), m_first.end(), 0);
     m_bucket.resize(static_cast<std::size_t>(proxies.size()));
     for (const ProxyId i : m_boxes) {
@@ -79,7 +79,7 @@ class Naive final : public Broadphase<D> {
     for (std::size_t b = 1; b < m_first.size(); ++b) m_first[b] += m_first[b - 1];
     m_sorted.resize(m_boxes.size());
     for (const ProxyId i : m_boxes) m_sorted[m_first[m_bucket[static_cast<std::size_t>(i)]]++] = i;
-    work[Count::sortMoves] += m_boxes.size();
+    work[WorkCount::sortMoves] += m_boxes.size();
   }
 
   std::vector<ProxyId> m_boxes, m_sorted;

@@ -12,14 +12,14 @@ class InnerWorld final : public Engine<D> {
   using Params = NoParams;
   explicit InnerWorld(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "inner_world",
             .summary = "our default pipeline behind the interface of engines",
             .paper = "lpc2009",
             .complexity = "that of its stages",
             .guarantee = Guarantee::approximate,
             .failures = {},
-            .role = Role::engine};
+            .role = AlgorithmRole::engine};
   }
 
   std::unique_ptr<Simulation<D>> start(const WorldSettings<D>& settings) const override {

@@ -11,7 +11,7 @@ class Slider final : public JointKind<D> {
   using Params = NoParams;
   explicit Slider(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "slider",
             .summary = "moves along one axis, turns about none",
             .paper = "catto2014",

@@ -20,7 +20,7 @@ class Backward final : public VelocityResolver<D> {
   };
   explicit Backward(const Params& params) : m_params(params) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "backward",
             .summary = "accumulated impulses, the last contact first, never warm",
             .paper = "",
@@ -35,7 +35,7 @@ class Backward final : public VelocityResolver<D> {
     m_joints.clear();
     if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
     for (int i = 0; i < m_params.iterations; ++i) {
-      in.work[Count::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)});
+      in.work[WorkCount::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)});
       for (std::size_t k = m_contacts.manifolds.size(); k-- > 0;) push(m_contacts.manifolds[k], in);
     }
     m_contacts.store(in.manifolds);
@@ -53,7 +53,7 @@ class Backward final : public VelocityResolver<D> {
       row.impulse[0] = std::max(old + row.normal.mass * (row.target - v), Real(0));
       applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
       if (m.friction > 0) rubAt(m, row, a, b, rotation);
-      in.work[Count::rowUpdates] += m.friction > 0 ? D : 1;
+      in.work[WorkCount::rowUpdates] += m.friction > 0 ? D : 1;
     }
   }
 

@@ -13,7 +13,7 @@ class LongestStep final : public SpeedLimit<D> {
   };
   explicit LongestStep(const Params& params) : m_length(params.length) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "longest_step",
             .summary = "no centre moves farther than a length in one step; the default lets everybody pass",
             .paper = "",

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Zlib
+// Where rays enter shapes, with which normal, and whom they meet in a world.
+#include <gtest/gtest.h>
+
+#include "framework/support_map.h"
+#include "tests/check_property.h"
+#include "tests/generators.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
+constexpr Real kNotANumber = std::numeric_limits<Real>::quiet_NaN();
+
+// --- the normal -----------------------------------------------------------------------------------------------------
+
+// A normal of a convex shape at a point of its surface is one whose plane through the point has all of the shape behind
+// it: support functions judge it, and share no code with rays.
+template <int D, class Enter>
+void normalsSupport(Enter enter) {
+  const Shape<D> s = *shapes<D>();
+  const auto X = *poses<D>(sizeof(Real) == 8 ? Real(3) : 3 * sizeOf(s));
+  RapidCheckDraw draw;
+  const Real size = sizeOf(s);
+  const Vec<D> from = X.p + size * (2 * drawDirection<D>(draw) + drawVector<D>(draw));
+  const Vec<D> aim = X.p + size * draw.pick({Real(0), Real(0.2), Real(0.9)}) * drawVector<D>(draw);
+  const Vec<D> d = aim - from;
+  const RayEntry<D> entry = enter(s.view(), X, from, d);
+  if (entry.t < 0) RC_ASSERT(entry.normal.isZero(0));
+  if (containsPoint(s.view(), X, from)) {
+    RC_ASSERT(entry.t == 0 && entry.normal.isZero(0));
+  } else if (entry.t >= 0) {
+    const Vec<D>& n = entry.normal;
+    RC_ASSERT(std::abs(n.norm() - 1) <= 8 * kEps);
+    RC_ASSERT(n.dot(d) <= 64 * kEps * d.norm());
+    const Vec<D> at = from + entry.t * d;
+    const Real beyond = X.p.dot(n) + supportValue(s.view(), Vec<D>(X.q.inverse() * n)) - at.dot(n);
+    RC_ASSERT(beyond <= 400 * kEps * (size + X.p.norm() + from.norm() + d.norm()));
+  }
+}
+template <int D>
+void normals() {
+  const auto right = [](const ShapeView<D>& s, const Pose<D>& X, const Vec<D>& p, const Vec<D>& d) {
+    return rayEntry(s, X, p, d, Real(10));
+  };
+  check(
+      "normal of entry", [&] { normalsSupport<D>(right); }, 300);
+  expectFalsified("the way back", [&] {
+    normalsSupport<D>([&](const ShapeView<D>& s, const Pose<D>& X, const Vec<D>& p, const Vec<D>& d) {
+      RayEntry<D> e = right(s, X, p, d);
+      if (e.normal.any()) e.normal = -d.normalized();
+      return e;
+    });
+  });
+  expectFalsified("inwards", [&] {
+    normalsSupport<D>([&](const ShapeView<D>& s, const Pose<D>& X, const Vec<D>& p, const Vec<D>& d) {
+      RayEntry<D> e = right(s, X, p, d);
+      e.normal = -e.normal;
+      return e;
+    });
+  });
+  expectFalsified("in the shape's frame", [&] {
+    normalsSupport<D>([&](const ShapeView<D>& s, const Pose<D>& X, const Vec<D>& p, const Vec<D>& d) {
+      RayEntry<D> e = right(s, X, p, d);
+      e.normal = X.q.inverse() * e.normal;
+      return e;
+    });
+  });
+}
+TEST(Ray, NormalsSupportTheShape2) { normals<2>(); }
+TEST(Ray, NormalsSupportTheShape3) { normals<3>(); }
+
+template <int D>
+void enters(const Shape<D>& shape, const Vec<D>& p, const Vec<D>& d, double t, const Vec<D>& n, const char* what) {
+  const RayEntry<D> entry = rayEntry(shape.view(), Pose<D>{}, p, d, Real(100));
+  EXPECT_NEAR(double(entry.t), t, 16 * double(kEps)) << what << D;
+  EXPECT_LE((entry.normal - n).norm(), 16 * kEps) << what << D << ": " << entry.normal.transpose();
+}
+
+template <int D>
+void knownNormals() {
+  const Vec<D> x = Vec<D>::Unit(0), y = Vec<D>::Unit(1), none = Vec<D>::Zero();
+  const Real half = Real(0.5), diagonal = std::sqrt(half);
+  const Vec<D> cube = Vec<D>::Constant(1);
+  enters<D>(Shape<D>::sphere(1), -3 * x, x, 2, -x, "ball");
+  enters<D>(Shape<D>::sphere(1), diagonal * y - 3 * x, x, 3 - std::sqrt(0.5), diagonal * (y - x), "ball at 45 degrees");
+  enters<D>(Shape<D>::sphere(1), y / 2, x, 0, none, "from inside");
+  enters<D>(Shape<D>::sphere(1), 3 * x, x, -1, none, "away");
+  enters<D>(Shape<D>::box(cube), 4 * y + x / 2, -2 * y, 1.5, y, "box");
+  enters<D>(Shape<D>::box(cube), 3 * y - 2 * x, x - y, 2, y, "box, obliquely");
+  enters<D>(Shape<D>::box(cube, half), 4 * y, -y, 2.5, y, "rounded box");
+  enters<D>(Shape<D>::box(cube, half), 3 * (x + y), -(x + y), 2 - std::sqrt(0.125), diagonal * (x + y), "its edge");
+  enters<D>(Shape<D>::capsule(1, half), 4 * y + x / 2, -y, 3.5, y, "capsule's side");
+  enters<D>(Shape<D>::capsule(1, half), 4 * x, -x, 2.5, x, "capsule's end");
+  enters<D>(Shape<D>::plane(), 2 * y, x - y, 2, y, "plane");
+  const std::vector<Real> sizes = D == 2 ? std::vector<Real>{2, 1} : std::vector<Real>{2, 1, 1};
+  const auto ellipsoid = Shape<D>::curved(ShapeKind::ellipsoid, sizes);
+  const RayEntry<D> top = rayEntry(ellipsoid.view(), Pose<D>{}, Vec<D>(4 * y), Vec<D>(-y), Real(100));
+  EXPECT_NEAR(double(top.t), 3, 1e4 * double(kEps));
+  EXPECT_LE((top.normal - y).norm(), std::sqrt(kEps));
+}
+TEST(Ray, NormalsInClosedForm) {
+  knownNormals<2>(), knownNormals<3>();
+  const Vec<2> up(0, 1), left(-1, 0);
+  enters<2>(Shape<2>::segment(1), Vec<2>(0, 2), Vec<2>(0, -1), 2, up, "segment from above");
+  enters<2>(Shape<2>::segment(1), Vec<2>(0, -2), Vec<2>(0, 1), 2, -up, "segment from below");
+  enters<2>(Shape<2>::segment(1), Vec<2>(-3, 0), Vec<2>(1, 0), 2, left, "segment along itself");
+  const std::vector<Vec<2>> corners = {{0, 0}, {2, 0}, {0, 2}};
+  const Vec<2> slope = Vec<2>(1, 1).normalized();
+  enters<2>(Shape<2>::polytope(corners), Vec<2>(2, 2), Vec<2>(-1, -1), 1, slope, "triangle");
+  enters<2>(Shape<2>::polytope(corners, std::sqrt(Real(0.5))), Vec<2>(2, 2), Vec<2>(-1, -1), 0.5, slope, "rounded one");
+  const std::vector<Vec<3>> tetrahedron = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 0, 3}};
+  enters<3>(Shape<3>::polytope(tetrahedron), Vec<3>(2, 2, 2), Vec<3>(-1, -1, -1), 1, Vec<3>(1, 1, 1).normalized(),
+            "3D");
+}
+
+// --- in a world -----------------------------------------------------------------------------------------------------
+
+// Three balls in a row along x, of categories 1, 2 and 4; the last is turned, so that its frame is not the world's.
+template <int D>
+std::array<Handle, 3> threeBalls(World<D>& world) {
+  std::array<Handle, 3> out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(4.0 * static_cast<double>(i), 0));
+    def.userData = 100 + i, def.shapes[0].userData = 200 + i, def.shapes[0].category = 1u << i;
+    out[i] = world.add(def);
+  }
+  Rot<D> turned;
+  if constexpr (D == 2) {
+    turned = Rot<2>::angle(0.8);
+  } else {
+    turned = Rot<3>::vector(Vec<3>(Real(0.8), 0, Real(0.5)));
+  }
+  world.setPose(out[2], {at<D>(8, 0), turned});
+  return out;
+}
+template <int D>
+std::vector<std::uint64_t> metBy(const World<D>& world, const RayFilter<D>& filter) {
+  std::vector<std::uint64_t> out;
+  for (const BodyRayHit<D>& hit : world.ray(at<D>(-5, 0), at<D>(1, 0), 100, false, filter)) out.push_back(hit.userData);
+  return out;
+}
+template <int D>
+void worldRays() {
+  World<D> world;
+  const auto balls = threeBalls(world);
+  const auto hits = world.ray(at<D>(-5, 0), at<D>(2, 0), kInfinite, false);
+  ASSERT_EQ(hits.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(hits[i].body, balls[i]);
+    EXPECT_EQ(hits[i].shape, 0);
+    EXPECT_EQ(hits[i].userData, 200 + i);
+    EXPECT_EQ(world.userData(hits[i].body), 100 + i);
+    EXPECT_NEAR(double(hits[i].t), 2 + 2 * double(i), 1e-5);
+    EXPECT_LE((hits[i].normal - at<D>(-1, 0)).norm(), 1e-5);
+  }
+  using Met = std::vector<std::uint64_t>;
+  EXPECT_EQ(metBy<D>(world, {}), (Met{200, 201, 202})) << "as a shape of category 1 that collides with all";
+  EXPECT_EQ(metBy<D>(world, {.mask = 4u | 1u}), (Met{200, 202}));
+  EXPECT_EQ(metBy<D>(world, {.mask = 0}), Met{});
+  const auto notMyself = [&](Handle h, const ShapeRecord<D>&) { return h != balls[0]; };
+  EXPECT_EQ(metBy<D>(world, {.accepts = notMyself}), (Met{201, 202}));
+  EXPECT_EQ(metBy<D>(world, {.mask = 3, .accepts = notMyself}), Met{201});
+  const auto byData = [](Handle, const ShapeRecord<D>& s) { return s.userData == 202; };
+  const auto first = world.ray(at<D>(-5, 0), at<D>(1, 0), 100, true, {.accepts = byData});
+  ASSERT_EQ(first.size(), 1u) << "the first of those who are meant";
+  EXPECT_EQ(first[0].body, balls[2]);
+  BodyDef<D> shy = body<D>(Shape<D>::sphere(1), at<D>(-3, 0));
+  shy.shapes[0].mask = 2;
+  world.add(shy);
+  EXPECT_EQ(metBy<D>(world, {}).size(), 3u) << "it collides with category 2 only";
+  EXPECT_EQ(metBy<D>(world, {.category = 2}).size(), 4u);
+  EXPECT_EQ(world.ray(at<D>(-5, 0), at<D>(1, 0), 100, false).size(), 4u) << "without a filter every shape";
+}
+TEST(Ray, AWorldTellsNormalsAndUserDataAndFilters) { worldRays<2>(), worldRays<3>(); }
+
+template <int D>
+void refusedRays() {
+  World<D> world;
+  threeBalls(world);
+  const auto refused = [&](const Vec<D>& p, const Vec<D>& d, Real maxT) {
+    try {
+      world.ray(p, d, maxT, false);
+      return std::string();
+    } catch (const UserError& e) {
+      return std::string(e.what());
+    }
+  };
+  const Vec<D> x = at<D>(1, 0);
+  EXPECT_EQ(refused(kNotANumber * x, x, 1), "ray: its start or direction is not finite");
+  EXPECT_EQ(refused(x, kInfinite * x, 1), "ray: its start or direction is not finite");
+  EXPECT_EQ(refused(x, x, -1), "ray: maxT is -1.000000; valid: a number >= 0");
+  EXPECT_TRUE(refused(x, x, kNotANumber).ends_with("; valid: a number >= 0"));
+  EXPECT_EQ(world.ray(at<D>(0, 0), at<D>(0, 0), 1, false).size(), 1u) << "no direction: who holds the point";
+  EXPECT_TRUE(world.ray(at<D>(2, 0), at<D>(0, 0), 1, false).empty());
+}
+TEST(Ray, OneThatIsNoRayIsRefused) { refusedRays<2>(), refusedRays<3>(); }
+
+// Of a compound the part that is entered first gives the normal.
+template <int D>
+void compoundNormals() {
+  World<D> world;
+  const Vec<D> half = Vec<D>::Constant(Real(0.5));
+  const std::vector<ShapePart<D>> parts = {{Shape<D>::sphere(1), {at<D>(0, -1), {}}}, {Shape<D>::box(half), {}}};
+  BodyDef<D> def = body<D>(Shape<D>::compound(parts), at<D>(3, 0));
+  def.shapes[0].userData = 7;
+  world.add(def);
+  const auto above = world.ray(at<D>(3.25, 5), at<D>(0, -1), 100, false);
+  ASSERT_EQ(above.size(), 1u);
+  EXPECT_EQ(above[0].userData, 7u);
+  EXPECT_LE((above[0].normal - at<D>(0, 1)).norm(), 1e-6);
+  const auto below = world.ray(at<D>(3, -5), at<D>(0, 1), 100, false);
+  ASSERT_EQ(below.size(), 1u);
+  EXPECT_LE((below[0].normal - at<D>(0, -1)).norm(), 1e-6);
+}
+TEST(Ray, OfACompoundItsPartGivesTheNormal) { compoundNormals<2>(), compoundNormals<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
