@@ -30,6 +30,21 @@ const std::set<std::string>& names() {
   return all;
 }
 
+// Files that a page tells its reader to write: "```cpp algorithms/velocity/mine.cpp".
+const std::set<std::string>& written() {
+  static const std::set<std::string> all = [] {
+    std::set<std::string> out;
+    for (const auto& entry : fs::directory_iterator(kRoot / "docs")) {
+      std::ifstream in(entry.path());
+      for (std::string line; std::getline(in, line);) {
+        if (line.starts_with("```cpp ")) out.insert(line.substr(7));
+      }
+    }
+    return out;
+  }();
+  return all;
+}
+
 // The paths in a text that are not there: "tests/no_such_test.cpp", and of a source without its folder, "no_such.h".
 std::vector<std::string> missing(const std::string& text) {
   static const std::regex path(
@@ -39,7 +54,9 @@ std::vector<std::string> missing(const std::string& text) {
   std::vector<std::string> out;
   for (auto it = std::sregex_iterator(text.begin(), text.end(), path); it != std::sregex_iterator(); ++it) {
     const std::string rooted = (*it)[3], name = (*it)[4];
-    if (!rooted.empty() && !isMade(rooted) && !fs::exists(kRoot / rooted)) out.push_back(rooted);
+    if (!rooted.empty() && !isMade(rooted) && !fs::exists(kRoot / rooted) && !written().contains(rooted)) {
+      out.push_back(rooted);
+    }
     if (!name.empty() && !names().contains(name)) out.push_back(name);
   }
   return out;

@@ -1,25 +1,66 @@
-# Installs LPC into an empty folder and builds what a user would build against it: cmake -DBINARY_DIR=... -DWORK_DIR=... -P
+# Installs LPC into an empty folder and builds what a user would build against it: the programs of the manual, the plugin of the
+# guide, and what stands beside this file: cmake -DSOURCE_DIR=... -DBINARY_DIR=... -DWORK_DIR=... -DCXX=... -DCXX_FLAGS=... -P
+cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
+include(${CMAKE_CURRENT_LIST_DIR}/../guide.cmake)
+
 function(must)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
     message(FATAL_ERROR "${ARGN}\nended with ${result}:\n${output}")
   endif()
   message(STATUS "${output}")
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+function(should_say)  # each is in what was said last
+  foreach(part IN LISTS ARGN)
+    string(FIND "${output}" "${part}" at)
+    if(at EQUAL -1)
+      message(FATAL_ERROR "this should say '${part}':\n${output}")
+    endif()
+  endforeach()
+endfunction()
+
+# A page's commands, with this build and an empty place to install to.
+function(follow page heading folder)
+  page_commands(${page} "${heading}" script)
+  string(REPLACE "/opt/lpc" "${WORK_DIR}/prefix" script "${script}")
+  string(REPLACE "--install build/release" "--install ${BINARY_DIR}" script "${script}")
+  string(REPLACE "build/release/bin" "${BINARY_DIR}/bin" script "${script}")
+  if(NOT EXISTS ${BINARY_DIR}/bin/lpc)
+    string(REGEX REPLACE "[^\n]*/bin/lpc [^\n]*\n" "" script "${script}")
+  endif()
+  run_script("${script}" ${folder})
+  message(STATUS "${output}")
+  set(output "${output}" PARENT_SCOPE)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK_DIR})
-must(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${WORK_DIR}/prefix --component lpc)
-foreach(consumer world stages plugin)
-  must(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/${consumer} -B ${WORK_DIR}/${consumer}
-       -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_BUILD_TYPE=Release)
-  must(${CMAKE_COMMAND} --build ${WORK_DIR}/${consumer})
+set(ENV{CXX} ${CXX})
+set(ENV{CXXFLAGS} ${CXX_FLAGS})
+set(ENV{CMAKE_BUILD_TYPE} Release)
+set(manual ${SOURCE_DIR}/docs/manual.md)
+set(guide ${SOURCE_DIR}/docs/adding_an_algorithm.md)
+
+foreach(file IN ITEMS main.cpp CMakeLists.txt)
+  page_file(${manual} ${file} ${WORK_DIR}/manual/${file})
 endforeach()
-file(GLOB programs ${WORK_DIR}/world/drop_a_box_lpc* ${WORK_DIR}/stages/single_stages)
-foreach(program IN LISTS programs)
-  if(NOT IS_DIRECTORY ${program})
-    must(${program})
-  endif()
+follow(${manual} "A first world in C++" ${WORK_DIR}/manual)
+should_say("the box rests at height 0.495 m")
+
+# Single stages; the same world in the other precision, and the manual's rays.
+file(COPY ${CMAKE_CURRENT_LIST_DIR}/more DESTINATION ${WORK_DIR})
+foreach(file IN ITEMS main.cpp ray.cpp)
+  page_file(${manual} ${file} ${WORK_DIR}/more/${file})
 endforeach()
+must(${CMAKE_COMMAND} -G Ninja -S ${WORK_DIR}/more -B ${WORK_DIR}/more/build -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix)
+must(${CMAKE_COMMAND} --build ${WORK_DIR}/more/build)
+must(${WORK_DIR}/more/build/single_stages)
+must(${WORK_DIR}/more/build/ray)
+should_say("body 42 at 4.0 m, normal (-1, 0)")
+if(EXISTS ${WORK_DIR}/more/build/drop_a_box_f32)
+  must(${WORK_DIR}/more/build/drop_a_box_f32)
+  should_say("the box rests at height 0.495 m")
+endif()
 
 # What is installed links none of the oracle libraries.
 file(GLOB libraries ${WORK_DIR}/prefix/lib*/*.so ${WORK_DIR}/prefix/lib*/*/*.so)
@@ -30,11 +71,15 @@ foreach(library IN LISTS libraries)
   endif()
 endforeach()
 
-# The plugin is listed, and refused when its ABI differs.
+# A broadphase and a resolver outside of the tree, word for word.
+foreach(file IN ITEMS algorithms/broadphase/bucket_sort.cpp algorithms/velocity/backward.cpp mine/plugin.cpp mine/CMakeLists.txt
+        neighbours.toml)
+  page_file(${guide} ${file} ${WORK_DIR}/guide/${file})
+endforeach()
+follow(${guide} "Outside this tree" ${WORK_DIR}/guide)
 if(EXISTS ${BINARY_DIR}/bin/lpc)
-  execute_process(COMMAND ${BINARY_DIR}/bin/lpc --plugin ${WORK_DIR}/plugin/libbucket.so list
-                  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0 OR NOT output MATCHES "bucket_sort")
-    message(FATAL_ERROR "lpc --plugin ... list ended with ${result} and does not show bucket_sort:\n${output}")
+  should_say("bucket_sort" "6 run, 0 of these not ok")
+  if(NOT output MATCHES "resolvers +[1-9][0-9]* trials, [1-9][0-9]* timed, 0 unsupported")
+    message(FATAL_ERROR "the shipped sweep has no trials of the plugin's resolver:\n${output}")
   endif()
 endif()

@@ -8,11 +8,14 @@
 #   promise.cmake  at_most (files), name (shown by `listed`: `lpc list` unless told), targets, proof (a command that passes, and fails with
 #                  `blames` in its output for the twin), round (below, `few` unless told),
 #                  needs_python
-#   tree/          its new files, where they stand in the project; optional
+#   tree/          its new files, where they stand in the project; optional. Or, in promise.cmake, `guide`: the file of
+#                  docs/adding_an_algorithm.md that it is
 #   edits.cmake    edit() of files that are there, which count, too; optional
 #   wrong.cmake    edit() that makes the twin
 #   use.cmake      what else must work; optional
 cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
+
+include(${CMAKE_CURRENT_LIST_DIR}/../guide.cmake)
 
 function(run out_result out_output)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -46,15 +49,41 @@ function(edit file old new)
   set_property(GLOBAL APPEND PROPERTY edited_${promise} ${file})
 endfunction()
 
-function(put promise)
+# The new files of a promise.
+function(new_files promise out)
+  set(guide "")
   include(${here}/${promise}/promise.cmake)
   file(GLOB_RECURSE new RELATIVE ${here}/${promise}/tree ${here}/${promise}/tree/*)
+  set(${out} ${new} ${guide} PARENT_SCOPE)
+endfunction()
+
+# What the guide says under a heading, in a folder of its own; its build is the one that is there. `output`: all it said.
+function(follow_guide heading)
+  page_file(${guide_page} neighbours.toml ${guide_folder}/neighbours.toml)
+  file(REMOVE ${guide_folder}/results/mine.db)
+  page_commands(${guide_page} "${heading}" script)
+  string(REPLACE "cmake --preset test && cmake --build --preset test\n" "" script "${script}")
+  string(REPLACE "build/test/bin" "${bin}" script "${script}")
+  string(REPLACE "--test-dir build/test" "--test-dir ${work}/build" script "${script}")
+  if(NOT PYTHON)
+    string(REGEX REPLACE "[^\n]*lpc report [^\n]*\n" "" script "${script}")
+  endif()
+  run_script("${script}" ${guide_folder})
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+function(put promise)
+  set(guide "")
+  include(${here}/${promise}/promise.cmake)
+  new_files(${promise} new)
   foreach(file IN LISTS new)
     if(EXISTS ${tree}/${file})
       message(FATAL_ERROR "${promise}: ${file} is there already")
     endif()
   endforeach()
-  if(new)
+  if(guide)
+    page_file(${guide_page} ${guide} ${tree}/${guide})
+  elseif(new)
     file(COPY ${here}/${promise}/tree/ DESTINATION ${tree})
   endif()
   foreach(file IN LISTS new)
@@ -72,7 +101,7 @@ function(put promise)
 endfunction()
 
 function(take promise)
-  file(GLOB_RECURSE new RELATIVE ${here}/${promise}/tree ${here}/${promise}/tree/*)
+  new_files(${promise} new)
   foreach(file IN LISTS new)
     file(REMOVE ${tree}/${file})
     cmake_path(GET file PARENT_PATH folder)
@@ -129,6 +158,8 @@ set(here ${CMAKE_CURRENT_LIST_DIR})
 set(work ${WORK_DIR})
 set(tree ${work}/tree)
 set(bin ${work}/build/bin)
+set(guide_page ${SOURCE_DIR}/docs/adding_an_algorithm.md)
+set(guide_folder ${work}/guide)
 set(ENV{LPC_TEST_CASES} 3)  # long histories, without optimisation
 
 # The build folder stays between runs, the sources are copied again: only what changed is compiled. Not after a run that

@@ -1,6 +1,7 @@
-# An algorithm: one file (docs/adding_an_algorithm.md).
+# An algorithm: one file, that of the guide.
 set(at_most 1)
-set(name counting_buckets)
+set(guide algorithms/broadphase/bucket_sort.cpp)
+set(name bucket_sort)
 set(targets test_broadphase_f64)
 set(proof ${bin}/test_broadphase_f64 --gtest_filter=BroadphasePairs.*)
-set(blames "pairs of counting_buckets are those of brute force")
+set(blames "pairs of bucket_sort are those of brute force")

@@ -1,13 +1,9 @@
-# A sweep measures it against its neighbours, and what is done is not done again.
-new_sweep(neighbours [[
-summary = "two broadphases"
-kind = "boxes"
-[axes]
-broadphase = "*"
-dimension = 2
-n = [16, 32]
-frames = 3
-distribution = "uniform"
-]])
-must_say("4 run, 0 of these not ok" ${sweep} --only counting_buckets,naive)
-must_say("4 were done, 0 run" ${sweep} --only counting_buckets,naive)
+# All that the guide tells its reader to type. What is done is not done again.
+follow_guide("In ten minutes: a broadphase")
+foreach(part IN ITEMS "broadphase\n? *([^\n]* )?bucket_sort" "100% tests passed" "6 run, 0 of these not ok")
+  if(NOT output MATCHES "${part}")
+    message(FATAL_ERROR "the guide's commands should say '${part}':\n${output}")
+  endif()
+endforeach()
+must_say("6 were done, 0 run" ${bin}/lpc sweep ${guide_folder}/neighbours.toml --only bucket_sort,naive
+         --store ${guide_folder}/results/mine.db)

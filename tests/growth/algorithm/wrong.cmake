@@ -1,2 +1,2 @@
-# It loses pairs that meet in the last bucket of the first of them.
-edit(algorithms/broadphase/counting_buckets.cpp "> last) break;" ">= last && last > 0) break;")
+# It loses the pairs of the last bucket that a box reaches.
+edit(algorithms/broadphase/bucket_sort.cpp "c <= last; ++c" "c < last; ++c")

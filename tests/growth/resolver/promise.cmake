@@ -1,5 +1,6 @@
-# A velocity resolver: one file.
+# A velocity resolver on kernels of the solvers: one file, that of the guide.
 set(at_most 1)
+set(guide algorithms/velocity/backward.cpp)
 set(name backward)
 set(targets test_velocity_f64)
 set(proof ${bin}/test_velocity_f64 --gtest_filter=VelocityConformance.EveryResolver*)

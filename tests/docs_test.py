@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: Zlib
+"""What the pages tell a reader to type and to write: commands are run, files are what they are run on, and options that prose
+names exist. Run by ctest: docs_test.py SOURCE_DIR BINARY_DIR [PYTHON for reports].
+
+A fence says what it holds: sh; toml, cpp or cmake with the name of the file; toml axes, a part of a sweep; text pipeline;
+text. What is not run stands below with its reason, or with what is run instead.
+"""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+SOURCE, BINARY = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+REPORT_PYTHON = sys.argv[3] if len(sys.argv) > 3 else ""
+SCRATCH = BINARY / "docs_test"
+# The manual's sweep fills the store that README reports.
+PAGES = ["docs/manual.md", "README.md"] + sorted(
+    f"docs/{p.name}" for p in (SOURCE / "docs").glob("*.md") if p.name != "manual.md")
+
+# Sections whose files and commands another test takes from the page.
+ELSEWHERE = {
+    ("docs/manual.md", "A first world in C++"): "tests/embedding/run.cmake",
+    ("docs/adding_an_algorithm.md", "In ten minutes: a broadphase"): "tests/growth/run.cmake",
+    ("docs/adding_an_algorithm.md", "A resolver"): "tests/growth/run.cmake",
+    ("docs/adding_an_algorithm.md", "Outside this tree"): "tests/embedding/run.cmake",
+}
+NOT_RUN = {
+    "./experiments/run quick": "builds and sweeps for minutes",
+    "./tests/run": "it is what runs this",
+    ".ci/install_packages": "installs",
+    "cmake --preset release && cmake --build --preset release": "builds for minutes; this build stands for it",
+    "cmake --preset release -DLPC_BUILD_BENCHMARKS=ON && cmake --build --preset release --target lpc-bench": "builds",
+    "taskset -c 1 build/release/bin/lpc-bench --benchmark_filter=broadphase --benchmark_out=bench.json "
+    "--benchmark_out_format=json": "measures for minutes",
+    "lpc verify --stage pair_query --dimension 3 --methods sat gjk_epa{iterations=20} fcl_libccd --seed 7":
+        "a hundred seconds of the referee",
+    "lpc verify --cases results/found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
+}
+# The same in a second or two.
+INSTEAD = {
+    "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
+    "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
+    "lpc verify": "lpc verify --stage broadphase",
+    "lpc verify --minutes 10": "lpc verify --minutes 0.02 --stage broadphase",
+    "lpc verify --minutes 10 --precision f64,f32": "lpc verify --minutes 0.02 --precision f64,f32 --stage broadphase",
+    "lpc verify --cases tests/regressions/hard_cases.json":
+        "lpc verify --cases tests/regressions/hard_cases.json --role competitor --methods sat",
+    "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*'":
+        "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*' --gtest_list_tests | grep libccd_gjk",
+}
+# Other than 0: what the page is about.
+EXIT_CODE = {"lpc run ./leaning_stack.toml --param n=20 --dimension 3 --profile stack.csv --record stack.rec": 1}
+PART_OF_A_SWEEP = """summary = "the rest of a sweep whose axes are in the page"
+kind = "world"
+[axes]
+scene = "box_drop"
+iterations = 4
+"""
+LANGUAGES = {"sh", "toml", "cpp", "cmake", "text"}
+
+
+class Block:
+    def __init__(self, page, line, section, info, text):
+        self.page, self.line, self.section, self.text = page, line, section, text
+        self.language, _, self.name = info.partition(" ")
+
+    def where(self):
+        return f"{self.page}:{self.line}"
+
+    def commands(self):
+        """Whole commands, without comments."""
+        joined = self.text.replace("\\\n", " ")
+        lines = (re.sub(r"(^|\s+)#.*", "", line).strip() for line in joined.split("\n"))
+        return [re.sub(r"  +", " ", line) for line in lines if line]
+
+
+def blocks_of(page, text):
+    """The fenced blocks, in order; those in lists without their indent."""
+    out, section, inside = [], "", None
+    for number, line in enumerate(text.split("\n"), 1):
+        fence = re.match(r"^( *)```(.*)$", line)
+        if inside is None:
+            if line.startswith("## "):
+                section = line[3:]
+            if fence:
+                inside = (number, fence[1], fence[2].strip(), [])
+        elif fence:
+            begin, indent, info, lines = inside
+            out.append(Block(page, begin, section, info, "\n".join(l.removeprefix(indent) for l in lines) + "\n"))
+            inside = None
+        else:
+            inside[3].append(line)
+    return out
+
+
+def inline_commands(text):
+    """`lpc ...` in prose."""
+    prose = re.sub(r"(?ms)^ *```.*?^ *```$", "", text)
+    spans = (re.sub(r"\s+", " ", s) for s in re.findall(r"`([^`]+)`", prose))
+    return [s for s in spans if s.startswith("lpc ")]
+
+
+def option_faults(command, help_of):
+    """What a call of lpc names that its help does not: empty when all is well. `help_of`: text by subcommand."""
+    words = command.split()
+    at = words.index("lpc") + 1 if "lpc" in words else 1
+    while at < len(words) and words[at] == "--plugin":
+        at += 2
+    if at >= len(words) or not re.match(r"^[a-z-]+$", words[at]) or words[at].startswith("-"):
+        return []
+    told = help_of(words[at])
+    if not told:
+        return [f"there is no 'lpc {words[at]}'"]
+    options = set(re.findall(r"--[a-z-]+", told))
+    return [f"'lpc {words[at]}' has no {w}" for w in words[at + 1:] if re.match(r"^--[a-z-]+$", w) and w not in options]
+
+
+def pages():
+    return {page: (SOURCE / page).read_text() for page in PAGES}
+
+
+def all_blocks():
+    return [block for page, text in pages().items() for block in blocks_of(page, text)]
+
+
+def here(command):
+    """As it is called in this build."""
+    command = re.sub(r"build/(release|test)/bin/", f"{BINARY}/bin/", command)
+    return re.sub(r"(^|[ |;&])lpc ", rf"\1{BINARY}/bin/lpc ", command)
+
+
+def run(command):
+    return subprocess.run(["bash", "-ec", here(command)], cwd=SCRATCH, capture_output=True, text=True,
+                          env={**os.environ, **({"LPC_PYTHON": REPORT_PYTHON} if REPORT_PYTHON else {})})
+
+
+_helps = {}
+
+
+def help_of(subcommand):
+    if subcommand not in _helps:
+        told = run(f"lpc {subcommand} --help")
+        _helps[subcommand] = told.stdout if told.returncode == 0 else ""
+    return _helps[subcommand]
+
+
+class Docs(unittest.TestCase):
+    def setUp(self):
+        shutil.rmtree(SCRATCH, ignore_errors=True)
+        SCRATCH.mkdir(parents=True)
+        (SCRATCH / "tests").symlink_to(SOURCE / "tests")
+        (SCRATCH / "bench.json").write_text('{"context": {}, "benchmarks": []}')  # what lpc-bench would have written
+
+    def test_every_fence_says_what_it_holds(self):
+        for block in all_blocks():
+            self.assertIn(block.language, LANGUAGES, block.where())
+            if block.language in ("toml", "cpp", "cmake"):
+                self.assertTrue(block.name, f"{block.where()}: the name of the file")
+
+    def test_exceptions_are_of_commands_that_are_there(self):
+        commands = {c for block in all_blocks() if block.language == "sh" for c in block.commands()}
+        for command in [*NOT_RUN, *INSTEAD, *EXIT_CODE]:
+            self.assertIn(command, commands)
+        sections = {(block.page, block.section) for block in all_blocks()}
+        for section in ELSEWHERE:
+            self.assertIn(section, sections)
+
+    def test_commands_work_on_the_files_of_the_pages(self):
+        ran = 0
+        for block in all_blocks():
+            if (block.page, block.section) in ELSEWHERE:
+                continue
+            with self.subTest(block.where()):
+                self.assertNotIn(block.language, ("cpp", "cmake"), "nobody compiles it")
+                if block.language == "toml" and block.name != "axes":
+                    (SCRATCH / block.name).write_text(block.text)
+                commands = block.commands() if block.language == "sh" else []
+                if block.language == "toml" and block.name == "axes":
+                    (SCRATCH / "axes.toml").write_text(PART_OF_A_SWEEP + block.text)
+                    commands = ["lpc sweep ./axes.toml --dry-run"]
+                if block.language == "text" and block.name == "pipeline":
+                    commands = [f"lpc run box_drop --pipeline '{block.text.strip()}'"]
+                for command in commands:
+                    self.assertEqual(option_faults(command, help_of) if "lpc " in command else [], [], command)
+                    if command in NOT_RUN or (" report " in command and not REPORT_PYTHON):
+                        continue
+                    done = run(INSTEAD.get(command, command))
+                    self.assertEqual(done.returncode, EXIT_CODE.get(command, 0), f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+                    ran += 1
+        self.assertGreater(ran, 12)
+
+    def test_options_in_prose_exist(self):
+        found = 0
+        for page, text in pages().items():
+            for command in inline_commands(text):
+                self.assertEqual(option_faults(command, help_of), [], f"{page}: {command}")
+                found += 1
+        self.assertGreater(found, 8)
+
+
+class ThisTest(unittest.TestCase):
+    """What it must see, on a page of its own."""
+
+    PAGE = ("# A\n## B\n- one\n\n  ```sh\n  lpc list \\\n    --all   # so\n  ```\n\n"
+            "`lpc list\n--json`, `lpc`\n```toml x.toml\na = 1\n```\n")
+
+    def test_blocks_and_commands(self):
+        first, second = blocks_of("p.md", self.PAGE)
+        self.assertEqual((first.language, first.section, first.line), ("sh", "B", 5))
+        self.assertEqual(first.commands(), ["lpc list --all"])
+        self.assertEqual((second.language, second.name, second.text), ("toml", "x.toml", "a = 1\n"))
+        self.assertEqual(inline_commands(self.PAGE), ["lpc list --json"])
+
+    def test_wrong_options_are_found(self):
+        told = {"list": "--json  as JSON"}.get
+        self.assertEqual(option_faults("lpc list --json", told), [])
+        self.assertEqual(option_faults("lpc --plugin x.so list --stage a", told), ["'lpc list' has no --stage"])
+        self.assertEqual(option_faults("lpc lists", told), ["there is no 'lpc lists'"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
