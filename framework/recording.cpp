@@ -81,6 +81,15 @@ bool getFrame(std::istream& in, typename Recording<D>::Frame& f) {
   return true;
 }
 
+std::int32_t readHeader(std::istream& in) {
+  char magic[sizeof kMagic] = {};
+  std::int32_t dimension = 0;
+  in.read(magic, sizeof magic);
+  if (std::memcmp(magic, kMagic, sizeof kMagic) != 0) throw UserError("this is not a recording of a world");
+  if (!get(in, dimension)) throw UserError("the recording ends early");
+  return dimension;
+}
+
 }  // namespace
 
 template <int D>
@@ -126,13 +135,16 @@ void Recorder<D>::frame(const Simulation<D>& world) {
   }
 }
 
+int recordingDimension(std::istream& in) {
+  const auto begin = in.tellg();
+  const std::int32_t dimension = readHeader(in);
+  in.seekg(begin);
+  return dimension;
+}
+
 template <int D>
 Recording<D> Recording<D>::read(std::istream& in) {
-  char magic[sizeof kMagic] = {};
-  std::int32_t dimension = 0;
-  in.read(magic, sizeof magic);
-  if (std::memcmp(magic, kMagic, sizeof kMagic) != 0) throw UserError("this is not a recording of a world");
-  if (!get(in, dimension)) throw UserError("the recording ends early");
+  const std::int32_t dimension = readHeader(in);
   if (dimension != D) {
     throw UserError("the recording is " + std::to_string(dimension) + "D, asked was " + std::to_string(D) + "D");
   }

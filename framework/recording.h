@@ -44,6 +44,9 @@ struct Recording {
   static Recording read(std::istream& in);
 };
 
+/// 2 or 3, and the stream is where it was. Throws UserError for what is no recording.
+int recordingDimension(std::istream& in);
+
 template <int D>
 class Recorder {
  public:

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "framework/names.h"
+
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
@@ -12,12 +14,6 @@ std::string numberText(Real value) {
   char buffer[64];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
   return {buffer, end};
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
-  return out;
 }
 
 // Reads values out of a spec.
@@ -30,7 +26,7 @@ class Reader final : public ParamVisitor {
       const auto [end, error] = std::from_chars(s->name.data(), s->name.data() + s->name.size(), value);
       const bool whole = error == std::errc() && end == s->name.data() + s->name.size() && s->fields.empty();
       if (!whole || value < lo || value > hi) {
-        fail(name, *s, "a whole number from " + std::to_string(lo) + " to " + std::to_string(hi));
+        fail(name, *s, "; valid: a whole number from " + std::to_string(lo) + " to " + std::to_string(hi));
       }
     }
   }
@@ -39,7 +35,7 @@ class Reader final : public ParamVisitor {
       const auto [end, error] = std::from_chars(s->name.data(), s->name.data() + s->name.size(), value);
       const bool whole = error == std::errc() && end == s->name.data() + s->name.size() && s->fields.empty();
       if (!whole || !(value >= lo && value <= hi)) {
-        fail(name, *s, "a number from " + numberText(lo) + " to " + numberText(hi));
+        fail(name, *s, "; valid: a number from " + numberText(lo) + " to " + numberText(hi));
       }
     }
   }
@@ -48,7 +44,7 @@ class Reader final : public ParamVisitor {
       if (s->fields.empty() && (s->name == "true" || s->name == "false")) {
         value = s->name == "true";
       } else {
-        fail(name, *s, "true, false");
+        fail(name, *s, validNames({"true", "false"}, s->name));
       }
     }
   }
@@ -60,8 +56,7 @@ class Reader final : public ParamVisitor {
       bool known = false;
       for (const std::string& n : m_names) known = known || n == key;
       if (!known) {
-        throw UserError("'" + m_algorithm + "' has no parameter '" + key +
-                        "'; valid: " + (m_names.empty() ? "none" : joined(m_names)));
+        throw UserError("'" + m_algorithm + "' has no parameter '" + key + "'" + validNames(m_names, key));
       }
     }
   }
@@ -77,7 +72,7 @@ class Reader final : public ParamVisitor {
         return;
       }
     }
-    fail(name, *s, joined({names.begin(), names.end()}));
+    fail(name, *s, validNames({names.begin(), names.end()}, s->name));
   }
 
  private:
@@ -86,8 +81,7 @@ class Reader final : public ParamVisitor {
     return m_spec.find(name);
   }
   [[noreturn]] void fail(std::string_view name, const Spec& found, const std::string& valid) const {
-    throw UserError("parameter '" + std::string(name) + "' of '" + m_algorithm + "' is '" + found.text() +
-                    "'; valid: " + valid);
+    throw UserError("parameter '" + std::string(name) + "' of '" + m_algorithm + "' is '" + found.text() + "'" + valid);
   }
   const Spec& m_spec;
   const std::string& m_algorithm;
@@ -175,10 +169,17 @@ void Registry::add(Registered entry) {
 const Registered& Registry::find(StageKind stage, int dimension, std::string_view name) const {
   const auto it = m_all.find(Key{stage, dimension, std::string(name)});
   if (it != m_all.end()) return it->second;
+  for (const auto& [key, entry] : m_all) {
+    if (entry.info.name != name || entry.stage == stage) continue;
+    const std::string place = placeInPipeline(stageInfo(entry.stage), entry.info.name);
+    if (!place.empty()) {
+      throw UserError("there is no " + std::string(stageName(stage)) + " '" + std::string(name) + "'; " + place);
+    }
+  }
   std::vector<std::string> names;
   for (const Registered* r : list(stage, dimension)) names.push_back(r->info.name);
   throw UserError("there is no " + std::string(stageName(stage)) + " '" + std::string(name) + "' in " +
-                  std::to_string(dimension) + "D; valid: " + joined(names));
+                  std::to_string(dimension) + "D" + validNames(names, name));
 }
 
 std::vector<const Registered*> Registry::list(StageKind stage, int dimension) const {

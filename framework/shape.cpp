@@ -8,6 +8,7 @@
 
 #include "framework/check.h"
 #include "framework/curved_core.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -28,12 +29,11 @@ void requireSize(const char* shape, const char* what, Real value, bool zeroAllow
 std::string_view shapeKindName(ShapeKind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
 
 ShapeKind shapeKindFromName(std::string_view name) {
-  std::string valid;
   for (std::size_t i = 0; i < kKindNames.size(); ++i) {
     if (kKindNames[i] == name) return static_cast<ShapeKind>(i);
-    valid += (i ? ", " : "") + std::string(kKindNames[i]);
   }
-  throw UserError("there is no shape '" + std::string(name) + "'; valid: " + valid);
+  throw UserError("there is no shape '" + std::string(name) + "'" +
+                  validNames({kKindNames.begin(), kKindNames.end()}, name));
 }
 
 template <int D>

@@ -5,6 +5,9 @@
 #include <cctype>
 #include <utility>
 
+#include "framework/names.h"
+#include "framework/registry.h"
+
 namespace lpc {
 namespace {
 
@@ -60,10 +63,13 @@ class Parser {
   std::size_t m_at = 0;
 };
 
-std::string worldStageNames() {
-  std::string names;
-  for (const StageKind stage : kWorldStages) names += (names.empty() ? "" : ", ") + std::string(stageName(stage));
-  return names;
+[[noreturn]] void failStage(Parser& p, const std::string& key) {
+  if (const StageInfo* stage = stageByName(key)) {
+    p.fail(placeInPipeline(*stage, p.take('=') ? p.spec().text() : "NAME"));
+  }
+  std::vector<std::string> names;
+  for (const StageKind kind : kWorldStages) names.emplace_back(stageName(kind));
+  p.fail("unknown stage '" + key + "'" + validNames(names, key));
 }
 
 }  // namespace
@@ -127,7 +133,7 @@ std::vector<StageKind> Pipeline::replace(std::string_view text) {
   while (!p.atEnd()) {
     const std::string key = p.word("a stage");
     const StageInfo* stage = stageByName(key);
-    if (!isWorldStage(stage)) p.fail("unknown stage '" + key + "'; valid: " + worldStageNames());
+    if (!isWorldStage(stage)) failStage(p, key);
     if (std::find(named.begin(), named.end(), stage->kind) != named.end()) p.fail("stage '" + key + "' is given twice");
     named.push_back(stage->kind);
     if (!p.take('=')) p.fail("'=' is missing after '" + key + "'");

@@ -26,6 +26,8 @@ class Option {
   Option& commaSeparated();
   /// FILE in the help.
   Option& file();
+  /// May stand alone; then `given` tells that it does.
+  Option& valueOptional();
   Option& range(long lo, long hi);
   Option& range(double lo, double hi);
   /// Once the command line is known.

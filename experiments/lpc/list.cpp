@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -15,6 +16,7 @@
 #include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_file.h"
 #include "framework/curved_core.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -124,65 +126,141 @@ void printAlgorithms(const json& algorithms) {
   }
 }
 
-void print(const json& all) {
-  printAlgorithms(all["algorithms"]);
-  for (const auto& [key, title] :
-       {std::pair("distributions", "distributions of boxes"), std::pair("drawings", "drawings of pairs"),
-        std::pair("events", "events of scenes")}) {
-    std::printf("\n%s\n", title);
-    for (const json& e : all[key]) {
-      std::printf("  %-22s %s\n", e["name"].get<std::string>().c_str(), e["summary"].get<std::string>().c_str());
-      printParams(e["params"]);
+// The kinds of things beside algorithms that have a name: their key in the JSON, and their heading.
+constexpr std::pair<const char*, const char*> kKinds[] = {{"distributions", "distributions of boxes"},
+                                                          {"drawings", "drawings of pairs"},
+                                                          {"events", "events of scenes"},
+                                                          {"shapes", "shapes"},
+                                                          {"metrics", "metrics and series"},
+                                                          {"scenes", "scenes"},
+                                                          {"sweeps", "sweeps"}};
+
+json everything() {
+  return {{"algorithms", describeAlgorithms()},
+          {"distributions", describeEntries(boxDistributions())},
+          {"drawings", describeEntries(pairDrawings())},
+          {"events", describeEvents()},
+          {"shapes", describeShapes()},
+          {"metrics", describeMeasures()},
+          {"scenes", describeScenes()},
+          {"sweeps", describeSweeps()}};
+}
+
+std::string textOf(const json& entry, const char* key) { return entry[key].get<std::string>(); }
+
+void printMetric(const json& m) {
+  const std::string unit = m["unit"] == "1" ? "" : " (" + textOf(m, "unit") + ")";
+  const std::string needs = m["needs"] == "" ? "" : "; needs: " + textOf(m, "needs");
+  std::printf("  %-26s %-6s %s: %s%s%s\n", textOf(m, "name").c_str(), textOf(m, "kind").c_str(),
+              textOf(m, "what").c_str(), textOf(m, "meaning").c_str(), unit.c_str(), needs.c_str());
+}
+
+void printScene(const json& s) {
+  std::printf("  %-22s %-6s %s\n", textOf(s, "name").c_str(), dimensionsText(s["dimensions"]).c_str(),
+              textOf(s, "summary").c_str());
+  for (const json& p : s["params"]) {
+    if (p["default"].is_string()) {
+      std::printf("      %s=%s  (lpc list --stage joint)  %s\n", textOf(p, "name").c_str(),
+                  textOf(p, "default").c_str(), textOf(p, "meaning").c_str());
+      continue;
     }
-  }
-  std::printf("\nshapes\n");
-  for (const json& s : all["shapes"]) {
-    std::string sizes;
-    for (const json& size : s["sizes"]) sizes += (sizes.empty() ? "" : ", ") + size.get<std::string>();
-    std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), dimensionsText(s["dimensions"]).c_str(),
-                sizes.c_str());
-  }
-  std::printf("\nmetrics and series\n");
-  for (const json& m : all["metrics"]) {
-    const std::string unit = m["unit"] == "1" ? "" : " (" + m["unit"].get<std::string>() + ")";
-    const std::string needs = m["needs"] == "" ? "" : "; needs: " + m["needs"].get<std::string>();
-    std::printf("  %-26s %-6s %s: %s%s%s\n", m["name"].get<std::string>().c_str(), m["kind"].get<std::string>().c_str(),
-                m["what"].get<std::string>().c_str(), m["meaning"].get<std::string>().c_str(), unit.c_str(),
-                needs.c_str());
-  }
-  std::printf("\nscenes\n");
-  for (const json& s : all["scenes"]) {
-    std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), dimensionsText(s["dimensions"]).c_str(),
-                s["summary"].get<std::string>().c_str());
-    for (const json& p : s["params"]) {
-      if (p["default"].is_string()) {
-        std::printf("      %s=%s  (lpc list --stage joint)  %s\n", p["name"].get<std::string>().c_str(),
-                    p["default"].get<std::string>().c_str(), p["meaning"].get<std::string>().c_str());
-        continue;
-      }
-      std::printf("      %s=%g  (%g .. %g)  %s\n", p["name"].get<std::string>().c_str(), p["default"].get<double>(),
-                  p["min"].get<double>(), p["max"].get<double>(), p["meaning"].get<std::string>().c_str());
-    }
-  }
-  std::printf("\nsweeps\n");
-  for (const json& s : all["sweeps"]) {
-    std::printf("  %-22s %-6s %s\n", s["name"].get<std::string>().c_str(), s["kind"].get<std::string>().c_str(),
-                s["summary"].get<std::string>().c_str());
+    std::printf("      %s=%g  (%g .. %g)  %s\n", textOf(p, "name").c_str(), p["default"].get<double>(),
+                p["min"].get<double>(), p["max"].get<double>(), textOf(p, "meaning").c_str());
   }
 }
 
-// The algorithms of one stage alone.
-json ofStage(const std::string& stage) {
-  if (!stageByName(stage)) {
-    std::string valid;
-    for (const StageInfo& s : kStages) valid += (valid.empty() ? "" : ", ") + std::string(s.name);
-    throw UserError("there is no stage '" + stage + "'; valid: " + valid);
+void printEntry(const std::string& kind, const json& e) {
+  if (kind == "metrics") return printMetric(e);
+  if (kind == "scenes") return printScene(e);
+  if (kind == "shapes") {
+    std::string sizes;
+    for (const json& size : e["sizes"]) sizes += (sizes.empty() ? "" : ", ") + size.get<std::string>();
+    std::printf("  %-22s %-6s %s\n", textOf(e, "name").c_str(), dimensionsText(e["dimensions"]).c_str(), sizes.c_str());
+  } else if (kind == "sweeps") {
+    std::printf("  %-22s %-6s %s\n", textOf(e, "name").c_str(), textOf(e, "kind").c_str(),
+                textOf(e, "summary").c_str());
+  } else {
+    std::printf("  %-22s %s\n", textOf(e, "name").c_str(), textOf(e, "summary").c_str());
+    printParams(e["params"]);
   }
+}
+
+void printWhole(const json& all) {
+  printAlgorithms(all["algorithms"]);
+  bool first = all["algorithms"].empty();
+  for (const auto& [kind, title] : kKinds) {
+    if (!all.contains(kind) || all[kind].empty()) continue;
+    std::printf("%s%s\n", first ? "" : "\n", title);
+    first = false;
+    for (const json& e : all[kind]) printEntry(kind, e);
+  }
+}
+
+// A heading and names behind it, over as many lines as they need.
+void printNames(const std::string& heading, const std::vector<std::string>& names) {
+  constexpr std::size_t kIndent = 24, kWidth = 110;
+  std::string line = heading;
+  line.resize(kIndent, ' ');
+  for (const std::string& name : names) {
+    if (line.size() > kIndent && line.size() + name.size() >= kWidth) {
+      std::printf("%s\n", line.c_str());
+      line.assign(kIndent, ' ');
+    }
+    line += (line.size() > kIndent ? " " : "") + name;
+  }
+  std::printf("%s\n", line.c_str());
+}
+
+std::vector<std::string> namesOf(const json& entries) {
+  std::vector<std::string> out;
+  for (const json& e : entries) {  // a metric and a series may share theirs
+    if (const std::string name = textOf(e, "name"); std::find(out.begin(), out.end(), name) == out.end()) {
+      out.push_back(name);
+    }
+  }
+  return out;
+}
+
+// The algorithms of one stage alone.
+json ofStage(const json& algorithms, const std::string& stage) {
   json out = json::array();
-  for (const json& a : describeAlgorithms()) {
+  for (const json& a : algorithms) {
     if (a["stage"] == stage) out.push_back(a);
   }
   return out;
+}
+
+void printShort(const json& all) {
+  for (const StageInfo& stage : kStages) {
+    printNames(std::string(stage.name), namesOf(ofStage(all["algorithms"], std::string(stage.name))));
+  }
+  for (const auto& [kind, title] : kKinds) printNames(title, namesOf(all[kind]));
+  std::printf("\nlpc list --name NAME, --stage STAGE or --all: parameters, ranges, units, meanings\n");
+}
+
+void requireStage(const std::string& stage) {
+  if (stageByName(stage)) return;
+  std::vector<std::string> names;
+  for (const StageInfo& s : kStages) names.emplace_back(s.name);
+  throw UserError("there is no stage '" + stage + "'" + validNames(names, stage));
+}
+
+// Of every kind what has this name: `naive` is a broadphase and a velocity resolver.
+json ofName(const json& all, const std::string& name) {
+  json out;
+  std::vector<std::string> names;
+  bool found = false;
+  for (const auto& [kind, entries] : all.items()) {
+    out[kind] = json::array();
+    for (const json& e : entries) {
+      names.push_back(textOf(e, "name"));
+      if (e["name"] == name) out[kind].push_back(e), found = true;
+    }
+  }
+  if (found) return out;
+  const std::string meant = meantName(names, name);
+  throw UserError("nothing is called '" + name + "'" +
+                  (meant.empty() ? "; valid: " : "; did you mean '" + meant + "'? valid: ") + "what lpc list prints");
 }
 
 void writeNames(const std::string& page) {
@@ -197,41 +275,39 @@ void writeNames(const std::string& page) {
   out.finish();
 }
 
+struct Options {
+  bool asJson = false, all = false;
+  std::string page, stage, name;
+};
+
+void list(const Options& o) {
+  if (!o.page.empty()) return writeNames(o.page);
+  if (!o.stage.empty()) requireStage(o.stage);
+  json chosen = o.stage.empty() ? everything() : json{{"algorithms", ofStage(describeAlgorithms(), o.stage)}};
+  if (!o.name.empty()) chosen = ofName(chosen, o.name);
+  if (o.asJson) {
+    std::cout << chosen.dump(1) << "\n";
+  } else if (o.all || !o.stage.empty() || !o.name.empty()) {
+    printWhole(chosen);
+  } else {
+    printShort(chosen);
+  }
+}
+
 void addList(CommandLine& app, Session&) {
-  CommandLine command =
-      app.subcommand("list", "All algorithms with their parameters, all kinds of shape, metrics, scenes and sweeps");
-  auto asJson = std::make_shared<bool>(false);
-  auto page = std::make_shared<std::string>();
-  auto stage = std::make_shared<std::string>();
-  command.flag("--json", *asJson, "for programs");
-  command.option("--into", *page, "writes the algorithms' names into this page, such as docs/architecture.md");
-  command.option("--stage", *stage, "the algorithms of one stage alone, for instance velocity or joint");
-  command.footer("Example: lpc list --json | python3 -m json.tool");
-  command.callback([asJson, page, stage] {
-    if (!page->empty()) return writeNames(*page);
-    if (!stage->empty()) {
-      const json algorithms = ofStage(*stage);
-      if (*asJson) {
-        std::cout << json{{"algorithms", algorithms}}.dump(1) << "\n";
-      } else {
-        printAlgorithms(algorithms);
-      }
-      return;
-    }
-    const json all = {{"algorithms", describeAlgorithms()},
-                      {"distributions", describeEntries(boxDistributions())},
-                      {"drawings", describeEntries(pairDrawings())},
-                      {"events", describeEvents()},
-                      {"shapes", describeShapes()},
-                      {"metrics", describeMeasures()},
-                      {"scenes", describeScenes()},
-                      {"sweeps", describeSweeps()}};
-    if (*asJson) {
-      std::cout << all.dump(1) << "\n";
-    } else {
-      print(all);
-    }
-  });
+  CommandLine command = app.subcommand(
+      "list", "Names of all algorithms, kinds of shape, metrics, scenes and sweeps; on request all about them");
+  auto o = std::make_shared<Options>();
+  command.option("--stage", o->stage, "the algorithms of one stage, with parameters, ranges and meanings");
+  command.option("--name", o->name, "whatever has this name: an algorithm, a scene, a metric, ...");
+  command.flag("--all", o->all, "everything about everything");
+  command.flag("--json", o->asJson, "everything, or what was asked for, for programs");
+  command.option("--into", o->page, "writes the algorithms' names into this page, such as docs/architecture.md");
+  command.footer(
+      "Example: lpc list --stage velocity\n"
+      "         lpc list --name pyramid\n"
+      "         lpc list --json | python3 -m json.tool");
+  command.callback([o] { list(*o); });
 }
 
 LPC_COMMAND("list", addList);

@@ -12,6 +12,7 @@
 #include "experiments/lpc/command.h"
 #include "experiments/runner/code_identity.h"
 #include "framework/check.h"
+#include "framework/names.h"
 #include "framework/plugin.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -45,9 +46,9 @@ int run(int argc, char** argv) {
   for (const auto& [name, add] : commands()) add(line, session);
   try {
     if (argc > 1 && argv[1][0] != '-' && !commands().count(argv[1])) {
-      std::string valid;
-      for (const auto& [name, add] : commands()) valid += (valid.empty() ? "" : ", ") + name;
-      throw UserError("there is no subcommand '" + std::string(argv[1]) + "'; valid: " + valid);
+      std::vector<std::string> names;
+      for (const auto& [name, add] : commands()) names.push_back(name);
+      throw UserError("there is no subcommand '" + std::string(argv[1]) + "'" + validNames(names, argv[1]));
     }
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -89,6 +90,10 @@ Option& Option::commaSeparated() {
 }
 Option& Option::file() {
   m_option->type_name("FILE");
+  return *this;
+}
+Option& Option::valueOptional() {
+  m_option->expected(0, 1);
   return *this;
 }
 Option& Option::range(long lo, long hi) {

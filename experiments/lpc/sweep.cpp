@@ -5,6 +5,7 @@
 #include "experiments/lpc/command.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/scheduler.h"
+#include "experiments/runner/store_check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -22,6 +23,7 @@ void sweep(Options& o, Session& session) {
     for (const std::string& note : s.notes) std::fprintf(stderr, "lpc: sweep %s: %s\n", s.name.c_str(), note.c_str());
   }
   if (o.dryRun) {
+    checkStore(o.store);
     for (const PlannedSweep& s : sweeps) {
       std::size_t timed = 0, unsupported = 0;
       for (const PlannedTrial& t : s.trials) timed += t.timed(), unsupported += !t.unsupported.empty();
@@ -56,7 +58,7 @@ void addSweep(CommandLine& app, Session& session) {
   command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
   command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
   command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
-  command.flag("--dry-run", o->dryRun, "counts the trials and runs none");
+  command.flag("--dry-run", o->dryRun, "counts the trials, looks whether the store can take them, and runs none");
   command.flag("--quiet", o->run.quiet, "no progress line");
   command.footer(
       "Example: lpc sweep broadphase_crossover --only naive,region_tree --store results/mine.db\n"

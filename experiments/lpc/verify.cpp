@@ -10,6 +10,7 @@
 #include "experiments/runner/verification.h"
 #include "experiments/trial/output_file.h"
 #include "framework/check.h"
+#include "framework/names.h"
 #include "oracles/cases.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -26,7 +27,7 @@ StageKind verifiedStage(const std::string& name) {
   for (const StageKind stage : VerificationOptions{}.stages) {
     if (name == stageName(stage)) return stage;
   }
-  throw UserError("unknown stage '" + name + "'; valid: pair_query, contacts, broadphase");
+  throw UserError("unknown stage '" + name + "'" + validNames({"pair_query", "contacts", "broadphase"}, name));
 }
 
 void readChoices(Arguments& a) {
@@ -43,7 +44,7 @@ void readChoices(Arguments& a) {
   } else if (a.role == "witness") {
     a.options.role = AlgorithmRole::witness;
   } else if (a.role != "all") {
-    throw UserError("unknown role '" + a.role + "'; valid: competitor, witness, all");
+    throw UserError("unknown role '" + a.role + "'" + validNames({"competitor", "witness", "all"}, a.role));
   }
 }
 

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "framework/names.h"
+
 namespace lpc::inline LPC_PRECISION {
 
 void failAt(std::string_view file, const toml::node& node, const std::string& what) {
@@ -140,9 +142,7 @@ std::vector<const toml::table*> TableReader::blocks(const std::string& key) {
 void TableReader::finish() const {
   for (const auto& [key, node] : inFileOrder(m_table)) {
     if (m_asked.count(key)) continue;
-    std::string valid;
-    for (const std::string& name : m_asked) valid += (valid.empty() ? "" : ", ") + name;
-    fail(*node, "unknown key '" + key + "' in " + m_what + "; valid: " + valid);
+    fail(*node, "unknown key '" + key + "' in " + m_what + validNames({m_asked.begin(), m_asked.end()}, key));
   }
 }
 

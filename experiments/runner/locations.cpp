@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "framework/check.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -48,14 +49,14 @@ std::vector<std::string> chartsOfSweeps() {
 std::string findToml(const std::string& folder, const std::string& nameOrPath) {
   std::error_code ignored;
   if (fs::is_regular_file(nameOrPath, ignored)) return nameOrPath;
-  std::string valid;
+  std::vector<std::string> names;
   for (const std::string& path : listToml(folder)) {
     const std::string name = fs::path(path).stem().string();
     if (name == nameOrPath) return path;
-    valid += (valid.empty() ? "" : ", ") + name;
+    names.push_back(name);
   }
   throw UserError("there is no file '" + nameOrPath + "' and nothing of that name in experiments/" + folder +
-                  "; valid: " + valid);
+                  validNames(names, nameOrPath));
 }
 
 std::string workerPath(const std::string& precision, bool engine) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "framework/names.h"
 #include "framework/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -133,8 +134,7 @@ class Stars {
                  referee = entry.info.role == AlgorithmRole::referee;
       if (entry.stage == stage.kind && !referee && witness == (kind == "*witness")) names.insert(entry.info.name);
     }
-    std::string valid;
-    for (const std::string& n : names) valid += (valid.empty() ? "" : ", ") + n;
+    const std::vector<std::string> valid(names.begin(), names.end());
     if (names.empty() && kind == "*") {
       fail("nobody is registered as " + std::string(stage.name));
     }
@@ -142,7 +142,7 @@ class Stars {
       const std::size_t end = std::min(star.find('-', at + 1), star.size());
       const std::string name = star.substr(at + 1, end - at - 1);
       if (!names.erase(name)) {
-        fail("'" + star + "' leaves out '" + name + "', who is not there; valid: " + valid);
+        fail("'" + star + "' leaves out '" + name + "', who is not there" + validNames(valid, name));
       }
       at = end;
     }

@@ -41,10 +41,12 @@ json canonicalStage(json& code, std::string& unsupported, StageKind stage, Spec&
     spec = complete(dimension);
     code.update(codeHashes(stage, spec, dimension));
   } catch (const UserError& e) {
-    if (!existsIn(stage, 5 - dimension, spec.name)) throw;
-    complete(5 -
-             dimension);  // throws what is a mistake in either dimension; else a nested stage is missing in this one
-    unsupported = e.what();
+    try {
+      complete(5 - dimension);
+    } catch (const UserError&) {
+      throw e;  // a mistake in either dimension, told of the one that was asked for
+    }
+    unsupported = e.what();  // a nested stage is missing in this dimension
   }
   return spec.text();
 }

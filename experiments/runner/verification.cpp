@@ -10,12 +10,14 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/ledger_json.h"
 #include "experiments/trial/output_file.h"
 #include "framework/check.h"
+#include "framework/names.h"
 #include "framework/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -100,7 +102,9 @@ class Plan {
       }
     }
     for (std::size_t i = 0; i < given.size(); ++i) {
-      if (!known[i]) throw UserError("there is no method '" + given[i].name + "' to verify; valid: " + validNames());
+      if (known[i]) continue;
+      const std::string& name = given[i].name;
+      throw UserError("there is no method '" + name + "' to verify" + validNames(methodNames(), name));
     }
   }
   void add(const Registered& r, const Spec& spec) {
@@ -114,16 +118,14 @@ class Plan {
       m_methods.push_back({ledger, whole, hexHash(code.dump()), r.info.role});
     }
   }
-  std::string validNames() const {
-    std::string out;
+  std::vector<std::string> methodNames() const {
+    std::set<std::string> names;
     for (const StageKind stage : m_options.stages) {
       for (const int d : m_options.dimensions) {
-        for (const Registered* r : Registry::instance().list(stage, d)) {
-          if (out.find(r->info.name) == std::string::npos) out += (out.empty() ? "" : ", ") + r->info.name;
-        }
+        for (const Registered* r : Registry::instance().list(stage, d)) names.insert(r->info.name);
       }
     }
-    return out;
+    return {names.begin(), names.end()};
   }
 
   void findSubjects() {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/names.h"
 #include "framework/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -42,9 +43,9 @@ template <class Entry>
 const Entry& findEntry(const std::vector<Entry>& table, const std::string& what, const std::string& name) {
   const auto it = std::find_if(table.begin(), table.end(), [&](const Entry& e) { return e.info.name == name; });
   if (it != table.end()) return *it;
-  std::string valid;
-  for (const Entry& e : table) valid += (valid.empty() ? "" : ", ") + e.info.name;
-  throw UserError("unknown " + what + " '" + name + "'; valid: " + valid);
+  std::vector<std::string> names;
+  for (const Entry& e : table) names.push_back(e.info.name);
+  throw UserError("unknown " + what + " '" + name + "'" + validNames(names, name));
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -4,6 +4,7 @@
 
 #include "experiments/trial/scene_parsed.h"
 #include "framework/curved_core.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -40,16 +41,17 @@ Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string
     return Shape<D>::segment(size("half_length"));
   }
   if (kind == "plane") return Shape<D>::plane();
-  std::string valid = "sphere (or circle), box, capsule, segment (2D), polytope, plane, compound";
+  std::vector<std::string> valid = {"sphere", "circle", "box", "capsule", "polytope", "plane", "compound"};
+  if (D == 2) valid.push_back("segment");
   for (const auto& [curved, made] : curvedKinds<D>()) {
     const std::string name(shapeKindName(curved));
-    valid += ", " + name;
+    valid.push_back(name);
     if (name != kind) continue;
     std::vector<Real> sizes;
     for (const std::string_view s : made.sizes) sizes.push_back(size(std::string(s)));
     return Shape<D>::curved(curved, sizes, rounding);
   }
-  shape.fail(shape.require("kind"), "unknown shape kind '" + kind + "'; valid: " + valid);
+  shape.fail(shape.require("kind"), "unknown shape kind '" + kind + "'" + validNames(valid, kind));
 }
 
 template <int D>
@@ -206,7 +208,7 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
   } else if (type == "kinematic") {
     def.type = BodyType::kinematic;
   } else {
-    body.fail(*body.find("type"), "unknown type '" + type + "'; valid: dynamic, fixed, kinematic");
+    body.fail(*body.find("type"), "unknown type '" + type + "'" + validNames({"dynamic", "fixed", "kinematic"}, type));
   }
   def.X_WB.p = numbers.vector<D>(body, "position");
   def.X_WB.q = rotationOf(readAngular<D>(body, numbers, "angle"));

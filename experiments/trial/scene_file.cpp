@@ -8,6 +8,7 @@
 
 #include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_parsed.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -20,7 +21,6 @@ constexpr FeatureName kFeatures[] = {{"cache", &Features::cache},       {"fricti
                                      {"joints", &Features::joints},     {"restitution", &Features::restitution},
                                      {"rotation", &Features::rotation}, {"sleeping", &Features::sleeping}};
 constexpr Features kNothing{false, false, false, false, false, false};
-constexpr const char* kFeatureList = "cache, friction, joints, restitution, rotation, sleeping";
 // A script that makes more bodies than this is a slip of the pen.
 constexpr std::size_t kMaxBodies = 1000000;
 constexpr long kMaxSteps = 1000000000;
@@ -33,7 +33,9 @@ void setFeature(Features& features, const std::string& name) {
       return;
     }
   }
-  throw UserError("unknown feature '" + name + "'; valid: " + kFeatureList);
+  std::vector<std::string> names;
+  for (const FeatureName& f : kFeatures) names.push_back(f.name);
+  throw UserError("unknown feature '" + name + "'" + validNames(names, name));
 }
 
 void readHeader(TableReader& top, SceneFile::Parsed& out) {
@@ -218,9 +220,9 @@ class Builder {
     const auto kinds = eventKinds<D>();
     const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
     if (kind == kinds.end()) {
-      std::string valid;
-      for (const auto& k : kinds) valid += (valid.empty() ? "" : ", ") + std::string(k.name);
-      block.fail(*block.find("do"), "unknown event '" + name + "'; valid: " + valid);
+      std::vector<std::string> names;
+      for (const auto& k : kinds) names.emplace_back(k.name);
+      block.fail(*block.find("do"), "unknown event '" + name + "'" + validNames(names, name));
     }
     if (kind->names != naming) return;
     beginBlock();
@@ -287,9 +289,9 @@ class Builder {
     if (text == "world" && worldAllowed) return -1;
     const std::size_t bracket = text.find('[');
     const auto it = m_named.find(text.substr(0, bracket));
-    std::string valid;
-    for (const auto& [name, list] : m_named) valid += (valid.empty() ? "" : ", ") + name;
-    if (it == m_named.end()) block.fail(node, "there is no body named '" + text + "'; valid: " + valid);
+    std::vector<std::string> names;
+    for (const auto& [name, list] : m_named) names.push_back(name);
+    if (it == m_named.end()) block.fail(node, "there is no body named '" + text + "'" + validNames(names, text));
     double index = 0;
     if (bracket != std::string::npos) {
       if (text.back() != ']') block.fail(node, "']' is missing in '" + text + "'");

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "experiments/trial/scene_parsed.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -34,12 +35,6 @@ auto atBlock(const TableReader& joint, const Make& make) {
   }
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
-  return out;
-}
-
 constexpr const char* kChosen = "$joint";
 
 Spec readChosen(TableReader& joint, const std::string& chosen) {
@@ -65,7 +60,7 @@ Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
         value = node->is_boolean() ? (**node->as_boolean() ? "true" : "false") : node->value_or(std::string("number"));
         // As text it would be read with what follows a comma.
         if (std::find(p.choices.begin(), p.choices.end(), value) == p.choices.end()) {
-          joint.fail(*node, "'" + key + "' is '" + value + "'; valid: " + joined(p.choices));
+          joint.fail(*node, "'" + key + "' is '" + value + "'" + validNames(p.choices, value));
         }
       } else {
         value = asText(numbers.number(*node));

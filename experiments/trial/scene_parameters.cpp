@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/trial/scene_parsed.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -65,16 +66,12 @@ const SceneParameter* SceneFile::parameter(std::string_view name) const {
 
 ParameterValues SceneFile::values(const ParameterValues& given) const {
   ParameterValues out;
-  std::string valid;
-  for (const SceneParameter& p : m_parsed->parameters) {
-    out[p.name] = p.value;
-    valid += (valid.empty() ? "" : ", ") + p.name;
-  }
+  std::vector<std::string> names;
+  for (const SceneParameter& p : m_parsed->parameters) out[p.name] = p.value, names.push_back(p.name);
   for (const auto& [name, value] : given) {
     const SceneParameter* p = parameter(name);
     if (!p) {
-      throw UserError("scene '" + m_parsed->name + "' has no parameter '" + name +
-                      "'; valid: " + (valid.empty() ? "none" : valid));
+      throw UserError("scene '" + m_parsed->name + "' has no parameter '" + name + "'" + validNames(names, name));
     }
     const bool ofItsKind = value.isText() == p->value.isText();
     if (!ofItsKind || !(value.isText() || (value.number >= p->lo && value.number <= p->hi))) {

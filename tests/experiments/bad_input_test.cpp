@@ -279,6 +279,7 @@ TEST(BadInput, StoresThatAreNone) {
                                    {"foreign.db", {"foreign.db: ", "not a result store", "'meta'"}}};
   for (const Case& c : cases) {
     refused(w, "sweep s.toml --store " + c.text, c.parts);
+    refused(w, "sweep s.toml --dry-run --store " + c.text, c.parts);
     refused(w, "merge all.db whole.db " + c.text, c.parts);
   }
   refused(w, "merge all.db empty.db", {"empty.db: ", "not a result store"});
@@ -286,6 +287,21 @@ TEST(BadInput, StoresThatAreNone) {
   refused(w, "merge all.db absent.db", {"absent.db: ", "no such store"});
   refused(w, "sweep s.toml --store text.db/s.db", {"text.db/s.db: ", "cannot be made", "Not a directory"});
   refused(w, "sweep s.toml --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: "});
+  refused(w, "sweep s.toml --dry-run --store text.db/s.db", {"text.db/s.db: ", "cannot be made", "Not a directory"});
+  refused(w, "sweep s.toml --dry-run --store /proc/nowhere/s.db", {"/proc/nowhere/s.db: ", "cannot be made"});
+  // Torn in its middle: a sweep would only notice when it gets there.
+  std::filesystem::copy(w.path("whole.db"), w.path("torn.db"));
+  const auto pages = std::filesystem::file_size(w.path("torn.db")) / 4096;
+  for (auto page = pages / 2; page < pages; ++page) {
+    std::fstream torn(w.path("torn.db"), std::ios::in | std::ios::out | std::ios::binary);
+    torn.seekp(static_cast<std::streamoff>(page * 4096)), torn << std::string(4096, '!');
+  }
+  refused(w, "sweep s.toml --dry-run --store torn.db", {"torn.db: ", "damaged"});
+  const auto before = filesIn(w);
+  EXPECT_EQ(w.lpc("sweep s.toml --dry-run --store deep/new.db").code, 0);
+  EXPECT_EQ(w.lpc("sweep s.toml --dry-run --store empty.db").code, 0);
+  EXPECT_EQ(filesIn(w), before) << "a dry run left something behind";
+  EXPECT_EQ(w.lpc("sweep s.toml --dry-run --store whole.db").code, 0);
   EXPECT_EQ(readFile(w.path("foreign.db")), foreign) << "a file of somebody else's was written to";
   EXPECT_EQ(w.lpc("sweep s.toml --quiet --store empty.db").code, 0) << "killed while it was made, it is empty";
 }

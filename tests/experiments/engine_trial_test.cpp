@@ -132,7 +132,8 @@ TEST(EngineTrial, MistakesAreOneLine) {
   const std::pair<const char*, const char*> wrong[] = {
       {"engine=bulet", "there is no engine 'bulet' in 3D; valid: bullet"},
       {"engine=bullet{iteration=3}",
-       "'bullet' has no parameter 'iteration'; valid: iterations, slop, warm_start, split_impulse"},
+       "'bullet' has no parameter 'iteration'; did you mean 'iterations'? valid: iterations, slop, warm_start, "
+       "split_impulse"},
       {"engine=bullet solver=soft_step", "nothing may follow here"},
       {"engine=box2d", "engine box2d does not exist in 3D"},
       {"solver=soft_step engine=bullet", "unknown stage 'engine'"}};

@@ -128,12 +128,13 @@ TEST(Entries, PlansKnowThem) {
   EXPECT_EQ(pairsBy("in_turn").key,
             planner.pairs({{"dimension", 3}, {"kind_a", "box"}, {"kind_b", "box"}, {"pair_query", "sat"}}).key);
   EXPECT_EQ(errorOf([&] { boxesOf("clusters"); }),
-            "unknown distribution 'clusters'; valid: uniform, cluster, director_2");
+            "unknown distribution 'clusters'; did you mean 'cluster'? valid: uniform, cluster, director_2");
   EXPECT_EQ(errorOf([&] { boxesOf("cluster{spread=0}"); }),
             "parameter 'spread' of 'cluster' is '0'; valid: a whole number from 1 to 100");
   EXPECT_EQ(errorOf([&] { boxesOf("uniform{side=3}"); }), "'uniform' has no parameter 'side'; valid: none");
   EXPECT_EQ(errorOf([&] { pairsBy("nearer"); }),
-            "unknown drawing 'nearer'; valid: in_turn, apart, near, touching, overlapping, centred, parallel_faces");
+            "unknown drawing 'nearer'; did you mean 'near'? valid: in_turn, apart, near, touching, overlapping, "
+            "centred, parallel_faces");
 }
 
 TEST(Entries, DescribeThemselves) {

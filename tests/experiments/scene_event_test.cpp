@@ -205,7 +205,7 @@ TEST(SceneEvent, TheShippedSceneUsesEach) {
 TEST(SceneEvent, MistakesAreOneLine) {
   const std::pair<std::string, std::vector<std::string>> cases[] = {
       {"do = \"pusch\"\nstep = 3\n",
-       {"t.toml:17: ", "unknown event 'pusch'; valid: add, force, joint, push, remove, set"}},
+       {"t.toml:17: ", "unknown event 'pusch'; did you mean 'push'? valid: add, force, joint, push, remove, set"}},
       {"step = 3\n", {"t.toml:16: ", "'do' is missing"}},
       {"do = \"push\"\nbody = \"box\"\nimpulse = [1, 0]\n", {"t.toml:16: ", "'step' is missing"}},
       {"do = \"push\"\nstep = -3\nbody = \"box\"\n", {"t.toml:18: ", "'step' is -3", "valid: 0 to"}},

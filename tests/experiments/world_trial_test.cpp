@@ -296,7 +296,9 @@ TEST(WorldSweep, aBaselineIsAValueOfAnAxis) {
     FAIL() << "no axis has this value";
   } catch (const UserError& e) {
     const std::string what = e.what();
-    EXPECT_NE(what.find("s.toml:3: no axis has the value 'nnoe'; valid: none, split_average, throw"), std::string::npos)
+    EXPECT_NE(
+        what.find("s.toml:3: no axis has the value 'nnoe'; did you mean 'none'? valid: none, split_average, throw"),
+        std::string::npos)
         << what;
   }
 }

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/store_check.h"
+
+#include <filesystem>
+
+#include "experiments/runner/store.h"
+#include "experiments/trial/output_file.h"
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+void checkExisting(const std::string& path) try {
+  const Store ours(path, false);  // the right file, of our schema
+  SQLite::Database db(path, SQLite::OPEN_READWRITE);
+  db.setBusyTimeout(30000);  // a sweep may be writing
+  const std::string found = db.execAndGet("PRAGMA quick_check(1)").getString();
+  if (found != "ok") throw UserError(path + ": a damaged store: " + found.substr(found.find_last_of('\n') + 1));
+  const SQLite::Transaction writes(db, SQLite::TransactionBehavior::IMMEDIATE);  // rolled back at its end
+} catch (const SQLite::Exception& e) {
+  failStore(path, e);
+}
+
+}  // namespace
+
+void checkStore(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const bool empty =
+      fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) == 0;  // killed while it was made
+  if (fs::exists(path, ignored) && !empty) return checkExisting(path);
+  // In the innermost folder that is there, a file is begun and taken away.
+  fs::path folder = fs::absolute(path).parent_path();
+  while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder.parent_path();
+  try {
+    const OutputFile probe((folder / fs::path(path).filename()).string());
+  } catch (const CannotWrite& e) {
+    throw UserError(path + ": cannot be made: " + e.what());
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

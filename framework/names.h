@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+// Names in messages: what is valid, and what a wrong one was likely meant to be.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/stages.h"
+
+namespace lpc {
+
+/// "a, b, c".
+std::string joined(const std::vector<std::string>& names);
+
+/// The first of `names` that is a slip of the pen away from `given`: a few letters other, missing or swapped, or
+/// `given` a part of it. Empty when none is.
+std::string meantName(const std::vector<std::string>& names, std::string_view given);
+
+/// What ends a message about the unknown name `given`: "; valid: a, b, c", or "; did you mean 'b'? valid: a, b, c".
+std::string validNames(const std::vector<std::string>& names, std::string_view given);
+
+/// Where `algorithm` of this stage stands: "velocity is a part of solver: solver=split_solver{velocity=catto}". Empty
+/// for a stage of a world, which stands in a pipeline as it is.
+std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm);
+
+}  // namespace lpc
