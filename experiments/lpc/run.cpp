@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Zlib
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -7,12 +9,18 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "experiments/film/film.h"
+#include "experiments/film/film_file.h"
 #include "experiments/lpc/command.h"
+#include "experiments/lpc/scene_options.h"
+#include "experiments/lpc/series_plot.h"
 #include "experiments/runner/child.h"
 #include "experiments/runner/locations.h"
 #include "experiments/runner/trial_plan.h"
+#include "experiments/trial/metric.h"
 #include "experiments/trial/plugin.h"
 #include "experiments/trial/trial.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -20,29 +28,50 @@ namespace {
 using nlohmann::json;
 
 struct Options {
-  std::string scene, pipeline, precision = "f64", profile, record;
+  std::string scene, pipeline, precision = "f64", profile, record, plot, film;
   std::vector<std::string> params;
   std::optional<int> dimension;
   std::optional<double> dt;
   std::optional<long> steps;
   std::optional<std::uint64_t> seed;
-  bool asJson = false;
+  bool asJson = false, plots = false;
 };
 
-ParameterValues readParameters(const std::vector<std::string>& texts) {
-  ParameterValues out;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    const std::string name = text.substr(0, equals);
-    char* end = nullptr;
-    const char* given = equals == std::string::npos ? "" : text.c_str() + equals + 1;
-    const double value = std::strtod(given, &end);
-    if (!*given || (*end && name != kJointParameter)) {
-      throw UserError("--param " + text + " is not NAME=NUMBER, or joint=KIND");
+// Of the entry itself, or of the one that stands for several ("us_*").
+const MetricInfo* infoOf(const std::vector<DescribedMetric>& known, const char* what, const std::string& name) {
+  const MetricInfo* starred = nullptr;
+  for (const DescribedMetric& m : known) {
+    if (m.what != what || m.kind != "world") continue;
+    if (m.info.name == name) return &m.info;
+    if (m.info.name.ends_with('*') && name.starts_with(m.info.name.substr(0, m.info.name.size() - 1))) {
+      starred = &m.info;
     }
-    out[name] = *end ? ParameterValue(std::string(given)) : ParameterValue(value);
   }
-  return out;
+  return starred;
+}
+
+std::string unitOf(const MetricInfo* info) { return info && info->unit != "1" ? std::string(info->unit) : ""; }
+
+void requireSeries(const std::string& name) {
+  std::vector<std::string> names;
+  for (const DescribedMetric& m : describeMetrics()) {
+    if (m.what != "series" || m.kind != "world") continue;
+    if (m.info.name == name || (m.info.name == "sec_*" && name.starts_with("sec_"))) return;
+    names.emplace_back(m.info.name);
+  }
+  throw UserError("--plot: there is no series '" + name + "'" + validNames(names, name));
+}
+
+// All series in a line each, or the one that was asked for.
+void printPlots(const Options& o, const TrialResult& result) {
+  const std::vector<DescribedMetric> known = describeMetrics();
+  std::printf("\n");
+  for (const auto& [name, series] : result.series) {
+    const std::string unit = unitOf(infoOf(known, "series", name));
+    if (o.plot.empty()) std::printf("%s", sparkline(name, series, unit).c_str());
+    if (o.plot == name) std::printf("%s", plot(name, series, unit).c_str());
+  }
+  if (!o.plot.empty() && !result.series.count(o.plot)) std::printf("%s: this run has none\n", o.plot.c_str());
 }
 
 void print(const PlannedTrial& trial, const TrialResult& result) {
@@ -53,12 +82,26 @@ void print(const PlannedTrial& trial, const TrialResult& result) {
   std::printf("outcome   %s", result.outcome.c_str());
   if (result.outcome != "ok") std::printf(" at step %ld: %s", result.step, result.reason.c_str());
   std::printf("\nhash      %s\n", result.hash.c_str());
-  for (const auto& [name, value] : result.metrics) {
-    if (!std::isnan(value)) std::printf("  %-26s %.6g\n", name.c_str(), value);
+  const std::vector<DescribedMetric> known = describeMetrics();
+  for (const MetricRole role : {MetricRole::cost, MetricRole::error, MetricRole::detail}) {
+    std::string heading = std::string(roleName(role)) + "\n";
+    for (const auto& [name, value] : result.metrics) {
+      const MetricInfo* info = infoOf(known, "metric", name);
+      if (std::isnan(value) || (info ? info->role : MetricRole::detail) != role) continue;
+      const std::string unit = unitOf(info).empty() ? "" : " " + unitOf(info);
+      std::printf("%s  %-26s %.6g%s\n", heading.c_str(), name.c_str(), value, unit.c_str());
+      heading.clear();
+    }
   }
 }
 
+std::string temporaryFile() {
+  return (std::filesystem::temp_directory_path() / ("lpc_film_" + std::to_string(getpid()) + ".rec")).string();
+}
+
 void runScene(const Options& o, Session& session) {
+  if (!o.plot.empty()) requireSeries(o.plot);
+  if (!o.film.empty()) filmKind(o.film);  // before the run, which may take hours
   WorldCell cell;
   cell.params = readParameters(o.params);
   cell.dimension = o.dimension, cell.pipeline = o.pipeline, cell.precision = o.precision, cell.timed = true;
@@ -71,7 +114,13 @@ void runScene(const Options& o, Session& session) {
     if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
   }
   if (!o.profile.empty()) request["profile"] = o.profile;
-  if (!o.record.empty()) request["record"] = o.record;
+  // A film is made of a recording, which goes again where nobody has asked for it.
+  const std::string recording = o.record.empty() && !o.film.empty() ? temporaryFile() : o.record;
+  const auto removed = [&](const std::string* path) {
+    if (o.record.empty()) std::remove(path->c_str());
+  };
+  const std::unique_ptr<const std::string, decltype(removed)> keeper(&recording, removed);
+  if (!recording.empty()) request["record"] = recording;
   Child worker(workerPath(o.precision, trial.canonical.contains("engine")), request.dump(), -1, true);
   worker.wait();
   if (worker.signal()) throw std::runtime_error("the worker crashed with signal " + std::to_string(worker.signal()));
@@ -84,10 +133,14 @@ void runScene(const Options& o, Session& session) {
     std::printf("%s\n", worker.output().c_str());
   }
   const TrialResult result = resultFromJson(json::parse(worker.output()));
+  const bool filmed = !o.film.empty() && result.outcome != "unsupported";  // then nothing has moved
+  if (filmed) filmRecording(recording, o.film);
   if (!o.asJson) {
     print(trial, result);
+    if (o.plots) printPlots(o, result);
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
     if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
+    if (filmed) std::printf("film      %s\n", o.film.c_str());
   }
   session.exitCode = result.outcome == "ok" ? 0 : 1;
 }
@@ -107,9 +160,20 @@ void addRun(CommandLine& app, Session& session) {
   command.option("--precision", o->precision, "f64 or f32");
   command.option("--profile", o->profile, "writes times and counts per step as CSV");
   command.option("--record", o->record, "writes all poses of all steps");
+  command.option("--film", o->film,
+                 "draws the run: NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, PNG files");
+  Option plot = command.option("--plot", o->plot,
+                               "draws this series over the steps, or all of them in a line each when none is named");
+  plot.valueOptional();
   command.flag("--json", o->asJson, "the whole result as JSON, with a series per step");
-  command.footer("Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv");
-  command.callback([o, &session] { runScene(*o, session); });
+  command.footer(
+      "Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv\n"
+      "         lpc run bouncing_ball --plot kinetic\n"
+      "         lpc run pyramid --film pyramid.svg");
+  command.callback([o, plot, &session] {
+    o->plots = plot.given();
+    runScene(*o, session);
+  });
 }
 
 LPC_COMMAND("run", addRun);

@@ -59,7 +59,7 @@ const std::vector<Allowance> kAllowances = {
     {"oracles/", {}, kPosix},
     {"experiments/", {"framework/", "oracles/", "experiments/", "Eigen/"}, {}},
     {"experiments/", {"CLI/", "SQLiteCpp/", "nlohmann/", "toml++/", "sys/types.h"}, kPosix},
-    {"experiments/", {}, {"fmt/", "muParser.h", "sqlite3.h", "xxhash.h", "content_hashes.inc"}},
+    {"experiments/", {}, {"fmt/", "muParser.h", "png.h", "sqlite3.h", "xxhash.h", "content_hashes.inc"}},
     {"experiments/bench/", {"benchmark/"}, {"BulletCollision/", "fcl/"}},
     {"tests/", {""}, {}},
 };

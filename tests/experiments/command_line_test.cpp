@@ -15,7 +15,7 @@ using test::Workspace;
 TEST(CommandLine, helpHasAnExample) {
   Workspace w;
   EXPECT_NE(w.lpc("--help").text.find("Examples:"), std::string::npos);
-  for (const char* command : {"list", "run", "sweep", "report", "merge", "import-benchmark"}) {
+  for (const char* command : {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs"}) {
     const Outcome help = w.lpc(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_NE(help.text.find("Example: lpc " + std::string(command)), std::string::npos) << help.text;
@@ -46,6 +46,53 @@ TEST(CommandLine, listsOneStageAlone) {
   EXPECT_EQ(out.text.find("velocity"), std::string::npos) << out.text;
 }
 
+// Names alone fit a screen; the parameters of one thing, or of all, are asked for.
+TEST(CommandLine, listsNamesAndTellsOnRequest) {
+  Workspace w;
+  const Outcome brief = w.lpc("list"), all = w.lpc("list --all");
+  const auto lines = [](const Outcome& out) { return std::count(out.text.begin(), out.text.end(), '\n'); };
+  EXPECT_LE(lines(brief), 50) << brief.text;
+  EXPECT_GT(lines(all), 200);
+  for (const char* name : {"catto", "pyramid", "quick", "cylinder", "ms_per_step_median", "seconds"}) {
+    EXPECT_NE(brief.text.find(name), std::string::npos) << name;
+  }
+  EXPECT_EQ(brief.text.find("warm_start"), std::string::npos) << brief.text;
+  for (const char* text : {"catto", "warm_start=true", "base="}) EXPECT_NE(all.text.find(text), std::string::npos);
+
+  const Outcome named = w.lpc("list --name naive");
+  EXPECT_TRUE(named.text.starts_with("broadphase\n  naive ")) << named.text;
+  EXPECT_NE(named.text.find("\nvelocity\n  naive "), std::string::npos) << named.text;
+  EXPECT_EQ(named.text.find("catto"), std::string::npos) << named.text;
+  const Outcome scene = w.lpc("list --name pyramid");
+  EXPECT_TRUE(scene.text.starts_with("scenes\n  pyramid ")) << scene.text;
+  EXPECT_NE(scene.text.find("base="), std::string::npos) << scene.text;
+  const auto json = nlohmann::json::parse(w.lpc("list --name pyramid --json").text);
+  EXPECT_EQ(json["scenes"].size(), 1u);
+  EXPECT_TRUE(json["algorithms"].empty());
+}
+
+// Each number has its unit and stands with those of its kind.
+TEST(CommandLine, runTellsUnitsByKind) {
+  Workspace w;
+  const Outcome out = w.lpc("run vertical_stack --param n=3 --steps 40 --plot");
+  EXPECT_EQ(out.code, 0) << out.text;
+  const auto at = [&](const std::string& text) { return out.text.find(text); };
+  EXPECT_LT(at("\ncost\n"), at("  ms_per_step_median"));
+  EXPECT_LT(at("  ms_per_step_median"), at("\nerror\n"));
+  EXPECT_LT(at("\nerror\n"), at("\n  max_penetration "));
+  EXPECT_LT(at("\n  max_penetration "), at("\ndetail\n"));
+  EXPECT_LT(at("\ndetail\n"), at("\n  max_speed "));
+  EXPECT_NE(out.text.npos, at("\n  max_speed "));
+  EXPECT_NE(at("\n  gravity" + std::string(26 - 7, ' ') + " 10 m/s^2\n"), out.text.npos) << out.text;
+  EXPECT_NE(at("\nkinetic "), out.text.npos) << "a line for each series";
+  EXPECT_NE(at("█"), out.text.npos);
+
+  const Outcome one = w.lpc("run bouncing_ball --steps 100 --plot height");
+  EXPECT_NE(one.text.find("height m\n"), std::string::npos) << one.text;
+  EXPECT_NE(one.text.find("100  step\n"), std::string::npos) << one.text;
+  EXPECT_EQ(one.text.find("\nkinetic "), std::string::npos) << one.text;
+}
+
 // The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
 TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
   Workspace w;
@@ -58,6 +105,16 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"run pyramid --param height=3", {"'height'", "base"}},
       {"run pyramid --param base=0", {"'base'", "200"}},
       {"run pyramid --dimension 4", {"4", "2, 3"}},
+      {"run pyramid --pipeline velocity=catto{iterations=4}", {"solver=split_solver{velocity=catto{iterations=4}}"}},
+      {"run pyramid --pipeline solver=catto", {"no solver 'catto'", "solver=split_solver{velocity=catto}"}},
+      {"run pyramid --pipeline \"cache=none engine=box2d\"", {"alone", "engine=box2d"}},
+      {"run pyramid --pipeline joint=hinge", {"joint is no part of a pipeline", "scenes"}},
+      {"run pyramid --dimension 2 --pipeline contacts=query_clip{query=gjk}", {"in 2D", "did you mean 'gjk_epa'?"}},
+      {"run pyramid --plot hieght", {"'hieght'", "did you mean 'height'?"}},
+      {"run piramid", {"did you mean 'pyramid'?"}},
+      {"run pyramid --param bsae=3", {"did you mean 'base'?"}},
+      {"lsit", {"did you mean 'list'?"}},
+      {"list --name cato", {"did you mean 'catto'?"}},
       {"run pyramid --dt -1", {"dt"}},
       {"run pyramid --precision f16", {"f16", "f32"}},
       {"run pyramid --pipeline brodphase=naive", {"'brodphase'", "broadphase"}},

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Zlib
+// A camera that never moves: the plane itself in 2D, a view from the right and above without perspective in 3D.
+#pragma once
+
+#include <cmath>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+struct Camera {
+  Vec<D> right, up, towards;  // unit, in the world; `towards` the viewer (zero in 2D)
+  Vec<2> middle = Vec<2>::Zero();
+  double scale = 1;  // pixels per metre
+  double width = 0, height = 0;
+  static constexpr double kBand = 22;  // px at the top, for words
+
+  Camera();
+  /// In metres, on the plane that the camera looks at.
+  Vec<2> flat(const Vec<D>& p) const { return {p.dot(right), p.dot(up)}; }
+  Vec<2> pixel(const Vec<D>& p) const {
+    const Vec<2> at = scale * (flat(p) - middle);
+    return {width / 2 + at[0], (height + kBand) / 2 - at[1]};
+  }
+};
+
+template <>
+inline Camera<2>::Camera() : right(Vec<2>::UnitX()), up(Vec<2>::UnitY()), towards(Vec<2>::Zero()) {}
+
+template <>
+inline Camera<3>::Camera() {
+  const double azimuth = 0.5, elevation = 0.35;  // rad
+  towards = {std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth)};
+  right = {std::cos(azimuth), 0, -std::sin(azimuth)};
+  up = towards.cross(right);
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiments/film/picture.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// What a film is written as; its name tells.
+enum class FilmKind {
+  strip,     // NAME.strip.svg: some moments side by side
+  animated,  // NAME.svg: a picture that moves
+  frames     // NAME/: a folder of numbered PNG files
+};
+
+/// Throws UserError for a name that tells no kind, and where it could not be written.
+FilmKind filmKind(const std::string& path);
+/// How many pictures such a film is made of, of a run with `frames` of them.
+std::size_t filmLength(FilmKind kind, std::size_t frames);
+/// Writes the whole film or none. `seconds`: of what is shown, for a film that moves.
+void writeFilm(const std::string& path, const std::vector<Picture>& pictures, double seconds);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Zlib
+// Convex patches into pixels. All that is drawn is convex, so that a row of pixels has one span of each patch: a
+// library for drawing would be more than these lines. libpng writes the file.
+#include "experiments/film/raster.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/trial/output_file.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr int kSamples = 3;  // per pixel along each axis
+
+class Raster {
+ public:
+  Raster(int width, int height)
+      : m_width(width * kSamples),
+        m_height(height * kSamples),
+        m_samples(static_cast<std::size_t>(m_width * m_height)) {
+    std::fill(m_samples.begin(), m_samples.end(), Colour{247, 247, 245});
+  }
+
+  void draw(const Patch& patch) {
+    if (patch.corners.size() > 2) fill(patch.corners, patch.fill);
+    for (std::size_t i = 0; i < patch.corners.size(); ++i) {
+      line(patch.corners[i], patch.corners[(i + 1) % patch.corners.size()], patch.edge);
+    }
+  }
+
+  std::vector<png_byte> pixels() const {
+    std::vector<png_byte> out;
+    for (int y = 0; y < m_height; y += kSamples) {
+      for (int x = 0; x < m_width; x += kSamples) {
+        int red = 0, green = 0, blue = 0;
+        for (int k = 0; k < kSamples * kSamples; ++k) {
+          const Colour& c = m_samples[static_cast<std::size_t>((y + k / kSamples) * m_width + x + k % kSamples)];
+          red += c.red, green += c.green, blue += c.blue;
+        }
+        for (const int sum : {red, green, blue}) out.push_back(static_cast<png_byte>(sum / (kSamples * kSamples)));
+      }
+    }
+    return out;
+  }
+
+ private:
+  // Samples whose middle is within; the span of a row lies between the edges that cross it.
+  void fill(const std::vector<Vec<2>>& corners, const Colour& colour) {
+    double top = m_height, bottom = 0;
+    for (const Vec<2>& c : corners) top = std::min(top, kSamples * c[1]), bottom = std::max(bottom, kSamples * c[1]);
+    const int last = static_cast<int>(std::min<double>(m_height - 1, bottom));
+    for (int y = static_cast<int>(std::max(0.0, top)); y <= last; ++y) {
+      double left = m_width, right = -1;
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec<2> a = kSamples * corners[i], b = kSamples * corners[(i + 1) % corners.size()];
+        if ((a[1] <= y + 0.5) == (b[1] <= y + 0.5)) continue;
+        const double x = a[0] + (y + 0.5 - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+        left = std::min(left, x), right = std::max(right, x);
+      }
+      const int end = static_cast<int>(std::min<double>(m_width, std::floor(right + 0.5)));
+      for (int x = static_cast<int>(std::max(0.0, std::ceil(left - 0.5))); x < end; ++x) {
+        m_samples[static_cast<std::size_t>(y * m_width + x)] = colour;
+      }
+    }
+  }
+
+  void line(const Vec<2>& a, const Vec<2>& b, const Colour& colour) {
+    const Vec<2> along = b - a;
+    if (along.norm() < 1e-9) return;
+    const Vec<2> aside = 0.5 * Vec<2>(-along[1], along[0]) / along.norm();  // a pixel wide
+    fill({a - aside, b - aside, b + aside, a + aside}, colour);
+  }
+
+  int m_width, m_height;
+  std::vector<Colour> m_samples;
+};
+
+}  // namespace
+
+void writePng(const std::string& path, const Picture& picture) {
+  const int width = static_cast<int>(picture.width), height = static_cast<int>(picture.height);
+  Raster raster(width, height);
+  for (const Patch& p : picture.patches) raster.draw(p);
+  const std::vector<png_byte> pixels = raster.pixels();
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION, image.format = PNG_FORMAT_RGB;
+  image.width = static_cast<png_uint_32>(width), image.height = static_cast<png_uint_32>(height);
+  if (!png_image_write_to_file(&image, path.c_str(), 0, pixels.data(), 0, nullptr)) {
+    throw CannotWrite(path + ": cannot be written: " + image.message);
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <string>
+
+#include "experiments/film/picture.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// The picture as a PNG file, without its labels. Throws CannotWrite.
+void writePng(const std::string& path, const Picture& picture);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Zlib
+// A recording with the shapes that play in it, and its frames as pictures. Whoever draws worlds while they run may take
+// the place of `picture`.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/film/camera.h"
+#include "experiments/film/picture.h"
+#include "framework/recording.h"
+#include "framework/shape.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+class Reel {
+ public:
+  /// Throws UserError, with the path, for what is no recording of this dimension or has no frame.
+  explicit Reel(const std::string& path);
+
+  const std::vector<typename Recording<D>::Frame>& frames() const { return m_recording.frames; }
+  bool torn() const { return m_recording.torn; }
+  /// Sees the bodies that move, wherever most of them ever are; one that flies off does not shrink the others to dots.
+  Camera<D> camera(double width) const;
+  /// One frame, with its time.
+  Picture picture(std::size_t frame, const Camera<D>& camera) const;
+
+ private:
+  struct Actor {
+    BodyType type = BodyType::dynamic;
+    std::vector<ShapePart<D>> parts;  // in the centre-of-mass frame
+  };
+  using Key = std::pair<std::int32_t, std::uint32_t>;  // slot, generation
+
+  Recording<D> m_recording;
+  std::map<Key, Actor> m_cast;
+};
+
+/// Where two runs are no longer the same.
+struct Parting {
+  std::size_t frame = 0;
+  std::int64_t step = 0;
+  std::string how;  // "body 3 is 0.0012 m apart"
+};
+/// The first frame in which a body is farther from its twin than `tolerance` (m, and rad of its turn), or has none.
+template <int D>
+std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tolerance);
+
+}  // namespace lpc::inline LPC_PRECISION

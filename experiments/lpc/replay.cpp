@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Zlib
+#include <cstdio>
+#include <memory>
+
+#include "experiments/film/film.h"
+#include "experiments/lpc/command.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+struct Options {
+  std::string recording, film, beside;
+  double tolerance = 1e-6;
+};
+
+void replay(const Options& o) {
+  std::string text;
+  if (o.beside.empty()) {
+    if (!o.film.empty()) filmRecording(o.recording, o.film);
+    text = describeRecording(o.recording);
+  } else {
+    text = compareRecordings(o.recording, o.beside, o.tolerance, o.film);
+  }
+  std::printf("%s\n", text.c_str());
+  if (!o.film.empty()) std::printf("film      %s\n", o.film.c_str());
+}
+
+void addReplay(CommandLine& app, Session&) {
+  CommandLine command =
+      app.subcommand("replay", "Draws a recording, or two beside one another from the step in which they part");
+  auto o = std::make_shared<Options>();
+  command.option("recording", o->recording, "what lpc run --record wrote").required();
+  command.option("--film", o->film,
+                 "NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, a folder of PNG files");
+  command.option("--beside", o->beside, "another recording, of the same scene").file();
+  command
+      .option(
+          "--tolerance", o->tolerance,
+          "with --beside: how far bodies are from their twins where runs part (m and rad). Larger values find the step "
+          "in which it is seen")
+      .showDefault()
+      .range(0.0, 1e9);
+  command.footer(
+      "Example: lpc replay pyramid.rec --film pyramid.svg\n"
+      "         lpc replay catto.rec --beside soft_step.rec --tolerance 0.01 --film both.strip.svg");
+  command.callback([o] { replay(*o); });
+}
+
+LPC_COMMAND("replay", addReplay);
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/lpc/series_plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Range {
+  double lo = kNan, hi = kNan;  // of what is finite; fmin and fmax skip NaN
+};
+
+Range rangeOf(const std::vector<double>& values) {
+  Range r;
+  for (const double v : values) {
+    if (std::isfinite(v)) r.lo = std::fmin(r.lo, v), r.hi = std::fmax(r.hi, v);
+  }
+  return r;
+}
+
+// The largest of each of at most `width` equal parts: a peak of one step is not lost.
+std::vector<double> peaks(const std::vector<double>& series, std::size_t width) {
+  std::vector<double> out(std::min(width, series.size()), kNan);
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    double& peak = out[i * out.size() / series.size()];
+    if (std::isfinite(series[i])) peak = std::fmax(peak, series[i]);
+  }
+  return out;
+}
+
+std::string numberText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string withUnit(const std::string& unit) { return unit == "1" ? "" : " " + unit; }
+
+}  // namespace
+
+std::vector<std::string> barRows(const std::vector<double>& series, std::size_t width, std::size_t height) {
+  static constexpr std::array<const char*, 9> kEighths = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  const std::vector<double> columns = peaks(series, width);
+  const Range range = rangeOf(columns);
+  const double low = std::fmin(0, range.lo), span = range.hi - low;
+  std::vector<std::string> rows(height);
+  for (const double value : columns) {
+    // At least one eighth, so that what is there is seen to be there.
+    const double full = 8 * static_cast<double>(height);
+    const long eighths = std::isnan(value) ? 0 : span > 0 ? std::max(1L, std::lround((value - low) / span * full)) : 1;
+    for (std::size_t row = 0; row < height; ++row) {
+      const long below = 8 * static_cast<long>(height - 1 - row);
+      rows[row] += kEighths[static_cast<std::size_t>(std::clamp(eighths - below, 0L, 8L))];
+    }
+  }
+  return rows;
+}
+
+std::string sparkline(const std::string& name, const std::vector<double>& series, const std::string& unit) {
+  const Range range = rangeOf(series);
+  if (std::isnan(range.lo)) return name + ": no finite value\n";
+  std::string label = name;
+  label.resize(std::max<std::size_t>(label.size() + 1, 20), ' ');
+  return label + barRows(series, 60, 1)[0] + "  " + numberText(range.lo) + " .. " + numberText(range.hi) +
+         withUnit(unit) + "\n";
+}
+
+std::string plot(const std::string& name, const std::vector<double>& series, const std::string& unit) {
+  constexpr std::size_t kWidth = 90, kHeight = 12, kLabel = 11;
+  const Range range = rangeOf(series);
+  if (std::isnan(range.lo)) return name + ": no finite value\n";
+  std::string out = name + withUnit(unit) + "\n";
+  const std::vector<std::string> rows = barRows(series, kWidth, kHeight);
+  for (std::size_t row = 0; row < kHeight; ++row) {
+    std::string label = row == 0 ? numberText(range.hi) : row == kHeight - 1 ? numberText(std::fmin(0, range.lo)) : "";
+    out += std::string(kLabel - std::min(kLabel, label.size()), ' ') + label + " |" + rows[row] + "\n";
+  }
+  const std::string last = std::to_string(series.size());
+  const std::size_t columns = std::min(kWidth, series.size());
+  out += std::string(kLabel + 2, ' ') + "1";
+  if (columns > last.size() + 1) out += std::string(columns - last.size() - 1, ' ') + last;
+  return out + "  step\n";
+}
+
+}  // namespace lpc::inline LPC_PRECISION
