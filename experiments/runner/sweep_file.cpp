@@ -11,7 +11,9 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/scene_model.h"
 #include "experiments/runner/sweep_axis.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -64,7 +66,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     m_out.summary = top.requireString("summary"), m_out.baseline = top.string("baseline", "");
     m_kind = m_out.kind = top.requireString("kind");
     if (m_kind != "world" && m_kind != "boxes" && m_kind != "pairs") {
-      top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'; valid: world, boxes, pairs");
+      top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'" + validNames({"world", "boxes", "pairs"}, m_kind));
     }
     m_twice = top.string("twice", "");
     m_out.wallLimit = limit(top, "wall_limit", m_out.wallLimit);
@@ -91,9 +93,8 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
     for (const auto& [key, value] : {std::pair("baseline", m_out.baseline), std::pair("twice", m_twice)}) {
       if (value.empty() || m_named.count(value)) continue;
-      std::string valid;
-      for (const std::string& n : m_named) valid += (valid.empty() ? "" : ", ") + n;
-      top.fail(*top.find(key), "no axis has the value '" + value + "'; valid: " + valid);
+      top.fail(*top.find(key),
+               "no axis has the value '" + value + "'" + validNames({m_named.begin(), m_named.end()}, value));
     }
     for (const auto& [scene, seeds] : m_seeds) {
       if (seeds.size() < 2 || m_seeded.count(scene)) continue;
@@ -360,10 +361,13 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       } else if (file.parameter(name)) {
         cell.params[name] = number(name, value);
       } else if (!used.count(name)) {
-        std::string valid = "scene, dimension, precision, dt, steps, seed, model, a stage, a table of pipelines, $" +
-                            name + " in a pipeline";
-        for (const SceneParameter& p : file.parameters()) valid += ", " + p.name;
-        throw UserError("axis '" + name + "' means nothing for scene '" + file.name() + "'; valid: " + valid);
+        std::vector<std::string> valid = {"scene", "dimension", "precision", "dt", "steps", "seed", "model"};
+        for (const SceneParameter& p : file.parameters()) valid.push_back(p.name);
+        for (const StageInfo& stage : kStages) {
+          if (isWorldStage(stage)) valid.emplace_back(stage.name);
+        }
+        throw UserError("axis '" + name + "' means nothing for scene '" + file.name() + "'" + validNames(valid, name) +
+                        ", a table of pipelines, or $" + name + " in a pipeline");
       }
     }
     if (!model.empty()) applyModel(file, model, cell);
@@ -389,23 +393,6 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
     }
     return scene;
-  }
-
-  // What a scene does not need: "minimal" is what its file asks for, "+friction" one more, "3d" the other dimension.
-  static void applyModel(const SceneFile& file, const std::string& model, WorldCell& cell) {
-    std::string features = featuresText(file.needs());
-    if (model == "3d") {
-      cell.dimension = 3;
-    } else if (model == "all") {
-      features = featuresText(Features{});
-    } else if (model.starts_with("+")) {
-      features += (features.empty() ? "" : ",") + model.substr(1);
-    } else if (model != "minimal") {
-      throw UserError("unknown model '" + model +
-                      "'; valid: minimal, 3d, all, +cache, +friction, +joints, +restitution, "
-                      "+rotation, +sleeping");
-    }
-    cell.features = featuresText(featuresFromText(features));
   }
 
   // boxes and pairs: the axes are the trial.

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/needs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "experiments/lpc/command.h"
+#include "experiments/lpc/scene_options.h"
+#include "experiments/runner/catalogue.h"
+#include "experiments/runner/scene_model.h"
+#include "experiments/runner/scheduler.h"
+#include "experiments/trial/trial.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+struct Options {
+  NeedsQuestion question;
+  std::vector<std::string> params;
+  std::string store = "results/needs.db";
+  bool quiet = false;
+};
+
+double least(const std::vector<double>& x) { return x.empty() ? NAN : *std::min_element(x.begin(), x.end()); }
+double most(const std::vector<double>& x) { return x.empty() ? NAN : *std::max_element(x.begin(), x.end()); }
+
+std::string number(const char* format, double value) {
+  char text[48];
+  if (std::isnan(value)) return "-";
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string spread(const std::vector<double>& x) {
+  if (x.empty()) return "-";
+  return number("%.2f", quantile(x, 0.5)) + " (" + number("%.2f", least(x)) + " .. " + number("%.2f", most(x)) + ")";
+}
+
+void printRow(const std::string& what, const std::string& time, const std::string& rows, const std::string& median,
+              const std::string& largest, const std::string& remark) {
+  std::printf("%-18s %-24s %-12s %-11s %-11s%s%s\n", what.c_str(), time.c_str(), rows.c_str(), median.c_str(),
+              largest.c_str(), remark.empty() ? "" : "  ", remark.c_str());
+}
+
+void printModel(const ModelSeen& m, const ModelSeen& again) {
+  // The same work twice is as far apart as the machine's noise takes it.
+  const bool noise = least(m.time) <= most(again.time) && most(m.time) >= least(again.time);
+  std::string remark;
+  if (m.failed) {
+    remark = std::to_string(m.failed) + " of " + std::to_string(m.trials) + " " + m.failure;
+  } else if (m.model.empty()) {
+    remark = "the noise";
+  } else if (m.sameWork && !m.time.empty()) {
+    remark = "the same work";
+  } else if (noise && !m.time.empty()) {
+    remark = "time within the noise";
+  }
+  const bool compared = m.trials > m.failed;
+  printRow(m.model.empty() ? "minimal, again" : m.model, spread(m.time),
+           m.rows.empty() ? "-" : number("%.3f", quantile(m.rows, 0.5)),
+           compared ? number("%.2g", quantile(m.median, 0.5)) : "-", compared ? number("%.2g", most(m.largest)) : "-",
+           remark);
+}
+
+void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
+  const auto& own = sweep.trials.front().canonical;
+  const std::string features = own["features"];
+  std::printf("%s in %dD needs, as its file says: %s\n", own["scene"].get<std::string>().c_str(),
+              own["dimension"].get<int>(), features.empty() ? "no feature" : features.c_str());
+  std::printf(
+      "Times the time and the row updates of this (minimal) model, median over %d seeds (least .. most); how far "
+      "bodies end\nfrom where they end with it (m): median over bodies and seeds, and the farthest.\n\n",
+      seen.seeds);
+  if (seen.failed) {
+    std::printf("minimal fails with %d of %d seeds, which are left out: %s\n", seen.failed, seen.seeds,
+                seen.failure.c_str());
+  }
+  printRow("model", "time", "row updates", "median", "farthest", "");
+  const auto again =
+      std::find_if(seen.models.begin(), seen.models.end(), [](const auto& m) { return m.model.empty(); });
+  if (!seen.largest.empty()) {
+    printRow("another seed", "-", "-", number("%.2g", quantile(seen.median, 0.5)), number("%.2g", most(seen.largest)),
+             most(seen.largest) > 0 ? "" : "seeds move nothing in this scene");
+  }
+  for (const ModelSeen& m : seen.models) printModel(m, *again);
+}
+
+void needs(Options& o, Session& session) {
+  o.question.params = readParameters(o.params);
+  const PlannedSweep sweep = planNeeds(o.question);
+  RunOptions run;
+  run.plugins = session.plugins, run.quiet = o.quiet;
+  {
+    Store store(o.store, true);
+    describeProgram(store);
+    if (runSweeps({sweep}, store, run).stopped) {
+      std::printf("stopped; the same command continues\n");
+      session.exitCode = 130;
+      return;
+    }
+  }
+  print(sweep, readNeeds(sweep, o.store));
+  std::printf("\n%s: lpc report %s draws it\n", o.store.c_str(), o.store.c_str());
+}
+
+void addNeeds(CommandLine& app, Session& session) {
+  CommandLine command = app.subcommand(
+      "needs", "Turns each switch of a scene's model in turn, and tells what that saves and what it changes");
+  auto o = std::make_shared<Options>();
+  NeedsQuestion& q = o->question;
+  command.option("scene", q.scene, "name in experiments/scenes, or a TOML file").required();
+  command.option("--seeds", q.seeds, "runs of each model, each with a seed of its own").showDefault().range(1L, 10000L);
+  command
+      .option("--perturb", q.perturbation,
+              "how far from its place a seed starts a body (m and rad). Larger values show more of what a scene may do")
+      .showDefault()
+      .range(0.0, 1e9);
+  command.option("--dimension", q.dimension, "2 or 3; default: the scene's first");
+  command.option("--pipeline", q.pipeline, "algorithms, such as \"solver=soft_step{substeps=4}\"");
+  command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
+  command.option("--steps", q.steps, "number of steps; default: the scene's");
+  command.option("--store", o->store, "SQLite file, made if absent; what it has is not run again").showDefault();
+  command.flag("--quiet", o->quiet, "no progress line");
+  command.footer("Example: lpc needs pyramid --param base=10 --seeds 3");
+  command.callback([o, &session] { needs(*o, session); });
+}
+
+LPC_COMMAND("needs", addNeeds);
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

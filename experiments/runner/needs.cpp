@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/needs.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/scene_model.h"
+#include "experiments/runner/store.h"
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kPerturbParameter = "perturb";
+
+struct Ended {
+  std::string outcome, reason;
+  std::map<std::string, double> metrics;
+  std::map<int, std::array<double, 3>> places;  // of each body at the end, by slot (m)
+};
+
+std::map<int, std::array<double, 3>> placesOf(const std::vector<double>& numbers, int dimension) {
+  const std::size_t stride = dimension == 2 ? 4 : 8;  // slot, position, rotation
+  std::map<int, std::array<double, 3>> out;
+  for (std::size_t i = 0; i + stride <= numbers.size(); i += stride) {
+    out[static_cast<int>(numbers[i])] = {numbers[i + 1], numbers[i + 2], dimension == 2 ? 0 : numbers[i + 3]};
+  }
+  return out;
+}
+
+std::optional<Ended> read(SQLite::Database& db, const PlannedTrial& trial) {
+  SQLite::Statement row(db, "SELECT outcome, reason, metrics FROM trial WHERE key=?");
+  row.bind(1, trial.key);
+  if (!row.executeStep()) return std::nullopt;
+  Ended out{row.getColumn(0).getString(), row.getColumn(1).getString(), {}, {}};
+  const json metrics = json::parse(row.getColumn(2).getString());
+  for (const auto& [name, value] : metrics.items()) {
+    if (value.is_number()) out.metrics[name] = value;
+  }
+  SQLite::Statement poses(db, "SELECT data FROM poses WHERE key=? ORDER BY step DESC LIMIT 1");
+  poses.bind(1, trial.key);
+  if (poses.executeStep()) {
+    const auto blob = poses.getColumn(0);
+    std::vector<double> numbers(static_cast<std::size_t>(blob.getBytes()) / sizeof(double));
+    if (!numbers.empty()) std::memcpy(numbers.data(), blob.getBlob(), numbers.size() * sizeof(double));
+    out.places = placesOf(numbers, trial.canonical.at("dimension"));
+  }
+  return out;
+}
+
+// Median and largest of what separates the bodies of two ends.
+void compare(const Ended& a, const Ended& b, std::vector<double>& median, std::vector<double>& largest) {
+  std::vector<double> ways;
+  for (const auto& [slot, p] : a.places) {
+    const auto other = b.places.find(slot);
+    if (other == b.places.end()) continue;
+    const auto& q = other->second;
+    ways.push_back(std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
+  }
+  if (ways.empty()) return;
+  median.push_back(quantile(ways, 0.5)), largest.push_back(*std::max_element(ways.begin(), ways.end()));
+}
+
+void compareWork(const Ended& own, const Ended& other, ModelSeen& out) {
+  const auto ratio = [&](const char* name, std::vector<double>& into) {
+    const auto a = own.metrics.find(name), b = other.metrics.find(name);
+    if (a != own.metrics.end() && b != other.metrics.end() && a->second > 0) into.push_back(b->second / a->second);
+  };
+  ratio("ms_per_step_median", out.time), ratio("work_row_updates", out.rows);
+  for (const auto& [name, value] : own.metrics) {
+    const auto found = other.metrics.find(name);
+    if (name.starts_with("work_") && (found == other.metrics.end() || found->second != value)) out.sameWork = false;
+  }
+}
+
+}  // namespace
+
+PlannedSweep planNeeds(const NeedsQuestion& q) {
+  Planner planner;
+  const SceneFile& file = planner.scene(q.scene);
+  const int dimension = q.dimension.value_or(file.dimensions().at(0));
+  PlannedSweep out;
+  out.name = "needs_" + file.name(), out.kind = "world", out.baseline = kMinimalModel;
+  out.summary = "what " + file.name() + " needs: one switch of its model at a time";
+  out.roles = {{"scene", "run"}, {"model", "run"}, {"seed", "run"}, {"dimension", "run"}};
+  const auto add = [&](const std::string& model, int seed, int repeat) {
+    WorldCell cell;
+    cell.params = q.params, cell.pipeline = q.pipeline, cell.precision = q.precision, cell.steps = q.steps;
+    cell.dimension = dimension, cell.seed = static_cast<std::uint64_t>(seed), cell.repeat = repeat, cell.timed = true;
+    if (file.parameter(kPerturbParameter) && q.perturbation > 0) {
+      cell.params.emplace(kPerturbParameter, q.perturbation);
+    }
+    applyModel(file, model, cell);
+    PlannedTrial trial = planner.world(q.scene, cell);
+    trial.axes = {{"kind", "world"},        {"scene", file.name()}, {"model", model}, {"seed", seed},
+                  {"dimension", dimension}, {"repeat", repeat},     {"timed", true},  {"precision", q.precision}};
+    out.trials.push_back(std::move(trial));
+  };
+  for (int seed = 1; seed <= q.seeds; ++seed) {
+    add(kMinimalModel, seed, 0), add(kMinimalModel, seed, 1);
+    for (const std::string& model : otherModels(file, dimension)) add(model, seed, 0);
+  }
+  if (!out.trials[0].unsupported.empty()) throw UserError(out.trials[0].unsupported);
+  return out;
+}
+
+NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store) try {
+  SQLite::Database db(store, SQLite::OPEN_READONLY);
+  NeedsSeen out;
+  std::optional<Ended> first, own;
+  for (const PlannedTrial& trial : sweep.trials) {
+    const std::optional<Ended> ended = read(db, trial);
+    const std::string model = trial.axes["model"];
+    const bool again = trial.axes["repeat"] == 1;
+    if (model == kMinimalModel && !again) {
+      own = ended, ++out.seeds;
+      if (own && own->outcome != "ok") {
+        if (!out.failed++) out.failure = own->outcome + ": " + own->reason;
+        own.reset();
+      }
+      if (first && own) compare(*first, *own, out.median, out.largest);
+      if (!first) first = own;
+      continue;
+    }
+    const std::string name = again ? "" : model;
+    auto seen = std::find_if(out.models.begin(), out.models.end(), [&](const ModelSeen& m) { return m.model == name; });
+    if (seen == out.models.end()) {
+      seen = out.models.emplace(out.models.end());
+      seen->model = name;
+    }
+    if (!own || !ended) continue;  // stopped before it was run
+    ++seen->trials;
+    if (ended->outcome != "ok") {
+      if (!seen->failed++) seen->failure = ended->outcome + ": " + ended->reason;
+      continue;
+    }
+    compareWork(*own, *ended, *seen);
+    compare(*own, *ended, seen->median, seen->largest);
+  }
+  return out;
+} catch (const SQLite::Exception& e) {
+  failStore(store, e);
+}
+
+}  // namespace lpc::inline LPC_PRECISION
