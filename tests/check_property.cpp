@@ -55,8 +55,7 @@ std::string counterexample(const KeptFailures& kept, const std::string& id, cons
     const auto result = runProperty(name, property, cases, Shrink::yes, &*input);
     if (result.is<rc::detail::FailureResult>()) {
       rc::detail::printResultMessage(result, message);
-      message << "\nkept from an earlier run in " << kept.file(id).string();
-      return message.str();
+      return kept.tell(id, message.str()) + "\nkept from an earlier run in " + kept.file(id).string();
     }
   }
   kept.drop(id);
@@ -65,7 +64,7 @@ std::string counterexample(const KeptFailures& kept, const std::string& id, cons
   rc::detail::printResultMessage(result, message);
   if (result.is<rc::detail::FailureResult>()) {
     kept.keep(id, result.get<rc::detail::FailureResult>().reproduce);
-    message << "\nkept in " << kept.file(id).string();
+    return kept.tell(id, message.str()) + "\nkept in " + kept.file(id).string();
   }
   return message.str();
 }

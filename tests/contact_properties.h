@@ -35,11 +35,13 @@ ContactScene<D> anyScene() {
 
 template <int D>
 std::ostream& operator<<(std::ostream& out, const ContactScene<D>& s) {
-  out << "margin " << s.margin;
+  out << "\nmargin = " << s.margin << '\n';
   for (std::size_t i : {0u, 1u}) {
-    out << "\n  shape " << s.shapes[i].shape << "\n  X_WS " << s.shapePose(i) << "\n  X_CS " << s.shapes[i].X_CS;
+    showBody(out, i ? "B" : "A", s.shapes[i].shape, s.shapePose(i));
+    out << "# the shape in the frame of its body's centre of mass: position = " << listText<D>(s.shapes[i].X_CS.p)
+        << ", angle = " << s.shapes[i].X_CS.q << '\n';
   }
-  return out << '\n';
+  return out;
 }
 
 template <int D>

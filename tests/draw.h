@@ -5,12 +5,14 @@
 
 #include <rapidcheck/Show.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <limits>
 #include <memory>
 #include <ostream>
+#include <sstream>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -253,31 +255,68 @@ Real sizeOf(const Shape<D>& s) {
 
 }  // namespace lpc::inline LPC_PRECISION::test
 
-// Beside the types, so that RapidCheck and GoogleTest print counterexamples as values, with all digits.
+// Beside the types, so that RapidCheck and GoogleTest print counterexamples: in the terms of a scene file
+// (docs/manual.md), with all digits. Rotations become angles, which may cost a bit; a kept input has them all.
 namespace lpc::inline LPC_PRECISION {
+
+/// "[1, 2.5, 3]"
+template <int D>
+std::string listText(const Vec<D>& v) {
+  std::ostringstream out;
+  out.precision(std::numeric_limits<Real>::max_digits10);
+  for (int k = 0; k < D; ++k) out << (k ? ", " : "[") << v[k];
+  return out.str() + ']';
+}
 
 template <int D>
 std::ostream& operator<<(std::ostream& out, const Shape<D>& shape) {
   const ShapeView<D>& v = shape.view();
   out.precision(std::numeric_limits<Real>::max_digits10);
-  out << shapeKindName(v.kind) << "{radius=" << v.radius;
-  if (v.kind != ShapeKind::sphere && !v.hull) out << ", half=(" << v.half.transpose() << ')';
-  if (v.hull) {
-    out << ", points=";
-    for (const Vec<D>& p : v.hull->vertices) out << '(' << p.transpose() << ')';
+  out << "{ kind = \"" << shapeKindName(v.kind) << '"';
+  const char* rounding = ", rounding = ";
+  switch (v.core()) {
+    case CoreClass::point:
+      rounding = ", radius = ";
+      break;
+    case CoreClass::segment:
+      out << ", half_length = " << v.half[0];
+      rounding = ", radius = ";
+      break;
+    case CoreClass::box:
+      out << ", half = " << listText<D>(v.half);
+      break;
+    case CoreClass::hull:
+      for (std::size_t i = 0; i < v.hull->vertices.size(); ++i) {
+        out << (i ? ", " : ", points = [") << listText<D>(v.hull->vertices[i]);
+      }
+      out << ']';
+      break;
+    case CoreClass::curved: {
+      int k = 0;
+      for (const std::string_view size : curvedKind<D>(v.kind).sizes) out << ", " << size << " = " << v.half[k++];
+      break;
+    }
+    case CoreClass::plane:
+      break;
   }
-  return out << '}';
+  if (v.radius > 0 || v.core() == CoreClass::point) out << rounding << v.radius;
+  return out << " }";
 }
-inline std::ostream& operator<<(std::ostream& out, const Rot<2>& q) {
-  return out << "(c=" << q.c << ", s=" << q.s << ')';
-}
+inline std::ostream& operator<<(std::ostream& out, const Rot<2>& q) { return out << q.radians(); }
 inline std::ostream& operator<<(std::ostream& out, const Rot<3>& q) {
-  return out << "(w=" << q.w << ", x=" << q.x << ", y=" << q.y << ", z=" << q.z << ')';
+  const Vec<3> v = q.imag();
+  const Real turn = 2 * std::atan2(v.norm(), q.w);
+  return out << listText<3>(v.norm() > 0 ? Vec<3>(turn / v.norm() * v) : v);
 }
 template <int D>
 std::ostream& operator<<(std::ostream& out, const Pose<D>& X) {
   out.precision(std::numeric_limits<Real>::max_digits10);
-  return out << "p=(" << X.p.transpose() << ") q=" << X.q;
+  return out << "position = " << listText<D>(X.p) << "\nangle = " << X.q;
+}
+/// A [[body]] of one shape.
+template <int D>
+void showBody(std::ostream& out, const char* name, const Shape<D>& shape, const Pose<D>& X_WB) {
+  out << "[[body]]\nname = \"" << name << "\"\n" << X_WB << "\nshapes = [" << shape << "]\n";
 }
 
 extern template std::ostream& operator<< <2>(std::ostream&, const Shape<2>&);

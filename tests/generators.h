@@ -27,9 +27,12 @@ struct ShapePairCase {
 
 template <int D>
 std::ostream& operator<<(std::ostream& out, const ShapePairCase<D>& c) {
-  out << c.family << "\n  A: " << c.a << "\n  B: " << c.b << "\n  X_WA: " << c.X_WA << "\n  X_WB: " << c.X_WB;
-  if (c.distance) out << "\n  distance: " << *c.distance;
-  return out << '\n';
+  out << "\n# of the family " << c.family;
+  if (c.distance) out << ", truly " << *c.distance << " m apart";
+  out << '\n';
+  showBody(out, "A", c.a, c.X_WA);
+  showBody(out, "B", c.b, c.X_WB);
+  return out;
 }
 
 /// In the order of Layouts::draw; "random" is the simplest.

@@ -4,6 +4,7 @@
 
 #include <rapidcheck.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -58,7 +59,23 @@ class KeptFailures {
     text.reproduce[property] = input;
     replaceFile(file(property), rc::detail::configToMinimalString(text));
   }
-  void drop(const std::string& property) const { std::filesystem::remove(file(property)); }
+  void drop(const std::string& property) const {
+    std::filesystem::remove(file(property));
+    std::filesystem::remove(told(property));
+  }
+
+  /// Where all that was said of the failure is kept.
+  std::filesystem::path told(const std::string& property) const { return file(property).string() + ".txt"; }
+  /// `text`, or its first lines when it is long; then the whole is kept.
+  std::string tell(const std::string& property, const std::string& text) const {
+    constexpr int kLines = 40;
+    std::size_t end = 0;
+    for (int line = 0; line < kLines && end != text.npos; ++line) end = text.find('\n', end + (line > 0));
+    if (end == text.npos) return text;
+    replaceFile(told(property), text);
+    const auto more = std::count(text.begin() + static_cast<std::ptrdiff_t>(end), text.end(), '\n');
+    return text.substr(0, end) + "\n... " + std::to_string(more) + " lines more in " + told(property).string();
+  }
 
  private:
   std::filesystem::path m_folder;

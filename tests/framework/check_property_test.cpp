@@ -96,6 +96,23 @@ TEST_F(CheckProperty, RunsKeptFailuresFirst) {
   std::filesystem::remove_all(folder);
 }
 
+// What fills the screen is kept in a file, and goes with the failure.
+TEST_F(CheckProperty, KeepsTheRestOfALongStory) {
+  const std::filesystem::path folder = ::testing::TempDir() + fileNameOf(currentTest());
+  std::filesystem::remove_all(folder);
+  const KeptFailures kept(folder);
+  std::string story;
+  for (int i = 1; i <= 100; ++i) story += "line " + std::to_string(i) + "\n";
+  const std::string told = kept.tell("a property", story);
+  EXPECT_NE(told.find("line 40\n... 60 lines more in " + kept.told("a property").string()), std::string::npos) << told;
+  EXPECT_EQ(told.find("line 41\n"), std::string::npos);
+  EXPECT_EQ(read(kept.told("a property")), story);
+  kept.drop("a property");
+  EXPECT_FALSE(std::filesystem::exists(kept.told("a property")));
+  EXPECT_EQ(kept.tell("a property", "short"), "short");
+  EXPECT_FALSE(std::filesystem::exists(kept.told("a property")));
+}
+
 TEST_F(CheckProperty, ListsPlantedBugs) {
   expectFalsified("all numbers are below 50", [] { RC_ASSERT(*rc::gen::arbitrary<int>() < 50); });
   int calls = 0;
