@@ -9,7 +9,8 @@ from pathlib import Path
 EXAMPLE = """example:
   reports/make.py --store results/quick.db --out reports/out/quick
   reports/make.py --store results/quick.db --out reports/out/quick --only broadphase_crossover_2d
-  reports/make.py --store results/quick.db --chart resolvers_pyramid__2d --to docs/chart.svg"""
+  reports/make.py --store results/quick.db --chart resolvers_pyramid__2d --to chart.svg
+  reports/make.py --store results/quick.db --readme README.md"""
 
 
 def parse(arguments):
@@ -20,12 +21,13 @@ def parse(arguments):
     parser.add_argument("--only", metavar="ID,ID", default="", help="only the charts whose id begins with one of these, and no page")
     parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` picks the most telling")
     parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
+    parser.add_argument("--readme", metavar="FILE", help="the README: writes its figure, numbers and caption anew from this store")
     parser.add_argument("--check", action="store_true", help="measure the pictures: print the texts that overlap or are cut off "
                         "and end with 1 where there are any; write nothing")
     parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and the metrics, and write nothing")
     options = parser.parse_args(arguments)
-    if not (options.out or options.list or options.check or (options.chart and options.to)):
-        parser.error("give --out DIR, or --chart ID --to FILE, or --list, or --check")
+    if not (options.out or options.list or options.check or options.readme or (options.chart and options.to)):
+        parser.error("give --out DIR, or --chart ID --to FILE, or --readme FILE, or --list, or --check")
     return options
 
 
@@ -74,6 +76,10 @@ def run(options):
         return 0
     if options.check:
         return check(charts)
+    if options.readme:
+        import readme
+        print(f"{options.readme}: {readme.write(context, charts, Path(options.readme))}")
+        return 0
     if options.chart:
         found = most_telling(charts) if options.chart == "best" else next((c for c in charts if c.id == options.chart), None)
         if found is None or found.figure is None:
