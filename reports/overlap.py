@@ -63,7 +63,8 @@ def _letters(line):
     if not isinstance(marker, str) or not marker.startswith("$") or not line.get_visible():
         return []
     size = 0.8 * line.get_markersize()
-    spots = line.get_transform().transform(np.column_stack([line.get_xdata(orig=False), line.get_ydata(orig=False)]).astype(float))
+    data = np.column_stack([line.get_xdata(orig=False), line.get_ydata(orig=False)]).astype(float)
+    spots = line.get_transform().transform(data)
     return [Box(marker, spot, size, size) for spot in spots if np.isfinite(spot).all()]
 
 

@@ -143,7 +143,8 @@ def write(context, charts, out, store_argument, out_argument):
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE / "templates"), autoescape=True,
                                      trim_blocks=True, lstrip_blocks=True)
     page = environment.get_template("index.html.j2").render(
-        sections=[{"name": name, "id": f"q{i}", "charts": part, "told": told(part)} for i, (name, part) in enumerate(sections.items())],
+        sections=[{"name": name, "id": f"q{i}", "charts": part, "told": told(part)}
+                  for i, (name, part) in enumerate(sections.items())],
         first=first, facts=facts(context.store), style=(HERE / "templates" / "style.css").read_text(),
         not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), glossary=table.to_html(glossary),
         store=context.store.path.name, mark=MARK)

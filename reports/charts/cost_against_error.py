@@ -137,8 +137,9 @@ def headline(context, cells, where, cost_name, error_name):
     ends = [cells.loc[table.set_index("method")["at"][group[0]]] for group in (best, worst)]
     if not failed and (best == worst or not noise.beats(*ends, error_name, floor)):  # a tie, or one between seeds
         return None
+    what = context.title(error_name).removeprefix("largest ")
     return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {methods(best, list(errors))} "
-                    f"{'has' if len(best) == 1 else 'have'} the smallest {context.title(error_name).removeprefix('largest ')}, {least}"
+                    f"{'has' if len(best) == 1 else 'have'} the smallest {what}, {least}"
                     + (f"; {methods(worst, list(errors))} {'has' if len(worst) == 1 else 'have'} {most}" if worst != best else "")
                     + (f"; {methods(failed, list(errors))} {'fails' if len(failed) == 1 else 'fail'}." if failed else "."),
                     errors, unit)

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
-from chart import Chart, Needs, describe, holes, identifier, listing, methods, plural
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, plural
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si
@@ -96,6 +96,21 @@ def finding(context, cells, about, where, name):
             f"{'; '.join(said)}.{tail}")
 
 
+def headline(context, cells, about, where, name):
+    """The budget at which the ranks are farthest apart."""
+    unit, found = context.unit(name), []
+    for budget, here in cells.groupby("budget", sort=True):
+        table = ranks(here, name, context.floor(name))
+        best, ranked = [row[1] for row in table if row[0] == 1], [row for row in table if row[0] is not None]
+        if best and ranked[-1][0] != 1:
+            found.append(Headline(
+                f"On {where}, at {said_of(context, about, budget)} each ({context.title(about['metric'])}), "
+                f"{methods(best, [row[1] for row in table])} {'has' if len(best) == 1 else 'tie for'} the smallest "
+                f"{context.title(name).removeprefix('largest ')}, {si(ranked[0][2], unit)}; {ranked[-1][1]} has "
+                f"{si(ranked[-1][2], unit)}.", {row[1]: row[2] for row in ranked}, unit))
+    return max(found, key=lambda made: made.effect, default=None)
+
+
 def _chart(context, cells, about, axes, refused):
     where = describe(cells.iloc[0], axes)
     names, looks = ranked_metrics(context, cells, about), context.looks(cells)
@@ -134,7 +149,8 @@ def _chart(context, cells, about, axes, refused):
                  _table(context, cells, about, names), refused + holes(cells, ["method", "budget"]),
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
                  f"{plural(seeds, 'seed')}. Methods stand side by side at a budget; bars are the range over seeds and repeats, "
-                 "and ranges that meet are ties. A letter in the top band failed or met no budget.", telling=True)
+                 "and ranges that meet are ties. A letter in the top band failed or met no budget.", telling=True,
+                 headline=headline(context, cells, about, where, names[0]))
 
 
 def _failures(ax, y, cells, looks):

@@ -59,7 +59,7 @@ def headline(where, speeds):
     still = methods(resting, list(speeds)) if resting else ""
     first = (f"{still} {'comes' if len(resting) == 1 else 'come'} to rest (below {si(REST, 'm/s')})" if resting else
              f"bodies go at {si(moving[calmest], 'm/s')} with {calmest}")
-    return Headline(f"On {where}, in the last quarter, {first}; the fastest body goes at {si(moving[worst], 'm/s')} with {worst}.",
+    return Headline(f"On {where}, in the last quarter, {first}; the fastest goes at {si(moving[worst], 'm/s')} with {worst}.",
                     speeds, "m/s")
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import failure
-from chart import Chart, listing
+from chart import Chart, Headline, listing
 from load import family
 from style import grid_of_axes, legend_right, legend_room
 
@@ -94,6 +94,21 @@ def finding(rows, dimension, precision):
     return text + "."
 
 
+def headline(rows, dimension, precision):
+    """Two witnesses whose ranks turn round."""
+    table = shares(rows)
+    whole = table[table["pair"] == EVERYTHING].set_index("method")
+    kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
+    tight = round(math.log10(failure.TOLERANCE[precision]))
+    pair = turned(whole[[r != "competitor" and family(m) == m for m, r in whole["role"].items()]], tight, LOOSE, kinds)
+    if not pair:
+        return None
+    told = {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair}
+    a, b, c, d = map(failure.share, told.values())
+    return Headline(f"{dimension}D, {precision}: judged at 1e{tight} of the size {pair[0]} fails more often than {pair[1]} ({a} and "
+                    f"{b} of the questions), at 1e{LOOSE} less ({c} and {d}).", told)
+
+
 def _chart(context, rows, dimension, precision):
     table = shares(rows)
     methods = list(dict.fromkeys(table.sort_values(["role", "method"], kind="stable")["method"]))
@@ -135,6 +150,7 @@ def _chart(context, rows, dimension, precision):
                  "The share of the questions that would not be failures, had the referee allowed that tolerance, over the tolerance. "
                  "The dashed line is the one that the ledger takes. A right side without a value (some witnesses give depths alone) "
                  f"is no failure at any. Settings in braces are the tightest that a library offers. {failure.DEFINITION}",
+                 headline=headline(rows, dimension, precision),
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 

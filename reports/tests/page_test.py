@@ -118,7 +118,8 @@ class Pictures(unittest.TestCase):
             spots = [(source.uniform(0, 10), source.choice([9.0, 9.3, 5.0]), source.choice(["collapsed", "diverged", "timeout"]),
                       "#000000") for _ in range(source.randrange(1, 25))]
             told = []
-            found = self.figure(lambda ax: (style.fallen(ax, spots), told.extend([len(ax.lines), *(t.get_text() for t in ax.texts)])))
+            found = self.figure(lambda ax: (style.fallen(ax, spots), told.append(len(ax.lines)),
+                                            told.extend(t.get_text() for t in ax.texts)))
             self.assertEqual(found, ([], []), spots)
             counted = told[0] + sum(int(part.split("×")[1]) for text in told[1:] for part in text.split())
             self.assertEqual(counted, len(spots), "a failure vanished")
@@ -127,7 +128,8 @@ class Pictures(unittest.TestCase):
         source = random.Random(6)
         for _ in range(60):
             values = [10**source.uniform(-9, 3) for _ in range(source.randrange(1, 5))] + [0.0, math.nan]
-            found = self.figure(lambda ax: (style.ZeroLog(ax, "x", values, source.choice(["ns", "m", "1"]), failed_name="not timed"),
+            unit = source.choice(["ns", "m", "1"])
+            found = self.figure(lambda ax: (style.ZeroLog(ax, "x", values, unit, failed_name="not timed"),
                                             style.ZeroLog(ax, "y", values, "s")))
             self.assertEqual(found[0], [], values)
 
@@ -226,7 +228,8 @@ class First(unittest.TestCase):
         source = random.Random(8)
         seen = False
         for _ in range(200):
-            charts = self.charts(*sorted((f"question {source.randrange(14):02}", source.choice([1.0, 1.5, 3.0, source.random() + 1]))
+            effect = lambda: source.choice([1.0, 1.5, 3.0, source.random() + 1])  # noqa: E731
+            charts = self.charts(*sorted((f"question {source.randrange(14):02}", effect())
                                          for _ in range(source.randrange(30))))
             charts.insert(0, chart.Chart("without", "question 00", "", "", ""))
             self.assertEqual(check_first(headlines.chosen, charts), "")
