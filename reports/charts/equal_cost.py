@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
+import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, plural
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
@@ -47,9 +48,9 @@ def spread(part, name):
     values = metrics.column(ok, name)
     if not len(part) or len(ok) < len(part) or not np.isfinite(values).all():
         return math.nan, math.nan, math.nan
-    ends = [metrics.column(ok, name[:-6] + end) if name[:-6] + end in ok else values for end in ("lo", "hi")]
-    low, high = (np.where(np.isfinite(end), end, values) for end in ends)
-    return float(np.median(values)), float(np.min(low)), float(np.max(high))
+    every = [v for (_, cell), value in zip(ok.iterrows(), values)
+             for v in (value, *noise.runs(cell, name), *noise.values(cell, f"{name} seeds"))]
+    return float(np.median(values)), min(every), max(every)
 
 
 def ranks(cells, name, floor=0.0):
@@ -143,7 +144,7 @@ def _chart(context, cells, about, axes, refused):
     legend_right(figure, handles, legend_width)
     setting = about["setting"]
     found = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than that"
-    seeds = cells["seed"].nunique() if "seed" in cells else 1
+    seeds = len({seed for of_cell in cells["seeds"] for seed in of_cell})
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"At equal {about['equal']}: {where}",
                  finding(context, cells, about, where, names[0]), cells["sweep"].iloc[0], figure,
                  _table(context, cells, about, names), refused + holes(cells, ["method", "budget"]),

@@ -21,7 +21,8 @@ import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import broadphase, budgets, cost_against_error, ensembles, noise_floor, precision, stages, step_times, unneeded  # noqa: E402
+from charts import (broadphase, budgets, cost_against_error, ensembles, noise_floor, precision, stages, step_times,  # noqa: E402
+                    unneeded)
 
 COST = "ms_per_step_median"
 
@@ -95,8 +96,8 @@ class OfStores(unittest.TestCase):
             maker.sweep("features", "world", "minimal", resolver="label")
             for model, ms in (("minimal", 1.0), ("+joints", 0.81), ("+cache", 1.3), ("+friction", 1.02)):
                 work = {} if model in ("minimal", "+joints") else {"work": 5000 * ms}
-                maker.world("features", {"scene": "slope", "dimension": 2, "model": model, "resolver": "catto"}, ms * slower, 1e-3,
-                            work=work.get("work", 4000))
+                axes = {"scene": "slope", "dimension": 2, "model": model, "resolver": "catto"}
+                maker.world("features", axes, ms * slower, 1e-3, work=work.get("work", 4000))
         return fill
 
     def test_identical_work_is_never_a_finding(self):
@@ -203,13 +204,15 @@ class OfStores(unittest.TestCase):
         self.assertNotIn("seeds change nothing", " ".join(found.holes))
 
     def test_a_rank_that_flips_is_a_tie_in_cost_against_error(self):
-        for turned, words in ((False, "catto has, under each of 10 seeds, the smallest"), (True, "turns round between seeds: a tie")):
+        for turned, words in ((False, "catto has, under each of 10 seeds, the smallest"),
+                              (True, "turns round between seeds: a tie")):
             def fill(maker, turned=turned):
                 maker.sweep("costs", "world", resolver="label")
                 for seed in range(1, 11):
                     for label, error in (("catto", 1e-3), ("naive", 2e-3)):
                         worse = 5 if turned and seed == 7 and label == "catto" else 1
-                        maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}, 1.0, error * worse)
+                        axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
+                        maker.world("costs", axes, 1.0, error * worse)
             found = self.made(cost_against_error, fill)
             self.assertEqual(len(found), 1, "not one chart for each seed")
             self.assertIn(words, found[0].finding)
