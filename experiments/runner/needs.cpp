@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kPerturbParameter = "perturb";
+constexpr const char* kSeedsMove = "perturb";  // the parameter of a scene by which a seed moves its bodies
 
 struct Ended {
   std::string outcome, reason;
@@ -94,8 +94,8 @@ PlannedSweep planNeeds(const NeedsQuestion& q) {
     WorldCell cell;
     cell.params = q.params, cell.pipeline = q.pipeline, cell.precision = q.precision, cell.steps = q.steps;
     cell.dimension = dimension, cell.seed = static_cast<std::uint64_t>(seed), cell.repeat = repeat, cell.timed = true;
-    if (file.parameter(kPerturbParameter) && q.perturbation > 0) {
-      cell.params.emplace(kPerturbParameter, q.perturbation);
+    if (file.parameter(kSeedsMove) && q.perturbation > 0) {
+      cell.params.emplace(kSeedsMove, q.perturbation);
     }
     applyModel(file, model, cell);
     PlannedTrial trial = planner.world(q.scene, cell);
