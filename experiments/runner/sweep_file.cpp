@@ -227,11 +227,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   void cell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where) {
     json axes = json::object();
-    bool twice = false;
     for (std::size_t i = 0; i < at.size(); ++i) {
       const json& label = axes[s.axes[i].name] = s.axes[i].values[at[i]].label;
       if (label.is_string()) m_named.insert(label.get<std::string>());
-      twice = twice || label == m_twice;
     }
     if (m_calibration) return calibratedCell(s, at, where, axes);
     std::set<std::string> names;
@@ -269,6 +267,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       for (long r = 0; r < (s.timed ? 1 : s.repeats); ++r) add(false, r);
     }
     if (s.timed) {
+      const bool twice = std::find(axes.begin(), axes.end(), json(m_twice)) != axes.end();
       for (long r = 0; r < (twice ? 2 : 1) * s.repeats; ++r) add(true, r);
     }
     return out;

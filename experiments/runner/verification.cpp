@@ -343,7 +343,7 @@ bool contains(const auto& list, const auto& value) { return std::find(list.begin
 
 std::vector<Spec> specsToVerify(const Registered& method) {
   std::vector<Spec> out = {{method.info.name, {}}};
-  if (method.info.role != Role::witness) return out;
+  if (method.info.role != AlgorithmRole::witness) return out;
   for (const ParamInfo& p : method.params) {
     if (p.name != "tolerance" || !p.range) continue;
     out.push_back(out.front());

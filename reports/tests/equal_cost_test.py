@@ -15,6 +15,7 @@ import pandas as pd  # noqa: E402
 import chart  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
+import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 from charts import equal_cost  # noqa: E402
@@ -83,7 +84,7 @@ class EqualCost(unittest.TestCase):
         made = self.made()
         self.assertEqual([c.id for c in made], ["mine_pyramid__2d"])
         self.assertEqual(made[0].section, equal_cost.SECTION)
-        self.assertEqual(style.overlaps(made[0].figure), ([], []))
+        self.assertEqual(overlap.overlaps(made[0].figure), ([], []))
 
     def test_the_finding_ranks_at_every_budget_and_tells_who_met_none(self):
         made = self.made()[0]

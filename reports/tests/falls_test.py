@@ -14,7 +14,7 @@ import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
 import load  # noqa: E402
-import style  # noqa: E402
+import overlap  # noqa: E402
 import synthetic_store  # noqa: E402
 from charts import falls  # noqa: E402
 
@@ -51,7 +51,7 @@ class Falls(unittest.TestCase):
         steps = [text.get_text() for text in made.figure.findobj(lambda artist: hasattr(artist, "get_text"))]
         for step in ("step 0", "step 60", "step 90", "step 120", "step 180", "step 240", "step 250"):
             self.assertIn(step, steps)
-        self.assertEqual(style.overlaps(made.figure), ([], []))
+        self.assertEqual(overlap.overlaps(made.figure), ([], []))
 
     def test_where_nothing_falls_the_page_says_so(self):
         made, = made_of({})
