@@ -191,6 +191,13 @@ class Store:
     def benchmarks(self):
         return [(row[0], json.loads(row[1])) for row in self.db.execute("SELECT imported, data FROM benchmark ORDER BY id")]
 
+    def found_cases(self):
+        """The simplest pair of each failure: (case as in a file of cases, its vertices, its size)."""
+        if not self.db.execute("SELECT 1 FROM sqlite_master WHERE name='found_case'").fetchone():
+            return []
+        rows = self.db.execute("SELECT data, vertices, size FROM found_case ORDER BY name")
+        return [(json.loads(text), vertices, size) for text, vertices, size in rows]
+
     def ledger(self):
         """What `lpc verify` wrote: one row per method, kinds of shape and value of one axis; histograms as dictionaries."""
         ledger = pd.read_sql("SELECT * FROM ledger ORDER BY stage, precision, dimension, axis, value, kind_a, kind_b, method",

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the gallery of failing pairs: outlines are those of the shapes, and the simplest and the worst pair are kept."""
+
+import json
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import numpy as np  # noqa: E402
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import silhouette  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+from charts import failing_pairs  # noqa: E402
+
+STILL = {2: {"t": [0, 0], "cos_sin": [1, 0]}, 3: {"t": [0, 0, 0], "q_wxyz": [1, 0, 0, 0]}}
+
+
+def case(method, failure, error, radius):
+    """Two circles; the answer is off by this part of the size."""
+    return {"id": f"{method}-{radius}", "dim": 2, "note": "ties", "shapeA": {"type": "sphere", "radius": radius}, "poseA": STILL[2],
+            "shapeB": {"type": "sphere", "radius": radius}, "poseB": {"t": [3, 0], "cos_sin": [0, 1]},
+            "found": {"stage": "pair_query", "precision": "f64", "method": method, "failure": failure, "value": 0.5, "error": error},
+            "expected": {"signed_distance": 3 - 2 * radius}}
+
+
+def check_outlines(outline):
+    """Known areas of shadows: a circle, a turned box, and in 3D a ball, whose shadow is the same from every side."""
+    known = [({"type": "sphere", "radius": 2.0}, STILL[2], 2, math.pi * 4),
+             ({"type": "box", "half_extents": [1.0, 2.0]}, {"t": [5, 5], "cos_sin": [0.8, 0.6]}, 2, 8.0),
+             ({"type": "box", "half_extents": [1.0, 2.0], "radius": 1.0}, STILL[2], 2, 8 + 12 + math.pi),
+             ({"type": "capsule", "half_length": 1.0, "radius": 1.0}, STILL[2], 2, 4 + math.pi),
+             ({"type": "ellipsoid", "half_x": 3.0, "half_y": 1.0}, STILL[2], 2, 3 * math.pi),
+             ({"type": "convex", "points": [[0, 0], [4, 0], [0, 2]]}, STILL[2], 2, 4.0),
+             ({"type": "ellipsoid", "half_x": 1.0, "half_y": 1.0, "half_z": 1.0}, STILL[3], 3, math.pi)]
+    for shape, pose, dimension, area in known:
+        x, y = outline(shape, pose, dimension).T
+        found = abs(np.dot(x, np.roll(y, 1)) - np.dot(y, np.roll(x, 1))) / 2
+        if abs(found - area) > 0.02 * area:
+            return f"{shape}: area {found}, not {area}"
+    return ""
+
+
+def without_rounding(shape, pose, dimension):
+    """Planted bug: the core alone is drawn."""
+    return silhouette.outline({**shape, **({"radius": 0.0} if shape["type"] == "box" else {})}, pose, dimension)
+
+
+class Gallery(unittest.TestCase):
+    def test_outlines_are_those_of_the_shapes(self):
+        self.assertEqual(check_outlines(silhouette.outline), "")
+        self.assertNotEqual(check_outlines(without_rounding), "", "the planted bug was not seen")
+
+    def test_the_simplest_and_the_worst_pair_stand_beside_each_other(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = synthetic_store.Maker(Path(folder) / "s.db")
+            synthetic_store.ledger(made)
+            made.db.execute("CREATE TABLE found_case(name TEXT PRIMARY KEY, vertices INTEGER, size REAL, data TEXT)")
+            for name, failure, vertices, radius in (("a", "wrong_normal", 9, 1.0), ("b", "wrong_distance", 2, 0.25)):
+                made.db.execute("INSERT INTO found_case VALUES (?,?,?,?)",
+                                (name, vertices, radius, json.dumps(case("fcl_libccd", failure, 1e-9, radius))))
+            for kinds, error in (("box", 0.1), ("capsule", 0.7)):
+                made.db.execute("UPDATE ledger SET wrong=1, max_error=?, worst=? WHERE method='fcl_libccd' AND axis='all' AND kind_a=?",
+                                (error, json.dumps(case("fcl_libccd", "wrong_distance", error, 0.5 + error)), kinds))
+            made.close()
+            context = chart.Context(load.Store(Path(folder) / "s.db"))
+            charts = failing_pairs.of_store(context)
+            self.assertEqual([c.id for c in charts], ["failing_pairs_2d_f64"])
+            shown = charts[0].table.set_index("which")
+            self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")
+            self.assertEqual(shown.loc["worst", "case"], "fcl_libccd-1.2")
+            self.assertIn("is fcl_libccd's, off by 0.7 of the size", charts[0].finding)
+            self.assertEqual(style.overlaps(charts[0].figure), ([], []))
+            style.plt.close(charts[0].figure)
+            context.store.db.close()
+
+
+if __name__ == "__main__":
+    unittest.main()
