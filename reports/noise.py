@@ -8,6 +8,7 @@ that another seed turns round is a tie.
 """
 
 import math
+import numbers
 
 import numpy as np
 
@@ -27,10 +28,10 @@ def runs(cell, metric):
     return values(cell, f"{metric} runs")
 
 
-def interval(numbers):
+def interval(found):
     """(low, high): order statistics that hold the median with at least SURE, whatever the distribution (from five values
     on: the smallest and the largest of five, the second and ninth of ten). Fewer give all they span."""
-    ordered = sorted(numbers)
+    ordered = sorted(found)
     if not ordered:
         return math.nan, math.nan
     n, cut = len(ordered), 0
@@ -59,7 +60,7 @@ def floor(cells, metric):
 def work(cell):
     """What a cell counted, by name."""
     return {name: value for name, value in cell.items() if isinstance(name, str) and name.startswith("work_") and
-            isinstance(value, (int, float)) and math.isfinite(value)}
+            isinstance(value, numbers.Real) and math.isfinite(value)}
 
 
 def same_work(a, b):

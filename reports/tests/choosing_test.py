@@ -108,8 +108,9 @@ class Choosing(unittest.TestCase):
             for axes in FIRST_SWEEP:
                 maker.world("friction", {"dimension": 2, **axes}, axes["iterations"] / 10, 1e-3 / axes["iterations"])
         made = self.made(fill)
-        self.assertEqual(sorted(made), ["coverage", "friction_leaning_stack__2d__n_10", "friction_leaning_stack__2d__n_20",
-                                        "friction_leaning_stack__2d__n_5", "friction_raised_2d", "friction_steadiness_2d"])
+        of_each = [f"friction_{kind}leaning_stack__2d__n_{n}" for kind in ("", "budgets_") for n in (5, 10, 20)]
+        self.assertEqual(sorted(made), sorted(["coverage", "friction_energy_2d", "friction_raised_2d", "friction_residual_2d",
+                                               "friction_steadiness_2d", "friction_step_times_2d", "noise", *of_each]))
 
     def test_a_method_is_named_by_every_stage_that_varies(self):
         def fill(maker, cache=("by_feature",)):
@@ -119,10 +120,11 @@ class Choosing(unittest.TestCase):
                 maker.world("mine", {"scene": "vertical_stack", "dimension": 2, "contacts": contacts, "broadphase": broadphase,
                                      "cache": kept, "sleep": "none"}, 1, 1e-3 if contacts == "sat_clip" else 2e-3)
         made = self.made(fill)
-        self.assertEqual(sorted(made), ["coverage", "mine_steadiness_2d", "mine_vertical_stack__2d"], "one chart, not six")
+        self.assertEqual(sorted(made), ["coverage", "mine_energy_2d", "mine_steadiness_2d", "mine_step_times_2d",
+                                        "mine_vertical_stack__2d", "noise"], "one chart, not six")
         self.assertEqual(list(made["mine_vertical_stack__2d"].table["method"]), [
             f"{b} / {c}" for b in ("naive", "region_tree", "uniform_grid") for c in ("query_clip", "sat_clip")])
-        self.assertIn("the time of naive / query_clip", made["mine_vertical_stack__2d"].finding)
+        self.assertIn("the same work as naive / query_clip", made["mine_vertical_stack__2d"].finding)
         three = self.made(lambda maker: fill(maker, ("by_feature", "none")))["mine_vertical_stack__2d"].table
         self.assertIn("region_tree / by_feature / sat_clip", list(three["method"]), "what has most values comes first")
 
@@ -131,9 +133,10 @@ class Choosing(unittest.TestCase):
             maker.sweep("mine", "world", "", resolver="label", iterations="setting", **what)
             for i, label in itertools.product((4, 10), ("catto", "naive", "soft_step")):
                 maker.world("mine", {"scene": "pyramid", "dimension": 2, "resolver": label, "iterations": i}, i, 1e-3)
-        self.assertEqual(sorted(self.made(fill)), ["coverage", "mine_pyramid__2d", "mine_steadiness_2d"])
+        self.assertEqual(sorted(self.made(fill)), ["coverage", "mine_budgets_pyramid__2d", "mine_energy_2d", "mine_pyramid__2d",
+                                                   "mine_residual_2d", "mine_steadiness_2d", "mine_step_times_2d", "noise"])
         only = self.made(lambda maker: fill(maker, report=["steadiness"]))
-        self.assertEqual(sorted(only), ["coverage", "mine_steadiness_2d"])
+        self.assertEqual(sorted(only), ["coverage", "mine_steadiness_2d", "noise"])
         with tempfile.TemporaryDirectory() as folder:
             maker = synthetic_store.Maker(Path(folder) / "store.db")
             fill(maker, report=["cost_against_error", "broadphase"])
