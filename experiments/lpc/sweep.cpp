@@ -12,13 +12,13 @@ namespace {
 
 struct Options {
   std::string sweep, store;
-  std::vector<std::string> only, with;
+  std::vector<std::string> only, with, set;
   bool dryRun = false;
   RunOptions run;
 };
 
 void sweep(Options& o, Session& session) {
-  const std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with);
+  const std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with, o.set);
   for (const PlannedSweep& s : sweeps) {
     for (const std::string& note : s.notes) std::fprintf(stderr, "lpc: sweep %s: %s\n", s.name.c_str(), note.c_str());
   }
@@ -56,6 +56,7 @@ void addSweep(CommandLine& app, Session& session) {
   command.option("--only", o->only, "keeps the cells of these labels, algorithms or scenes (comma-separated)")
       .commaSeparated();
   command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
+  command.option("--set", o->set, "AXIS=VALUE: this value in place of the axis's own (may be repeated)");
   command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
   command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
   command.flag("--dry-run", o->dryRun, "counts the trials, looks whether the store can take them, and runs none");

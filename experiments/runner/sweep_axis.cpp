@@ -238,6 +238,16 @@ Axis readAxis(const std::string& file, const std::string& name, const toml::node
   return axis;
 }
 
+SetAxis::SetAxis(const std::string& text) : given(text) {
+  const std::size_t equals = text.find('=');
+  if (equals == text.npos || equals == 0 || equals + 1 == text.size()) {
+    throw UserError("--set '" + text + "'; valid: AXIS=VALUE, such as n=5000");
+  }
+  axis = text.substr(0, equals);
+  value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);  // a number, or else a text
+  if (!value.is_number()) value = text.substr(equals + 1);
+}
+
 bool addMethod(const std::string& given, const std::string& searched, std::vector<Axis>& axes) {
   const std::string place = "--with '" + given + "'";
   const std::size_t equals = given.find('=');

@@ -32,6 +32,13 @@ struct Axis {
 /// `$velocity` where the name goes that `velocity=*` became. Throws UserError with file and line.
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node);
 
+/// "AXIS=VALUE" as the command line has it, a number or a text. Throws UserError for what is no such text.
+struct SetAxis {
+  explicit SetAxis(const std::string& given);
+  std::string given, axis;
+  nlohmann::json value;
+};
+
 /// One more method, "LABEL=PIPELINE" as the command line has it, joins the labelled axis. Not where none is, or where
 /// the text uses a `$name` that neither an axis nor `searched`, the setting that is calibrated, has. Throws UserError
 /// for what is no such text, and for a label that is taken.

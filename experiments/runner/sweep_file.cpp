@@ -48,13 +48,15 @@ void collectNames(const Spec& spec, std::set<std::string>& out) {
 /// Kept alive by the cells that are to be calibrated: their trials are planned when a setting is tried.
 class Sweep : public std::enable_shared_from_this<Sweep> {
  public:
-  /// `matched` and `taken` get what was found of the names in `only` and of the methods in `with`.
+  /// `matched` and `taken` get what was found of the names in `only`, of the methods in `with` and of the axes in
+  /// `set`.
   Sweep(const std::string& path, const std::set<std::string>& only, std::set<std::string>& matched,
-        const std::vector<std::string>& with, std::set<std::string>& taken)
+        const std::vector<std::string>& with, const std::vector<SetAxis>& set, std::set<std::string>& taken)
       : m_path(path),
         m_only(only),
         m_matched(matched),
         m_with(with),
+        m_set(set),
         m_taken(taken),
         m_table(parseToml(readFile(path), path)) {
     m_out.name = std::filesystem::path(path).stem().string();
@@ -172,6 +174,15 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
         (same == s.axes.end() ? s.axes.emplace_back() : *same) = std::move(axis);
       }
     }
+    for (const SetAxis& set : m_set) {
+      for (Axis& axis : s.axes) {
+        if (axis.name != set.axis) continue;
+        if (axis.labelled) throw UserError("--set '" + set.given + "': " + m_path + " has labelled methods there");
+        const toml::node* node = axis.values.empty() ? nullptr : axis.values[0].node;
+        axis.values = {{set.value, "", set.value.is_string() ? set.value.get<std::string>() : "", node}};
+        m_taken.insert(set.given);
+      }
+    }
   }
 
   void product(const Settings& s, const toml::node& where) {
@@ -254,6 +265,10 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
         for (std::size_t i = 0; i < at.size(); ++i) {
           const AxisValue& value = s.axes[i].values[at[i]];
           if (!value.node) throw UserError("--with " + value.label.get<std::string>() + ": " + e.what());
+        }
+        for (const SetAxis& set : m_set) {
+          const bool named = std::string_view(e.what()).find("'" + set.axis + "'") != std::string_view::npos;
+          if (named && axes.contains(set.axis)) throw UserError("--set '" + set.given + "': " + e.what());
         }
         failAt(m_path, placeOf(e.what(), s, at, where), e.what());
       }
@@ -414,6 +429,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   const std::set<std::string>& m_only;
   std::set<std::string>& m_matched;
   const std::vector<std::string>& m_with;
+  const std::vector<SetAxis> m_set;
   std::set<std::string>& m_taken;
   toml::table m_table;
   std::shared_ptr<Planner> m_planner;
@@ -428,30 +444,36 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 }  // namespace
 
 std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& onlyList,
-                                     const std::vector<std::string>& with) {
+                                     const std::vector<std::string>& with, const std::vector<std::string>& setList) {
   const std::string path = findToml("sweeps", nameOrPath);
   const std::set<std::string> only(onlyList.begin(), onlyList.end());
+  const std::vector<SetAxis> set(setList.begin(), setList.end());
   std::set<std::string> matched, taken;
   std::vector<std::string> files = {path};
   const toml::table table = parseToml(readFile(path), path);
   if (table.contains("sweeps")) {
-    TableReader set(table, path, "a set of sweeps");
-    set.requireString("summary");
+    TableReader named(table, path, "a set of sweeps");
+    named.requireString("summary");
     files.clear();
-    for (const std::string& name : set.strings("sweeps")) {
+    for (const std::string& name : named.strings("sweeps")) {
       try {
         files.push_back(findToml("sweeps", name));
       } catch (const UserError& e) {
-        set.fail(*set.find("sweeps"), e.what());
+        named.fail(*named.find("sweeps"), e.what());
       }
     }
-    if (files.empty()) set.fail(*set.find("sweeps"), "'sweeps' is empty; valid: names of sweeps");
-    set.finish();
+    if (files.empty()) named.fail(*named.find("sweeps"), "'sweeps' is empty; valid: names of sweeps");
+    named.finish();
   }
   const auto planner = std::make_shared<Planner>();
   std::vector<PlannedSweep> out;
   for (const std::string& file : files) {
-    out.push_back(std::make_shared<Sweep>(file, only, matched, with, taken)->plan(planner));
+    out.push_back(std::make_shared<Sweep>(file, only, matched, with, set, taken)->plan(planner));
+  }
+  for (const SetAxis& s : set) {
+    if (!taken.count(s.given)) {
+      throw UserError("--set '" + s.given + "': no sweep of '" + nameOrPath + "' has an axis '" + s.axis + "'");
+    }
   }
   for (const std::string& method : with) {
     if (!taken.count(method)) {

@@ -31,8 +31,10 @@ struct PlannedSweep {
 /// The sweeps of a file: itself, or those of a set (`sweeps = [...]`). Throws UserError with file and line, also for
 /// mistakes in the scenes and pipelines that it names. `only` keeps the cells in which one of these labels, algorithms
 /// or scenes takes part; `--only` of something that nobody has is a mistake. `with` holds methods that the files lack,
-/// as "LABEL=PIPELINE": they join the labelled axis of `[axes]` in each sweep that has one.
+/// as "LABEL=PIPELINE": they join the labelled axis of `[axes]` in each sweep that has one. `set` holds "AXIS=VALUE":
+/// the one value of that axis wherever a sweep has it.
 std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& only,
-                                     const std::vector<std::string>& with = {});
+                                     const std::vector<std::string>& with = {},
+                                     const std::vector<std::string>& set = {});
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -54,19 +54,14 @@ def spread(part, name):
 
 
 def ranks(cells, name, floor=0.0):
-    """Rows (rank, method, median, lowest, highest), the smallest first. Whoever's range meets that of the first of a rank
-    shares it: that is a tie. What failed, or met no budget, has no rank."""
+    """Rows (rank, method, median, lowest, highest), the best first. A rank counts who is better beyond doubt, whose whole range
+    is below: methods whose ranges meet that of the first share its rank, a tie. What failed, or met no budget, has no rank."""
     rows = [(method, *spread(part, name)) for method, part in cells.groupby("method", sort=True)]
-    rows.sort(key=lambda row: (math.isnan(row[1]), row[1]))
-    made, first = [], None
-    for place, (method, median, low, high) in enumerate(rows, 1):
-        if math.isnan(median):
-            made.append((None, method, median, low, high))
-            continue
-        tie = first is not None and (low <= first[1] or high <= floor)
-        first = first if tie else (place, high)
-        made.append((first[0], method, median, low, high))
-    return made
+    made = []
+    for method, median, low, high in rows:
+        better = 0 if high <= floor else sum(other[3] < low for other in rows)
+        made.append((None if math.isnan(median) else 1 + better, method, median, low, high))
+    return sorted(made, key=lambda row: (row[0] is None, row[0] or 0, row[2]))
 
 
 def finding(context, cells, about, where, name):

@@ -39,6 +39,12 @@ def check_ranks(ranks_of):
     found = {row[1]: row[0] for row in ranks_of(seeds, "error")}
     if found != {"a": 1, "b": 1, "c": 3}:
         return f"over seeds: {found}"
+    # b meets both of its neighbours, which are apart: it is as good as the first.
+    rows = {"a": (1.0, 1.2), "b": (1.1, 2.1), "c": (1.5, 1.6)}
+    chain = cells([(method, "ok", e) for method, errors in rows.items() for e in errors])
+    found = {row[1]: row[0] for row in ranks_of(chain, "error")}
+    if found != {"a": 1, "b": 1, "c": 2}:
+        return f"in a chain: {found}"
     once = cells([("a", "ok", 1.0), ("a", "collapsed", 1.0), ("b", "ok", 2.0)])
     found = {row[1]: row[0] for row in ranks_of(once, "error")}
     return "" if found == {"a": None, "b": 1} else f"one seed fell: {found}"

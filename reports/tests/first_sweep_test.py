@@ -16,6 +16,8 @@ sys.path[:0] = [str(HERE.parent)]
 import chart  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
+import style  # noqa: E402
+from charts import choose, cost_against_error  # noqa: E402
 
 LPC = ""  # the program, from the command line
 MANUAL = (HERE.parent.parent / "docs" / "manual.md").read_text(encoding="utf-8")
@@ -43,7 +45,7 @@ class FirstSweep(unittest.TestCase):
         self.assertEqual({f"friction_leaning_stack__n_{n}" for n in (5, 10, 20)} - drawn, set(), "cost against error")
         self.assertIn("friction_raised_2d", drawn, "the ladder over n")
         self.assertIn("friction_steadiness_2d", drawn)
-        self.assertEqual([c.finding for c in made if c.section.startswith("Which method") and c.figure is None], [])
+        self.assertEqual([c.finding for c in made if c.section == cost_against_error.SECTION and c.figure is None], [])
 
     def test_one_more_method_joins_a_shipped_sweep(self):
         with_it = re.search(r"^lpc (sweep resolvers --with .*)$", MANUAL, re.M).group(1)
@@ -53,6 +55,38 @@ class FirstSweep(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             counts.append(int(re.search(r"(\d+) trials", done.stdout).group(1)))
         self.assertGreater(counts[0], counts[1])
+
+    def test_choose_takes_a_size(self):
+        command = re.search(r"^lpc (sweep choose --set .*)$", MANUAL, re.M).group(1)
+        done = subprocess.run([LPC, *shlex.split(command), "--dry-run"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(re.findall(r"^choose_(\w+)", done.stdout, re.M), ["broadphase", "contacts", "resolver"])
+        run = HERE.parent.parent / "experiments" / "run"
+        for arguments, said in ((("choose", "--bodies", "many"), "--bodies needs a number, not 'many'"),
+                                (("quick", "--bodies", "50"), "are for choose"), (("choose", "full"), "one set")):
+            done = subprocess.run([run, *arguments], capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+            self.assertIn(said, done.stderr)
+
+    def test_choose_says_what_to_take_for_fifty_bodies(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "choose.db"
+            command = [LPC, "sweep", "choose", "--set", "n=50", "--set", "steps=30", "--store", str(path), "--quiet"]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            made = make.all_charts(chart.Context(load.Store(path)))
+        self.addCleanup(style.plt.close, "all")
+        found = [c for c in made if c.section == choose.SECTION]
+        self.assertEqual([c.id for c in found], ["choose_mixed_pile__2d__n_50__steps_30"])
+        table = found[0].table
+        self.assertEqual(sorted(set(table["stage"])), ["broadphase", "contacts", "resolver"])
+        taken = table[table["verdict"] == "take"]
+        self.assertEqual(sorted(taken["stage"]), ["broadphase", "contacts", "resolver"], "one of each")
+        self.assertEqual(set(taken["role"]), {"competitor"})
+        self.assertLessEqual({"fcl_tree", "bullet_dbvt", "box2d", "soft_step", "naive"}, set(table["method"]))
+        for name in taken["method"]:
+            self.assertIn(f" {name} (", found[0].finding)
+        self.assertEqual(style.overlaps(found[0].figure), ([], []))
 
 
 if __name__ == "__main__":

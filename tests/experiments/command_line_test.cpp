@@ -134,7 +134,7 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"verify --pairs 0", {"--pairs"}},
       {"verify --methods nobody", {"'nobody'", "gjk_epa"}},
       {"verify --methods gjk_epa{iterations=many}", {"iterations", "many"}},
-      {"verify --dimension 2 --stage broadphase --role witness", {"no method of that role"}},
+      {"verify --dimension 2 --stage contacts --role witness", {"no method of that role"}},
       {"verify --cases nowhere.json", {"nowhere.json"}},
   };
   for (const auto& [arguments, parts] : cases) {

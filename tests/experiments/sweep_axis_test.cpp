@@ -237,6 +237,40 @@ TEST(SweepWith, MistakesAreOneLine) {
   EXPECT_FALSE(std::filesystem::exists(w.path("never.db")));
 }
 
+TEST(SweepSet, OneValueStandsForAnAxisWhereverItIs) {
+  Workspace w;
+  const std::string path = w.write("s.toml", kTwoResolvers);
+  const auto sweeps = planSweeps(path, {}, {}, {"iterations=7"});
+  ASSERT_EQ(sweeps[0].trials.size(), 2u);
+  for (const PlannedTrial& t : sweeps[0].trials) EXPECT_EQ(t.axes["iterations"], 7);
+  std::set<int> bodies;
+  for (const PlannedSweep& s : planSweeps("choose", {}, {}, {"n=50", "dimension=3"})) {
+    for (const PlannedTrial& t : s.trials) {
+      EXPECT_EQ(t.axes["dimension"], 3) << s.name;
+      bodies.insert(t.axes["n"].get<int>());
+    }
+  }
+  EXPECT_EQ(bodies, std::set<int>{50});
+}
+
+TEST(SweepSet, MistakesAreOneLine) {
+  Workspace w;
+  w.write("s.toml", kTwoResolvers);
+  const std::pair<const char*, std::vector<const char*>> cases[] = {
+      {"s.toml --set iterations", {"--set 'iterations'", "valid: AXIS=VALUE"}},
+      {"s.toml --set =7", {"--set '=7'", "valid: AXIS=VALUE"}},
+      {"s.toml --set bodies=7", {"--set 'bodies=7'", "'s.toml'", "axis 'bodies'"}},
+      {"s.toml --set resolver=catto", {"--set 'resolver=catto'", "labelled methods"}},
+      {"choose --set n=many", {"--set 'n=many'", "'n'", "valid: numbers"}},
+      {"choose --set dimension=4", {"--set 'dimension=4'", "2 to 3"}}};
+  for (const auto& [arguments, parts] : cases) {
+    const test::Outcome out = w.lpc(std::string("sweep --store never.db ") + arguments);
+    EXPECT_EQ(out.code, 2) << arguments << "\n" << out.text;
+    EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+    for (const char* part : parts) EXPECT_NE(out.text.find(part), std::string::npos) << arguments << "\n" << out.text;
+  }
+}
+
 TEST(SweepReport, TheChartsThatASweepIsForAreInTheStore) {
   Workspace w;
   const auto text = [](const std::string& charts) {
