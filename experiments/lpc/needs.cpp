@@ -40,13 +40,17 @@ std::string spread(const std::vector<double>& x) {
 
 void printRow(const std::string& what, const std::string& time, const std::string& rows, const std::string& median,
               const std::string& largest, const std::string& remark) {
-  std::printf("%-18s %-24s %-12s %-11s %-11s%s%s\n", what.c_str(), time.c_str(), rows.c_str(), median.c_str(),
-              largest.c_str(), remark.empty() ? "" : "  ", remark.c_str());
+  char text[200];
+  std::snprintf(text, sizeof text, "%-18s %-24s %-12s %-11s %-11s", what.c_str(), time.c_str(), rows.c_str(),
+                median.c_str(), largest.c_str());
+  std::string line = text + (remark.empty() ? "" : "  " + remark);
+  line.erase(line.find_last_not_of(' ') + 1);
+  std::printf("%s\n", line.c_str());
 }
 
 void printModel(const ModelSeen& m, const ModelSeen& again) {
   // The same work twice is as far apart as the machine's noise takes it.
-  const bool noise = least(m.time) <= most(again.time) && most(m.time) >= least(again.time);
+  const bool noise = least(m.time) <= std::fmax(1, most(again.time)) && most(m.time) >= std::fmin(1, least(again.time));
   std::string remark;
   if (m.failed) {
     remark = std::to_string(m.failed) + " of " + std::to_string(m.trials) + " " + m.failure;
