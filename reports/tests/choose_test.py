@@ -13,6 +13,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import chart  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
+import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 from charts import choose  # noqa: E402
@@ -52,7 +53,7 @@ class Choose(unittest.TestCase):
         self.assertIn("resolver catto+none (", made[0].finding)
         self.assertIn("of other libraries box2d, 0.5 times", made[0].finding)
         self.assertIn("millington: collapsed (it fell)", " ".join(made[0].holes))
-        self.assertEqual(style.overlaps(made[0].figure), ([], []))
+        self.assertEqual(overlap.overlaps(made[0].figure), ([], []))
         # The planted bug would take whoever is fastest, however wrong.
         _, wrong = self.made({**RESOLVERS, "naive": (0.3, 0.001, "ok")})
         self.assertEqual(self.verdicts(wrong[0].table, "resolver"), {"naive": "take"}, "the planted bug was not seen")

@@ -16,6 +16,7 @@ import numpy as np  # noqa: E402
 import chart  # noqa: E402
 import load  # noqa: E402
 import silhouette  # noqa: E402
+import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 from charts import failing_pairs  # noqa: E402
@@ -77,7 +78,7 @@ class Gallery(unittest.TestCase):
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")
             self.assertEqual(shown.loc["worst", "case"], "fcl_libccd-1.2")
             self.assertIn("is fcl_libccd's, off by 0.7 of the size", charts[0].finding)
-            self.assertEqual(style.overlaps(charts[0].figure), ([], []))
+            self.assertEqual(overlap.overlaps(charts[0].figure), ([], []))
             style.plt.close(charts[0].figure)
             context.store.db.close()
 

@@ -16,6 +16,7 @@ sys.path[:0] = [str(HERE.parent)]
 import chart  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
+import overlap  # noqa: E402
 import style  # noqa: E402
 from charts import choose, cost_against_error  # noqa: E402
 
@@ -86,7 +87,7 @@ class FirstSweep(unittest.TestCase):
         self.assertLessEqual({"fcl_tree", "bullet_dbvt", "box2d", "soft_step", "naive"}, set(table["method"]))
         for name in taken["method"]:
             self.assertIn(f" {name} (", found[0].finding)
-        self.assertEqual(style.overlaps(found[0].figure), ([], []))
+        self.assertEqual(overlap.overlaps(found[0].figure), ([], []))
 
 
 if __name__ == "__main__":
