@@ -23,12 +23,12 @@ class BulletDbvt final : public Broadphase<D> {
     }
   }
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "bullet_dbvt",
             .summary = "Bullet's btDbvtBroadphase: two trees of fat boxes, and the pairs of the step before",
             .paper = "",
             .complexity = "n log n",
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
 
   void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
@@ -38,7 +38,7 @@ class BulletDbvt final : public Broadphase<D> {
     }
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work&) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone&) override {
     m_tree.calculateOverlappingPairs(nullptr);
     btOverlappingPairCache* cache = m_tree.getOverlappingPairCache();
     const btBroadphasePair* pairs = cache->getOverlappingPairArrayPtr();

@@ -18,12 +18,12 @@ class FclTree final : public Broadphase<D> {
   using Params = NoParams;
   explicit FclTree(const Params&) {}
 
-  static Info info() {
+  static AlgorithmInfo info() {
     return {.name = "fcl_tree",
             .summary = "FCL's DynamicAABBTreeCollisionManager: a binary tree of tight boxes, refitted in each step",
             .paper = "",
             .complexity = "n log n",
-            .role = Role::witness};
+            .role = AlgorithmRole::witness};
   }
 
   void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
@@ -34,7 +34,7 @@ class FclTree final : public Broadphase<D> {
     m_manager.update();
   }
 
-  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, Work&) override {
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone&) override {
     Found found{proxies, out};
     m_manager.collide(&found, [](fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
       auto& all = *static_cast<Found*>(data);
