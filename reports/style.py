@@ -162,12 +162,12 @@ def one_line(ax, firsts, words):
     groups = [group for group in groups if len(group) > 1]
     room = int(ax.get_position().width * ax.figure.get_figwidth() / 0.067)
     lines = textwrap.wrap("; ".join(f"{words(group)} are one line here" for group in groups), room)
-    if len(lines) > (2 if ax.get_title("left") else 1):  # without a title there is the row of charts above
+    if len(lines) > 1:
         lines = textwrap.wrap("; ".join(f"{len(group)} methods are one line here" for group in groups), room)
     if lines:
-        ax.text(0, 1.01, "\n".join(lines), transform=ax.transAxes, va="bottom", fontsize=8, color="#555555")
+        ax.text(0, 1.02, "\n".join(lines), transform=ax.transAxes, va="bottom", fontsize=8, color="#555555")
         if ax.get_title("left"):
-            ax.set_title(ax.get_title("left"), pad=4 + 10.5 * len(lines))
+            ax.set_title(ax.get_title("left"), pad=7 + 10.5 * len(lines))
 
 
 def si(value, unit="", digits=3):

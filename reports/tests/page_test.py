@@ -99,6 +99,7 @@ class Pictures(unittest.TestCase):
         legend = self.figure(lambda ax: ax.figure.legend([Line2D([], [])], ["bullet (witness)"], loc="upper left",
                                                          bbox_to_anchor=(0.6, 1)))
         self.assertEqual(legend, ([], ["bullet (witness)"]))
+        self.assertEqual(self.figure(lambda ax: ax.set_title("high", pad=12)), ([], ["high"]))
 
     def test_thirteen_failures_at_one_place_are_one_letter_with_their_number(self):
         spots = [(5.0, 9.0, "collapsed", "#000000")] * 12 + [(5.1, 9.0, "diverged", "#000000"), (1.0, 9.0, "timeout", "#000000")]
