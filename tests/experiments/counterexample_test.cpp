@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What a failed property prints of its shapes is a scene file: read, it gives these shapes in these poses.
+#include <gtest/gtest.h>
+
 #include <sstream>
 
 #include "experiments/trial/scene_file.h"
