@@ -19,6 +19,20 @@ def of_store(context):
     rows = [row for row in (_row(context, sweep) for sweep in context.store.sweeps()) if row]
     if not rows:
         return [Chart("noise", SECTION, "Noise of times", "No timed trial is in this store.", "")]
+    figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # stores of old hold neither
+    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "least repeats": row["repeats"],
+                           "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,
+                           "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
+                           "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
+    return [Chart("noise", SECTION, "The same method against itself", finding(rows), "", figure, table,
+                  [f"{row['sweep']}: too few repeats to measure its noise, so only ratios beyond {noise.UNMEASURED:g} are told"
+                   for row in rows if not row["ratios"]],
+                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were made "
+                  "in the same rounds. What differs by less than the bar is told as noise in every chart. Load is the mean of a "
+                  "minute.")]
+
+
+def _drawn(rows):
     figure, axes = grid_of_axes(1, 2, 0.3 * len(rows) + 0.2, 0.2, left=2.1, gap_x=0.4, bottom=0.6)
     left, right = axes[0]
     for y, row in enumerate(rows):
@@ -36,16 +50,7 @@ def of_store(context):
     left.set_xlabel("even repeats against odd ones (%); the bar holds 95 of 100")
     right.set_xlabel("load average when a timed trial started")
     right.set_xlim(left=0)
-    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "least repeats": row["repeats"],
-                           "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,
-                           "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
-                           "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
-    return [Chart("noise", SECTION, "The same method against itself", finding(rows), "", figure, table,
-                  [f"{row['sweep']}: too few repeats to measure its noise, so only ratios beyond {noise.UNMEASURED:g} are told"
-                   for row in rows if not row["ratios"]],
-                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were made "
-                  "in the same rounds. What differs by less than the bar is told as noise in every chart. Load is the mean of a "
-                  "minute.")]
+    return figure
 
 
 def finding(rows):
