@@ -77,9 +77,13 @@ def _sentence(context, sweep, cells, error):
     text += f"; as fast within the noise: {listing(ties)}" if ties else ""
     text += f"; next {behind[0][1]}, {times(behind[0][2] / rows[0][2])} times as long" if behind else ""
     others = cells[[context.store.role(method) != "competitor" for method in cells["method"]]]
-    peers = [(spread(part, COST)[0], method) for method, part in others.groupby("method")]
+    peers = [(*spread(part, COST), method) for method, part in others.groupby("method")]
     peers = sorted(peer for peer in peers if math.isfinite(peer[0]))
-    text += f"; of other libraries {peers[0][1]}, {times(peers[0][0] / rows[0][2])} times" if peers else ""
+    if peers:  # no ratio where the ranges of the repeats meet
+        median, low, high, peer = peers[0]
+        _, _, mine, lowest, highest = rows[0]
+        ratio = f"{times(median / mine)} times" if low > highest or high < lowest else "as fast within the noise"
+        text += f"; of other libraries {peer}, {ratio}"
     return text + ")", take
 
 

@@ -22,6 +22,7 @@ from charts import choose  # noqa: E402
 RESOLVERS = {"naive": (0.3, 0.05, "ok"), "millington": (0.2, 0.001, "collapsed"), "catto+none": (1.0, 0.0011, "ok"),
              "catto+linear": (2.0, 0.001, "ok"), "soft_step": (4.0, 0.002, "ok"), "box2d": (0.5, 0.001, "ok")}
 BROADPHASES = {"naive": 3.0, "sort_and_sweep": 1.0, "region_tree": 1.01}
+NEAR = {**RESOLVERS, "box2d": (1.01, 0.001, "ok")}
 
 
 class Choose(unittest.TestCase):
@@ -36,7 +37,7 @@ class Choose(unittest.TestCase):
         maker.sweep("choose_resolver", "world", "", resolver="label", n="parameter", report=["choose"])
         for label, (ms, error, outcome) in resolvers.items():
             maker.world("choose_resolver", {**place, "resolver": label}, ms, error, outcome, "it fell" if outcome != "ok" else "",
-                        repeats=3)
+                        repeats=9)
         maker.close()
         context = chart.Context(load.Store(Path(folder.name) / "store.db"))
         made = [c for c in make.all_charts(context) if c.section == choose.SECTION]
@@ -64,6 +65,10 @@ class Choose(unittest.TestCase):
         self.assertEqual(sorted(found.values()), ["take", "tie"])
         self.assertEqual(set(found), {"sort_and_sweep", "region_tree"})
         self.assertIn("as fast within the noise", made[0].finding)
+
+    def test_no_ratio_is_told_within_the_noise(self):
+        _, made = self.made(NEAR)
+        self.assertIn("of other libraries box2d, as fast within the noise", made[0].finding)
 
     def test_nobody_who_finished_is_no_error(self):
         _, made = self.made({"catto+none": (1.0, 1e-3, "collapsed"), "soft_step": (1.0, 1e-3, "collapsed")})
