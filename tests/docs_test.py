@@ -43,6 +43,10 @@ NOT_RUN = {
 # The same in a second or two.
 INSTEAD = {
     "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
+    "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db":
+        "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db --dry-run",
+    "lpc needs pyramid --param base=6 --seeds 3 --store results/needs.db":
+        "lpc needs pyramid --param base=3 --seeds 1 --steps 30 --store results/needs.db",
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
     "lpc verify --minutes 10": "lpc verify --minutes 0.02 --stage broadphase",
@@ -101,7 +105,7 @@ def inline_commands(text):
     """`lpc ...` in prose."""
     prose = re.sub(r"(?ms)^ *```.*?^ *```$", "", text)
     spans = (re.sub(r"\s+", " ", s) for s in re.findall(r"`([^`]+)`", prose))
-    return [s for s in spans if s.startswith("lpc ")]
+    return [s for s in spans if re.match(r"(build/\w+/bin/)?lpc ", s)]
 
 
 def option_faults(command, help_of):
