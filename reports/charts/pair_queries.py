@@ -174,9 +174,9 @@ def _failures(context, cells, dimension):
                     rate = math.nan
                 elif math.isfinite(bad_answers) and asked > 0:
                     rate = bad_answers / asked
-                    share = 0 if rate == 0 else min(1.0, max(0.25, 1 + math.log10(rate) / 6))
+                    share = 0 if rate == 0 else min(1.0, max(0.1, 1 + math.log10(rate) / 3))
                     colour = "#E3F0E8" if rate == 0 else plt.cm.Oranges(0.25 + 0.6 * share)
-                    text, ink = ("0", "#4C7A5E") if rate == 0 else (failure.share(rate), "white" if rate > 0.3 else "black")
+                    text, ink = ("0", "#4C7A5E") if rate == 0 else (failure.share(rate), "white" if rate > 0.05 else "black")
                     if rate > 0:
                         bad.append((rate, method, pair))
                 else:
