@@ -73,7 +73,8 @@ class KeptFailures {
     for (int line = 0; line < kLines && end != text.npos; ++line) end = text.find('\n', end + (line > 0));
     if (end == text.npos) return text;
     replaceFile(told(property), text);
-    const auto more = std::count(text.begin() + static_cast<std::ptrdiff_t>(end), text.end(), '\n');
+    const auto rest = text.begin() + static_cast<std::ptrdiff_t>(end) + 1;
+    const auto more = std::count(rest, text.end(), '\n') + (text.back() != '\n');
     return text.substr(0, end) + "\n... " + std::to_string(more) + " lines more in " + told(property).string();
   }
 
