@@ -56,10 +56,9 @@ void printModel(const ModelSeen& m, const ModelSeen& again) {
     remark = std::to_string(m.failed) + " of " + std::to_string(m.trials) + " " + m.failure;
   } else if (m.model.empty()) {
     remark = "the noise";
-  } else if (m.sameWork && !m.time.empty()) {
-    remark = "the same work";
-  } else if (noise && !m.time.empty()) {
-    remark = "time within the noise";
+  } else if (!m.time.empty()) {
+    remark = m.sameWork ? "equal work counts" : "";
+    if (noise) remark += remark.empty() ? "time within the noise" : ", time within the noise";
   }
   const bool compared = m.trials > m.failed;
   printRow(m.model.empty() ? "minimal, again" : m.model, spread(m.time),

@@ -130,13 +130,13 @@ TEST(EngineTrial, AJointThatAnEngineLacksIsARowWithAReason) {
 TEST(EngineTrial, MistakesAreOneLine) {
   const Workspace w;
   const std::pair<const char*, const char*> wrong[] = {
-      {"engine=bulet", "there is no engine 'bulet' in 3D; valid: bullet"},
+      {"engine=bulet", "there is no engine 'bulet' in 3D; did you mean 'bullet'? valid: bullet"},
       {"engine=bullet{iteration=3}",
        "'bullet' has no parameter 'iteration'; did you mean 'iterations'? valid: iterations, slop, warm_start, "
        "split_impulse"},
       {"engine=bullet solver=soft_step", "nothing may follow here"},
       {"engine=box2d", "engine box2d does not exist in 3D"},
-      {"solver=soft_step engine=bullet", "unknown stage 'engine'"}};
+      {"solver=soft_step engine=bullet", "an engine stands alone, in place of all stages: engine=bullet"}};
   for (const auto& [pipeline, message] : wrong) {
     const Outcome out = w.lpc("run pyramid --dimension 3 --pipeline '" + std::string(pipeline) + "'");
     EXPECT_EQ(out.code, 2) << pipeline;
