@@ -47,10 +47,6 @@ INSTEAD = {
     "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db":
         "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db --dry-run",
     "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
-    "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db":
-        "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db --dry-run",
-    "lpc needs pyramid --param base=6 --seeds 3 --store results/needs.db":
-        "lpc needs pyramid --param base=3 --seeds 1 --steps 30 --store results/needs.db",
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
     "lpc verify --minutes 10": "lpc verify --minutes 0.02 --stage broadphase",
