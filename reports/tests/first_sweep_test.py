@@ -27,7 +27,7 @@ MANUAL = (HERE.parent.parent / "docs" / "manual.md").read_text(encoding="utf-8")
 def block(heading, kind):
     """The first block of code of this kind below a heading of the manual."""
     section = re.search(rf"^## {heading}$(.*?)(?=^## |\Z)", MANUAL, re.S | re.M).group(1)
-    return next(text for name, text in re.findall(r"^```(\w*)\n(.*?)^```$", section, re.S | re.M) if name == kind)
+    return next(text for name, text in re.findall(r"^```(\w*)[^\n]*\n(.*?)^```$", section, re.S | re.M) if name == kind)
 
 
 class FirstSweep(unittest.TestCase):
