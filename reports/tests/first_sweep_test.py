@@ -35,12 +35,12 @@ class FirstSweep(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "leaning_stack.toml").write_text(block("A first scene", "toml"), encoding="utf-8")
             (Path(folder) / "friction.toml").write_text(block("A first sweep", "toml"), encoding="utf-8")
-            commands = re.findall(r"^lpc sweep .*$", block("A first sweep", ""), re.M)
+            commands = re.findall(r"^lpc sweep .*$", block("A first sweep", "sh"), re.M)
             self.assertTrue(commands, "the manual has no command")
             command = [LPC, *commands[0].split()[1:], "--quiet"]
             done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("54 trials planned", done.stdout)
+            self.assertIn("90 trials planned", done.stdout)
             made = make.all_charts(chart.Context(load.Store(Path(folder) / "results" / "mine.db")))
         drawn = {c.id for c in made if c.figure is not None}
         self.assertEqual({f"friction_leaning_stack__n_{n}" for n in (5, 10, 20)} - drawn, set(), "cost against error")
