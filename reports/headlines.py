@@ -54,7 +54,7 @@ def drawn(headline):
             ax.plot([place], [y], marker="o", ms=5, color=INK if value == value else SOFT, zorder=2, clip_on=False)
             text = "failed" if value != value else si(value, headline.unit)
             ax.text(1.09, y, text, transform=ax.get_yaxis_transform(), va="center", fontsize=8)
-        ax.text(-0.04, y, short(name), transform=ax.get_yaxis_transform(), va="center", ha="right", fontsize=8,
+        ax.text(-0.06, y, short(name), transform=ax.get_yaxis_transform(), va="center", ha="right", fontsize=8,
                 color=SOFT if value is None else "black")
     ax.set_xlim(0, 1)
     ax.set_ylim(len(rows) - 0.5, -0.5)
