@@ -217,7 +217,8 @@ template <int D>
 void sameForAllBroadphases() {
   const auto expected = heapHashes<D>("broadphase=naive", 3);
   for (const Registered* r : Registry::instance().list(StageKind::broadphase, D)) {
-    EXPECT_EQ(heapHashes<D>("broadphase=" + r->info.name, 3) == expected, competes(*r)) << r->info.name << D;
+    const bool right = !r->info.name.starts_with("planted");  // a build may have witnesses, which are right, too
+    EXPECT_EQ(heapHashes<D>("broadphase=" + r->info.name, 3) == expected, right) << r->info.name << D;
   }
 }
 TEST(Replay, EveryBroadphaseGivesTheSameTrajectory) { sameForAllBroadphases<2>(), sameForAllBroadphases<3>(); }
