@@ -6,7 +6,7 @@ import math
 import numpy as np
 from matplotlib.lines import Line2D
 
-from chart import describe
+from chart import describe, listing
 from load import split, varying
 from style import HALO, grid_of_axes, legend_right, legend_room, letter
 
@@ -31,6 +31,12 @@ def at_middle(cells, setting):
         return cells
     values = sorted(cells[setting].dropna().unique())
     return cells[cells[setting].isna() | (cells[setting] == values[len(values) // 2])]
+
+
+def setting_of(cells, setting):
+    """The value of the setting that cells at_middle have, as words after "In 2D"; empty where there is no setting."""
+    values = sorted(cells[setting].dropna().unique()) if setting else []
+    return f" at {setting}={listing(f'{v:g}' if isinstance(v, float) else str(v) for v in values)}" if values else ""
 
 
 def stretches(values, of=np.median):

@@ -19,6 +19,7 @@ NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metr
               series=("kinetic", "potential"))
 ABSENT = Chart("energy", SECTION, "Energy", "No sweep of several methods with energies is in this store.", "resolvers")
 ROUNDING = 1e-9  # of the energy exchanged: no energy from nowhere
+LITTLE = 1e-2  # of the largest energy that a run of the chart exchanged: a gain over less is told in J
 LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
 
 
@@ -28,8 +29,19 @@ def of_sweep(context, cells):
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         shown, left_out, setting = over_steps.scenes(context, part)
-        made.append(_chart(context, part, [(where, over_steps.at_middle(mine, setting)) for where, mine in shown], left_out))
+        made.append(_chart(context, part, [(where, over_steps.at_middle(mine, setting)) for where, mine in shown], left_out,
+                           setting))
     return made
+
+
+def exchanged(context, cell):
+    """The largest energy that a run exchanged (J), or NaN: its largest kinetic one, or the span of its potential one."""
+    kinetic, potential = (None if cell["key"] is None else context.store.series(cell["key"], name)
+                          for name in ("kinetic", "potential"))
+    if kinetic is None or potential is None or not len(kinetic):
+        return math.nan
+    finite = np.isfinite(kinetic) & np.isfinite(potential)
+    return max(float(np.max(kinetic[finite])), float(np.ptp(potential[finite]))) if finite.any() else math.nan
 
 
 def over_start(context, cell):
@@ -37,14 +49,22 @@ def over_start(context, cell):
     kinetic, potential = (context.store.series(cell["key"], name) for name in ("kinetic", "potential"))
     if kinetic is None or potential is None or not len(kinetic):
         return None
-    finite = np.isfinite(kinetic) & np.isfinite(potential)
-    if not finite[0]:
+    if not (np.isfinite(kinetic[0]) and np.isfinite(potential[0])):
         return None
-    scale = max(float(np.max(kinetic[finite])), float(np.ptp(potential[finite])))
+    scale = exchanged(context, cell)
     return (kinetic + potential - kinetic[0] - potential[0]) / scale if scale > 0 else None
 
 
-def finding(where, cells):
+def adds_bodies(context, cells):
+    """Whether the number of bodies changes in a run: the scene's script then puts energy in, and takes it out."""
+    tracks = [context.store.series(key, "bodies") for key in cells["key"] if key is not None]
+    return any(track is not None and len(track) and np.ptp(track[np.isfinite(track)]) > 0 for track in tracks)
+
+
+def finding(where, cells, largest, scripted=False):
+    """`largest`: J, that any run of the chart exchanged; a column `exchanged` has what each did."""
+    if scripted:
+        return f"on {where} the script adds bodies and with them energy: no gain is told"
     good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
     if not len(good):
         return f"on {where} no run finished"
@@ -52,12 +72,15 @@ def finding(where, cells):
     if not len(gains):
         return f"on {where} no method that finishes gains energy"
     worst = gains.loc[gains["energy_gain"].idxmax()]
-    return (f"on {where} {methods(sorted(gains['method'].unique()), sorted(cells['method'].unique()))} "
-            f"{'gains' if gains['method'].nunique() == 1 else 'gain'} energy, {worst['method']} most, "
-            f"{si(100 * worst['energy_gain'])} % of what is exchanged")
+    gain = (f"{si(worst['energy_gain'] * worst['exchanged'], 'J')}, where next to nothing is exchanged"
+            if worst["exchanged"] < LITTLE * largest else f"{si(100 * worst['energy_gain'])} % of what is exchanged")
+    if gains["method"].nunique() == 1:
+        return f"on {where} {worst['method']} gains energy, {gain}"
+    return (f"on {where} {methods(sorted(gains['method'].unique()), sorted(cells['method'].unique()))} gain energy, "
+            f"{worst['method']} most, {gain}")
 
 
-def _chart(context, cells, shown, left_out):
+def _chart(context, cells, shown, left_out, setting):
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     figure, axes, width = over_steps.grid(context, cells, 1, len(shown))
     for column, (where, part) in enumerate(shown):
@@ -72,9 +95,13 @@ def _chart(context, cells, shown, left_out):
     drawn = pd.concat([part.assign(where=where) for where, part in shown])
     table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], "outcome": drawn["outcome"],
                           **quantity(context.title("energy_gain"), "1", metrics.column(drawn, "energy_gain"))})
-    said = [finding(where, part) for where, part in shown]
+    shown = [(where, part.assign(exchanged=[exchanged(context, cell) for _, cell in part.iterrows()])) for where, part in shown]
+    largest = max([v for _, part in shown for v in part["exchanged"] if math.isfinite(v)], default=0.0)
+    said = [finding(where, part, largest, adds_bodies(context, part)) for where, part in shown]
+    at = over_steps.setting_of(drawn, setting)
     return Chart(f"{cells['sweep'].iloc[0]}_energy_{dimension}d", SECTION, f"Energy over the steps, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
+                 f"In {dimension}D{at} " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
                  "Kinetic and of gravity, above the start, over the largest energy that the run exchanged: 1 is as much again, "
-                 "and what is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere.")
+                 "and what is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere, unless a script adds "
+                 f"bodies. Of a run that exchanged less than {100 * LITTLE:g} % of the most in this chart, the gain is told in J.")

@@ -21,7 +21,7 @@ import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import (broadphase, budgets, cost_against_error, ensembles, noise_floor, precision, stages, step_times,  # noqa: E402
+from charts import (broadphase, budgets, cost_against_error, energy, ensembles, noise_floor, precision, stages, step_times,  # noqa: E402
                     unneeded)
 
 COST = "ms_per_step_median"
@@ -197,6 +197,23 @@ class OfStores(unittest.TestCase):
             bad = self.made(ensembles, self.ensemble(turned=True))[0]
         self.assertNotIn("tie", bad.finding, "a rank by medians was not seen")
 
+    def test_a_headline_of_seeds_tells_each_perturbation_and_equal_states_are_no_turn(self):
+        def fill(maker):
+            maker.sweep("ensemble", "world", resolver="label", perturb="parameter")
+            for perturb, errors in ((1e-6, (1e-3, 1e-3, 2e-3)), (1e-3, (3e-3, 3e-3, 2e-3))):
+                for seed in range(1, 11):
+                    for label, error in zip(("catto+linear", "catto+split_impulse", "soft_step"), errors):
+                        axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
+                        maker.world("ensemble", axes, 1.0, error * (1 + seed / 100), repeats=0, hash=f"{error}{seed:02x}")
+        found = self.made(ensembles, fill)[0]
+        self.assertIn("of catto+linear and catto+split_impulse at perturb=1e-06, of soft_step at perturb=0.001", found.headline.text)
+        self.assertIn("catto+split_impulse ends in the same state as catto+linear under 10 of 10 seeds", found.finding)
+        self.assertNotIn("turns round", found.finding)
+        cell = lambda name, errors: {"method": name, "e": 1.0, "e seeds": errors, "outcome": "ok",  # noqa: E731
+                                     "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
+        for errors, turns in (([1.0, 1.0], (False, 2, 2)), ([1.0, 2.0], (False, 1, 1)), ([0.5, 2.0], (True, 0, 0))):
+            self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), turns)
+
     def test_seeds_that_change_nothing_are_told(self):
         found = self.made(ensembles, self.ensemble(idle=True))[0]
         self.assertIn("seeds change nothing here: all 10 end in the same state", " ".join(found.holes))
@@ -235,6 +252,21 @@ class OfStores(unittest.TestCase):
         found = self.made(step_times, fill)[0]
         self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
         self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
+
+    def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label", iterations="setting")
+            for scene, scale, bodies in (("fall", 100.0, 2), ("rest", 1e-3, 2), ("script", 100.0, 9)):
+                for label, gain in (("catto", 0.0), ("box2d", 0.5)):
+                    for iterations in (4, 10, 30):
+                        series = {"kinetic": scale * np.array([0.0, 1.0, gain]), "potential": scale * np.array([1.0, 0.0, 1.0]),
+                                  "bodies": np.array([2.0, 2.0, bodies])}
+                        axes = {"kind": "world", "scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
+                        maker.trial("costs", {**axes, "timed": False, "repeat": 0}, {}, series=series)
+        found = self.made(energy, fill)[0]
+        self.assertEqual(found.finding, "In 2D at iterations=10 on fall box2d gains energy, 50 % of what is exchanged; on rest "
+                         "box2d gains energy, 0.0005 J, where next to nothing is exchanged; on script the script adds bodies and "
+                         "with them energy: no gain is told.")
 
 
 if __name__ == "__main__":
