@@ -42,36 +42,88 @@ def ranks(part, error, zero):
     return best, [known.iloc[i]["method"] for i in order if not noise.beats(best, known.iloc[i], error, zero)], never
 
 
+def against(best, other, error, zero):
+    """How another cell stands to the best of an ensemble: whether their rank turns round between seeds, and under how many
+    seeds it errs as much and ends in the same state."""
+    mine, theirs = ([v if v > zero else 0.0 for v in noise.of_seeds(cell, error)] for cell in (best, other))
+    pairs = list(zip(mine, theirs))
+    states = sum(a == b and a is not None for a, b in zip(best["hashes"], other["hashes"]))
+    return any(x < y for x, y in pairs) and any(x > y for x, y in pairs), sum(x == y for x, y in pairs), states
+
+
+def winners(part, error, zero):
+    """The methods that err least under every seed, all as much; none where a rank turns round or some seeds tell two apart."""
+    best, equals, _ = ranks(part, error, zero)
+    if best is None:
+        return []
+    rows = {cell["method"]: cell for _, cell in part.iterrows()}
+    seeds = len(best["seeds"])
+    return equals if all(against(best, rows[m], error, zero)[1] == seeds for m in equals) else []
+
+
+def standing(part, best, equals, everyone, error, zero, what, value):
+    """Who errs least in one ensemble, and what is known of those whom it does not beat under every seed."""
+    rows, seeds = {cell["method"]: cell for _, cell in part.iterrows()}, len(best["seeds"])
+    others = {m: against(best, rows[m], error, zero) for m in equals if m != best["method"]}
+    turned = [m for m, (turns, _, _) in others.items() if turns]
+    level = {m: counts for m, (turns, *counts) in others.items() if not turns}
+    if turned:
+        text = (f"{methods([best['method'], *turned], everyone)} tie: their rank by {what} turns round between {seeds} seeds "
+                f"(smallest median {value}, {best['method']})")
+    elif all(same == seeds for same, _ in level.values()):
+        text = (f"{methods(equals, everyone)} {'has' if len(equals) == 1 else 'have'} the smallest {what} under each of {seeds} "
+                f"seeds (median {value})")
+    else:
+        text = f"no method has a smaller {what} than {best['method']} under any of {seeds} seeds (median {value})"
+    alike = {}  # (errs as much, ends in the same state) under so many seeds -> who
+    for method, counts in level.items():
+        alike.setdefault(tuple(counts), []).append(method)
+    for (same, states), found in alike.items():
+        verb = "s" if len(found) == 1 else ""
+        if states:
+            text += f"; {methods(found, everyone)} end{verb} in the same state as {best['method']} under {states} of {seeds} seeds"
+        if same > states:
+            text += f"; {methods(found, everyone)} rank{verb} with {best['method']} under {same} of {seeds} seeds"
+    return text
+
+
 def finding(context, where, groups, error, everyone):
-    unit, what = context.unit(error), context.title(error).removeprefix("largest ")
+    unit, what, zero = context.unit(error), context.title(error).removeprefix("largest "), context.floor(error)
     said = []
     for place, part in groups:
         seeds = max(map(len, part["seeds"]))
-        best, equals, never = ranks(part, error, context.floor(error))
+        best, equals, never = ranks(part, error, zero)
         if best is None:
             said.append(f"{place}: every method fails under most of {seeds} seeds")
             continue
         value = si(float(np.median(noise.of_seeds(best, error))), unit)
-        text = (f"{place}: {equals[0]} has the smallest {what} under each of {seeds} seeds (median {value})"
-                if len(equals) == 1 else
-                f"{place}: {methods(equals, everyone)} tie: their rank by {what} turns round between {seeds} seeds "
-                f"(smallest median {value}, {best['method']})")
+        text = f"{place}: {standing(part, best, equals, everyone, error, zero, what, value)}"
         fails = [f"{cell['failed_seeds']} of {cell['method']}" for _, cell in part.iterrows() if cell["failed_seeds"]]
-        said.append(text + (f"; seeds that fail: {listing(fails)}" if fails else ""))
+        said.append(text + (f"; seeds that fail: {listing(fails)}" if fails else "") +
+                    ("; the seeds change nothing: each method ends in one state" if noise.idle_seeds(part) else ""))
     return "; ".join(text.removeprefix(f"{where}: ") for text in said) + "."
 
 
-def headline(context, where, groups, error):
-    """The widest ensemble, where one method is best under every seed."""
-    place, part = groups[-1]
-    best, equals, _ = ranks(part, error, context.floor(error))
-    if len(equals) != 1:
+def headline(context, where, groups, error, everyone):
+    """Who is best under every seed, in each ensemble: what holds where bodies start far apart need not hold where they start
+    close. The numbers are those of the widest ensemble; where it has no winner, or its seeds change nothing, there is none."""
+    zero, what = context.floor(error), context.title(error).removeprefix("largest ")
+    won = [(place, winners(part, error, zero)) for place, part in groups]
+    part = groups[-1][1]
+    if not won[-1][1] or noise.idle_seeds(part):
         return None
     medians = {cell["method"]: float(np.median(noise.of_seeds(cell, error))) for _, cell in part.iterrows()}
-    what, inside = context.title(error).removeprefix("largest "), "" if place == where else f" ({place})"
-    return Headline(f"On {where}, started in {len(best['seeds'])} places{inside}, {equals[0]} has the smallest {what} "
-                    "every time.",
-                    {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error))
+    places = {}  # who -> where
+    for place, found in won:
+        places.setdefault(methods(found, everyone) if found else "no method", []).append(place)
+    first = f"On {where}, started in {max(map(len, part['seeds']))} places"
+    if len(groups) == 1:
+        name, verb = next(iter(places)), "have" if len(won[0][1]) > 1 else "has"
+        text = f"{first}, {name} {verb} the smallest {what} every time."
+    else:
+        by = ", ".join(f"of {name} at {listing(at)}" for name, at in places.items())
+        text = f"{first}, the smallest {what} every time is that {by} (medians: {won[-1][0]})."
+    return Headline(text, {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error))
 
 
 def _chart(context, cells, where, inner):
@@ -121,7 +173,7 @@ def _chart(context, cells, where, inner):
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
                  "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. "
                  "The bar holds the median with at least 90 %, whatever the distribution. A rank that one seed turns round is a tie.",
-                 headline=headline(context, where, groups, errors[0]))
+                 headline=headline(context, where, groups, errors[0], everyone))
 
 
 def _table(context, cells, inner, errors):
