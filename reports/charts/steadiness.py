@@ -8,8 +8,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
-from chart import Chart, Headline, Needs, describe, holes, methods
-from load import split, varying
+import over_steps
+from chart import Chart, Headline, Needs, describe, holes, listing, methods
+from load import NOT_RUN, split, varying
 from style import HALO, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si
 
 PLACE = 30
@@ -31,15 +32,15 @@ def of_sweep(context, cells):
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         setting = next(iter(context.settings(part)), None)
         if setting:  # methods are compared at one setting, the middle one
-            values = sorted(part[setting].dropna().unique())
-            part = part[part[setting].isna() | (part[setting] == values[len(values) // 2])]
+            part = over_steps.at_middle(part, setting)
+        at = over_steps.setting_of(part, setting)
         resting = []
         for scene in split(part, ["scene"]):
             names = ["scene", *varying(context.store, scene, ("dimension", setting))]
             resting += [(describe(equal.iloc[0], names), equal) for equal in split(scene, names)
                         if equal["drift_limit"].notna().any() or not (equal["finished_trials"] > 0).any()]
         if resting:
-            made.append(_steady_chart(context, resting))
+            made.append(_steady_chart(context, resting, at))
     return made
 
 
@@ -49,21 +50,26 @@ def envelope(values, count=150):
     return edges[:-1], np.array([np.max(values[a:b]) for a, b in zip(edges[:-1], edges[1:])])
 
 
-def headline(where, speeds):
-    """How fast bodies go that should rest; below REST they do."""
+def headline(where, speeds, failed=(), at=""):
+    """How fast bodies go that should rest; below REST they do. Who failed is told: it has no place among the speeds. `at`: the
+    setting, in words."""
     speeds = {m: 0.0 if v <= REST else v for m, v in speeds.items()}
     resting, moving = [m for m in speeds if speeds[m] == 0], {m: v for m, v in speeds.items() if v > 0}
     if not moving:
         return None
     calmest, worst = min(moving, key=moving.get), max(moving, key=moving.get)
-    still = methods(resting, list(speeds)) if resting else ""
+    everyone = [*speeds, *failed]
+    still = methods(resting, everyone) if resting else ""
     first = (f"{still} {'comes' if len(resting) == 1 else 'come'} to rest (below {si(REST, 'm/s')})" if resting else
              f"bodies go at {si(moving[calmest], 'm/s')} with {calmest}")
-    return Headline(f"On {where}, in the last quarter, {first}; the fastest goes at {si(moving[worst], 'm/s')} with {worst}.",
-                    speeds, "m/s")
+    who = "of those that finish, the fastest goes" if failed else "the fastest goes"
+    last = f"; {methods(failed, everyone)} {'fails' if len(failed) == 1 else 'fail'}" if failed else ""
+    return Headline(f"On {where}{at}, by the RMS of the fastest body's speed in the last quarter, {first}; {who} at "
+                    f"{si(moving[worst], 'm/s')} with {worst}{last}.",
+                    {**speeds, **dict.fromkeys(failed, math.nan)}, "m/s")
 
 
-def _steady_chart(context, resting):
+def _steady_chart(context, resting, at):
     left_out = [where for where, _ in resting[PANELS:]]
     resting = resting[:PANELS]
     cells = pd.concat([part for _, part in resting])
@@ -113,18 +119,24 @@ def _steady_chart(context, resting):
     table = pd.DataFrame(rows)
     said, told = [], []
     for scene, part in table.groupby("scene", sort=False):
+        failed = sorted(part[~part["outcome"].isin(("ok", NOT_RUN))]["method"])
         part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float))]
         if len(part) > 1:
             best, worst = part.loc[part["restlessness"].idxmin()], part.loc[part["restlessness"].idxmax()]
             said.append(f"on {scene} the last quarter is calmest with {best['method']} "
                         f"({si(best['restlessness'], 'm/s')}) and most restless with {worst['method']} "
-                        f"({si(worst['restlessness'], 'm/s')})")
-            told.append(headline(f"{scene} in {dimension}D", dict(zip(part["method"], part["restlessness"].astype(float)))))
-    text = f"In {dimension}D " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
+                        f"({si(worst['restlessness'], 'm/s')})" +
+                        (f"; {listing(failed)} {'fails' if len(failed) == 1 else 'fail'}" if failed else ""))
+            told.append(headline(f"{scene} in {dimension}D", dict(zip(part["method"], part["restlessness"].astype(float))),
+                                 failed, at))
+    text = f"In {dimension}D{at} " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
     table = table.rename(columns={"restlessness": "restlessness [m/s]"})
     gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]
     return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
                  f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,
                  gaps + holes(cells, ["scene", "method"]),
-                 "Lines are the largest value of each of 150 stretches; a letter marks where a run failed.",
-                 headline=max(filter(None, told), key=lambda found: found.effect, default=None))
+                 "Lines are the largest value of each of 150 stretches; a letter marks where a run failed. The speeds of the "
+                 f"finding are the RMS of the fastest body's over the last quarter of the steps; "
+                 f"below {si(REST, 'm/s')} is rounding, and at rest.",
+                 headline=max(filter(None, told), key=lambda found: (found.effect, -sum(map(math.isnan, found.values.values()))),
+                              default=None))

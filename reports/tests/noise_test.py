@@ -21,8 +21,8 @@ import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import (broadphase, budgets, cost_against_error, energy, ensembles, noise_floor, precision, stages, step_times,  # noqa: E402
-                    unneeded)
+from charts import (broadphase, budgets, cost_against_error, energy, ensembles, noise_floor, precision, stages,  # noqa: E402
+                    steadiness, step_times, unneeded)
 
 COST = "ms_per_step_median"
 
@@ -206,7 +206,8 @@ class OfStores(unittest.TestCase):
                         axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
                         maker.world("ensemble", axes, 1.0, error * (1 + seed / 100), repeats=0, hash=f"{error}{seed:02x}")
         found = self.made(ensembles, fill)[0]
-        self.assertIn("of catto+linear and catto+split_impulse at perturb=1e-06, of soft_step at perturb=0.001", found.headline.text)
+        self.assertIn("of catto+linear and catto+split_impulse at perturb=1e-06, of soft_step at perturb=0.001 ",
+                      found.headline.text)
         self.assertIn("catto+split_impulse ends in the same state as catto+linear under 10 of 10 seeds", found.finding)
         self.assertNotIn("turns round", found.finding)
         cell = lambda name, errors: {"method": name, "e": 1.0, "e seeds": errors, "outcome": "ok",  # noqa: E731
@@ -252,6 +253,20 @@ class OfStores(unittest.TestCase):
         found = self.made(step_times, fill)[0]
         self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
         self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
+
+    def test_who_fails_is_told_beside_the_speeds_of_the_others(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label", iterations="setting")
+            for label, restless in (("catto", 1e-2), ("naive", 9.0), ("soft_step", 1e-3)):
+                for iterations in (4, 10, 30):
+                    failed = ("collapsed", "far", 50) if label == "naive" else ()
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
+                    maker.world("costs", axes, 1.0, 1e-3, *failed, restless=restless)
+        found = self.made(steadiness, fill)[0]
+        self.assertRegex(found.headline.text, r"^On stack in 2D at iterations=10, by the RMS of .* in the last quarter, .*; of those "
+                         r"that finish, the fastest goes at .* with catto; naive fails\.$")
+        self.assertTrue(math.isnan(found.headline.values["naive"]))
+        self.assertRegex(found.finding, r"^In 2D at iterations=10 on stack .*; naive fails\.$")
 
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
         def fill(maker):
