@@ -204,7 +204,10 @@ def _tick(value, unit):
     power = round(math.log10(value))
     if 1e-2 <= value < 1e5:
         return f"{value:,.0f}" if value >= 1 else f"{value:g}"
-    return f"$10^{{{power}}}$" if abs(value / 10.0**power - 1) < 1e-9 else f"{value:.0e}"
+    if abs(value / 10.0**power - 1) < 1e-9:
+        return f"$10^{{{power}}}$"
+    short = f"{value:.0e}"
+    return short if abs(float(short) / value - 1) < 1e-9 else f"{value:.1e}"  # 1.5e-04 is not 2e-04
 
 
 def _ticks(low, high, most):

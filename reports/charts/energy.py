@@ -103,5 +103,6 @@ def _chart(context, cells, shown, left_out, setting):
                  f"In {dimension}D{at} " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
                  "Kinetic and of gravity, above the start, over the largest energy that the run exchanged: 1 is as much again, "
-                 "and what is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere, unless a script adds "
-                 f"bodies. Of a run that exchanged less than {100 * LITTLE:g} % of the most in this chart, the gain is told in J.")
+                 "and what is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere, unless a "
+                 f"script adds bodies. Of a run that exchanged less than {100 * LITTLE:g} % of the most in this chart, the gain "
+                 "is told in J.")

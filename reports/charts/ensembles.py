@@ -81,7 +81,8 @@ def standing(part, best, equals, everyone, error, zero, what, value):
     for (same, states), found in alike.items():
         verb = "s" if len(found) == 1 else ""
         if states:
-            text += f"; {methods(found, everyone)} end{verb} in the same state as {best['method']} under {states} of {seeds} seeds"
+            text += (f"; {methods(found, everyone)} end{verb} in the same state as {best['method']} under {states} of {seeds} "
+                     "seeds")
         if same > states:
             text += f"; {methods(found, everyone)} rank{verb} with {best['method']} under {same} of {seeds} seeds"
     return text

@@ -8,7 +8,7 @@ import pandas as pd
 
 import metrics
 import over_steps
-from chart import Chart, Needs, holes
+from chart import Chart, Needs, holes, methods
 from load import split
 from style import ZeroLog, plain_log, si
 from table import quantity
@@ -26,6 +26,8 @@ def of_sweep(context, cells):
         return []  # a store of an earlier program; an ensemble, of which one run says little
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        if nothing(part):
+            continue  # no contacts, no residual
         shown, left_out, setting = over_steps.scenes(context, part)
         if setting and metrics.column(part[part["outcome"] == "ok"], RESIDUAL).size:
             made.append(_chart(context, part, shown, left_out, setting))
@@ -33,26 +35,51 @@ def of_sweep(context, cells):
 
 
 def slopes(cells, setting):
-    """Per method: its residual at the least and at the most of the setting, where both finished."""
-    rows = []
-    for method, part in cells[cells["outcome"] == "ok"].groupby("method", sort=True):
-        part = part[np.isfinite(metrics.column(part, RESIDUAL))].sort_values(setting)
-        if len(part) > 1:
-            rows.append((method, part[setting].iloc[0], part[RESIDUAL].iloc[0], part[setting].iloc[-1], part[RESIDUAL].iloc[-1]))
+    """Per method: its residual at the least and at the most of the setting that most methods finished both at, so that all are
+    compared over the same span; nothing where there is no such span."""
+    good = cells[(cells["outcome"] == "ok") & np.isfinite(metrics.column(cells, RESIDUAL))].drop_duplicates(["method", setting])
+    table = good.pivot(index="method", columns=setting, values=RESIDUAL).sort_index(axis=1)
+    values = list(table.columns)
+    spans = [(least, most) for i, least in enumerate(values) for most in values[i + 1:]]
+    # Of spans that as many methods have, the widest.
+    least, most = max(spans, key=lambda span: (len(table[list(span)].dropna()), span[1] / span[0] if span[0] > 0 else math.inf),
+                      default=(None, None))
+    rows = [] if least is None else [(method, least, row[least], most, row[most])
+                                     for method, row in table[[least, most]].dropna().iterrows()]
     return pd.DataFrame(rows, columns=["method", "least", "before", "most", "after"])
+
+
+def nothing(cells):
+    """Whether no run of these has a residual above 0: a scene without contacts has none."""
+    return not (metrics.column(cells, RESIDUAL) > 0).any()
 
 
 def finding(where, cells, setting):
     table = slopes(cells, setting)
-    falls = table[(table["before"] > FLOOR) & (table["after"] < table["before"])]
+    if nothing(cells):
+        return f"on {where} every residual is 0"
+    values = cells[setting].dropna().unique()
+    if len(values) == 1:
+        return f"on {where} only {setting}={values[0]:g} was run"
+    if not len(table):
+        return f"on {where} no method finished at two values of {setting}"
+    span = f"from {table['least'].iloc[0]:g} to {table['most'].iloc[0]:g} {setting}"
+    table = table.assign(before=table["before"].where(table["before"] > FLOOR, 0.0),
+                         after=table["after"].where(table["after"] > FLOOR, 0.0))
+    if not (table[["before", "after"]] > 0).any(axis=None):
+        return f"on {where} every residual is below {si(FLOOR)}, which is rounding, {span}"
+    falls = table[table["after"] < table["before"]]
     if not len(falls):
-        return f"on {where} no residual falls with {setting}"
+        return f"on {where} no residual falls {span}"
     drops = falls["before"] / falls["after"].clip(lower=FLOOR)
     best = falls.loc[drops.idxmax()]
+    after = si(best["after"]) if best["after"] > 0 else f"less than {si(FLOOR)}"
+    equals = sorted(falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]["method"])
     idle = len(table) - len(falls)
-    tail = f", and that of {idle} of {len(table)} methods does not fall" if idle else ""
-    return (f"on {where} the residual of {best['method']} falls most, from {si(best['before'])} at {best['least']:g} {setting} "
-            f"to {si(best['after'])} at {best['most']:g}{tail}")
+    tail = f"; that of {idle} of {len(table)} methods does not fall" if idle else ""
+    most = f" most of {len(table)} methods" if len(table) > len(equals) else ""
+    return (f"on {where} the residual of {methods(equals, sorted(cells['method'].unique()))} falls{most} {span}, from "
+            f"{si(best['before'])} to {after}{tail}")
 
 
 def _chart(context, cells, shown, left_out, setting):
@@ -87,4 +114,5 @@ def _chart(context, cells, shown, left_out, setting):
                  left_out + holes(drawn, ["scene", "method", setting]),
                  "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, "
                  f"over m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks where a "
-                 "run failed. Engines that tell no contacts have none.")
+                 "run failed. Engines that tell no contacts have none. Falls are compared over one span: the widest whose two "
+                 "ends the most methods finished at.")
