@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """What each method reaches within a budget of time, and of work: at every budget, not at the dearest method's alone."""
 
+import itertools
 import math
 
 import numpy as np
@@ -8,7 +9,7 @@ import pandas as pd
 
 import metrics
 import noise
-from chart import Chart, Needs, describe, holes, identifier, methods
+from chart import Chart, Needs, describe, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from matplotlib.lines import Line2D
@@ -65,8 +66,9 @@ def finding(context, cells, cost, error):
         unit_of_cost = context.unit(cost)
         text = f"{budget:,.0f}" if unit_of_cost == "1" and budget >= 100 else si(budget, unit_of_cost)
         said.append((text, f"{methods(equals, everyone)} ({si(value, unit)})"))
-    changes = [(budget, text) for i, (budget, text) in enumerate(said) if i == 0 or said[i - 1][1] != text]
-    return "; ".join(f"from {budget} on {text}" for budget, text in changes)
+    # Budgets one after another with one answer are told together: they are lines drawn beforehand, not where ranks change.
+    return "; ".join(f"with {listing(budget for budget, _ in group)} per step: {text}"
+                     for text, group in itertools.groupby(said, lambda one: one[1]))
 
 
 def _chart(context, cells, where, setting, refused):

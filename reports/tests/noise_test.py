@@ -243,7 +243,7 @@ class OfStores(unittest.TestCase):
                     maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
                                 iterations / 10, error)
         found = self.made(budgets, fill)[0]
-        self.assertRegex(found.finding, r"by time: from 4\d\d µs on catto \(4 mm\); from .* on naive \(2 mm\); .* naive \(1 mm\)")
+        self.assertRegex(found.finding, r"by time: with 4\d\d µs and .* per step: catto \(4 mm\); with .*: naive \(2 mm\); .* naive \(1 mm\)")
 
     def test_slowest_steps_and_engines(self):
         def fill(maker):
