@@ -53,7 +53,8 @@ void addSweep(CommandLine& app, Session& session) {
   command.option("sweep", o->sweep, "name in experiments/sweeps, or a TOML file; a set such as quick runs several")
       .required();
   command.option("--store", o->store, "SQLite file, made if absent").showDefault();
-  command.option("--only", o->only, "keeps the cells of these labels, algorithms or scenes (comma-separated)")
+  command
+      .option("--only", o->only, "keeps each cell that has one of these labels, algorithms or scenes (comma-separated)")
       .commaSeparated();
   command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
   command.option("--set", o->set, "AXIS=VALUE: this value in place of the axis's own (may be repeated)");
