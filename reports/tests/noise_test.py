@@ -285,7 +285,7 @@ class OfStores(unittest.TestCase):
         self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
 
     def test_no_two_ticks_have_one_label(self):
-        labels = [style._tick(value, "1") for value in (1e-4, 1.5e-4, 2e-4, 3e-4, 1.5e-13, 2e-13)]
+        labels = [style._tick(value, "1") for value in style._ticks(math.log10(1.4e-4), math.log10(8e-4), 8)]
         self.assertEqual(len(set(labels)), len(labels), labels)
 
     def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
