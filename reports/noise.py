@@ -98,9 +98,10 @@ def said(a, b, metric, least):
 def rule(least):
     """What a reader must know of the ratios of a chart."""
     if least == UNMEASURED:
-        return f"Too few repeats to measure the noise: only ratios beyond {UNMEASURED:g} are told."
-    return (f"The same method against itself differs by up to {100 * (least - 1):.2g} %: ratios within that are noise, and not "
-            "told.")
+        return (f"Too few repeats to measure the noise: a ratio is told when it is beyond {UNMEASURED:g} and the whiskers of the "
+                "two are apart.")
+    return (f"The same method against itself differs by up to {100 * (least - 1):.2g} % ({LIKELY} of 100 cells): a ratio is told "
+            "when it is beyond that and the whiskers of the two are apart; else it is noise.")
 
 
 def of_seeds(cell, metric):

@@ -72,7 +72,7 @@ def crossings(cells, base, least=1.0):
             a, b = slow[at_base], other[at_other]
             both = np.isfinite(a) & np.isfinite(b)
             if not both.any():
-                rows.append((distribution, method, "unknown", math.nan, math.nan, math.nan))
+                rows.append((distribution, method, "unknown", *[math.nan] * 5))
                 continue
             cross = metrics.crossover(shared, a, b)
             last = np.flatnonzero(both)[-1]
@@ -80,8 +80,34 @@ def crossings(cells, base, least=1.0):
                                             "never faster" if (b[both] >= a[both]).all() else "slower at the end")
             if max(a[last] / b[last], b[last] / a[last]) <= least:
                 kind, cross = "as fast as it at the largest size, within the noise", None
-            rows.append((distribution, method, kind, cross or math.nan, shared[last], a[last] / b[last]))
-    return pd.DataFrame(rows, columns=["distribution", "method", "kind", "n", "largest", "ratio"])
+            sizes = shared[both]
+            between = (sizes[sizes <= cross].max(), sizes[sizes > cross].min()) if cross else (math.nan, math.nan)
+            rows.append((distribution, method, kind, cross or math.nan, *between, shared[last], a[last] / b[last]))
+    return pd.DataFrame(rows, columns=["distribution", "method", "kind", "n", "below", "above", "largest", "ratio"])
+
+
+def overtakes(row, base):
+    """Where one method overtakes the baseline: between two sizes that were measured."""
+    return f"overtakes {base} at about {row.n:,.0f} (between {row.below:,.0f} and {row.above:,.0f})"
+
+
+def leaders(cells, base, least):
+    """Per distribution (size, methods, ratios of the baseline's time to theirs) at the largest size: the fastest and all that
+    are within the noise of it, the fastest first. None where they are not told from the baseline."""
+    found = {}
+    for distribution, part in cells.groupby("distribution", sort=True):
+        part = part[(part["outcome"] == "ok") & (part["n"] == part["n"].max()) & np.isfinite(metrics.column(part, TIME))]
+        part = part.sort_values(TIME, kind="stable")
+        rows = [row for _, row in part.iterrows()]
+        first = [row for row in rows if row is rows[0] or not noise.tells(rows[0], row, TIME, least)]
+        names, slow = [row["method"] for row in first], [row for row in rows if row["method"] == base]
+        if slow and base not in names:
+            found[distribution] = float(slow[0]["n"]), names, [noise.ratio(row, slow[0], TIME) for row in first]
+    return found
+
+
+def speeds(ratios):
+    return times(ratios[0]) if len(ratios) == 1 else f"{times(min(ratios))} to {times(max(ratios))}"
 
 
 def crossing_methods(cross):
@@ -90,11 +116,11 @@ def crossing_methods(cross):
     return rows.loc[rows.groupby("distribution")["ratio"].idxmax()] if len(rows) else rows
 
 
-def finding(cross, base, dimension):
+def finding(cross, base, dimension, ahead):
     if not len(cross):
         return f"In {dimension}D {base} was not measured beside another method, so no crossing can be told."
-    said = [f"on {row.distribution} boxes {row.method} beats {base} from {row.n:,.0f} bodies on and is {times(row.ratio)} "
-            f"times faster at {row.largest:,.0f}" for row in crossing_methods(cross).itertuples()]
+    said = [f"on {row.distribution} boxes {row.method} {overtakes(row, base)} and has {times(row.ratio)} times its speed at "
+            f"{row.largest:,.0f}" for row in crossing_methods(cross).itertuples()]
     crossed = set(crossing_methods(cross)["distribution"])
     for distribution, part in cross.groupby("distribution", sort=True):
         if distribution in crossed:
@@ -103,26 +129,22 @@ def finding(cross, base, dimension):
                  f"{listing(rows['method'])} and {base} have no size in common that both finished"
                  for kind, rows in part.groupby("kind", sort=True)]
         said.append(f"on {distribution} boxes nothing crosses {base}: {listing(kinds)}")
-    fastest = []
-    for distribution, part in cross.groupby("distribution", sort=True):
-        best = part.loc[part["ratio"].idxmax()] if part["ratio"].notna().any() else None
-        if best is not None and best["ratio"] > 1 and "noise" not in best["kind"]:
-            fastest.append(f"{best['method']} on {distribution} ({times(best['ratio'])} times the speed of {base} at "
-                           f"{best['largest']:,.0f})")
+    fastest = [f"{listing(names)}{', within the noise,' if len(names) > 1 else ''} on {distribution} ({speeds(ratios)} times the "
+               f"speed of {base} at {n:,.0f})" for distribution, (n, names, ratios) in ahead.items()]
     return f"In {dimension}D " + "; ".join(said) + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
 
 
-def headline(cells, cross, base, dimension):
-    """Where the fastest leaves the baseline farthest behind, at the largest size that both finished."""
-    if not cross["ratio"].notna().any():
+def headline(cells, cross, base, dimension, ahead):
+    """Where the fastest leaves the baseline farthest behind, at the largest size."""
+    if not ahead:
         return None
-    best = cross.loc[cross["ratio"].idxmax()]
-    if best["ratio"] <= 1:
-        return None
-    part = cells[(cells["distribution"] == best["distribution"]) & (cells["n"] == best["largest"]) & (cells["outcome"] == "ok")]
-    ahead = f", and is ahead from {best['n']:,.0f} on" if best["kind"] == "crosses" else ""
-    return Headline(f"Among {best['largest']:,.0f} {best['distribution']} boxes in {dimension}D {best['method']} finds the pairs "
-                    f"{times(best['ratio'])} times as fast as {base}{ahead}.",
+    distribution, (n, names, ratios) = max(ahead.items(), key=lambda item: item[1][2][0])
+    part = cells[(cells["distribution"] == distribution) & (cells["n"] == n) & (cells["outcome"] == "ok")]
+    crossed = cross[(cross["distribution"] == distribution) & (cross["method"] == names[0]) & (cross["kind"] == "crosses")]
+    since = "".join(f"; {names[0]} {overtakes(row, base)}" for row in crossed.itertuples())
+    find = "finds the pairs" if len(names) == 1 else "within the noise of each other, find the pairs"
+    return Headline(f"Among {n:,.0f} {distribution} boxes in {dimension}D {listing(names)}{',' if len(names) > 1 else ''} {find} "
+                    f"{speeds(ratios)} times as fast as {base}{since}.",
                     dict(zip(part["method"], metrics.column(part, TIME))), "ns")
 
 
@@ -137,7 +159,7 @@ def _chart(context, cells, dimension, precision, refused):
     base, looks = baseline_of(context, cells), context.looks(cells)
     least = noise.floor(cells, TIME)
     cross = crossings(cells, base, least)
-    marked = crossing_methods(cross)
+    marked, ahead = crossing_methods(cross), leaders(cells, base, least)
     legend_width = legend_room(map(context.name, methods), 1.75)
     figure, axes = grid_of_axes(2, len(distributions), 2.55, legend_width, left=0.9, gap_x=0.3, bottom=0.55, gap_y=0.5)
     for row, metric in enumerate((TIME, TESTS)):
@@ -173,7 +195,8 @@ def _chart(context, cells, dimension, precision, refused):
                 at, winner = hit["n"].iloc[0], hit["method"].iloc[0]
                 ax.axvline(at, color="#444444", lw=1, ls=":")
                 right = n_share(part, at) > 0.6
-                ax.annotate(f"from n = {at:,.0f}\n{winner} wins", (at, 0), xycoords=("data", "axes fraction"),
+                ax.annotate(f"{winner}\novertakes {base}\nat about {at:,.0f}\n({hit['below'].iloc[0]:,.0f} to "
+                            f"{hit['above'].iloc[0]:,.0f})", (at, 0), xycoords=("data", "axes fraction"),
                             xytext=(-5 if right else 5, 5), textcoords="offset points", ha="right" if right else "left",
                             va="bottom", size=8.5)
             if row == 0:
@@ -195,9 +218,9 @@ def _chart(context, cells, dimension, precision, refused):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
     table = table[["distribution", "method", "n", "outcome"]].assign(**numbers)
     return Chart(f"{cells['sweep'].iloc[0]}_{dimension}d{precision.strip()}", SECTION, f"Time and box tests over body count, "
-                 f"{dimension}D{precision}", finding(cross, base, dimension), cells["sweep"].iloc[0], figure, table,
+                 f"{dimension}D{precision}", finding(cross, base, dimension, ahead), cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
-                 "frames. The dotted line is where the named method begins to beat "
-                 f"{base} for good. Whiskers hold the median of the repeats. {noise.rule(least)}",
-                 headline=headline(cells, cross, base, dimension))
+                 f"frames. The dotted line is where the named method overtakes {base} for good, interpolated between the two "
+                 f"sizes measured; others may be faster there. Whiskers hold the median of the repeats. {noise.rule(least)}",
+                 headline=headline(cells, cross, base, dimension, ahead))

@@ -20,7 +20,7 @@ def of_store(context):
     if not rows:
         return [Chart("noise", SECTION, "Noise of times", "No timed trial is in this store.", "")]
     figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # stores of old hold neither
-    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "least repeats": row["repeats"],
+    table = pd.DataFrame([{"sweep": row["sweep"], "cells": row["cells"], "cells of the bar": len(row["ratios"]),
                            "noise floor [1]": row["floor"] - 1 if row["ratios"] else math.nan,
                            "load average, median": float(np.median(row["loads"])) if row["loads"] else math.nan,
                            "load average, largest": max(row["loads"], default=math.nan)} for row in rows])
@@ -28,26 +28,27 @@ def of_store(context):
                   [f"{row['sweep']}: too few repeats to measure its noise, so only ratios beyond {noise.UNMEASURED:g} are told"
                    for row in rows if not row["ratios"]],
                   "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were made "
-                  "in the same rounds. What differs by less than the bar is told as noise in every chart. Load is the mean of a "
-                  "minute.")]
+                  f"in the same rounds. The bar is the floor: {noise.LIKELY} of 100 of the cells that the "
+                  "label counts are inside. A ratio is told in a chart when it is beyond the floor and the whiskers of the two are "
+                  "apart; else it is noise. Load is the mean of a minute.")]
 
 
 def _drawn(rows):
-    figure, axes = grid_of_axes(1, 2, 0.3 * len(rows) + 0.2, 0.2, left=2.1, gap_x=0.4, bottom=0.6)
+    figure, axes = grid_of_axes(1, 2, 0.3 * len(rows) + 0.2, 0.2, left=2.6, gap_x=0.4, bottom=0.6)
     left, right = axes[0]
     for y, row in enumerate(rows):
-        shares = [min(WIDEST, max(-WIDEST, 100 * math.log(ratio))) for ratio in row["ratios"]]
+        shares = [min(WIDEST, max(-WIDEST, 100 * (ratio - 1))) for ratio in row["ratios"]]
         left.plot(shares, [y] * len(shares), ls="none", marker="|", ms=9, color="#0072B2", alpha=0.5)
         if row["ratios"]:
-            wide = min(WIDEST, 100 * math.log(row["floor"]))
-            left.plot([-wide, wide], [y, y], color="#D55E00", lw=1.6, zorder=3)
+            ends = [max(-WIDEST, 100 * (1 / row["floor"] - 1)), min(WIDEST, 100 * (row["floor"] - 1))]
+            left.plot(ends, [y, y], color="#D55E00", lw=1.6, zorder=3)
         right.plot(row["loads"], [y] * len(row["loads"]), ls="none", marker="|", ms=9, color="#0072B2", alpha=0.3)
     for ax in (left, right):
         ax.set_ylim(len(rows) - 0.4, -0.6)
         ax.set_yticks(range(len(rows)))
-        ax.set_yticklabels([row["sweep"] for row in rows] if ax is left else [])
+        ax.set_yticklabels([f"{row['sweep']}, {len(row['ratios'])} cells" for row in rows] if ax is left else [])
         ax.tick_params(axis="y", length=0)
-    left.set_xlabel("even repeats against odd ones (%); the bar holds 95 of 100")
+    left.set_xlabel("even repeats over odd ones, less 1 (%)")
     right.set_xlabel("load average when a timed trial started")
     right.set_xlim(left=0)
     return figure
@@ -69,6 +70,5 @@ def _row(context, sweep):
     timed = cells[cells["key_timed"].notna()] if len(cells) else cells
     if time is None or not len(timed):
         return None
-    repeats = [len(noise.runs(cell, time)) for _, cell in timed.iterrows()]
-    return {"sweep": sweep, "cells": len(timed), "repeats": min(repeats), "ratios": noise.with_itself(timed, time),
+    return {"sweep": sweep, "cells": len(timed), "ratios": noise.with_itself(timed, time),
             "floor": noise.floor(timed, time), "loads": [v for _, cell in timed.iterrows() for v in noise.runs(cell, "load")]}

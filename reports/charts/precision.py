@@ -32,15 +32,16 @@ def of_sweep(context, cells):
                      f64.iloc[0] if len(f64) else None, row))
     least = noise.floor(cells, COST)
     words = [twins.told(base, row, COST, least) for _, _, base, row in rows if base is not None and row is not None]
-    ratios, silent = [float(word) for word in words if word[:1].isdigit()], words.count("noise")
+    ratios = [twins.ratio_of(base, row, COST) for _, _, base, row in rows if base is not None and row is not None]
+    ratios = [ratio for ratio in ratios if math.isfinite(ratio)]  # of all pairs: those beyond the noise alone would be a selection
+    told, silent = [float(word) for word in words if word[:1].isdigit()], words.count("noise")
     worse = [(place, name, twins.ratio_of(base, row, error)) for place, name, base, row in rows
              if base is not None and row is not None]
     worse = [w for w in worse if math.isfinite(w[2])]
     said = []
-    if ratios:
-        silence = f"; {plural(silent, 'pair')} within the noise" if silent else ""
+    if told:
         said.append(f"f32 takes {np.median(ratios):.2f} times the time of f64 (median of {plural(len(ratios), 'pair')}, "
-                    f"{min(ratios):.2f} to {max(ratios):.2f}){silence}")
+                    f"{min(ratios):.2f} to {max(ratios):.2f}); {len(told)} of them differ beyond the noise")
     elif silent and least < noise.UNMEASURED:
         said.append(f"f32 and f64 take the same time within the noise (all {silent} pairs)")
     elif silent:
@@ -54,15 +55,16 @@ def of_sweep(context, cells):
     said.append(f"the outcome differs on {listing(differ)}" if differ else "no outcome differs")
     return [twins.drawn(context, f"{cells['sweep'].iloc[0]}_precision", SECTION, "f32 against f64",
                         _capital("; ".join(said)) + ".", cells, rows, "f64", "f32", refused,
-                        "Each row is one run in both precisions.", headline(ratios, silent))]
+                        "Each row is one run in both precisions.", headline(ratios, told))]
 
 
-def headline(ratios, silent):
-    """What most pairs show, where most of them tell a difference and on one side."""
-    if len(ratios) <= silent or min(ratios) < 1 < max(ratios):
+def headline(ratios, told):
+    """The median of all pairs, where most of them tell a difference and on one side."""
+    if 2 * len(told) <= len(ratios) or min(told) < 1 < max(told):
         return None
     middle = float(np.median(ratios))
-    return Headline(f"A step in f32 takes {middle:.2f} times the time of one in f64 (median of {plural(len(ratios), 'pair')}).",
+    return Headline(f"A step in f32 takes {middle:.2f} times the time of one in f64 (median of {plural(len(ratios), 'pair')}, "
+                    f"of which {len(told)} differ beyond the noise).",
                     {"f64": 1.0, "f32": middle}, "1")
 
 

@@ -133,6 +133,9 @@ class OfStores(unittest.TestCase):
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
         self.assertIn("noisy 20 %", row.finding)
+        drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
+        self.assertAlmostEqual(max(drawn), 20.0, msg="percent of the ratio, as in the finding")
+        self.assertIn("noisy, 1 cells", [label.get_text() for label in row.figure.axes[0].get_yticklabels()])
 
     def test_precisions_within_the_noise_are_said_to_be(self):
         def fill(maker, ratio=1.01):
@@ -142,6 +145,41 @@ class OfStores(unittest.TestCase):
         self.assertIn("the same time within the noise", self.made(precision, fill)[0].finding)
         found = self.made(precision, lambda maker: fill(maker, 0.5))[0]
         self.assertRegex(found.finding, "f32 takes 0.[45]")
+
+    def test_a_median_over_precisions_takes_all_pairs(self):
+        def fill(maker):
+            for scene, ratio in (("a", 0.5), ("b", 0.52), ("c", 1.0), ("d", 1.0), ("e", 0.54)):
+                for name in ("f64", "f32"):
+                    for repeat in range(5):
+                        axes = {"kind": "world", "scene": scene, "dimension": 2, "resolver": "catto", "precision": name,
+                                "timed": True, "repeat": repeat}
+                        ms = (ratio if name == "f32" else 1.0) * (1 + 0.01 * (repeat % 2))
+                        maker.trial("precision", axes, {COST: ms, "lean": 1e-3})
+        found = self.made(precision, fill)[0]
+        for text in (found.finding, found.headline.text):
+            self.assertIn("0.54 times", text)
+            self.assertRegex(text, "5 pairs.* 3 (of them )?differ beyond the noise")
+        for least in (1.1, noise.UNMEASURED):
+            self.assertIn("and the whiskers of the two are apart", noise.rule(least))
+
+    def test_the_fastest_broadphases_within_the_noise_are_all_named(self):
+        def fill(maker):
+            maker.sweep("boxes", "boxes", "naive", broadphase="stage")
+            for method, times in (("naive", (10, 100, 1000)), ("other", (20, 50, 100)), ("third", (5, 40, 101))):
+                for n, ns in zip((64, 128, 256), times):
+                    for repeat in range(5):
+                        axes = {"kind": "boxes", "dimension": 2, "distribution": "uniform", "broadphase": method, "n": n,
+                                "precision": "f64", "timed": True, "repeat": repeat}
+                        ns = ns * (1 + 0.02 * (repeat % 2))
+                        maker.trial("boxes", axes, {"ns_per_frame_median": ns, "ns_per_frame_p25": ns, "ns_per_frame_p75": ns,
+                                                    "box_tests_mean": 5.0, "load": 0.1})
+        found = self.made(broadphase, fill)[0]
+        for text in (found.finding, found.headline.text):
+            self.assertIn("other and third, within the noise", text)
+            self.assertIn("other overtakes naive at about 91 (between 64 and 128)", text)
+        drawn = " ".join(text.get_text() for ax in found.figure.axes for text in ax.texts)
+        self.assertNotIn("wins", drawn)
+        self.assertIn("overtakes naive", drawn)
 
     def test_a_broadphase_within_the_noise_crosses_nothing(self):
         def fill(maker):

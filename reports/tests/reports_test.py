@@ -269,7 +269,9 @@ class Findings(WithStore):
         # 0.9 n^2 = 95 n^1.08 of synthetic_store.BROADPHASES
         for n in tree["n"]:
             self.assertAlmostEqual(n, (95 / 0.9)**(1 / 0.92), delta=1)
-        self.assertIn("uniform_grid beats naive from 76 bodies", broadphase.finding(cross, "naive", 2))
+        text = broadphase.finding(cross, "naive", 2, broadphase.leaders(cells, "naive", 1.0))
+        self.assertIn("uniform_grid overtakes naive at about 76 (between 50 and 100)", text)
+        self.assertNotIn("uniform_grid on cluster", text.split("fastest at the largest size")[1], "it has no cell there")
 
     def test_no_question_of_the_ledger_vanishes(self):
         questions = self.store.ledger()
