@@ -7,13 +7,14 @@ import math
 import matplotlib.text
 import numpy as np
 from matplotlib.backends.backend_svg import RendererSVG
+from matplotlib.legend import Legend
 
 SLACK = 0.75  # points by which the boxes of two texts may overlap: a box is a little larger than its letters
 
 
 def overlaps(figure):
     """(pairs of texts that overlap, texts cut off by the edge), measured as the figure is drawn as SVG. Letters that stand for
-    failed runs are texts, too."""
+    failed runs are texts, too, which the edge of their axes cuts off; so are the handles of legends."""
     dpi = figure.dpi
     figure.set_dpi(72)  # of SVG: a dot is a point
     wide, high = figure.bbox.width, figure.bbox.height
@@ -22,12 +23,16 @@ def overlaps(figure):
     hidden = _hidden(figure)
     boxes = [_box(text, renderer) for text in figure.findobj(matplotlib.text.Text)
              if text.get_text().strip() and text.get_visible() and id(text) not in hidden]
-    boxes += [box for ax in figure.axes if ax.get_visible() for line in ax.lines for box in _letters(line)]
+    marks = [(box, line) for ax in figure.axes if ax.get_visible() for line in ax.lines for box in _letters(line)]
+    boxes += [box for box, _ in marks]
+    cut = [box.words for box, line in marks if line.get_clip_on() and not _within(box, line.axes.bbox)]
+    boxes += [_handle(handle, renderer) for legend in figure.findobj(Legend) if legend.get_visible()
+              for handle in legend.legendHandles]
     figure.set_dpi(dpi)
     together = [(a.words, b.words) for i, a in enumerate(boxes) for b in boxes[i + 1:] if a.meets(b) and b.meets(a)]
     outside = [box.words for box in boxes if box.corners.min() < -SLACK or box.corners[:, 0].max() > wide + SLACK or
                box.corners[:, 1].max() > high + SLACK]
-    return together, outside
+    return together, list(dict.fromkeys(outside + cut))
 
 
 class Box:
@@ -66,6 +71,16 @@ def _letters(line):
     data = np.column_stack([line.get_xdata(orig=False), line.get_ydata(orig=False)]).astype(float)
     spots = line.get_transform().transform(data)
     return [Box(marker, spot, size, size) for spot in spots if np.isfinite(spot).all()]
+
+
+def _within(box, area):
+    return (box.corners >= (area.x0 - SLACK, area.y0 - SLACK)).all() and (box.corners <= (area.x1 + SLACK, area.y1 + SLACK)).all()
+
+
+def _handle(handle, renderer):
+    """Of a legend: what stands beside its words, as wide as it is drawn."""
+    around = handle.get_window_extent(renderer)
+    return Box("a handle", np.array([around.x0 + around.x1, around.y0 + around.y1]) / 2, around.width, around.height)
 
 
 def _hidden(figure):

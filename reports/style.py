@@ -133,7 +133,7 @@ def fallen(ax, spots, **kwargs):
         colour = colours.pop() if len(colours) == 1 else "#444444"
         if len(members) == 1:
             ax.plot(*[[v] for v in spots[members[0]][:2]], ls="none", marker=letter(spots[members[0]][2]), ms=7, mew=0.3,
-                    color=colour, zorder=4, **kwargs)
+                    color=colour, zorder=4, **{"clip_on": False, **kwargs})
         else:
             ax.text(*ax.transData.inverted().transform(middle), text, ha="center", va="center", fontsize=8, fontweight="bold",
                     color=colour, zorder=4)

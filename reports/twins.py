@@ -49,7 +49,7 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     lines = sum(len(part) + 1 for _, part in groups)
     labels = max([len(n) for _, n, _, _ in rows] + [8])
     places = max(len(place) for place, _ in groups)
-    left, legend_width = min(3.4, 0.3 + max(0.07 * labels, 0.082 * places)), 1.25
+    left, legend_width = min(3.4, 0.3 + max(0.07 * labels, 0.082 * places)), 1.5
     figure, axes = grid_of_axes(1, len(shown), 0.24 * lines + 0.1, legend_width, left=left, gap_x=0.62, bottom=0.35)
     outcomes, least = set(), {metric: noise.floor(cells, metric) for metric in shown if context.store.is_time(metric)}
     for column, metric in enumerate(shown):
@@ -98,7 +98,7 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     handles = [Line2D([], [], ls="none", marker="o", color=BEFORE, label=before),
                Line2D([], [], ls="none", marker="o", color=AFTER, label=after)]
     handles += [Line2D([], [], ls="none", marker=letter(o), color="#555555", ms=7, label=o) for o in sorted(outcomes)]
-    legend_right(figure, handles, legend_width)
+    legend_right(figure, handles, legend_width - 0.35)  # the last title is wider than its panel
     return Chart(name, section, title, text, cells["sweep"].iloc[0], figure, _table(context, rows, shown, before, after, least),
                  refused + noise.idle_seeds(cells) + holes(cells, ["scene", "dimension", "method", "model", "precision"]),
                  note + " Numbers beside the first panel are ratios of time; whiskers hold the median of the repeats. " +

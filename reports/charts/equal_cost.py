@@ -12,7 +12,7 @@ import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, plural
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
-from style import ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si
+from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si
 from table import quantity
 
 PLACE = 15
@@ -113,9 +113,9 @@ def _chart(context, cells, about, axes, refused):
     labels, budgets = sorted(cells["method"].unique()), sorted(cells["budget"].unique())
     legend_width = legend_room(map(context.name, labels), 2.0)
     figure, panels = grid_of_axes(1, len(names), 2.9, legend_width, left=0.95, gap_x=0.95)
-    # Methods stand side by side at a budget, or letters and equal values would hide one another.
+    # Methods stand side by side at a budget, or equal values would hide one another.
     gap = min([math.log(b / a) for a, b in zip(budgets, budgets[1:])] or [1.0])
-    beside = {label: math.exp(0.6 * gap * ((i + 0.5) / len(labels) - 0.5)) for i, label in enumerate(labels)}
+    beside = {label: math.exp(0.2 * gap * ((i + 0.5) / len(labels) - 0.5)) for i, label in enumerate(labels)}
     for ax, name in zip(panels[0], names):
         values = {label: [spread(cells[(cells["method"] == label) & (cells["budget"] == b)], name) for b in budgets]
                   for label in labels}
@@ -130,7 +130,8 @@ def _chart(context, cells, about, axes, refused):
             for at, (median, low, high) in good:
                 ax.plot([at, at], [up.place(low), up.place(high)], color=look["color"], lw=1.2)
                 ax.plot([at], [up.place(median)], **{**look, "linestyle": "none", "markersize": 6 * scale_of(look["marker"])})
-        _failures(ax, up.failed, cells, looks)
+        bad = cells[cells["outcome"] != "ok"].drop_duplicates(["budget", "method"])
+        fallen(ax, [(row["budget"], up.failed, row["outcome"], looks(row["method"])["color"]) for _, row in bad.iterrows()])
         ax.set_title(context.title(name))
         ax.set_xlabel(f"budget: {context.title(about['metric'])}")
     handles = [Line2D([], [], label=context.name(label), **looks(label)) for label in labels]
@@ -144,20 +145,10 @@ def _chart(context, cells, about, axes, refused):
                  finding(context, cells, about, where, names[0]), cells["sweep"].iloc[0], figure,
                  _table(context, cells, about, names), refused + holes(cells, ["method", "budget"]),
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
-                 f"{plural(seeds, 'seed')}. Methods stand side by side at a budget; bars are the range over seeds and repeats, "
-                 "and ranges that meet are ties. A letter in the top band failed or met no budget.", telling=True,
+                 f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside.values()) - 1:.0%} beside it, so that "
+                 "each is seen; bars are the range over seeds and repeats, and ranges that meet are ties. A letter in the top band "
+                 "failed or met no budget; C×3 are three.", telling=True,
                  headline=headline(context, cells, about, where, names[0]))
-
-
-def _failures(ax, y, cells, looks):
-    """Letters side by side above each budget, as wide as they are, so that each can be read."""
-    inches = ax.get_position().width * ax.figure.get_figwidth()
-    low, high = map(math.log, ax.get_xlim())
-    for budget, here in cells[cells["outcome"] != "ok"].groupby("budget"):
-        fallen = here.drop_duplicates("method").sort_values("method")
-        for place, (label, outcome) in enumerate(zip(fallen["method"], fallen["outcome"])):
-            at = budget * math.exp((place - (len(fallen) - 1) / 2) * 0.095 / inches * (high - low))
-            ax.plot([at], [y], ls="none", ms=6.5, mew=0.3, color=looks(label)["color"], marker=letter(outcome))
 
 
 def said_of(context, about, budget):

@@ -101,6 +101,22 @@ class Pictures(unittest.TestCase):
         self.assertEqual(legend, ([], ["bullet (witness)"]))
         self.assertEqual(self.figure(lambda ax: ax.set_title("high", pad=12)), ([], ["high"]))
 
+    def test_letters_cut_off_by_their_axes_and_handles_on_texts_are_seen(self):
+        def mark(ax, x, **kwargs):
+            ax.plot([x], [5], ls="none", marker=style.letter("collapsed"), ms=7, **kwargs)
+
+        self.assertEqual(self.figure(lambda ax: mark(ax, 0)), ([], [style.letter("collapsed")]))
+        self.assertEqual(self.figure(lambda ax: mark(ax, -9))[1], [style.letter("collapsed")])
+        self.assertEqual(self.figure(lambda ax: (mark(ax, 5), mark(ax, 10, clip_on=False))), ([], []))
+
+        def legend(ax, y):
+            ax.text(5, y, "planted", va="center")
+            ax.legend([Line2D([], [], marker="o", ls="none")], ["f64"], loc="center left", bbox_to_anchor=(0.55, 0.5),
+                      borderaxespad=0)
+
+        self.assertIn(("planted", "a handle"), self.figure(lambda ax: legend(ax, 5))[0])
+        self.assertEqual(self.figure(lambda ax: legend(ax, 9)), ([], []))
+
     def test_thirteen_failures_at_one_place_are_one_letter_with_their_number(self):
         spots = [(5.0, 9.0, "collapsed", "#000000")] * 12 + [(5.1, 9.0, "diverged", "#000000"), (1.0, 9.0, "timeout", "#000000")]
 
