@@ -13,6 +13,13 @@ from style import HALO, grid_of_axes, legend_right, legend_room, letter
 COLUMNS = 3  # scenes side by side
 STRETCHES = 150
 MARKS = 4  # on a line
+LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
+
+
+def elsewhere(context, cells):
+    """Whether a sweep is no question of one run's course: a ladder asks when a method falls, and of ensembles one run says
+    little."""
+    return any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)) or (cells["seeds"].map(len) > 1).any()
 
 
 def scenes(context, cells):

@@ -20,12 +20,11 @@ NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metr
 ABSENT = Chart("energy", SECTION, "Energy", "No sweep of several methods with energies is in this store.", "resolvers")
 ROUNDING = 1e-9  # of the energy exchanged: no energy from nowhere
 LITTLE = 1e-2  # of the largest energy that a run of the chart exchanged: a gain over less is told in J
-LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
 
 
 def of_sweep(context, cells):
-    if any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)) or (cells["seeds"].map(len) > 1).any():
-        return []  # of ensembles one run says little
+    if over_steps.elsewhere(context, cells):
+        return []
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         shown, left_out, setting = over_steps.scenes(context, part)

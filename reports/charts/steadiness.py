@@ -22,12 +22,11 @@ ABSENT = Chart("steadiness", SECTION, "The fastest body and the contacts over ti
 PANELS = 3  # side by side
 MARKS = 4  # on a line
 REST = 1e-9  # m/s: rounding, not motion
-LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
 
 
 def of_sweep(context, cells):
-    if any(cells[axis].nunique() >= LADDER for axis in context.parameters(cells)) or (cells["seeds"].map(len) > 1).any():
-        return []  # of ensembles one run says little
+    if over_steps.elsewhere(context, cells):
+        return []
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         setting = next(iter(context.settings(part)), None)
