@@ -16,6 +16,8 @@ UNMEASURED = 2.0  # the floor where nothing was repeated often enough to measure
 FEWEST = 4  # repeats of a cell from which a floor can be measured: two of each kind
 SURE = 0.9  # least probability with which an interval holds the median
 LIKELY = 95  # percent of the comparisons of a method with itself that are below the floor
+NOISE, FEW, SAME_WORK = "noise", "too few repeats", "identical work"  # why there is no ratio (said)
+IN_WORDS = {NOISE: "within the noise", FEW: "with too few repeats to measure a difference"}
 
 
 def values(cell, name):
@@ -57,6 +59,11 @@ def floor(cells, metric):
     return math.exp(float(np.percentile(ratios, LIKELY, method="higher"))) if ratios else UNMEASURED
 
 
+def silence(least):
+    """NOISE where the floor of the sweep was measured; else nobody knows whether it is noise."""
+    return FEW if least == UNMEASURED else NOISE
+
+
 def work(cell):
     """What a cell counted, by name."""
     return {name: value for name, value in cell.items() if isinstance(name, str) and name.startswith("work_") and
@@ -86,13 +93,15 @@ def tells(a, b, metric, least):
 
 
 def said(a, b, metric, least):
-    """A ratio of times in words, or why there is none: "1.43", "noise", "identical work"; empty where one is unknown."""
+    """A ratio of times in words, or why there is none: "1.43", NOISE, FEW, SAME_WORK; empty where one is unknown."""
     found = ratio(a, b, metric)
     if not math.isfinite(found):
         return ""
     if same_work(a, b):
-        return "identical work"
-    return f"{found:.2f}" if tells(a, b, metric, least) else "noise"
+        return SAME_WORK
+    if tells(a, b, metric, least):
+        return f"{found:.2f}"
+    return silence(least) if all(len(runs(cell, metric)) >= FEWEST for cell in (a, b)) else FEW
 
 
 def rule(least):

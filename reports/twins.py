@@ -111,7 +111,7 @@ def beside(base, row, metric, least):
         found = ratio_of(base, row, metric)
         return f"×{found:.2f}" if math.isfinite(found) else ""
     text = told(base, row, metric, least[metric])
-    return {"identical work": "= work"}.get(text, f"×{text}" if text[:1].isdigit() else text)
+    return {noise.SAME_WORK: "= work", noise.FEW: "too few"}.get(text, f"×{text}" if text[:1].isdigit() else text)
 
 
 def told(base, row, metric, least):

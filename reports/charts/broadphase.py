@@ -79,7 +79,7 @@ def crossings(cells, base, least=1.0):
             kind = "crosses" if cross else ("always faster" if (b[both] < a[both]).all() else
                                             "never faster" if (b[both] >= a[both]).all() else "slower at the end")
             if max(a[last] / b[last], b[last] / a[last]) <= least:
-                kind, cross = "as fast as it at the largest size, within the noise", None
+                kind, cross = f"as fast as it at the largest size, {noise.IN_WORDS[noise.silence(least)]}", None
             sizes = shared[both]
             between = (sizes[sizes <= cross].max(), sizes[sizes > cross].min()) if cross else (math.nan, math.nan)
             rows.append((distribution, method, kind, cross or math.nan, *between, shared[last], a[last] / b[last]))
@@ -116,7 +116,7 @@ def crossing_methods(cross):
     return rows.loc[rows.groupby("distribution")["ratio"].idxmax()] if len(rows) else rows
 
 
-def finding(cross, base, dimension, ahead):
+def finding(cross, base, dimension, ahead, least):
     if not len(cross):
         return f"In {dimension}D {base} was not measured beside another method, so no crossing can be told."
     said = [f"on {row.distribution} boxes {row.method} {overtakes(row, base)} and has {times(row.ratio)} times its speed at "
@@ -129,12 +129,13 @@ def finding(cross, base, dimension, ahead):
                  f"{listing(rows['method'])} and {base} have no size in common that both finished"
                  for kind, rows in part.groupby("kind", sort=True)]
         said.append(f"on {distribution} boxes nothing crosses {base}: {listing(kinds)}")
-    fastest = [f"{listing(names)}{', within the noise,' if len(names) > 1 else ''} on {distribution} ({speeds(ratios)} times the "
+    alike = f", {noise.IN_WORDS[noise.silence(least)]},"
+    fastest = [f"{listing(names)}{alike if len(names) > 1 else ''} on {distribution} ({speeds(ratios)} times the "
                f"speed of {base} at {n:,.0f})" for distribution, (n, names, ratios) in ahead.items()]
     return f"In {dimension}D " + "; ".join(said) + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
 
 
-def headline(cells, cross, base, dimension, ahead):
+def headline(cells, cross, base, dimension, ahead, least):
     """Where the fastest leaves the baseline farthest behind, at the largest size."""
     if not ahead:
         return None
@@ -142,7 +143,7 @@ def headline(cells, cross, base, dimension, ahead):
     part = cells[(cells["distribution"] == distribution) & (cells["n"] == n) & (cells["outcome"] == "ok")]
     crossed = cross[(cross["distribution"] == distribution) & (cross["method"] == names[0]) & (cross["kind"] == "crosses")]
     since = "".join(f"; {names[0]} {overtakes(row, base)}" for row in crossed.itertuples())
-    find = "finds the pairs" if len(names) == 1 else "within the noise of each other, find the pairs"
+    find = "finds the pairs" if len(names) == 1 else f"{noise.IN_WORDS[noise.silence(least)]}, find the pairs"
     return Headline(f"Among {n:,.0f} {distribution} boxes in {dimension}D {listing(names)}{',' if len(names) > 1 else ''} {find} "
                     f"{speeds(ratios)} times as fast as {base}{since}.",
                     dict(zip(part["method"], metrics.column(part, TIME))), "ns")
@@ -218,9 +219,9 @@ def _chart(context, cells, dimension, precision, refused):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
     table = table[["distribution", "method", "n", "outcome"]].assign(**numbers)
     return Chart(f"{cells['sweep'].iloc[0]}_{dimension}d{precision.strip()}", SECTION, f"Time and box tests over body count, "
-                 f"{dimension}D{precision}", finding(cross, base, dimension, ahead), cells["sweep"].iloc[0], figure, table,
+                 f"{dimension}D{precision}", finding(cross, base, dimension, ahead, least), cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
                  f"frames. The dotted line is where the named method overtakes {base} for good, interpolated between the two "
                  f"sizes measured; others may be faster there. Whiskers hold the median of the repeats. {noise.rule(least)}",
-                 headline=headline(cells, cross, base, dimension, ahead))
+                 headline=headline(cells, cross, base, dimension, ahead, least))

@@ -85,7 +85,8 @@ def finding(context, cells, where, cost_name, error_name):
     planned = cells.groupby("method").size()
     fails = [f"{method} {len(part)} of {planned[method]}" for method, part in failed.groupby("method", sort=True)]
     kinds = listing(sorted(set(failed["outcome"])))
-    tail = f" Not ok ({kinds}): {listing(fails)} cells." if fails else " Every cell finished."
+    unit_of_fails = "cell" if planned.max() == 1 else "cells"
+    tail = f" Not ok ({kinds}): {listing(fails)} {unit_of_fails}." if fails else " Every cell finished."
     result = budgets(cells, cost_name, error_name)
     if result is None:
         return f"On {where} no method finished with a cost and an error.{tail}"
@@ -168,9 +169,11 @@ def against_baseline(context, cells, cost_name, error_name):
     if not context.store.is_time(cost_name):
         return f" {at}{best['method']} takes {costs[0] / costs[1]:.2g} times the {context.title(cost_name)} of {base} {how}."
     text = noise.said(row, best, cost_name, noise.floor(everything, cost_name))
-    time = {"noise": f"takes the time of {base}, within the noise,",
-            "identical work": f"does the same work as {base}, by all counts,"}.get(
-                text, f"takes {costs[0] / costs[1]:.2g} times the time of {base}")
+    time = f"takes {costs[0] / costs[1]:.2g} times the time of {base}"
+    if text == noise.SAME_WORK:
+        time = f"does the same work as {base}, by all counts,"
+    elif text in noise.IN_WORDS:
+        time = f"takes the time of {base}, {noise.IN_WORDS[text]},"
     return f" {at}{best['method']} {time} {how}."
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 import noise
-from chart import Chart, listing
+from chart import Chart, listing, plural
 from style import grid_of_axes
 
 PLACE = 115
@@ -46,7 +46,7 @@ def _drawn(rows):
     for ax in (left, right):
         ax.set_ylim(len(rows) - 0.4, -0.6)
         ax.set_yticks(range(len(rows)))
-        ax.set_yticklabels([f"{row['sweep']}, {len(row['ratios'])} cells" for row in rows] if ax is left else [])
+        ax.set_yticklabels([f"{row['sweep']}, {plural(len(row['ratios']), 'cell')}" for row in rows] if ax is left else [])
         ax.tick_params(axis="y", length=0)
     left.set_xlabel("even repeats over odd ones, less 1 (%)")
     right.set_xlabel("load average when a timed trial started")
@@ -59,9 +59,9 @@ def finding(rows):
     if not known:
         return "No cell was repeated often enough to measure its noise."
     loads = [load for row in rows for load in row["loads"]]
-    said = [f"{row['sweep']} {100 * (row['floor'] - 1):.2g} %" for row in known]
+    said = [f"{100 * (row['floor'] - 1):.2g} % in {row['sweep']}" for row in known]
     busy = f"; the load average was {np.median(loads):.2g} in the median, {max(loads):.2g} at most" if loads else ""
-    return f"The same method against itself differs by up to (95 of 100 cells) {listing(said)}{busy}."
+    return f"Timed against itself, a method differs by at most {listing(said)} ({noise.LIKELY} of 100 cells of each){busy}."
 
 
 def _row(context, sweep):

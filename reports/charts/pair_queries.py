@@ -76,7 +76,7 @@ def finding(cells, dimension):
     if worst is not None:
         zero = int((errors == 0).sum())
         text += (f"; the worst error of all is {worst['method']}'s {worst['max_error']:.1e} of the size on {worst['pair']}"
-                 + (f", and {zero} cells have no error at all" if zero else ""))
+                 + (f", and {plural(zero, 'cell has', 'cells have')} no error at all" if zero else ""))
     return text + "."
 
 

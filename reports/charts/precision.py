@@ -34,7 +34,7 @@ def of_sweep(context, cells):
     words = [twins.told(base, row, COST, least) for _, _, base, row in rows if base is not None and row is not None]
     ratios = [twins.ratio_of(base, row, COST) for _, _, base, row in rows if base is not None and row is not None]
     ratios = [ratio for ratio in ratios if math.isfinite(ratio)]  # of all pairs: those beyond the noise alone would be a selection
-    told, silent = [float(word) for word in words if word[:1].isdigit()], words.count("noise")
+    told, silent = [float(word) for word in words if word[:1].isdigit()], sum(word in noise.IN_WORDS for word in words)
     worse = [(place, name, twins.ratio_of(base, row, error)) for place, name, base, row in rows
              if base is not None and row is not None]
     worse = [w for w in worse if math.isfinite(w[2])]
@@ -42,7 +42,7 @@ def of_sweep(context, cells):
     if told:
         said.append(f"f32 takes {np.median(ratios):.2f} times the time of f64 (median of {plural(len(ratios), 'pair')}, "
                     f"{min(ratios):.2f} to {max(ratios):.2f}); {len(told)} of them differ beyond the noise")
-    elif silent and least < noise.UNMEASURED:
+    elif silent and noise.FEW not in words:
         said.append(f"f32 and f64 take the same time within the noise (all {silent} pairs)")
     elif silent:
         said.append(f"too few repeats to tell f32 and f64 apart in time ({plural(silent, 'pair')})")

@@ -150,6 +150,7 @@ def _finding(where, side, peaks, rows, least):
         a, b = peaks
         slow, fast = (a, b) if a[2] >= b[2] else (b, a)
         ratio = slow[2] / max(fast[2], 1e-9)
-        how = f"ends {times(ratio)} times as dear as" if ratio > least else "ends as dear, within the noise, as"
+        how = f"ends {times(ratio)} times as dear as" if ratio > least else (
+            f"ends as dear, {noise.IN_WORDS[noise.silence(least)]}, as")
         tail = f"; {slow[0]} {how} {fast[0]}" + tail
     return f"On {where}, {side + ' ' if side else ''}{listing(said)}{tail}."

@@ -56,7 +56,7 @@ def finding(context, where, cells):
         best = ours.loc[ours[MEDIAN].idxmin()]
         ratio = noise.said(best, engine, MEDIAN, floor)
         told = f"{ratio} times the time of our fastest, {best['method']}" if ratio[:1].isdigit() else (
-            f"the time of our fastest, {best['method']}, within the noise")
+            f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}")
         text += f"; a step of {engine['method']} takes {told}"
     return text
 

@@ -29,7 +29,7 @@ def of_sweep(context, cells):
         words = [(model, twins.told(base, row, COST, least)) for model, base, row in part]
         ratios = sorted(((float(text), model) for model, text in words if text[:1].isdigit()), reverse=True)
         parts = [listing([f"{model} {ratio:.2f}" for ratio, model in ratios])] if ratios else []
-        for word, meaning in (("identical work", "identical work with"), ("noise", "within the noise")):
+        for word, meaning in ((noise.SAME_WORK, "identical work with"), *noise.IN_WORDS.items()):
             alike = [model for model, text in words if text == word]
             parts += [f"{meaning} {listing(alike)}"] if alike else []
         if parts:

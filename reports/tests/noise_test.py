@@ -65,6 +65,12 @@ class Noise(unittest.TestCase):
         self.assertEqual(noise.said(base, {**cell(other, work_row_updates=700.0), "arithmetic": (2, "f32")}, COST, 1.05), "0.80")
         self.assertEqual(noise.said(base, cell(other), COST, 1.05), "0.80", "nobody counted")
 
+    def test_too_few_repeats_are_not_called_noise(self):
+        few, many = cell([1.0, 1.02, 1.01]), cell([1.03, 1.02, 1.0, 1.01, 1.04])
+        for a, b, least, told in ((few, few, noise.UNMEASURED, noise.FEW), (few, many, 1.1, noise.FEW),
+                                  (many, many, 1.1, noise.NOISE), (many, many, noise.UNMEASURED, noise.FEW)):
+            self.assertEqual(noise.said(a, b, COST, least), told)
+
     def test_a_rank_that_a_seed_turns_round_is_a_tie(self):
         of = lambda *seeds: {"e": seeds[0], "e seeds": list(seeds), "outcome": "ok"}  # noqa: E731
         self.assertTrue(noise.beats(of(1, 2, 3), of(2, 3, 4), "e"))
@@ -132,10 +138,10 @@ class OfStores(unittest.TestCase):
         few = context.store.cells("noisy").assign(**{f"{COST} runs": [[1.0, 1.1, 1.0]]})
         self.assertEqual(noise.floor(few, COST), noise.UNMEASURED)
         row = chart.made(noise_floor, context)[0]
-        self.assertIn("noisy 20 %", row.finding)
+        self.assertIn("a method differs by at most 20 % in noisy (95 of 100 cells of each)", row.finding)
         drawn = [x for line in row.figure.axes[0].lines for x in line.get_xdata()]
         self.assertAlmostEqual(max(drawn), 20.0, msg="percent of the ratio, as in the finding")
-        self.assertIn("noisy, 1 cells", [label.get_text() for label in row.figure.axes[0].get_yticklabels()])
+        self.assertIn("noisy, 1 cell", [label.get_text() for label in row.figure.axes[0].get_yticklabels()])
 
     def test_precisions_within_the_noise_are_said_to_be(self):
         def fill(maker, ratio=1.01):
@@ -195,6 +201,31 @@ class OfStores(unittest.TestCase):
         found = self.made(broadphase, fill)[0]
         self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
         self.assertNotIn("times faster", found.finding)
+
+    def test_no_chart_calls_too_few_repeats_noise(self):
+        def fill(maker):
+            self.features(1.0)(maker)
+            maker.sweep("costs", "world", "naive", resolver="label")
+            maker.sweep("boxes", "boxes", "naive", broadphase="stage")
+            for label, ms in (("catto", 1.0), ("naive", 1.02), ("box2d", 0.99)):
+                for name in ("f64", "f32"):
+                    where = {"scene": "stack", "dimension": 2, "resolver": label}
+                    maker.world("costs" if name == "f64" else "precision", where, ms, 1e-3 * ms, repeats=2)
+                    maker.world("precision", {**where, "precision": name}, ms, 1e-3, repeats=2)
+                for n in (64, 128):
+                    axes = {"kind": "boxes", "dimension": 2, "distribution": "uniform", "broadphase": label, "n": n,
+                            "precision": "f64", "timed": True, "repeat": 0}
+                    maker.trial("boxes", axes, {"ns_per_frame_median": n * ms, "ns_per_frame_p25": n * ms, "box_tests_mean": 5.0,
+                                                "ns_per_frame_p75": n * ms})
+            with maker.db:
+                maker.db.execute("DELETE FROM planned WHERE sweep='features' AND axes GLOB '*repeat\": [34]*'")
+        context, said = self.context(fill), ""
+        for module in (unneeded, cost_against_error, precision, broadphase, step_times):
+            for made in chart.made(module, context):
+                self.assertNotIn("within the noise", made.finding + (made.headline.text if made.headline else ""), made.id)
+                self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
+                said += made.finding
+        self.assertGreaterEqual(said.lower().count("too few repeats"), 5, said)
 
     def test_the_end_of_a_script_within_the_noise_is_no_difference(self):
         said = lambda end: stages._finding("s", "sleep", [("none", 2.0, 1.0), ("some", 2.0, end)], [], 1.1)  # noqa: E731

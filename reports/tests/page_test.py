@@ -15,6 +15,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import matplotlib.text  # noqa: E402
 import pandas as pd  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 
@@ -181,6 +182,16 @@ class Tables(unittest.TestCase):
         for made in self.charts:
             told = made.finding + (made.headline.text if made.headline is not None else "")
             self.assertNotRegex(told, r"\b1(\.0+)? times\b", made.id)
+
+    def test_one_is_singular(self):
+        many = re.compile(r"(?<![\d.,])1 (?!is\b|has\b|times\b|s\b|ms\b)[a-z]{3,}s\b")
+        self.assertRegex("planted: 1 of 1 cells", many)
+        for made in self.charts:
+            texts = [made.finding, made.note, *made.holes, made.headline.text if made.headline is not None else ""]
+            if made.figure is not None:
+                texts += [text.get_text() for text in made.figure.findobj(matplotlib.text.Text)]
+            for text in texts:
+                self.assertNotRegex(text, many, made.id)
 
     def test_every_table_has_raw_numbers_with_units_and_round_trips(self):
         shown = 0

@@ -269,7 +269,7 @@ class Findings(WithStore):
         # 0.9 n^2 = 95 n^1.08 of synthetic_store.BROADPHASES
         for n in tree["n"]:
             self.assertAlmostEqual(n, (95 / 0.9)**(1 / 0.92), delta=1)
-        text = broadphase.finding(cross, "naive", 2, broadphase.leaders(cells, "naive", 1.0))
+        text = broadphase.finding(cross, "naive", 2, broadphase.leaders(cells, "naive", 1.0), 1.0)
         self.assertIn("uniform_grid overtakes naive at about 76 (between 50 and 100)", text)
         self.assertNotIn("uniform_grid on cluster", text.split("fastest at the largest size")[1], "it has no cell there")
 
