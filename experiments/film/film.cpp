@@ -13,6 +13,7 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr double kStripWidth = 320, kFilmWidth = 720;  // px, of one picture
+constexpr Colour kDivider{120, 120, 115};
 
 int dimensionOf(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
@@ -47,25 +48,19 @@ void film(const std::string& path, const std::string& out) {
   writeFilm(out, pictures, reel.frames().back().time - reel.frames().front().time);
 }
 
-// Seen by one camera: what differs is the runs.
+// Seen by one camera: what differs is the runs. Each is as large as in a film of its own.
 template <int D>
 void filmBoth(const Reel<D>& a, const Reel<D>& b, std::size_t first, const std::string& out) {
   const FilmKind kind = filmKind(out);
   const std::size_t frames = std::max(a.frames().size(), b.frames().size());
-  const Camera<D> camera = a.camera(widthOf(kind) / 2);
+  const Camera<D> camera = a.camera(widthOf(kind));
+  const double end = camera.width;
   std::vector<Picture> pictures;
   for (const std::size_t i : moments(first, frames, filmLength(kind, frames - first))) {
-    Picture both{2 * camera.width, camera.height, {}, {}};
-    const double end = camera.width;
-    for (const Reel<D>* reel : {&a, &b}) {
-      Picture one = reel->picture(std::min(i, reel->frames().size() - 1), camera);
-      both.add(one, {reel == &a ? 0 : end, 0});
-      // The left one ends where the right one begins.
-      if (reel == &a)
-        both.patches.push_back({{{end, 0}, {2 * end, 0}, {2 * end, camera.height}, {end, camera.height}},
-                                {247, 247, 245},
-                                {120, 120, 115}});
-    }
+    Picture both{2 * end, camera.height, {}, {}};
+    both.add(a.picture(std::min(i, a.frames().size() - 1), camera), {0, 0});
+    both.add(b.picture(std::min(i, b.frames().size() - 1), camera), {end, 0});
+    both.patches.push_back({{{end, 0}, {end, camera.height}}, kDivider, kDivider});
     pictures.push_back(std::move(both));
   }
   writeFilm(out, pictures, a.frames().back().time - a.frames()[std::min(first, a.frames().size() - 1)].time);

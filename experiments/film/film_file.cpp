@@ -44,12 +44,13 @@ void putHead(std::ostream& out, double width, double height) {
       << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
 }
 
-// In rows of four; each picture is an <svg> of its own, so that nothing of it covers its neighbour.
+// As many in a row as a screen is wide; each picture is an <svg> of its own, so that nothing of it covers its
+// neighbour.
 void putStrip(std::ostream& out, const std::vector<Picture>& pictures) {
-  constexpr std::size_t kColumns = 4;
-  constexpr double kGap = 6;
+  constexpr double kScreen = 1280, kGap = 6;  // px
   const double width = pictures[0].width + kGap, height = pictures[0].height + kGap;
-  const std::size_t columns = std::min(kColumns, pictures.size()), rows = (pictures.size() + columns - 1) / columns;
+  const auto fitting = std::max<std::size_t>(1, static_cast<std::size_t>(kScreen / pictures[0].width));
+  const std::size_t columns = std::min(fitting, pictures.size()), rows = (pictures.size() + columns - 1) / columns;
   putHead(out, static_cast<double>(columns) * width + kGap, static_cast<double>(rows) * height + kGap);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const Picture& p = pictures[i];

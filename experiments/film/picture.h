@@ -28,14 +28,8 @@ struct Picture {
   std::vector<Patch> patches;  // later ones cover earlier ones
   std::vector<Label> labels;
 
-  /// What of `other` is beyond its own frame is cut off by whoever draws.
-  void add(const Picture& other, const Vec<2>& offset) {
-    for (Patch p : other.patches) {
-      for (Vec<2>& c : p.corners) c += offset;
-      patches.push_back(std::move(p));
-    }
-    for (const Label& l : other.labels) labels.push_back({l.at + offset, l.text});
-  }
+  /// Without what of `other` is beyond its own frame: a floor has no end, and would cover whoever stands beside it.
+  void add(const Picture& other, const Vec<2>& offset);
 };
 
 }  // namespace lpc::inline LPC_PRECISION

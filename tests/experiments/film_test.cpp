@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A run can be watched: strips, moving pictures and PNG frames of recordings, and two runs beside one another.
 #include <regex>
+#include <set>
 
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
@@ -100,6 +101,54 @@ TEST(Film, TwoRunsFromWhereTheyPart) {
   EXPECT_GT(later, 1);
   const std::string svg = readFile(w.path("both.strip.svg"));
   EXPECT_EQ(countOf(svg, ">step " + std::to_string(later - 1) + ", "), 2u) << "it begins before they part";
+}
+
+// The outlines that one half of a picture shows, in pixels from its left end.
+std::multiset<std::string> drawnIn(const std::string& picture, double half, bool right) {
+  std::multiset<std::string> out;
+  const std::regex path("<path d=\"([^\"]*)Z\""), corner("[ML]([-0-9.]+) ([-0-9.]+)");
+  for (std::sregex_iterator p(picture.begin(), picture.end(), path), end; p != end; ++p) {
+    const std::string corners = (*p)[1];
+    std::string text;
+    double least = 1e9, most = -1e9;
+    for (std::sregex_iterator c(corners.begin(), corners.end(), corner); c != end; ++c) {
+      const double x = std::stod((*c)[1]);
+      least = std::min(least, x), most = std::max(most, x);
+      text += std::to_string(std::lround(right ? x - half : x)) + "," +
+              std::to_string(std::lround(std::stod((*c)[2]))) + " ";
+    }
+    if (least == half && most == half) continue;  // what divides them
+    EXPECT_TRUE(most <= half + 0.1 || least >= half - 0.1) << "one half covers the other: " << corners;
+    if (right ? least >= half - 0.1 : most <= half + 0.1) out.insert(text);
+  }
+  return out;
+}
+
+// In the last step before they part both halves show the same, and neither floor, which has no end, hides the other
+// run.
+TEST(Film, BothHalvesAreSeen) {
+  std::vector<std::string> others = {"2 --pipeline solver=soft_step", "3 --pipeline solver=soft_step"};
+  if (std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-engine-worker-f64")) {
+    others.push_back("3 --pipeline engine=bullet");
+  }
+  for (const std::string& other : others) {
+    Workspace w;
+    const std::string run = "run pyramid --param base=3 --steps 30 ", dimension = other.substr(0, 1);
+    ASSERT_EQ(w.lpc(run + "--record a.rec --dimension " + dimension).code, 0);
+    ASSERT_EQ(w.lpc(run + "--record b.rec --dimension " + other).code, 0);
+    ASSERT_EQ(w.lpc("replay a.rec --beside b.rec --film both.strip.svg").code, 0);
+    const std::string svg = readFile(w.path("both.strip.svg")), head = "<svg x=\"";
+    const std::size_t first = svg.find(head);
+    ASSERT_NE(first, svg.npos);
+    const std::string picture = svg.substr(first, svg.find("</svg>", first) - first);
+    std::smatch width;
+    ASSERT_TRUE(std::regex_search(picture, width, std::regex("width=\"([0-9.]+)\"")));
+    const double half = std::stod(width[1]) / 2;
+    EXPECT_GE(half, 320) << "as large as a picture of one run";
+    const auto left = drawnIn(picture, half, false), right = drawnIn(picture, half, true);
+    EXPECT_GT(left.size(), 6u) << other;
+    EXPECT_EQ(left, right) << other;
+  }
 }
 
 TEST(Film, RefusesInOneLineAndLeavesNothing) {
