@@ -11,6 +11,7 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/locations.h"
+#include "experiments/runner/message_place.h"
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/sweep_axis.h"
 #include "framework/names.h"
@@ -148,6 +149,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   struct Settings {
     std::vector<Axis> axes;
     std::string pipeline;
+    const toml::node* pipelineNode = nullptr;
     bool timed = false, untimed = true;
     long repeats = 1;
     std::vector<double> budgets;
@@ -155,6 +157,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   void readSettings(TableReader& t, Settings& s) {
     s.pipeline = t.string("pipeline", s.pipeline);
+    if (const toml::node* node = t.find("pipeline")) s.pipelineNode = node;
     if (t.find("timed")) {
       s.timed = t.flag("timed", false);
       s.untimed = t.flag("untimed", !s.timed);
@@ -288,16 +291,17 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     return out;
   }
 
-  // The axis of which a message speaks, by its name in quotes; else the first, since the values of several may be wrong
-  // together.
+  // Else the first axis, since the values of several may be wrong together.
   static const toml::node& placeOf(const std::string& message, const Settings& s, const std::vector<std::size_t>& at,
                                    const toml::node& where) {
-    if (at.empty()) return where;
-    std::size_t first = 0;
-    for (std::size_t i = at.size(); i-- > 0;) {
-      if (message.find("'" + s.axes[i].name + "'") != message.npos) first = i;
+    std::vector<WrittenText> texts;
+    for (std::size_t i = at.size(); i-- > 0;) {  // a later axis replaces what an earlier one says
+      const AxisValue& value = s.axes[i].values[at[i]];
+      texts.push_back({s.axes[i].name, value.written + " " + value.pipeline, value.node});
     }
-    return *s.axes[first].values[at[first]].node;
+    if (s.pipelineNode) texts.push_back({"pipeline", s.pipeline, s.pipelineNode});
+    const toml::node* place = placeOfMessage(message, texts);
+    return place ? *place : at.empty() ? where : *s.axes[0].values[at[0]].node;
   }
 
   bool wanted(const std::set<std::string>& names) {

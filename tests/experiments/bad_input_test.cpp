@@ -255,6 +255,28 @@ TEST(BadInput, SweepsWithoutCellsOrWithWrongValues) {
   refused(w, "sweep s.toml --jobs 0", {"--jobs", "0", "1 to"});
 }
 
+// A plugin that was forgotten: the line is that of the text that names its method, whatever stands before it.
+TEST(BadInput, AMissingMethodIsToldWhereItIsNamed) {
+  Workspace w;
+  const std::string head = "summary = \"s\"\nkind = \"world\"\n", mine = "\"solver=split_solver{velocity=mine}\"\n",
+                    scene = "[axes]\nscene = \"pyramid\"\nbase = [4]\n",
+                    counted = "[axes]\nscene = \"pyramid\"\niterations = [4]\n",  // a word that is in a message, too
+      catto = "[axes.resolver]\n\"catto\" = \"solver=split_solver{velocity=catto{iterations=$iterations}}\"\n";
+  const std::string boxes =
+      "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\nn = 8\ndistribution = \"uniform\"\n";
+  const std::vector<Case> cases = {
+      {head + "pipeline = " + mine + scene, {"s.toml:3: ", "'mine'"}},
+      {head + counted + catto + "\"mine\" = " + mine, {"s.toml:8: ", "'mine'"}},
+      {head + "pipeline = " + mine + scene + "[axes.resolver]\n\"none\" = \"cache=none\"\n", {"s.toml:3: ", "'mine'"}},
+      {head + counted + catto + "\"slip\" = \"solver=split_solver{velocity=catto{iteration=4}}\"\n",
+       {"s.toml:8: ", "no parameter 'iteration'"}},
+      {head + scene + "broadphase = [\n\"naive\",\n\"mine\"]\n", {"s.toml:8: ", "'mine'"}},
+      {head + scene + "[[group]]\npipeline = " + mine, {"s.toml:7: ", "'mine'"}},
+      {boxes + "broadphase = [\n\"naive\",\n\"planted_hang\"]\n", {"s.toml:9: ", "'planted_hang'"}},
+  };
+  for (const Case& c : cases) expectParts(sweepMessage(w, c.text), c.parts, c.text);
+}
+
 const std::string kSweep =
     "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\nframes = 60\n"
     "n = [8, 16, 24, 32, 40, 48]\nbroadphase = [\"naive\", \"sort_and_sweep\"]\n";

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/message_place.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+std::vector<std::string> quotedIn(const std::string& message) {
+  const std::string found = message.substr(0, message.find("; "));  // then come names that are right
+  std::vector<std::string> out;
+  for (std::size_t open = found.find('\''); open != found.npos; open = found.find('\'', open + 1)) {
+    const std::size_t close = found.find('\'', open + 1);
+    if (close == found.npos) break;
+    out.push_back(found.substr(open + 1, close - open - 1));
+    open = close;
+  }
+  return out;
+}
+
+// As a word of its own: `iteration` is not in "iterations=4".
+bool hasWord(const std::string& text, const std::string& word) {
+  const auto inName = [&](std::size_t i) {
+    return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '_');
+  };
+  for (std::size_t at = text.find(word); at != text.npos && !word.empty(); at = text.find(word, at + 1)) {
+    if (!(at > 0 && inName(at - 1)) && !inName(at + word.size())) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+const toml::node* placeOfMessage(const std::string& message, const std::vector<WrittenText>& texts) {
+  const std::vector<std::string> names = quotedIn(message);
+  const toml::node* place = nullptr;
+  long most = 0;
+  for (const WrittenText& t : texts) {
+    const bool named = std::find(names.begin(), names.end(), t.name) != names.end();
+    const long held = std::count_if(names.begin(), names.end(),
+                                    [&](const std::string& name) { return name == t.name || hasWord(t.text, name); });
+    if (2 * held + named > most) most = 2 * held + named, place = t.node;
+  }
+  return place;
+}
+
+}  // namespace lpc::inline LPC_PRECISION
