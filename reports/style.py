@@ -266,7 +266,7 @@ class ZeroLog:
         getattr(ax, f"set_{which}lim")(10.0**bottom, 10.0**top)
         share = (high - low) / (top - bottom)
         most = max(2, int(inches * share / (0.66 if which == "x" else 0.3)))
-        ticks = {v: _tick(v, unit) for v in _ticks(low, high, most)}
+        ticks = {v: _tick(v, unit) for v in _ticks(low, high, most) if v >= floor}  # below it stand the zeros
         if self.has_zero:
             below = any(0 < v <= floor for v in values)
             ticks[self.zero] = f"<{si(floor, unit)}" if below else "0"

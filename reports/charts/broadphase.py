@@ -97,10 +97,8 @@ def leaders(cells, base, least):
     found = {}
     for distribution, part in cells.groupby("distribution", sort=True):
         part = part[(part["outcome"] == "ok") & (part["n"] == part["n"].max()) & np.isfinite(metrics.column(part, TIME))]
-        part = part.sort_values(TIME, kind="stable")
-        rows = [row for _, row in part.iterrows()]
-        first = [row for row in rows if row is rows[0] or not noise.tells(rows[0], row, TIME, least)]
-        names, slow = [row["method"] for row in first], [row for row in rows if row["method"] == base]
+        first = noise.leaders(part, TIME, least)
+        names, slow = [row["method"] for row in first], [row for _, row in part.iterrows() if row["method"] == base]
         if slow and base not in names:
             found[distribution] = float(slow[0]["n"]), names, [noise.ratio(row, slow[0], TIME) for row in first]
     return found

@@ -6,19 +6,23 @@ import math
 import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 import failure
 import metrics
+import noise
 from chart import Chart, Headline, Needs, dimension_of, holes, listing, plural
 from load import one_machine
-from style import OUTCOMES, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si
+from style import (NOT_ASKED, OUTCOMES, RIGHT, WIDTH, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, plt, si,
+                   times)
 from table import quantity
 
 PLACE = 70
 SECTION = "Which pair query is fast and right?"
 FLOOR = 1e-17  # a tenth of the rounding of one operation in double precision: as good as exact
+TIME = "ns_per_query"
 ERRORS = ("median_error", "p99_error", "max_error")
-NEEDS = Needs("pairs", metrics=("ns_per_query", *ERRORS))
+NEEDS = Needs("pairs", metrics=(TIME, *ERRORS))
 ABSENT = Chart("pair_queries", SECTION, "Time against error", "No timed sweep of pair queries is in this store.", "pair_queries")
 
 
@@ -32,11 +36,11 @@ def of_sweep(context, cells):
         cells["method"] = cells["method"] + " " + cells["precision"].map({"f64": "", "f32": "f32"}).fillna("")
         cells["method"] = cells["method"].str.strip()
     cells["pair"] = ["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])]
-    made = []
+    made, least = [], noise.floor(cells, TIME)
     for dimension in sorted(set(dimension_of(cells))):
         part = cells[dimension_of(cells) == dimension]
         part, absent = _present(part, dimension)
-        made += [_scatter(context, part, dimension, refused + absent), _failures(context, part, dimension)]
+        made += [_scatter(context, part, dimension, refused + absent, least), _failures(context, part, dimension)]
     return made
 
 
@@ -56,45 +60,102 @@ def _usable(cells):
 
 def _holes(cells):
     """Who has no number; wrong answers are counted in the chart."""
-    return holes(cells[~_usable(cells)], ["pair", "method"])
+    return holes(cells[~_usable(cells)].assign(step=math.nan), ["pair", "method"])
 
 
-def finding(cells, dimension):
-    good = cells[_usable(cells) & np.isfinite(metrics.column(cells, "ns_per_query"))]
+def answered(cells):
+    """The cells that have a time, and which of them failed nowhere."""
+    good = cells[_usable(cells) & np.isfinite(metrics.column(cells, TIME))]
+    return good, failure.in_pairs(good) == 0
+
+
+def questions(cells):
+    """Who was asked how many queries of each pair of shapes: a share of 96 is not known as one of 600 is."""
+    part = cells[_usable(cells) & np.isfinite(metrics.column(cells, "asked"))]
+    numbers = part.groupby("method")["asked"].agg(lambda n: " to ".join(dict.fromkeys(f"{x:,.0f}" for x in (n.min(), n.max()))))
+    groups = sorted(((list(of.index), number) for number, of in numbers.groupby(numbers)), key=lambda group: len(group[0]))
+    many = "methods" if len(groups) == 1 else "others"
+    said = [f"{number} to {listing(names) if len(names) < 5 else f'{len(names)} {many}'}" for names, number in groups]
+    return f"queries of each pair of shapes: {', '.join(said)}" if said else "no query was answered"
+
+
+def share_of(failed, asked):
+    """A share of queries with their number."""
+    return f"{failed:,.0f} of {asked:,.0f} ({failure.share(failed / asked)})"
+
+
+def finding(cells, dimension, least):
+    good, passed = answered(cells)
     if not len(good):
         return f"In {dimension}D no pair query has both a time and an error."
-    passed = good[failure.in_pairs(good) == 0]
-    if not len(passed):
+    if not passed.any():
         return f"In {dimension}D every pair query that was timed fails somewhere."
-    fastest = passed.loc[passed.groupby("pair")["ns_per_query"].idxmin()]
-    wins = fastest.groupby("method").size().sort_values(ascending=False, kind="stable")
-    errors = metrics.column(good, "max_error")
+    first = [tuple(sorted(cell["method"] for cell in noise.leaders(part, TIME, least)))
+             for _, part in good[passed].groupby("pair", sort=True)]
+    wins = sorted(set(first), key=lambda names: (-first.count(names), names))
+    said = [f"{names[0]} on {first.count(names)}" for names in wins if len(names) == 1]
+    shared = [f"{' or '.join(names)} on {first.count(names)}" for names in wins if len(names) > 1]
+    text = (f"In {dimension}D, of {plural(len(first), 'pair of shapes', 'pairs of shapes')}, the fastest without a failure is "
+            + "; ".join([listing(said)] * bool(said) + [f"within the noise, {listing(shared)}"] * bool(shared)))
+    errors, failed = metrics.column(good, "max_error"), sorted(set(good["method"][~passed]))
     worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
-    text = (f"In {dimension}D {wins.index[0]} is the fastest of those without a failure on {wins.iloc[0]} of "
-            f"{plural(len(fastest), 'pair of shapes', 'pairs of shapes')} (down to "
-            f"{si(fastest['ns_per_query'].min(), 'ns')} a query)")
-    if worst is not None:
-        zero = int((errors == 0).sum())
-        text += (f"; the worst error of all is {worst['method']}'s {worst['max_error']:.1e} of the size on {worst['pair']}"
-                 + (f", and {plural(zero, 'cell has', 'cells have')} no error at all" if zero else ""))
-    return text + "."
+    off = f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']})" if worst is not None else "unknown"
+    who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
+    return text + (f". Somewhere {who} {'fails' if len(failed) == 1 else 'fail'}; the worst error is {off}." if failed else
+                   f". Nobody fails, and no error is above {off}.")
 
 
-def headline(cells, dimension):
-    """The pair of kinds that most methods answer without a failure; of these the one on which their times differ most."""
-    good = cells[_usable(cells) & np.isfinite(metrics.column(cells, "ns_per_query")) & (failure.in_pairs(cells) == 0)]
-    found = [(part["method"].nunique(), part["ns_per_query"].max() / part["ns_per_query"].min(), pair)
-             for pair, part in good.groupby("pair", sort=True) if part["method"].nunique() > 1]
+def headline(cells, dimension, least):
+    """Where somebody fails: of those pairs of kinds the one that most methods answer. Where nobody does: the one on which the
+    times of the fastest and the slowest differ most, if by more than the noise."""
+    good, passed = answered(cells)
+    failing = set(good["pair"][~passed])
+    pairs = sorted(((part["method"].nunique(), pair) for pair, part in good.groupby("pair") if pair in failing), reverse=True)
+    for _, pair in pairs:
+        mine, fine = good[good["pair"] == pair], passed[(good["pair"] == pair).to_numpy()]
+        if fine.any():
+            return _told_failing(mine, fine, pair, dimension, least)
+    return None if failing else _told_times(good, dimension, least)
+
+
+def _told_failing(cells, passed, pair, dimension, least):
+    right, wrong = cells[passed].sort_values(TIME, kind="stable"), cells[~passed]
+    share = sorted(failure.in_pairs(wrong) / metrics.column(wrong, "asked"))
+    shares = " to ".join(dict.fromkeys(map(failure.share, (share[0], share[-1]))))
+    numbers = lambda part: listing([f"{n:,.0f}" for n in sorted(set(part["asked"]))])  # noqa: E731
+    names = listing([f"{m} ({si(ns, 'ns')} a query)" for m, ns in zip(right["method"], right[TIME])])
+    text = (f"On {pair} in {dimension}D {'only ' if len(wrong) > len(right) else ''}{names} never "
+            f"{'fails' if len(right) == 1 else 'fail'}, in {numbers(right)} queries{' each' if len(right) > 1 else ''}; ")
+    quick = wrong.sort_values(TIME, kind="stable").iloc[0]
+    if len(wrong) == 1:
+        text += f"{quick['method']} ({si(quick[TIME], 'ns')}) fails on {share_of(failure.in_pairs(wrong)[0], quick['asked'])}"
+    else:
+        text += f"the {len(wrong)} others fail on {shares} of {numbers(wrong)}"
+        if quick[TIME] < right[TIME].iloc[0] and noise.tells(right.iloc[0], quick, TIME, least):
+            text += f", the fastest, {quick['method']}, in {si(quick[TIME], 'ns')}"
+    return Headline(text + ".", {**dict(zip(right["method"], right[TIME])), **dict.fromkeys(wrong["method"], math.nan)}, "ns")
+
+
+def _told_times(cells, dimension, least):
+    """Times differ though nobody fails."""
+    found = []
+    for pair, part in cells.groupby("pair", sort=True):
+        part = part.sort_values(TIME, kind="stable")
+        first, last = part.iloc[0], part.iloc[-1]
+        if len(part) > 1 and noise.tells(first, last, TIME, least):
+            found.append((last[TIME] / first[TIME], pair, part))
     if not found:
         return None
-    part = good[good["pair"] == max(found)[2]].sort_values("ns_per_query", kind="stable")
-    first, last = part.iloc[0], part.iloc[-1]
-    return Headline(f"On {first['pair']} in {dimension}D {first['method']} is the fastest of those that never fail, "
-                    f"{si(first['ns_per_query'], 'ns')} a query; {last['method']} takes {si(last['ns_per_query'], 'ns')}.",
-                    dict(zip(part["method"], part["ns_per_query"])), "ns")
+    ratio, pair, part = max(found, key=lambda told: told[:2])
+    first = noise.leaders(part, TIME, least)
+    names = " or ".join(cell["method"] for cell in first)
+    return Headline(f"In {dimension}D nobody fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ most "
+                    f"on {pair}, where {part['method'].iloc[-1]} takes {times(ratio)} times the {si(part[TIME].iloc[0], 'ns')} a "
+                    f"query of {names}{', which are within the noise of each other' if len(first) > 1 else ''}.",
+                    dict(zip(part["method"], part[TIME])), "ns")
 
 
-def _scatter(context, cells, dimension, refused):
+def _scatter(context, cells, dimension, refused, least):
     pairs = sorted(cells["pair"].unique())
     methods = sorted(cells["method"].unique())
     columns = min(4, len(pairs))
@@ -103,16 +164,18 @@ def _scatter(context, cells, dimension, refused):
     figure, axes = grid_of_axes(rows, columns, 1.95, legend_width, left=0.75, gap_x=0.55, gap_y=0.5)
     usable, looks = _usable(cells), context.looks(cells)
     errors = {name: np.where(usable, metrics.column(cells, name), math.nan) for name in ERRORS}
-    time, failed = metrics.column(cells, "ns_per_query"), failure.in_pairs(cells)
+    time, failed = metrics.column(cells, TIME), failure.in_pairs(cells)
     all_errors = np.concatenate(list(errors.values()))
+    # What a method does not declare is no failure; the next chart has a cell for it.
+    declared = (cells["outcome"] != "unsupported").to_numpy()
     for index, ax in enumerate(axes.flat):
         if index >= len(pairs):
             ax.set_visible(False)
             continue
-        mine = np.flatnonzero((cells["pair"] == pairs[index]).to_numpy())
-        across = ZeroLog(ax, "x", time, "ns", failed_name="not timed")
+        mine = np.flatnonzero((cells["pair"] == pairs[index]).to_numpy() & declared)
+        across = ZeroLog(ax, "x", time[declared], "ns", failed_name="none")
         up = ZeroLog(ax, "y", list(all_errors[np.isfinite(all_errors)]), "1", floor=FLOOR,
-                     failures=not usable.all() or bool(np.isnan(errors["max_error"]).any()))
+                     failures=bool(np.isnan(errors["max_error"][declared]).any()))
         spots = []
         for i in mine:
             look = looks(cells["method"].iloc[i])
@@ -139,49 +202,51 @@ def _scatter(context, cells, dimension, refused):
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in methods]
     handles.append(Line2D([], [], color="#222222", lw=2.4, alpha=0.3, label="front, no failures"))
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
-                for o in sorted({o for o in cells["outcome"] if o not in ("ok", "wrong")})]
+                for o in sorted({o for o in cells["outcome"][declared] if o not in ("ok", "wrong")})]
     legend_right(figure, handles, legend_width)
     table = pd.DataFrame({"pair": cells["pair"], "method": cells["method"], "outcome": cells["outcome"],
                           **quantity("time per query", "ns", time),
                           **{k: v for name in ERRORS for k, v in quantity(name.replace("_", " "), "1", errors[name]).items()}})
     return Chart(f"{cells['sweep'].iloc[0]}_error_{dimension}d", SECTION, f"Time against error by pair of shapes, {dimension}D",
-                 finding(cells, dimension), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
+                 finding(cells, dimension, least), cells["sweep"].iloc[0], figure, table.sort_values(["pair", "method"]),
                  refused + _holes(cells),
                  "A mark is the error that 99 of 100 queries stay below; its bar goes from the median to the worst. "
                  "Errors are over the size of the query: largest extent + distance + largest coordinate. "
-                 "Hollow marks are witnesses. " + failure.DEFINITION, headline=headline(cells, dimension))
+                 f"Hollow marks are witnesses; who does not declare a pair has none. {questions(cells).capitalize()}. "
+                 f"{noise.rule(least)} {failure.DEFINITION}", headline=headline(cells, dimension, least))
 
 
 def _failures(context, cells, dimension):
     pairs, methods = sorted(cells["pair"].unique()), sorted(cells["method"].unique())
-    height = 1.5 + 0.3 * len(methods)
+    asked = cells[_usable(cells)].groupby("method")["asked"].max()
+    names = [context.name(m) + (f", {asked[m]:,.0f}" if m in asked and asked[m] > 0 else "") for m in methods]
+    height, left = 1.85 + 0.3 * len(methods), 0.35 + 0.072 * max(map(len, names))
     figure, ax = plt.subplots(figsize=(WIDTH, height))
-    figure.subplots_adjust(left=2.1 / WIDTH, right=1 - 0.2 / WIDTH, top=1 - 0.2 / height, bottom=1.05 / height)
-    rows, bad = [], []
+    figure.subplots_adjust(left=left / WIDTH, right=1 - 0.2 / WIDTH, top=1 - 0.2 / height, bottom=1.4 / height)
+    rows, bad, outcomes = [], [], {}
     for y, method in enumerate(methods):
         for x, pair in enumerate(pairs):
             part = cells[(cells["method"] == method) & (cells["pair"] == pair)]
-            colour, text, ink = "#F4F4F4", "", "#666666"
+            colour, text, ink = NOT_ASKED, "", "#666666"
             if len(part):
                 row = part.iloc[0]
-                asked = float(row.get("asked", math.nan))
-                counts = [metrics.column(part, name)[0] for name in failure.OF_PAIRS]
-                bad_answers = failure.in_pairs(part)[0]
-                if row["outcome"] not in ("ok", "wrong"):
+                number, found = float(row.get("asked", math.nan)), failure.in_pairs(part)[0]
+                counts, rate = [metrics.column(part, name)[0] for name in failure.OF_PAIRS], math.nan
+                if not _usable(part)[0]:
                     colour, text = OUTCOMES.get(row["outcome"], ("#FFFFFF", "?"))
                     ink = "black" if row["outcome"] in ("unsupported", "not run", "collapsed") else "white"
                     text = {"unsupported": "no", "not run": "?"}.get(row["outcome"], text)
-                    rate = math.nan
-                elif math.isfinite(bad_answers) and asked > 0:
-                    rate = bad_answers / asked
+                    outcomes[row["outcome"]] = (colour, text)
+                elif math.isfinite(found) and number > 0:
+                    rate = found / number
                     share = 0 if rate == 0 else min(1.0, max(0.1, 1 + math.log10(rate) / 3))
-                    colour = "#E3F0E8" if rate == 0 else plt.cm.Oranges(0.25 + 0.6 * share)
+                    colour = RIGHT if rate == 0 else plt.cm.Oranges(0.25 + 0.6 * share)
                     text, ink = ("0", "#4C7A5E") if rate == 0 else (failure.share(rate), "white" if rate > 0.05 else "black")
                     if rate > 0:
-                        bad.append((rate, method, pair))
+                        bad.append((rate, method, pair, found, number))
                 else:
-                    text, rate = "?", math.nan
-                rows.append({"method": method, "pair": pair, "outcome": row["outcome"], "asked": asked,
+                    text = "?"
+                rows.append({"method": method, "pair": pair, "outcome": row["outcome"], "asked": number,
                              "without an answer": counts[0], "refused": counts[1], "wrong": counts[2], "rate [1]": rate})
             ax.add_patch(plt.Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=colour, lw=0))
             ax.text(x, y, text, ha="center", va="center", fontsize=7.5 if len(pairs) > 10 else 8.5, color=ink)
@@ -190,24 +255,35 @@ def _failures(context, cells, dimension):
     ax.set_xticks(range(len(pairs)))
     ax.set_xticklabels(pairs, rotation=30 if len(pairs) > 7 else 0, ha="right" if len(pairs) > 7 else "center")
     ax.set_yticks(range(len(methods)))
-    ax.set_yticklabels([context.name(m) for m in methods])
+    ax.set_yticklabels(names)
     ax.grid(False)
     ax.tick_params(length=0)
     for side in ax.spines.values():
         side.set_visible(False)
-    answered = cells[_usable(cells)]
-    asked = metrics.column(answered, "asked")
-    total = np.nansum(asked)
+    handles = [Patch(facecolor=RIGHT, label="0: never fails"), Patch(facecolor=plt.cm.Oranges(0.6), label="share that fails")]
+    handles += [Patch(facecolor=colour, label=f"{text}: {'does not declare it' if outcome == 'unsupported' else outcome}")
+                for outcome, (colour, text) in sorted(outcomes.items())]
+    blank = len(rows) < len(pairs) * len(methods)
+    handles += [Patch(facecolor=NOT_ASKED, label="blank: was not asked")] if blank else []
+    figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 0), ncol=len(handles), handlelength=1.2)
+    good = cells[_usable(cells)]
     if bad:
-        rate, method, pair = max(bad)
-        clean = [m for m in methods if m not in {b[1] for b in bad} and (answered["method"] == m).any()]
-        text = (f"In {dimension}D, at {_tolerance(cells)}, {method} fails most often, on {pair}: {failure.share(rate)} of its "
-                f"queries; without any failure: {listing(clean)} ({total:,.0f} queries in all).")
+        _, method, pair, found, number = max(bad)
+        clean = [m for m in methods if m not in {b[1] for b in bad} and (good["method"] == m).any()]
+        text = (f"In {dimension}D, at {_tolerance(cells)}, {method} fails most often, on {pair}: {share_of(found, number)}; "
+                f"without any failure: {listing(clean)} ({questions(cells)}).")
     else:
-        text = f"In {dimension}D no query of {total:,.0f} failed, at {_tolerance(cells)}."
-    return Chart(f"{cells['sweep'].iloc[0]}_failures_{dimension}d", SECTION, f"Rate of failures by pair of shapes, {dimension}D", text,
-                 cells["sweep"].iloc[0], figure, pd.DataFrame(rows), _holes(cells),
-                 f"Failures over the queries asked; “no” is a pair that the method does not declare. {failure.DEFINITION}")
+        text = (f"In {dimension}D no query of {np.nansum(metrics.column(good, 'asked')):,.0f} failed, at {_tolerance(cells)} "
+                f"({questions(cells)}).")
+    # Without a failure in n draws a share of 3/n would have shown itself with 95 %.
+    clean = good[(failure.in_pairs(good) == 0) & (metrics.column(good, "asked") > 0)]
+    unseen = [f"{failure.share(3 / n)} at {n:,.0f}" for n in sorted(set(clean["asked"]))]
+    return Chart(f"{cells['sweep'].iloc[0]}_failures_{dimension}d", SECTION, f"Rate of failures by pair of shapes, {dimension}D",
+                 text, cells["sweep"].iloc[0], figure, pd.DataFrame(rows), _holes(cells),
+                 "Failures over the queries asked, whose number per pair of shapes stands beside each name"
+                 + (f"; where none failed, a share of up to {listing(unseen)} queries may have stayed unseen (95 %)" if unseen
+                    else "")
+                 + f". {failure.DEFINITION}")
 
 
 def _tolerance(cells):

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the charts of pair queries: no lead within the noise, shares with their numbers, every cell explained. Run by
+ctest, or python3 reports/tests/pair_queries_test.py."""
+
+import math
+import sys
+import tempfile
+import unittest
+import unittest.mock
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import noise  # noqa: E402
+import overlap  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+from charts import pair_queries  # noqa: E402
+
+PAIRS = (("box", "box"), ("box", "sphere"), ("sphere", "sphere"))
+# ns a query on each of PAIRS; None is what a method does not declare
+QUICK = {"closed_form": (None, 100, 50), "sat": (200, 104, 51), "gjk_epa": (400, 300, 120)}
+
+
+def queries(maker, failing=(), asked=600, missing=()):
+    """Three of ours on three pairs in 2D, five repeats with a spread of 5 %; `failing`: witnesses with 8 failures of 96."""
+    maker.sweep("pair_queries", "pairs", pair_query="stage")
+    times = {**QUICK, **dict.fromkeys(failing, (90, 90, 90))}
+    for method, of_pairs in times.items():
+        for (a, b), ns in zip(PAIRS, of_pairs):
+            if (method, a, b) in missing:
+                continue
+            for repeat in range(5):
+                axes = {"kind": "pairs", "dimension": 2, "pair_query": method, "kind_a": a, "kind_b": b, "precision": "f64",
+                        "timed": True, "repeat": repeat}
+                if ns is None:
+                    maker.trial("pair_queries", axes, {}, "unsupported", f"{a} against {b}", 0)
+                    continue
+                wrong, n = (8, 96) if method in failing else (0, asked)
+                maker.trial("pair_queries", axes, {"ns_per_query": ns * (1 + 0.05 * (repeat % 2)), "median_error": 0.0,
+                                                   "p99_error": 1e-16, "max_error": 0.5 if wrong else 3e-16, "failed": 0,
+                                                   "refused": 0, "wrong_boolean": 0, "wrong": wrong, "asked": n},
+                            "wrong" if wrong else "ok")
+
+
+class PairQueries(unittest.TestCase):
+    def made(self, **kwargs):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(style.plt.close, "all")
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        queries(maker, **kwargs)
+        maker.close()
+        found = chart.made(pair_queries, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        for made in found:
+            self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
+        return found
+
+    def test_leaders_within_the_noise_are_named_together(self):
+        first = self.made()[0]
+        self.assertIn("of 3 pairs of shapes, the fastest without a failure is sat on 1; within the noise, closed_form or sat "
+                      "on 2", first.finding)
+        self.assertIn("differs by up to 5 %", first.note)
+        with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: a[metric] != b[metric]):
+            bad = self.made()[0]
+        self.assertIn("closed_form on 2 and sat on 1", bad.finding, "the planted bug: every difference counts")
+
+    def test_where_nobody_fails_the_headline_tells_times_beyond_the_noise(self):
+        first = self.made()[0]
+        self.assertIn("Nobody fails, and no error is above 3e-16", first.finding)
+        self.assertIn("In 2D nobody fails, in 4,800 queries; times differ most on box–sphere, where gjk_epa takes 3.0 times "
+                      "the 100 ns", first.headline.text)
+        self.assertIn("of closed_form or sat, which are within the noise", first.headline.text)
+        with unittest.mock.patch.object(noise, "floor", lambda cells, metric: 10.0):
+            self.assertIsNone(self.made()[0].headline, "no difference is beyond the noise")
+
+    def test_where_somebody_fails_the_headline_tells_who_and_how_often(self):
+        first = self.made(failing=("fcl_libccd", "libccd_mpr", "fcl_indep"))[0]
+        self.assertIn("Somewhere fcl_indep, fcl_libccd and libccd_mpr fail; the worst error is 0.5 of the size", first.finding)
+        self.assertIn("closed_form (50 ns a query), sat (51 ns a query) and gjk_epa (120 ns a query) never fail, in 600 queries "
+                      "each; the 3 others fail on 8.3% of 96", first.headline.text)
+        self.assertTrue(all(math.isnan(first.headline.values[m]) for m in ("fcl_libccd", "libccd_mpr", "fcl_indep")))
+
+    def test_shares_have_the_number_of_queries_beside_them(self):
+        rates = self.made(failing=("fcl_libccd",))[1]
+        self.assertIn("fcl_libccd fails most often, on sphere–sphere: 8 of 96 (8.3%)", rates.finding)
+        self.assertIn("queries of each pair of shapes: 96 to fcl_libccd, 600 to closed_form, gjk_epa and sat", rates.finding)
+        self.assertIn("up to 0.5% at 600 queries may have stayed unseen", rates.note)
+        labels = [label.get_text() for label in rates.figure.axes[0].get_yticklabels()]
+        self.assertEqual(labels, ["closed_form, 600", "fcl_libccd (witness), 96", "gjk_epa, 600", "sat, 600"])
+
+    def test_what_is_not_asked_or_not_declared_has_its_word_in_the_legend(self):
+        legend = lambda made: [text.get_text() for text in made.figure.legends[0].get_texts()]  # noqa: E731
+        asked, blank = self.made()[1], self.made(missing=(("sat", "box", "box"),))[1]
+        self.assertIn("no: does not declare it", legend(asked))
+        self.assertNotIn("blank: was not asked", legend(asked))
+        self.assertIn("blank: was not asked", legend(blank))
+
+    def test_a_pair_that_is_not_declared_takes_no_room_on_the_axes(self):
+        first = self.made()[0]
+        for ax in (ax for ax in first.figure.axes if ax.get_visible()):
+            for axis in (ax.xaxis, ax.yaxis):
+                self.assertGreater(len(axis.get_majorticklocs()), 1, "a single tick is no axis")
+                self.assertFalse({"none", "not timed", "failed"} & {label.get_text() for label in axis.get_ticklabels()})
+        self.assertNotIn("at step 0", " ".join(first.holes), "a query has no steps")
+
+    def test_no_tick_stands_below_what_is_shown_as_zero(self):
+        figure, ax = style.plt.subplots()
+        scale = style.ZeroLog(ax, "y", [0.0, 1.0001e-17, 10.0], "1", floor=1e-17)
+        ticks = [t for t in ax.yaxis.get_majorticklocs() if t != scale.zero]
+        self.assertGreaterEqual(min(ticks), 1e-17)
+        style.plt.close(figure)
+
+
+if __name__ == "__main__":
+    unittest.main()
