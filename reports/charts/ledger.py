@@ -9,8 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
 import failure
+import noise
 from chart import Chart, Headline, listing, plural
-from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt, si
+from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
 from table import quantity
 
 PLACE = 80
@@ -271,26 +272,36 @@ def _cost(context, rows, dimension, precision):
                  _cost_finding(rows, dimension, precision), "", figure, table.sort_values(["pair", "method"]), holes,
                  "A mark is the worst error of all questions, the dash below it the median (lower end of its decade); the number "
                  "at the right is the share that failed. Half of the questions and more are of families that broke "
-                 "libraries before. A witness is timed inside its own process. Hollow marks are witnesses.",
+                 "libraries before. Times are one timing of all questions together, without repeats from which noise could be "
+                 "measured. A witness is timed inside its own process. Hollow marks are witnesses.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 
 def _cost_finding(rows, dimension, precision):
-    ours = rows[rows["role"] == "competitor"]
-    if not len(ours):
-        return f"In {dimension}D, {precision}, no competitor was asked."
-    fastest = ours.loc[ours.groupby("pair")["time"].idxmin()]
-    wins = fastest.groupby("method").size().sort_values(ascending=False, kind="stable")
-    text = (f"In {dimension}D, {precision}, {wins.index[0]} is the fastest of ours on {wins.iloc[0]} of "
-            f"{plural(len(fastest), 'pair of shapes', 'pairs of shapes')}")
-    others = rows[rows["role"] != "competitor"]
-    if len(others):
-        quickest = others.loc[others["time"].idxmin()]
-        worst = others.loc[others["max_error"].fillna(-1).idxmax()]
-        text += (f"; the quickest witness is {quickest['method']} on {quickest['pair']} ({si(quickest['time'], 'ns')}), and the "
-                 f"worst error is {worst['method']}'s {worst['max_error']:.1e} of the size on {worst['pair']}")
-    if np.isfinite(ours["max_error"]).any():
-        worst = ours.loc[ours["max_error"].fillna(-1).idxmax()]
-        number, whose = f"{worst['max_error']:.1e}", f"({worst['method']} on {worst['pair']})"
-        text += f", against {number} of ours {whose}" if len(others) else f"; the worst error is {number} of the size {whose}"
-    return text + "."
+    good, where = rows[rows["share"] == 0], f"In {dimension}D, {precision},"
+    if not len(good):
+        return f"{where} every pair query fails somewhere on every pair of shapes."
+    parts = [part for _, part in good.groupby("pair", sort=True)]
+    only = [part["method"].iloc[0] for part in parts if len(part) == 1]
+    first = [noise.leaders(part, "time", noise.UNMEASURED) for part in parts if len(part) > 1]
+    alone = [cells[0]["method"] for cells in first if len(cells) == 1]
+    said = [f"on {len(only)} {_winners(only)} alone {'has' if len(set(only)) == 1 else 'have'} no failure"] if only else []
+    said += [f"on {len(alone)} the fastest without one is {_winners(alone)}"] if alone else []
+    said += [f"on {len(first) - len(alone)} several are within {noise.UNMEASURED:g} times the fastest"] if len(alone) < len(first) else []
+    text = (f"{where} by one timing of each, so that only ratios beyond {noise.UNMEASURED:g} are told: of "
+            f"{plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {listing(said)}")
+    if (rows["role"] != "competitor").any():
+        theirs = sum(any(cell["role"] != "competitor" for cell in cells) for cells in first)
+        text += f"; a witness is among the fastest on {theirs}" if theirs else "; no witness is among the fastest"
+    # Ours beside theirs: how wrong at worst.
+    errors = [part.loc[part["max_error"].fillna(-1).idxmax()] for part in
+              (rows[rows["role"] == "competitor"], rows[rows["role"] != "competitor"]) if part["max_error"].notna().any()]
+    off = [f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']}"
+           f"{', a witness' if worst['role'] != 'competitor' else ''})" for worst in errors]
+    return text + (f"; the worst {'errors are' if len(off) > 1 else 'error is'} {listing(off)}." if off else ".")
+
+
+def _winners(names):
+    """Who is named how often; one who is named every time needs no number."""
+    several = sorted(set(names), key=lambda name: (-names.count(name), name))
+    return several[0] if len(several) == 1 else listing([f"{name} ({names.count(name)})" for name in several])

@@ -90,13 +90,16 @@ def finding(cells, dimension, least):
         return f"In {dimension}D no pair query has both a time and an error."
     if not passed.any():
         return f"In {dimension}D every pair query that was timed fails somewhere."
-    first = [tuple(sorted(cell["method"] for cell in noise.leaders(part, TIME, least)))
-             for _, part in good[passed].groupby("pair", sort=True)]
+    parts = [part for _, part in good[passed].groupby("pair", sort=True)]
+    only = [part["method"].iloc[0] for part in parts if len(part) == 1]
+    first = [tuple(sorted(cell["method"] for cell in noise.leaders(part, TIME, least))) for part in parts if len(part) > 1]
     wins = sorted(set(first), key=lambda names: (-first.count(names), names))
     said = [f"{names[0]} on {first.count(names)}" for names in wins if len(names) == 1]
     shared = [f"{' or '.join(names)} on {first.count(names)}" for names in wins if len(names) > 1]
-    text = (f"In {dimension}D, of {plural(len(first), 'pair of shapes', 'pairs of shapes')}, the fastest without a failure is "
-            + "; ".join([listing(said)] * bool(said) + [f"within the noise, {listing(shared)}"] * bool(shared)))
+    told = [f"the fastest without a failure is {listing(said)}"] if said else []
+    told += [f"within the noise of each other, {listing(shared)}"] if shared else []
+    told += [f"without a rival, {listing([f'{m} on {only.count(m)}' for m in sorted(set(only))])}"] if only else []
+    text = f"In {dimension}D, of {plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {'; '.join(told)}"
     errors, failed = metrics.column(good, "max_error"), sorted(set(good["method"][~passed]))
     worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
     off = f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']})" if worst is not None else "unknown"

@@ -12,13 +12,15 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import pandas as pd  # noqa: E402
+
 import chart  # noqa: E402
 import load  # noqa: E402
 import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import pair_queries  # noqa: E402
+from charts import ledger, pair_queries  # noqa: E402
 
 PAIRS = (("box", "box"), ("box", "sphere"), ("sphere", "sphere"))
 # ns a query on each of PAIRS; None is what a method does not declare
@@ -61,12 +63,17 @@ class PairQueries(unittest.TestCase):
 
     def test_leaders_within_the_noise_are_named_together(self):
         first = self.made()[0]
-        self.assertIn("of 3 pairs of shapes, the fastest without a failure is sat on 1; within the noise, closed_form or sat "
-                      "on 2", first.finding)
+        self.assertIn("of 3 pairs of shapes, the fastest without a failure is sat on 1; within the noise of each other, "
+                      "closed_form or sat on 2", first.finding)
         self.assertIn("differs by up to 5 %", first.note)
         with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: a[metric] != b[metric]):
             bad = self.made()[0]
         self.assertIn("closed_form on 2 and sat on 1", bad.finding, "the planted bug: every difference counts")
+
+    def test_who_has_no_rival_is_not_called_the_fastest(self):
+        first = self.made(missing=(("gjk_epa", "box", "box"),))[0]
+        self.assertIn("within the noise of each other, closed_form or sat on 2; without a rival, sat on 1", first.finding)
+        self.assertNotIn("the fastest", first.finding)
 
     def test_where_nobody_fails_the_headline_tells_times_beyond_the_noise(self):
         first = self.made()[0]
@@ -113,6 +120,36 @@ class PairQueries(unittest.TestCase):
         ticks = [t for t in ax.yaxis.get_majorticklocs() if t != scale.zero]
         self.assertGreaterEqual(min(ticks), 1e-17)
         style.plt.close(figure)
+
+
+class OneTiming(unittest.TestCase):
+    """Of the ledger: a time has no repeats, so that no floor can be measured."""
+
+    def rows(self, *of_methods):
+        """Of one pair of shapes: (method, role, ns a question, share that failed)."""
+        return pd.DataFrame([{"pair": pair, "method": method, "role": role, "time": ns, "share": share, "max_error": 1e-16}
+                             for pair, found in zip("abcdefg", of_methods) for method, role, ns, share in found])
+
+    def finding(self, *of_methods):
+        return ledger._cost_finding(self.rows(*of_methods), 3, "f64")
+
+    def test_only_what_is_beyond_a_factor_of_two_is_told(self):
+        ours = lambda sat, gjk: [("sat", "competitor", sat, 0.0), ("gjk_epa", "competitor", gjk, 0.0)]  # noqa: E731
+        said = self.finding(ours(100, 150), ours(100, 250), ours(180, 100), ours(300, 100))
+        self.assertIn("by one timing of each, so that only ratios beyond 2 are told: of 4 pairs of shapes, on 2 the fastest without "
+                      "one is gjk_epa (1) and sat (1) and on 2 several are within 2 times the fastest", said)
+        with unittest.mock.patch.object(noise, "UNMEASURED", 1.0):
+            self.assertIn("gjk_epa (2) and sat (2)", self.finding(ours(100, 150), ours(100, 250), ours(180, 100), ours(300, 100)),
+                          "the planted bug: every difference counts")
+
+    def test_rivals_count_where_they_do_not_fail(self):
+        fast = lambda share: [("sat", "competitor", 100, 0.0), ("gjk_epa", "competitor", 300, 0.0),  # noqa: E731
+                              ("bullet", "witness", 20, share)]
+        self.assertIn("the fastest without one is bullet; a witness is among the fastest on 1", self.finding(fast(0.0)))
+        self.assertIn("the fastest without one is sat; no witness is among the fastest", self.finding(fast(0.1)))
+
+    def test_who_has_no_rival_is_not_called_the_fastest(self):
+        self.assertIn("of 1 pair of shapes, on 1 gjk_epa alone has no failure", self.finding([("gjk_epa", "competitor", 1, 0.0)]))
 
 
 if __name__ == "__main__":
