@@ -6,7 +6,7 @@ import math
 
 import pandas as pd
 
-from chart import Chart, plural
+from chart import Chart, listing, plural
 from silhouette import outline
 from style import grid_of_axes, si
 from table import quantity
@@ -15,6 +15,7 @@ PLACE = 85
 SECTION = "Who is right, and who fails where?"
 COLUMNS = 7  # at most
 SHADES = ("#0072B2", "#D55E00")  # A, B
+WRONG = {"wrong_distance": "wrong distance", "wrong_normal": "wrong normal", "wrong_side": "wrong side"}  # in the ledger's order
 ABSENT = Chart("failing_pairs", SECTION, "The simplest and the worst failing pairs", "No failing pair is in this store.", "",
                made_by="verify --stage pair_query --pairs 200")
 
@@ -54,26 +55,34 @@ def kinds(case):
 
 
 def told(case):
-    """What the method said, what is true, and how far off that is, in three short lines."""
+    """What is wrong, what the method said for what is true, and how far off that is, in short lines."""
     found, truth = case["found"], case["expected"]["signed_distance"]
-    lines = [kinds(case), case.get("note", "").replace("_", " ")]
-    if found.get("error") is None:
-        return [*lines, found["failure"].replace("_", " ")]
-    return [*lines, f"{si(found['value'], 'm')} for {si(truth, 'm')}", f"off by {found['error']:.1e}"]
+    lines = [kinds(case), case.get("note", "").replace("_", " "), WRONG.get(found["failure"], f"no answer: {found['failure']}"
+                                                                           .replace("_", " "))]
+    if found.get("error") is None:  # the side alone, or nothing
+        return [*lines, f"true: {si(truth, 'm')}"]
+    if found["failure"] == "wrong_normal":  # of a distance that is right
+        return [*lines, f"off by {found['error']:.1e} along it"]
+    said, true = si(found["value"], "m"), si(truth, "m")
+    return [*lines, f"{said} for {true}" if said != true else f"at {true}", f"off by {found['error']:.1e}"]
 
 
 def finding(pairs, dimension, precision):
-    worst = max(pairs, key=lambda m: pairs[m]["worst"][1]["found"].get("error") or 0)
-    case = pairs[worst]["worst"][1]
-    error = case["found"].get("error") or 0
-    return (f"In {dimension}D, {precision}, the worst answer of {plural(len(pairs), 'method')} is {worst}'s, off by {error:.2g} of the "
-            f"size, in distance or along its normal, on {kinds(case)} ({case.get('note', '').replace('_', ' ')}).")
+    worst = {method: kept["worst"][1] for method, kept in pairs.items()}
+    ends = [case["found"]["failure"] for case in worst.values()]
+    counts = [f"{ends.count(end)} in {words.removeprefix('wrong ')}" for end, words in WRONG.items() if end in ends]
+    method = max(worst, key=lambda m: worst[m]["found"].get("error") or 0)
+    case = worst[method]
+    along = "along its normal alone" if case["found"]["failure"] == "wrong_normal" else "in distance or along its normal"
+    return (f"In {dimension}D, {precision}, the worst answers of {plural(len(pairs), 'method')} are wrong, {listing(counts)}; the "
+            f"worst of all is {method}'s on {kinds(case)} ({case.get('note', '').replace('_', ' ')}), a "
+            f"{WRONG[case['found']['failure']]}, off by {case['found'].get('error') or 0:.2g} of the size {along}.")
 
 
 def _chart(context, pairs, dimension, precision):
     columns = math.ceil(len(pairs) / math.ceil(len(pairs) / COLUMNS))
     rows = 2 * math.ceil(len(pairs) / columns)
-    figure, axes = grid_of_axes(rows, columns, 1.25, left=0.65, gap_x=0.15, gap_y=0.95, top=0.4, bottom=0.75)
+    figure, axes = grid_of_axes(rows, columns, 1.25, left=0.65, gap_x=0.15, gap_y=1.05, top=0.4, bottom=0.85)
     lines = []
     for ax in axes.flat:
         ax.set_visible(False)
@@ -96,10 +105,12 @@ def _chart(context, pairs, dimension, precision):
     return Chart(f"failing_pairs_{dimension}d_{precision}", SECTION,
                  f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
                  finding(pairs, dimension, precision), "", figure, numbers, [],
-                 "Above the pair with the fewest vertices on which the method fails, below the one with the largest error; beneath, the "
-                 "family, the method's answer for the true distance, and the error, of the distance or along the normal, over the size. A is blue, B orange; in 3D their "
-                 "shadows from one side, in which shapes that are apart may overlap. The inputs are in the numbers, and in found/ "
-                 "beside the store as files for lpc verify --cases.",
+                 "Above the pair with the fewest vertices on which the method fails, below the one with the largest error; "
+                 "beneath, the family, and what is wrong. A wrong distance is told for the true one, with the error over the size, "
+                 "of the distance or, where that is more, along the normal; a wrong normal belongs to a right distance, and the "
+                 "error is what the separation along it lacks; a wrong side is apart for overlapping, or the reverse. A is blue, B "
+                 "orange; in 3D their shadows from one side, in which shapes that are apart may overlap. The inputs are in the "
+                 "numbers, and in found/ beside the store as files for lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 

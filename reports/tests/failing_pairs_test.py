@@ -59,6 +59,19 @@ class Gallery(unittest.TestCase):
         self.assertEqual(check_outlines(silhouette.outline), "")
         self.assertNotEqual(check_outlines(without_rounding), "", "the planted bug was not seen")
 
+    def test_every_panel_says_what_is_wrong(self):
+        told = lambda failure, error=1e-9: failing_pairs.told(case("m", failure, error, 1.0))[2:]  # noqa: E731
+        self.assertEqual(told("wrong_distance"), ["wrong distance", "500 mm for 1 m", "off by 1.0e-09"])
+        self.assertEqual(told("wrong_normal"), ["wrong normal", "off by 1.0e-09 along it"], "its distance is right")
+        self.assertEqual(told("wrong_side"), ["wrong side", "500 mm for 1 m", "off by 1.0e-09"])
+        self.assertEqual(told("wrong_side", None), ["wrong side", "true: 1 m"], "a witness that knows the side alone")
+        self.assertEqual(told("not_finite", None), ["no answer: not finite", "true: 1 m"])
+        wrong = {name: {"worst": (0, case(name, name, 0.1 * i, 1.0))} for i, name in enumerate(failing_pairs.WRONG)}
+        self.assertIn("are wrong, 1 in distance, 1 in normal and 1 in side; the worst of all is wrong_side's on sphere–sphere "
+                      "(ties), a wrong side, off by 0.2", failing_pairs.finding(wrong, 2, "f64"))
+        del wrong["wrong_side"]
+        self.assertIn("off by 0.1 of the size along its normal alone", failing_pairs.finding(wrong, 2, "f64"))
+
     def test_the_simplest_and_the_worst_pair_stand_beside_each_other(self):
         with tempfile.TemporaryDirectory() as folder:
             made = synthetic_store.Maker(Path(folder) / "s.db")
@@ -77,7 +90,10 @@ class Gallery(unittest.TestCase):
             shown = charts[0].table.set_index("which")
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")
             self.assertEqual(shown.loc["worst", "case"], "fcl_libccd-1.2")
-            self.assertIn("is fcl_libccd's, off by 0.7 of the size", charts[0].finding)
+            self.assertIn("the worst answers of 1 method are wrong, 1 in distance; the worst of all is fcl_libccd's on "
+                          "sphere–sphere (ties), a wrong distance, off by 0.7 of the size in distance or along", charts[0].finding)
+            drawn = [ax.get_xlabel() for ax in charts[0].figure.axes if ax.get_visible()]
+            self.assertEqual(["wrong distance" in words for words in drawn], [True, True])
             self.assertEqual(overlap.overlaps(charts[0].figure), ([], []))
             style.plt.close(charts[0].figure)
             context.store.db.close()
