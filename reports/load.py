@@ -63,7 +63,7 @@ class Sweep:
     # Axis -> "label" (of pipelines), "stage", "setting" (used as $name in a pipeline), "parameter" (of the scene), "run"
     roles: dict = field(default_factory=dict)
     report: tuple = ()  # the charts that it is for; empty: whatever it has the data for
-    calibrate: dict = field(default_factory=dict)  # equal, metric, setting: what the runner made equal; empty: nothing
+    calibrate: dict = field(default_factory=dict)  # equal, metric, setting, most: what the runner made equal; empty: nothing
 
     def method_axes(self, planned):
         """The axes along which methods compete: all that say what a pipeline is made of and vary, the one that tells

@@ -181,7 +181,7 @@ def si(value, unit="", digits=3):
     if unit in ("ms", "ns", "us"):
         value, unit = value * {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit], "s"
     if unit in ("", "1", "J", "kg m/s", "rad"):
-        text = f"{value:.{digits}g}" if abs(value) < 10000 else f"{value:,.0f}"
+        text = f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:,.0f}"
         return f"{text} {unit}".replace(" 1", "").strip() if unit == "1" else f"{text} {unit}".strip()
     if abs(value) < 1e-15:
         return f"{value:.1e} {unit}"

@@ -171,7 +171,7 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   // The only list and the only table among them.
   if (!sweep.charts.empty()) roles["report"] = sweep.charts;
   if (const auto& c = sweep.calibration) {
-    roles["calibrate"] = {{"equal", c->equal}, {"metric", c->metric}, {"setting", c->setting}};
+    roles["calibrate"] = {{"equal", c->equal}, {"metric", c->metric}, {"setting", c->setting}, {"most", c->most}};
   }
   about.bind(5, roles.dump());
   about.exec();

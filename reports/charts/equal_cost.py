@@ -12,7 +12,7 @@ import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, plural
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
-from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si
+from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
 from table import quantity
 
 PLACE = 15
@@ -40,6 +40,15 @@ def ranked_metrics(context, cells, about):
         return errors_of(context, cells)[:PANELS]
     costs = context.metrics("world", "cost")
     return [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
+
+
+def other_cost(context, cells, about):
+    """The cost that was not made equal, where it was measured: a time beside counts, a count beside times. None where there is
+    none, or where it is what ranks."""
+    if about["equal"] != "cost":
+        return None
+    costs = [name for name in context.metrics("world", "cost") if name != about["metric"]]
+    return next((name for name in costs if np.isfinite(metrics.column(cells, name)).any()), None)
 
 
 def spread(part, name):
@@ -92,6 +101,42 @@ def finding(context, cells, about, where, name):
             f"{'; '.join(said)}.{tail}")
 
 
+def beside(context, cells, about, other):
+    """What equal budgets of one cost hide of the other: the budget at which two methods are farthest apart in it."""
+    if other is None:
+        return ""
+    unit, what = context.unit(other), context.title(other)
+    least, found = noise.floor(cells, other) if context.store.is_time(other) else 1.0, []
+    for budget, here in cells.groupby("budget", sort=True):
+        good = here[(here["outcome"] == "ok").to_numpy() & (metrics.column(here, other) > 0)]
+        if good["method"].nunique() > 1:
+            high, low = good.loc[good[other].idxmax()], good.loc[good[other].idxmin()]
+            if noise.tells(low, high, other, least):
+                found.append((noise.ratio(low, high, other), budget, high, low))
+    if not found:
+        return f" By {what} the methods are alike, {noise.IN_WORDS[noise.silence(least)]}." if least > 1 else ""
+    ratio, budget, high, low = max(found, key=lambda row: row[0])
+    return (f" What is equal by {context.title(about['metric'])} is not so by {what}: at {said_of(context, about, budget)} "
+            f"{high['method']} has {times(ratio)} times that of {low['method']} ({si(high[other], unit)} against "
+            f"{si(low[other], unit)}).")
+
+
+def stopped(cells, about):
+    """Cells whose method had the largest setting that is searched and still budget left."""
+    if about["equal"] != "cost" or "most" not in about:
+        return cells.iloc[:0]
+    spent = metrics.column(cells, about["metric"])
+    return cells[(cells[about["setting"]] == about["most"]).to_numpy() & (spent < cells["budget"].to_numpy(float))]
+
+
+def not_used(context, cells, about):
+    """Who could not spend the budget, and what was spent."""
+    said = [f"{row['method']} at {said_of(context, about, row['budget'])} ({said_of(context, about, row[about['metric']])} spent)"
+            for _, row in stopped(cells, about).drop_duplicates(["budget", "method"]).iterrows()]
+    return (f" Stopped by the largest value of {about['setting']} that is searched, {about['most']:,}, with budget left: "
+            f"{listing(said)}." if said else "")
+
+
 def headline(context, cells, about, where, name):
     """The budget at which the ranks are farthest apart."""
     unit, found = context.unit(name), []
@@ -109,32 +154,40 @@ def headline(context, cells, about, where, name):
 
 def _chart(context, cells, about, axes, refused):
     where = describe(cells.iloc[0], axes)
-    names, looks = ranked_metrics(context, cells, about), context.looks(cells)
+    names, looks, other = ranked_metrics(context, cells, about), context.looks(cells), other_cost(context, cells, about)
+    shown, full = names + ([other] if other else []), stopped(cells, about)
     labels, budgets = sorted(cells["method"].unique()), sorted(cells["budget"].unique())
     legend_width = legend_room(map(context.name, labels), 2.0)
-    figure, panels = grid_of_axes(1, len(names), 2.9, legend_width, left=0.95, gap_x=0.95)
+    columns = 2 if len(shown) == 4 else len(shown)
+    figure, panels = grid_of_axes(-(-len(shown) // columns), columns, 2.7, legend_width, left=0.95, gap_x=0.95)
     # Methods stand side by side at a budget, or equal values would hide one another.
     gap = min([math.log(b / a) for a, b in zip(budgets, budgets[1:])] or [1.0])
-    beside = {label: math.exp(0.2 * gap * ((i + 0.5) / len(labels) - 0.5)) for i, label in enumerate(labels)}
-    for ax, name in zip(panels[0], names):
+    beside_at = {label: math.exp(0.2 * gap * ((i + 0.5) / len(labels) - 0.5)) for i, label in enumerate(labels)}
+    for ax, name in zip(panels.flat, shown):
         values = {label: [spread(cells[(cells["method"] == label) & (cells["budget"] == b)], name) for b in budgets]
                   for label in labels}
-        ZeroLog(ax, "x", [b * s for b in budgets for s in beside.values()], context.unit(about["metric"]), failures=False)
+        ZeroLog(ax, "x", [b * s for b in budgets for s in beside_at.values()], context.unit(about["metric"]), failures=False)
         ax.set_xticks(budgets, [said_of(context, about, b) for b in budgets])
         up = ZeroLog(ax, "y", [v for row in values.values() for v in np.ravel(row)], context.unit(name), failed_name="none",
                      floor=context.floor(name))
         for label in labels:
-            look, x = looks(label), [b * beside[label] for b in budgets]
+            look, x = looks(label), [b * beside_at[label] for b in budgets]
             good = [(at, v) for at, v in zip(x, values[label]) if math.isfinite(v[0])]
             ax.plot([at for at, _ in good], [up.place(v[0]) for _, v in good], lw=1, alpha=0.6, **{**look, "marker": None})
             for at, (median, low, high) in good:
                 ax.plot([at, at], [up.place(low), up.place(high)], color=look["color"], lw=1.2)
                 ax.plot([at], [up.place(median)], **{**look, "linestyle": "none", "markersize": 6 * scale_of(look["marker"])})
+        for _, row in full.drop_duplicates(["budget", "method"]).iterrows():
+            middle = values[row["method"]][budgets.index(row["budget"])][0]
+            ax.plot([row["budget"] * beside_at[row["method"]]], [up.place(middle)], ls="none", marker="o", ms=12, mfc="none",
+                    mec="#444444", mew=1)
         bad = cells[cells["outcome"] != "ok"].drop_duplicates(["budget", "method"])
         fallen(ax, [(row["budget"], up.failed, row["outcome"], looks(row["method"])["color"]) for _, row in bad.iterrows()])
         ax.set_title(context.title(name))
         ax.set_xlabel(f"budget: {context.title(about['metric'])}")
     handles = [Line2D([], [], label=context.name(label), **looks(label)) for label in labels]
+    handles += [Line2D([], [], ls="none", marker="o", ms=10, mfc="none", mec="#444444", label=f"at {about['most']:,}, the most")
+                ] if len(full) else []
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
@@ -142,18 +195,31 @@ def _chart(context, cells, about, axes, refused):
     found = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than that"
     seeds = len({seed for of_cell in cells["seeds"] for seed in of_cell})
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"At equal {about['equal']}: {where}",
-                 finding(context, cells, about, where, names[0]), cells["sweep"].iloc[0], figure,
-                 _table(context, cells, about, names), refused + holes(cells, ["method", "budget"]),
+                 finding(context, cells, about, where, names[0]) + beside(context, cells, about, other)
+                 + not_used(context, cells, about), cells["sweep"].iloc[0], figure,
+                 _table(context, cells, about, shown), refused + holes(cells, ["method", "budget"]),
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
-                 f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside.values()) - 1:.0%} beside it, so that "
-                 "each is seen; bars are the range over seeds and repeats, and ranges that meet are ties. A letter in the top band "
-                 "failed or met no budget; C×3 are three.", telling=True,
+                 f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "
+                 "beside it, so that each is seen; bars are the range over seeds and repeats, and ranges that meet are ties. A "
+                 "letter in the top band failed or met no budget; C×3 are three." + counted(context, cells, about, other, full),
+                 telling=True,
                  headline=headline(context, cells, about, where, names[0]))
+
+
+def counted(context, cells, about, other, full):
+    """What the cost that was made equal leaves out, for the note."""
+    text = " A ring is a method at the largest setting that is searched, with budget left." if len(full) else ""
+    if about["metric"].startswith("work_"):
+        text += (f" What is counted ({context.title(about['metric'])}) leaves out what a method does beside: contacts found, "
+                 "rows prepared, the next row sought.")
+    if other is not None and context.store.is_time(other):
+        text += f" The {context.title(other)} has it all. {noise.rule(noise.floor(cells, other))}"
+    return text
 
 
 def said_of(context, about, budget):
     unit = context.unit(about["metric"])
-    return f"{budget:,g}" if unit == "1" else si(budget, unit)
+    return f"{budget:,.6g}" if unit == "1" and budget < 100 else f"{budget:,.0f}" if unit == "1" else si(budget, unit)
 
 
 def _table(context, cells, about, names):
@@ -163,6 +229,8 @@ def _table(context, cells, about, names):
     table = {**quantity("budget", context.unit(about["metric"]), budgets), "rank": ["" if p is None else p for p in places],
              "method": labels, about["setting"]: [_settings(part[about["setting"]]) for part in parts],
              "outcome": [listing(sorted(set(part["outcome"]))) for part in parts]}
+    if about["equal"] == "cost":
+        table["budget spent [1]"] = [spread(part, about["metric"])[0] / budget for budget, part in zip(budgets, parts)]
     for name in dict.fromkeys((about["metric"], *names)):
         table.update(quantity(context.title(name), context.unit(name), [spread(part, name)[0] for part in parts]))
     return pd.DataFrame(table)

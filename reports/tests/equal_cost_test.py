@@ -66,7 +66,7 @@ class EqualCost(unittest.TestCase):
         for bug in (ranks_without_ties, ranks_of_those_that_stood):
             self.assertNotEqual(check_ranks(bug), "", "the planted bug was not seen")
 
-    def made(self, about=EQUAL, **more):
+    def made(self, about=EQUAL, slow=1.0, **more):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         maker = synthetic_store.Maker(Path(folder.name) / "store.db")
@@ -79,7 +79,8 @@ class EqualCost(unittest.TestCase):
                     maker.trial("mine", {"kind": "world", **axes, "timed": False, "repeat": 0}, {}, "unsupported",
                                 "iterations=1 costs 120 (work_row_updates), the budget is 100")
                 else:
-                    maker.world("mine", {**axes, "iterations": 4 * (i + 1)}, budget / 4000, found[i])
+                    dear = slow if label == "soft_step" else 1.0
+                    maker.world("mine", {**axes, "iterations": 4 * (i + 1)}, dear * budget / 4000, found[i], work=0.9 * budget)
         maker.close()
         made = [c for c in make.all_charts(chart.Context(load.Store(Path(folder.name) / "store.db")))
                 if c.sweep == "mine"]
@@ -100,6 +101,30 @@ class EqualCost(unittest.TestCase):
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
         self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])
         self.assertEqual(list(made.table["iterations"]), ["4", "4", "", "8", "8", "8"])
+
+    def test_what_equal_row_updates_hide_in_time_is_said_and_drawn(self):
+        made = self.made(slow=5)[0]
+        self.assertRegex(made.finding, r"What is equal by row updates per step is not so by time per step: at (100|400) "
+                         r"soft_step has [45]\.\d times that of (catto|naive) \(\d+ µs against [\d.]+ µs\)\.")
+        titles = [ax.get_title("left") for ax in made.figure.axes]
+        self.assertEqual(titles[-1], "time per step")
+        self.assertIn("leaves out what a method does beside", made.note)
+        self.assertIn("The same method against itself differs", made.note, "its noise")
+        self.assertIn("time per step [s]", made.table)
+        alike = self.made()[0]
+        self.assertIn("By time per step the methods are alike, within the noise.", alike.finding)
+        self.assertNotIn("not so by", alike.finding)
+
+    def test_who_stopped_at_the_most_iterations_is_told_and_ringed(self):
+        made = self.made({**EQUAL, "most": 8})[0]
+        self.assertIn("Stopped by the largest value of iterations that is searched, 8, with budget left: catto at 400 (360 "
+                      "spent), ", made.finding)
+        rings = sum(line.get_markerfacecolor() == "none" and line.get_markersize() == 12
+                    for ax in made.figure.axes for line in ax.lines)
+        self.assertEqual(rings, 3 * len([ax for ax in made.figure.axes if ax.get_title("left")]), "three methods, in each panel")
+        self.assertEqual(list(made.table["budget spent [1]"].dropna()), [0.9] * 5)
+        self.assertEqual(overlap.overlaps(made.figure), ([], []))
+        self.assertNotIn("Stopped", self.made({**EQUAL, "most": 64})[0].finding)
 
     def test_equal_error_ranks_costs(self):
         made = self.made({**EQUAL, "equal": "error", "metric": "max_penetration"})[0]

@@ -156,6 +156,7 @@ class Numbers(unittest.TestCase):
         self.assertEqual(style.si(0.0, "m"), "0 m")
         self.assertEqual(style.si(158300, "ns"), "158 µs")
         self.assertEqual(style.si(math.nan, "m"), "unknown")
+        self.assertEqual([style.si(v, "1") for v in (0.5, 871, 4203.4, 70380)], ["0.5", "871", "4,203", "70,380"])
 
     def test_every_metric_of_the_report_is_described(self):
         for name, entry in metrics.DERIVED.items():
