@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cctype>
 
-#include "framework/registry.h"
-
 namespace lpc {
 namespace {
 
@@ -60,22 +58,6 @@ std::string validNames(const std::vector<std::string>& names, std::string_view g
   if (names.empty()) return "; valid: none";
   const std::string meant = meantName(names, given);
   return (meant.empty() ? "; valid: " : "; did you mean '" + meant + "'? valid: ") + joined(names);
-}
-
-std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm) {
-  if (isWorldStage(stage)) return "";
-  const std::string name(stage.name);
-  for (const auto& [key, entry] : Registry::instance().all()) {
-    const StageInfo& outer = stageInfo(entry.stage);
-    if (!isWorldStage(outer)) continue;
-    for (const ParamInfo& p : entry.params) {
-      if (p.stage != &stage) continue;
-      return name + " is a part of " + std::string(outer.name) + ": " + std::string(outer.name) + "=" +
-             entry.info.name + "{" + p.name + "=" + algorithm + "}";
-    }
-  }
-  if (!isOurs(stage)) return "an engine stands alone, in place of all stages: engine=" + algorithm;
-  return name + " is no part of a pipeline: scenes choose it";
 }
 
 }  // namespace lpc

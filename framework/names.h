@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/stages.h"
-
 namespace lpc {
 
 /// "a, b, c".
@@ -19,9 +17,5 @@ std::string meantName(const std::vector<std::string>& names, std::string_view gi
 
 /// What ends a message about the unknown name `given`: "; valid: a, b, c", or "; did you mean 'b'? valid: a, b, c".
 std::string validNames(const std::vector<std::string>& names, std::string_view given);
-
-/// Where `algorithm` of this stage stands: "velocity is a part of solver: solver=split_solver{velocity=catto}". Empty
-/// for a stage of a world, which stands in a pipeline as it is.
-std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm);
 
 }  // namespace lpc

@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "framework/names.h"
 
@@ -169,17 +170,17 @@ void Registry::add(Registered entry) {
 const Registered& Registry::find(StageKind stage, int dimension, std::string_view name) const {
   const auto it = m_all.find(Key{stage, dimension, std::string(name)});
   if (it != m_all.end()) return it->second;
+  std::set<StageKind> others;  // that have one of this name: only a single one is what was meant
   for (const auto& [key, entry] : m_all) {
-    if (entry.info.name != name || entry.stage == stage) continue;
-    const std::string place = placeInPipeline(stageInfo(entry.stage), entry.info.name);
-    if (!place.empty()) {
-      throw UserError("there is no " + std::string(stageName(stage)) + " '" + std::string(name) + "'; " + place);
-    }
+    if (entry.info.name == name) others.insert(entry.stage);
   }
+  const std::string place = others.size() == 1 && *others.begin() != stage
+                                ? placeInPipeline(stageInfo(*others.begin()), std::string(name))
+                                : "";
   std::vector<std::string> names;
   for (const Registered* r : list(stage, dimension)) names.push_back(r->info.name);
   throw UserError("there is no " + std::string(stageName(stage)) + " '" + std::string(name) + "' in " +
-                  std::to_string(dimension) + "D" + validNames(names, name));
+                  std::to_string(dimension) + "D" + (place.empty() ? "" : "; " + place) + validNames(names, name));
 }
 
 std::vector<const Registered*> Registry::list(StageKind stage, int dimension) const {
@@ -215,6 +216,22 @@ std::string canonicalText(const Pipeline& pipeline, int dimension) {
     whole[stage] = Registry::instance().find(stage, dimension, spec.name).canonical(spec);
   }
   return whole.text();
+}
+
+std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm) {
+  if (isWorldStage(stage)) return "";
+  const std::string name(stage.name);
+  for (const auto& [key, entry] : Registry::instance().all()) {
+    const StageInfo& outer = stageInfo(entry.stage);
+    if (!isWorldStage(outer)) continue;
+    for (const ParamInfo& p : entry.params) {
+      if (p.stage != &stage) continue;
+      return name + " is a part of " + std::string(outer.name) + ": " + std::string(outer.name) + "=" +
+             entry.info.name + "{" + p.name + "=" + algorithm + "}";
+    }
+  }
+  if (!isOurs(stage)) return "an engine stands alone, in place of all stages: engine=" + algorithm;
+  return name + " is no part of a pipeline: scenes choose it";
 }
 
 }  // namespace lpc::inline LPC_PRECISION

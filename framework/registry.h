@@ -104,6 +104,10 @@ class StageSet {
 /// The pipeline with every parameter of every stage written out, in a fixed order: the key of a result.
 std::string canonicalText(const Pipeline& pipeline, int dimension);
 
+/// Where `algorithm` of this stage stands: "velocity is a part of solver: solver=split_solver{velocity=catto}". Empty
+/// for a stage of a world, which stands in a pipeline as it is.
+std::string placeInPipeline(const StageInfo& stage, const std::string& algorithm);
+
 // Each file has its own, or two whose classes have one name would be one to the linker: a template as an argument does
 // not make it local, as a type would.
 namespace {

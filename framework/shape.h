@@ -187,10 +187,5 @@ struct RayEntry {
 template <int D>
 RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction,
                      Real maxT);
-/// Its t alone.
-template <int D>
-Real castRay(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction, Real maxT) {
-  return rayEntry(shape, X_WS, p, direction, maxT).t;
-}
 
 }  // namespace lpc::inline LPC_PRECISION

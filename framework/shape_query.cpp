@@ -404,7 +404,7 @@ RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D
     forEachEdge(shape,
                 [&](const Vec<D>& a, const Vec<D>& b) { takeNearer(entry, capsuleRay<D>(a, b, shape.radius, p, d)); });
   }
-  if (!(entry.t >= 0 && entry.t <= maxT)) return {};
+  if (!(entry.t >= 0 && entry.t <= maxT && entry.t < kInf)) return {};  // maxT may be infinite; a miss is so, too
   return {entry.t, X_WS.q * entry.normal};
 }
 

@@ -71,7 +71,10 @@ class KeptFailures {
     constexpr int kLines = 40;
     std::size_t end = 0;
     for (int line = 0; line < kLines && end != text.npos; ++line) end = text.find('\n', end + (line > 0));
-    if (end == text.npos) return text;
+    if (end == text.npos || end + 1 == text.size()) {
+      std::filesystem::remove(told(property));  // of a longer one before
+      return text;
+    }
     replaceFile(told(property), text);
     const auto rest = text.begin() + static_cast<std::ptrdiff_t>(end) + 1;
     const auto more = std::count(rest, text.end(), '\n') + (text.back() != '\n');

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Ensembles: the same scene many times, each started a little beside the others.
 #include "experiments/trial/scene_parsed.h"
+#include "framework/mass.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -15,6 +16,16 @@ Vector drawn(Random& random, double amount) {
   return out;
 }
 
+// Of mass, in the body's frame.
+template <int D>
+Vec<D> centerOf(const BodyDef<D>& body) {
+  MassProperties<D> mass;
+  for (const ShapeDef<D>& def : body.shapes) {
+    mass = combined(mass, transformed(massProperties(def.shape, def.density), def.X_BS));
+  }
+  return mass.center;
+}
+
 }  // namespace
 
 template <int D>
@@ -27,9 +38,16 @@ void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed) {
     // Drawn for all alike: what is pinned or does not turn shifts nobody else's numbers.
     const Vec<D> shift = drawn<Vec<D>>(random, amount);
     const Ang<D> turn = drawn<Ang<D>>(random, amount);
-    if (!body.pinned) body.X_WB.p += shift;
-    if (body.rotatable && scene.settings.features.rotation) body.X_WB.q = rotationOf(turn) * body.X_WB.q;
-    scene.seeded = true;
+    const bool turns = body.rotatable && scene.settings.features.rotation;
+    const Rot<D> q = turns ? Rot<D>(rotationOf(turn) * body.X_WB.q) : body.X_WB.q;
+    if (body.pinned) {  // it turns about its centre of mass, which stays where it is
+      const Vec<D> center = centerOf(body);
+      body.X_WB.p += body.X_WB.q * center - q * center;
+    } else {
+      body.X_WB.p += shift;
+    }
+    body.X_WB.q = q;
+    scene.seeded = scene.seeded || turns || !body.pinned;
   }
 }
 

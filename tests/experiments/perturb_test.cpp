@@ -52,7 +52,7 @@ std::string fault(const SceneSpec<D>& still, const SceneSpec<D>& moved) {
     if (shift > kAmount * (1 + 1e-9)) return body + "is too far off";
     if (turn > 2 * kAmount) return body + "turned too far";
     if (a.type != BodyType::dynamic && (shift != 0 || turn != 0)) return body + "is not dynamic and moved";
-    if (a.pinned && shift != 0) return body + "is pinned and moved";
+    if (a.pinned && shift != 0) return body + "is pinned and moved";  // its origin is its centre in these scenes
     const bool turns = a.type == BodyType::dynamic && a.rotatable && still.settings.features.rotation;
     if (turns != (turn != 0)) return body + (turns ? "did not turn" : "cannot turn and did");
     dynamic += a.type == BodyType::dynamic && !a.pinned, shifted += shift > 0;
@@ -63,7 +63,7 @@ std::string fault(const SceneSpec<D>& still, const SceneSpec<D>& moved) {
 template <int D>
 void everyScene() {
   for (const SceneFile& file : scenes()) {
-    if (!file.has(D) || file.name() == "large_pyramid") continue;
+    if (!file.has(D) || file.name() == "large_pyramid") continue;  // as pyramid, but thousands of bodies
     SCOPED_TRACE(file.name() + " in " + std::to_string(D) + "D");
     const std::uint64_t seed = file.defaultSeed();
     const SceneSpec<D> still = file.build<D>({}, seed), moved = file.build<D>({{"perturb", kAmount}}, seed);
@@ -73,16 +73,40 @@ void everyScene() {
     EXPECT_FALSE(samePoses(moved, file.build<D>({{"perturb", kAmount}}, seed + 1)));
     EXPECT_EQ(still.seeded, !samePoses(still, file.build<D>({}, seed + 1)));
     EXPECT_TRUE(moved.seeded);
-    // Planted bugs: a step too far, a floor that moves too.
+    // Planted bugs: a step too far; each body that must not move does, a floor among them.
     SceneSpec<D> wrong = moved;
     wrong.spawns[0].body.X_WB.p[0] += Real(3 * kAmount);
     EXPECT_NE(fault(still, wrong), "");
+    for (std::size_t i = 0; i < moved.spawns.size(); ++i) {
+      if (still.spawns[i].body.type == BodyType::dynamic) continue;
+      wrong = moved, wrong.spawns[i].body.X_WB.p[0] += Real(kAmount / 2);
+      EXPECT_EQ(fault(still, wrong), "body " + std::to_string(i) + " is not dynamic and moved");
+    }
   }
 }
 
 TEST(Perturb, movesTheDynamicBodiesOfEveryScene) {
   everyScene<2>();
   everyScene<3>();
+}
+
+// A see-saw whose board is defined from its end: the pivot is where its centre of mass is, and stays there.
+TEST(Perturb, aPinnedBodyTurnsAboutItsCentreOfMass) {
+  SceneSpec<2> still;
+  BodyDef<2> board;
+  board.pinned = true;
+  board.shapes.push_back({.shape = Shape<2>::box(Vec<2>(1, Real(0.1))), .X_BS = {Vec<2>(1, 0), Rot<2>()}});
+  still.spawns.push_back({.body = board});
+  SceneSpec<2> moved = still;
+  perturb(moved, 0.1, 1);
+  const Pose<2>& X = moved.spawns[0].body.X_WB;
+  EXPECT_NE(X.q.radians(), 0);
+  EXPECT_LT((X * Vec<2>(1, 0) - Vec<2>(1, 0)).norm(), 1e-6);
+  EXPECT_TRUE(moved.seeded);
+  // Nothing of one that may neither shift nor turn is left to the seed.
+  still.spawns[0].body.rotatable = false;
+  perturb(still, 0.1, 1);
+  EXPECT_FALSE(still.seeded);
 }
 
 // Of the joints of a world in its first moment (m, and rad).

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/registry.h"
+
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
 

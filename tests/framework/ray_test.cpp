@@ -115,6 +115,24 @@ TEST(Ray, NormalsInClosedForm) {
             "3D");
 }
 
+// What is missed is missed by a ray without an end, too.
+template <int D>
+void missedForEver() {
+  const Vec<D> up = Vec<D>::Unit(1), far = Vec<D>(5 * Vec<D>::Ones());
+  const std::vector<Real> sizes(D, Real(1));
+  for (const Shape<D>& shape :
+       {Shape<D>::sphere(1), Shape<D>::box(Vec<D>::Ones()), Shape<D>::box(Vec<D>::Ones(), Real(0.5)),
+        Shape<D>::capsule(1, 1), Shape<D>::plane(), Shape<D>::curved(ShapeKind::ellipsoid, sizes)}) {
+    EXPECT_EQ(rayEntry(shape.view(), Pose<D>{}, far, up, kInfinite).t, -1) << static_cast<int>(shape.kind()) << D;
+    EXPECT_EQ(rayEntry(shape.view(), Pose<D>{}, far, Vec<D>(Vec<D>::Unit(0)), kInfinite).t, -1) << D;
+  }
+  World<D> world;
+  world.add(body<D>(Shape<D>::sphere(1), at<D>(0, 0)));
+  EXPECT_TRUE(world.ray(at<D>(-2, Real(1.2)), at<D>(1, Real(-0.1)), kInfinite, false).empty())
+      << "through its box, past it";
+}
+TEST(Ray, AMissIsOneHoweverFarItMayReach) { missedForEver<2>(), missedForEver<3>(); }
+
 // --- in a world -----------------------------------------------------------------------------------------------------
 
 // Three balls in a row along x, of categories 1, 2 and 4; the last is turned, so that its frame is not the world's.

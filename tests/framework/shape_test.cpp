@@ -261,7 +261,7 @@ template <int D>
 void rays() {
   check(
       "cast ray",
-      [] { raysAgree<D>([](auto& s, auto& X, auto& p, auto& d, Real t) { return castRay(s, X, p, d, t); }); }, 300);
+      [] { raysAgree<D>([](auto& s, auto& X, auto& p, auto& d, Real t) { return rayEntry(s, X, p, d, t).t; }); }, 300);
   expectFalsified("against the bounding box", [] {
     raysAgree<D>([](auto& s, auto& X, auto& p, auto& d, Real t) { return castRay(boundingBox(s, X), p, d, t); });
   });
@@ -269,7 +269,7 @@ void rays() {
     raysAgree<D>([](const ShapeView<D>& s, const Pose<D>& X, const Vec<D>& p, const Vec<D>& d, Real t) {
       ShapeView<D> core = s;
       if (core.kind == ShapeKind::box || core.hull) core.radius = 0;
-      return castRay(core, X, p, d, t);
+      return rayEntry(core, X, p, d, t).t;
     });
   });
 }
@@ -279,24 +279,25 @@ TEST(Shape, CastRay3) { rays<3>(); }
 TEST(Shape, RayAnswersInClosedForm) {
   const Pose<3> X;
   const Vec<3> z(0, 0, 1);
-  EXPECT_EQ(castRay(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, -3), z, Real(10)), 2);
-  EXPECT_EQ(castRay(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, -3), z, Real(1.9)), -1) << "too short";
-  EXPECT_EQ(castRay(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, 3), z, Real(10)), -1) << "behind";
-  EXPECT_EQ(castRay(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, Real(0.5)), z, Real(10)), 0) << "inside";
-  EXPECT_EQ(castRay(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, 3), Vec<3>(0, 0, 0), Real(10)), -1) << "no direction";
-  EXPECT_EQ(castRay(Shape<3>::box(Vec<3>(1, 1, 1), 1).view(), X, Vec<3>(0, 0, -4), z, Real(10)), 2);
-  EXPECT_EQ(castRay(Shape<3>::capsule(2, 1).view(), X, Vec<3>(-5, 0, 0), Vec<3>(2, 0, 0), Real(10)), 1);
-  EXPECT_EQ(castRay(Shape<3>::capsule(2, 1).view(), X, Vec<3>(1, 0, -4), z, Real(10)), 3);
-  EXPECT_EQ(castRay(Shape<3>::box(Vec<3>(1, 1, 1)).view(), X, Vec<3>(1, 1, -4), z, Real(10)), 3) << "along an edge";
+  EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, -3), z, Real(10)).t, 2);
+  EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, -3), z, Real(1.9)).t, -1) << "too short";
+  EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, 3), z, Real(10)).t, -1) << "behind";
+  EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, Real(0.5)).t, z, Real(10)), 0) << "inside";
+  EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, 3), Vec<3>(0, 0, 0), Real(10)).t, -1)
+      << "no direction";
+  EXPECT_EQ(rayEntry(Shape<3>::box(Vec<3>(1, 1, 1), 1).view(), X, Vec<3>(0, 0, -4), z, Real(10)).t, 2);
+  EXPECT_EQ(rayEntry(Shape<3>::capsule(2, 1).view(), X, Vec<3>(-5, 0, 0), Vec<3>(2, 0, 0), Real(10)).t, 1);
+  EXPECT_EQ(rayEntry(Shape<3>::capsule(2, 1).view(), X, Vec<3>(1, 0, -4), z, Real(10)).t, 3);
+  EXPECT_EQ(rayEntry(Shape<3>::box(Vec<3>(1, 1, 1)).view(), X, Vec<3>(1, 1, -4), z, Real(10)).t, 3) << "along an edge";
   const Pose<2> I;
   const auto segment = Shape<2>::segment(1);
-  EXPECT_EQ(castRay(segment.view(), I, Vec<2>(0, 2), Vec<2>(0, -1), Real(10)), 2);
-  EXPECT_EQ(castRay(segment.view(), I, Vec<2>(-3, 0), Vec<2>(1, 0), Real(10)), 2) << "along itself";
-  EXPECT_EQ(castRay(segment.view(), I, Vec<2>(-3, 1), Vec<2>(1, 0), Real(10)), -1);
+  EXPECT_EQ(rayEntry(segment.view(), I, Vec<2>(0, 2), Vec<2>(0, -1), Real(10)).t, 2);
+  EXPECT_EQ(rayEntry(segment.view(), I, Vec<2>(-3, 0), Vec<2>(1, 0), Real(10)).t, 2) << "along itself";
+  EXPECT_EQ(rayEntry(segment.view(), I, Vec<2>(-3, 1), Vec<2>(1, 0), Real(10)).t, -1);
   // A small ball far away: the textbook discriminant answers "miss" or is off by its radius.
   const double far = sizeof(Real) == 8 ? 1e6 : 1e2, radius = sizeof(Real) == 8 ? 1e-3 : 1e-1;
   const Real t =
-      castRay(Shape<3>::sphere(Real(radius)).view(), X, Vec<3>(0, Real(radius / 2), Real(-far)), z, Real(1e9));
+      rayEntry(Shape<3>::sphere(Real(radius)).view(), X, Vec<3>(0, Real(radius / 2), Real(-far)), z, Real(1e9)).t;
   EXPECT_NEAR(double(t), far - radius * std::sqrt(0.75), 4 * double(kEps) * far);
 }
 

@@ -183,6 +183,15 @@ TEST(Registry, FindsByNameAndListsTheValid) {
   EXPECT_NE(error.find("none"), std::string::npos) << error;
   EXPECT_NE(error.find("split_average"), std::string::npos) << error;
   EXPECT_EQ(createStage<SleepPolicy<2>>(Spec::parse("none")) == nullptr, false);
+  // A name of one other stage: where that stands, too. One of several is no hint.
+  const auto answer = [](StageKind stage, const char* name) {
+    return errorOf([&] { Registry::instance().find(stage, 2, name); });
+  };
+  EXPECT_NE(answer(StageKind::solver, "catto").find("'catto' in 2D; velocity is a part of solver: "),
+            std::string::npos);
+  EXPECT_NE(answer(StageKind::solver, "catto").find("valid: soft_step, split_solver"), std::string::npos);
+  EXPECT_EQ(answer(StageKind::broadphase, "none").find("is a part of"), std::string::npos);
+  EXPECT_NE(answer(StageKind::broadphase, "none").find("valid: naive, "), std::string::npos);
 }
 
 TEST(Registry, CanonicalTextSpellsEverythingOut) {
