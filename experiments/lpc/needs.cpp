@@ -49,22 +49,11 @@ void printRow(const std::string& what, const std::string& time, const std::strin
 }
 
 void printModel(const ModelSeen& m, const ModelSeen& again) {
-  // The same work twice is as far apart as the machine's noise takes it.
-  const bool noise = least(m.time) <= std::fmax(1, most(again.time)) && most(m.time) >= std::fmin(1, least(again.time));
-  std::string remark;
-  if (m.failed) {
-    remark = std::to_string(m.failed) + " of " + std::to_string(m.trials) + " " + m.failure;
-  } else if (m.model.empty()) {
-    remark = "the noise";
-  } else if (!m.time.empty()) {
-    remark = m.sameWork ? "equal work counts" : "";
-    if (noise) remark += remark.empty() ? "time within the noise" : ", time within the noise";
-  }
   const bool compared = m.trials > m.failed;
   printRow(m.model.empty() ? "minimal, again" : m.model, spread(m.time),
            m.rows.empty() ? "-" : number("%.3f", quantile(m.rows, 0.5)),
            compared ? number("%.2g", quantile(m.median, 0.5)) : "-", compared ? number("%.2g", most(m.largest)) : "-",
-           remark);
+           remarkOn(m, again));
 }
 
 void print(const PlannedSweep& sweep, const NeedsSeen& seen) {

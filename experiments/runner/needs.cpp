@@ -12,6 +12,7 @@
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/store.h"
 #include "framework/check.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -20,7 +21,11 @@ using nlohmann::json;
 
 constexpr const char* kSeedsMove = "perturb";  // the parameter of a scene by which a seed moves its bodies
 
+constexpr std::size_t kFewestSeeds = 4;  // with fewer the noise is not measured
+constexpr double kUnmeasured = 2;        // and only a ratio beyond this is told
+
 struct Ended {
+  int dimension = 0;
   std::string outcome, reason;
   std::map<std::string, double> metrics;
   std::map<int, std::array<double, 3>> places;  // of each body at the end, by slot (m)
@@ -39,7 +44,7 @@ std::optional<Ended> read(SQLite::Database& db, const PlannedTrial& trial) {
   SQLite::Statement row(db, "SELECT outcome, reason, metrics FROM trial WHERE key=?");
   row.bind(1, trial.key);
   if (!row.executeStep()) return std::nullopt;
-  Ended out{row.getColumn(0).getString(), row.getColumn(1).getString(), {}, {}};
+  Ended out{trial.canonical.at("dimension"), row.getColumn(0).getString(), row.getColumn(1).getString(), {}, {}};
   const json metrics = json::parse(row.getColumn(2).getString());
   for (const auto& [name, value] : metrics.items()) {
     if (value.is_number()) out.metrics[name] = value;
@@ -50,7 +55,7 @@ std::optional<Ended> read(SQLite::Database& db, const PlannedTrial& trial) {
     const auto blob = poses.getColumn(0);
     std::vector<double> numbers(static_cast<std::size_t>(blob.getBytes()) / sizeof(double));
     if (!numbers.empty()) std::memcpy(numbers.data(), blob.getBlob(), numbers.size() * sizeof(double));
-    out.places = placesOf(numbers, trial.canonical.at("dimension"));
+    out.places = placesOf(numbers, out.dimension);
   }
   return out;
 }
@@ -74,10 +79,22 @@ void compareWork(const Ended& own, const Ended& other, ModelSeen& out) {
     if (a != own.metrics.end() && b != other.metrics.end() && a->second > 0) into.push_back(b->second / a->second);
   };
   ratio("ms_per_step_median", out.time), ratio("work_row_updates", out.rows);
+  if (own.dimension != other.dimension) out.sameWork = false;  // one point in 3D is more work than in 2D
   for (const auto& [name, value] : own.metrics) {
     const auto found = other.metrics.find(name);
     if (name.starts_with("work_") && (found == other.metrics.end() || found->second != value)) out.sameWork = false;
   }
+}
+
+// The same work twice is as far apart as the machine's noise takes it.
+const char* whyNoTime(const std::vector<double>& ratios, const std::vector<double>& again) {
+  const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
+  double low = 1, high = 1;
+  for (const double ratio : again) low = std::min(low, ratio), high = std::max(high, ratio);
+  if (*least <= high && *most >= low) return "time within the noise";
+  const double ratio = quantile(ratios, 0.5);
+  const bool unmeasured = ratios.size() < kFewestSeeds && std::max(ratio, 1 / ratio) <= kUnmeasured;
+  return unmeasured ? "too few seeds to measure the noise" : nullptr;
 }
 
 }  // namespace
@@ -89,6 +106,7 @@ PlannedSweep planNeeds(const NeedsQuestion& q) {
   PlannedSweep out;
   out.name = "needs_" + file.name(), out.kind = "world", out.baseline = kMinimalModel;
   out.summary = "what " + file.name() + " needs: one switch of its model at a time";
+  out.charts = {"needs"};
   out.roles = {{"scene", "run"}, {"model", "run"}, {"seed", "run"}, {"dimension", "run"}};
   const auto add = [&](const std::string& model, int seed, int repeat) {
     WorldCell cell;
@@ -109,6 +127,18 @@ PlannedSweep planNeeds(const NeedsQuestion& q) {
   }
   if (!out.trials[0].unsupported.empty()) throw UserError(out.trials[0].unsupported);
   return out;
+}
+
+std::string remarkOn(const ModelSeen& model, const ModelSeen& again) {
+  if (model.failed) {
+    return std::to_string(model.failed) + " of " + std::to_string(model.trials) + " " + model.failure;
+  }
+  if (model.model.empty()) return "the noise";
+  if (model.time.empty()) return "";
+  std::vector<std::string> said;
+  if (model.sameWork) said.emplace_back("equal work counts");
+  if (const char* why = whyNoTime(model.time, again.time)) said.emplace_back(why);
+  return joined(said);
 }
 
 NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store) try {

@@ -23,7 +23,7 @@ PlannedSweep planNeeds(const NeedsQuestion& question);
 struct ModelSeen {
   std::string model;                    // empty: the scene's own again
   std::vector<double> time, rows;       // times those of the scene's own: time per step, row updates per step
-  bool sameWork = true;                 // all counts are equal
+  bool sameWork = true;                 // all counts are equal, in the same dimension
   std::vector<double> median, largest;  // over the bodies: how far they end from where they would (m)
   int trials = 0, failed = 0;           // failed: neither ok nor comparable
   std::string failure;                  // of the first of them
@@ -34,6 +34,11 @@ struct NeedsSeen {
   int seeds = 0, failed = 0;            // of the scene's own; with a seed that fails nothing is compared
   std::string failure;
 };
+
+/// What must be known of a model's numbers: how it failed, that its work is equal, that its time tells nothing. It does
+/// not where its ratios over seeds meet those of the scene's own again, or 1; of fewer than four seeds it tells only
+/// what is beyond 2 times, for then the noise is not measured. reports/charts/needs.py has the same rule.
+std::string remarkOn(const ModelSeen& model, const ModelSeen& again);
 
 /// From the trials in the store.
 NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store);
