@@ -180,9 +180,9 @@ void questions() {
       EXPECT_FALSE(containsPoint(s, X, Vec<D>(Real(1.0001) * p)));
       // A ray from outside to the middle enters where the surface is.
       const Vec<D> from = 3 * p;
-      EXPECT_NEAR(double(castRay(s, X, from, Vec<D>(-from), Real(1))), 2.0 / 3, 1e-4);
-      EXPECT_LT(castRay(s, X, from, from, Real(100)), 0);
-      EXPECT_LT(castRay(s, X, from, Vec<D>(-from), Real(0.6)), 0);
+      EXPECT_NEAR(double(rayEntry(s, X, from, Vec<D>(-from), Real(1)).t), 2.0 / 3, 1e-4);
+      EXPECT_LT(rayEntry(s, X, from, from, Real(100)).t, 0);
+      EXPECT_LT(rayEntry(s, X, from, Vec<D>(-from), Real(0.6)).t, 0);
       const Vec<D> edge = Vec<D>::Constant(Real(0.1));
       EXPECT_TRUE(overlapsBox(s, X, Aabb<D>{p - edge, p + edge}));
       const Vec<D> beyond = coreSupport(s, p);  // a corner of this box is as near as it gets
@@ -202,7 +202,7 @@ TEST(CurvedCore, RoundingIsAroundTheCore) {
   EXPECT_TRUE(containsPoint(shape.view(), Pose<2>{}, Vec<2>(Real(2.4999), 0)));
   EXPECT_FALSE(containsPoint(shape.view(), Pose<2>{}, Vec<2>(Real(2.5001), 0)));
   EXPECT_NEAR(boundingBox(shape.view(), Pose<2>{}).hi[1], 1.5, 1e-6);
-  EXPECT_NEAR(castRay(shape.view(), Pose<2>{}, Vec<2>(0, 3), Vec<2>(0, -3), Real(1)), 0.5, 1e-6);
+  EXPECT_NEAR(rayEntry(shape.view(), Pose<2>{}, Vec<2>(0, 3), Vec<2>(0, -3), Real(1)).t, 0.5, 1e-6);
 }
 
 TEST(CurvedCore, WrongSizesAreRefused) {

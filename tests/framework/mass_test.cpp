@@ -40,8 +40,8 @@ MassProperties<D> byGrid(const Shape<D>& s, int cells) {
     Vec<D> back = p;
     back[0] = box.hi[0] + size[0];
     const Vec<D> d = 3 * size[0] * Vec<D>::Unit(0);
-    const Real in = castRay(s.view(), Pose<D>{}, p, d, Real(1)),
-               out = castRay(s.view(), Pose<D>{}, back, Vec<D>(-d), Real(1));
+    const Real in = rayEntry(s.view(), Pose<D>{}, p, d, Real(1)).t,
+               out = rayEntry(s.view(), Pose<D>{}, back, Vec<D>(-d), Real(1)).t;
     if (in < 0 || out < 0) continue;
     const double x0 = double(p[0] + in * d[0]), x1 = double(back[0] - out * d[0]), length = x1 - x0;
     Eigen::Matrix<double, D, 1> middle = p.template cast<double>();

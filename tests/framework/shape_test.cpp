@@ -282,7 +282,7 @@ TEST(Shape, RayAnswersInClosedForm) {
   EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, -3), z, Real(10)).t, 2);
   EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, -3), z, Real(1.9)).t, -1) << "too short";
   EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, 3), z, Real(10)).t, -1) << "behind";
-  EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, Real(0.5)).t, z, Real(10)), 0) << "inside";
+  EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, Real(0.5)), z, Real(10)).t, 0) << "inside";
   EXPECT_EQ(rayEntry(Shape<3>::sphere(1).view(), X, Vec<3>(0, 0, 3), Vec<3>(0, 0, 0), Real(10)).t, -1)
       << "no direction";
   EXPECT_EQ(rayEntry(Shape<3>::box(Vec<3>(1, 1, 1), 1).view(), X, Vec<3>(0, 0, -4), z, Real(10)).t, 2);
