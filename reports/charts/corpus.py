@@ -11,7 +11,14 @@ from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, plt
 
 PLACE = 90
 SECTION = "Who is right, and who fails where?"
-VERDICTS = {"ok": RIGHT, "refused": REFUSED, "wrong": "#D55E00", "failed": "#661100", "hang": "#332288"}
+# How each case of the file ends for a method, with the colour of its cell and the words over its column. The last three are no
+# failures (failure.py): a method is asked only what it declares and there is, and may refuse the rest.
+ENDS = {"ok": (RIGHT, "right"), "wrong": ("#D55E00", "wrong"), "failed": ("#661100", "failed"), "hang": ("#332288", "hang"),
+        "undeclared": (REFUSED, "shape not\ndeclared"), "dimension": (NOT_ASKED, "other\ndimension"),
+        "query": (NOT_ASKED, "other\nquery")}
+FAILURES = ("wrong", "failed", "hang")
+NOBODY, REFEREE = "-", "referee"  # methods of the table that are none: a query that nobody takes, and who judges
+UNDECLARED = "unsupported_shape"  # reason of a refusal
 MADE_BY = "verify --cases tests/regressions/hard_cases.json"
 
 
@@ -27,34 +34,50 @@ def of_store(context):
 
 
 def read(store):
-    """One row per case and method; not those of the referee, nor of queries that nobody takes (method `-`)."""
+    """One row per case and method: how it ended, and of which query the case is (what answers it). Who was not asked has a row,
+    too, so that each method has every case of the file."""
     if not store.meta.get("corpus"):
         return pd.DataFrame()
     rows = pd.read_csv(io.StringIO(store.meta["corpus"]), dtype=str, keep_default_na=False)
-    rows["role"] = [store.role(method) for method in rows["method"]]
-    return rows[~rows["method"].isin(["referee", "-"])]
+    stages = {entry["name"]: entry["stage"] for entry in store.algorithms if entry["stage"] in ("pair_query", "contacts")}
+    query = lambda method: stages.get(method, method)  # noqa: E731
+    asked = rows[rows["method"] != REFEREE]
+    of_case = {case: query(method) for case, method in zip(asked["id"], asked["method"])}
+    ends = {(case, method): _end(verdict, reason) for case, method, verdict, reason in
+            zip(asked["id"], asked["method"], asked["verdict"], asked["reason"])}
+    methods = sorted(set(asked["method"]) - {NOBODY})
+    found = [{"id": case, "method": method, "role": store.role(method), "query": of_case[case],
+              "end": ends.get((case, method), "dimension" if query(method) == of_case[case] else "query")}
+             for method in methods for case in of_case]
+    return pd.DataFrame(found)
+
+
+def _end(verdict, reason):
+    """A refusal of what a method declares is no answer."""
+    return verdict if verdict != "refused" else "undeclared" if reason == UNDECLARED else "failed"
 
 
 def counts(rows):
-    """Cases by method and verdict, ours first; a method has its row also where it was never right."""
-    table = rows.groupby(["role", "method", "verdict"]).size().unstack(fill_value=0)
-    for verdict in VERDICTS:
-        if verdict not in table:
-            table[verdict] = 0
-    return table[list(VERDICTS)].reset_index()
+    """Cases by method and end, ours first: every method's add up to the cases of the file."""
+    table = rows.groupby(["role", "method", "end"]).size().unstack(fill_value=0)
+    return table.reindex(columns=list(ENDS), fill_value=0).reset_index()
 
 
 def finding(table, rows):
-    bad = table["wrong"] + table["failed"] + table["hang"]
+    bad = table[list(FAILURES)].sum(axis=1)
+    declared = bad + table["ok"]
     ours, theirs = table[table["role"] == "competitor"], table[table["role"] == "witness"]
+    of = lambda row: f"{bad[row]} of the {declared[row]} that it declares"  # noqa: E731
     said = []
-    wrong = [f"{m} fails on {n}" for m, n in zip(ours["method"], bad[ours.index]) if n]
-    said.append(f"of {plural(rows['id'].nunique(), 'published case')} " +
-                (listing(wrong) if wrong else "our own methods are right on all that they declare"))
+    wrong = [f"{table['method'][i]} fails on {of(i)}" for i in ours.index if bad[i]]
+    cases = rows[["id", "query"]].drop_duplicates()
+    nobodys = int((cases["query"] == NOBODY).sum())
+    said.append(f"of {plural(len(cases), 'published case')}" + (f", {nobodys} of which ask what nobody answers," if nobodys else "")
+                + f" {listing(wrong) if wrong else 'our own methods are right on all that they declare'}")
     if len(theirs):
         worst = bad[theirs.index].idxmax()
         spared = [m for m, n in zip(theirs["method"], bad[theirs.index]) if not n]
-        said.append(f"{table['method'][worst]} fails on {bad[worst]}, the most of {plural(len(theirs), 'witness', 'witnesses')}"
+        said.append(f"{table['method'][worst]} fails on {of(worst)}, the most of {plural(len(theirs), 'witness', 'witnesses')}"
                     if bad[worst] else "no witness fails")
         if bad[worst] and spared:
             said.append(f"{listing(spared)} on none")
@@ -66,44 +89,51 @@ def _chart(context, rows, file):
     table = counts(rows)
     methods = list(table["method"])
     # Cases on which somebody fails, the most telling first.
-    failing = rows[rows["verdict"].isin(["wrong", "failed", "hang"])]
+    failing = rows[rows["end"].isin(FAILURES)]
     cases = list(failing.groupby("id").size().sort_values(ascending=False, kind="stable").index)
-    left, body, top, bottom = 0.35 + 0.075 * max(len(context.name(m)) for m in methods), 0.24 * len(methods), 0.35, 0.3
+    left, body, top, bottom = 0.35 + 0.075 * max(len(context.name(m)) for m in methods), 0.24 * len(methods), 0.5, 0.3
     height = top + body + bottom
     figure = plt.figure(figsize=(WIDTH, height))
-    wide = 0.62 * len(VERDICTS)
+    wide = 0.62 * len(ENDS)
     numbers = figure.add_axes((left / WIDTH, bottom / height, wide / WIDTH, body / height))
     for y, row in table.iterrows():
-        for x, verdict in enumerate(VERDICTS):
-            count = int(row[verdict])
-            numbers.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, lw=0, facecolor=VERDICTS[verdict] if count else NOT_ASKED))
+        for x, (end, (colour, _)) in enumerate(ENDS.items()):
+            count = int(row[end])
+            numbers.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, lw=0, facecolor=colour if count else NOT_ASKED))
             numbers.text(x, y, count, ha="center", va="center", fontsize=8,
-                         color="#888888" if not count else "black" if verdict in ("ok", "refused") else "white")
-    numbers.set_xticks(range(len(VERDICTS)))
-    numbers.set_xticklabels(VERDICTS)
+                         color="#888888" if not count else "white" if end in FAILURES else "black")
+    numbers.set_xticks(range(len(ENDS)))
+    numbers.set_xticklabels([words for _, words in ENDS.values()], fontsize=7.5)
     numbers.xaxis.tick_top()
-    _plain(numbers, len(VERDICTS), len(methods))
+    _plain(numbers, len(ENDS), len(methods))
     numbers.set_yticks(range(len(methods)))
     numbers.set_yticklabels([context.name(m) for m in methods])
+    at = {(method, case): end for method, case, end in zip(rows["method"], rows["id"], rows["end"])}
     if cases:
         start = left + wide + 0.35
         grid = figure.add_axes((start / WIDTH, bottom / height, (WIDTH - start - 0.2) / WIDTH, body / height))
-        at = {key: verdict for key, verdict in zip(zip(rows["method"], rows["id"]), rows["verdict"])}
         for y, method in enumerate(methods):
             for x, case in enumerate(cases):
-                colour = VERDICTS.get(at.get((method, case)), NOT_ASKED)
-                grid.add_patch(Rectangle((x - 0.47, y - 0.45), 0.94, 0.9, facecolor=colour, lw=0))
+                grid.add_patch(Rectangle((x - 0.47, y - 0.45), 0.94, 0.9, facecolor=ENDS[at[method, case]][0], lw=0))
         grid.set_xticks([])
         grid.set_yticks([])
         _plain(grid, len(cases), len(methods))
         grid.set_xlabel(f"the {plural(len(cases), 'case')} on which a method fails, one column each", fontsize=8.5)
-    verdicts = rows.pivot_table(index="id", columns="method", values="verdict", aggfunc="first").fillna("")
-    verdicts = verdicts[[m for m in methods if m in verdicts]].reindex(cases + sorted(set(rows["id"]) - set(cases)))
+    ends = rows.pivot(index="id", columns="method", values="end")[methods].reindex(cases + sorted(set(rows["id"]) - set(cases)))
     return Chart("corpus", SECTION, "Published hard cases, method by method", finding(table, rows), "", figure,
-                 verdicts.reset_index(), [],
-                 f"From {file}. Refused are shapes and queries that a method does not declare; failed is an exception, a crash "
-                 "or a number that is not finite. All cases with their names are in the numbers.", made_by=MADE_BY,
-                 headline=Headline(finding(table, rows), dict(zip(methods, table["wrong"] + table["failed"] + table["hang"]))))
+                 ends.reset_index(), [], _note(rows, file), made_by=MADE_BY,
+                 headline=Headline(finding(table, rows), dict(zip(methods, table[list(FAILURES)].sum(axis=1)))))
+
+
+def _note(rows, file):
+    cases = rows[["id", "query"]].drop_duplicates().groupby("query").size().sort_values(ascending=False, kind="stable")
+    words = {"pair_query": "the distance of a pair", "contacts": "the contacts of a pair", "convex_hull": "a convex hull",
+             "mass_properties": "a mass", NOBODY: "what nobody answers, such as a time of impact"}
+    of = [f"{number} {words.get(query, query.replace('_', ' '))}" for query, number in cases.items()]
+    return (f"A row adds up to the {cases.sum()} cases of {file}, of which ask {listing(of)}. Failed is an exception, a crash, a number "
+            "that is not finite, or a refusal of what a method declares. The last three columns are no failures: shapes that a method does "
+            "not declare and refuses, cases of a dimension in which it does not exist, cases that ask something else; such a case "
+            "is grey at the right. All cases with their names are in the numbers.")
 
 
 def _plain(ax, columns, rows):

@@ -24,7 +24,7 @@ import make  # noqa: E402
 import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import breaking_points, broadphase, corpus, ledger, ledger_clean, micro  # noqa: E402
+from charts import breaking_points, broadphase, ledger, ledger_clean, micro  # noqa: E402
 from charts import coverage as coverage_chart  # noqa: E402
 
 
@@ -278,16 +278,6 @@ class Findings(WithStore):
         questions = self.store.ledger()
         self.assertEqual(check_ledger(questions, ledger.by_method), "")
         self.assertNotEqual(check_ledger(questions, only_with_an_error), "", "the planted bug was not seen")
-
-    def test_every_case_of_the_corpus_is_counted(self):
-        made = corpus.of_store(self.context)[0]
-        asked = len(self.store.meta["corpus"].splitlines()) - 2  # a head, and a row of the referee
-        table = corpus.counts(corpus.read(self.store))
-        self.assertEqual(int(table[list(corpus.VERDICTS)].to_numpy().sum()), asked)
-        self.assertEqual(len(made.table), 60)
-        self.assertIn("Of 60 published cases our own methods are right on all that they declare", made.finding)
-        self.assertIn("fcl_libccd fails on 12, the most of 8 witnesses", made.finding)
-        style.plt.close(made.figure)
 
     def test_who_fails_is_named_with_the_share(self):
         made = {c.id: c for c in ledger.of_store(self.context)}

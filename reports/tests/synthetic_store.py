@@ -354,7 +354,8 @@ def corpus(make, cases=60):
             verdict = "refused" if case % 9 == 8 else "ok"
             if role == "witness" and case % (i + 2) == 3:
                 verdict = ("wrong", "failed", "hang")[case % 3] if i % 2 else "wrong"
-            rows.append(f'library-{case},{method},{verdict},1,1,0,"a, b"')
+            reason = "unsupported_shape" if verdict == "refused" else "a, b"
+            rows.append(f'library-{case},{method},{verdict},1,1,0,"{reason}"')
     for name, value in (("corpus", "\n".join(rows) + "\n"), ("corpus_file", "hard_cases.json")):
         make.db.execute("INSERT INTO meta VALUES (?, ?)", (name, value))
 
