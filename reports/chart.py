@@ -238,7 +238,7 @@ def describe(row, axes):
 
 
 def holes(cells, axes, limit=12):
-    """Sentences for the cells that have no number in a chart; the coverage table lists all of them in any case."""
+    """Sentences for the cells that have no number in a chart; the page's last list has all of them in any case."""
     bad = cells[cells["outcome"] != "ok"]
     said = []
     for _, row in bad.iterrows():
@@ -246,7 +246,7 @@ def holes(cells, axes, limit=12):
         reason = f" ({row['reason']})" if row["reason"] else ""
         said.append(f"{describe(row, axes)}: {row['outcome']}{step}{reason}")
     more = len(said) - limit
-    return said[:limit] + ([f"and {more} more, all listed under Coverage"] if more > 0 else [])
+    return said[:limit] + ([f"and {more} more, listed under “All that is not ok”"] if more > 0 else [])
 
 
 def identifier(text):

@@ -6,6 +6,22 @@ import pandas as pd
 
 from chart import describe
 from load import NOT_RUN, REPEATS
+from style import OUTCOMES
+
+# In the words of docs/manual.md.
+MEANINGS = {
+    "ok": "ran to its end within the limits of its scene, without a wrong answer",
+    "unsupported": "a method, an engine or a scene has not what the cell asks for, or no setting meets the budget",
+    "nondeterministic": "a repeat ended in another state than the first",
+    "wrong": "an answer that the referee proves wrong, or, of boxes, a pair that is missing or too many",
+    "collapsed": "a body went farther from where it came than the scene's limit `drift`",
+    "exploded": "a body went faster than the scene's limit `speed`, or than light",
+    "diverged": "a number of the state is not finite, or the energy is over the scene's limit `energy`",
+    "timeout": "it took longer than the sweep's `wall_limit`",
+    "out_of_memory": "it needed more memory than a trial may have",
+    "crash": "its process ended by a signal or an exception",
+    NOT_RUN: "planned, without a result in the store",
+}
 
 
 def trials(store):
@@ -26,6 +42,12 @@ def trials(store):
 def _order(axes):
     first = [n for n in ("scene", "dimension") if n in axes]
     return first + [n for n in axes if n not in first and n != "kind"]
+
+
+def outcomes(table):
+    """One row per outcome that there can be: the letter that marks it, what it means, how many trials of this store have it."""
+    return pd.DataFrame([(name, OUTCOMES[name][1], meaning, int((table["outcome"] == name).sum()))
+                         for name, meaning in MEANINGS.items()], columns=["outcome", "letter", "what it means", "trials"])
 
 
 def not_ok(table):

@@ -36,17 +36,27 @@ def all_charts(context, only=()):
     from chart import made, modules
     from load import UserError
     from style import plt
-    kept = []
+    kept, everyone = [], []
     for module in modules():
         for chart in made(module, context):
             if chart.id in context.ids:
                 raise UserError(f"two charts have the id {chart.id}")
             context.ids.append(chart.id)
+            everyone.append(chart)
             if not only or any(chart.id.startswith(name) for name in only):
                 kept.append(chart)
             elif chart.figure is not None:
                 plt.close(chart.figure)
+    name_apart(everyone)
     return kept
+
+
+def name_apart(charts):
+    """Titles that several charts have get the name of the sweep that each was made of."""
+    titles = [chart.title for chart in charts]
+    for chart, title in zip(charts, titles):
+        if titles.count(title) > 1 and chart.sweep:
+            chart.title = f"{title}: {chart.sweep}"
 
 
 def most_telling(charts):

@@ -67,8 +67,8 @@ def facts(store):
     commits = sorted({c for c in store.trials["commit_id"] if c})
     rows.append(("commit", ", ".join(commits[:6]) + (f" and {len(commits) - 6} more" if len(commits) > 6 else "")
                  if commits else "not recorded"))
-    seeds = sorted({str(seed) for seed in (metrics._find(c, "seed") for c in store.trials["canonical"]) if seed == seed})
-    rows.append(("seeds", ", ".join(s.removesuffix(".0") for s in seeds[:8]) + (" …" if len(seeds) > 8 else "")
+    seeds = sorted({seed for seed in (metrics._find(c, "seed") for c in store.trials["canonical"]) if seed == seed})
+    rows.append(("seeds", ", ".join(f"{seed:.0f}" for seed in seeds[:8]) + (f" and {len(seeds) - 8} more" if len(seeds) > 8 else "")
                  if seeds else "not recorded"))
     rows.append(("trials started", f"{first} to {last}" if first else "none"))
     rows.append(("store", f"{store.path.name}, schema {store.meta['schema_version']}, {len(store.trials)} trials"))
@@ -135,18 +135,19 @@ def write(context, charts, out, store_argument, out_argument):
                 "table": table.to_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),
                 "commands": commands(chart, store_argument, out_argument)}
         sections.setdefault(chart.section, []).append(item)
-    bad = coverage.not_ok(coverage.trials(context.store))
+    planned = coverage.trials(context.store)
+    bad, outcomes = coverage.not_ok(planned), coverage.outcomes(planned)
     save_table(bad, {"id": "not_ok", "title": "All that is not ok", **source(context.store)}, tables / "not_ok")
-    glossary = pd.DataFrame([(name, m.meaning, m.unit, m.smaller or "–", ", ".join(m.needs) or "–",
+    glossary = pd.DataFrame([(name, m.title, m.meaning, m.unit, m.smaller or "–", ", ".join(m.needs) or "–",
                               "the report" if m.compute else "the trial") for name, m in metrics.known(context.store).items()],
-                            columns=["metric", "what it is", "unit", "smaller is", "needs", "computed by"])
+                            columns=["metric", "in charts", "what it is", "unit", "smaller is", "needs", "computed by"])
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE / "templates"), autoescape=True,
                                      trim_blocks=True, lstrip_blocks=True)
     page = environment.get_template("index.html.j2").render(
         sections=[{"name": name, "id": f"q{i}", "charts": part, "told": told(part)}
                   for i, (name, part) in enumerate(sections.items())],
         first=first, facts=facts(context.store), style=(HERE / "templates" / "style.css").read_text(),
-        not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), glossary=table.to_html(glossary),
+        not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), outcomes=table.to_html(outcomes), glossary=table.to_html(glossary),
         store=context.store.path.name, mark=MARK)
     path = out / "index.html"
     whole(path, lambda target: target.write_text(page, encoding="utf-8"))

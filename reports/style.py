@@ -157,17 +157,30 @@ def same(curves):
 
 
 def one_line(ax, firsts, words):
-    """Says above the axes which methods share a line, `words` (of a group) or, where there is no room, their number alone."""
+    """Says above the axes which methods share a line, `words` (of a group) or, where there is no room, their number alone:
+    then the words are returned, for the caption."""
     groups = [[m for m in firsts if firsts[m] == first] for first in dict.fromkeys(firsts.values())]
     groups = [group for group in groups if len(group) > 1]
     room = int(ax.get_position().width * ax.figure.get_figwidth() / 0.067)
+    told, unnamed = "; ".join(f"{words(group)} are one line" for group in groups), ""
     lines = textwrap.wrap("; ".join(f"{words(group)} are one line here" for group in groups), room)
     if len(lines) > 1:
         lines = textwrap.wrap("; ".join(f"{len(group)} methods are one line here" for group in groups), room)
+        unnamed = told
     if lines:
         ax.text(0, 1.02, "\n".join(lines), transform=ax.transAxes, va="bottom", fontsize=8, color="#555555")
         if ax.get_title("left"):
             ax.set_title(ax.get_title("left"), pad=7 + 10.5 * len(lines))
+    return unnamed
+
+
+def caption_of_lines(found):
+    """What `one_line` returned for each panel, [(panel, words)], as the end of a caption."""
+    panels = {}
+    for panel, words in found:
+        if words:
+            panels.setdefault(words, []).append(panel)
+    return "".join(f" {', '.join(dict.fromkeys(names))}: {words}." for words, names in panels.items())
 
 
 def si(value, unit="", digits=3):

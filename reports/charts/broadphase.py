@@ -11,7 +11,8 @@ import metrics
 import noise
 from chart import Chart, Headline, Needs, dimension_of, holes, listing
 from load import one_machine
-from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log, same, times
+from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log,
+                   same, times)
 from table import quantity
 
 PLACE = 10
@@ -154,7 +155,7 @@ def n_share(cells, n):
 
 def _chart(context, cells, dimension, precision, refused):
     distributions = sorted(cells["distribution"].unique())
-    methods = sorted(cells["method"].unique())
+    methods, lines = sorted(cells["method"].unique()), []
     base, looks = baseline_of(context, cells), context.looks(cells)
     least = noise.floor(cells, TIME)
     cross = crossings(cells, base, least)
@@ -202,7 +203,8 @@ def _chart(context, cells, dimension, precision, refused):
                 ax.set_title(f"{distribution} boxes, {dimension}D")
             else:
                 ax.set_xlabel("bodies n")
-            one_line(ax, same({m: curve(part, m, metric) for m in methods}), listing)
+            lines.append((f"On {distribution} boxes, {context.title(metric)}",
+                          one_line(ax, same({m: curve(part, m, metric) for m in methods}), listing)))
             if column == 0:
                 ax.set_ylabel(context.title(metric))
             else:
@@ -221,5 +223,6 @@ def _chart(context, cells, dimension, precision, refused):
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
                  f"frames. The dotted line is where the named method overtakes {base} for good, interpolated between the two "
-                 f"sizes measured; others may be faster there. Whiskers hold the median of the repeats. {noise.rule(least)}",
+                 f"sizes measured; others may be faster there. Whiskers hold the median of the repeats. {noise.rule(least)}"
+                 + caption_of_lines(lines),
                  headline=headline(cells, cross, base, dimension, ahead, least))

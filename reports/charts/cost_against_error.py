@@ -11,7 +11,8 @@ import metrics
 import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
-from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of, si, times
+from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
+                   si, times)
 from table import quantity
 
 PLACE = 20
@@ -186,7 +187,7 @@ def _cost_chart(context, cells, groups, refused):
     setting = next(iter(context.settings(cells)), None)
     legend_width = legend_room(map(context.name, labels), 2.0)
     figure, axes = grid_of_axes(len(costs), len(errors), 2.45, legend_width, left=0.8, gap_x=0.85, gap_y=0.65)
-    failed = (cells["outcome"] != "ok").to_numpy()
+    failed, shared = (cells["outcome"] != "ok").to_numpy(), []
     for row, cost_name in enumerate(costs):
         cost = metrics.column(cells, cost_name)
         for column, error_name in enumerate(errors):
@@ -221,8 +222,9 @@ def _cost_chart(context, cells, groups, refused):
             ax.set_xlabel(context.title(cost_name))
             if row == 0:
                 ax.set_title(context.title(error_name))
-            one_line(ax, same({m: [values[(cells["method"] == m).to_numpy()] for values in (cost, error)] for m in labels}),
-                     lambda group: methods(group, labels))
+            curves = {m: [values[(cells["method"] == m).to_numpy()] for values in (cost, error)] for m in labels}
+            shared.append((f"By {context.title(error_name)} over {context.title(cost_name)}",
+                           one_line(ax, same(curves), lambda group: methods(group, labels))))
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
     handles.append(Line2D([], [], color="#222222", lw=2.6, alpha=0.35, label="Pareto front"))
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
@@ -235,7 +237,7 @@ def _cost_chart(context, cells, groups, refused):
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed; the front joins what no other beats in both. Whiskers "
                  "hold the median of repeats and seeds. " + noise.rule(noise.floor(cells, "ms_per_step_median"))
-                 + engine_notes(context, cells),
+                 + engine_notes(context, cells) + caption_of_lines(shared),
                  telling=True, headline=headline(context, cells, where, costs[0], errors[0]))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Planned against finished: no cell vanishes."""
+"""What came of all that was planned: no cell vanishes."""
 
 from matplotlib.patches import Patch
 
@@ -15,7 +15,7 @@ SECTION = "Coverage: what was planned, what came of it?"
 def of_store(context):
     table = coverage.trials(context.store)
     if not len(table):
-        return [Chart("coverage", SECTION, "Planned against finished", "Nothing was planned in this store.", "")]
+        return [Chart("coverage", SECTION, "What came of the planned trials", "Nothing was planned in this store.", "")]
     outcomes = [o for o in SEVERITY + [NOT_RUN] if (table["outcome"] == o).any()]
     outcomes += sorted(set(table["outcome"]) - set(outcomes))
     sweeps = list(dict.fromkeys(table["sweep"]))
@@ -31,24 +31,30 @@ def of_store(context):
                 ax.barh(y, share, left=at, color=OUTCOMES.get(outcome, ("#FF00FF", ""))[0], edgecolor="#888888", lw=0.5,
                         hatch="///" if outcome == NOT_RUN else None, height=0.7)
             at += share
-        ax.text(101, y, f"{int((part['outcome'] != NOT_RUN).sum())} of {len(part)}", va="center", fontsize=8.5)
+        ax.text(101, y, f"{int(_ran(part).sum())} of {len(part)}", va="center", fontsize=8.5)
     ax.set_xlim(0, 100)
     ax.set_ylim(len(sweeps) - 0.5, -0.5)
     ax.set_yticks(range(len(sweeps)))
     ax.set_yticklabels(sweeps)
-    ax.set_xlabel("share of the planned trials (%); finished of planned at the right")
+    ax.set_xlabel("share of the planned trials (%); how many ran of how many planned at the right")
     ax.grid(False)
     handles = [Patch(facecolor=OUTCOMES.get(o, ("#FF00FF", ""))[0], edgecolor="#888888", label=o,
                      hatch="///" if o == NOT_RUN else None) for o in outcomes]
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - 1.65 / WIDTH, 1 - 0.1 / height), borderaxespad=0,
                   labelspacing=0.35)
-    finished = int((table["outcome"] != NOT_RUN).sum())
+    ran = int(_ran(table).sum())
     ok = int((table["outcome"] == "ok").sum())
     kinds = [f"{int((table['outcome'] == o).sum())} {o}" for o in outcomes if o != "ok"]
-    text = (f"{finished} of {plural(len(table), 'planned trial')} finished, {ok} of them ok"
+    text = (f"{ran} of {plural(len(table), 'planned trial')} ran, {ok} of them ok"
             + (f"; not ok: {listing(kinds)}." if kinds else "."))
     if context.store.superseded:
         text += f" {plural(context.store.superseded, 'older plan')} of the same cells, made with other code, left out."
     counts = table.groupby(["sweep", "outcome"], sort=False).size().unstack(fill_value=0).reindex(columns=outcomes)
     counts.insert(0, "planned", counts.sum(axis=1))
-    return [Chart("coverage", SECTION, "Planned against finished trials", text, "", figure, counts.reset_index())]
+    return [Chart("coverage", SECTION, "What came of the planned trials", text, "", figure, counts.reset_index(),
+                  note="What each outcome means stands under “All that is not ok”. Those that ended early, as by "
+                       "collapsing, ran; those that are unsupported did not.")]
+
+
+def _ran(table):
+    return ~table["outcome"].isin((NOT_RUN, "unsupported"))

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 import over_steps
 from chart import Chart, Headline, Needs, describe, holes, listing, methods
 from load import NOT_RUN, split, varying
-from style import HALO, ZeroLog, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si
+from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si
 
 PLACE = 30
 SECTION = "How restless is a scene that should be at rest?"
@@ -76,7 +76,7 @@ def _steady_chart(context, resting, at):
     legend_width = legend_room(map(context.name, cells["method"].unique()), 2.0)
     figure, axes = grid_of_axes(2, len(resting), 2.2, legend_width, left=1.0, gap_x=0.8, gap_y=0.45)
     labels = sorted(cells["method"].unique())
-    rows = []
+    rows, shared = [], []
     for column, (scene, part) in enumerate(resting):
         part = part.drop_duplicates("method")
         tracks = {}
@@ -111,7 +111,8 @@ def _steady_chart(context, resting, at):
         axes[1][column].set_ylim(bottom=0)
         for row in (0, 1):
             fallen(axes[row][column], spots[row], clip_on=False, path_effects=HALO)
-            one_line(axes[row][column], firsts[row], lambda group: methods(group, labels))
+            shared.append((f"On {scene}, {('fastest body', 'contact points')[row]}",
+                           one_line(axes[row][column], firsts[row], lambda group: methods(group, labels))))
     axes[0][0].set_ylabel("fastest body")
     axes[1][0].set_ylabel("contact points")
     legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], legend_width)
@@ -136,6 +137,6 @@ def _steady_chart(context, resting, at):
                  gaps + holes(cells, ["scene", "method"]),
                  "Lines are the largest value of each of 150 stretches; a letter marks where a run failed. The speeds of the "
                  f"finding are the RMS of the fastest body's over the last quarter of the steps; "
-                 f"below {si(REST, 'm/s')} is rounding, and at rest.",
+                 f"below {si(REST, 'm/s')} is rounding, and at rest." + caption_of_lines(shared),
                  headline=max(filter(None, told), key=lambda found: (found.effect, -sum(map(math.isnan, found.values.values()))),
                               default=None))

@@ -20,6 +20,7 @@ import pandas as pd  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 
 import chart  # noqa: E402
+import coverage  # noqa: E402
 import headlines  # noqa: E402
 import load  # noqa: E402
 import make  # noqa: E402
@@ -28,6 +29,7 @@ import pages  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import table  # noqa: E402
+from charts import coverage as coverage_chart  # noqa: E402
 
 PREFIXED = re.compile(r"^-?[\d.]+(e[-+]?\d+)? ?([pnµmk]?(m|s|J|m/s)|%)$")  # a number that was rounded for eyes
 
@@ -159,6 +161,94 @@ class Pictures(unittest.TestCase):
         self.assertEqual(self.figure(lambda ax: (style.one_line(ax, firsts, " and ".join), said.extend(t.get_text()
                                                  for t in ax.texts))), ([], []))
         self.assertEqual(said, ["a and c are one line here"])
+
+    def test_lines_without_room_for_their_names_are_named_in_the_caption(self):
+        alike = {f"a method with a long name {i}": [1.0, 2.0] for i in range(9)}
+        told, names = [], chart.listing(alike)
+        self.figure(lambda ax: told.append(style.one_line(ax, style.same(alike), chart.listing)))
+        self.assertEqual(told, [f"{names} are one line"])
+        self.figure(lambda ax: told.append(style.one_line(ax, style.same({"a": [1.0], "b": [1.0]}), chart.listing)))
+        self.assertEqual(told[1], "", "named in the picture")
+        self.assertEqual(style.caption_of_lines([("left", told[0]), ("middle", ""), ("right", told[0])]),
+                         f" left, right: {names} are one line.")
+
+
+def check_titles(charts, name_apart):
+    """No two charts have one title."""
+    name_apart(charts)
+    titles = [made.title for made in charts]
+    return ", ".join(sorted({title for title in titles if titles.count(title) > 1}))
+
+
+class Words(unittest.TestCase):
+    """What the page says beside its charts."""
+
+    def page(self, fill):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        maker = synthetic_store.Maker(Path(folder.name) / "s.db")
+        fill(maker)
+        maker.close()
+        store = load.Store(Path(folder.name) / "s.db")
+        self.addCleanup(store.db.close)
+        path = pages.write(chart.Context(store), [], Path(folder.name) / "out", "s.db", "out")
+        return re.sub(r"\s+", " ", path.read_text(encoding="utf-8"))
+
+    def test_no_two_charts_have_one_title(self):
+        twins = lambda: [chart.Chart(f"{sweep}_x", "", title, "", sweep) for sweep in ("a", "b") for title in (  # noqa: E731
+            "Breaking points, 2D", f"Of {sweep}")]
+        self.assertEqual(check_titles(twins(), make.name_apart), "")
+        self.assertEqual(check_titles(twins(), lambda charts: None), "Breaking points, 2D", "the planted bug was not seen")
+        with tempfile.TemporaryDirectory() as folder:
+            maker = synthetic_store.Maker(Path(folder) / "s.db")
+            for sweep in ("one", "two"):
+                maker.sweep(sweep, "world", resolver="label", n="parameter")
+                for n in (2, 3, 4, 5):
+                    for label in ("catto", "naive"):
+                        fell = ("collapsed", "far", 50) if n > 3 else ()
+                        maker.world(sweep, {"scene": "s", "dimension": 2, "resolver": label, "n": n}, 1.0, 1e-3, *fell)
+            maker.close()
+            charts = make.all_charts(chart.Context(load.Store(Path(folder) / "s.db")))
+        self.assertEqual(check_titles(charts, lambda charts: None), "")
+        self.assertIn("Breaking points, 2D: two", [made.title for made in charts])
+        style.plt.close("all")
+
+    def test_every_outcome_has_its_meaning_in_the_manual_s_words(self):
+        self.assertEqual(list(coverage.MEANINGS), [*load.SEVERITY, load.NOT_RUN])
+        manual = (HERE.parent.parent / "docs" / "manual.md").read_text(encoding="utf-8")
+        for name, meaning in coverage.MEANINGS.items():
+            self.assertIn(f"| `{name}` | {meaning} |", manual)
+        page = self.page(lambda maker: maker.trial("s", {"kind": "world"}, {}, "collapsed", "far", 9))
+        self.assertIn("<td>collapsed</td><td>C</td><td>a body went farther from where it came than the scene&#x27;s limit `drift`"
+                      "</td><td class=n>1</td>", page)
+
+    def test_a_metric_is_named_as_charts_name_it(self):
+        page = self.page(lambda maker: None)
+        self.assertIn("<th>metric</th><th>in charts</th>", page)
+        self.assertIn("<td>jitter</td><td>restlessness (speed)</td>", page)
+
+    def test_seeds_are_in_the_order_of_numbers(self):
+        def fill(maker):
+            for seed in (10, 2, 1, 3):
+                maker.trial("s", {"kind": "world", "seed": seed}, {}, extra={"seed": seed})
+        self.assertIn("<dt>seeds</dt><dd>1, 2, 3, 10</dd>", self.page(fill))
+
+    def test_what_is_said_to_be_shown_is_shown(self):
+        page = self.page(lambda maker: None)
+        self.assertNotIn("Every planned cell is shown", page, "charts have room for some scenes only")
+        self.assertNotIn("finished and is ok", page, "a run that collapsed has finished, too")
+
+    def test_what_is_unsupported_or_was_never_started_did_not_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            maker = synthetic_store.Maker(Path(folder) / "s.db")
+            for i, outcome in enumerate(("ok", "collapsed", "unsupported")):
+                maker.trial("s", {"kind": "world", "n": i}, {}, outcome, "why", 1)
+            maker.plan("s", kind="world", n=9)
+            maker.close()
+            made = coverage_chart.of_store(chart.Context(load.Store(Path(folder) / "s.db")))[0]
+        self.assertIn("2 of 4 planned trials ran, 1 of them ok; not ok: 1 unsupported, 1 collapsed and 1 not run.", made.finding)
+        self.assertIn("2 of 4", [text.get_text() for text in made.figure.axes[0].texts])
+        style.plt.close(made.figure)
 
 
 class Tables(unittest.TestCase):
