@@ -6,6 +6,7 @@
 
 #include "experiments/runner/locations.h"
 #include "experiments/trial/scene_file.h"
+#include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -90,6 +91,33 @@ TEST(Scenes, parametersScaleThem) {
   EXPECT_EQ(census(build<2>("towers", {{"circles", 0}, {"squares", 3}}))["dynamic"], 3);
   EXPECT_EQ(census(build<2>("box_pile", {{"n", 10000}}))["dynamic box"], 10000);
   EXPECT_EQ(census(build<2>("director_1", {{"rain_until", 1000}}))["dynamic"], 40 + 36);
+}
+
+// A pile of balls stays one between walls; without them the balls roll for ever.
+TEST(Scenes, mixedPileComesToRestInItsBin) {
+  test::Workspace w;
+  const std::string path = findToml("scenes", "mixed_pile");
+  std::string open = readFile(path);
+  const std::size_t walls = open.find("# The bin");
+  ASSERT_NE(walls, open.npos);
+  open.erase(walls, open.find("# Body i", walls) - walls);
+  open.replace(open.find("\"mixed_pile\""), 12, "\"open_pile\"");
+  w.write("open_pile.toml", open);
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = [\"mixed_pile\", \"open_pile\"]\ndimension = [2, 3]\n"
+          "n = 100\nseed = [1, 2, 3]\n");
+  ASSERT_EQ(w.lpc("sweep ./s.toml --quiet --store s.db").code, 0);
+  const auto fastest = [&](const std::string& scene, int dimension) {
+    return std::stod(test::ask(w.path("s.db"),
+                               "SELECT max(json_extract(metrics, '$.max_speed_end')) FROM trial WHERE "
+                               "json_extract(canonical, '$.scene') = '" +
+                                   scene +
+                                   "' AND json_extract(canonical, '$.dimension') = " + std::to_string(dimension)));
+  };
+  for (const int dimension : {2, 3}) {
+    EXPECT_LT(fastest("mixed_pile", dimension), 0.5) << dimension << "D, m/s";
+    EXPECT_GT(fastest("open_pile", dimension), 0.5) << dimension << "D: the pile without walls was not seen";
+  }
 }
 
 // solver2d's numbers: half 0.5, y = 0.55 + 1.1 i, x alternates by a centimetre, friction 0.3.
