@@ -247,12 +247,15 @@ class Store:
             same = timed if machine is None else timed[timed["machine"] == machine]
             cell.update(key_timed=same.index[0], machine=machine, refused_repeats=len(timed) - len(same))
             for name in dict.fromkeys(name for metrics in same["metrics"] for name in metrics if self.is_time(name)):
-                repeats = {}  # of each the median over seeds: a repeat is one round over all cells
+                repeats, of_seeds = {}, {}  # of a repeat the median over seeds: it is one round over all cells
                 for entry in entries:
                     value = same["metrics"][entry.key].get(name) if entry.key in same.index else None
                     if value is not None:
                         repeats.setdefault(entry.axes.get("repeat"), []).append(value)
-                values = [float(np.median(of_seeds)) for of_seeds in repeats.values()]
+                        of_seeds.setdefault(entry.axes.get("seed"), []).append(value)
+                if len(cell["seeds"]) > 1:
+                    cell[_free(name, axes) + " seeds"] = [middle(of_seeds.get(seed, [])) for seed in cell["seeds"]]
+                values = [float(np.median(of_repeat)) for of_repeat in repeats.values()]
                 cell[_free(name, axes)] = float(np.median(values)) if values else np.nan
                 cell[_free(name, axes) + " runs"] = values
                 if values and name.endswith("_median"):
@@ -349,6 +352,6 @@ def one_machine(store, cells):
                for row in cells[other].itertuples()]
     cells = cells.copy()
     for name in cells.columns:
-        if store.is_time(re.sub("_(lo|hi)$", "_median", name.removesuffix(" runs"))):
+        if store.is_time(re.sub("_(lo|hi)$", "_median", name.removesuffix(" runs").removesuffix(" seeds"))):
             cells.loc[other, name] = np.nan
     return cells, sorted(set(refused))

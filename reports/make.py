@@ -25,9 +25,12 @@ def parse(arguments):
     parser.add_argument("--check", action="store_true", help="measure the pictures: print the texts that overlap or are cut off "
                         "and end with 1 where there are any; write nothing")
     parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and the metrics, and write nothing")
+    parser.add_argument("--taken", action="store_true", help="print the pipeline that the sweeps of choose take together, where "
+                        "nothing has run it as a whole; write nothing")
     options = parser.parse_args(arguments)
-    if not (options.out or options.list or options.check or options.readme or (options.chart and options.to)):
-        parser.error("give --out DIR, or --chart ID --to FILE, or --readme FILE, or --list, or --check")
+    one_of = (options.out, options.list, options.check, options.readme, options.taken, options.chart and options.to)
+    if not any(one_of):
+        parser.error("give --out DIR, or --chart ID --to FILE, or --readme FILE, or --list, or --check, or --taken")
     return options
 
 
@@ -72,6 +75,10 @@ def run(options):
     import pages
     store = Store(options.store)
     context = Context(store)
+    if options.taken:
+        from charts.choose import to_run
+        print(to_run(context))
+        return 0
     only = [name for name in options.only.split(",") if name]
     charts = all_charts(context, only)
     names = ", ".join(context.ids)

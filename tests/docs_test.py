@@ -45,7 +45,11 @@ INSTEAD = {
     "lpc needs pyramid --param base=6 --seeds 3 --store results/needs.db":
         "lpc needs box_drop --seeds 1 --store results/needs.db",
     "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db":
-        "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db --dry-run",
+        "lpc sweep choose --set n=40 --set steps=20 --set seed=1 --store results/choose.db",
+    "lpc sweep choose_together --set n=5000 --set dimension=3 --store results/choose.db --with "
+    "\"taken=$(lpc report results/choose.db --taken)\"":
+        "t=$(lpc report results/choose.db --taken) && { [ -z \"$t\" ] || lpc sweep choose_together --set n=40 --set steps=20 "
+        "--set seed=1 --store results/choose.db --with \"taken=$t\"; }",
     "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
@@ -134,7 +138,7 @@ def all_blocks():
 def here(command):
     """As it is called in this build."""
     command = re.sub(r"build/(release|test)/bin/", f"{BINARY}/bin/", command)
-    return re.sub(r"(^|[ |;&])lpc ", rf"\1{BINARY}/bin/lpc ", command)
+    return re.sub(r"(^|[ |;&(])lpc ", rf"\1{BINARY}/bin/lpc ", command)
 
 
 def run(command):

@@ -87,12 +87,19 @@ int runProgram(const std::vector<std::string>& arguments) {
 void addReport(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("report", "Makes charts and a web page of a store");
   auto store = std::make_shared<std::string>(), out = std::make_shared<std::string>();
+  auto taken = std::make_shared<bool>(false);
   command.option("store", *store, "SQLite file").required();
   command.option("--out", *out, "folder; default: reports/out/<name of the store>");
+  command.flag("--taken", *taken, "no page: prints the pipeline that choose takes and has not yet run as a whole");
   command.footer("Example: lpc report results/quick.db");
-  command.callback([store, out, &session] {
+  command.callback([store, out, taken, &session] {
     namespace fs = std::filesystem;
     const fs::path home = homeDirectory();
+    if (*taken) {
+      session.exitCode =
+          runProgram({findPython(), (home / "reports" / "make.py").string(), "--store", *store, "--taken"});
+      return;
+    }
     const fs::path folder = out->empty() ? home / "reports" / "out" / fs::path(*store).stem() : fs::path(*out);
     session.exitCode = runProgram(
         {findPython(), (home / "reports" / "make.py").string(), "--store", *store, "--out", folder.string()});

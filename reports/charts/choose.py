@@ -1,167 +1,278 @@
 # SPDX-License-Identifier: Zlib
-"""What to take for a given scene: every stage's methods in whole steps of it, and the cheapest of those that are right."""
+"""What to take for a given scene: every stage's methods in whole steps of it, the cheapest of those that are right, and all
+that is taken as one pipeline."""
 
 import math
+import textwrap
+from dataclasses import dataclass
 
 import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
-from chart import Chart, Headline, describe, holes, identifier, listing
-from charts.cost_against_error import errors_of
-from charts.equal_cost import ranks, spread
-from load import axes_of, one_machine, split
-from style import HALO, ZeroLog, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
+import noise
+from chart import Chart, Headline, holes, identifier, listing, plural
+from choice import (ALONE, AS_RIGHT, COST, FEW, TOGETHER, by_place, choose, combination, errors_judged, pipeline_of, ratio,
+                    short, span)
+from load import one_machine
+from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
 
 PLACE = 5
 SECTION = "What should one take for this scene?"
-COST = "ms_per_step_median"
 KIND = "world"
-# A method errs as little as the others when it errs at most so many times the least: half as wrong is worth no time.
-AS_RIGHT = 2.0
 ABSENT = Chart("choose", SECTION, "What to take", "No sweep that chooses is in this store; experiments/run choose makes one.",
                "choose")
+WORDS = 2.75  # inches for the verdicts
+
+
+@dataclass
+class Advice:
+    """All that is known of one scene."""
+    where: str
+    choices: list  # of Choice
+    errors: list  # names of the metrics by which methods are excluded
+    whole: list  # cells of whole pipelines that were run as such: (name, cell)
+    pipeline: str  # what is taken, canonical; empty where a stage takes nothing
+    run: object  # the cell that ran it, or None
+    refused: list
+
+    @property
+    def given(self):
+        """What every stage was judged with, run in the same rounds."""
+        return next((cell for name, cell in self.whole if self.run is not None and cell["key"] != self.run["key"]), None)
 
 
 def of_store(context):
     """One chart per scene, of all sweeps that name this chart."""
-    sweeps = [name for name in context.store.sweeps() if "choose" in context.store.sweep(name).report]
-    parts = {}
-    for sweep in sweeps:
-        for cells, refused in of_sweep(context, context.cells(sweep)):
-            where = describe(cells.iloc[0], _place(context, cells))
-            parts.setdefault(where, []).append((sweep, cells, refused))
-    return [_chart(context, where, found) for where, found in parts.items()]
+    return [_chart(context, advice) for advice in advices(context)]
 
 
 def of_sweep(context, cells):
-    """(cells that may be compared, refused): one for each scene and size."""
+    """[(place, cells that may be compared, refused)]: one for each scene and size."""
     cells, refused = one_machine(context.store, metrics.add(context.store, cells, context.metrics(KIND, "error")))
-    return [(part, refused) for part in split(cells, _place(context, cells))]
+    return [(place, part, refused) for place, part in by_place(context, cells)]
 
 
-def _place(context, cells):
-    """The scene and all that makes it larger or harder."""
-    about = context.store.sweep(cells["sweep"].iloc[0])
-    axes = [axis for axis in cells.columns if axis in axes_of(context.store, cells) and
-            (axis in ("scene", "dimension", "steps") or about.roles.get(axis) == "parameter")]
-    return sorted(axes, key=lambda axis: (axis != "scene", axis != "dimension", axis))
+def advices(context):
+    places = {}
+    for sweep in [name for name in context.store.sweeps() if "choose" in context.store.sweep(name).report]:
+        for place, cells, refused in of_sweep(context, context.cells(sweep)):
+            places.setdefault(place, []).append((sweep, cells, refused))
+    return [made for made in (_advice(context, place, found) for place, found in places.items()) if made.choices]
 
 
-def question(context, sweep):
-    """`broadphase`, `contacts`, `resolver`: the axis along which the methods compete."""
-    return context.store.method_axes(sweep)[0]
+def _advice(context, where, found):
+    errors = errors_judged(context, [cells for _, cells, _ in found])
+    whole = [(sweep, cells) for sweep, cells, _ in found if context.store.method_axes(sweep)[0] == TOGETHER]
+    choices = [choose(context, sweep, cells, errors) for sweep, cells, _ in found if sweep not in dict(whole)]
+    pipeline = combination(context.store, choices)
+    pool = [cell for _, cells in whole for _, cell in cells.iterrows()] + [v.cell for c in choices for v in c.verdicts]
+    run = next((cell for cell in pool if pipeline and cell["outcome"] == "ok" and math.isfinite(cell[COST]) and
+                pipeline_of(context.store, cell) == pipeline), None)
+    rows = [(cell["name"], cell) for _, cells in whole for _, cell in cells.iterrows()]
+    if run is not None and all(cell["key"] != run["key"] for _, cell in rows):
+        rows.append(("taken", run))
+    return Advice(where, choices, errors, rows, pipeline, run, sorted({said for *_, part in found for said in part}))
 
 
-def chosen(context, cells, error):
-    """(rows, method to take or None, those that tie with it). Rows are (rank, method, time, lowest, highest); ranks are by
-    time among the competitors that finished and err as little as the best of them."""
-    mine = cells[[context.store.role(method) == "competitor" for method in cells["method"]]]
-    errors = {method: spread(part, error)[0] for method, part in mine.groupby("method")}
-    finite = [value for value in errors.values() if math.isfinite(value)]
-    least = max(min(finite), context.floor(error)) if finite else math.nan
-    right = [method for method, value in errors.items() if value <= AS_RIGHT * least]
-    rows = ranks(mine[mine["method"].isin(right)], COST)
-    first = [row[1] for row in rows if row[0] == 1]
-    return rows, (first[0] if first else None), first[1:]
+def to_run(context):
+    """The pipeline that is taken for the first scene where nothing has run it; empty where there is none."""
+    found = [advice for advice in advices(context) if advice.pipeline and advice.run is None]
+    return short(found[0].pipeline, context.store.algorithms) if found else ""
 
 
-def _sentence(context, sweep, cells, error):
-    rows, take, ties = chosen(context, cells, error)
-    what = question(context, sweep)
+def _sentence(choice):
+    take = choice.take
     if take is None:
-        return f"{what}: nobody finished with a time", None
-    text = f"{what} {take} ({si(rows[0][2], 'ms')} a step"
-    behind = [row for row in rows if row[0] not in (1, None)]
-    text += f"; as fast within the noise: {listing(ties)}" if ties else ""
-    text += f"; next {behind[0][1]}, {times(behind[0][2] / rows[0][2])} times as long" if behind else ""
-    others = cells[[context.store.role(method) != "competitor" for method in cells["method"]]]
-    peers = [(*spread(part, COST), method) for method, part in others.groupby("method")]
-    peers = sorted(peer for peer in peers if math.isfinite(peer[0]))
-    if peers:  # no ratio where the ranges of the repeats meet
-        median, low, high, peer = peers[0]
-        _, _, mine, lowest, highest = rows[0]
-        ratio = f"{times(median / mine)} times" if low > highest or high < lowest else "as fast within the noise"
-        text += f"; of other libraries {peer}, {ratio}"
-    return text + ")", take
+        return f"{choice.question}: none of ours finished with a time"
+    time = si(float(take.cell[choice.cost]), "ms")
+    text = f"{choice.question} {take.name} ({time} {'of its stage alone' if choice.cost == ALONE else 'a step'}"
+    ties = {}
+    for v in choice.verdicts:
+        if v.word == "tie":
+            ties.setdefault(v.reason, []).append(v.name)
+    text += "".join(f"; as fast: {listing(names)}, {why}" for why, names in ties.items())
+    slower = [v for v in choice.verdicts if v.word == "slower"]
+    text += f"; next {slower[0].name}, {slower[0].reason}" if slower else ""
+    out = [v.name for v in choice.verdicts if v.word == "errs more"]
+    text += f"; {listing(out)} {'errs' if len(out) == 1 else 'err'} more" if out else ""
+    failed = [f"{v.name} {v.word}" for v in choice.verdicts if v.role == "competitor" and v.cell["outcome"] != "ok"]
+    text += f"; {listing(failed)}" if failed else ""
+    peers = [v for v in choice.verdicts if v.role != "competitor" and not v.word]
+    if peers:  # no ratio where it is noise
+        text += f"; of other libraries {peers[0].name}, {peers[0].reason}"
+    return text + ")"
 
 
-def _chart(context, where, found):
-    figure, axes = grid_of_axes(1, 1, 0.75 * len(found) + 0.3, legend_room(_names(context, found), 2.0), left=1.3)
-    ax, taken, said, handles = axes[0][0], {}, [], {}
-    ends = [end for _, cells, _ in found for _, part in cells.groupby("method") for end in spread(part, COST)[1:]]
-    failed = any((cells["outcome"] != "ok").any() for _, cells, _ in found)
-    room = [0.8 * min(end for end in ends if math.isfinite(end))] if any(map(math.isfinite, ends)) else []  # for a word
-    across = ZeroLog(ax, "x", ends + room, "ms", failures=failed, failed_name="none")
-    for y, (sweep, cells, _) in enumerate(found):
-        error, looks = errors_of(context, cells)[0], context.looks(cells)
-        text, taken[sweep] = _sentence(context, sweep, cells, error)
-        said.append(text)
-        methods = sorted(cells["method"].unique())
-        for place, method in enumerate(methods):
-            # Each on a line of its own, so that whiskers and letters are read.
-            at = y + 0.7 * ((place + 0.5) / len(methods) - 0.5)
-            look, part = looks(method), cells[cells["method"] == method]
-            median, low, high = spread(part, COST)
-            handles[method] = Line2D([], [], label=context.name(method), **look)
-            if math.isfinite(median):
-                ax.plot([low, high], [at, at], color=look["color"], lw=1.2)
-                ax.plot([median], [at], **{**look, "linestyle": "none", "markersize": 6 * scale_of(look["marker"])})
-            else:
-                ax.plot([across.failed], [at], ls="none", ms=5, mew=0.3, color=look["color"],
-                        marker=letter(part["outcome"].iloc[0]))
-            if method == taken[sweep]:
-                ax.text(low, at, "take ", ha="right", va="center", fontsize=8.5, weight="bold", path_effects=HALO)
-    ax.set_yticks(range(len(found)), [question(context, sweep) for sweep, *_ in found])
-    ax.set_ylim(len(found) - 0.5, -0.5)
-    ax.set_xlabel(context.title(COST))
-    legend_right(figure, list(handles.values()), legend_room(_names(context, found), 2.0))
-    refused = [sentence for *_, part in found for sentence in part]
-    bad = [hole for _, cells, _ in found for hole in holes(cells, ["method"])]
-    return Chart(identifier(f"choose {where}"), SECTION, f"What to take: {where}", f"For {where} take {'; '.join(said)}.",
-                 found[0][0], figure, _table(context, found, taken), refused + bad,
-                 "Times of whole steps, with the range of the repeats. What is taken is the fastest of our methods that finished "
-                 f"and err at most {AS_RIGHT:g} times the least; the table has the errors. Other libraries are hollow.",
-                 telling=True, headline=_headline(context, where, found))
+def _together(context, advice):
+    if not advice.pipeline:
+        return ""
+    pasted = f"--pipeline '{short(advice.pipeline, context.store.algorithms)}'"
+    if advice.run is None:
+        return f" Not yet run as a whole: {pasted}."
+    text = f" As a whole this takes {span(noise.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
+    if advice.given is not None:
+        floor, given = _floor(advice), "what every stage was judged with"
+        said = noise.said(advice.given, advice.run, COST, floor)
+        few = said == "noise" and floor == noise.UNMEASURED
+        text += {"": "", "noise": f", {FEW} against {given}" if few else f", within the noise the time of {given}",
+                 "identical work": f", for the work of {given}"}.get(said, f", {said} times the time of {given}")
+    for error in advice.errors:
+        text += f"; {context.title(error)} {span(noise.of_seeds(advice.run, error), context.unit(error))}"
+    seeds = len(advice.run["seeds"])
+    return text + f" over {plural(seeds, 'seed')}. To paste: {pasted}."
 
 
-def _headline(context, where, found):
+def _floor(advice):
+    return noise.floor(pd.DataFrame([cell for _, cell in advice.whole]), COST)
+
+
+def _rows(context, advice):
+    """[(heading, cost, [(label, cell, role, verdict)])] from the top of the picture down."""
+    groups = []
+    for choice in advice.choices:
+        groups.append((choice.question, choice.cost,
+                       [(_label(v.name, v.role), v.cell, v.role, _short_word(v)) for v in choice.verdicts]))
+    if advice.whole:
+        chosen = None if advice.run is None else advice.run["key"]
+        groups.append(("as a whole", COST, [(f"{name}: {'all that is taken' if cell['key'] == chosen else 'judged with'}"
+                                             if name in ("taken", "given") else name, cell, "competitor",
+                                             "take" if cell["key"] == chosen else cell["outcome"] * (cell["outcome"] != "ok"))
+                                            for name, cell in advice.whole]))
+    return groups
+
+
+def _label(name, role):
+    return name if role == "competitor" else f"{name} ({role})"
+
+
+def _short_word(verdict):
+    """For the picture; the table has the whole reason."""
+    if verdict.word in ("take", "errs more") or verdict.cell["outcome"] != "ok":
+        return verdict.word
+    first = verdict.reason.split("; ")[0]
+    more = ", errs more" if "; " in verdict.reason or "above" in first else ""
+    if first.endswith("as long"):
+        return first + more
+    return "tie: " * (verdict.role == "competitor") + first + more
+
+
+def _chart(context, advice):
+    groups, errors = _rows(context, advice), advice.errors
+    lines = sum(len(rows) + 1 for _, _, rows in groups)
+    cells = [cell for _, _, rows in groups for _, cell, *_ in rows]
+    left = max(1.2, 0.3 + 0.075 * max(len(label) for _, _, rows in groups for label, *_ in rows))
+    figure, axes = grid_of_axes(1, 1 + len(errors), 0.225 * lines + 0.1, WORDS, left=left, gap_x=0.4, top=0.6, bottom=0.75)
+    for column, measure in enumerate([COST, *errors]):
+        ax = axes[0][column]
+        unit, floor = ("ms", 0.0) if measure == COST else (context.unit(measure), context.floor(measure))
+        drawn = [_values(cell, cost if measure == COST else measure) for _, cost, rows in groups for _, cell, *_ in rows]
+        scale = ZeroLog(ax, "x", [v for ticks, ends, middle in drawn for v in (*ticks, *ends, middle) if math.isfinite(v)], unit,
+                        failures=any(not math.isfinite(middle) for *_, middle in drawn), failed_name="none", floor=floor)
+        room = int(ax.get_position().width * figure.get_figwidth() / 0.078)
+        ax.set_title(textwrap.fill("time per step" if measure == COST else context.title(measure), room))
+        y, ticks = 0, []
+        for heading, cost, rows in groups:
+            if column == 0:
+                ax.text(-0.04, y, heading, transform=ax.get_yaxis_transform(), fontsize=9, ha="right", va="center",
+                        fontweight="bold")
+            if column == len(errors) and cost == ALONE:
+                ax.text(1.04, y, "by its stage alone: equal runs", transform=ax.get_yaxis_transform(), va="center", fontsize=8.5,
+                        style="italic", color="#555555")
+            y += 1
+            for label, cell, role, word in rows:
+                _mark(ax, scale, y, cell, cost if measure == COST else measure, role)
+                if column == len(errors):
+                    ax.text(1.04, y, word, transform=ax.get_yaxis_transform(), va="center", fontsize=8.5,
+                            weight="bold" if word == "take" else "normal", color="black" if word == "take" else "#555555")
+                ticks.append((y, label))
+                y += 1
+        ax.set_ylim(y - 0.3, -0.7)
+        ax.set_yticks([t for t, _ in ticks])
+        ax.set_yticklabels([label for _, label in ticks] if column == 0 else [])
+        ax.tick_params(axis="y", length=0)
+    alone = [Line2D([], [], ls="none", marker="D", color="#555555", label="of the stage alone")]
+    figure.legend(handles=[Line2D([], [], ls="none", marker="o", color="#555555", label="median"),
+                           *(alone if any(cost == ALONE for _, cost, _ in groups) else []),
+                           Line2D([], [], ls="none", marker="|", ms=9, color="#555555", label="one seed"),
+                           Line2D([], [], color="#555555", label="holds the median (time: of repeats)"),
+                           Line2D([], [], ls="none", marker="o", mfc="white", color="#555555", label="other libraries'")],
+                  loc="lower left", bbox_to_anchor=(left / figure.get_figwidth(), 0.0), ncol=5, borderaxespad=0.3,
+                  columnspacing=1.5)
+    said = "; ".join(_sentence(choice) for choice in advice.choices)
+    missing = [] if not advice.pipeline or advice.run is not None else [
+        "the pipeline of all that is taken has not run as a whole; experiments/run choose does it, by "
+        "lpc sweep choose_together --with \"taken=$(lpc report STORE --taken)\""]
+    bad = [hole for choice in advice.choices for hole in holes(pd.DataFrame([v.cell for v in choice.verdicts]), ["method"])]
+    rules = dict.fromkeys(noise.rule(choice.floor) for choice in advice.choices)
+    seeds = max(len(cell["seeds"]) for cell in cells)
+    return Chart(identifier(f"choose {advice.where}"), SECTION, f"What to take: {advice.where}",
+                 f"For {advice.where} take {said}.{_together(context, advice)}", advice.choices[0].sweep, figure,
+                 _table(context, advice), advice.refused + missing + bad,
+                 f"Taken is the fastest of our methods that finished and err at most {AS_RIGHT:g} times as much as the least "
+                 f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}). Who errs more does so under "
+                 "every seed, and who is slower is so under every seed and beyond the noise; the others tie. "
+                 f"{' '.join(rules)} The table has the reason of every verdict.", telling=True, headline=_headline(advice))
+
+
+def _values(cell, measure):
+    """(one value of each seed, ends of the interval of the median, the median); NaN where the cell has none."""
+    if cell["outcome"] != "ok" or measure not in cell or not math.isfinite(cell[measure]):
+        return [], (), math.nan
+    seeds = noise.of_seeds(cell, measure)
+    times_of = noise.runs(cell, measure)
+    return seeds if len(seeds) > 1 else [], noise.interval(times_of or seeds), float(cell[measure])
+
+
+def _mark(ax, scale, y, cell, measure, role):
+    colour = "#0072B2" if role == "competitor" else "#777777"
+    seeds, ends, middle = _values(cell, measure)
+    if not math.isfinite(middle):
+        mark, width = (letter(cell["outcome"]), 0.3) if cell["outcome"] != "ok" else ("x", 1)
+        ax.plot([scale.failed], [y], ls="none", ms=6, mew=width, color=colour, marker=mark, clip_on=False)
+        return
+    ax.plot([scale.place(v) for v in seeds], [y] * len(seeds), ls="none", marker="|", ms=8, color=colour, alpha=0.5, mew=0.8)
+    ax.plot([scale.place(v) for v in ends], [y, y], color=colour, lw=1.6, alpha=0.8)
+    ax.plot([scale.place(middle)], [y], ls="none", marker="D" if measure == ALONE else "o", ms=5, color=colour, zorder=3,
+            mfc=colour if role == "competitor" else "white")
+
+
+def _headline(advice):
     """The stage where the choice weighs most."""
     made = []
-    for sweep, cells, _ in found:
-        rows, take, _ = chosen(context, cells, errors_of(context, cells)[0])
-        last = [row for row in rows if row[0] not in (1, None)]
-        if take and last:
-            made.append(Headline(f"For {where} take {question(context, sweep)} {take}: of our methods that err as little "
-                                 f"{last[-1][1]} takes {times(last[-1][2] / rows[0][2])} times as long a step.",
-                                 {row[1]: row[2] for row in rows}, "ms"))
+    for choice in advice.choices:
+        slower = [v for v in choice.verdicts if v.word == "slower"]
+        if slower:
+            mine = {v.name: float(v.cell[choice.cost]) for v in choice.verdicts if v.word in ("take", "tie", "slower")}
+            what = "in its stage" if choice.cost == ALONE else "a step"
+            ties = [v.name for v in choice.verdicts if v.word == "tie"]
+            named = listing([choice.take.name, *ties]) + (" (a tie)" if ties else "")
+            made.append(Headline(f"For {advice.where} take {choice.question} {named}: of our methods that err as little "
+                                 f"{slower[-1].name} takes {ratio(mine[slower[-1].name] / mine[choice.take.name])} times as long "
+                                 f"{what}.", mine, "ms"))
     return max(made, key=lambda headline: headline.effect, default=None)
 
 
-def _names(context, found):
-    return [context.name(method) for _, cells, _ in found for method in cells["method"].unique()]
-
-
-def _table(context, found, taken):
-    tables = []
-    for sweep, cells, _ in found:
-        what, error = question(context, sweep), errors_of(context, cells)[0]
-        rows, _, ties = chosen(context, cells, error)
-        ranked = {row[1]: row[0] for row in rows}
-        times_of = {label: spread(part, COST)[0] for label, part in cells.groupby("method")}
-        labels = sorted(times_of, key=lambda label: (not math.isfinite(times_of[label]), times_of[label]))
-        parts = [cells[cells["method"] == label] for label in labels]
-        # A broadphase is told of moved boxes where these are made.
-        stages = [name for name in (f"us_{what}", *(["us_boxes"] if what == "broadphase" else [])) if name in cells]
-        columns = {"stage": what, "method": labels, "role": [context.store.role(label) for label in labels],
-                   "verdict": ["take" if label == taken[sweep] else "tie" if label in ties else "" for label in labels],
-                   "rank": [ranked.get(label) or "" for label in labels], "outcome": [part["outcome"].iloc[0] for part in parts]}
-        for end, name in enumerate(("time per step", "lowest of the repeats", "highest of the repeats")):
-            columns.update(quantity(name, "ms", [spread(part, COST)[end] for part in parts]))
-        own = [sum(spread(part, name)[0] for name in stages) if stages else math.nan for part in parts]
-        columns.update(quantity("time of the stage", "us", own))
-        columns.update(quantity(context.title(error), context.unit(error), [spread(part, error)[0] for part in parts]))
-        columns["reason"] = [part["reason"].iloc[0] for part in parts]
-        tables.append(pd.DataFrame(columns))
-    return pd.concat(tables, ignore_index=True)
+def _table(context, advice):
+    rows = [(choice.question, choice.cost, v.name, v.role, v.word, v.reason, v.cell) for choice in advice.choices
+            for v in choice.verdicts]
+    chosen = None if advice.run is None else advice.run["key"]
+    rows += [("as a whole", COST, name, "competitor", "take" if cell["key"] == chosen else "", cell["reason"], cell)
+             for name, cell in advice.whole]
+    whats, costs, names, roles, words, reasons, cells = zip(*rows)
+    columns = {"stage": whats, "method": names, "role": roles, "verdict": words, "reason": reasons,
+               "outcome": [cell["outcome"] for cell in cells], "seeds": [len(cell["seeds"]) for cell in cells]}
+    for title, measures in (("time per step", [COST] * len(rows)),
+                            ("time of the stage alone", [cost if cost == ALONE else None for cost in costs])):
+        ends = [_values(cell, measure) if measure else ([], (), math.nan) for cell, measure in zip(cells, measures)]
+        columns |= quantity(title, "ms", [middle for *_, middle in ends])
+        columns |= quantity(f"{title}, low end", "ms", [low_high[0] if low_high else math.nan for _, low_high, _ in ends])
+        columns |= quantity(f"{title}, high end", "ms", [low_high[1] if low_high else math.nan for _, low_high, _ in ends])
+    for error in advice.errors:
+        found, unit, title = [_values(cell, error) for cell in cells], context.unit(error), context.title(error)
+        columns |= quantity(title, unit, [middle for *_, middle in found])
+        columns |= quantity(f"{title}, low end", unit, [ends[0] if ends else math.nan for _, ends, _ in found])
+        columns |= quantity(f"{title}, high end", unit, [ends[1] if ends else math.nan for _, ends, _ in found])
+    columns["pipeline"] = [short(pipeline_of(context.store, cell), context.store.algorithms) for cell in cells]
+    return pd.DataFrame(columns)

@@ -72,21 +72,31 @@ class FirstSweep(unittest.TestCase):
     def test_choose_says_what_to_take_for_fifty_bodies(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "choose.db"
-            command = [LPC, "sweep", "choose", "--set", "n=50", "--set", "steps=30", "--store", str(path), "--quiet"]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-            self.assertEqual(done.returncode, 0, done.stderr)
+
+            def run(*arguments):
+                done = subprocess.run([LPC, *arguments], capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                return done.stdout.strip()
+
+            small = ("--set", "n=50", "--set", "steps=30", "--set", "seed=1", "--store", str(path), "--quiet")
+            run("sweep", "choose", *small)
+            taken = run("report", str(path), "--taken")
+            if taken:  # unless it is what every stage was judged with
+                run("sweep", "choose_together", *small, "--with", f"taken={taken}")
+            self.assertEqual(run("report", str(path), "--taken"), "", "a canonical pipeline is found again by its short text")
             made = make.all_charts(chart.Context(load.Store(path)))
         self.addCleanup(style.plt.close, "all")
         found = [c for c in made if c.section == choose.SECTION]
         self.assertEqual([c.id for c in found], ["choose_mixed_pile__2d__n_50__steps_30"])
         table = found[0].table
-        self.assertEqual(sorted(set(table["stage"])), ["broadphase", "contacts", "resolver"])
+        self.assertEqual(sorted(set(table["stage"])), ["as a whole", "broadphase", "contacts", "resolver"])
         taken = table[table["verdict"] == "take"]
-        self.assertEqual(sorted(taken["stage"]), ["broadphase", "contacts", "resolver"], "one of each")
+        self.assertEqual(sorted(taken["stage"]), ["as a whole", "broadphase", "contacts", "resolver"], "one of each")
         self.assertEqual(set(taken["role"]), {"competitor"})
         self.assertLessEqual({"fcl_tree", "bullet_dbvt", "box2d", "soft_step", "naive"}, set(table["method"]))
-        for name in taken["method"]:
+        for name in taken[taken["stage"] != "as a whole"]["method"]:
             self.assertIn(f" {name} (", found[0].finding)
+        self.assertIn("As a whole this takes", found[0].finding)
         self.assertEqual(overlap.overlaps(found[0].figure), ([], []))
 
 

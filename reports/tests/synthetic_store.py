@@ -46,6 +46,7 @@ ms_per_step_p75|world|three quarters|ms|detail|cheaper|timing
 slope_distance|world|distance slid|m|detail||slope
 drift_limit|world|limit of drift|m|detail||drift limit
 end_drift_max|world|largest drift at the end|m|detail|less drift|
+mean_penetration_poses_end|world|mean penetration of shapes at the end|m|detail|less overlap|
 max_speed_end|world|largest speed at the end|m/s|detail|calmer|
 bodies|world|bodies|1|detail||
 steps_done|world|steps|1|detail||
@@ -134,8 +135,8 @@ class Maker:
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
 
     def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=5,
-              machine=1, steps=300, extra=None, without=(), zero=(), work=None, hash=None):
-        """The untimed trial and the timed repeats of one cell."""
+              machine=1, steps=300, extra=None, without=(), zero=(), work=None, hash=None, left=None, stages=None):
+        """The untimed trial and the timed repeats of one cell; `left`: mean penetration at the end; `stages`: us of each."""
         axes = {"kind": "world", "precision": "f64", **axes}
         n = steps if step is None else step
         at = np.arange(n)
@@ -147,6 +148,7 @@ class Maker:
         facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,
                  "max_penetration": error, "end_drift_max": error * 3, "residual_median": error / 10, "work_row_updates": base_ms * 4000 if work is None else work, "bodies": 15,
                  "steps_done": n, "max_speed_end": restless}
+        facts |= {} if left is None else {"mean_penetration_poses_end": left}
         facts = {name: math.nan if name in without else 0.0 if name in zero else value for name, value in facts.items()}
         self.trial(sweep, {**axes, "timed": False, "repeat": 0}, facts, outcome, reason, step, series, machine, extra, hash)
         if outcome in ("ok", "collapsed"):
@@ -155,7 +157,7 @@ class Maker:
                 self.trial(sweep, {**axes, "timed": True, "repeat": repeat},
                            {"ms_per_step_median": ms, "ms_per_step_p25": ms * 0.97, "ms_per_step_p75": ms * 1.05,
                             "ms_per_step_p99": ms * 1.3, "ms_per_step_worst": ms * 2.5, "load": 0.4,
-                            **facts}, outcome, reason, step, machine=machine, extra=extra, hash=hash)
+                            **{f"us_{stage}": us * ms / base_ms for stage, us in (stages or {}).items()}, **facts}, outcome, reason, step, machine=machine, extra=extra, hash=hash)
 
     def close(self):
         self.db.commit()

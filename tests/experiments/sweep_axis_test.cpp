@@ -254,6 +254,39 @@ TEST(SweepSet, OneValueStandsForAnAxisWhereverItIs) {
   EXPECT_EQ(bodies, std::set<int>{50});
 }
 
+// What is advised must hold when the bodies start elsewhere, and be more than the noise of the clock.
+TEST(SweepSet, ChooseTimesEveryMethodUnderFiveSeedsFiveTimes) {
+  const auto fewest = [](const std::vector<PlannedSweep>& sweeps) {
+    std::map<std::string, std::map<int, int>> repeats;  // of each cell and seed
+    for (const PlannedSweep& s : sweeps) {
+      EXPECT_TRUE(s.notes.empty()) << s.name << ": " << s.notes.at(0);  // that the seeds decide nothing
+      for (const PlannedTrial& t : s.trials) {
+        nlohmann::json cell = t.axes;
+        for (const char* name : {"seed", "repeat", "timed"}) cell.erase(name);
+        repeats[s.name + cell.dump()][t.axes.value("seed", 1)] += t.timed();
+      }
+    }
+    std::pair<std::size_t, int> out = {1000, 1000};
+    for (const auto& [cell, of] : repeats) {
+      out.first = std::min(out.first, of.size());
+      for (const auto& [seed, count] : of) out.second = std::min(out.second, count);
+    }
+    return out;
+  };
+  for (const char* name : {"choose", "choose_together"}) {
+    EXPECT_EQ(fewest(planSweeps(name, {})), (std::pair<std::size_t, int>(5, 5))) << name;
+    EXPECT_EQ(fewest(planSweeps(name, {}, {}, {"seed=3"})).first, 1u) << name << ": one seed was not seen";
+  }
+}
+
+// What is taken of each stage runs as a whole beside what every stage was judged with.
+TEST(SweepSet, WhatIsTakenRunsBesideWhatWasGiven) {
+  const auto sweeps = planSweeps("choose_together", {}, {"taken=broadphase=naive solver=soft_step"}, {"n=50"});
+  std::set<std::string> labels;
+  for (const PlannedTrial& t : sweeps.at(0).trials) labels.insert(t.axes.at("together"));
+  EXPECT_EQ(labels, (std::set<std::string>{"given", "taken"}));
+}
+
 TEST(SweepSet, MistakesAreOneLine) {
   Workspace w;
   w.write("s.toml", kTwoResolvers);

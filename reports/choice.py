@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Zlib
+"""What to take of each stage for one scene, why not the others, and the pipeline that all of it is together.
+
+A choice must stand when the scene starts elsewhere. So a method errs more only where it does under every seed, is slower
+only beyond the noise (noise.py) and under every seed, and ties otherwise.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+import noise
+from chart import describe
+from charts.cost_against_error import errors_of
+from load import axes_of, split, varying
+from style import si, times
+
+COST = "ms_per_step_median"
+LEFT = "mean_penetration_poses_end"  # what a scene is left with
+ALONE = "ms_of_stage"  # of a stage that changes nothing but the time; a column made here
+TOGETHER = "together"  # the axis of a sweep of whole pipelines, in which what is taken runs as one
+AS_RIGHT = 2.0  # a method errs as little as another when it errs at most so many times as much: half as wrong is worth no time
+FEW, NOISE, TURNS = "too few repeats to measure the noise", "within the noise", "the rank turns round between seeds"
+ORDER = ("take", "tie", "slower", "errs more")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    name: str
+    role: str
+    word: str  # one of ORDER, or why there is no number; empty for what is not ours
+    reason: str
+    cell: pd.Series
+
+
+@dataclass(frozen=True)
+class Choice:
+    sweep: str
+    question: str  # "broadphase", "contacts", "resolver": the axis along which methods compete
+    cost: str  # the column by which they are judged: COST or ALONE
+    floor: float  # of the noise of that column
+    verdicts: list  # ours first, the best first
+
+    @property
+    def take(self):
+        return next((v for v in self.verdicts if v.word == "take"), None)
+
+
+def place_of(context, cells):
+    """The axes of the scene and of all that makes it larger or harder."""
+    about = context.store.sweep(cells["sweep"].iloc[0])
+    axes = [axis for axis in cells.columns if axis in axes_of(context.store, cells) and
+            (axis in ("scene", "dimension", "steps") or about.roles.get(axis) == "parameter")]
+    return sorted(axes, key=lambda axis: (axis != "scene", axis != "dimension", axis))
+
+
+def by_place(context, cells):
+    """[(place in words, cells)] of a sweep."""
+    axes = place_of(context, cells)
+    return [(describe(part.iloc[0], axes), _named(context, part, axes)) for part in split(cells, axes)]
+
+
+def _named(context, cells, but):
+    """With the column `name`: the method, and whatever else tells the cells of one place apart."""
+    inner = varying(context.store, cells, but)
+    cells = cells.copy()
+    cells["name"] = [", ".join(filter(None, [cell["method"], describe(cell, inner)])) for _, cell in cells.iterrows()]
+    return cells
+
+
+def errors_judged(context, parts):
+    """What the scene is left with, how wrong it ever was, and what else its trials measure as an error; what all have."""
+    cells = pd.concat(parts, ignore_index=True)
+    finished = cells[cells["outcome"] == "ok"]
+    shared = [name for name in (LEFT, "penetration_poses") if name in finished and len(finished) and
+              finished[name].notna().all() and (finished[name] > 0).any()]
+    meant = {context.metric(name).smaller for name in shared}
+    others = [name for name in errors_of(context, cells) if context.metric(name).smaller not in meant]
+    return shared + [name for name in others if context.metric(name).compute is None][:1] or others[:1]
+
+
+def choose(context, sweep, cells, errors):
+    cells, cost = _costs(context, sweep, cells)
+    floor = noise.floor(cells, cost)
+    rows = [(cell, context.store.role(cell["method"])) for _, cell in cells.iterrows()]
+    ours = [cell for cell, role in rows if role == "competitor"]
+    right = [cell for cell in ours if not _failed(cell, cost) and not wrong(context, cell, ours, errors)]
+    take = min(right, key=lambda cell: cell[cost], default=None)
+    found = []
+    for cell, role in rows:
+        failed, errs = _failed(cell, cost), "; ".join(wrong(context, cell, ours, errors))
+        speed = "" if failed or take is None or cell is take else tie(take, cell, cost, floor)
+        if failed:
+            word, reason = failed
+        elif cell is take:
+            word, reason = "take", f"the {'fastest' if len(right) > 1 else 'only one'} of those that finished and err as little"
+        else:
+            word = "errs more" if errs else "tie" if speed else "slower"
+            slow = speed or (f"{ratio(noise.ratio(take, cell, cost))} times as long" if take is not None else "")
+            reason = errs if errs and role == "competitor" else "; ".join(filter(None, [slow, errs]))
+        if role != "competitor":
+            word = "" if not failed else word
+        found.append(Verdict(cell["name"], role, word, reason, cell))
+    found.sort(key=lambda v: (v.role != "competitor", ORDER.index(v.word) if v.word in ORDER else len(ORDER) * (v.word != ""),
+                              _failed(v.cell, cost) is not None, v.cell[cost], v.name))
+    return Choice(sweep, context.store.method_axes(sweep)[0], cost, floor, found)
+
+
+def _costs(context, sweep, cells):
+    """(cells, the column by which they are judged): whole steps; but where all of ours end in the same states, the times of their
+    stage alone, since the rest of the step is the same work."""
+    stage = context.store.method_axes(sweep)[0]
+    finished = cells[(cells["outcome"] == "ok") & [context.store.role(m) == "competitor" for m in cells["method"]]]
+    # A broadphase is told of moved boxes where these are made.
+    names = [f"us_{stage}", *(["us_boxes"] if stage == "broadphase" else [])]
+    same = len(finished) > 1 and len({tuple(hashes) for hashes in finished["hashes"]}) == 1 and all(finished["hashes"].iloc[0])
+    if not same or any(name not in cells or finished[name].isna().any() for name in names):
+        return cells, COST
+    cells = cells.copy()
+    cells[ALONE] = sum(cells[name].astype(float) for name in names) / 1e3
+    for kind in ("runs", "seeds"):
+        columns = [f"{name} {kind}" for name in names]
+        if all(column in cells for column in columns):
+            cells[f"{ALONE} {kind}"] = [[sum(parts) / 1e3 for parts in zip(*lists)] if all(isinstance(x, list) for x in lists)
+                                        else np.nan for lists in zip(*(cells[column] for column in columns))]
+    return cells, ALONE
+
+
+def _failed(cell, cost):
+    """(word, reason) of what has no number; None of what has."""
+    if cell["outcome"] != "ok":
+        failed, seeds = cell["failed_seeds"], len(cell["seeds"])
+        many = f" under {failed} of {seeds} seeds" if failed and seeds > 1 else ""
+        return cell["outcome"], f"{cell['outcome']}{many}" + (f": {cell['reason']}" if cell["reason"] else "")
+    if not np.isfinite(cell.get(cost, np.nan)):
+        return "no time", "no time was measured"
+    return None
+
+
+def wrong(context, cell, ours, errors):
+    """Reasons: the errors that a method makes more of than AS_RIGHT times the least of ours, under every seed."""
+    said = []
+    for error in errors:
+        zero, unit = context.floor(error), context.unit(error)
+        known = [other for other in ours if np.isfinite(noise.of_seeds(other, error)).all()]
+        if not known:
+            continue
+        best = min(known, key=lambda other: float(np.median(noise.of_seeds(other, error))))
+        mine, least = noise.of_seeds(cell, error), noise.of_seeds(best, error)
+        if len(mine) != len(least) or not all(a > AS_RIGHT * max(b, zero) for a, b in zip(mine, least)):
+            continue
+        a, b = float(np.median(mine)), float(np.median(least))
+        more = f"{ratio(a / b)} times that of {best['name']}" if b > zero else f"{si(a, unit)} where {best['name']} has none"
+        seeds = f"each of {len(mine)} seeds" if len(mine) > 1 else "the one seed"
+        said.append(f"{context.title(error)} {more}, above {AS_RIGHT:g} times under {seeds}")
+    return said
+
+
+def tie(a, b, cost, floor):
+    """Why two that finished are as fast as one another; empty where one is faster beyond doubt."""
+    if cost == COST and noise.same_work(a, b):
+        return "identical work"
+    if not noise.tells(a, b, cost, floor):
+        return FEW if floor == noise.UNMEASURED else NOISE
+    return "" if noise.beats(a, b, cost) or noise.beats(b, a, cost) else TURNS
+
+
+def ratio(value):
+    return f"{value:.2f}" if value < 2 else times(value)
+
+
+def span(values, unit):
+    """The median in words, with the interval that holds it: "3.1 mm (2.9 mm to 3.4 mm)"."""
+    low, high = noise.interval(values)
+    text = si(float(np.median(values)), unit)
+    return text if si(low, unit) == si(high, unit) else f"{text} ({si(low, unit)} to {si(high, unit)})"
+
+
+def pipeline_of(store, cell):
+    """The canonical text, with every parameter; empty where a cell has none."""
+    return store.trials.loc[cell["key"], "canonical"].get("pipeline", "") if cell["key"] is not None else ""
+
+
+def combination(store, choices):
+    """The canonical pipeline of all that is taken: of each choice the stages in which its methods differ. Empty where one of
+    them takes nothing."""
+    if not choices or any(choice.take is None for choice in choices):
+        return ""
+    whole = stages_of(pipeline_of(store, choices[0].take.cell))
+    for choice in choices:
+        ours = [stages_of(pipeline_of(store, v.cell)) for v in choice.verdicts if v.role == "competitor"]
+        mine = stages_of(pipeline_of(store, choice.take.cell))
+        for stage, spec in mine.items():
+            if len({other.get(stage) for other in ours}) > 1:
+                whole[stage] = spec
+    return " ".join(f"{stage}={spec}" for stage, spec in whole.items())
+
+
+def stages_of(pipeline):
+    """{stage: algorithm with its parameters} of a pipeline's text."""
+    return dict(part.split("=", 1) for part in _split(pipeline, " "))
+
+
+def _split(text, separator):
+    """At the separators that stand in no braces."""
+    parts, depth = [""], 0
+    for letter in text:
+        depth += (letter == "{") - (letter == "}")
+        if letter == separator and not depth:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [part for part in parts if part]
+
+
+def short(pipeline, algorithms):
+    """Without the parameters that have their defaults, which are the same to whoever reads it. `algorithms`: the registry."""
+    known = {(entry["stage"], entry["name"]): {p["name"]: p for p in entry.get("params", [])} for entry in algorithms}
+    return " ".join(f"{stage}={_short(stage, spec, known)}" for stage, spec in stages_of(pipeline).items())
+
+
+def _short(stage, spec, known):
+    name, _, inside = spec.partition("{")
+    parameters, kept = known.get((stage, name), {}), []
+    for part in _split(inside[:-1], ","):
+        key, value = part.split("=", 1)
+        about = parameters.get(key, {})
+        if about.get("type", "").startswith("stage:"):
+            value = _short(about["type"].removeprefix("stage:"), value, known)
+        if value != about.get("default"):
+            kept.append(f"{key}={value}")
+    return name + ("{" + ",".join(kept) + "}" if kept else "")
