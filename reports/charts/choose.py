@@ -13,7 +13,7 @@ import metrics
 import noise
 from chart import Chart, Headline, holes, identifier, listing, plural
 from choice import (ALONE, AS_RIGHT, COST, FEW, TOGETHER, by_place, choose, combination, errors_judged, pipeline_of, ratio,
-                    short, span)
+                    short, span, tie)
 from load import one_machine
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
@@ -101,7 +101,7 @@ def _sentence(choice):
     text += f"; {listing(failed)}" if failed else ""
     peers = [v for v in choice.verdicts if v.role != "competitor" and not v.word]
     if peers:  # no ratio where it is noise
-        text += f"; of other libraries {peers[0].name}, {peers[0].reason}"
+        text += f"; of other libraries {peers[0].name}, {_short_word(peers[0])}"
     return text + ")"
 
 
@@ -138,9 +138,18 @@ def _rows(context, advice):
         chosen = None if advice.run is None else advice.run["key"]
         groups.append(("as a whole", COST, [(f"{name}: {'all that is taken' if cell['key'] == chosen else 'judged with'}"
                                              if name in ("taken", "given") else name, cell, "competitor",
-                                             "take" if cell["key"] == chosen else cell["outcome"] * (cell["outcome"] != "ok"))
+                                             "take" if cell["key"] == chosen else _beside(advice, cell))
                                             for name, cell in advice.whole]))
     return groups
+
+
+def _beside(advice, cell):
+    """How a whole pipeline stands to that of all that is taken."""
+    if cell["outcome"] != "ok":
+        return cell["outcome"]
+    if advice.run is None:
+        return ""
+    return tie(advice.run, cell, COST, _floor(advice)) or f"{ratio(noise.ratio(advice.run, cell, COST))} times as long"
 
 
 def _label(name, role):
@@ -205,7 +214,7 @@ def _chart(context, advice):
         "the pipeline of all that is taken has not run as a whole; experiments/run choose does it, by "
         "lpc sweep choose_together --with \"taken=$(lpc report STORE --taken)\""]
     bad = [hole for choice in advice.choices for hole in holes(pd.DataFrame([v.cell for v in choice.verdicts]), ["method"])]
-    rules = dict.fromkeys(noise.rule(choice.floor) for choice in advice.choices)
+    rules = [f"{choice.question.capitalize()}: {noise.rule(choice.floor)}" for choice in advice.choices]
     seeds = max(len(cell["seeds"]) for cell in cells)
     return Chart(identifier(f"choose {advice.where}"), SECTION, f"What to take: {advice.where}",
                  f"For {advice.where} take {said}.{_together(context, advice)}", advice.choices[0].sweep, figure,
@@ -239,7 +248,15 @@ def _mark(ax, scale, y, cell, measure, role):
 
 
 def _headline(advice):
-    """The stage where the choice weighs most."""
+    """What to take, where as a whole it differs beyond the noise from what every stage was judged with; else the stage where
+    the choice weighs most."""
+    run, given = advice.run, advice.given
+    if run is not None and given is not None and given["outcome"] == "ok" and not tie(run, given, COST, _floor(advice)):
+        named = [f"{choice.question} {choice.take.name}" for choice in advice.choices]
+        times_of = {"taken": float(run[COST]), "judged with": float(given[COST])}
+        part = ratio(times_of["taken"] / times_of["judged with"])
+        return Headline(f"For {advice.where} take {listing(named)}: as a whole {si(times_of['taken'], 'ms')} a step, {part} times "
+                        "the time of what every stage was judged with.", times_of, "ms")
     made = []
     for choice in advice.choices:
         slower = [v for v in choice.verdicts if v.word == "slower"]

@@ -75,7 +75,7 @@ class Choose(unittest.TestCase):
                                 left=2e-3, extra={"pipeline": text})
         maker.close()
         context = chart.Context(load.Store(self.path))
-        made = [c for c in make.all_charts(context) if c.section == choose.SECTION]
+        made = choose.of_store(context)
         self.addCleanup(style.plt.close, "all")
         for c in made:
             if c.figure is not None:
@@ -174,9 +174,11 @@ class Choose(unittest.TestCase):
         self.assertIn("mean penetration of shapes at the end 2 mm", made[0].finding)
         self.assertIn(f"over 3 seeds. To paste: --pipeline '{pasted}'", made[0].finding)
         self.assertEqual(self.verdicts(made[0].table, "as a whole"), {"taken": "take"})
+        self.assertRegex(made[0].headline.text, r"take broadphase sort_and_sweep and resolver catto\+none: as a whole 1\.0\d ms")
         self.assertNotIn("as a whole", " ".join(made[0].holes))
         _, made = self.made(whole=3.01)
         self.assertIn("within the noise the time of what every stage was judged with", made[0].finding)
+        self.assertNotIn("as a whole", made[0].headline.text)
 
     def test_what_is_taken_may_have_run_anyway(self):
         context, made = self.made({"catto+split_impulse": (1.0, 0.01, 0.001, "ok", FLAT, FLAT)},
