@@ -2,7 +2,8 @@
 """What to take of each stage for one scene, why not the others, and the pipeline that all of it is together.
 
 A choice must stand when the scene starts elsewhere. So a method errs more only where it does under every seed, is slower
-only beyond the noise (noise.py) and under every seed, and ties otherwise.
+only beyond the noise (noise.py) and under every seed, and ties otherwise. Among those that tie the fastest is a matter of the
+hour: taken is who errs least under every seed, else what the other stages were judged with, else the fastest.
 """
 
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ LEFT = "mean_penetration_poses_end"  # what a scene is left with
 ALONE = "ms_of_stage"  # of a stage that changes nothing but the time; a column made here
 TOGETHER = "together"  # the axis of a sweep of whole pipelines, in which what is taken runs as one
 AS_RIGHT = 2.0  # a method errs as little as another when it errs at most so many times as much: half as wrong is worth no time
-FEW, NOISE, TURNS = "too few repeats to measure the noise", "within the noise", "the rank turns round between seeds"
+TURNS = "the rank turns round between seeds"
 ORDER = ("take", "tie", "slower", "errs more")
 
 
@@ -41,6 +42,7 @@ class Choice:
     cost: str  # the column by which they are judged: COST or ALONE
     floor: float  # of the noise of that column
     verdicts: list  # ours first, the best first
+    why: str = ""  # this one among those that tie
 
     @property
     def take(self):
@@ -80,31 +82,58 @@ def errors_judged(context, parts):
     return shared + [name for name in others if context.metric(name).compute is None][:1] or others[:1]
 
 
-def choose(context, sweep, cells, errors):
+def choose(context, sweep, cells, errors, given=""):
+    """`given`: the pipeline with which the other stages were judged."""
     cells, cost = _costs(context, sweep, cells)
     floor = noise.floor(cells, cost)
     rows = [(cell, context.store.role(cell["method"])) for _, cell in cells.iterrows()]
     ours = [cell for cell, role in rows if role == "competitor"]
     right = [cell for cell in ours if not _failed(cell, cost) and not wrong(context, cell, ours, errors)]
-    take = min(right, key=lambda cell: cell[cost], default=None)
+    right.sort(key=lambda cell: cell[cost])
+    fastest = next(iter(right), None)
+    take, why = _of_equals(context, [cell for cell in right if cell is fastest or tie(fastest, cell, cost, floor)], errors, given)
     found = []
     for cell, role in rows:
         failed, errs = _failed(cell, cost), "; ".join(wrong(context, cell, ours, errors))
-        speed = "" if failed or take is None or cell is take else tie(take, cell, cost, floor)
+        speed = "" if failed or take is None else tie(fastest, take if cell is fastest else cell, cost, floor)
         if failed:
             word, reason = failed
         elif cell is take:
-            word, reason = "take", f"the {'fastest' if len(right) > 1 else 'only one'} of those that finished and err as little"
+            word, reason = "take", f"of those that are as fast it {why}" if why else (
+                f"the {'fastest' if len(right) > 1 else 'only one'} of those that finished and err as little")
         else:
             word = "errs more" if errs else "tie" if speed else "slower"
-            slow = speed or (f"{ratio(noise.ratio(take, cell, cost))} times as long" if take is not None else "")
+            whom = "" if take is fastest else f" as {fastest['name']}"
+            slow = speed or (f"{ratio(noise.ratio(fastest, cell, cost))} times as long{whom}" if take is not None else "")
             reason = errs if errs and role == "competitor" else "; ".join(filter(None, [slow, errs]))
         if role != "competitor":
             word = "" if not failed else word
         found.append(Verdict(cell["name"], role, word, reason, cell))
     found.sort(key=lambda v: (v.role != "competitor", ORDER.index(v.word) if v.word in ORDER else len(ORDER) * (v.word != ""),
                               _failed(v.cell, cost) is not None, v.cell[cost], v.name))
-    return Choice(sweep, context.store.method_axes(sweep)[0], cost, floor, found)
+    return Choice(sweep, context.store.method_axes(sweep)[0], cost, floor, found, why)
+
+
+def _of_equals(context, cells, errors, given):
+    """(the one to take of methods that tie, why)."""
+    if len(cells) < 2:
+        return next(iter(cells), None), ""
+    for error in errors:
+        least = [cell for cell in cells if all(other is cell or noise.beats(cell, other, error, context.floor(error))
+                                               for other in cells)]
+        if least:
+            seeds = "every seed" if len(least[0]["seeds"]) > 1 else "the one seed"
+            return least[0], f"has the smallest {context.title(error).removeprefix('largest ')} under {seeds}"
+    for cell in cells:
+        if given and pipeline_of(context.store, cell) == given:
+            return cell, "is what the other stages were judged with"
+    return cells[0], "is the fastest by chance"
+
+
+def given_of(context, parts):
+    """The pipeline that all these sweeps have, each with its own stage varied around it; empty where there is no one."""
+    shared = set.intersection(*({pipeline_of(context.store, cell) for _, cell in cells.iterrows()} for cells in parts)) - {""}
+    return shared.pop() if len(parts) > 1 and len(shared) == 1 else ""
 
 
 def _costs(context, sweep, cells):
@@ -159,10 +188,11 @@ def wrong(context, cell, ours, errors):
 
 def tie(a, b, cost, floor):
     """Why two that finished are as fast as one another; empty where one is faster beyond doubt."""
-    if cost == COST and noise.same_work(a, b):
-        return "identical work"
-    if not noise.tells(a, b, cost, floor):
-        return FEW if floor == noise.UNMEASURED else NOISE
+    if cost == ALONE:  # of equal runs, whose counts tell nothing
+        a, b = (cell[[name for name in cell.index if not name.startswith("work_")]] for cell in (a, b))
+    said = noise.said(a, b, cost, floor)
+    if said in (*noise.IN_WORDS, noise.SAME_WORK):
+        return noise.IN_WORDS.get(said, said)
     return "" if noise.beats(a, b, cost) or noise.beats(b, a, cost) else TURNS
 
 

@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 import metrics
 import noise
 from chart import Chart, Headline, holes, identifier, listing, plural
-from choice import (ALONE, AS_RIGHT, COST, FEW, TOGETHER, by_place, choose, combination, errors_judged, pipeline_of, ratio,
-                    short, span, tie)
+from choice import (ALONE, AS_RIGHT, COST, TOGETHER, by_place, choose, combination, errors_judged, given_of,
+                    pipeline_of, ratio, short, span, tie)
 from load import one_machine
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
@@ -65,7 +65,9 @@ def advices(context):
 def _advice(context, where, found):
     errors = errors_judged(context, [cells for _, cells, _ in found])
     whole = [(sweep, cells) for sweep, cells, _ in found if context.store.method_axes(sweep)[0] == TOGETHER]
-    choices = [choose(context, sweep, cells, errors) for sweep, cells, _ in found if sweep not in dict(whole)]
+    competing = [(sweep, cells) for sweep, cells, _ in found if sweep not in dict(whole)]
+    given = given_of(context, [cells for _, cells in competing]) if competing else ""
+    choices = [choose(context, sweep, cells, errors, given) for sweep, cells in competing]
     pipeline = combination(context.store, choices)
     pool = [cell for _, cells in whole for _, cell in cells.iterrows()] + [v.cell for c in choices for v in c.verdicts]
     run = next((cell for cell in pool if pipeline and cell["outcome"] == "ok" and math.isfinite(cell[COST]) and
@@ -93,6 +95,7 @@ def _sentence(choice):
         if v.word == "tie":
             ties.setdefault(v.reason, []).append(v.name)
     text += "".join(f"; as fast: {listing(names)}, {why}" for why, names in ties.items())
+    text += f"; of these it {choice.why}" if choice.why else ""
     slower = [v for v in choice.verdicts if v.word == "slower"]
     text += f"; next {slower[0].name}, {slower[0].reason}" if slower else ""
     out = [v.name for v in choice.verdicts if v.word == "errs more"]
@@ -113,11 +116,9 @@ def _together(context, advice):
         return f" Not yet run as a whole: {pasted}."
     text = f" As a whole this takes {span(noise.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
     if advice.given is not None:
-        floor, given = _floor(advice), "what every stage was judged with"
-        said = noise.said(advice.given, advice.run, COST, floor)
-        few = said == "noise" and floor == noise.UNMEASURED
-        text += {"": "", "noise": f", {FEW} against {given}" if few else f", within the noise the time of {given}",
-                 "identical work": f", for the work of {given}"}.get(said, f", {said} times the time of {given}")
+        why, given = tie(advice.run, advice.given, COST, _floor(advice)), "what every stage was judged with"
+        found = noise.ratio(advice.given, advice.run, COST)
+        text += f", as fast as {given}, {why}" if why else f", {ratio(found)} times the time of {given}" * math.isfinite(found)
     for error in advice.errors:
         text += f"; {context.title(error)} {span(noise.of_seeds(advice.run, error), context.unit(error))}"
     seeds = len(advice.run["seeds"])
@@ -160,9 +161,9 @@ def _short_word(verdict):
     """For the picture; the table has the whole reason."""
     if verdict.word in ("take", "errs more") or verdict.cell["outcome"] != "ok":
         return verdict.word
-    first = verdict.reason.split("; ")[0]
+    first = verdict.reason.split("; ")[0].replace(noise.IN_WORDS[noise.FEW], "too few repeats")
     more = ", errs more" if "; " in verdict.reason or "above" in first else ""
-    if first.endswith("as long"):
+    if " times as long" in first:
         return first + more
     return "tie: " * (verdict.role == "competitor") + first + more
 
@@ -221,7 +222,8 @@ def _chart(context, advice):
                  _table(context, advice), advice.refused + missing + bad,
                  f"Taken is the fastest of our methods that finished and err at most {AS_RIGHT:g} times as much as the least "
                  f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}). Who errs more does so under "
-                 "every seed, and who is slower is so under every seed and beyond the noise; the others tie. "
+                 "every seed, and who is slower is so under every seed and beyond the noise; the others tie, and of these the "
+                 "one is taken that errs least under every seed, else what the other stages were judged with. "
                  f"{' '.join(rules)} The table has the reason of every verdict.", telling=True, headline=_headline(advice))
 
 
@@ -255,7 +257,8 @@ def _headline(advice):
         named = [f"{choice.question} {choice.take.name}" for choice in advice.choices]
         times_of = {"taken": float(run[COST]), "judged with": float(given[COST])}
         part = ratio(times_of["taken"] / times_of["judged with"])
-        return Headline(f"For {advice.where} take {listing(named)}: as a whole {si(times_of['taken'], 'ms')} a step, {part} times "
+        whole = si(times_of["taken"], "ms")
+        return Headline(f"For {advice.where} take {listing(named)}: as a whole {whole} a step, {part} times "
                         "the time of what every stage was judged with.", times_of, "ms")
     made = []
     for choice in advice.choices:
