@@ -26,6 +26,9 @@ class Headline:
     text: str
     values: dict  # name -> number; NaN is what failed
     unit: str = "1"
+    quantity: str = ""  # what the numbers are, in words
+    larger: bool = False  # is better; failures then stand at the lower end
+    ends: dict = field(default_factory=dict)  # name -> what tells its final states apart (final_states); may lack names
 
     @property
     def effect(self):
@@ -219,6 +222,16 @@ class Context:
                        if self._groups().get(stage, stage) == group}
             self._looks[group] = Looks(self.store, registered, sorted(labels))
         return self._looks[group]
+
+
+def final_states(cells):
+    """{method: the hashes of the final states of its cells}, for those of whom all are known."""
+    found = {}
+    for method, part in cells.groupby("method", sort=True):
+        hashes = [found for of_cell in part["hashes"] for found in of_cell or [None]]
+        if hashes and all(hashes):
+            found[method] = tuple(hashes)
+    return found
 
 
 def describe(row, axes):

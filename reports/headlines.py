@@ -2,11 +2,15 @@
 """The findings that stand on the first screen of the page: which of them, and the small chart of each."""
 
 import math
+import re
+from dataclasses import dataclass
 
+from load import family
 from style import plt, si
+from table import SI
 
 MOST = 10  # on one screen
-ROWS = 5  # of a small chart
+ROWS = 6  # of a small chart
 WIDTH = 3.0  # inches of a small chart
 INK, SOFT = "#0072B2", "#777777"
 
@@ -23,41 +27,114 @@ def chosen(charts, most=MOST):
     return [found[place] for place in range(rounds) for found in ranked if place < len(found)][:most]
 
 
+@dataclass(frozen=True)
+class Row:
+    """A line of a small chart: methods of one family that have one number are one line; a gap has no number (None)."""
+    name: str
+    value: object
+    under: str = ""  # smaller, below the name
+    methods: tuple = ()
+
+
 def rows_of(headline):
-    """(name, number) from the smallest to the largest, what failed at the end; of many the least, a gap (None), the largest."""
-    known = sorted((item for item in headline.values.items() if item[1] == item[1]), key=lambda item: item[1])
-    rows = known + [item for item in headline.values.items() if item[1] != item[1]]
-    if len(rows) <= ROWS:
-        return rows
-    return rows[:ROWS - 2] + [(f"… {len(rows) - ROWS + 1} between", None)] + rows[-1:]
+    """Rows from the best to the worst, what failed at the end. Of many those that the sentence names, the ends, and the best;
+    gaps say how many others there are."""
+    rows, sign = merged(headline), -1 if headline.larger else 1
+    rows = sorted((row for row in rows if row.value == row.value), key=lambda row: sign * row.value) + [
+        row for row in rows if row.value != row.value]
+    wanted = sorted(range(len(rows)), key=lambda i: (i not in (0, len(rows) - 1), not named(headline.text, rows[i]), i))
+    for count in range(len(rows), 1, -1):
+        shown = _with_gaps(rows, set(wanted[:count]))
+        if len(shown) <= ROWS:
+            return shown
+    return rows[:ROWS]
+
+
+def _with_gaps(rows, kept):
+    shown, left = [], []
+    for i, row in enumerate(rows):
+        if i not in kept:
+            left += row.methods
+        if i in kept or i == len(rows) - 1:
+            shown += [Row(f"… {len(left)} between", None)] if left else []
+            left = []
+            shown += [row] if i in kept else []
+    return shown
+
+
+def merged(headline):
+    """Methods of a family that have the same number share a row, which says whether their runs end in the same bits."""
+    groups = {}
+    for name, value in headline.values.items():
+        groups.setdefault((family(name), "failed" if value != value else value), []).append(name)
+    rows = []
+    for (stem, _), names in groups.items():
+        value = headline.values[names[0]]
+        if len(names) == 1:
+            rows.append(Row(names[0], value, "", tuple(names)))
+            continue
+        everyone = sum(family(name) == stem for name in headline.values)
+        ends = {headline.ends.get(name) for name in names}
+        alike = "same bits" if len(ends) == 1 and None not in ends else "equal"
+        count = f"{len(names)} variants" if len(names) == everyone else f"{len(names)} of {everyone} variants"
+        rows.append(Row(stem, value, count if value != value else f"{count}, {alike}", tuple(names)))
+    return rows
+
+
+def named(text, row):
+    """Whether a sentence names a method of the row, by itself or with its whole family."""
+    return any(re.search(rf"(?<![\w+]){re.escape(name)}(?![\w+{{])", text) for name in row.methods) or (
+        len(row.methods) > 1 and f" {row.name} variants" in text)
+
+
+def caption(headline, wide):
+    """What the numbers are, with the unit of SI that their prefixes belong to."""
+    unit = SI.get(headline.unit, (1, headline.unit))[1]
+    return f"{headline.quantity}{'' if unit == '1' else f' ({unit})'}{', logarithmic' if wide else ''}"
 
 
 def drawn(headline):
-    """One line per name: its number as a dot, from zero on, or on a logarithmic scale where the numbers span a decade."""
+    """One line per row: its number as a dot, from zero on, or on a logarithmic scale where the numbers span a decade. What failed
+    is a cross at the worse end."""
     rows = rows_of(headline)
-    height = 0.2 * len(rows) + 0.06
+    tops, height = [], 0.03
+    for row in rows:
+        tops.append(height)
+        height += 0.32 if row.under else 0.2
+    height += 0.2 if headline.quantity else 0.03
     figure, ax = plt.subplots(figsize=(WIDTH, height))
-    left = 0.14 + 0.066 * max(len(short(name)) for name, _ in rows)
+    left = 0.14 + max(max(0.066 * len(short(row.name)), 0.052 * len(row.under)) for row in rows)
     figure.subplots_adjust(left=left / WIDTH, right=1 - 0.72 / WIDTH, top=1, bottom=0)
-    finite = [value for _, value in rows if value is not None and math.isfinite(value)]
+    finite = [row.value for row in rows if row.value is not None and math.isfinite(row.value)]
     above = [value for value in finite if value > 0]
     wide = bool(above) and max(above) / min(above) > 10
     low, high = (min(above), max(above)) if above else (0.0, 1.0)
-    for y, (name, value) in enumerate(rows):
+    failed = any(row.value is not None and row.value != row.value for row in rows)
+    span = 0.84 if failed and not headline.larger else 1.0  # the last of it is for what failed
+    for row, top in zip(rows, tops):
+        y, value = top + (0.16 if row.under else 0.1), row.value
         place = 0.0
-        if value is not None and math.isfinite(value) and value > 0:
+        if value is not None and value > 0:
             # A zero stands at the left edge, apart from the smallest number.
-            place = 0.12 + 0.88 * math.log(value / low) / math.log(high / low) if wide else value / high
-        if value is not None:
+            place = span * (0.12 + 0.88 * math.log(value / low) / math.log(high / low) if wide else value / high)
+        if value is not None and value == value:
             # A bar from zero has a length; on a logarithmic scale a place is all that there is.
-            ax.plot([0, 1 if wide else place], [y, y], color="#C9D6E2", lw=0.8 if wide else 3, ls=":" if wide else "-", zorder=1)
-            ax.plot([place], [y], marker="o", ms=5, color=INK if value == value else SOFT, zorder=2, clip_on=False)
-            text = "failed" if value != value else si(value, headline.unit)
-            ax.text(1.09, y, text, transform=ax.get_yaxis_transform(), va="center", fontsize=8)
-        ax.text(-0.06, y, short(name), transform=ax.get_yaxis_transform(), va="center", ha="right", fontsize=8,
-                color=SOFT if value is None else "black")
+            ends, width, dots = [0, span if wide else place], 0.8 if wide else 3, ":" if wide else "-"
+            ax.plot(ends, [y, y], color="#C9D6E2", lw=width, ls=dots, zorder=1)
+            ax.plot([place], [y], marker="o", ms=5, color=INK, zorder=2, clip_on=False)
+        elif value is not None:
+            ax.plot([0.0 if headline.larger else 1.0], [y], marker="x", ms=5, mew=1.5, color=SOFT, zorder=2, clip_on=False)
+        right = {"transform": ax.get_yaxis_transform(), "va": "center"}
+        if value is not None:
+            ax.text(1.09, y, "failed" if value != value else si(value, headline.unit), fontsize=8, **right)
+        ax.text(-0.06, y - (0.06 if row.under else 0), short(row.name), ha="right", fontsize=8,
+                color=SOFT if value is None else "black", **right)
+        if row.under:
+            ax.text(-0.06, y + 0.07, row.under, ha="right", fontsize=6.5, color=SOFT, **right)
+    if headline.quantity:
+        figure.text(1 - 0.04 / WIDTH, 0.09 / height, caption(headline, wide), ha="right", va="center", fontsize=7, color=SOFT)
     ax.set_xlim(0, 1)
-    ax.set_ylim(len(rows) - 0.5, -0.5)
+    ax.set_ylim(height, 0)
     ax.axis("off")
     return figure
 

@@ -99,7 +99,8 @@ def headline(scene, name, table, dimension):
         return None
     return Headline(f"On {scene} in {dimension}D {methods(first, everyone)} {'falls' if len(first) == 1 else 'fall'} first when "
                     f"{name} is raised, at {_value(name, fallen['fell'].min())}; {methods(last, everyone)} "
-                    f"{'holds' if len(last) == 1 else 'hold'} to {_value(name, top)}.", held, "s" if name == "dt" else "1")
+                    f"{'holds' if len(last) == 1 else 'hold'} to {_value(name, top)}.", held, "s" if name == "dt" else "1",
+                    f"largest {name} that holds", larger=True)
 
 
 def _chart(context, cells, found, dimension):

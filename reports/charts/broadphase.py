@@ -145,7 +145,7 @@ def headline(cells, cross, base, dimension, ahead, least):
     find = "finds the pairs" if len(names) == 1 else f"{noise.IN_WORDS[noise.silence(least)]}, find the pairs"
     return Headline(f"Among {n:,.0f} {distribution} boxes in {dimension}D {listing(names)}{',' if len(names) > 1 else ''} {find} "
                     f"{speeds(ratios)} times as fast as {base}{since}.",
-                    dict(zip(part["method"], metrics.column(part, TIME))), "ns")
+                    dict(zip(part["method"], metrics.column(part, TIME))), "ns", "time per frame")
 
 
 def n_share(cells, n):

@@ -122,7 +122,8 @@ def _chart(context, rows, file):
     ends = rows.pivot(index="id", columns="method", values="end")[methods].reindex(cases + sorted(set(rows["id"]) - set(cases)))
     return Chart("corpus", SECTION, "Published hard cases, method by method", finding(table, rows), "", figure,
                  ends.reset_index(), [], _note(rows, file), made_by=MADE_BY,
-                 headline=Headline(finding(table, rows), dict(zip(methods, table[list(FAILURES)].sum(axis=1)))))
+                 headline=Headline(finding(table, rows), dict(zip(methods, table[list(FAILURES)].sum(axis=1))),
+                                    quantity="cases that failed"))
 
 
 def _note(rows, file):

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
 from load import one_machine, split, varying
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
                    si, times)
@@ -144,7 +144,8 @@ def headline(context, cells, where, cost_name, error_name):
                     f"{'has' if len(best) == 1 else 'have'} the smallest {what}, {least}"
                     + (f"; {methods(worst, list(errors))} {'has' if len(worst) == 1 else 'have'} {most}" if worst != best else "")
                     + (f"; {methods(failed, list(errors))} {'fails' if len(failed) == 1 else 'fail'}." if failed else "."),
-                    errors, unit)
+                    errors, unit, context.title(error_name),
+                    ends=final_states(cells.loc[[at for at in table["at"] if at is not None and at == at]]))
 
 
 def against_baseline(context, cells, cost_name, error_name):

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
 from load import split, varying
 from style import ZeroLog, grid_of_axes, legend_right, si
@@ -124,7 +124,8 @@ def headline(context, where, groups, error, everyone):
     else:
         by = ", ".join(f"of {name} at {listing(at)}" for name, at in places.items())
         text = f"{first}, the smallest {what} every time is that {by} (medians: {won[-1][0]})."
-    return Headline(text, {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error))
+    return Headline(text, {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error),
+                    f"{context.title(error)}, median of the seeds", ends=final_states(part))
 
 
 def _chart(context, cells, where, inner):

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods, plural
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, plural
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from style import ZeroLog, fallen, grid_of_axes, legend_right, legend_room, letter, scale_of, si, times
@@ -138,18 +138,22 @@ def not_used(context, cells, about):
 
 
 def headline(context, cells, about, where, name):
-    """The budget at which the ranks are farthest apart."""
+    """The budget at which those that have a rank are farthest apart."""
     unit, found = context.unit(name), []
     for budget, here in cells.groupby("budget", sort=True):
         table = ranks(here, name, context.floor(name))
         best, ranked = [row[1] for row in table if row[0] == 1], [row for row in table if row[0] is not None]
         if best and ranked[-1][0] != 1:
-            found.append(Headline(
+            none = [row[1] for row in table if row[0] is None]
+            fail = f"; {methods(none, [row[1] for row in table])} {'fails' if len(none) == 1 else 'fail'}" if none else ""
+            apart = ranked[-1][2] / ranked[0][2] if ranked[0][2] > 0 else math.inf
+            found.append((apart, Headline(
                 f"On {where}, at {said_of(context, about, budget)} each ({context.title(about['metric'])}), "
                 f"{methods(best, [row[1] for row in table])} {'has' if len(best) == 1 else 'tie for'} the smallest "
                 f"{context.title(name).removeprefix('largest ')}, {si(ranked[0][2], unit)}; {ranked[-1][1]} has "
-                f"{si(ranked[-1][2], unit)}.", {row[1]: row[2] for row in ranked}, unit))
-    return max(found, key=lambda made: made.effect, default=None)
+                f"{si(ranked[-1][2], unit)}{fail}.", {row[1]: row[2] for row in table}, unit, context.title(name),
+                ends=final_states(here))))
+    return max(found, key=lambda pair: pair[0], default=(0, None))[1]
 
 
 def _chart(context, cells, about, axes, refused):

@@ -157,7 +157,8 @@ def _heat_map(context, rows, stage, dimension, precision):
                  "Witnesses are held to this tolerance too, for which they were not made: the chart of shares within a tolerance "
                  "shows all others. The numbers hold the worst case of each method; lpc verify --cases replays it.",
                  headline=Headline(finding(stage, dimension, precision, everything),
-                                   dict(zip(methods, summary["failed"] / summary["asked"]))),
+                                   dict(zip(methods, summary["failed"] / summary["asked"])),
+                                   quantity="share of the questions that failed"),
                  made_by=f"verify --stage {stage} --dimension {dimension} --precision {precision} --pairs 200")
 
 

@@ -77,7 +77,7 @@ def headline(stage, values):
     found = values[case].dropna().to_dict()
     first, last = min(found, key=found.get), max(found, key=found.get)
     return Headline(f"A single call of {stage} on {case} takes {first} {si(found[first], 's')} and {last} "
-                    f"{si(found[last], 's')}.", found, "s")
+                    f"{si(found[last], 's')}.", found, "s", "time of one call")
 
 
 def _chart(context, stage, table, machines):

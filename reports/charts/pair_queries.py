@@ -136,7 +136,8 @@ def _told_failing(cells, passed, pair, dimension, least):
         text += f"the {len(wrong)} others fail on {shares} of {numbers(wrong)}"
         if quick[TIME] < right[TIME].iloc[0] and noise.tells(right.iloc[0], quick, TIME, least):
             text += f", the fastest, {quick['method']}, in {si(quick[TIME], 'ns')}"
-    return Headline(text + ".", {**dict(zip(right["method"], right[TIME])), **dict.fromkeys(wrong["method"], math.nan)}, "ns")
+    return Headline(text + ".", {**dict(zip(right["method"], right[TIME])), **dict.fromkeys(wrong["method"], math.nan)}, "ns",
+                    "time per query")
 
 
 def _told_times(cells, dimension, least):
@@ -155,7 +156,7 @@ def _told_times(cells, dimension, least):
     return Headline(f"In {dimension}D nobody fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ most "
                     f"on {pair}, where {part['method'].iloc[-1]} takes {times(ratio)} times the {si(part[TIME].iloc[0], 'ns')} a "
                     f"query of {names}{', which are within the noise of each other' if len(first) > 1 else ''}.",
-                    dict(zip(part["method"], part[TIME])), "ns")
+                    dict(zip(part["method"], part[TIME])), "ns", "time per query")
 
 
 def _scatter(context, cells, dimension, refused, least):

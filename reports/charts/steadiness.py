@@ -65,7 +65,7 @@ def headline(where, speeds, failed=(), at=""):
     last = f"; {methods(failed, everyone)} {'fails' if len(failed) == 1 else 'fail'}" if failed else ""
     return Headline(f"On {where}{at}, by the RMS of the fastest body's speed in the last quarter, {first}; {who} at "
                     f"{si(moving[worst], 'm/s')} with {worst}{last}.",
-                    {**speeds, **dict.fromkeys(failed, math.nan)}, "m/s")
+                    {**speeds, **dict.fromkeys(failed, math.nan)}, "m/s", "RMS speed of the fastest body")
 
 
 def _steady_chart(context, resting, at):

@@ -50,4 +50,4 @@ def headline(rows, base_name, least):
         return None
     ratio, place, model, base, row = max(told, key=lambda pair: pair[0])
     return Headline(f"{place} does not need {model}, which makes its step {ratio:.2f} times as dear.",
-                    {base_name: base[COST] / 1e3, model: row[COST] / 1e3}, "s")
+                    {base_name: base[COST] / 1e3, model: row[COST] / 1e3}, "s", "time per step")

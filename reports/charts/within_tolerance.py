@@ -106,7 +106,8 @@ def headline(rows, dimension, precision):
     told = {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair}
     a, b, c, d = map(failure.share, told.values())
     return Headline(f"{dimension}D, {precision}: judged at 1e{tight} of the size {pair[0]} fails more often than {pair[1]} ({a} and "
-                    f"{b} of the questions), at 1e{LOOSE} less ({c} and {d}).", told)
+                    f"{b} of the questions), at 1e{LOOSE} less ({c} and {d}).", told,
+                    quantity="share of the questions that failed")
 
 
 def _chart(context, rows, dimension, precision):

@@ -273,6 +273,9 @@ class Tables(unittest.TestCase):
             told = made.finding + (made.headline.text if made.headline is not None else "")
             self.assertNotRegex(told, r"\b1(\.0+)? times\b", made.id)
 
+    def test_every_small_chart_names_its_quantity(self):
+        self.assertEqual([c.id for c in self.charts if c.headline is not None and not c.headline.quantity], [])
+
     def test_one_is_singular(self):
         many = re.compile(r"(?<![\d.,])1 (?!is\b|has\b|times\b|s\b|ms\b)[a-z]{3,}s\b")
         self.assertRegex("planted: 1 of 1 cells", many)
@@ -337,6 +340,23 @@ def strongest_of_all(charts):
     return sorted((c for c in charts if c.headline is not None), key=lambda c: -c.headline.effect)[:10]
 
 
+def check_named(rows_of, values):
+    """Whoever a sentence names has a row of the small chart, and no row is lost without a word."""
+    for second in ("m5", "m9", "m1+x"):
+        rows = rows_of(chart.Headline(f"m0 is best, {second} comes second and m11 last.", values))
+        shown = [name for row in rows for name in row.methods]
+        between = sum(int(row.name.split()[1]) for row in rows if row.value is None)
+        if not {"m0", second, "m11"} <= set(shown) or len(shown) + between != len(values) or len(rows) > headlines.ROWS:
+            return f"{second}: {[row.name for row in rows]}"
+    return ""
+
+
+def the_best_and_the_last(headline):
+    """Planted bug: of many rows the best three and the last, whoever the sentence speaks of."""
+    rows = headlines.rows_of(chart.Headline("", headline.values))
+    return rows[:3] + [headlines.Row(f"… {len(headline.values) - 4} between", None)] + rows[-1:]
+
+
 class First(unittest.TestCase):
     def charts(self, *effects):
         return [chart.Chart(f"c{i}", section, "", "", "", headline=chart.Headline("", {"a": 1.0, "b": effect}))
@@ -361,9 +381,39 @@ class First(unittest.TestCase):
 
     def test_of_many_methods_the_least_and_the_largest_are_drawn(self):
         rows = headlines.rows_of(chart.Headline("", {f"m{i}": float(9 - i) for i in range(9)} | {"fell": math.nan}))
-        self.assertEqual([name for name, _ in rows], ["m8", "m7", "m6", "… 6 between", "fell"])
+        self.assertEqual([row.name for row in rows], ["m8", "m7", "m6", "m5", "… 5 between", "fell"])
         rows = headlines.rows_of(chart.Headline("", {"a": 2.0, "b": 0.0, "c": math.nan}))
-        self.assertEqual([name for name, _ in rows], ["b", "a", "c"])
+        self.assertEqual([row.name for row in rows], ["b", "a", "c"])
+        rows = headlines.rows_of(chart.Headline("", {"a": 2.0, "b": 0.0, "c": math.nan}, larger=True))
+        self.assertEqual([row.name for row in rows], ["a", "b", "c"])
+
+    def test_whom_the_sentence_names_is_drawn(self):
+        values = {f"m{i}": float(i) for i in range(12)} | {"m1+x": 1.5}
+        self.assertEqual(check_named(headlines.rows_of, values), "")
+        self.assertNotEqual(check_named(the_best_and_the_last, values), "", "the planted bug was not seen")
+
+    def test_variants_with_one_result_are_one_row(self):
+        values = {"catto+linear": 1e-3, "catto+none": 1e-3, "naive": 2e-3, "soft_step": math.nan}
+        bits = {"catto+linear": ("7",), "catto+none": ("7",)}
+        best, others = {**values, "catto+best": 1e-4}, [("naive", ""), ("soft_step", "")]
+        for ends, shown, said in ((bits, values, [("catto", "2 variants, same bits")]),
+                                  ({"catto+linear": ("7",)}, values, [("catto", "2 variants, equal")]),
+                                  (bits, best, [("catto+best", ""), ("catto", "2 of 3 variants, same bits")])):
+            rows = headlines.rows_of(chart.Headline("", shown, "m", "error", ends=ends))
+            self.assertEqual([(row.name, row.under) for row in rows], said + others)
+
+    def test_what_failed_stands_at_the_worse_end(self):
+        values = {"a": 1e-3, "b": 5e-1, "c": math.nan, "d": 0.0}
+        for larger in (False, True):
+            figure = headlines.drawn(chart.Headline("", values, "ms", "time per step", larger))
+            ax = figure.axes[0]
+            places = {line.get_marker(): line.get_xdata()[0] for line in ax.lines if line.get_marker() in "xo"}
+            dots = [line.get_xdata()[0] for line in ax.lines if line.get_marker() == "o"]
+            self.assertEqual(len(dots), 3)
+            self.assertTrue(places["x"] <= min(dots) if larger else places["x"] > max(dots) + 0.1, places)
+            self.assertIn("time per step (s), logarithmic", [text.get_text() for text in figure.texts])
+            self.assertEqual(overlap.overlaps(figure), ([], []))
+            style.plt.close(figure)
 
 
 if __name__ == "__main__":
