@@ -34,7 +34,7 @@ class Headline:
     def effect(self):
         """How many times the smallest number the largest is; a zero or a failure beside another number counts as 1000."""
         known = [value for value in self.values.values() if math.isfinite(value)]
-        if not known or max(known) <= 0:
+        if not known or len(known) == len(self.values) and max(known) <= 0:
             return 1.0
         return min(1000.0, max(known) / min(known) if min(known) > 0 and len(known) == len(self.values) else 1000.0)
 

@@ -40,6 +40,8 @@ def tolerance(precision):
 
 def share(part):
     """A share of questions, short enough for a cell."""
-    if part == 0:
-        return "0"
-    return "<0.01%" if part < 1e-4 else f"{100 * part:.2g}%" if part < 0.995 else "100%"
+    if math.isnan(part):
+        return "unknown"
+    if part in (0, 1):
+        return "0" if part == 0 else "100%"
+    return "<0.01%" if part < 1e-4 else ">99%" if part > 0.99 else f"{100 * part:.2g}%"

@@ -42,6 +42,11 @@ def interval(found):
     return ordered[cut], ordered[n - 1 - cut]
 
 
+def certainty(count):
+    """How surely, in per cent, the interval of so many values holds the median."""
+    return math.floor(100 * min(SURE, 1 - 2 / 2**count))
+
+
 def with_itself(cells, metric):
     """Ratios of a cell's even repeats to its odd ones: the same method entered twice, one ratio per cell."""
     found = []

@@ -183,6 +183,12 @@ def caption_of_lines(found):
     return "".join(f" {', '.join(dict.fromkeys(names))}: {words}." for words, names in panels.items())
 
 
+def figures(value, digits=3):
+    """A number in a sentence or a cell: as many digits as tell it, thousands in full and without a power of ten."""
+    rounded = float(f"{value:.{digits - 1}e}")  # 999.6 is 1,000
+    return f"{value:,.0f}" if 10**digits <= abs(rounded) < 1e6 else f"{value:.{digits}g}"
+
+
 def si(value, unit="", digits=3):
     """A number for a sentence: 0.00123 m -> 1.23 mm. Zero stays 0."""
     if value is None or math.isnan(value):
@@ -194,21 +200,19 @@ def si(value, unit="", digits=3):
     if unit in ("ms", "ns", "us"):
         value, unit = value * {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit], "s"
     if unit in ("", "1", "J", "kg m/s", "rad"):
-        text = f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:,.0f}"
-        return f"{text} {unit}".replace(" 1", "").strip() if unit == "1" else f"{text} {unit}".strip()
+        return f"{figures(value, digits)} {'' if unit == '1' else unit}".strip()
     if abs(value) < 1e-15:
         return f"{value:.1e} {unit}"
-    power = min(3, max(-15, 3 * math.floor(math.log10(abs(value)) / 3)))
+    power = min(3, max(-15, 3 * math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))) / 3)))  # 999.6 ns is 1 µs
     if unit == "m":
         power = min(0, power)
     prefix = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k"}[power]
-    shown = value / 10**power
-    return f"{shown:.{digits}g} {prefix}{unit}" if shown < 10000 else f"{shown:.1e} {prefix}{unit}"
+    return f"{figures(value / 10**power, digits)} {prefix}{unit}"
 
 
 def times(ratio):
     """A ratio for a sentence."""
-    return f"{ratio:.1f}" if ratio < 20 else f"{ratio:,.0f}"
+    return f"{ratio:.2f}" if ratio < 1.995 else f"{ratio:.1f}" if ratio < 20 else f"{ratio:,.0f}"
 
 
 def _tick(value, unit):

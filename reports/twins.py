@@ -130,7 +130,7 @@ def _table(context, rows, shown, before, after, least):
                 line |= {name: values[0] for name, values in quantity(f"{label}, {side}", unit, [number(which, metric)]).items()}
             if metric in least:  # a number only where it is one, and else why not
                 text = told(base, row, metric, least[metric])
-                line[f"ratio of {label} [1]"] = float(text) if text[:1].isdigit() else math.nan
+                line[f"ratio of {label} [1]"] = ratio_of(base, row, metric) if text[:1].isdigit() else math.nan
                 line[f"{label}: why no ratio"] = "" if text[:1].isdigit() else text
             else:
                 line[f"ratio of {label} [1]"] = ratio_of(base, row, metric)

@@ -95,7 +95,7 @@ def finding(context, where, groups, error, everyone):
         seeds = max(map(len, part["seeds"]))
         best, equals, never = ranks(part, error, zero)
         if best is None:
-            said.append(f"{place}: every method fails under most of {seeds} seeds")
+            said.append(f"{place}: every method fails under half of the {seeds} seeds or more")
             continue
         value = si(float(np.median(noise.of_seeds(best, error))), unit)
         text = f"{place}: {standing(part, best, equals, everyone, error, zero, what, value)}"
@@ -169,12 +169,13 @@ def _chart(context, cells, where, inner):
         ax.tick_params(axis="y", length=0)
     legend_right(figure, [Line2D([], [], ls="none", marker="o", color="#555555", label="median"),
                           Line2D([], [], ls="none", marker="|", ms=9, color="#555555", label="one seed"),
-                          Line2D([], [], color="#555555", label="90 % of medians")], 1.5)
+                          Line2D([], [], color="#555555", label="its interval")], 1.5)
+    certain = noise.certainty(int(cells["seeds"].map(len).min()))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} ensemble {where}"), SECTION, f"Ensembles: {where}",
                  f"On {where}, {finding(context, where, groups, errors[0], everyone)}", cells["sweep"].iloc[0], figure,
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
                  "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. "
-                 "The bar holds the median with at least 90 %, whatever the distribution. A rank that one seed turns round is a tie.",
+                 f"The bar holds the median with at least {certain} %, whatever the distribution. A rank that one seed turns round is a tie.",
                  headline=headline(context, where, groups, errors[0], everyone))
 
 

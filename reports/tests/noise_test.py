@@ -50,6 +50,7 @@ class Noise(unittest.TestCase):
         self.assertNotEqual(check_interval(quartiles), "", "quartiles were not seen")
         self.assertEqual(noise.interval([3, 1, 2, 5, 4]), (1, 5))
         self.assertEqual(noise.interval(range(10)), (1, 8))
+        self.assertEqual([noise.certainty(n) for n in (2, 3, 4, 5, 10)], [50, 75, 87, 90, 90])
 
     def test_a_ratio_is_told_only_beyond_the_floor_and_with_intervals_apart(self):
         base = cell([1.0, 1.01, 1.02, 1.03, 1.04])
@@ -230,7 +231,7 @@ class OfStores(unittest.TestCase):
     def test_the_end_of_a_script_within_the_noise_is_no_difference(self):
         said = lambda end: stages._finding("s", "sleep", [("none", 2.0, 1.0), ("some", 2.0, end)], [], 1.1)  # noqa: E731
         self.assertIn("some ends as dear, within the noise, as none", said(1.09))
-        self.assertIn("some ends 1.2 times as dear as none", said(1.2))
+        self.assertIn("some ends 1.20 times as dear as none", said(1.2))
 
     @staticmethod
     def ensemble(turned=False, failing=(), idle=False):

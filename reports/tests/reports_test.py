@@ -151,12 +151,23 @@ class Numbers(unittest.TestCase):
         self.assertEqual(check_crossover(metrics.crossover), "")
         self.assertNotEqual(check_crossover(first_crossing), "", "the planted bug was not seen")
 
+    def test_a_zero_beside_a_failure_is_the_largest_effect(self):
+        self.assertEqual([chart.Headline("", v).effect for v in ({"a": 0.0, "b": math.nan}, {"a": 0.0, "b": 0.0}, {"a": 1.0, "b": 4.0})],
+                         [1000.0, 1.0, 4.0])
+
     def test_numbers_in_words(self):
         self.assertEqual(style.si(0.00123, "m"), "1.23 mm")
         self.assertEqual(style.si(0.0, "m"), "0 m")
         self.assertEqual(style.si(158300, "ns"), "158 µs")
         self.assertEqual(style.si(math.nan, "m"), "unknown")
         self.assertEqual([style.si(v, "1") for v in (0.5, 871, 4203.4, 70380)], ["0.5", "871", "4,203", "70,380"])
+        # No power of ten where thousands will do, at no edge of a prefix.
+        self.assertEqual([style.si(v, "ns") for v in (999.4, 999.6, 1000)], ["999 ns", "1 µs", "1 µs"])
+        self.assertEqual([style.si(v, "m") for v in (0.9996, 999.9, 1234, 8400)], ["1 m", "1,000 m", "1,234 m", "8,400 m"])
+        self.assertEqual([style.si(v, "J") for v in (999.9, 1240)], ["1,000 J", "1,240 J"])
+        self.assertEqual(style.si(3600, "1", 2), "3,600")
+        self.assertEqual([style.times(r) for r in (1.035, 1.994, 1.999, 4.54, 23.7)], ["1.03", "1.99", "2.0", "4.5", "24"])
+        self.assertEqual([failure.share(p) for p in (0, 1e-5, 0.996, 1, math.nan)], ["0", "<0.01%", ">99%", "100%", "unknown"])
 
     def test_every_metric_of_the_report_is_described(self):
         for name, entry in metrics.DERIVED.items():
