@@ -188,6 +188,14 @@ class Store:
         rows = self.db.execute("SELECT step, data FROM poses WHERE key=? ORDER BY step", (key,))
         return {step: np.frombuffer(data, dtype="<f8").reshape(-1, width) for step, data in rows}
 
+    def film(self, key):
+        """Pictures of a run that fell, as experiments/film/falls.cpp drew them: width, top and height of each in pixels, its step
+        and time (s), and patches [fill, edge, [x, y, x, y, ...]]. None where the store has none."""
+        if not self.db.execute("SELECT 1 FROM sqlite_master WHERE name='film'").fetchone():
+            return None
+        row = self.db.execute("SELECT data FROM film WHERE key=?", (key,)).fetchone()
+        return None if row is None else json.loads(row[0])
+
     def benchmarks(self):
         return [(row[0], json.loads(row[1])) for row in self.db.execute("SELECT imported, data FROM benchmark ORDER BY id")]
 

@@ -16,12 +16,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMoments = 8, kMostMoving = 120, kMostFrames = 600;
 
-std::string colourText(const Colour& c) {
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", c.red, c.green, c.blue);
-  return text;
-}
-
 void putPatches(std::ostream& out, const Picture& picture) {
   for (const Patch& p : picture.patches) {
     out << "<path d=\"";

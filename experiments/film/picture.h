@@ -2,6 +2,7 @@
 // What is drawn, before it is known into what: coloured convex patches in pixels, x to the right and y down.
 #pragma once
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,13 @@ namespace lpc::inline LPC_PRECISION {
 struct Colour {
   unsigned char red = 0, green = 0, blue = 0;
 };
+
+/// As #rrggbb.
+inline std::string colourText(const Colour& c) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", c.red, c.green, c.blue);
+  return text;
+}
 
 struct Patch {
   std::vector<Vec<2>> corners;  // convex, in order; two are a line

@@ -162,7 +162,7 @@ Reel<D>::Reel(const std::string& path) try {
 }
 
 template <int D>
-Camera<D> Reel<D>::camera(double width) const {
+Camera<D> Reel<D>::camera(double width, double follow) const {
   Camera<D> camera;
   Box first, all;
   for (const auto& frame : frames()) {
@@ -180,8 +180,7 @@ Camera<D> Reel<D>::camera(double width) const {
     all.take(box.lo, box.hi);
   }
   if (all.empty()) all.take({-1, -1}, {1, 1}), first = all;
-  // Nobody is followed farther than twice the size of the first picture, or ten metres for a lone small body.
-  const Vec<2> limit = Vec<2>::Constant(std::max(10.0, (first.hi - first.lo).maxCoeff()));
+  const Vec<2> limit = Vec<2>::Constant(std::max(follow, (first.hi - first.lo).maxCoeff()));
   all.lo = all.lo.cwiseMax(first.lo - limit), all.hi = all.hi.cwiseMin(first.hi + limit);
   const Vec<2> margin = Vec<2>::Constant(0.06 * (all.hi - all.lo).maxCoeff());
   const Vec<2> size = all.hi - all.lo + 2 * margin;

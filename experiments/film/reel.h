@@ -23,8 +23,9 @@ class Reel {
 
   const std::vector<typename Recording<D>::Frame>& frames() const { return m_recording.frames; }
   bool torn() const { return m_recording.torn; }
-  /// Sees the bodies that move, wherever most of them ever are; one that flies off does not shrink the others to dots.
-  Camera<D> camera(double width) const;
+  /// Sees the bodies that move, wherever most of them ever are; one that flies off does not shrink the others to dots:
+  /// nobody is followed farther than the size of the first picture, or `follow` (m).
+  Camera<D> camera(double width, double follow = 10) const;
   /// One frame, with its time.
   Picture picture(std::size_t frame, const Camera<D>& camera) const;
 

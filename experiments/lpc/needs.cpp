@@ -81,19 +81,19 @@ void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
 
 void needs(Options& o, Session& session) {
   o.question.params = readParameters(o.params);
-  const PlannedSweep sweep = planNeeds(o.question);
+  std::vector<PlannedSweep> sweeps = {planNeeds(o.question)};
   RunOptions run;
   run.plugins = session.plugins, run.quiet = o.quiet;
   {
     Store store(o.store, true);
     describeProgram(store);
-    if (runSweeps({sweep}, store, run).stopped) {
+    if (runSweeps(sweeps, store, run).stopped) {
       std::printf("stopped; the same command continues\n");
       session.exitCode = 130;
       return;
     }
   }
-  print(sweep, readNeeds(sweep, o.store));
+  print(sweeps[0], readNeeds(sweeps[0], o.store));
   std::printf("\n%s: lpc report %s draws it\n", o.store.c_str(), o.store.c_str());
 }
 

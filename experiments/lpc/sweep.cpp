@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "experiments/film/falls.h"
 #include "experiments/lpc/command.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/scheduler.h"
@@ -18,7 +19,7 @@ struct Options {
 };
 
 void sweep(Options& o, Session& session) {
-  const std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with, o.set);
+  std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with, o.set);
   for (const PlannedSweep& s : sweeps) {
     for (const std::string& note : s.notes) std::fprintf(stderr, "lpc: sweep %s: %s\n", s.name.c_str(), note.c_str());
   }
@@ -37,7 +38,8 @@ void sweep(Options& o, Session& session) {
   describeProgram(store);
   o.run.partial = !o.only.empty();
   o.run.plugins = session.plugins;
-  const RunSummary done = runSweeps(sweeps, store, o.run);
+  RunSummary done = runSweeps(sweeps, store, o.run);
+  for (const PlannedSweep& s : sweeps) done.stopped = done.stopped || !filmFalls(s, store, o.run);
   std::printf("%s: %ld trials planned, %ld were done, %ld run, %ld of these not ok\n", o.store.c_str(), done.planned,
               done.skipped, done.run, done.bad);
   if (done.stopped) {

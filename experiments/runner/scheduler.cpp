@@ -174,7 +174,7 @@ class Scheduler {
 
 }  // namespace
 
-RunSummary runSweeps(std::vector<PlannedSweep> sweeps, Store& store, const RunOptions& options) {
+RunSummary runSweeps(std::vector<PlannedSweep>& sweeps, Store& store, const RunOptions& options) {
   const InterruptGuard interrupts;
   Scheduler scheduler(store, options);
   const auto run = [&](const PlannedSweep& round) { return !scheduler.run({round}).stopped; };

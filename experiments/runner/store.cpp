@@ -39,6 +39,8 @@ CREATE TABLE IF NOT EXISTS verified_block(key TEXT PRIMARY KEY, stage TEXT, prec
   method TEXT, code TEXT);
 CREATE TABLE IF NOT EXISTS found_case(name TEXT PRIMARY KEY, vertices INTEGER, size REAL, data TEXT);
 )";
+// Younger than the schema, which a table more does not change: whoever does not know it reads the others as before.
+constexpr const char* kFilmTable = "CREATE TABLE IF NOT EXISTS film(key TEXT PRIMARY KEY, data TEXT)";
 
 // LPC_STORE_MAX_PAGES bounds a store (pages of 4 KiB). At the bound it is full as on a full disk, which is how the
 // tests see what a full disk does.
@@ -246,6 +248,26 @@ void Store::put(const PlannedTrial& trial, const TrialResult& result, const std:
   failStore(m_db.getFilename(), e);
 }
 
+bool Store::hasFilm(const std::string& key) try {
+  if (!m_db.tableExists("film")) return false;
+  SQLite::Statement s(m_db, "SELECT 1 FROM film WHERE key=?");
+  s.bind(1, key);
+  return s.executeStep();
+} catch (const SQLite::Exception& e) {
+  failStore(m_db.getFilename(), e);
+}
+
+void Store::putFilm(const std::string& key, const std::string& json) try {
+  SQLite::Transaction transaction(m_db);
+  m_db.exec(kFilmTable);
+  SQLite::Statement s(m_db, "INSERT OR REPLACE INTO film VALUES (?,?)");
+  s.bind(1, key), s.bind(2, json);
+  s.exec();
+  transaction.commit();
+} catch (const SQLite::Exception& e) {
+  failStore(m_db.getFilename(), e);
+}
+
 void Store::setMeta(const std::string& key, const std::string& value) try {
   SQLite::Statement s(m_db, "INSERT OR REPLACE INTO meta VALUES (?,?)");
   s.bind(1, key), s.bind(2, value);
@@ -284,6 +306,10 @@ long Store::merge(const std::string& path) try {
   m_db.exec(
       "INSERT INTO benchmark(imported, data) SELECT imported, data FROM other.benchmark o WHERE NOT EXISTS "
       "(SELECT 1 FROM main.benchmark b WHERE b.imported = o.imported AND b.data = o.data)");
+  if (m_db.execAndGet("SELECT count(*) FROM other.sqlite_master WHERE name='film'").getInt() > 0) {
+    m_db.exec(kFilmTable);
+    m_db.exec("INSERT OR IGNORE INTO film SELECT * FROM other.film");
+  }
   mergeLedger();
   transaction.commit();
   m_db.exec("DETACH DATABASE other");

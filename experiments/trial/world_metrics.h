@@ -26,6 +26,7 @@ struct WorldSeen {
   Invariants<D> now;
   Profiler::Frame frame;
   double seconds = 0;  // processor time of the step
+  double depth = 0;    // m, on poses; NaN where it was not asked after this step
   double drift = 0, topDrift = 0, slid = 0;
   double height = 0;  // m, of the highest body
   double weight = 0;  // kg, of all dynamic bodies

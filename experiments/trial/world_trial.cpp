@@ -145,9 +145,11 @@ class WorldTrial {
     m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
     const double energy = m_seen.now.kinetic + m_seen.now.potential;
     m_seen.energyMax = std::max(m_seen.energyMax, energy);
+    m_seen.depth = kNan;
     if (!m_again && m_seen.now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
       const auto depths = m_penetration.of(m_world);
-      m_seen.deepest = std::max(m_seen.deepest, depths.max), m_seen.meanDepth = depths.mean;
+      m_seen.depth = depths.max, m_seen.meanDepth = depths.mean;
+      m_seen.deepest = std::max(m_seen.deepest, depths.max);
     }
     putSeries(m_seen);
     if (m_timed) {

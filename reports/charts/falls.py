@@ -1,117 +1,118 @@
 # SPDX-License-Identifier: Zlib
-"""How runs fall: the last stored poses of some of them, with energy and penetration beneath."""
+"""How runs fall: pictures of the last run to fall of each kind, with energy and penetration beneath."""
 
 import math
 
 import numpy as np
 import pandas as pd
-from matplotlib.gridspec import GridSpecFromSubplotSpec
+from matplotlib.collections import PolyCollection
+from matplotlib.lines import Line2D
 
-from chart import Chart, Needs, describe
-from load import varying
-from style import WIDTH, plt, si
+from chart import Chart, Needs, describe, listing, plural
+from load import described, varying
+from style import OUTCOMES, WIDTH, plt, si
 
 PLACE = 45
 SECTION = "When does each method fall?"
 NEEDS = Needs("world", series=("kinetic", "potential", "max_penetration"))
-FALLEN = ("collapsed", "exploded", "diverged")
+FALLEN = {"collapsed": "a body is farther from where it came than the scene allows",
+          "exploded": "a body is faster than the scene allows, or than light",
+          "diverged": "a number is not finite, or the energy is over what the scene allows"}
 ABSENT = Chart("falls", SECTION, "How runs fall", "No run of this store fell: nothing collapsed, exploded or diverged.",
                "breaking_points_stack")
-FALLS = 3  # in one chart
-MOMENTS = 5
+BLUE, WINE, GREEN = "#0072B2", "#882255", "#009E73"
+# Inches. A row is words, pictures, lines from these to their steps, and two panels over the same steps.
+LEFT, RIGHT, TALLEST, BETWEEN = 0.85, 1.7, 1.9, 0.08
+WORDS, FAN, PANEL, GAP, FOOT = 0.62, 0.28, 0.85, 0.12, 0.62
+LEAST = 60  # steps of a panel, where a run has as many
+MOST_PATCHES = 400  # of one picture as vectors: more are a page's weight and nobody's gain
 
 
 def of_sweep(context, cells):
-    chosen = chosen_falls(context, cells)
-    return [_chart(context, cells, chosen)] if chosen else []
+    runs = runs_of(context.store, cells)
+    fallen = runs[runs["outcome"].isin(FALLEN)]
+    if not len(fallen):
+        return []
+    groups = [part for _, part in fallen.groupby(fallen[["scene", "dimension", "outcome"]].apply(tuple, axis=1), sort=False)]
+    drawn, left_out = [], []
+    for part in groups:
+        films = [(row, context.store.film(row["key"])) for _, row in part.sort_values("step", ascending=False,
+                                                                                      kind="stable").iterrows()]
+        row, film = next(((row, film) for row, film in films if film), (None, None))
+        if film:
+            drawn.append((row, film, part))
+        else:
+            left_out.append(f"{describe(part.iloc[0], ['scene', 'dimension'])}, {part.iloc[0]['outcome']}: "
+                            f"{plural(len(part), 'run')}, not drawn")
+    return [_chart(context, cells, runs, fallen, drawn, left_out)]
 
 
-def chosen_falls(context, cells):
-    """Of the cells that fell and kept poses: of each method the one that fell last, of these the first, the middle one and the
-    last to fall. Whoever falls late is watched longest."""
-    fallen = cells[cells["outcome"].isin(FALLEN) & cells["key"].notna()].sort_values("step", kind="stable")
-    last = fallen.drop_duplicates("method", keep="last")
-    rows = [(row, context.store.poses(row["key"], dimension_of(row))) for _, row in last.iterrows()]
-    rows = [(row, poses) for row, poses in rows if len(poses) > 1]
-    if len(rows) > FALLS:
-        rows = [rows[round(i * (len(rows) - 1) / (FALLS - 1))] for i in range(FALLS)]
-    return rows
+def runs_of(store, cells):
+    """One row for each run of these cells (each seed of each cell), with what became of it."""
+    rows = []
+    for _, cell in cells.iterrows():
+        for seed, key in zip(cell["seeds"], cell["keys"]):
+            if key is not None and store.trials["outcome"][key] != "unsupported":
+                trial = store.trials.loc[key]
+                axes = cell.to_dict()
+                rows.append({**axes, "dimension": axes.get("dimension", 2), "key": key, "outcome": trial["outcome"],
+                             "reason": trial["reason"], "step": trial["step"],
+                             **({"seed": seed} if len(cell["seeds"]) > 1 else {})})
+    return pd.DataFrame(rows, columns=None if rows else ["outcome"])
 
 
-def dimension_of(row):
-    dimension = row.get("dimension")
-    return int(dimension) if dimension == dimension and dimension is not None else 2
-
-
-def moments(poses, count=MOMENTS):
-    """The steps of the strip: the first, and the last ones, where it falls."""
-    steps = sorted(poses)
-    return steps if len(steps) <= count else [steps[0], *steps[-(count - 1):]]
-
-
-def moving(poses):
-    """Without bodies that are never elsewhere, and without numbers that are none."""
-    steps = sorted(poses)
-    first, last = ({row[0]: tuple(row) for row in poses[step]} for step in (steps[0], steps[-1]))
-    still = {slot for slot, pose in first.items() if last.get(slot) == pose}
-    return {step: np.array([row for row in rows if row[0] not in still and np.isfinite(row).all()]).reshape(-1, rows.shape[1])
-            for step, rows in poses.items()}
-
-
-def corners(rows, dimension, size):
-    """A square for each body where it is, turned as it is: in 3D as seen from the front, along -z."""
-    middle = rows[:, 1:3]
-    if dimension == 2:
-        along = np.stack([np.cos(rows[:, 3]), np.sin(rows[:, 3])], axis=1)
-        aside = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    else:
-        w, x, y, z = rows[:, 4:8].T
-        along = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z)], axis=1)
-        aside = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z)], axis=1)
-    turns = [(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]
-    return np.stack([middle + size / 2 * (u * along + v * aside) for u, v in turns], axis=1)
-
-
-def size_of(rows):
-    """How far the nearest body is, at the median (m): bodies that touch are about as large."""
-    middle = rows[:, 1:3]
-    if len(middle) < 2:
-        return 1.0
-    ways = np.hypot(*(middle[:, None, :] - middle[None, :, :]).T)
-    np.fill_diagonal(ways, math.inf)
-    return float(np.median(ways.min(axis=1))) or 1.0
-
-
-def _chart(context, cells, chosen):
-    height = 3.5 * len(chosen) + 0.2
-    figure = plt.figure(figsize=(WIDTH, height))
-    outer = figure.add_gridspec(len(chosen), 1, left=0.07, right=0.985, top=1 - 0.42 / height, bottom=0.5 / height, hspace=0.42)
-    axes = ["scene", "method", *varying(context.store, cells, ("scene", "method"))]
-    said, table = [], []
-    for place, (row, poses) in zip(outer, chosen):
-        names = [axis for axis in axes if axis in row]
-        where = describe(row, names)
-        energy, depth = _series(context, row)
-        grid = GridSpecFromSubplotSpec(2, 1, place, height_ratios=[1.45, 1], hspace=0.35)
-        _strip(figure, GridSpecFromSubplotSpec(1, MOMENTS, grid[0], wspace=0.05), row, poses, f"{where}: {row['reason']}")
-        _lines(figure, GridSpecFromSubplotSpec(1, 2, grid[1], wspace=0.22), energy, depth, row["step"])
-        said.append(f"{where} {row['outcome']} at step {row['step']:.0f}, its deepest overlap {si(_largest(depth), 'm')}")
-        table.append({"run": where, "outcome": row["outcome"], "step": row["step"], "reason": row["reason"],
-                      "energy at the start [J]": _first(energy), "largest energy [J]": _largest(energy),
-                      "largest penetration [m]": _largest(depth)})
+def _chart(context, cells, runs, fallen, drawn, left_out):
     sweep = cells["sweep"].iloc[0]
-    fallen = int(cells["outcome"].isin(FALLEN).sum())
-    text = f"{fallen} of {len(cells)} cells fell; of those drawn, " + "; ".join(said) + "."
-    return Chart(f"{sweep}_falls", SECTION, "How runs fall", text, sweep, figure, pd.DataFrame(table),
-                 note="From stored poses: the start and the last moments. The store holds no shapes: each body that moves is a "
-                      "square as wide as bodies were apart at the start, in 3D seen from the front. lpc run --film draws the "
-                      "shapes.")
+    counted = f"{len(fallen)} of {plural(len(runs), 'run')} fell."
+    if not drawn:
+        return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} The store holds no pictures of them: a run of this "
+                     "sweep's command draws them, but for scenes of more than 300 bodies.", sweep, holes=left_out)
+    names = ["scene", "dimension", "method", *varying(context.store, cells, ("scene", "dimension", "method")), "seed"]
+    heights = [WORDS + _tall(film) + FAN + 2 * PANEL + GAP + FOOT for _, film, _ in drawn]
+    figure, top, said, table = plt.figure(figsize=(WIDTH, sum(heights))), sum(heights), [], []
+    for height, (row, film, alike) in zip(heights, drawn):
+        tracks = _tracks(context.store, row["key"])
+        where = describe(row, [name for name in names if name in row])
+        _row(figure, top, row, film, tracks, where)
+        top -= height
+        deepest = max((_largest(tracks[name]) for name in ("contacts", "shapes")), key=lambda v: -1 if v != v else v)
+        last = row["step"] == alike["step"].max()
+        said.append(f"{where} {row['outcome']} at step {row['step']:.0f} ({_rank(last, len(alike))}), its deepest overlap "
+                    f"{si(deepest, 'm')}")
+        table.append({"run": where, "outcome": row["outcome"], "step": row["step"], "reason": row["reason"],
+                      "runs of this kind": len(alike), "energy at the start [J]": _first(tracks["energy"]),
+                      "largest energy [J]": _largest(tracks["energy"]),
+                      "largest penetration of contacts [m]": _largest(tracks["contacts"]),
+                      "largest penetration of shapes [m]": _largest(tracks["shapes"])})
+    kinds = listing(dict.fromkeys(row["outcome"] for row, _, _ in drawn))
+    means = "; ".join(f"{name}: {FALLEN[name]}" for name in dict.fromkeys(row["outcome"] for row, _, _ in drawn))
+    return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} Drawn: " + "; ".join(said) + ".", sweep, figure,
+                 pd.DataFrame(table), holes=left_out,
+                 note=f"Of each scene and dimension the last run that {kinds.replace(' and ', ' or ')}, six of a sweep at most. "
+                      f"A run ends at the step of its fall ({means}). Pictures: the start, the fall, and in between when a body "
+                      "was for the last time 60 %, 30 % and 10 % as far from where it fell to as any ever was, or half way "
+                      "between two of these where they are one step; of what flies out of sight, the last step in sight. What "
+                      "never moves is grey; what is not finite is not drawn. Energy is that of motion and of gravity.")
 
 
-def _series(context, row):
-    kinetic, potential, depth = (context.store.series(row["key"], name) for name in NEEDS.series)
+def _rank(last, count):
+    if count == 1:
+        return "the only one"
+    return f"the last of {count}" if last else f"one of {count}"
+
+
+def _tall(film):
+    """Height of the pictures (inches)."""
+    wide = (WIDTH - LEFT - RIGHT - BETWEEN * (len(film["pictures"]) - 1)) / len(film["pictures"])
+    return min(TALLEST, wide * (film["height"] - film["top"]) / film["width"])
+
+
+def _tracks(store, key):
+    """Series of the run by what they show; None where it has none."""
+    kinetic, potential, contacts = (store.series(key, name) for name in NEEDS.series)
+    shapes = store.series(key, "penetration_poses") if described(store.described_series, "penetration_poses") else None
     energy = None if kinetic is None or potential is None else kinetic + potential
-    return energy, depth
+    return {"energy": energy, "motion": kinetic, "contacts": contacts, "shapes": shapes}
 
 
 def _finite(values):
@@ -128,34 +129,116 @@ def _largest(values):
     return float(values.max()) if len(values) else math.nan
 
 
-def _strip(figure, grid, row, poses, title):
-    dimension, steps = dimension_of(row), moments(poses)
-    poses = moving(poses)
-    size = size_of(poses[steps[0]])
-    drawn = {step: corners(poses[step], dimension, size) for step in steps}
-    first = drawn[steps[0]].reshape(-1, 2) if len(drawn[steps[0]]) else np.zeros((1, 2))
-    low, high = first.min(axis=0), first.max(axis=0)
-    room = max(*(high - low), 4 * size) * 0.35
-    for index, step in enumerate(steps):
-        ax = figure.add_subplot(grid[index])
-        for square in drawn[step]:
-            ax.plot(square[:, 0], square[:, 1], color="#0072B2", lw=0.8)
-        ax.set_xlim(low[0] - room, high[0] + room)
-        ax.set_ylim(low[1] - room / 4, high[1] + room / 2)
-        ax.set_aspect("equal", adjustable="box")
-        ax.set_axis_off()
-        ax.text(0.03, 0.95, f"step {step}", transform=ax.transAxes, va="top", fontsize=8)
-        if index == 0:
-            box = ax.get_position()
-            figure.text(0.012, box.y1 + 0.1 / figure.get_figheight(), title, fontsize=9, weight="bold", va="bottom")
+def window(steps):
+    """The steps that the panels show: twice as far back from the fall as the first picture on its way."""
+    start, end = steps[min(1, len(steps) - 1)], steps[-1]
+    return max(0, end - max(2 * (end - start), LEAST)), end
 
 
-def _lines(figure, grid, energy, depth, step):
-    for index, (values, title, unit) in enumerate([(energy, "energy", "J"), (depth, "penetration", "m")]):
-        ax = figure.add_subplot(grid[index])
-        if values is not None and len(values):
-            ax.plot(np.arange(1, len(values) + 1), np.where(np.isfinite(values), values, np.nan), color="#0072B2", lw=1.2)
-        ax.axvline(step, color="#D55E00", lw=1, ls="--")
-        ax.set_ylabel(f"{title} [{unit}]", fontsize=8)
-        ax.set_xlabel("step", fontsize=8)
+def _row(figure, top, row, film, tracks, where):
+    wide, high = figure.get_size_inches()
+    tall, pictures = _tall(film), film["pictures"]
+    colour, steps = OUTCOMES[row["outcome"]][0], [picture["step"] for picture in pictures]
+    figure.text(LEFT / wide, (top - 0.2) / high, where, weight="bold", fontsize=9.5)
+    figure.text(LEFT / wide, (top - 0.38) / high, f"{row['outcome']} at step {row['step']:.0f}: {row['reason']}", fontsize=8.5)
+    column = (wide - LEFT - RIGHT + BETWEEN) / len(pictures)
+    one = tall * film["width"] / (film["height"] - film["top"])
+    bottom = top - WORDS - tall
+    middles = []
+    for index, picture in enumerate(pictures):
+        left = LEFT + index * column
+        ax = figure.add_axes([left / wide, bottom / high, min(one, column) / wide, tall / high])
+        paint(ax, film, picture, colour if index == len(pictures) - 1 else "#BBBBBB")
+        ax.set_title(f"step {picture['step']}, {picture['time']:.2f} s", fontsize=8, pad=2, loc="left")
+        middles.append(left + min(one, column) / 2)
+    first, last = window(steps)
+    panels, at = [], bottom - FAN - PANEL
+    for _ in range(2):
+        panels.append(figure.add_axes([LEFT / wide, at / high, (wide - LEFT - RIGHT) / wide, PANEL / high]))
+        at -= PANEL + GAP
+    _energy(panels[0], tracks, first)
+    _depth(panels[1], tracks, first)
+    room = 0.01 * (last - first)
+    for ax in panels:
+        ax.set_xlim(first - room, last + room)
         ax.tick_params(labelsize=7.5)
+        for step in steps[:-1]:
+            ax.axvline(step, color="#BBBBBB", lw=0.8)
+        ax.axvline(row["step"], color=colour, lw=1.4, ls="--")
+    panels[0].tick_params(labelbottom=False)
+    panels[0].text(1.012, 0.1, f"{row['outcome']} at {row['step']:.0f}", transform=panels[0].transAxes, color=colour, fontsize=8)
+    panels[1].set_xlabel("step", fontsize=8)
+    for middle, step in zip(middles, steps):  # from each picture to its step
+        if step >= first:
+            x = LEFT + (wide - LEFT - RIGHT) * (step - first + room) / (last - first + 2 * room)
+            figure.add_artist(Line2D([middle / wide, x / wide], [bottom / high, (bottom - FAN) / high], lw=0.8,
+                                     color=colour if step == steps[-1] else "#BBBBBB"))
+
+
+def paint(ax, film, picture, frame):
+    """The patches of a picture where they are: pixels, y down."""
+    corners = [np.reshape(patch[2], (-1, 2)) for patch in picture["patches"]]
+    ax.add_collection(PolyCollection(corners, facecolors=[patch[0] for patch in picture["patches"]],
+                                     edgecolors=[patch[1] for patch in picture["patches"]], linewidths=0.5,
+                                     rasterized=len(corners) > MOST_PATCHES))
+    ax.set_xlim(0, film["width"])
+    ax.set_ylim(film["height"], film["top"])
+    ax.set_facecolor("#F7F7F5")
+    ax.set(xticks=[], yticks=[])
+    if not any(_moves(patch[0]) for patch in picture["patches"]):
+        ax.text(0.5, 0.5, "out of sight", transform=ax.transAxes, ha="center", va="center", fontsize=8, color="#555555")
+    for spine in ax.spines.values():
+        spine.set(visible=True, color=frame, linewidth=1.2)
+
+
+def _moves(fill):
+    """Whether this is the colour of a body that may move: the others are grey."""
+    shades = [int(fill[i:i + 2], 16) for i in (1, 3, 5)]
+    return max(shades) - min(shades) > 10
+
+
+def _line(ax, values, first, **look):
+    """The part of a series that the panel shows; entry i is after step i + 1. True where there is any number."""
+    values = np.array([]) if values is None else np.asarray(values, float)
+    steps = np.arange(1, len(values) + 1)
+    shown = np.isfinite(values) & (steps >= first)
+    ax.plot(steps[shown], values[shown], **look)
+    return bool(shown.any())
+
+
+def _every(values):
+    """How many steps there are between the numbers of a series."""
+    gaps = np.diff(np.flatnonzero(np.isfinite(values)))
+    return int(np.median(gaps)) if len(gaps) else len(values)
+
+
+def _words(ax, height, text, colour="#555555"):
+    ax.text(1.012, height, text, transform=ax.transAxes, color=colour, fontsize=8, va="top")
+
+
+def _energy(ax, tracks, first):
+    """Of the whole energy what it has changed by within the panel: how high the origin lies says nothing."""
+    energy, motion = tracks["energy"], tracks["motion"]
+    shown = _finite(None if energy is None else energy[max(0, first - 1):])
+    drawn = {"motion": motion, "change": None if energy is None or not len(shown) else energy - shown[0]}
+    largest = max([_largest(None if v is None else np.abs(v[max(0, first - 1):])) for v in drawn.values()], key=np.nan_to_num)
+    unit, scale = next(((unit, scale) for unit, scale in (("MJ", 1e6), ("kJ", 1e3)) if largest >= 10 * scale), ("J", 1.0))
+    ax.set_ylabel(f"energy [{unit}]", fontsize=8)
+    scaled = {name: None if v is None else v / scale for name, v in drawn.items()}
+    if _line(ax, scaled["change"], first, color=BLUE, lw=1.3):
+        _words(ax, 1.0, f"change since step {max(1, first)}", BLUE)
+    if _line(ax, scaled["motion"], first, color=WINE, lw=1.1):
+        _words(ax, 0.78, "of motion", WINE)
+
+
+def _depth(ax, tracks, first):
+    ax.set_ylabel("overlap [m]", fontsize=8)
+    if _line(ax, tracks["contacts"], first, color=BLUE, lw=1.3):
+        _words(ax, 1.0, "deepest contact", BLUE)
+    else:
+        _words(ax, 1.0, "no contacts are told")
+    if _line(ax, tracks["shapes"], first, color=GREEN, lw=0, marker="o", ms=3.5):
+        _words(ax, 0.78, f"of shapes, every {_every(tracks['shapes'])} steps", GREEN)
+    else:
+        _words(ax, 0.78, "shapes: not measured")
+    ax.set_ylim(bottom=min(0, ax.get_ylim()[0]))

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the pictures of falls: who is drawn, when, and as what."""
+"""Tests of the pictures of falls: who is drawn, as what, and what stands beneath."""
 
-import math
 import sys
 import tempfile
 import unittest
@@ -11,6 +10,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import numpy as np  # noqa: E402
+from matplotlib.collections import PolyCollection  # noqa: E402
 
 import chart  # noqa: E402
 import load  # noqa: E402
@@ -18,21 +18,33 @@ import overlap  # noqa: E402
 import synthetic_store  # noqa: E402
 from charts import falls  # noqa: E402
 
+FLOOR = ["#cdcdc8", "#787873", [-10, 90, 110, 90, 110, 130, -10, 130]]
 
-def made_of(falling):
-    """The charts of a sweep whose methods fall at these steps; one stands."""
+
+def film(steps, gone=()):
+    """A square that goes aside with the steps; at those of `gone` it is out of the picture."""
+    def picture(step):
+        square = [[40 + step / 20 + x, 80 + y] for x, y in ((0, 0), (10, 0), (10, 10), (0, 10))]
+        body = [] if step in gone else [["#6699cc", "#385470", [v for corner in square for v in corner]]]
+        return {"step": step, "time": step / 60, "patches": [FLOOR, *body]}
+    return {"width": 100, "top": 22, "height": 122, "pictures": [picture(step) for step in steps]}
+
+
+def made_of(falling, contacts=True, gone=()):
+    """The charts of a sweep of runs (scene, dimension, method, outcome, step of the fall, whether it is drawn)."""
     with tempfile.TemporaryDirectory() as folder:
         maker = synthetic_store.Maker(Path(folder) / "store.db")
-        for method, step in {**falling, "catto": None}.items():
-            axes = {"kind": "world", "scene": "tower", "resolver": method, "timed": False, "repeat": 0}
+        for scene, dimension, method, outcome, step, drawn in [*falling, ("tower", 2, "catto", "ok", None, False)]:
+            axes = {"kind": "world", "scene": scene, "dimension": dimension, "resolver": method, "timed": False, "repeat": 0}
             count = step or 300
+            shapes = np.full(count, np.nan)
+            shapes[9::10] = np.linspace(0, 0.03, len(shapes[9::10]))
             series = {"kinetic": np.linspace(0, 5, count), "potential": np.linspace(100, 60, count),
-                      "max_penetration": np.linspace(0, 0.02, count)}
-            key = maker.trial("tower", axes, {}, "collapsed" if step else "ok", "body 2 is 1.2 m away" if step else "", step,
-                              series)
-            for at in [*range(0, count, 60), count]:
-                lean = 0.002 * at if step else 0.0
-                maker.poses(key, at, [[0, 0, -1, 0], [1, 0, 0.5, 0], [2, lean, 1.5, lean]])
+                      "max_penetration": np.linspace(0, 0.02, count) if contacts else np.full(count, np.nan),
+                      "penetration_poses": shapes}
+            key = maker.trial("tower", axes, {}, outcome, "body 2 is 1.2 m away" if step else "", step, series)
+            if drawn:
+                maker.film(key, film([0, step - 40, step - 20, step - 5, step], gone))
         maker.close()
         store = load.Store(Path(folder) / "store.db")
         try:
@@ -41,35 +53,89 @@ def made_of(falling):
             store.db.close()
 
 
+def words(figure):
+    return [text.get_text() for text in figure.findobj(lambda artist: hasattr(artist, "get_text"))]
+
+
+THREE = [("tower", 2, "naive", "collapsed", 90, False), ("tower", 2, "millington", "collapsed", 250, True),
+         ("tower", 3, "naive", "collapsed", 120, True), ("bridge", 2, "naive", "exploded", 200, True)]
+
+
 class Falls(unittest.TestCase):
-    def test_the_first_the_middle_and_the_last_to_fall_are_drawn(self):
-        made, = made_of({"naive": 90, "millington": 250, "soft_step": 130, "catto+none": 100})
-        self.assertEqual(list(made.table["step"]), [90, 130, 250])
-        self.assertTrue(made.finding.startswith("4 of 5 cells fell; "), made.finding)
-        self.assertIn("millington collapsed at step 250, its deepest overlap 20 mm", made.finding)
-        self.assertEqual(list(made.table["largest energy [J]"]), [100.0] * 3)
-        steps = [text.get_text() for text in made.figure.findobj(lambda artist: hasattr(artist, "get_text"))]
-        for step in ("step 0", "step 60", "step 90", "step 120", "step 180", "step 240", "step 250"):
-            self.assertIn(step, steps)
+    def test_of_each_scene_dimension_and_outcome_one_is_drawn_and_the_others_counted(self):
+        made, = made_of(THREE)
+        self.assertEqual(sorted(made.table["step"]), [120, 200, 250])
+        self.assertEqual(list(made.table.set_index("step")["runs of this kind"][[120, 200, 250]]), [1, 1, 2])
+        self.assertTrue(made.finding.startswith("4 of 5 runs fell. Drawn: "), made.finding)
+        self.assertIn("tower, 2D, millington collapsed at step 250 (the last of 2), its deepest overlap 30 mm", made.finding)
+        self.assertIn("bridge, 2D, naive exploded at step 200 (the only one)", made.finding)
+        self.assertIn("the last run that collapsed or exploded, six of a sweep at most", made.note)
+        for outcome in ("collapsed", "exploded"):
+            self.assertIn(f"{outcome}: {falls.FALLEN[outcome]}", made.note)
+        self.assertNotIn("diverged", made.note)
+        self.assertIn("collapsed at step 250: body 2 is 1.2 m away", words(made.figure))
+        self.assertEqual(made.holes, [])
         self.assertEqual(overlap.overlaps(made.figure), ([], []))
 
+    def test_a_picture_of_an_earlier_fall_is_not_called_the_last(self):
+        made, = made_of([("tower", 2, "naive", "collapsed", 90, True), ("tower", 2, "millington", "collapsed", 250, False)])
+        self.assertIn("naive collapsed at step 90 (one of 2)", made.finding)
+
+    def test_who_is_not_drawn_is_told(self):
+        made, = made_of([("tower", 2, "naive", "collapsed", 90, True), ("bridge", 3, "naive", "diverged", 70, False)])
+        self.assertEqual(made.holes, ["bridge, 3D, diverged: 1 run, not drawn"])
+        made, = made_of([("tower", 2, "naive", "collapsed", 90, False)])
+        self.assertIsNone(made.figure)
+        self.assertIn("1 of 2 runs fell. The store holds no pictures", made.finding)
+
     def test_where_nothing_falls_the_page_says_so(self):
-        made, = made_of({})
+        made, = made_of([])
         self.assertIsNone(made.figure)
         self.assertIn("nothing collapsed", made.finding)
 
-    def test_a_body_is_where_it_is_and_turned_as_it_is(self):
-        flat = falls.corners(np.array([[3, 1.0, 2.0, math.pi / 2]]), 2, 2.0)[0]
-        deep = falls.corners(np.array([[3, 1.0, 2.0, 7.0, math.cos(math.pi / 4), 0, 0, math.sin(math.pi / 4)]]), 3, 2.0)[0]
-        np.testing.assert_allclose(flat[0], [2.0, 1.0], atol=1e-12)  # its lower left corner, a quarter of a turn later
-        np.testing.assert_allclose(flat[1], [2.0, 3.0], atol=1e-12)
-        np.testing.assert_allclose(flat, deep, atol=1e-12)
+    def test_pictures_show_each_body_where_the_film_has_it(self):
+        made, = made_of(THREE[1:2])
+        pictures = [ax for ax in made.figure.axes if ax.findobj(PolyCollection)]
+        self.assertEqual([ax.get_title("left") for ax in pictures],
+                         ["step 0, 0.00 s", "step 210, 3.50 s", "step 230, 3.83 s", "step 245, 4.08 s", "step 250, 4.17 s"])
+        for ax, step in zip(pictures, (0, 210, 230, 245, 250)):
+            floor, square = (path.vertices for path in ax.findobj(PolyCollection)[0].get_paths())
+            np.testing.assert_allclose(square[0], [40 + step / 20, 80])
+            self.assertEqual((ax.get_xlim(), ax.get_ylim()), ((0, 100), (122, 22)))  # upright, without the band for words
+            self.assertAlmostEqual(ax.bbox.width, ax.bbox.height)  # as wide as high: nothing is stretched
 
-    def test_who_never_moves_is_left_out(self):
-        poses = {0: np.array([[0, 0, 0, 0], [1, 0, 1, 0.0]]), 60: np.array([[0, 0, 0, 0], [1, 0.5, 1, math.nan]]),
-                 90: np.array([[0, 0, 0, 0], [1, 1.0, 1, 0.0]])}
-        left = falls.moving(poses)
-        self.assertEqual([list(rows[:, 0]) for rows in left.values()], [[1.0], [], [1.0]])
+    def test_energy_and_overlap_stand_beneath_over_the_same_steps_with_the_fall_marked(self):
+        made, = made_of(THREE[1:2])
+        energy, depth = [ax for ax in made.figure.axes if ax.get_ylabel()]
+        self.assertEqual(energy.get_xlim(), depth.get_xlim())
+        self.assertEqual(falls.window([0, 210, 230, 245, 250]), (170, 250))
+        for ax in (energy, depth):
+            marks = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == "--"]
+            self.assertEqual(marks, [250])
+        change, motion = energy.lines[:2]
+        at = {step: i for i, step in enumerate(change.get_xdata())}
+        self.assertEqual(min(at), 170)
+        self.assertAlmostEqual(change.get_ydata()[at[170]], 0)
+        self.assertAlmostEqual(change.get_ydata()[at[250]], -35 * 80 / 249)  # from 100 J to 65 J in 249 steps
+        self.assertAlmostEqual(motion.get_ydata()[at[250]], 5)
+        # Each line of the fan ends at its step.
+        ends = made.figure.transFigure.transform([[line.get_xdata()[1], line.get_ydata()[1]] for line in made.figure.artists])
+        steps = energy.transData.inverted().transform(ends)[:, 0]
+        np.testing.assert_allclose(steps, [210, 230, 245, 250], atol=1e-6)
+
+    def test_who_tells_no_contacts_says_so_and_is_measured_by_its_shapes(self):
+        for contacts in (True, False):
+            made, = made_of(THREE[1:2], contacts)
+            self.assertEqual("no contacts are told" in words(made.figure), not contacts)
+            self.assertIn("of shapes, every 10 steps", words(made.figure))
+            depth = [ax for ax in made.figure.axes if ax.get_ylabel()][1]
+            np.testing.assert_allclose(depth.lines[1].get_xdata(), range(170, 251, 10))
+            self.assertEqual(len(depth.lines[0].get_xdata()), 81 if contacts else 0)
+            self.assertAlmostEqual(made.table["largest penetration of shapes [m]"][0], 0.03)
+
+    def test_what_has_left_the_picture_is_told(self):
+        made, = made_of(THREE[1:2], gone=(250,))
+        self.assertEqual(words(made.figure).count("out of sight"), 1)
 
 
 if __name__ == "__main__":

@@ -71,7 +71,7 @@ wrong_boolean|pairs|wrong yes or no|1|error|fewer wrong|
 wrong|pairs|wrong answers|1|error|fewer wrong|
 asked|pairs|asked|1|detail||""".splitlines()] + [("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
     ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("max_penetration", ""),
-    ("mean_penetration", ""), ("residual", ""), ("pairs", ""), ("bodies", ""), ("awake", ""), ("seconds", "timing"),
+    ("penetration_poses", ""), ("mean_penetration", ""), ("residual", ""), ("pairs", ""), ("bodies", ""), ("awake", ""), ("seconds", "timing"),
     ("sec_*", "timing"))]
 GROUPS = {"broadphase": "broadphase", "pair_query": "narrowphase", "solver": "solver", "velocity": "solver", "position": "solver",
           "engine": "engine"}
@@ -133,6 +133,11 @@ class Maker:
 
     def poses(self, key, step, rows):
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
+
+    def film(self, key, data):
+        """Pictures of a run that fell, as load.Store.film gives them."""
+        self.db.execute("CREATE TABLE IF NOT EXISTS film(key TEXT PRIMARY KEY, data TEXT)")
+        self.db.execute("INSERT INTO film VALUES (?,?)", (key, json.dumps(data)))
 
     def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=5,
               machine=1, steps=300, extra=None, without=(), zero=(), work=None, hash=None, left=None, stages=None):

@@ -50,6 +50,13 @@ TEST(EngineTrial, PenetrationIsMeasuredAlikeForOurWorlds) {
   EXPECT_GT(contacts, 0);
   EXPECT_NEAR(ours["metrics"]["penetration_poses"], contacts, 0.01 * contacts)
       << "flat boxes: a contact's depth is the pair's";
+  const json& depths = ours["series"]["penetration_poses"];
+  double deepest = 0;
+  for (std::size_t i = 0; i < 120; ++i) {
+    ASSERT_EQ(depths[i].is_null(), (i + 1) % 10 != 0) << "step " << i + 1;
+    if (!depths[i].is_null()) deepest = std::max(deepest, depths[i].get<double>());
+  }
+  EXPECT_EQ(ours["metrics"]["penetration_poses"], deepest);
 }
 
 // Who there is to play a script: ours, and each engine in a precision and dimension of its own.

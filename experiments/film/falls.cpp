@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/film/falls.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
+
+#include "experiments/film/reel.h"
+#include "experiments/runner/worker_pool.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostFalls = 6, kMoments = 5;
+// What a page can hold of one strip, and a disk of one recording.
+constexpr double kMostBodies = 300, kMostPoses = 1e6;
+constexpr double kWidth = 320;  // px, of one picture
+
+struct Fall {
+  const PlannedTrial* trial;
+  std::string outcome;
+  double step;
+};
+
+// In the order of the sweep.
+std::vector<Fall> lastFalls(const PlannedSweep& sweep, Store& store) {
+  static const std::set<std::string> kFalls = {"diverged", "exploded", "collapsed"};
+  std::map<std::tuple<std::string, int, std::string>, std::size_t> at;  // scene, dimension, outcome
+  std::vector<Fall> out;
+  for (const PlannedTrial& t : sweep.trials) {
+    if (!t.unsupported.empty() || (t.timed() && t.canonical.value("repeat", 0) > 0)) continue;
+    const auto row = store.measured(t.key);
+    if (!row || !kFalls.contains(row->outcome)) continue;
+    const auto steps = row->metrics.find("steps_done"), bodies = row->metrics.find("bodies");
+    if (steps == row->metrics.end() || bodies == row->metrics.end()) continue;
+    if (bodies->second > kMostBodies || bodies->second * steps->second > kMostPoses) continue;
+    const auto [place, isNew] =
+        at.try_emplace({t.canonical.at("scene"), t.canonical.at("dimension"), row->outcome}, out.size());
+    if (isNew) {
+      out.push_back({&t, row->outcome, steps->second});
+    } else if (steps->second > out[place->second].step) {
+      out[place->second] = {&t, row->outcome, steps->second};
+    }
+  }
+  if (out.size() > kMostFalls) out.resize(kMostFalls);
+  return out;
+}
+
+template <int D>
+using Places = std::map<std::pair<std::int32_t, std::uint32_t>, Vec<D>>;  // slot, generation
+
+// What is nowhere has no place.
+template <int D>
+Places<D> placesOf(const typename Recording<D>::Frame& frame) {
+  Places<D> out;
+  for (const auto& body : frame.bodies) {
+    if (body.X_WC.p.allFinite()) out.try_emplace({body.slot, body.generation}, body.X_WC.p);
+  }
+  return out;
+}
+
+// m, of the body that is farthest from its place in the other frame.
+template <int D>
+double apart(const Places<D>& a, const Places<D>& b) {
+  double out = 0;
+  for (const auto& [who, p] : a) {
+    if (const auto other = b.find(who); other != b.end()) out = std::max(out, double((p - other->second).norm()));
+  }
+  return out;
+}
+
+// Frames that show a fall: the start, the fall, and in between the last ones in which a body was still 60, 30 and 10 %
+// as far from where it fell to as any ever was, so that a tower which stood for long is drawn as it leans. Where the
+// end is out of sight (a body gone by more than the size of the scene, or nowhere), what counts is the last frame in
+// sight, which is drawn as well.
+template <int D>
+std::set<std::size_t> momentsOf(const std::vector<typename Recording<D>::Frame>& frames) {
+  std::vector<Places<D>> places;
+  for (const auto& frame : frames) places.push_back(placesOf<D>(frame));
+  double size = 1;  // m
+  for (const auto& [who, p] : places[0]) {
+    for (const auto& [other, q] : places[0]) size = std::max(size, double((p - q).norm()));
+  }
+  const std::size_t last = frames.size() - 1;
+  std::size_t seen = last;
+  while (seen > 0 && (places[seen].size() < frames[seen].bodies.size() || apart<D>(places[0], places[seen]) > size))
+    --seen;
+  std::vector<double> ways;
+  for (std::size_t i = 0; i <= seen; ++i) ways.push_back(apart<D>(places[i], places[seen]));
+  const double farthest = *std::max_element(ways.begin(), ways.end());
+  std::set<std::size_t> out = {0, seen, last};
+  for (const double share : {0.6, 0.3, 0.1}) {
+    std::size_t i = seen;
+    while (i > 0 && ways[i] < share * farthest) --i;
+    if (out.size() < kMoments) out.insert(i);
+  }
+  while (out.size() < std::min(kMoments, frames.size())) {  // two at once: half way in the longest gap instead
+    std::size_t longest = 0, middle = 0;
+    for (auto a = out.begin(), b = std::next(a); b != out.end(); ++a, ++b) {
+      if (*b - *a > longest) longest = *b - *a, middle = (*a + *b) / 2;
+    }
+    out.insert(middle);
+  }
+  return out;
+}
+
+// As [x, y, x, y, ...] in tenths of a pixel; nothing where it is out of the picture, which is most of what exploded.
+template <int D>
+json cornersOf(const Patch& patch, const Camera<D>& camera) {
+  Vec<2> lo = patch.corners[0], hi = lo;
+  json out = json::array();
+  for (const Vec<2>& c : patch.corners) {
+    if (!c.allFinite()) return nullptr;
+    lo = lo.cwiseMin(c), hi = hi.cwiseMax(c);
+    out.push_back(std::round(10 * c[0]) / 10), out.push_back(std::round(10 * c[1]) / 10);
+  }
+  const bool seen = hi[0] >= 0 && lo[0] <= camera.width && hi[1] >= camera.kBand && lo[1] <= camera.height;
+  return seen ? out : json();
+}
+
+template <int D>
+json stripOf(const std::string& recording) {
+  const Reel<D> reel(recording);
+  const Camera<D> camera = reel.camera(kWidth, 0);
+  json pictures = json::array();
+  for (const std::size_t i : momentsOf<D>(reel.frames())) {
+    json patches = json::array();
+    for (const Patch& p : reel.picture(i, camera).patches) {
+      const json corners = cornersOf(p, camera);
+      if (!corners.is_null()) patches.push_back({colourText(p.fill), colourText(p.edge), corners});
+    }
+    pictures.push_back({{"step", reel.frames()[i].step}, {"time", reel.frames()[i].time}, {"patches", patches}});
+  }
+  return {{"width", camera.width}, {"top", camera.kBand}, {"height", camera.height}, {"pictures", pictures}};
+}
+
+class TemporaryRecording {
+ public:
+  TemporaryRecording()
+      : path((std::filesystem::temp_directory_path() / ("lpc_fall_" + std::to_string(getpid()) + ".rec")).string()) {}
+  ~TemporaryRecording() { std::remove(path.c_str()); }
+  TemporaryRecording(const TemporaryRecording&) = delete;
+  TemporaryRecording& operator=(const TemporaryRecording&) = delete;
+
+  const std::string path;
+};
+
+// Why the run that was recorded is not the one that fell; empty where it is.
+std::string otherwise(const WorkerEnd& end, const Fall& fall) {
+  if (end.outcome != "ok") return end.outcome + ", " + end.reason;
+  const json again = json::parse(end.output);
+  if (again.at("outcome") == fall.outcome && again.at("step").get<double>() == fall.step) return "";
+  return again.at("outcome").get<std::string>() + " at step " + again.at("step").dump();
+}
+
+}  // namespace
+
+bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& options) {
+  if (sweep.kind != "world") return true;
+  const InterruptGuard interrupts;
+  const TemporaryRecording recording;
+  WorkerPool pool(options.plugins);
+  for (const Fall& fall : lastFalls(sweep, store)) {
+    const PlannedTrial& t = *fall.trial;
+    if (store.hasFilm(t.key)) continue;
+    pool.start(0, t.canonical.at("precision"),
+               {{"trial", t.canonical}, {"scene_file", t.sceneFile}, {"record", recording.path}},
+               {sweep.wallLimit, sweep.memoryLimit * 1073741824.0}, -1);
+    std::vector<WorkerEnd> ends;
+    while (ends.empty() && !InterruptGuard::interrupted()) ends = pool.ended();
+    if (ends.empty()) return false;
+    if (const std::string what = otherwise(ends[0], fall); !what.empty()) {
+      std::fprintf(stderr, "lpc: sweep %s: a run of %s that %s at step %.0f is %s when it is run again: not drawn\n",
+                   sweep.name.c_str(), t.canonical.at("scene").get<std::string>().c_str(), fall.outcome.c_str(),
+                   fall.step, what.c_str());
+      continue;
+    }
+    const bool flat = t.canonical.at("dimension").get<int>() == 2;
+    store.putFilm(t.key, (flat ? stripOf<2>(recording.path) : stripOf<3>(recording.path)).dump());
+  }
+  return true;
+}
+
+}  // namespace lpc::inline LPC_PRECISION
