@@ -57,7 +57,7 @@ def words(figure):
     return [text.get_text() for text in figure.findobj(lambda artist: hasattr(artist, "get_text"))]
 
 
-THREE = [("tower", 2, "naive", "collapsed", 90, False), ("tower", 2, "millington", "collapsed", 250, True),
+THREE = [("tower", 2, "naive", "collapsed", 90, True), ("tower", 2, "millington", "collapsed", 250, True),
          ("tower", 3, "naive", "collapsed", 120, True), ("bridge", 2, "naive", "exploded", 200, True)]
 
 
