@@ -112,14 +112,26 @@ def finding(context, cells, where, cost_name, error_name):
     if worst["error"] == best["error"]:
         return (f"On {where} {methods(shown['method'], everyone)} have the same {what.removeprefix('largest ')} "
                 f"({si(best['error'], unit)}) within {si(cost_budget, cost_unit)} per step.{tail}")
+    # What reads alike is one: no method is the worst of eight that err the same.
+    lasts = [m for m, e in zip(shown["method"], shown["error"]) if si(e, unit) == si(worst["error"], unit) and m not in firsts]
+    setting = next(iter(context.settings(cells)), None)
     head = (f"On {where}, within {si(cost_budget, cost_unit)} per step (every method that finishes "
             f"has a setting below it), {methods(firsts, everyone)} {'has' if len(firsts) == 1 else 'have'}{under} the "
-            f"smallest {what.removeprefix('largest ')} ({si(best['error'], unit)})")
+            f"smallest {what.removeprefix('largest ')} ({si(best['error'], unit)}{at_setting(cell, firsts, setting)})")
     tail = against_baseline(context, cells, cost_name, error_name) + tail
-    if best["error"] > 0:
-        return head + (f" and {worst['method']} the largest ({si(worst['error'], unit)}, "
-                       f"{times(worst['error'] / best['error'])} times as much).{tail}")
-    return head + f" and {worst['method']} the largest ({si(worst['error'], unit)}).{tail}"
+    if not lasts:  # the smallest and the largest read alike
+        return f"{head}; the others {'differ' if len(shown) > 2 else 'differs'} by less than three digits show.{tail}"
+    who = f"{methods(lasts, everyone)} the largest" if len(lasts) == 1 else (
+        f"{len(lasts)} of {len(shown)}, {methods(lasts, everyone)}, the same largest")
+    ratio = times(worst["error"] / best["error"]) if best["error"] > 0 else "1.0"
+    much = f", {ratio} times as much" if ratio != "1.0" else ""
+    return head + f" and {who} ({si(worst['error'], unit)}{at_setting(cell, lasts, setting)}{much}).{tail}"
+
+
+def at_setting(cell, named, setting):
+    """At which values of the setting these methods reach what is told: at equal cost they need not be the same."""
+    values = sorted({cell[m][setting] for m in named if cell[m][setting] == cell[m][setting]}) if setting else []
+    return f" at {setting}={listing(f'{v:g}' for v in values)}" if values else ""
 
 
 def headline(context, cells, where, cost_name, error_name):
@@ -139,10 +151,14 @@ def headline(context, cells, where, cost_name, error_name):
     ends = [cells.loc[table.set_index("method")["at"][group[0]]] for group in (best, worst)]
     if not failed and (best == worst or not noise.beats(*ends, error_name, floor)):  # a tie, or one between seeds
         return None
-    what = context.title(error_name).removeprefix("largest ")
+    what, setting = context.title(error_name).removeprefix("largest "), next(iter(context.settings(cells)), None)
+    cell = {method: cells.loc[at] for method, at in zip(table["method"], table["at"]) if method in known}
+    ats = [at_setting(cell, group, setting) for group in (best, worst)]
+    ats = ats if ats[0] != ats[1] else ["", ""]  # like with like needs no word
     return Headline(f"On {where}, within {si(cost_budget, context.unit(cost_name))} per step, {methods(best, list(errors))} "
-                    f"{'has' if len(best) == 1 else 'have'} the smallest {what}, {least}"
-                    + (f"; {methods(worst, list(errors))} {'has' if len(worst) == 1 else 'have'} {most}" if worst != best else "")
+                    f"{'has' if len(best) == 1 else 'have'} the smallest {what}, {least}{ats[0]}"
+                    + (f"; {methods(worst, list(errors))} {'has' if len(worst) == 1 else 'have'} {most}{ats[1]}" if worst != best
+                       else "")
                     + (f"; {methods(failed, list(errors))} {'fails' if len(failed) == 1 else 'fail'}." if failed else "."),
                     errors, unit, context.title(error_name),
                     ends=final_states(cells.loc[[at for at in table["at"] if at is not None and at == at]]))

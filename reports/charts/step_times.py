@@ -29,8 +29,10 @@ def of_sweep(context, cells):
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
         shown, left_out, setting = over_steps.scenes(context, part)
-        made.append(_chart(context, part, [(where, over_steps.at_middle(mine, setting).drop_duplicates("method"))
-                                           for where, mine in shown], left_out + refused))
+        shown = [(where, over_steps.at_middle(mine, setting)) for where, mine in shown]
+        at = over_steps.setting_of(pd.concat([mine for _, mine in shown]), setting)
+        shown = [(where, mine.drop_duplicates("method")) for where, mine in shown]
+        made.append(_chart(context, part, shown, left_out + refused, at))
     return made
 
 
@@ -45,8 +47,11 @@ def finding(context, where, cells):
         ends = [times(float(ratios.min())), times(float(ratios.max()))]
         text += f"{' to '.join(dict.fromkeys(ends))} times the median"
     else:
-        text += (f"{times(float(ratios.max()))} times the median with {most['method']} ({si(most[WORST], 'ms')}) and "
-                 f"{times(float(ratios.min()))} times with {least['method']} ({si(least[WORST], 'ms')})")
+        # Whose ranges meet that of the one at the end are not told from it.
+        slow = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[1] >= _spread(most)[0]]
+        calm = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[0] <= _spread(least)[1]]
+        text += (f"{times(float(ratios.max()))} times the median with {_named(most, slow, good)} and "
+                 f"{times(float(ratios.min()))} times with {_named(least, calm, good)}")
     engines = good[good["method"].map(context.store.role) == "engine"]
     ours = good[good["method"].map(context.store.role) != "engine"]
     floor = noise.floor(cells, MEDIAN)
@@ -61,13 +66,19 @@ def finding(context, where, cells):
     return text
 
 
+def _named(cell, alike, good):
+    """The method of a cell with its slowest step, and how many are not told from it over the repeats."""
+    others = f", {len(alike)} of {len(good)} alike over their repeats" if len(alike) > 1 else ""
+    return f"{cell['method']} ({si(cell[WORST], 'ms')}{others})"
+
+
 def _spread(cell):
     """The interval of the slowest step over the repeats, as a multiple of the median."""
     low, high = noise.interval(noise.runs(cell, WORST) or [cell[WORST]])
     return low / cell[MEDIAN], high / cell[MEDIAN]
 
 
-def _chart(context, cells, shown, gaps):
+def _chart(context, cells, shown, gaps, at):
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     looks, labels = context.looks(cells), sorted(cells["method"].unique())
     left = 0.3 + 0.078 * max(len(context.name(m)) for m in labels)
@@ -104,7 +115,7 @@ def _chart(context, cells, shown, gaps):
     for name, _, _ in MARKS:
         columns |= quantity(context.title(name), context.unit(name), metrics.column(drawn, name))
     return Chart(f"{cells['sweep'].iloc[0]}_step_times_{dimension}d", SECTION, f"Times of whole steps, {dimension}D",
-                 f"In {dimension}D " + "; ".join(finding(context, where, part) for where, part in shown) + ".",
+                 f"In {dimension}D{at} " + "; ".join(finding(context, where, part) for where, part in shown) + ".",
                  cells["sweep"].iloc[0], figure, pd.DataFrame(columns), gaps + holes(drawn, ["scene", "method"]),
                  "Processor time of a step, broadphase to integration; medians over repeats, without each run's first ten steps. "
                  "Engines stand beside our methods. " + noise.rule(noise.floor(cells, MEDIAN)))

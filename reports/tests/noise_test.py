@@ -315,6 +315,34 @@ class OfStores(unittest.TestCase):
         found = self.made(budgets, fill)[0]
         self.assertRegex(found.finding, r"by time: with 4\d\d µs and .* per step: catto \(4 mm\); with .*: naive \(2 mm\); .* naive \(1 mm\)")
 
+    def test_errors_within_a_cost_name_the_setting_and_those_that_read_alike(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label", iterations="setting")
+            for label, each, errors in (("weld", 1.0, (3e-3, 2e-3, 1e-3)), ("pivot", 0.3, (9e-3, 8e-3, 7e-3)),
+                                        ("hinge", 0.3, (9e-3, 8e-3, 7e-3)), ("rod", 0.3, (9e-3, 8e-3, 7e-3))):
+                for iterations, error in zip((4, 10, 30), errors):
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
+                    maker.world("costs", axes, each * iterations / 4, error)
+        found = self.made(cost_against_error, fill)[0]
+        self.assertIn("weld has the smallest penetration (3 mm at iterations=4) and 3 of 4, hinge, pivot and rod, the same largest "
+                      "(8 mm at iterations=10, 2.7 times as much).", found.finding)
+        self.assertIn("weld has the smallest penetration, 3 mm at iterations=4; hinge, pivot and rod have 8 mm at iterations=10.",
+                      found.headline.text)
+
+    def test_slowest_steps_name_the_setting_and_who_is_not_told_apart(self):
+        def fill(maker):
+            maker.sweep("costs", "world", resolver="label", iterations="setting")
+            for iterations in (4, 10, 30):
+                for label, worst in (("a", 1.5), ("b", 4.0), ("c", 4.1), ("d", 3.9)):
+                    for repeat in range(5):
+                        axes = {"kind": "world", "scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations,
+                                "precision": "f64", "timed": True, "repeat": repeat}
+                        maker.trial("costs", axes, {COST: 1.0, "ms_per_step_p99": 1.2,
+                                                    "ms_per_step_worst": worst * (1 + 0.1 * (repeat % 2))})
+        found = self.made(step_times, fill)[0]
+        self.assertEqual(found.finding, "In 2D at iterations=10 on stack the slowest step takes 4.1 times the median with c (4.1 "
+                         "ms, 3 of 4 alike over their repeats) and 1.5 times with a (1.5 ms).")
+
     def test_slowest_steps_and_engines(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label")
