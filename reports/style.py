@@ -212,7 +212,10 @@ def si(value, unit="", digits=3):
 
 def times(ratio):
     """A ratio for a sentence."""
-    return f"{ratio:.2f}" if ratio < 1.995 else f"{ratio:.1f}" if ratio < 20 else f"{ratio:,.0f}"
+    short = f"{ratio:.1f}"
+    if short in ("0.0", "1.0"):  # and it is told because it is neither
+        return f"{ratio:.2g}" if ratio < 0.5 else f"{ratio:.2f}"
+    return short if ratio < 20 else f"{ratio:,.0f}"
 
 
 def _tick(value, unit):

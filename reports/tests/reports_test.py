@@ -166,7 +166,7 @@ class Numbers(unittest.TestCase):
         self.assertEqual([style.si(v, "m") for v in (0.9996, 999.9, 1234, 8400)], ["1 m", "1,000 m", "1,234 m", "8,400 m"])
         self.assertEqual([style.si(v, "J") for v in (999.9, 1240)], ["1,000 J", "1,240 J"])
         self.assertEqual(style.si(3600, "1", 2), "3,600")
-        self.assertEqual([style.times(r) for r in (1.035, 1.994, 1.999, 4.54, 23.7)], ["1.03", "1.99", "2.0", "4.5", "24"])
+        self.assertEqual([style.times(r) for r in (0.04, 0.5, 0.97, 1.036, 1.96, 23.7)], ["0.04", "0.5", "0.97", "1.04", "2.0", "24"])
         self.assertEqual([failure.share(p) for p in (0, 1e-5, 0.996, 1, math.nan)], ["0", "<0.01%", ">99%", "100%", "unknown"])
 
     def test_every_metric_of_the_report_is_described(self):
