@@ -64,7 +64,7 @@ class Needs:
     methods: tuple = (1, math.inf)  # how many compete
     metrics: tuple = ()  # that a finished cell holds; where none is finished, the plan decides
     series: tuple = ()  # that the chart reads
-    calibrated: bool = False  # by the runner, to budgets, which are then the sweep's one question
+    calibrated: Optional[bool] = False  # by the runner, to budgets, which are then the sweep's one question; None: both are drawn
 
 
 def modules():
@@ -128,7 +128,7 @@ class Context:
         """Whether the chart of this name and these needs is made of a sweep. Where the sweep itself says what it is for, how
         many methods compete and what is fixed are its own affair."""
         about, cells = self.store.sweep(sweep), self.store.cells(sweep)
-        if not len(cells) or (about.kind, bool(about.calibrate)) != (needs.kind, needs.calibrated):
+        if not len(cells) or about.kind != needs.kind or needs.calibrated not in (None, bool(about.calibrate)):
             return False
         if about.report and name not in about.report:
             return False

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Where methods fail: a parameter of the scene (a stack's height, a mass ratio) or the time step raised until each falls."""
+"""Where methods fail: a parameter of the scene (a stack's height, a mass ratio) or the time step raised until each falls, at one
+setting of all methods or, in a calibrated sweep, each at the setting that meets a budget at every rung."""
 
 import math
 
@@ -12,7 +13,7 @@ from style import OUTCOMES, WIDTH, plt, si
 
 PLACE = 40
 SECTION = "When does each method fall?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"))
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None)
 ABSENT = Chart("breaking_points", SECTION, "Breaking points", "No sweep that raises a parameter is in this store.",
                "breaking_points_stack")
 FEWEST = 3  # values of a parameter that is raised
@@ -26,16 +27,27 @@ def of_sweep(context, cells):
 
 
 def ladders(context, cells):
-    """(scene, raised axis, cells): one ladder per scene and raised axis, everything else held at its usual value."""
-    found = []
-    for part in split(cells, ["scene"]):
+    """(scene, raised axis, in words at what setting or budget, cells): one ladder per scene, raised axis and budget, everything
+    else held at its usual value."""
+    about, found = context.store.sweep(cells["sweep"].iloc[0]).calibrate, []
+    for part in split(cells, ["scene", "budget"] if about else ["scene"], sort=bool(about)):
         raised = [axis for axis in context.parameters(part) if part[axis].nunique() >= FEWEST]
         for name in raised:
             held = part
-            for other in {*context.parameters(part), *context.settings(part)} - {name}:
+            for other in {*context.parameters(part), *context.settings(part)} - {name, about.get("setting")}:
                 held = held[held[other].map(str) == held[other].map(str).mode().iloc[0]]
-            found.append((str(part["scene"].iloc[0]), name, held[held[name].notna()]))
+            found.append((str(part["scene"].iloc[0]), name, _spent(context, about, held), held[held[name].notna()]))
     return found
+
+
+def _spent(context, about, held):
+    """What methods may spend on this ladder, in words; empty where the sweep does not say."""
+    if about:
+        value, unit = held["budget"].iloc[0], context.unit(about["metric"])
+        return f"{si(value, unit)} {'' if unit == '1' else 'of '}{context.title(about['metric'])}"
+    roles = context.store.sweep(held["sweep"].iloc[0]).roles
+    settings = [axis for axis, role in roles.items() if role == "setting" and axis in held and held[axis].nunique() == 1]
+    return listing(f"{axis}={held[axis].dropna().iloc[0]:g}" for axis in settings) if settings else ""
 
 
 def breaking(ladder, name):
@@ -63,8 +75,9 @@ def _value(name, value):
     return f"{value / 1000:g}k" if value >= 10000 and value % 1000 == 0 else f"{value:g}"
 
 
-def finding(scene, name, table):
+def finding(scene, name, table, spent=""):
     known, everyone = table[~table["hole"]], list(table["method"])
+    scene = f"{scene}{f' with {spent}' if spent else ''}"
     fallen = known[known["fell"].notna()]
     if not len(known):
         return f"{scene}: nothing was run"
@@ -75,6 +88,10 @@ def finding(scene, name, table):
             f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))})")
     stood = known[known["fell"].isna()]
     top = known["held"].max()
+    if len(first) == len(known):  # one rung tells nobody apart
+        rung = "already at the smallest tried" if math.isnan(top) else "each after it held below"
+        return (f"on {scene} {'all' if len(known) > 1 else 'the only one of the'} {len(known)} methods fall at {name} = "
+                f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))}), {rung}")
     whole, partly = stood[stood["held"] == top], stood[stood["held"] < top]
     if len(whole):
         text += f", while {methods(whole['method'], everyone)} held to the largest tried ({_value(name, top)})"
@@ -86,7 +103,7 @@ def finding(scene, name, table):
     return text + f" and {methods(last['method'], everyone)} last, at {_value(name, last['fell'].iloc[0])}"
 
 
-def headline(scene, name, table, dimension):
+def headline(scene, name, table, dimension, spent=""):
     """How far each method holds; none where all hold alike."""
     known, everyone = table[~table["hole"]], list(table["method"])
     fallen, held = known[known["fell"].notna()], dict(zip(known["method"], known["held"]))
@@ -97,7 +114,8 @@ def headline(scene, name, table, dimension):
     last = known[known["held"] == top]["method"]
     if not len(last) or set(last) & set(first):
         return None
-    return Headline(f"On {scene} in {dimension}D {methods(first, everyone)} {'falls' if len(first) == 1 else 'fall'} first when "
+    scene = f"{scene} in {dimension}D{f' with {spent}' if spent else ''}"
+    return Headline(f"On {scene} {methods(first, everyone)} {'falls' if len(first) == 1 else 'fall'} first when "
                     f"{name} is raised, at {_value(name, fallen['fell'].min())}; {methods(last, everyone)} "
                     f"{'holds' if len(last) == 1 else 'hold'} to {_value(name, top)}.", held, "s" if name == "dt" else "1",
                     f"largest {name} that holds", larger=True)
@@ -108,7 +126,7 @@ def _chart(context, cells, found, dimension):
     columns = min(3, len(found))
     rows = math.ceil(len(found) / columns)
     left, legend_width, gap_x = 1.75, 2.0, 0.85
-    row_height, gap_y, top, bottom = 0.27 * len(rows_of) + 0.1, 0.95, 0.45, 0.65
+    row_height, gap_y, top, bottom = 0.27 * len(rows_of) + 0.1, 1.15, 0.65, 0.65
     height = top + bottom + rows * row_height + (rows - 1) * gap_y
     figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
     cell_width = (WIDTH - left - legend_width - (columns - 1) * gap_x) / columns
@@ -119,27 +137,37 @@ def _chart(context, cells, found, dimension):
         if index >= len(found):
             ax.set_visible(False)
             continue
-        scene, name, ladder = found[index]
+        scene, name, spent, ladder = found[index]
         table = breaking(ladder, name)
-        said.append(finding(scene, name, table))
-        told.append(headline(scene, name, table, dimension))
-        tables.append(table.assign(scene=scene, raised=name))
+        said.append(finding(scene, name, table, spent))
+        told.append(headline(scene, name, table, dimension, spent))
+        tables.append(table.assign(scene=scene, raised=name, spent=spent))
         seen |= _strips(context, ax, ladder, name, rows_of, table, index % columns == 0)
-        ax.set_title(f"{scene}, {dimension}D: {name} raised")
+        ax.set_title(f"{scene}, {dimension}D: {name} raised" + (f"\n{spent}" if spent else ""))
     handles = [Patch(facecolor=OUTCOMES.get(o, OUTCOMES["not run"])[0], edgecolor="#999999",
                      label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in OUTCOMES if o in seen]
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - (legend_width - 0.65) / WIDTH, 0.97),
                   borderaxespad=0, handlelength=1.2)
     table = pd.concat(tables)
     table["unit"] = ["s" if raised == "dt" else "" for raised in table["raised"]]
-    table = table[["scene", "raised", "unit", "method", "held", "fell", "outcome", "step"]]
+    table = table[["scene", "raised", "unit", "spent", "method", "held", "fell", "outcome", "step"]]
     table = table.rename(columns={"held": "largest that held", "fell": "first that failed"})
     return Chart(f"{cells['sweep'].iloc[0]}_raised_{dimension}d", SECTION, f"Breaking points, {dimension}D",
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
-                       ["scene", "method", *sorted({name for _, name, _ in found})]),
-                 "A square is one run. Beside a row stands the largest value that held before the first failure.",
+                       ["scene", "method", *sorted({name for _, name, *_ in found}), *(["budget"] if "budget" in cells else [])]),
+                 "A square is one run. Beside a row stands the largest value that held before the first failure."
+                 + equal_words(context.store.sweep(cells["sweep"].iloc[0]).calibrate),
                  headline=max(filter(None, told), key=lambda found: found.effect, default=None))
+
+
+def equal_words(about):
+    """How methods are made comparable, for the note."""
+    if not about:
+        return " What the title of a panel names is the same for all methods, and need not cost the same."
+    how = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than the budget"
+    return (f" At every rung each method has {how} ({about['setting']}, found by the runner): so methods are compared at equal "
+            f"{about['equal']}.")
 
 
 def _strips(context, ax, ladder, name, rows_of, table, labelled):

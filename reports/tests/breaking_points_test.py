@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the ladders on which methods fall: at what cost, and sentences where no rung tells methods apart. Run by ctest, or
+python3 reports/tests/breaking_points_test.py."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import overlap  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+from charts import breaking_points  # noqa: E402
+
+EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations", "most": 256}
+
+
+class Ladders(unittest.TestCase):
+    def made(self, heights, budgets=(), sizes=(5, 10, 20), **roles):
+        """`heights`: method -> the largest size that stands, at each budget."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(style.plt.close, "all")
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        equal = {"calibrate": EQUAL, "budget": "run"} if budgets else {}
+        maker.sweep("mine", resolver="label", n="parameter", iterations="setting", **equal, **roles)
+        for place, budget in enumerate(budgets or (None,)):
+            for label, stands in heights.items():
+                for n in sizes:
+                    fell = n > stands[place]
+                    # At equal cost every cell has iterations of its own.
+                    own = {"budget": budget, "iterations": int(budget // n) + len(label)} if budget else {"iterations": 10}
+                    maker.world("mine", {"scene": "stack", "dimension": 2, "resolver": label, "n": n, **own}, 1, 1e-3,
+                                "collapsed" if fell else "ok", "drift" if fell else "", 50 if fell else None, repeats=0)
+        maker.close()
+        found = chart.made(breaking_points, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        self.assertEqual(len(found), 1)
+        self.assertEqual(overlap.overlaps(found[0].figure), ([], []))
+        return found[0]
+
+    def test_the_sentence_says_at_what_setting(self):
+        made = self.made({"catto": (20,), "naive": (5,)})
+        self.assertEqual(made.finding, "In 2D on stack with iterations=10 naive falls first, at n = 10 (collapsed), while catto "
+                         "held to the largest tried (20).")
+        self.assertIn("need not cost the same", made.note)
+        self.assertIn("with iterations=10", made.headline.text)
+
+    def test_a_calibrated_ladder_is_one_per_budget_and_says_which(self):
+        made = self.made({"catto": (10, 20), "naive": (5, 10)}, budgets=(800.0, 2400.0))
+        self.assertEqual(made.finding, "In 2D on stack with 800 row updates per step naive falls first, at n = 10 (collapsed) "
+                         "and catto last, at 20; on stack with 2,400 row updates per step naive falls first, at n = 20 "
+                         "(collapsed), while catto held to the largest tried (20).")
+        self.assertEqual([ax.get_title("left").split("\n")[1] for ax in made.figure.axes if ax.get_visible()],
+                         ["800 row updates per step", "2,400 row updates per step"])
+        self.assertEqual(len(made.table), 4, "no rung is lost because the iterations differ")
+        self.assertEqual(list(made.table["largest that held"]), [10, 5, 20, 10])
+        self.assertIn("compared at equal cost", made.note)
+
+    def test_where_all_fall_at_one_rung_nobody_is_first_or_last(self):
+        made = self.made({"catto": (10,), "naive": (10,)})
+        self.assertEqual(made.finding, "In 2D on stack with iterations=10 all 2 methods fall at n = 20 (collapsed), each after "
+                         "it held below.")
+        self.assertIsNone(made.headline)
+        made = self.made({"catto": (1,), "naive": (1,)})
+        self.assertIn("all 2 methods fall at n = 5 (collapsed), already at the smallest tried.", made.finding)
+        made = self.made({"catto": (99,), "naive": (99,)})
+        self.assertEqual(made.finding, "In 2D on stack with iterations=10 nothing falls up to n = 20.")
+        self.assertIsNone(made.headline)
+
+
+if __name__ == "__main__":
+    unittest.main()
