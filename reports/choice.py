@@ -6,6 +6,7 @@ only beyond the noise (noise.py) and under every seed, and ties otherwise. Among
 hour: taken is who errs least under every seed, else what the other stages were judged with, else the fastest.
 """
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,7 @@ COST = "ms_per_step_median"
 LEFT = "mean_penetration_poses_end"  # what a scene is left with
 ALONE = "ms_of_stage"  # of a stage that changes nothing but the time; a column made here
 TOGETHER = "together"  # the axis of a sweep of whole pipelines, in which what is taken runs as one
+OWN = ("work_box_tests", "work_node_visits", "work_sort_moves")  # counted by broadphases, by nobody after them
 AS_RIGHT = 2.0  # a method errs as little as another when it errs at most so many times as much: half as wrong is worth no time
 TURNS = "the rank turns round between seeds"
 ORDER = ("take", "tie", "slower", "errs more")
@@ -33,13 +35,14 @@ class Verdict:
     word: str  # one of ORDER, or why there is no number; empty for what is not ours
     reason: str
     cell: pd.Series
+    cost: str  # the column by which it was judged: COST or ALONE
 
 
 @dataclass(frozen=True)
 class Choice:
     sweep: str
     question: str  # "broadphase", "contacts", "resolver": the axis along which methods compete
-    cost: str  # the column by which they are judged: COST or ALONE
+    cost: str  # the column by which the best are judged
     floor: float  # of the noise of that column
     verdicts: list  # ours first, the best first
     why: str = ""  # this one among those that tie
@@ -85,17 +88,22 @@ def errors_judged(context, parts):
 def choose(context, sweep, cells, errors, given=""):
     """`given`: the pipeline with which the other stages were judged."""
     cells, cost = _costs(context, sweep, cells)
-    floor = noise.floor(cells, cost)
+    floors = {name: noise.floor(cells, name) for name in (cost, COST)}
     rows = [(cell, context.store.role(cell["method"])) for _, cell in cells.iterrows()]
     ours = [cell for cell, role in rows if role == "competitor"]
     right = [cell for cell in ours if not _failed(cell, cost) and not wrong(context, cell, ours, errors)]
-    right.sort(key=lambda cell: cell[cost])
+    usual = _usual(ours)
+    # Who leaves other work to the rest of the step is judged by the whole of it.
+    right.sort(key=lambda cell: (_by(cell, cost, usual) != cost, cell[cost]))
     fastest = next(iter(right), None)
-    take, why = _of_equals(context, [cell for cell in right if cell is fastest or tie(fastest, cell, cost, floor)], errors, given)
+    equals = [cell for cell in right if cell is fastest or (_by(cell, cost, usual) == cost and
+                                                            tie(fastest, cell, cost, floors[cost]))]
+    take, why = _of_equals(context, equals, errors, given)
     found = []
     for cell, role in rows:
         failed, errs = _failed(cell, cost), "; ".join(wrong(context, cell, ours, errors))
-        speed = "" if failed or take is None else tie(fastest, take if cell is fastest else cell, cost, floor)
+        by = _by(cell, cost, usual)
+        speed = "" if failed or take is None else tie(fastest, take if cell is fastest else cell, by, floors[by])
         if failed:
             word, reason = failed
         elif cell is take:
@@ -104,14 +112,31 @@ def choose(context, sweep, cells, errors, given=""):
         else:
             word = "errs more" if errs else "tie" if speed else "slower"
             whom = "" if take is fastest else f" as {fastest['name']}"
-            slow = speed or (f"{ratio(noise.ratio(fastest, cell, cost))} times as long{whom}" if take is not None else "")
+            slow = speed or (f"{ratio(noise.ratio(fastest, cell, by))} times as long{whom}" if take is not None else "")
+            slow += " (whole steps: it makes other work)" if slow and by != cost else ""
             reason = errs if errs and role == "competitor" else "; ".join(filter(None, [slow, errs]))
         if role != "competitor":
             word = "" if not failed else word
-        found.append(Verdict(cell["name"], role, word, reason, cell))
+        found.append(Verdict(cell["name"], role, word, reason, cell, by))
     found.sort(key=lambda v: (v.role != "competitor", ORDER.index(v.word) if v.word in ORDER else len(ORDER) * (v.word != ""),
                               _failed(v.cell, cost) is not None, v.cell[cost], v.name))
-    return Choice(sweep, context.store.method_axes(sweep)[0], cost, floor, found, why)
+    return Choice(sweep, context.store.method_axes(sweep)[0], cost, floors[cost], found, why)
+
+
+def _later(cell):
+    """What was counted after the broadphase."""
+    return tuple(sorted((name, value) for name, value in noise.work(cell).items() if name not in OWN))
+
+
+def _usual(cells):
+    """What most of the cells that finished count after the broadphase; of as many the cheaper."""
+    finished = [cell for cell in cells if cell["outcome"] == "ok" and np.isfinite(cell.get(COST, np.nan))]
+    counts = Counter(map(_later, finished))
+    return _later(min(finished, key=lambda cell: (-counts[_later(cell)], cell[COST]))) if finished else ()
+
+
+def _by(cell, cost, usual):
+    return cost if cost == COST or _later(cell) == usual else COST
 
 
 def _of_equals(context, cells, errors, given):
@@ -137,12 +162,13 @@ def given_of(context, parts):
 
 
 def _costs(context, sweep, cells):
-    """(cells, the column by which they are judged): whole steps; but where all of ours end in the same states, the times of their
-    stage alone, since the rest of the step is the same work."""
+    """(cells, the column by which they are judged): whole steps; but of broadphases that all end in the same states the times of
+    their stage alone, since the rest of the step is the same work and only adds its noise."""
     stage = context.store.method_axes(sweep)[0]
+    if stage != "broadphase":
+        return cells, COST
     finished = cells[(cells["outcome"] == "ok") & [context.store.role(m) == "competitor" for m in cells["method"]]]
-    # A broadphase is told of moved boxes where these are made.
-    names = [f"us_{stage}", *(["us_boxes"] if stage == "broadphase" else [])]
+    names = ["us_broadphase", "us_boxes"]  # a broadphase is told of moved boxes where these are made
     same = len(finished) > 1 and len({tuple(hashes) for hashes in finished["hashes"]}) == 1 and all(finished["hashes"].iloc[0])
     if not same or any(name not in cells or finished[name].isna().any() for name in names):
         return cells, COST

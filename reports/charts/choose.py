@@ -130,16 +130,16 @@ def _floor(advice):
 
 
 def _rows(context, advice):
-    """[(heading, cost, [(label, cell, role, verdict)])] from the top of the picture down."""
+    """[(heading, cost, [(label, cell, role, verdict, cost)])] from the top of the picture down."""
     groups = []
     for choice in advice.choices:
         groups.append((choice.question, choice.cost,
-                       [(_label(v.name, v.role), v.cell, v.role, _short_word(v)) for v in choice.verdicts]))
+                       [(_label(v.name, v.role), v.cell, v.role, _short_word(v), v.cost) for v in choice.verdicts]))
     if advice.whole:
         chosen = None if advice.run is None else advice.run["key"]
         groups.append(("as a whole", COST, [(f"{name}: {'all that is taken' if cell['key'] == chosen else 'judged with'}"
                                              if name in ("taken", "given") else name, cell, "competitor",
-                                             "take" if cell["key"] == chosen else _beside(advice, cell))
+                                             "take" if cell["key"] == chosen else _beside(advice, cell), COST)
                                             for name, cell in advice.whole]))
     return groups
 
@@ -164,20 +164,20 @@ def _short_word(verdict):
     first = verdict.reason.split("; ")[0].replace(noise.IN_WORDS[noise.FEW], "too few repeats")
     more = ", errs more" if "; " in verdict.reason or "above" in first else ""
     if " times as long" in first:
-        return first + more
+        return first.replace(" (whole steps: it makes other work)", " (whole steps)") + more
     return "tie: " * (verdict.role == "competitor") + first + more
 
 
 def _chart(context, advice):
     groups, errors = _rows(context, advice), advice.errors
     lines = sum(len(rows) + 1 for _, _, rows in groups)
-    cells = [cell for _, _, rows in groups for _, cell, *_ in rows]
+    cells = [cell for *_, rows in groups for _, cell, *_ in rows]
     left = max(1.2, 0.3 + 0.075 * max(len(label) for _, _, rows in groups for label, *_ in rows))
     figure, axes = grid_of_axes(1, 1 + len(errors), 0.225 * lines + 0.1, WORDS, left=left, gap_x=0.4, top=0.6, bottom=0.75)
     for column, measure in enumerate([COST, *errors]):
         ax = axes[0][column]
         unit, floor = ("ms", 0.0) if measure == COST else (context.unit(measure), context.floor(measure))
-        drawn = [_values(cell, cost if measure == COST else measure) for _, cost, rows in groups for _, cell, *_ in rows]
+        drawn = [_values(cell, cost if measure == COST else measure) for *_, rows in groups for _, cell, *_, cost in rows]
         scale = ZeroLog(ax, "x", [v for ticks, ends, middle in drawn for v in (*ticks, *ends, middle) if math.isfinite(v)], unit,
                         failures=any(not math.isfinite(middle) for *_, middle in drawn), failed_name="none", floor=floor)
         room = int(ax.get_position().width * figure.get_figwidth() / 0.078)
@@ -191,8 +191,8 @@ def _chart(context, advice):
                 ax.text(1.04, y, "by its stage alone: equal runs", transform=ax.get_yaxis_transform(), va="center", fontsize=8.5,
                         style="italic", color="#555555")
             y += 1
-            for label, cell, role, word in rows:
-                _mark(ax, scale, y, cell, cost if measure == COST else measure, role)
+            for label, cell, role, word, by in rows:
+                _mark(ax, scale, y, cell, by if measure == COST else measure, role)
                 if column == len(errors):
                     ax.text(1.04, y, word, transform=ax.get_yaxis_transform(), va="center", fontsize=8.5,
                             weight="bold" if word == "take" else "normal", color="black" if word == "take" else "#555555")
@@ -215,7 +215,9 @@ def _chart(context, advice):
         "the pipeline of all that is taken has not run as a whole; experiments/run choose does it, by "
         "lpc sweep choose_together --with \"taken=$(lpc report STORE --taken)\""]
     bad = [hole for choice in advice.choices for hole in holes(pd.DataFrame([v.cell for v in choice.verdicts]), ["method"])]
-    rules = [f"{choice.question.capitalize()}: {noise.rule(choice.floor)}" for choice in advice.choices]
+    known = [f"{100 * (c.floor - 1):.2g} % ({c.question})" for c in advice.choices if c.floor != noise.UNMEASURED]
+    rules = [f"The same method against itself differs by up to {listing(known)}: no more than that is noise."] if known else []
+    rules += [noise.rule(noise.UNMEASURED)] if len(known) < len(advice.choices) else []
     seeds = max(len(cell["seeds"]) for cell in cells)
     return Chart(identifier(f"choose {advice.where}"), SECTION, f"What to take: {advice.where}",
                  f"For {advice.where} take {said}.{_together(context, advice)}", advice.choices[0].sweep, figure,
@@ -262,9 +264,10 @@ def _headline(advice):
                         "the time of what every stage was judged with.", times_of, "ms")
     made = []
     for choice in advice.choices:
-        slower = [v for v in choice.verdicts if v.word == "slower"]
+        slower = [v for v in choice.verdicts if v.word == "slower" and v.cost == choice.cost]
         if slower:
-            mine = {v.name: float(v.cell[choice.cost]) for v in choice.verdicts if v.word in ("take", "tie", "slower")}
+            mine = {v.name: float(v.cell[choice.cost]) for v in choice.verdicts
+                    if v.word in ("take", "tie", "slower") and v.cost == choice.cost}
             what = "in its stage" if choice.cost == ALONE else "a step"
             ties = [v.name for v in choice.verdicts if v.word == "tie"]
             named = listing([choice.take.name, *ties]) + (" (a tie)" if ties else "")
@@ -275,7 +278,7 @@ def _headline(advice):
 
 
 def _table(context, advice):
-    rows = [(choice.question, choice.cost, v.name, v.role, v.word, v.reason, v.cell) for choice in advice.choices
+    rows = [(choice.question, v.cost, v.name, v.role, v.word, v.reason, v.cell) for choice in advice.choices
             for v in choice.verdicts]
     chosen = None if advice.run is None else advice.run["key"]
     rows += [("as a whole", COST, name, "competitor", "take" if cell["key"] == chosen else "", cell["reason"], cell)

@@ -162,6 +162,14 @@ class Choose(unittest.TestCase):
         self.assertEqual(self.verdicts(made[0].table, "broadphase"), {"sort_and_sweep": "take", "region_tree": "tie"})
         said = "of its stage alone; as fast: region_tree, within the noise; of these it .*; next uniform_grid, 3.0"
         self.assertRegex(made[0].finding, said)
+        # Who makes more pairs than there are leaves more work to the rest of the step, and that counts.
+        more = {"sort_and_sweep": (1.0, 100.0), "region_tree": (1.0, 150.0), "naive_sphere": (2.3, 90.0)}
+        _, dear = self.made(broadphases=more)
+        self.assertEqual(self.verdicts(dear[0].table, "broadphase"), {"sort_and_sweep": "take"})
+        self.assertRegex(self.column(dear[0].table, "broadphase", "reason")["naive_sphere"], r"^2\.3 times as long \(whole steps")
+        with unittest.mock.patch.object(choice, "_by", lambda cell, cost, usual: cost):
+            _, wrong = self.made(broadphases=more)
+        self.assertEqual(self.verdicts(wrong[0].table, "broadphase"), {"naive_sphere": "take"}, "the planted bug was not seen")
         # Where their runs differ, the rest of the step is other work, and whole steps are judged.
         _, differ = self.made(hashes="each")
         self.assertEqual(len(self.verdicts(differ[0].table, "broadphase")), len(BROADPHASES), "all tie by whole steps")
