@@ -3,6 +3,7 @@
 that is taken as one pipeline."""
 
 import math
+import re
 import textwrap
 from dataclasses import dataclass
 
@@ -163,7 +164,8 @@ def _short_word(verdict):
         return verdict.word
     first = verdict.reason.split("; ")[0].replace(noise.IN_WORDS[noise.FEW], "too few repeats")
     more = ", errs more" if "; " in verdict.reason or "above" in first else ""
-    if " times as long" in first:
+    first = re.sub(r" times as long as \S+", " times the fastest", first)
+    if " times " in first:
         return first.replace(" (whole steps: it makes other work)", " (whole steps)") + more
     return "tie: " * (verdict.role == "competitor") + first + more
 
