@@ -134,9 +134,13 @@ Names lacking(const PlannedSweep& sweep) {
   for (const StageKind kind : {StageKind::solver, StageKind::velocity, StageKind::position}) {
     for (const std::string& n : registered(kind)) missing.insert(std::string(stageName(kind)) + "/" + n);
   }
-  for (const PlannedTrial& t : sweep.trials) {
-    for (const auto& [method, hash] : t.canonical["code"].items()) missing.erase(method);
-  }
+  const auto found = [&](const std::vector<PlannedTrial>& trials) {
+    for (const PlannedTrial& t : trials) {
+      for (const auto& [method, hash] : t.canonical["code"].items()) missing.erase(method);
+    }
+  };
+  found(sweep.trials);
+  for (const CalibratedCell& cell : sweep.calibrated) found(cell.plan(1));
   return missing;
 }
 
