@@ -18,6 +18,39 @@ struct Options {
   RunOptions run;
 };
 
+// What will run. The cells of a search are known, but for their setting.
+void printPlan(const PlannedSweep& s) {
+  std::size_t trials = 0, timed = 0, unsupported = 0, searches = 0;
+  const auto count = [&](const PlannedTrial& t, std::size_t times) {
+    trials += times, timed += times * t.timed(), unsupported += times * !t.unsupported.empty();
+  };
+  for (const PlannedTrial& t : s.trials) count(t, 1);
+  for (const CalibratedCell& cell : s.calibrated) {
+    searches += cell.budgets.size();
+    for (const PlannedTrial& t : cell.plan(1)) count(t, cell.budgets.size());
+  }
+  std::printf("%-24s %5zu trials, %zu timed, %zu unsupported", s.name.c_str(), trials, timed, unsupported);
+  if (searches > 0) {
+    std::printf(", after %zu searches of %s at budgets of %s (%zu %s), each of at most %d settings", searches,
+                s.calibration->setting.c_str(), s.calibration->metric.c_str(), s.calibrated.size(),
+                s.calibrated.size() == 1 ? "cell" : "cells", s.calibration->mostTried());
+  }
+  std::printf("\n");
+}
+
+// All trials, each counted once.
+void printEnd(const std::string& store, const RunSummary& done) {
+  std::string outcomes;
+  for (const auto& [outcome, n] : done.outcomes) {
+    outcomes += (outcomes.empty() ? " (" : ", ") + std::to_string(n) + " " + outcome;
+  }
+  std::printf("%s: %ld trials planned, %ld were done, %ld run, %ld of these not ok%s%s", store.c_str(), done.planned,
+              done.skipped, done.run, done.bad, outcomes.c_str(), outcomes.empty() ? "" : ")");
+  if (done.shared > 0) std::printf(", %ld shared", done.shared);
+  if (done.left() > 0) std::printf(", %ld not run", done.left());
+  std::printf("\n");
+}
+
 void sweep(Options& o, Session& session) {
   std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with, o.set);
   for (const PlannedSweep& s : sweeps) {
@@ -25,13 +58,7 @@ void sweep(Options& o, Session& session) {
   }
   if (o.dryRun) {
     checkStore(o.store);
-    for (const PlannedSweep& s : sweeps) {
-      std::size_t timed = 0, unsupported = 0;
-      for (const PlannedTrial& t : s.trials) timed += t.timed(), unsupported += !t.unsupported.empty();
-      std::printf("%-24s %5zu trials, %zu timed, %zu unsupported", s.name.c_str(), s.trials.size(), timed, unsupported);
-      if (!s.calibrated.empty()) std::printf(", and %zu cells to calibrate", s.calibrated.size());
-      std::printf("\n");
-    }
+    for (const PlannedSweep& s : sweeps) printPlan(s);
     return;
   }
   Store store(o.store, true);
@@ -40,8 +67,7 @@ void sweep(Options& o, Session& session) {
   o.run.plugins = session.plugins;
   RunSummary done = runSweeps(sweeps, store, o.run);
   for (const PlannedSweep& s : sweeps) done.stopped = done.stopped || !filmFalls(s, store, o.run);
-  std::printf("%s: %ld trials planned, %ld were done, %ld run, %ld of these not ok\n", o.store.c_str(), done.planned,
-              done.skipped, done.run, done.bad);
+  printEnd(o.store, done);
   if (done.stopped) {
     std::printf("stopped; the same command continues\n");
     session.exitCode = 130;

@@ -2,6 +2,7 @@
 #include "experiments/runner/calibration.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -182,6 +183,12 @@ class Calibrator {
 };
 
 }  // namespace
+
+int Calibration::mostTried() const {
+  const auto digits = static_cast<int>(std::bit_width(static_cast<unsigned long>(most)));
+  const bool power = std::has_single_bit(static_cast<unsigned long>(most));
+  return digits + !power + std::max(0, digits - 1 - power);
+}
 
 Calibration readCalibration(const toml::table& table, const std::string& file) {
   TableReader t(table, file, "'calibrate'");

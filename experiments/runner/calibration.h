@@ -21,6 +21,8 @@ struct Calibration {
   std::string setting;  // the axis that is searched: whole numbers from 1
   long most = 1000;     // its largest value
   bool isTime = false;  // the metric is of timed trials
+  /// How many settings a search tries at most: it doubles up to `most` and then halves the gap.
+  int mostTried() const;
 };
 
 /// `calibrate = { equal = "cost", metric = "work_row_updates", setting = "iterations" }`. Throws UserError with file

@@ -35,7 +35,10 @@ class Scheduler {
     for (const PlannedSweep& sweep : sweeps) {
       for (const PlannedTrial& t : sweep.trials) {
         ++m_summary.planned;
-        if (!m_seen.insert(t.key).second) continue;  // shared by two sweeps
+        if (!m_seen.insert(t.key).second) {
+          ++m_summary.shared;
+          continue;
+        }
         if (done(t.key)) {
           ++m_summary.skipped;
           continue;
@@ -141,7 +144,7 @@ class Scheduler {
 
   void finish(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall) {
     m_store.put(trial, result, started, wall);
-    ++m_summary.run;
+    ++m_summary.run, ++m_summary.outcomes[result.outcome];
     if (result.outcome != "ok" && result.outcome != "unsupported") ++m_summary.bad;
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,13 @@ struct RunOptions {
 };
 
 struct RunSummary {
-  long planned = 0, skipped = 0, run = 0, bad = 0;  // bad: outcomes other than ok and unsupported, of those run now
-  bool stopped = false;                             // by Ctrl-C
+  // Of the trials that were planned, also by searches of settings: planned = shared + skipped + run + left.
+  long planned = 0, skipped = 0, run = 0;
+  long shared = 0;                       // asked for by two cells; each runs once
+  std::map<std::string, long> outcomes;  // of those run now
+  long bad = 0;                          // outcomes other than ok and unsupported, of those run now
+  bool stopped = false;                  // by Ctrl-C
+  long left() const { return planned - shared - skipped - run; }
 };
 
 /// Runs what the store lacks: first all untimed trials, one worker per core, then timed ones, one at a time on a core

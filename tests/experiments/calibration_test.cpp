@@ -85,8 +85,14 @@ TEST(Calibration, EqualCostIsWhatArithmeticGives) {
   std::string list;
   for (const double b : budgets) list += (list.empty() ? "" : ", ") + json(b).dump();
   w.write("s.toml", kPendulum + calibrated("cost", "work_row_updates", list, ", most = 64") + kAxes);
+  const Outcome plan = w.lpc("sweep s.toml --store s.db --dry-run");  // 1, 2, .. 64, then between 32 and 64
+  EXPECT_NE(plan.text.find(" 6 trials, 0 timed, 0 unsupported, after 6 searches of iterations at budgets of "
+                           "work_row_updates (1 cell), each of at most 12 settings\n"),
+            std::string::npos)
+      << plan.text;
   const Outcome first = w.lpc("sweep s.toml --store s.db --quiet");
   ASSERT_EQ(first.code, 0) << first.text;
+  EXPECT_EQ(test::ask(w.path("s.db"), "SELECT count(*) FROM planned"), "6") << "as the dry run has it";
   const auto cells = cellsOf(w.path("s.db"), "work_row_updates");
   ASSERT_EQ(cells.size(), budgets.size()) << "a budget vanished";
   const auto wrong = [&](const std::function<long(double)>& wanted) {

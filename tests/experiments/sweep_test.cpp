@@ -130,6 +130,20 @@ TEST(SweepRun, failuresAreRows) {
             std::string::npos);
 }
 
+// The last line tells what became of all trials, each once: done before, run now by outcome, shared, and left.
+TEST(SweepRun, theLastLineAddsUp) {
+  Workspace w;
+  w.write("a.toml", boxes("n = [8, 16]\nbroadphase = [\"naive\", \"planted_forget\", \"region_tree\"]\n"));
+  w.write("b.toml", boxes("n = [16, 32]\nbroadphase = [\"naive\", \"planted_forget\"]\n"));  // two cells of a's
+  w.write("both.toml", "summary = \"s\"\nsweeps = [\"a.toml\", \"b.toml\"]\n");
+  const std::string run = "--plugin " + kPlugin + " sweep both.toml --store s.db --quiet";
+  EXPECT_EQ(w.lpc(run + " --only region_tree").text,
+            "s.db: 2 trials planned, 0 were done, 2 run, 0 of these not ok (2 ok)\n");
+  EXPECT_EQ(w.lpc(run).text,
+            "s.db: 10 trials planned, 2 were done, 6 run, 3 of these not ok (3 ok, 3 wrong), 2 shared\n");
+  EXPECT_EQ(w.lpc(run).text, "s.db: 10 trials planned, 8 were done, 0 run, 0 of these not ok, 2 shared\n");
+}
+
 TEST(SweepRun, aRepeatWithAnotherHashIsNondeterministic) {
   Workspace w;
   w.write("dice.toml", boxes("n = 64\nbroadphase = [\"planted_dice\", \"naive\"]\n", "repeats = 12\n"));
