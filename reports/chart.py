@@ -50,6 +50,7 @@ class Chart:
     table: pd.DataFrame = field(default_factory=pd.DataFrame)
     holes: list = field(default_factory=list)  # sentences: what is missing or refused and why
     note: str = ""  # how to read it
+    others: tuple = ()  # more sweeps that made the data
     made_by: str = ""  # arguments of `lpc` where no sweep made the data
     telling: bool = False  # may stand for the whole report
     headline: Optional[Headline] = None  # where the data tell one: a difference that is larger than the noise

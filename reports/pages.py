@@ -12,10 +12,11 @@ import headlines
 import metrics
 import table
 from chart import plural
-from load import UserError
+from load import NOT_RUN, UserError
 from style import plt
 
 HERE = Path(__file__).resolve().parent
+PROGRAM = "build/release/bin/lpc"
 MARK = '<meta name="generator" content="LPC reports">'
 
 
@@ -133,7 +134,7 @@ def write(context, charts, out, store_argument, out_argument):
                 "holes": chart.holes, "drawn": chart.figure is not None,
                 "width": round(100 * chart.figure.get_figwidth()) if chart.figure is not None else 0,
                 "table": table.to_html(chart.table) if len(chart.table) else "", "rows": len(chart.table),
-                "commands": commands(chart, store_argument, out_argument)}
+                "commands": commands(context.store, chart, store_argument, out_argument)}
         sections.setdefault(chart.section, []).append(item)
     planned = coverage.trials(context.store)
     bad, outcomes = coverage.not_ok(planned), coverage.outcomes(planned)
@@ -147,8 +148,9 @@ def write(context, charts, out, store_argument, out_argument):
         sections=[{"name": name, "id": f"q{i}", "charts": part, "told": told(part)}
                   for i, (name, part) in enumerate(sections.items())],
         first=first, facts=facts(context.store), style=(HERE / "templates" / "style.css").read_text(),
-        not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), outcomes=table.to_html(outcomes), glossary=table.to_html(glossary),
-        store=context.store.path.name, mark=MARK)
+        not_ok=table.to_html(bad) if len(bad) else "", not_ok_count=len(bad), outcomes=table.to_html(outcomes),
+        glossary=table.to_html(glossary), missing=missing(context.store, store_argument), store=context.store.path.name,
+        mark=MARK)
     path = out / "index.html"
     whole(path, lambda target: target.write_text(page, encoding="utf-8"))
     return path
@@ -160,9 +162,28 @@ def told(items):
     return plural(drawn, "chart") if drawn else "not in this store"
 
 
-def commands(chart, store, out):
-    """What to type to get this figure again: the sweep that measures, the report that draws."""
+def commands(opened, chart, store, out):
+    """What to type to get this figure again: the sweeps that measure, the report that draws."""
     store, out = shlex.quote(str(store)), shlex.quote(str(out))
-    made_by = f"sweep {shlex.quote(chart.sweep)}" if chart.sweep else chart.made_by
-    lines = [f"build/release/bin/lpc {made_by} --store {store}"] if made_by else []
+    lines = [line for sweep in dict.fromkeys((chart.sweep, *chart.others)) if sweep
+             for line in sweep_commands(opened, sweep, store)]
+    if not lines and chart.made_by:
+        lines = [f"{PROGRAM} {chart.made_by} --store {store}"]
     return lines + [f"reports/make.py --store {store} --out {out} --only {chart.id}"]
+
+
+def sweep_commands(opened, sweep, store):
+    """What planned the cells of this sweep, as the store remembers it: with its file, plugins and options."""
+    asked = opened.sweep(sweep).commands or (("sweep", sweep),)
+    return [f"{PROGRAM} {shlex.join(arguments)} --store {store}" for arguments in asked]
+
+
+def missing(opened, store):
+    """What the first lines of the page say of sweeps that were stopped: (sentence, commands that go on)."""
+    table, found = coverage.trials(opened), []
+    for sweep, part in table.groupby("sweep", sort=False):
+        left = int((part["outcome"] == NOT_RUN).sum())
+        if left:
+            found.append((f"{left} of {plural(len(part), 'trial')} of {sweep} are missing: it was stopped, or still runs.",
+                          sweep_commands(opened, sweep, shlex.quote(str(store)))))
+    return found

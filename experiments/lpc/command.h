@@ -60,6 +60,13 @@ struct Session {
   int exitCode = 0;                  // 1: it ran, and found something wrong
 };
 
+/// Before what a store keeps of a command: without its plugins it would mean something else.
+inline void addPlugins(std::vector<std::string>& command, const Session& session) {
+  for (auto it = session.plugins.rbegin(); it != session.plugins.rend(); ++it) {
+    command.insert(command.begin(), {"--plugin", *it});
+  }
+}
+
 /// Adds the subcommand to `app`. Its callback throws UserError for what the user got wrong (exit code 2).
 using AddCommand = void (*)(CommandLine& app, Session& session);
 

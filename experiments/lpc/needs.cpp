@@ -8,6 +8,7 @@
 
 #include "experiments/lpc/command.h"
 #include "experiments/lpc/scene_options.h"
+#include "experiments/parse/toml_reader.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/scheduler.h"
@@ -79,9 +80,23 @@ void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
   for (const ModelSeen& m : seen.models) printModel(m, *again);
 }
 
+std::vector<std::string> commandOf(const Options& o) {
+  const NeedsQuestion& q = o.question;
+  std::vector<std::string> out = {"needs", q.scene, "--seeds", std::to_string(q.seeds)};
+  const auto add = [&](const char* option, const std::string& value) { out.insert(out.end(), {option, value}); };
+  if (q.perturbation != NeedsQuestion().perturbation) add("--perturb", asText(q.perturbation));
+  if (q.dimension) add("--dimension", std::to_string(*q.dimension));
+  if (!q.pipeline.empty()) add("--pipeline", q.pipeline);
+  for (const std::string& param : o.params) add("--param", param);
+  if (q.steps) add("--steps", std::to_string(*q.steps));
+  return out;
+}
+
 void needs(Options& o, Session& session) {
   o.question.params = readParameters(o.params);
   std::vector<PlannedSweep> sweeps = {planNeeds(o.question)};
+  sweeps[0].command = commandOf(o);
+  addPlugins(sweeps[0].command, session);
   RunOptions run;
   run.plugins = session.plugins, run.quiet = o.quiet;
   {

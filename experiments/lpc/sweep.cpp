@@ -65,6 +65,7 @@ void sweep(Options& o, Session& session) {
   describeProgram(store);
   o.run.partial = !o.only.empty();
   o.run.plugins = session.plugins;
+  for (PlannedSweep& s : sweeps) addPlugins(s.command, session);
   RunSummary done = runSweeps(sweeps, store, o.run);
   for (const PlannedSweep& s : sweeps) done.stopped = done.stopped || !filmFalls(s, store, o.run);
   printEnd(o.store, done);

@@ -3,6 +3,7 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -160,6 +161,21 @@ std::optional<double> Store::wall(const std::string& key) try {
   failStore(m_db.getFilename(), e);
 }
 
+// Each part of a sweep that was asked for has its own, once.
+json Store::commandsOf(const PlannedSweep& sweep, bool replace) {
+  json out = json::array();
+  SQLite::Statement s(m_db, "SELECT roles FROM sweep WHERE name=?");
+  s.bind(1, sweep.name);
+  if (const auto roles = one(s); roles && !replace) {
+    const json earlier = json::parse(*roles).value("commands", json::array());
+    if (earlier.is_array()) out = earlier;
+  }
+  if (!sweep.command.empty() && std::find(out.begin(), out.end(), json(sweep.command)) == out.end()) {
+    out.push_back(sweep.command);
+  }
+  return out;
+}
+
 void Store::plan(const PlannedSweep& sweep, bool replace) try {
   SQLite::Transaction transaction(m_db);
   if (replace) {
@@ -167,10 +183,12 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
     clear.bind(1, sweep.name);
     clear.exec();
   }
+  const json commands = commandsOf(sweep, replace);
   SQLite::Statement about(m_db, "INSERT OR REPLACE INTO sweep VALUES (?, ?, ?, ?, ?)");
   about.bind(1, sweep.name), about.bind(2, sweep.kind), about.bind(3, sweep.summary), about.bind(4, sweep.baseline);
   json roles = sweep.roles;
-  // The only list and the only table among them.
+  // Axes have texts, so that these are told from an axis of their name.
+  if (!commands.empty()) roles["commands"] = commands;
   if (!sweep.charts.empty()) roles["report"] = sweep.charts;
   if (const auto& c = sweep.calibration) {
     roles["calibrate"] = {{"equal", c->equal}, {"metric", c->metric}, {"setting", c->setting}, {"most", c->most}};

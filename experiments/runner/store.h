@@ -76,6 +76,7 @@ class Store {
 
  private:
   long machineId();
+  nlohmann::json commandsOf(const PlannedSweep& sweep, bool replace);
   void mergeLedger();  // from the attached store `other`
 
   SQLite::Database m_db;

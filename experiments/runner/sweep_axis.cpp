@@ -248,6 +248,25 @@ SetAxis::SetAxis(const std::string& text) : given(text) {
   if (!value.is_number()) value = text.substr(equals + 1);
 }
 
+std::string valueText(const nlohmann::json& label) {
+  return label.is_string() ? label.get<std::string>() : label.dump();
+}
+
+std::string withValues(std::string text, const nlohmann::json& axes, std::set<std::string>& used) {
+  // The longest names first: $n must not eat the beginning of $number.
+  std::vector<std::string> names;
+  for (const auto& [name, value] : axes.items()) names.push_back(name);
+  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  for (const std::string& name : names) {
+    const std::string mark = "$" + name;
+    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at)) {
+      text.replace(at, mark.size(), valueText(axes[name]));
+      used.insert(name);
+    }
+  }
+  return text;
+}
+
 bool addMethod(const std::string& given, const std::string& searched, std::vector<Axis>& axes) {
   const std::string place = "--with '" + given + "'";
   const std::size_t equals = given.find('=');

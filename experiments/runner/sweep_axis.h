@@ -8,6 +8,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ struct SetAxis {
   std::string given, axis;
   nlohmann::json value;
 };
+
+/// A value of an axis as a text of a pipeline has it.
+std::string valueText(const nlohmann::json& label);
+/// Replaces $name by the value of that axis, and tells in `used` which were.
+std::string withValues(std::string text, const nlohmann::json& axes, std::set<std::string>& used);
 
 /// One more method, "LABEL=PIPELINE" as the command line has it, joins the labelled axis. Not where none is, or where
 /// the text uses a `$name` that neither an axis nor `searched`, the setting that is calibrated, has. Throws UserError

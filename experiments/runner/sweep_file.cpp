@@ -23,24 +23,6 @@ using nlohmann::json;
 
 constexpr double kMaxTrials = 1e6;  // of one group; more is a slip of the pen
 
-std::string numberText(const json& label) { return label.is_string() ? label.get<std::string>() : label.dump(); }
-
-// Replaces $name by the value of that axis.
-std::string withValues(std::string text, const json& axes, std::set<std::string>& used) {
-  // The longest names first: $n must not eat the beginning of $number.
-  std::vector<std::string> names;
-  for (const auto& [name, value] : axes.items()) names.push_back(name);
-  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  for (const std::string& name : names) {
-    const std::string mark = "$" + name;
-    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at)) {
-      text.replace(at, mark.size(), numberText(axes[name]));
-      used.insert(name);
-    }
-  }
-  return text;
-}
-
 void collectNames(const Spec& spec, std::set<std::string>& out) {
   out.insert(spec.name);
   for (const auto& [key, value] : spec.fields) collectNames(value, out);
@@ -336,7 +318,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       } else if (const StageInfo* stage = stageByName(axis.name);
                  isWorldStage(stage) || (stage && stage->kind == StageKind::engine)) {
         m_out.roles[axis.name] = "stage";
-        part = axis.name + "=" + numberText(value.label);
+        part = axis.name + "=" + valueText(value.label);
       } else {
         continue;
       }
@@ -351,11 +333,11 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (engine) collectNames(*engine, names);
     cell.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
     if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
-    const std::string scenePath = beside(numberText(axes["scene"]));
+    const std::string scenePath = beside(valueText(axes["scene"]));
     const SceneFile& file = m_planner->scene(scenePath);
     names.insert(file.name());
     if (const SceneParameter* p = file.parameter(kJointParameter); p && p->value.isText() && axes.contains(p->name)) {
-      cell.params[p->name] = withValues(numberText(axes[p->name]), axes, used);
+      cell.params[p->name] = withValues(valueText(axes[p->name]), axes, used);
     }
     for (const auto& [name, value] : axes.items()) {
       m_out.roles.emplace(name, stageByName(name)      ? "stage"
@@ -366,7 +348,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       } else if (name == "dimension") {
         cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));
       } else if (name == "precision") {
-        cell.precision = numberText(value);
+        cell.precision = valueText(value);
       } else if (name == "dt") {
         cell.dt = number(name, value);
       } else if (name == "steps") {
@@ -374,7 +356,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       } else if (name == "seed") {
         cell.seed = static_cast<std::uint64_t>(wholeNumber(axes, name, 0, std::numeric_limits<long>::max()));
       } else if (name == "model") {
-        model = numberText(value);
+        model = valueText(value);
       } else if (cell.params.count(name)) {
       } else if (file.parameter(name)) {
         cell.params[name] = number(name, value);
@@ -425,7 +407,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       if (!known.count(name)) throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + m_kind + "'");
       if (axes.contains(name)) m_out.roles.emplace(name, name == method ? "stage" : "run");
     }
-    if (axes.contains(method)) collectNames(Spec::parse(numberText(axes[method])), names);
+    if (axes.contains(method)) collectNames(Spec::parse(valueText(axes[method])), names);
     return m_kind == "boxes" ? m_planner->boxes(std::move(cell)) : m_planner->pairs(std::move(cell));
   }
 
@@ -445,6 +427,22 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   PlannedSweep m_out;
 };
 
+// Of a set each sweep is told what it takes; the others would refuse the rest.
+std::vector<std::string> commandOf(const std::string& name, const std::set<std::string>& only,
+                                   const std::set<std::string>& used, const std::vector<std::string>& with,
+                                   const std::vector<std::string>& set) {
+  std::vector<std::string> out = {"sweep", name};
+  std::string listed;
+  for (const std::string& label : only) listed += (listed.empty() ? "" : ",") + label;
+  if (!only.empty()) out.insert(out.end(), {"--only", listed});
+  for (const auto& [option, values] : {std::pair("--with", &with), std::pair("--set", &set)}) {
+    for (const std::string& value : *values) {
+      if (used.count(value)) out.insert(out.end(), {option, value});
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::vector<std::string>& onlyList,
@@ -453,7 +451,7 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
   const std::set<std::string> only(onlyList.begin(), onlyList.end());
   const std::vector<SetAxis> set(setList.begin(), setList.end());
   std::set<std::string> matched, taken;
-  std::vector<std::string> files = {path};
+  std::vector<std::pair<std::string, std::string>> files = {{nameOrPath, path}};  // as it was named, and where it is
   const toml::table table = parseToml(readFile(path), path);
   if (table.contains("sweeps")) {
     TableReader named(table, path, "a set of sweeps");
@@ -461,7 +459,7 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
     files.clear();
     for (const std::string& name : named.strings("sweeps")) {
       try {
-        files.push_back(findToml("sweeps", name));
+        files.emplace_back(name, findToml("sweeps", name));
       } catch (const UserError& e) {
         named.fail(*named.find("sweeps"), e.what());
       }
@@ -471,8 +469,11 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
   }
   const auto planner = std::make_shared<Planner>();
   std::vector<PlannedSweep> out;
-  for (const std::string& file : files) {
-    out.push_back(std::make_shared<Sweep>(file, only, matched, with, set, taken)->plan(planner));
+  for (const auto& [name, file] : files) {
+    std::set<std::string> here, used;
+    out.push_back(std::make_shared<Sweep>(file, only, here, with, set, used)->plan(planner));
+    if (only.empty() || !here.empty()) out.back().command = commandOf(name, here, used, with, setList);
+    matched.merge(here), taken.merge(used);
   }
   for (const SetAxis& s : set) {
     if (!taken.count(s.given)) {

@@ -21,8 +21,10 @@ struct PlannedSweep {
   /// What whoever plans it should hear: it is right, but hardly what was meant.
   std::vector<std::string> notes;
   std::vector<std::string> charts;  // what it is for: files of reports/charts; empty: whatever it has the data for
-  double wallLimit = 120;           // s, per trial
-  double memoryLimit = 4;           // GiB, per trial
+  /// What `lpc` was told to plan it, but for the store: a page prints it, so that what is shown can be made again.
+  std::vector<std::string> command;
+  double wallLimit = 120;  // s, per trial
+  double memoryLimit = 4;  // GiB, per trial
   std::vector<PlannedTrial> trials;
   std::optional<Calibration> calibration;
   std::vector<CalibratedCell> calibrated;  // cells that `calibrate` turns into trials

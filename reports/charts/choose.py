@@ -228,7 +228,9 @@ def _chart(context, advice):
                  f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}). Who errs more does so under "
                  "every seed, and who is slower is so under every seed and beyond the noise; the others tie, and of these the "
                  "one is taken that errs least under every seed, else what the other stages were judged with. "
-                 f"{' '.join(rules)} The table has the reason of every verdict.", telling=True, headline=_headline(advice))
+                 f"{' '.join(rules)} The table has the reason of every verdict.", telling=True, headline=_headline(advice),
+                 others=tuple(dict.fromkeys([choice.sweep for choice in advice.choices[1:]] +
+                                            [cell["sweep"] for _, cell in advice.whole])))
 
 
 def _values(cell, measure):
