@@ -241,4 +241,5 @@ def _depth(ax, tracks, first):
         _words(ax, 0.78, f"of shapes, every {_every(tracks['shapes'])} steps", GREEN)
     else:
         _words(ax, 0.78, "shapes: not measured")
-    ax.set_ylim(bottom=min(0, ax.get_ylim()[0]))
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(0, low), high + 0.08 * (high - min(0, low)))  # a dot at the top is whole

@@ -131,6 +131,8 @@ class Falls(unittest.TestCase):
             depth = [ax for ax in made.figure.axes if ax.get_ylabel()][1]
             np.testing.assert_allclose(depth.lines[1].get_xdata(), range(170, 251, 10))
             self.assertEqual(len(depth.lines[0].get_xdata()), 81 if contacts else 0)
+            top = depth.transData.inverted().transform(depth.transAxes.transform((0, 1)) - (0, 4))[1]
+            self.assertLess(max(depth.lines[1].get_ydata()), top)  # no dot is cut in half
             self.assertAlmostEqual(made.table["largest penetration of shapes [m]"][0], 0.03)
 
     def test_what_has_left_the_picture_is_told(self):
