@@ -199,6 +199,29 @@ TEST(Falls, AreDrawnOnceAndByAStoreWithoutThem) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM film"), "2");
 }
 
+// The runner makes their trials, after the plan.
+TEST(Falls, OfCalibratedSweepsAreDrawn) {
+  Workspace w;
+  w.write("equal.toml", R"(summary = "towers at equal cost"
+kind = "world"
+pipeline = "contacts=sat_clip cache=by_feature"
+calibrate = { equal = "cost", metric = "work_row_updates", setting = "iterations", most = 64 }
+budgets = [400]
+[axes]
+scene = "vertical_stack"
+n = [14]
+[axes.resolver]
+"catto" = "solver=split_solver{velocity=catto{iterations=$iterations}}"
+)");
+  const Outcome out = w.lpc("sweep ./equal.toml --store s.db --quiet");
+  ASSERT_EQ(out.code, 0) << out.text;
+  const std::vector<Film> films = filmsOf(w.path("s.db"));
+  ASSERT_EQ(films.size(), 1u) << ask(w.path("s.db"),
+                                     "SELECT outcome || ': ' || reason FROM trial JOIN planned USING(key)");
+  EXPECT_EQ(films[0].key, ask(w.path("s.db"), "SELECT key FROM planned"));
+  EXPECT_EQ(wrong(w.path("s.db"), films[0]), "");
+}
+
 TEST(Falls, WhoStandsIsNotDrawnNorWhoIsTooMany) {
   Workspace w;
   w.write("towers.toml", kTowers);
