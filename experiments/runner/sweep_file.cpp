@@ -10,6 +10,7 @@
 #include <set>
 
 #include "experiments/parse/toml_reader.h"
+#include "experiments/runner/idle_seeds.h"
 #include "experiments/runner/locations.h"
 #include "experiments/runner/message_place.h"
 #include "experiments/runner/scene_model.h"
@@ -81,11 +82,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       top.fail(*top.find(key),
                "no axis has the value '" + value + "'" + validNames({m_named.begin(), m_named.end()}, value));
     }
-    for (const auto& [scene, seeds] : m_seeds) {
-      if (seeds.size() < 2 || m_seeded.count(scene)) continue;
-      m_out.notes.push_back("the seed decides nothing in scene '" + scene + "': set its parameter '" +
-                            kPerturbParameter + "', such as 1e-6 (m and rad)");
-    }
+    m_out.notes = m_seeds.notes();
     refuseWhatIsThere(settings.axes);
     if (m_out.trials.empty() && m_out.calibrated.empty() && m_only.empty())
       throw UserError(m_path + ": the sweep has no cell");
@@ -373,8 +370,11 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (!model.empty()) applyModel(file, model, cell);
     PlannedTrial trial = m_planner->world(scenePath, cell);
     if (trial.unsupported.empty()) {
-      m_seeds[file.name()].insert(cell.seed.value_or(file.defaultSeed()));
-      if (trial.seeded) m_seeded.insert(file.name());
+      json choices = json::object();
+      for (const auto& [name, value] : axes.items()) {
+        if (name == "dimension" || m_out.roles[name] == "parameter") choices[name] = value;
+      }
+      m_seeds.saw(trial, choices);
     }
     const auto kind = cell.params.find(kJointParameter);  // now known to be right
     if (kind != cell.params.end() && kind->second.isText()) collectNames(Spec::parse(kind->second.text), names);
@@ -422,8 +422,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::optional<Calibration> m_calibration;
   std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
   std::string m_twice;                    // a value of an axis: its cells are timed as if they were two
-  std::map<std::string, std::set<std::uint64_t>> m_seeds;  // of each scene
-  std::set<std::string> m_seeded;                          // scenes in which a seed decides something
+  IdleSeeds m_seeds;
   PlannedSweep m_out;
 };
 

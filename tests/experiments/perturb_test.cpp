@@ -173,10 +173,14 @@ TEST(Perturb, aSeedThatDecidesNothingIsTold) {
   EXPECT_NE(w.lpc("sweep ./idle.toml --dry-run").text.find(note), std::string::npos);
   EXPECT_EQ(w.lpc("sweep ./moved.toml --dry-run").text.find("decides nothing"), std::string::npos);
   EXPECT_EQ(w.lpc("sweep ./drawn.toml --dry-run").text.find("decides nothing"), std::string::npos);
+  // By cell, not by scene: of these, half run three times over, and others are moved.
+  w.write("half.toml", ensemble("vertical_stack", "n = [2, 3]\nperturb = [0, 1e-6]\n"));
+  const Outcome half = w.lpc("sweep ./half.toml --dry-run");
+  EXPECT_NE(half.text.find("nothing in scene 'vertical_stack' where perturb=0: set"), half.text.npos) << half.text;
   // And it is true: by the final states.
   const std::string count = "SELECT count(DISTINCT hash) || ' of ' || count(*) FROM trial WHERE outcome = 'ok'";
-  for (const auto& [name, hashes] :
-       {std::pair("idle", "1 of 3"), std::pair("moved", "3 of 3"), std::pair("drawn", "3 of 3")}) {
+  for (const auto& [name, hashes] : {std::pair("idle", "1 of 3"), std::pair("moved", "3 of 3"),
+                                     std::pair("drawn", "3 of 3"), std::pair("half", "8 of 12")}) {
     const std::string store = std::string(name) + ".db";
     ASSERT_EQ(w.lpc("sweep ./" + std::string(name) + ".toml --quiet --store " + store).code, 0);
     EXPECT_EQ(ask(w.path(store), count), hashes) << name;
