@@ -32,17 +32,22 @@ bool hasWord(const std::string& text, const std::string& word) {
 
 }  // namespace
 
-const toml::node* placeOfMessage(const std::string& message, const std::vector<WrittenText>& texts) {
+void failWhereWritten(const std::string& file, const std::string& message, const std::vector<WrittenText>& texts,
+                      const toml::node& otherwise) {
   const std::vector<std::string> names = quotedIn(message);
-  const toml::node* place = nullptr;
+  const WrittenText* place = nullptr;
   long most = 0;
   for (const WrittenText& t : texts) {
     const bool named = std::find(names.begin(), names.end(), t.name) != names.end();
     const long held = std::count_if(names.begin(), names.end(),
                                     [&](const std::string& name) { return name == t.name || hasWord(t.text, name); });
-    if (2 * held + named > most) most = 2 * held + named, place = t.node;
+    if (2 * held + named > most) most = 2 * held + named, place = &t;
   }
-  return place;
+  for (const WrittenText& t : texts) {
+    if (!place && !t.given.empty() && hasWord(message, t.name)) place = &t;
+  }
+  if (place && !place->given.empty()) throw UserError(place->given + ": " + message);
+  failAt(file, place ? *place->node : otherwise, message);
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -169,9 +169,9 @@ std::string labelOf(const std::string& place, std::string label, const Choice& c
   return label;
 }
 
-// `node`: where it stands; none when it was given on the command line.
+// `node`: where it stands.
 void addLabelled(const std::string& place, const std::string& label, const std::string& text, const toml::node* node,
-                 Axis& axis) {
+                 WrittenBy by, Axis& axis) {
   std::vector<std::pair<std::string, std::string>> found;
   if (text.find('*') == text.npos) {
     found.emplace_back(label, text);
@@ -186,7 +186,7 @@ void addLabelled(const std::string& place, const std::string& label, const std::
     for (const AxisValue& v : axis.values) {
       if (v.label == name) throw UserError(place + ": two methods have the label '" + name + "'");
     }
-    axis.values.push_back({name, pipeline, text, node});
+    axis.values.push_back({name, pipeline, text, node, by});
   }
 }
 
@@ -220,11 +220,14 @@ void readValue(const std::string& file, const toml::node& node, Axis& axis) {
 }  // namespace
 
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node) {
-  Axis axis{name, {}, node.is_table()};
+  if (std::find(kNoAxes.begin(), kNoAxes.end(), name) != kNoAxes.end()) {
+    failAt(file, node, "an axis '" + name + "', which the store keeps of every sweep; valid: another name");
+  }
+  Axis axis{name, {}, node.is_table(), &node};
   if (const toml::table* table = node.as_table()) {
     for (const auto& [label, text] : inFileOrder(*table)) {
       if (!text->is_string()) failAt(file, *text, "'" + label + "' is " + describe(*text) + "; valid: a string");
-      addLabelled(placeIn(file, *text), label, *text->value<std::string>(), text, axis);
+      addLabelled(placeIn(file, *text), label, *text->value<std::string>(), text, WrittenBy::file, axis);
     }
   } else if (const toml::array* list = node.as_array()) {
     for (const toml::node& n : *list) readValue(file, n, axis);
@@ -243,6 +246,7 @@ SetAxis::SetAxis(const std::string& text) : given(text) {
   if (equals == text.npos || equals == 0 || equals + 1 == text.size()) {
     throw UserError("--set '" + text + "'; valid: AXIS=VALUE, such as n=5000");
   }
+  if (text.find('*', equals) != text.npos) throw UserError("--set '" + text + "': a star is many; valid: one value");
   axis = text.substr(0, equals);
   value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);  // a number, or else a text
   if (!value.is_number()) value = text.substr(equals + 1);
@@ -282,7 +286,7 @@ bool addMethod(const std::string& given, const std::string& searched, std::vecto
     const bool named = std::any_of(axes.begin(), axes.end(), [&](const Axis& a) { return is(a.name); });
     if (!named && (searched.empty() || !is(searched))) return false;
   }
-  addLabelled(place, label, text, nullptr, *axis);
+  addLabelled(place, label, text, axis->node, WrittenBy::with, *axis);
   return true;
 }
 

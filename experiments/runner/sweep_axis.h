@@ -7,33 +7,44 @@
 // and `*{iterations=4}` gives the parameter to those who have one of that name.
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "experiments/parse/toml_reader.h"
 
 namespace lpc::inline LPC_PRECISION {
 
+/// Who has written a value: the sweep's file, or the command line.
+enum class WrittenBy { file, with, set };
+
 /// One value of an axis: what the sweep calls it, and what it means.
 struct AxisValue {
   nlohmann::json label;              // a number or text, as written
   std::string pipeline;              // of a labelled text: a part of a pipeline
   std::string written;               // the same as the file has it, with parameters that not everyone has
-  const toml::node* node = nullptr;  // where; none for one that was given on the command line
+  const toml::node* node = nullptr;  // where; of one that was given on the command line, its axis
+  WrittenBy by = WrittenBy::file;
 };
 struct Axis {
   std::string name;
   std::vector<AxisValue> values;
   bool labelled = false;
+  const toml::node* node = nullptr;  // where
 };
+
+/// What a store keeps of a sweep beside its axes (`roles` of the table `sweep`): no axis may have such a name.
+inline constexpr std::array<std::string_view, 3> kNoAxes = {"calibrate", "commands", "report"};
 
 /// A number, a text, a list of these, or a table of labelled parts of pipelines. A label whose text has stars says with
 /// `$velocity` where the name goes that `velocity=*` became. Throws UserError with file and line.
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node);
 
-/// "AXIS=VALUE" as the command line has it, a number or a text. Throws UserError for what is no such text.
+/// "AXIS=VALUE" as the command line has it, a number or a text. Throws UserError for what is no such text, and for a
+/// star, which is many values.
 struct SetAxis {
   explicit SetAxis(const std::string& given);
   std::string given, axis;

@@ -102,9 +102,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     const std::vector<std::string> known = chartsOfSweeps();
     for (const std::string& name : m_out.charts) {
       if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-      std::string valid;
-      for (const std::string& n : known) valid += (valid.empty() ? "" : ", ") + n;
-      top.fail(*top.find("report"), "'report' names the chart '" + name + "'; valid: " + valid);
+      top.fail(*top.find("report"), "'report' names the chart '" + name + "'" + validNames(known, name));
     }
   }
 
@@ -118,9 +116,8 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     std::for_each(m_out.calibrated.begin(), m_out.calibrated.end(), add);
     for (const Axis& axis : axes) {
       for (const AxisValue& v : axis.values) {
-        if (v.node || !m_only.empty() || planned.count(axis.name + "=" + v.label.dump())) continue;
-        throw UserError("--with " + v.label.get<std::string>() + ": " + m_path +
-                        " has all its trials under another label");
+        if (v.by != WrittenBy::with || !m_only.empty() || planned.count(axis.name + "=" + v.label.dump())) continue;
+        throw UserError("--with " + valueText(v.label) + ": " + m_path + " has all its trials under another label");
       }
     }
   }
@@ -160,8 +157,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       for (Axis& axis : s.axes) {
         if (axis.name != set.axis) continue;
         if (axis.labelled) throw UserError("--set '" + set.given + "': " + m_path + " has labelled methods there");
-        const toml::node* node = axis.values.empty() ? nullptr : axis.values[0].node;
-        axis.values = {{set.value, "", set.value.is_string() ? set.value.get<std::string>() : "", node}};
+        axis.values = {{set.value, "", valueText(set.value), axis.node, WrittenBy::set}};
         m_taken.insert(set.given);
       }
     }
@@ -191,8 +187,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     const std::string& setting = m_calibration->setting;
     for (const Axis& axis : s.axes) {
       if (axis.name != setting && axis.name != "budget") continue;
-      failAt(m_path, *axis.values[0].node,
-             "axis '" + axis.name + "' is what 'calibrate' finds; valid: budgets = [...]");
+      failAt(m_path, *axis.node, "axis '" + axis.name + "' is what 'calibrate' finds; valid: budgets = [...]");
     }
     if (s.budgets.empty()) failAt(m_path, where, "'calibrate' needs budgets = [...], here or for all groups");
     if (m_calibration->isTime && !s.timed) {
@@ -242,17 +237,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
         trial = m_kind == "world" ? world(s, at, axes, timed, repeat, names) : frozen(axes, timed, repeat, names);
       } catch (const UserError& e) {
         if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
-        // What goes wrong with a method of the command line does so in its first cell, when the others have been
-        // planned.
-        for (std::size_t i = 0; i < at.size(); ++i) {
-          const AxisValue& value = s.axes[i].values[at[i]];
-          if (!value.node) throw UserError("--with " + value.label.get<std::string>() + ": " + e.what());
-        }
-        for (const SetAxis& set : m_set) {
-          const bool named = std::string_view(e.what()).find("'" + set.axis + "'") != std::string_view::npos;
-          if (named && axes.contains(set.axis)) throw UserError("--set '" + set.given + "': " + e.what());
-        }
-        failAt(m_path, placeOf(e.what(), s, at, where), e.what());
+        failInCell(e.what(), s, at, where);
       }
       trial.axes = axes;
       trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
@@ -270,17 +255,22 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     return out;
   }
 
-  // Else the first axis, since the values of several may be wrong together.
-  static const toml::node& placeOf(const std::string& message, const Settings& s, const std::vector<std::size_t>& at,
-                                   const toml::node& where) {
+  [[noreturn]] void failInCell(const std::string& message, const Settings& s, const std::vector<std::size_t>& at,
+                               const toml::node& where) const {
     std::vector<WrittenText> texts;
     for (std::size_t i = at.size(); i-- > 0;) {  // a later axis replaces what an earlier one says
-      const AxisValue& value = s.axes[i].values[at[i]];
-      texts.push_back({s.axes[i].name, value.written + " " + value.pipeline, value.node});
+      const Axis& axis = s.axes[i];
+      const AxisValue& value = axis.values[at[i]];
+      texts.push_back({axis.name, value.written + " " + value.pipeline, value.node, ""});
+      // What goes wrong with a method of the command line does so in its first cell, when the others have been planned.
+      if (value.by == WrittenBy::with) throw UserError("--with " + valueText(value.label) + ": " + message);
+      for (const SetAxis& set : m_set) {
+        if (value.by == WrittenBy::set && set.axis == axis.name) texts.back().given = "--set '" + set.given + "'";
+      }
     }
-    if (s.pipelineNode) texts.push_back({"pipeline", s.pipeline, s.pipelineNode});
-    const toml::node* place = placeOfMessage(message, texts);
-    return place ? *place : at.empty() ? where : *s.axes[0].values[at[0]].node;
+    if (s.pipelineNode) texts.push_back({"pipeline", s.pipeline, s.pipelineNode, ""});
+    // The values of several axes may be wrong together.
+    failWhereWritten(m_path, message, texts, at.empty() ? where : *s.axes[0].values[at[0]].node);
   }
 
   bool wanted(const std::set<std::string>& names) {

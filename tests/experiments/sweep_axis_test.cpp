@@ -2,6 +2,7 @@
 // Stars in sweeps: whoever is registered is in, wherever a method's name may stand.
 #include "experiments/runner/sweep_axis.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -294,18 +295,60 @@ TEST(SweepSet, WhatIsTakenRunsBesideWhatWasGiven) {
 TEST(SweepSet, MistakesAreOneLine) {
   Workspace w;
   w.write("s.toml", kTwoResolvers);
+  const std::string head = "summary = \"s\"\nkind = \"world\"\n[axes]\ndt = 0.01\nscene = ";
+  w.write("dt.toml", head + "\"pyramid\"\n");
+  w.write("wrong.toml", head + "\"pyramud\"\n");
+  std::string none = "*witness";  // as where no oracles were built
+  for (const std::string& name : registered(StageKind::broadphase, AlgorithmRole::witness)) none += "-" + name;
+  w.write("none.toml", head + "\"pyramid\"\nbroadphase = \"" + none + "\"\n");
   const std::pair<const char*, std::vector<const char*>> cases[] = {
       {"s.toml --set iterations", {"--set 'iterations'", "valid: AXIS=VALUE"}},
       {"s.toml --set =7", {"--set '=7'", "valid: AXIS=VALUE"}},
       {"s.toml --set bodies=7", {"--set 'bodies=7'", "'s.toml'", "axis 'bodies'"}},
       {"s.toml --set resolver=catto", {"--set 'resolver=catto'", "labelled methods"}},
       {"choose --set n=many", {"--set 'n=many'", "'n'", "valid: numbers"}},
-      {"choose --set dimension=4", {"--set 'dimension=4'", "2 to 3"}}};
+      {"choose --set dimension=4", {"--set 'dimension=4'", "2 to 3"}},
+      {"choose --set broadphase=*", {"--set 'broadphase=*'", "a star is many", "one value"}},
+      {"choose --set broadphase=nosuch", {"--set 'broadphase=nosuch'", "naive"}},
+      {"s.toml --set scene=nosuch", {"--set 'scene=nosuch'", "pyramid"}},
+      {"s.toml --set iterations=200000", {"--set 'iterations=200000'", "100000"}},
+      {"dt.toml --set dt=7", {"--set 'dt=7'", "above 0"}},
+      {"none.toml --set broadphase=5", {"--set 'broadphase=5'", "naive"}},
+      {"wrong.toml --set dt=0.01", {"wrong.toml:5: ", "'pyramud'"}}};
   for (const auto& [arguments, parts] : cases) {
     const test::Outcome out = w.lpc(std::string("sweep --store never.db ") + arguments);
     EXPECT_EQ(out.code, 2) << arguments << "\n" << out.text;
     EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
     for (const char* part : parts) EXPECT_NE(out.text.find(part), std::string::npos) << arguments << "\n" << out.text;
+  }
+}
+
+TEST(SweepAxis, NoneHasTheNameOfWhatTheStoreKeepsBesideThem) {
+  for (const std::string_view name : kNoAxes) {
+    EXPECT_NE(errorOf(std::string(name), "[1, 2]").find("s.toml:1: an axis '" + std::string(name) + "'"),
+              std::string::npos)
+        << name;
+  }
+  EXPECT_EQ(errorOf("reports", "[1, 2]"), "no error");
+  // And the list is whole: what stands among the roles is an axis, or in it.
+  Workspace w;
+  w.write("s.toml", R"(
+summary = "s"
+kind = "world"
+report = ["equal_cost"]
+calibrate = { equal = "cost", metric = "work_row_updates", setting = "iterations", most = 2 }
+budgets = [1e9]
+[axes]
+scene = "pendulum"
+steps = 2
+[axes.resolver]
+"catto" = "solver=split_solver{velocity=catto{iterations=$iterations}}"
+)");
+  ASSERT_EQ(w.lpc("sweep s.toml --store s.db --quiet").code, 0);
+  const auto roles = nlohmann::json::parse(test::ask(w.path("s.db"), "SELECT roles FROM sweep"));
+  for (const auto& [name, role] : roles.items()) {
+    const bool kept = std::find(kNoAxes.begin(), kNoAxes.end(), name) != kNoAxes.end();
+    EXPECT_EQ(kept, !role.is_string()) << name;
   }
 }
 
@@ -322,7 +365,7 @@ TEST(SweepReport, TheChartsThatASweepIsForAreInTheStore) {
   w.write("s.toml", text("[\"boradphase\", \"ledger\"]"));
   const test::Outcome wrong = w.lpc("sweep s.toml --store b.db --quiet");
   EXPECT_EQ(wrong.code, 2);
-  EXPECT_NE(wrong.text.find("s.toml:3: 'report' names the chart 'boradphase'; valid: breaking_points, broadphase, "),
+  EXPECT_NE(wrong.text.find("s.toml:3: 'report' names the chart 'boradphase'; did you mean 'broadphase'? valid: "),
             std::string::npos)
       << wrong.text;
   EXPECT_EQ(wrong.text.find("ledger,"), std::string::npos) << "which is of a store and no sweep's: " << wrong.text;
