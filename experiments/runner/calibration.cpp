@@ -7,11 +7,13 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
+#include "experiments/runner/metric_name.h"
 #include "experiments/runner/store.h"
 #include "experiments/runner/sweep_file.h"
-#include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
+#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -20,15 +22,10 @@ using nlohmann::json;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-bool isNamed(const DescribedMetric& m, const std::string& name) {
-  const std::string_view known = m.info.name;
-  return known == name || (known.ends_with("*") && name.starts_with(known.substr(0, known.size() - 1)));
-}
-
 // The entry of a metric of world trials.
 std::optional<MetricInfo> infoOf(const std::string& name) {
   for (const DescribedMetric& m : describeMetrics()) {
-    if (m.what == "metric" && m.kind == "world" && isNamed(m, name)) return m.info;
+    if (m.what == "metric" && m.kind == "world" && isMetric(m.info, name)) return m.info;
   }
   return std::nullopt;
 }
@@ -79,11 +76,12 @@ struct Measured {
 
 class Calibrator {
  public:
-  Calibrator(PlannedSweep& sweep, Store& store) : m_sweep(sweep), m_what(*sweep.calibration), m_store(store) {
+  Calibrator(PlannedSweep& sweep, Store& store, const std::function<bool(const std::string&)>& done)
+      : m_sweep(sweep), m_what(*sweep.calibration), m_info(*infoOf(m_what.metric)), m_store(store), m_done(done) {
     for (std::size_t c = 0; c < sweep.calibrated.size(); ++c) {
       const CalibratedCell& cell = sweep.calibrated[c];
       // A method that does not use the setting has one.
-      const long most = at(c, 1).trials[0].key == at(c, 2).trials[0].key ? 1 : m_what.most;
+      const long most = at(c, 1).trials[0].key == at(c, std::min(2L, m_what.most)).trials[0].key ? 1 : m_what.most;
       for (const double budget : cell.budgets) m_asked.push_back({c, budget, Search(m_what, budget, most)});
     }
   }
@@ -103,7 +101,7 @@ class Calibrator {
         any = true;
         for (const PlannedTrial* t : measuring(at(a.cell, a.search.next()).trials)) round.trials.push_back(*t);
       }
-      if (!any) return;
+      if (!any) return refuseUnknown();
       goOn = run(round);
     }
   }
@@ -146,6 +144,12 @@ class Calibrator {
     if (added) it->second.trials = m_sweep.calibrated[cell].plan(setting);
     return it->second;
   }
+  // Which parts of a step are timed is known once one has run.
+  void refuseUnknown() const {
+    if (m_known || m_others.empty()) return;
+    throw UserError(m_what.place + ": no trial of the sweep has the metric '" + m_what.metric + "'" +
+                    validNames({m_others.begin(), m_others.end()}, m_what.metric));
+  }
   bool canRun(const Asked& a) { return at(a.cell, 1).trials[0].unsupported.empty(); }
 
   // The trials that have the metric: times are measured in all repeats, everything else once.
@@ -161,10 +165,14 @@ class Calibrator {
   std::optional<Measured> measure(const std::vector<PlannedTrial>& trials) {
     std::vector<double> values;
     for (const PlannedTrial* t : measuring(trials)) {
-      const auto row = m_store.measured(t->key);
+      const auto row = m_done(t->key) ? m_store.measured(t->key) : std::nullopt;
       if (!row) return std::nullopt;
       const auto it = row->metrics.find(m_what.metric);
       const bool has = it != row->metrics.end() && std::isfinite(it->second);
+      m_known = m_known || has;
+      for (const auto& [name, value] : row->metrics) {
+        if (m_info.name.ends_with('*') && isMetric(m_info, name)) m_others.insert(name);
+      }
       // A tower that fell has cost what it cost; its error says nothing of the method.
       if (!has || (m_what.equal == "error" && row->outcome != "ok")) {
         return Measured{kNever,
@@ -177,9 +185,13 @@ class Calibrator {
 
   PlannedSweep& m_sweep;
   const Calibration m_what;
+  const MetricInfo m_info;
   Store& m_store;
+  const std::function<bool(const std::string&)>& m_done;
   std::map<std::pair<std::size_t, long>, At> m_at;
   std::vector<Asked> m_asked;
+  bool m_known = false;            // some trial has the metric
+  std::set<std::string> m_others;  // that its star stands for
 };
 
 }  // namespace
@@ -201,15 +213,21 @@ Calibration readCalibration(const toml::table& table, const std::string& file) {
   const bool cost = out.equal == "cost";
   const auto info = infoOf(out.metric);
   if (!info || info->smaller.empty() || isCost(*info) != cost) {
-    std::string valid;
+    std::vector<std::string> valid;
     for (const DescribedMetric& m : describeMetrics()) {
       if (m.what != "metric" || m.kind != "world" || m.info.smaller.empty() || isCost(m.info) != cost) continue;
-      valid += (valid.empty() ? "" : ", ") + std::string(m.info.name);
+      for (const std::string& name : namesOf(m.info)) {
+        if (std::find(valid.begin(), valid.end(), name) == valid.end()) valid.push_back(name);
+      }
     }
-    t.fail(*t.find("metric"), "'" + out.metric + "' is no metric of " + out.equal + "; valid: " + valid);
+    t.fail(*t.find("metric"), "'" + out.metric + "' is no metric of " + out.equal + validNames(valid, out.metric));
   }
+  out.place = file + ":" + std::to_string(t.find("metric")->source().begin.line);
   out.isTime = info->need == TrialNeed::timing;
   out.setting = t.requireString("setting");
+  for (const std::string_view taken : {"budget", "kind", "precision", "repeat", "scene", "timed"}) {
+    if (out.setting == taken) t.fail(*t.find("setting"), "'setting' is '" + out.setting + "'; valid: another name");
+  }
   out.most = t.integer("most", out.most);
   if (out.most < 1 || out.most > 1000000) {
     t.fail(*t.find("most"), "'most' is " + std::to_string(out.most) + "; valid: 1 to 1000000");
@@ -236,9 +254,31 @@ std::vector<double> readBudgets(TableReader& t) {
   return out;
 }
 
-void calibrate(PlannedSweep& sweep, Store& store, const std::function<bool(const PlannedSweep&)>& run) {
+void addCalibrated(PlannedSweep& sweep, CalibratedCell cell) {
+  const auto add = [&](long setting) {
+    for (const PlannedTrial& t : cell.plan(setting)) cell.keys += t.key;
+  };
+  const long most = sweep.calibration->most;
+  add(1), add(std::min(2L, most));
+  try {
+    add(most);
+  } catch (const UserError& e) {
+    throw UserError(std::string(e.what()) + "; 'calibrate' goes up to most = " + std::to_string(most));
+  }
+  const auto same = std::find_if(sweep.calibrated.begin(), sweep.calibrated.end(),
+                                 [&](const CalibratedCell& other) { return other.keys == cell.keys; });
+  if (same == sweep.calibrated.end()) return sweep.calibrated.push_back(std::move(cell));
+  for (const double budget : cell.budgets) {
+    if (std::find(same->budgets.begin(), same->budgets.end(), budget) == same->budgets.end()) {
+      same->budgets.push_back(budget);
+    }
+  }
+}
+
+void calibrate(PlannedSweep& sweep, Store& store, const std::function<bool(const PlannedSweep&)>& run,
+               const std::function<bool(const std::string& key)>& done) {
   if (sweep.calibrated.empty()) return;
-  Calibrator calibrator(sweep, store);
+  Calibrator calibrator(sweep, store, done);
   calibrator.search(run);
   calibrator.addCells();
 }

@@ -18,6 +18,7 @@ struct PlannedSweep;
 struct Calibration {
   std::string equal;    // "cost": the largest setting within the budget; "error": the smallest that errs no more
   std::string metric;   // that is compared with the budgets
+  std::string place;    // where the file names it: "sweep.toml:7"
   std::string setting;  // the axis that is searched: whole numbers from 1
   long most = 1000;     // its largest value
   bool isTime = false;  // the metric is of timed trials
@@ -36,16 +37,24 @@ struct CalibratedCell {
   nlohmann::json axes;  // but for the setting
   std::vector<double> budgets;
   std::function<std::vector<PlannedTrial>(long setting)> plan;  // its trials at a setting
+  std::string keys = "";  // of its trials at a few settings: cells that have the same are one
 };
+
+/// Adds a cell to the sweep's. It is planned at its least and its largest setting, between which the range of a
+/// parameter has no hole, so that a mistake is told before anything runs. One that is there already, since two groups
+/// meet in it, gets the budgets that it lacks.
+void addCalibrated(PlannedSweep& sweep, CalibratedCell cell);
 
 /// Searches the settings and adds the cells at what was found to the sweep's trials: a cell's axes hold `budget` and
 /// the setting. A budget that no setting meets is a trial that is unsupported, with the reason. What the search runs
 /// are ordinary trials in the store, so that a second search runs nothing. `run` runs what the store lacks and returns
-/// whether it may go on; where it may not, cells that are not found yet are planned and have no result.
+/// whether it may go on; where it may not, cells that are not found yet are planned and have no result. `done` tells of
+/// a key whether the store's row counts: one that shall be run again does not.
 ///
 /// The search doubles the setting and then halves the gap, so it takes a larger setting for dearer and for more exact.
 /// Where that does not hold, what is found still meets the budget, and its neighbour (one more iteration for equal
 /// cost, one less for equal error) does not.
-void calibrate(PlannedSweep& sweep, Store& store, const std::function<bool(const PlannedSweep&)>& run);
+void calibrate(PlannedSweep& sweep, Store& store, const std::function<bool(const PlannedSweep&)>& run,
+               const std::function<bool(const std::string& key)>& done);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -35,11 +35,12 @@ class Scheduler {
     for (const PlannedSweep& sweep : sweeps) {
       for (const PlannedTrial& t : sweep.trials) {
         ++m_summary.planned;
+        const bool isDone = done(t.key);
         if (!m_seen.insert(t.key).second) {
           ++m_summary.shared;
           continue;
         }
-        if (done(t.key)) {
+        if (isDone) {
           ++m_summary.skipped;
           continue;
         }
@@ -62,13 +63,15 @@ class Scheduler {
     return m_summary;
   }
 
- private:
+  // What is to be run again is so once.
   bool done(const std::string& key) {
     const auto outcome = m_store.outcome(key);
     if (!outcome) return false;
-    return !(m_options.retry && (*outcome == "timeout" || *outcome == "crash" || *outcome == "out_of_memory"));
+    const bool again = *outcome == "timeout" || *outcome == "crash" || *outcome == "out_of_memory";
+    return !(m_options.retry && again && !m_seen.count(key));
   }
 
+ private:
   // In rounds: every cell once before any cell again, in each round in another order, so that a slow spell of the
   // machine meets all alike. A cell with twice the repeats of the others is in two places of each round.
   static void interleave(std::vector<Job>& jobs) {
@@ -182,7 +185,7 @@ RunSummary runSweeps(std::vector<PlannedSweep>& sweeps, Store& store, const RunO
   Scheduler scheduler(store, options);
   const auto run = [&](const PlannedSweep& round) { return !scheduler.run({round}).stopped; };
   for (PlannedSweep& sweep : sweeps) {
-    calibrate(sweep, store, run);
+    calibrate(sweep, store, run, [&](const std::string& key) { return scheduler.done(key); });
     store.plan(sweep, !options.partial);
   }
   return scheduler.run(sweeps);

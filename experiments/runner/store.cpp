@@ -8,6 +8,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <set>
 
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
@@ -176,12 +177,36 @@ json Store::commandsOf(const PlannedSweep& sweep, bool replace) {
   return out;
 }
 
+// Rows of an earlier search of the same cells: of one that was stopped, or that found another setting.
+void Store::forgetCells(const PlannedSweep& sweep) {
+  const auto cellOf = [&](json axes) {
+    axes.erase(sweep.calibration->setting);
+    return axes.dump();
+  };
+  std::set<std::string> cells;
+  for (const PlannedTrial& t : sweep.trials) cells.insert(cellOf(t.axes));
+  std::vector<std::string> keys;
+  SQLite::Statement s(m_db, "SELECT key, axes FROM planned WHERE sweep=?");
+  s.bind(1, sweep.name);
+  while (s.executeStep()) {
+    if (cells.count(cellOf(json::parse(s.getColumn(1).getString())))) keys.push_back(s.getColumn(0).getString());
+  }
+  SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=? AND key=?");
+  for (const std::string& key : keys) {
+    clear.bind(1, sweep.name), clear.bind(2, key);
+    clear.exec();
+    clear.reset();
+  }
+}
+
 void Store::plan(const PlannedSweep& sweep, bool replace) try {
   SQLite::Transaction transaction(m_db);
   if (replace) {
     SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=?");
     clear.bind(1, sweep.name);
     clear.exec();
+  } else if (sweep.calibration) {
+    forgetCells(sweep);
   }
   const json commands = commandsOf(sweep, replace);
   SQLite::Statement about(m_db, "INSERT OR REPLACE INTO sweep VALUES (?, ?, ?, ?, ?)");

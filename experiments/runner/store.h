@@ -77,7 +77,8 @@ class Store {
  private:
   long machineId();
   nlohmann::json commandsOf(const PlannedSweep& sweep, bool replace);
-  void mergeLedger();  // from the attached store `other`
+  void forgetCells(const PlannedSweep& sweep);  // that are planned anew
+  void mergeLedger();                           // from the attached store `other`
 
   SQLite::Database m_db;
   long m_machine = 0;

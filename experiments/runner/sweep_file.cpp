@@ -195,7 +195,6 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
   }
 
-  // Planned once now, so that a mistake is told before anything runs.
   void calibratedCell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where,
                       const json& axes) {
     const auto trialsAt = [self = shared_from_this(), s, at, &where, axes](long setting, std::set<std::string>& names) {
@@ -204,13 +203,13 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       return self->trialsOf(s, at, where, cell, names);
     };
     std::set<std::string> names;
-    const std::vector<PlannedTrial> first = trialsAt(1, names);
+    trialsAt(1, names);
     m_out.roles["budget"] = "run";
-    if (!wanted(names) || !m_seen.insert(first.at(0).key).second) return;
-    m_out.calibrated.push_back({axes, s.budgets, [trialsAt](long setting) {
-                                  std::set<std::string> unused;
-                                  return trialsAt(setting, unused);
-                                }});
+    if (!wanted(names)) return;
+    addCalibrated(m_out, {axes, s.budgets, [trialsAt](long setting) {
+                            std::set<std::string> unused;
+                            return trialsAt(setting, unused);
+                          }});
   }
 
   void cell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where) {

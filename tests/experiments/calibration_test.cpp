@@ -188,6 +188,8 @@ TEST(Calibration, MistakesAreOneLine) {
       {calibrated("cost", "work_row_updates", "5", ", most = 0") + kAxes, {"s.toml:5: ", "'most' is 0", "1 to"}},
       {calibrated("cost", "work_row_updates", "5", ", least = 0") + kAxes, {"s.toml:5: ", "least"}},
       {good + kAxes + "iterations = [1, 2]\n", {"s.toml:11: ", "'iterations' is what 'calibrate' finds"}},
+      {"calibrate = { equal = \"cost\", metric = \"work_row_updates\", setting = \"budget\" }\nbudgets = [5]\n" + kAxes,
+       {"s.toml:5: ", "'setting' is 'budget'", "another name"}},
       {"budgets = [5]\n" + kAxes, {"s.toml:5: ", "'budgets' without 'calibrate'"}},
       {"calibrate = \"cost\"\n" + kAxes, {"s.toml:5: ", "'calibrate' is the string 'cost'", "a table"}},
       {good.substr(0, good.find("budgets")) + kAxes, {"s.toml:", "'calibrate' needs budgets"}}};
