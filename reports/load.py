@@ -26,6 +26,7 @@ SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "collapsed", "expl
             "out_of_memory", "crash"]
 # Between the parts of a method's label where several stages vary: `sat_clip / region_tree`.
 JOINED = " / "
+ROLES = ("competitor", "witness", "engine")  # ours, other people's part, other people's whole; later ones decide what both are
 REPEATS = ("timed", "repeat")
 WITHIN_CELL = (*REPEATS, "seed")  # axes that tell the trials of one cell apart, not the cells
 
@@ -123,7 +124,7 @@ class Store:
         self.metrics, self.described_series = self._read_metrics("metric"), self._read_metrics("series")
         self._sweeps = {row[0]: _sweep(*row) for row in
                         self.db.execute("SELECT name, kind, summary, baseline, roles FROM sweep")}
-        self._cells, self._method_axes = {}, {}
+        self._cells, self._method_axes, self._roles = {}, {}, None
 
     def _read_trials(self):
         trials = pd.read_sql("SELECT * FROM trial", self.db, index_col="key")
@@ -159,8 +160,20 @@ class Store:
         return found is not None and "timing" in found.needs
 
     def role(self, label):
-        """Of a method label such as `gjk_epa{simplex=johnson}` or `catto+linear`; competitor where nothing is known."""
-        return next((entry["role"] for entry in self.algorithms if entry["name"] == family(label)), "competitor")
+        """Whose a method is. Labels are free text, so its trials' pipelines decide; where it has none (a ledger, a cell not
+        run) the names in the label do; competitor where nothing is known."""
+        if self._roles is None:
+            self._roles = self._roles_of_trials()
+        parts = [family(part) for part in str(label).split(JOINED)]
+        return self._roles.get(label) or theirs(entry["role"] for entry in self.algorithms if entry["name"] in parts)
+
+    def _roles_of_trials(self):
+        found, role_of = {}, {(entry["stage"], entry["name"]): entry["role"] for entry in self.algorithms}
+        for entry in self.planned[self.planned["key"].isin(self.trials.index)].itertuples():
+            named = _named(self.trials.at[entry.key, "canonical"])
+            roles = [role_of.get((stage, name), stage if stage == "engine" else None) for stage, name in named]
+            found.setdefault(self.method_of(entry.sweep, entry.axes), set()).update(filter(None, roles))
+        return {label: theirs(roles) for label, roles in found.items() if roles}
 
     def sweeps(self):
         return list(dict.fromkeys(self.planned["sweep"]))
@@ -240,6 +253,7 @@ class Store:
                 "finished_trials": len(have), "outcome": NOT_RUN, "reason": "planned, no result in the store",
                 "step": np.nan, "key": None, "key_timed": None, "machine": None, "keys": [], "hashes": [],
                 "seeds": list(dict.fromkeys(entry.axes.get("seed") for entry in entries)), "failed_seeds": 0,
+                "refused_repeats": 0,
                 **{_free(name, axes): np.nan for name, m in self.metrics.items() if m.kind in (kind, "any") and "*" not in name}}
         if not have:
             return cell
@@ -250,22 +264,23 @@ class Store:
                                                      "trials not run"]))
         timed = trials[trials["timed"] == 1]
         seed_of = {entry.key: entry.axes.get("seed") for entry in entries}
-        self._facts(cell, axes, trials, seed_of)
+        bad = self._facts(cell, axes, trials, seed_of)
         if len(timed):
-            # Machines do not mix: times come from the machine with most repeats, the others are counted as refused.
+            # Machines do not mix: times come from the machine with most repeats; one_machine tells how many others there are.
             machine = timed["machine"].mode().iloc[0] if timed["machine"].notna().any() else None
             same = timed if machine is None else timed[timed["machine"] == machine]
             cell.update(key_timed=same.index[0], machine=machine, refused_repeats=len(timed) - len(same))
             for name in dict.fromkeys(name for metrics in same["metrics"] for name in metrics if self.is_time(name)):
-                repeats, of_seeds = {}, {}  # of a repeat the median over seeds: it is one round over all cells
+                repeats, of_seeds = {}, {}  # a repeat is one round over all cells
                 for entry in entries:
                     value = same["metrics"][entry.key].get(name) if entry.key in same.index else None
                     if value is not None:
-                        repeats.setdefault(entry.axes.get("repeat"), []).append(value)
+                        repeats.setdefault(entry.axes.get("repeat"), {})[entry.axes.get("seed")] = value
                         of_seeds.setdefault(entry.axes.get("seed"), []).append(value)
                 if len(cell["seeds"]) > 1:
-                    cell[_free(name, axes) + " seeds"] = [middle(of_seeds.get(seed, [])) for seed in cell["seeds"]]
-                values = [float(np.median(of_repeat)) for of_repeat in repeats.values()]
+                    cell[_free(name, axes) + " seeds"] = [math.nan if seed in bad else middle(of_seeds.get(seed, []))
+                                                          for seed in cell["seeds"]]
+                values = over_seeds(repeats, bad)
                 cell[_free(name, axes)] = float(np.median(values)) if values else np.nan
                 cell[_free(name, axes) + " runs"] = values
                 if values and name.endswith("_median"):
@@ -274,7 +289,7 @@ class Store:
 
     def _facts(self, cell, axes, trials, seed_of):
         """What does not depend on the hour, from one trial of each seed: medians over the seeds that are ok, and all values.
-        The key is that of the first seed that is ok, whose series and poses stand for the cell."""
+        The key is that of the first seed that is ok, whose series and poses stand for the cell. Returns the others."""
         of_seed, bad = {}, set()
         for trial in trials.sort_values("timed", kind="stable").itertuples():  # untimed first
             of_seed.setdefault(seed_of[trial.Index], trial)
@@ -296,6 +311,7 @@ class Store:
                 cell[_free(name, axes) + " seeds"] = [
                     math.nan if trial is None or seed in bad or trial.metrics.get(name) is None else trial.metrics[name]
                     for seed, trial in zip(cell["seeds"], firsts)]
+        return bad
 
     def method_of(self, sweep, axes):
         return JOINED.join(str(axes[name]) for name in self.method_axes(sweep) if name in axes) or "default"
@@ -313,6 +329,29 @@ def middle(values):
     """The median of those that are numbers; one value stays what it is."""
     values = [value for value in values if value is not None and value == value]
     return values[0] if len(values) == 1 else float(np.median(values)) if values else math.nan
+
+
+def over_seeds(repeats, bad):
+    """Of each repeat {seed: time} the median over the seeds that are ok, if any is. All are of the same seeds, those of the
+    fullest repeat: else a repeat that was cut short would differ by what another seed costs, which is no noise."""
+    ok = [{seed: value for seed, value in of_seed.items() if seed not in bad} for of_seed in repeats.values()]
+    of_seeds = ok if any(ok) else list(repeats.values())
+    counted = max(of_seeds, key=len, default={}).keys()
+    whole = [of_seed for of_seed in of_seeds if counted and counted <= of_seed.keys()]
+    return [float(np.median([of_seed[seed] for seed in counted])) for of_seed in whole]
+
+
+def theirs(roles):
+    """The role of what is made of parts of these roles: one part of another library's makes it theirs."""
+    return max(roles, key=lambda role: ROLES.index(role) if role in ROLES else len(ROLES), default=ROLES[0])
+
+
+def _named(canonical):
+    """(stage, name) of all that a trial was made of: its pipeline's, a whole engine, or the one method that it asks alone."""
+    alone = [f"{key}={value}" for key, value in canonical.items() if isinstance(value, str) and key != "pipeline"]
+    engine = canonical.get("engine")
+    return re.findall(r"(\w+)=(\w+)", " ".join([canonical.get("pipeline", ""), *alone])) + (
+        [("engine", engine.get("name", ""))] if isinstance(engine, dict) else [])
 
 
 def _free(metric, axes):
@@ -353,9 +392,13 @@ def axes_of(store, cells):
 
 
 def one_machine(store, cells):
-    """(cells whose times may be compared, sentences naming those that may not)."""
-    if "machine" not in cells or cells["machine"].nunique(dropna=True) < 2:
+    """(cells whose times may be compared, sentences naming those that may not, and the repeats that were left out)."""
+    if "machine" not in cells:
         return cells, []
+    said = [f"{method}: {int(part['refused_repeats'].sum())} timed trials on another machine are left out"
+            for method, part in cells[cells["refused_repeats"] > 0].groupby("method", sort=True)]
+    if cells["machine"].nunique(dropna=True) < 2:
+        return cells, said
     kept = cells["machine"].mode().iloc[0]
     other = cells["machine"].notna() & (cells["machine"] != kept)
     refused = [f"{row.method}: timed on machine {int(row.machine)}, the others on machine {int(kept)}"
@@ -364,4 +407,4 @@ def one_machine(store, cells):
     for name in cells.columns:
         if store.is_time(re.sub("_(lo|hi)$", "_median", name.removesuffix(" runs").removesuffix(" seeds"))):
             cells.loc[other, name] = np.nan
-    return cells, sorted(set(refused))
+    return cells, sorted(set(refused)) + said
