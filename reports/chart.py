@@ -114,6 +114,7 @@ class Context:
         self.store = store
         self.ids = []  # of all charts made so far, kept or not
         self._looks = {}
+        self.floors = {}  # (sweep, metric) -> noise.Floor, once it is asked for
 
     def check(self, module):
         """Refuses a chart that needs what nobody has: a misspelt name would be a chart that is never made."""

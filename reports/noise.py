@@ -3,8 +3,9 @@
 
 Times of one cell differ from repeat to repeat. The *floor* is how far apart the same method is from itself, entered twice
 in the same sweep: its even repeats against its odd ones, which were made in the same rounds as everybody else's. A ratio
-of two times is told when it is beyond the floor and the intervals of the two medians are apart; else it is noise. A rank
-that another seed turns round is a tie.
+of two times is told when it is beyond the floor and the intervals of the two medians are apart; else it is noise. The floor
+is that of the whole sweep, whatever a chart shows of it, and each role has its own: what runs in a process of its own is
+noisier than what does not. A rank that another seed turns round is a tie.
 """
 
 import math
@@ -64,6 +65,39 @@ def floor(cells, metric):
     return math.exp(float(np.percentile(ratios, LIKELY, method="higher"))) if ratios else UNMEASURED
 
 
+class Floor(float):
+    """The floor of a sweep: a number, the largest that was measured, and of two methods the larger of their roles'."""
+
+    def __new__(cls, of_role, role_of):
+        self = super().__new__(cls, max([v for v in of_role.values() if v != UNMEASURED], default=UNMEASURED))
+        self.of_role, self.role_of = of_role, role_of
+        return self
+
+    def between(self, a, b):
+        return max(self.of_role.get(self.role_of(cell.get("method")), self) for cell in (a, b))
+
+
+def floor_of(context, sweep, metric):
+    """The floor of a sweep. No chart measures one on the cells that it shows: of a few, it is that of the luckiest."""
+    if (sweep, metric) not in context.floors:
+        context.floors[sweep, metric] = Floor({role: floor(part, metric) for role, part in by_role(context, sweep)},
+                                              context.store.role)
+    return context.floors[sweep, metric]
+
+
+def by_role(context, sweep):
+    """[(role, cells)] of a sweep."""
+    cells = context.store.cells(sweep)
+    roles = np.array([context.store.role(method) for method in cells["method"]]) if len(cells) else np.array([])
+    return [(role, cells[roles == role]) for role in dict.fromkeys(sorted(roles))]
+
+
+def between(least, a, b, metric):
+    """The floor of two cells: `least`, or theirs of it; never below UNMEASURED where one of them has too few repeats."""
+    few = any(0 < len(runs(cell, metric)) < FEWEST for cell in (a, b))
+    return max(least.between(a, b) if isinstance(least, Floor) else least, UNMEASURED if few else 1.0)
+
+
 def silence(least):
     """NOISE where the floor of the sweep was measured; else nobody knows whether it is noise."""
     return FEW if least == UNMEASURED else NOISE
@@ -91,7 +125,7 @@ def ratio(a, b, metric):
 def tells(a, b, metric, least):
     """Whether the ratio of two cells' times is more than noise; `least` is the floor of their sweep."""
     found = ratio(a, b, metric)
-    if not math.isfinite(found) or found <= 0 or max(found, 1 / found) <= least:
+    if not math.isfinite(found) or found <= 0 or max(found, 1 / found) <= between(least, a, b, metric):
         return False
     (low_a, high_a), (low_b, high_b) = interval(runs(a, metric)), interval(runs(b, metric))
     return not (low_a <= high_b and low_b <= high_a)  # unknown intervals tell by the floor alone
@@ -112,7 +146,7 @@ def said(a, b, metric, least):
         return SAME_WORK
     if tells(a, b, metric, least):
         return f"{found:.2f}"
-    return silence(least) if all(len(runs(cell, metric)) >= FEWEST for cell in (a, b)) else FEW
+    return silence(between(least, a, b, metric)) if all(len(runs(cell, metric)) >= FEWEST for cell in (a, b)) else FEW
 
 
 def rule(least):
@@ -120,7 +154,10 @@ def rule(least):
     if least == UNMEASURED:
         return (f"Too few repeats to measure the noise: a ratio is told when it is beyond {UNMEASURED:g} and the whiskers of the "
                 "two are apart.")
-    return (f"The same method against itself differs by up to {100 * (least - 1):.2g} % ({LIKELY} of 100 cells): a ratio is told "
+    known = {role: v for role, v in least.of_role.items() if v != UNMEASURED} if isinstance(least, Floor) else {}
+    noise = f"{100 * (least - 1):.2g} %" if len(known) < 2 else ", ".join(f"{100 * (v - 1):.2g} % ({role})"
+                                                                        for role, v in known.items())
+    return (f"The same method against itself differs by up to {noise} in {LIKELY} of 100 cells: a ratio is told "
             "when it is beyond that and the whiskers of the two are apart; else it is noise.")
 
 

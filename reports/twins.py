@@ -51,7 +51,8 @@ def drawn(context, name, section, title, text, cells, rows, before, after, refus
     places = max(len(place) for place, _ in groups)
     left, legend_width = min(3.4, 0.3 + max(0.07 * labels, 0.082 * places)), 1.5
     figure, axes = grid_of_axes(1, len(shown), 0.24 * lines + 0.1, legend_width, left=left, gap_x=0.62, bottom=0.35)
-    outcomes, least = set(), {metric: noise.floor(cells, metric) for metric in shown if context.store.is_time(metric)}
+    outcomes, least = set(), {metric: noise.floor_of(context, cells["sweep"].iloc[0], metric) for metric in shown
+                           if context.store.is_time(metric)}
     for column, metric in enumerate(shown):
         ax = axes[0][column]
         pairs = [(number(base, metric), number(row, metric)) for _, _, base, row in rows]

@@ -157,7 +157,7 @@ def _chart(context, cells, dimension, precision, refused):
     distributions = sorted(cells["distribution"].unique())
     methods, lines = sorted(cells["method"].unique()), []
     base, looks = baseline_of(context, cells), context.looks(cells)
-    least = noise.floor(cells, TIME)
+    least = noise.floor_of(context, cells["sweep"].iloc[0], TIME)
     cross = crossings(cells, base, least)
     marked, ahead = crossing_methods(cross), leaders(cells, base, least)
     legend_width = legend_room(map(context.name, methods), 1.75)

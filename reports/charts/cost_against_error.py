@@ -186,7 +186,7 @@ def against_baseline(context, cells, cost_name, error_name):
     how = f"with an error where {base} has none" if math.isinf(ratio) else how if ratio else "without error"
     if not context.store.is_time(cost_name):
         return f" {at}{best['method']} takes {costs[0] / costs[1]:.2g} times the {context.title(cost_name)} of {base} {how}."
-    text = noise.said(row, best, cost_name, noise.floor(everything, cost_name))
+    text = noise.said(row, best, cost_name, noise.floor_of(context, everything["sweep"].iloc[0], cost_name))
     time = f"takes {costs[0] / costs[1]:.2g} times the time of {base}"
     if text == noise.SAME_WORK:
         time = f"does the same work as {base}, by all counts,"
@@ -253,7 +253,8 @@ def _cost_chart(context, cells, groups, refused):
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed; the front joins what no other beats in both. Whiskers "
-                 "hold the median of repeats and seeds. " + noise.rule(noise.floor(cells, "ms_per_step_median"))
+                 "hold the median of repeats and seeds. " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0],
+                                                                                      "ms_per_step_median"))
                  + engine_notes(context, cells) + caption_of_lines(shared),
                  telling=True, headline=headline(context, cells, where, costs[0], errors[0]))
 

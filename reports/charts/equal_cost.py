@@ -106,7 +106,7 @@ def beside(context, cells, about, other):
     if other is None:
         return ""
     unit, what = context.unit(other), context.title(other)
-    least, found = noise.floor(cells, other) if context.store.is_time(other) else 1.0, []
+    least, found = noise.floor_of(context, cells["sweep"].iloc[0], other) if context.store.is_time(other) else 1.0, []
     for budget, here in cells.groupby("budget", sort=True):
         good = here[(here["outcome"] == "ok").to_numpy() & (metrics.column(here, other) > 0)]
         if good["method"].nunique() > 1:
@@ -217,7 +217,8 @@ def counted(context, cells, about, other, full):
         text += (f" What is counted ({context.title(about['metric'])}) leaves out what a method does beside: contacts found, "
                  "rows prepared, the next row sought.")
     if other is not None and context.store.is_time(other):
-        text += f" The {context.title(other)} has it all. {noise.rule(noise.floor(cells, other))}"
+        least = noise.floor_of(context, cells["sweep"].iloc[0], other)
+        text += f" The {context.title(other)} has it all. {noise.rule(least)}"
     return text
 
 

@@ -16,7 +16,7 @@ WIDEST = 50.0  # percent that are drawn
 
 
 def of_store(context):
-    rows = [row for row in (_row(context, sweep) for sweep in context.store.sweeps()) if row]
+    rows = [row for sweep in context.store.sweeps() for row in _rows(context, sweep)]
     if not rows:
         return [Chart("noise", SECTION, "Noise of times", "No timed trial is in this store.", "")]
     figure = _drawn(rows) if any(row["ratios"] or row["loads"] for row in rows) else None  # stores of old hold neither
@@ -30,11 +30,24 @@ def of_store(context):
                   "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were made "
                   f"in the same rounds. The bar is the floor: {noise.LIKELY} of 100 of the cells that the "
                   "label counts are inside. A ratio is told in a chart when it is beyond the floor and the whiskers of the two are "
-                  "apart; else it is noise. Load is the mean of a minute.")]
+                  "apart; else it is noise. Other libraries' methods and engines have floors of their own." + beyond(rows) +
+                  " Load is the mean of a minute.")]
+
+
+def beyond(rows):
+    """What stands at the edge of the first panel because it is farther off."""
+    said = []
+    for row in rows:
+        most = max([row["floor"], *(max(ratio, 1 / ratio) for ratio in row["ratios"])]) if row["ratios"] else 1.0
+        if 100 * (most - 1) > WIDEST:
+            said.append(f"marks of {row['sweep']} (a factor of up to {most:.2g})")
+    return f" Beyond the edge of the first panel, and drawn at it: {listing(said)}." if said else ""
 
 
 def _drawn(rows):
-    figure, axes = grid_of_axes(1, 2, 0.3 * len(rows) + 0.2, 0.2, left=2.6, gap_x=0.4, bottom=0.6)
+    names = [f"{row['sweep']}, {plural(len(row['ratios']), 'cell')}" for row in rows]
+    left_room = max(2.6, 0.3 + 0.075 * max(map(len, names)))
+    figure, axes = grid_of_axes(1, 2, 0.3 * len(rows) + 0.2, 0.2, left=left_room, gap_x=0.4, bottom=0.6)
     left, right = axes[0]
     for y, row in enumerate(rows):
         shares = [min(WIDEST, max(-WIDEST, 100 * (ratio - 1))) for ratio in row["ratios"]]
@@ -46,7 +59,7 @@ def _drawn(rows):
     for ax in (left, right):
         ax.set_ylim(len(rows) - 0.4, -0.6)
         ax.set_yticks(range(len(rows)))
-        ax.set_yticklabels([f"{row['sweep']}, {plural(len(row['ratios']), 'cell')}" for row in rows] if ax is left else [])
+        ax.set_yticklabels(names if ax is left else [])
         ax.tick_params(axis="y", length=0)
     left.set_xlabel("even repeats over odd ones, less 1 (%)")
     right.set_xlabel("load average when a timed trial started")
@@ -64,11 +77,14 @@ def finding(rows):
     return f"Timed against itself, a method differs by at most {listing(said)} ({noise.LIKELY} of 100 cells of each){busy}."
 
 
-def _row(context, sweep):
-    kind, cells = context.store.sweep(sweep).kind, context.store.cells(sweep)
+def _rows(context, sweep):
+    """One for each role: each has a floor of its own (noise.Floor)."""
+    kind, found = context.store.sweep(sweep).kind, []
     time = next((name for name in context.metrics(kind, "cost") if context.store.is_time(name)), None)
-    timed = cells[cells["key_timed"].notna()] if len(cells) else cells
-    if time is None or not len(timed):
-        return None
-    return {"sweep": sweep, "cells": len(timed), "ratios": noise.with_itself(timed, time),
-            "floor": noise.floor(timed, time), "loads": [v for _, cell in timed.iterrows() for v in noise.runs(cell, "load")]}
+    for role, cells in noise.by_role(context, sweep) if time else ():
+        timed = cells[cells["key_timed"].notna()]
+        if len(timed):
+            found.append({"sweep": sweep if role == "competitor" else f"{sweep} ({role})", "cells": len(timed),
+                          "ratios": noise.with_itself(timed, time), "floor": noise.floor(timed, time),
+                          "loads": [v for _, cell in timed.iterrows() for v in noise.runs(cell, "load")]})
+    return found

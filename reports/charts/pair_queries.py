@@ -36,7 +36,7 @@ def of_sweep(context, cells):
         cells["method"] = cells["method"] + " " + cells["precision"].map({"f64": "", "f32": "f32"}).fillna("")
         cells["method"] = cells["method"].str.strip()
     cells["pair"] = ["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])]
-    made, least = [], noise.floor(cells, TIME)
+    made, least = [], noise.floor_of(context, cells["sweep"].iloc[0], TIME)
     for dimension in sorted(set(dimension_of(cells))):
         part = cells[dimension_of(cells) == dimension]
         part, absent = _present(part, dimension)

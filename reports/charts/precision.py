@@ -30,7 +30,7 @@ def of_sweep(context, cells):
         rows.append((describe(first, place_axes) or "scene",
                      describe(first, ["method", *(c for c in same if c not in place_axes)]),
                      f64.iloc[0] if len(f64) else None, row))
-    least = noise.floor(cells, COST)
+    least = noise.floor_of(context, cells["sweep"].iloc[0], COST)
     words = [twins.told(base, row, COST, least) for _, _, base, row in rows if base is not None and row is not None]
     ratios = [twins.ratio_of(base, row, COST) for _, _, base, row in rows if base is not None and row is not None]
     ratios = [ratio for ratio in ratios if math.isfinite(ratio)]  # of all pairs: those beyond the noise alone would be a selection

@@ -8,10 +8,9 @@ import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-import noise
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing
 from load import split, varying
-from style import PALETTE, grid_of_axes, legend_right, si, times
+from style import PALETTE, grid_of_axes, legend_right, si
 
 PLACE = 100
 SECTION = "Where does the time of a step go?"
@@ -122,9 +121,10 @@ def _timeline(context, cells, side, axes):
                 for count, colour in COUNTS.items()]
     legend_right(figure, handles, legend_width)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} timeline {where}"), SECTION,
-                 f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows, noise.floor(cells, COST)),
+                 f"Time per stage and counts over the script: {where}", _finding(where, side, peaks, rows),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), holes(cells, [*axes, side] if side else axes),
-                 f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show.",
+                 f"Medians of {STRETCHES} stretches of the run, stacked; one pre-empted step does not show. Each is one run: "
+                 "how far its repeats are from it is not stored, so no ratio of two runs is told.",
                  headline=_headline(where, [r for r in rows if r["run"] in finished]))
 
 
@@ -138,19 +138,13 @@ def _headline(where, rows):
     return Headline(f"On {where} ({rows[0]['run']}) {most} takes {share:.0f} % of the time of a step.", parts, "s", "time per step")
 
 
-def _finding(where, side, peaks, rows, least):
+def _finding(where, side, peaks, rows):
     if not peaks:
         return f"No run of {where} finished with stage times."
+    # Numbers and no ratio of two runs: how far the last tenth of a run is from that of its repeats is not in the store.
     said = [f"{name}: peak {si(peak, 'ms')}, last tenth {si(end, 'ms')} a step" for name, peak, end in peaks]
     shares = [r for r in rows if r["stage"] not in ("whole step", "other")]
     most = max(shares, key=lambda r: r["share of the time [1]"]) if shares else None
     tail = (f"; the dearest stage is {most['stage']} ({100 * most['share of the time [1]']:.1f} % of the time, {most['run']})"
             if most else "")
-    if side and len(peaks) == 2 and peaks[1][2] > 0:
-        a, b = peaks
-        slow, fast = (a, b) if a[2] >= b[2] else (b, a)
-        ratio = slow[2] / max(fast[2], 1e-9)
-        how = f"ends {times(ratio)} times as dear as" if ratio > least else (
-            f"ends as dear, {noise.IN_WORDS[noise.silence(least)]}, as")
-        tail = f"; {slow[0]} {how} {fast[0]}" + tail
     return f"On {where}, {side + ' ' if side else ''}{listing(said)}{tail}."

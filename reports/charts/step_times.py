@@ -54,7 +54,7 @@ def finding(context, where, cells):
                  f"{times(float(ratios.min()))} times with {_named(least, calm, good)}")
     engines = good[good["method"].map(context.store.role) == "engine"]
     ours = good[good["method"].map(context.store.role) != "engine"]
-    floor = noise.floor(cells, MEDIAN)
+    floor = noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)
     for _, engine in engines.iterrows():
         if not len(ours):
             break
@@ -118,4 +118,4 @@ def _chart(context, cells, shown, gaps, at):
                  f"In {dimension}D{at} " + "; ".join(finding(context, where, part) for where, part in shown) + ".",
                  cells["sweep"].iloc[0], figure, pd.DataFrame(columns), gaps + holes(drawn, ["scene", "method"]),
                  "Processor time of a step, broadphase to integration; medians over repeats, without each run's first ten steps. "
-                 "Engines stand beside our methods. " + noise.rule(noise.floor(cells, MEDIAN)))
+                 "Engines stand beside our methods. " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)))

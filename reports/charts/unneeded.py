@@ -24,7 +24,7 @@ def of_sweep(context, cells):
         base = part[part["model"] == base_name]
         for _, row in part[part["model"] != base_name].iterrows():
             rows.append((describe(row, same) or "scene", str(row["model"]), base.iloc[0] if len(base) else None, row))
-    least, said = noise.floor(cells, COST), []
+    least, said = noise.floor_of(context, cells["sweep"].iloc[0], COST), []
     for place, part in twins.grouped(rows):
         words = [(model, twins.told(base, row, COST, least)) for model, base, row in part]
         ratios = sorted(((float(text), model) for model, text in words if text[:1].isdigit()), reverse=True)

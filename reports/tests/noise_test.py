@@ -228,10 +228,70 @@ class OfStores(unittest.TestCase):
                 said += made.finding
         self.assertGreaterEqual(said.lower().count("too few repeats"), 5, said)
 
-    def test_the_end_of_a_script_within_the_noise_is_no_difference(self):
-        said = lambda end: stages._finding("s", "sleep", [("none", 2.0, 1.0), ("some", 2.0, end)], [], 1.1)  # noqa: E731
-        self.assertIn("some ends as dear, within the noise, as none", said(1.09))
-        self.assertIn("some ends 1.2 times as dear as none", said(1.2))
+    def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
+        """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
+        found = self.made(stages, synthetic_store.stages)[0]
+        self.assertRegex(found.finding, r"none: peak [\d.]+ ms, last tenth [\d.]+ ms a step and split_average: peak")
+        self.assertNotIn("as dear as", found.finding)
+        self.assertIn("no ratio of two runs is told", found.note)
+
+    @staticmethod
+    def two_scenes(maker, wide=0.2):
+        """One scene whose repeats agree, and one whose repeats do not, in one sweep; naive is 1.1 times as dear."""
+        maker.sweep("costs", "world", "naive", resolver="label")
+        for scene, spread in (("calm", 0.01), ("busy", wide)):
+            for label, ms, error in (("naive", 1.1, 2e-3), ("catto", 1.0, 1e-3), ("soft_step", 0.5, 3e-3)):
+                for repeat in range(6):
+                    axes = {"kind": "world", "scene": scene, "dimension": 2, "resolver": label, "precision": "f64", "timed": True,
+                            "repeat": repeat}
+                    maker.trial("costs", axes, {COST: ms * (1 + spread * (repeat % 2)), "max_penetration": error,
+                                                "penetration_poses": error})
+
+    def test_the_floor_of_every_chart_is_that_of_its_sweep(self):
+        context, everywhere = self.context(self.two_scenes), "up to 20 % in 95 of 100 cells"
+        self.assertAlmostEqual(noise.floor_of(context, "costs", COST), 1.2)
+        for found in chart.made(cost_against_error, context):
+            self.assertIn(everywhere, found.note, found.id)
+            self.assertNotRegex(found.finding, r"catto takes [\d.]+ times the time of naive")
+        of_shown = lambda context, sweep, metric: noise.floor(  # noqa: E731
+            context.store.cells(sweep).query("scene == 'calm'"), metric)
+        with unittest.mock.patch.object(noise, "floor_of", of_shown):
+            bad = chart.made(cost_against_error, context)
+        self.assertFalse(all(everywhere in found.note for found in bad), "the planted bug was not seen")
+        for path in (HERE.parent / "charts").glob("*.py"):
+            if path.stem != "noise_floor":
+                self.assertNotRegex(path.read_text(encoding="utf-8"), r"noise\.floor\(", "a floor of a chart's own cells")
+
+    def test_each_role_has_a_floor_of_its_own(self):
+        def fill(maker):
+            maker.sweep("pairs", "pairs", pair_query="stage")
+            for label, ns, spread in (("sat", 100.0, 0.02), ("gjk_epa", 120.0, 0.02), ("fcl", 90.0, 0.9)):
+                for kind in ("box", "polytope"):
+                    for repeat in range(6):
+                        axes = {"kind": "pairs", "dimension": 3, "pair_query": label, "kind_a": kind, "kind_b": kind, "timed": True,
+                                "precision": "f64", "repeat": repeat}
+                        maker.trial("pairs", axes, {"ns_per_query": ns * (1 + spread * (repeat % 2))})
+        context = self.context(fill)
+        least = noise.floor_of(context, "pairs", "ns_per_query")
+        sat, gjk, fcl = (cell for _, cell in context.store.cells("pairs").query("kind_a == 'box'").iterrows())
+        for floor, told in ((least, "1.20"), (float(least), "noise")):  # a plain number: the planted bug, one floor for all
+            self.assertEqual(noise.said(sat, gjk, "ns_per_query", floor), told)
+        self.assertEqual(noise.said(sat, fcl, "ns_per_query", least), "noise")
+        self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
+        found = chart.made(noise_floor, context)[0]
+        self.assertIn("2 % in pairs", found.finding)
+        self.assertIn("in pairs (witness)", found.finding)
+        self.assertIn("drawn at it: marks of pairs (witness) (a factor of up to 1.9)", found.note)
+        with unittest.mock.patch.object(noise_floor, "WIDEST", 200.0):
+            self.assertNotIn("drawn at it", chart.made(noise_floor, context)[0].note)
+
+    def test_a_cell_of_few_repeats_is_not_judged_as_if_it_had_many(self):
+        many = cell([1.0, 1.01, 1.02, 1.01, 1.0])
+        self.assertEqual(noise.said(many, cell([1.08]), COST, 1.05), noise.FEW)
+        self.assertEqual(noise.said(many, cell([2.5]), COST, 1.05), "2.48")
+        self.assertEqual(noise.said(many, cell([1.08, 1.09, 1.08, 1.1]), COST, 1.05), "1.07")
+        with unittest.mock.patch.object(noise, "between", lambda least, a, b, metric: least):
+            self.assertEqual(noise.said(many, cell([1.08]), COST, 1.05), "1.07", "the planted bug was not seen")
 
     @staticmethod
     def ensemble(turned=False, failing=(), idle=False):
