@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Which methods are one path: runs whose final states have the same bits, compared cell by cell."""
+"""Which methods are one path: runs whose final states have the same bits, cell by cell and seed by seed."""
 
 from itertools import combinations
 
@@ -12,8 +12,8 @@ from style import WIDTH, plt
 
 PLACE = 65
 SECTION = "Are these methods different?"
-MOST = 0.5  # part of the cells of two methods that must end in the same bits; larger: fewer methods are called one
-LEAST = 2  # cells that two methods must share, or nothing is said of them
+MOST = 0.5  # part of the runs of two methods that must end in the same bits; larger: fewer methods are called one
+LEAST = 2  # runs that two methods must share, or nothing is said of them
 SHOWN = 24  # bars at most
 ABSENT = Chart("distinctness", SECTION, "Runs that end in the same bits", "No two methods were run on the same worlds in this "
                "store.", "resolvers")
@@ -27,17 +27,19 @@ def of_store(context):
 
 
 def agreements(store, cells):
-    """One row for each two methods of a sweep: how many finished cells they share, in how many the hashes are equal."""
+    """One row for each two methods of a sweep: how many finished runs (a cell under one seed) they share, and how many of them
+    end in equal hashes."""
     columns = ["sweep", "a", "b", "cells", "equal"]
     if not len(cells):
         return pd.DataFrame(columns=columns)
     others = sorted(load.axes_of(store, cells) - {axis for name in cells["sweep"].unique() for axis in store.method_axes(name)})
     others = [name for name in others if name in cells]
     ends = {}
-    for _, cell in cells[cells["outcome"] == "ok"].iterrows():
-        end = store.trials.loc[cell["key"], "hash"]
-        if end:
-            ends.setdefault(cell["method"], {})[tuple(str(cell[name]) for name in others)] = end
+    for _, cell in cells.iterrows():
+        place = tuple(str(cell[name]) for name in others)
+        for seed, key in zip(cell["seeds"], cell["keys"]):
+            if key is not None and store.trials.at[key, "outcome"] == "ok" and store.trials.at[key, "hash"]:
+                ends.setdefault(cell["method"], {})[(*place, seed)] = store.trials.at[key, "hash"]
     rows = []
     for a, b in combinations(sorted(ends), 2):
         common = ends[a].keys() & ends[b].keys()
@@ -65,10 +67,10 @@ def finding(table):
         if not paths(part):
             different.append(sweep)
     if not said:
-        return f"No two methods end in the same bits in most of the cells that they share, in {listing(different)}."
+        return f"No two methods end in the same bits in most of the runs that they share, in {listing(different)}."
     text = "; ".join(said)
     text = text[0].upper() + text[1:]
-    return text + (f"; no two methods of {listing(different)} agree in most of their cells." if different else ".")
+    return text + (f"; no two methods of {listing(different)} agree in most of their runs." if different else ".")
 
 
 def _chart(context, table):
@@ -90,11 +92,11 @@ def _chart(context, table):
         ax.set_ylim(len(shown) - 0.5, -0.5)
         ax.set_xlim(0, 100)
         ax.grid(False, axis="y")
-        ax.set_xlabel("cells that end in the same bits, %")
+        ax.set_xlabel("runs that end in the same bits, %")
     more = int((table["equal"] > 0).sum()) - len(shown)
     return Chart("distinctness", SECTION, "Runs that end in the same bits", finding(table), "", figure,
                  table.rename(columns={"share": "share [1]"}),
                  [f"{plural(more, 'further pair')} that agree somewhere are in the numbers alone"] if more > 0 else [],
                  "Two runs are equal when the hash of their final poses and velocities is: to the last bit, not nearly. Beyond the "
-                 "dashed line (half of the cells that both finished) a bar is dark: one path under two names, whose times are two "
+                 "dashed line (half of the runs that both finished) a bar is dark: one path under two names, whose times are two "
                  "measurements of the same thing. Exact broadphases agree by design, because the world sorts their pairs.")

@@ -21,8 +21,8 @@ import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import (broadphase, budgets, cost_against_error, energy, ensembles, noise_floor, precision, stages,  # noqa: E402
-                    residual, steadiness, step_times, unneeded)
+from charts import (broadphase, budgets, cost_against_error, distinctness, energy, ensembles, noise_floor,  # noqa: E402
+                    precision, residual, stages, steadiness, step_times, unneeded)
 
 COST = "ms_per_step_median"
 
@@ -268,8 +268,8 @@ class OfStores(unittest.TestCase):
             for label, ns, spread in (("sat", 100.0, 0.02), ("gjk_epa", 120.0, 0.02), ("fcl", 90.0, 0.9)):
                 for kind in ("box", "polytope"):
                     for repeat in range(6):
-                        axes = {"kind": "pairs", "dimension": 3, "pair_query": label, "kind_a": kind, "kind_b": kind, "timed": True,
-                                "precision": "f64", "repeat": repeat}
+                        axes = {"kind": "pairs", "dimension": 3, "pair_query": label, "kind_a": kind, "kind_b": kind,
+                                "timed": True, "precision": "f64", "repeat": repeat}
                         maker.trial("pairs", axes, {"ns_per_query": ns * (1 + spread * (repeat % 2))})
         context = self.context(fill)
         least = noise.floor_of(context, "pairs", "ns_per_query")
@@ -344,6 +344,31 @@ class OfStores(unittest.TestCase):
                                      "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
         for errors, turns in (([1.0, 1.0], (False, 2, 2)), ([1.0, 2.0], (False, 1, 1)), ([0.5, 2.0], (True, 0, 0))):
             self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), turns)
+
+    def test_of_equal_medians_the_one_that_is_never_worse_is_the_best(self):
+        def fill(maker):
+            maker.sweep("ensemble", "world", resolver="label")
+            for label, errors in (("catto", (1e-3, 2e-3, 3e-3)), ("naive", (0.5e-3, 2e-3, 3e-3))):
+                for seed, error in enumerate(errors):
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
+                    maker.world("ensemble", axes, 1.0, error, repeats=0)
+        found = self.made(ensembles, fill)[0]  # in the order of names catto would be the first
+        self.assertIn("no method has a smaller penetration than naive under any of 3 seeds (median 2 mm)", found.finding)
+
+    def test_each_seed_is_a_run_of_its_own_where_methods_are_one_path(self):
+        def fill(maker, alike=(1,)):
+            maker.sweep("ensemble", "world", resolver="label", perturb="parameter")
+            for perturb in (1e-6, 1e-3):
+                for seed in range(1, 11):
+                    for label in ("catto", "naive"):
+                        axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
+                        maker.world("ensemble", axes, 1.0, 1e-3, repeats=0,
+                                    hash=f"{perturb} {seed}" + ("" if seed in alike else label))
+        found = chart.made(distinctness, self.context(fill))[0]
+        self.assertIn("No two methods end in the same bits in most of the runs", found.finding)
+        self.assertEqual(found.table[["cells", "equal"]].to_numpy().tolist(), [[20, 2]])
+        found = chart.made(distinctness, self.context(lambda maker: fill(maker, range(1, 9))))[0]
+        self.assertIn("catto and naive are one path (16 of 20 comparisons", found.finding)
 
     def test_seeds_that_change_nothing_are_told(self):
         found = self.made(ensembles, self.ensemble(idle=True))[0]
