@@ -154,7 +154,8 @@ class Choose(unittest.TestCase):
         self.assertIn("of these it is what the other stages were judged with", made[0].finding)
         # Judged against the fastest, whose name has room in the table, not in the picture.
         _, made = self.made(same, broadphases={**BROADPHASES, "naive_sphere": (2.3, 900.0)})
-        self.assertIn("times as long as sort_and_sweep (whole", self.column(made[0].table, "broadphase", "reason")["naive_sphere"])
+        reasons = self.column(made[0].table, "broadphase", "reason")
+        self.assertIn("times as long as sort_and_sweep (whole", reasons["naive_sphere"])
         # The planted bug is the fastest of the hour.
         with unittest.mock.patch.object(choice, "_of_equals", lambda _, cells, *__: (cells[0], "")):
             _, wrong = self.made(near)
