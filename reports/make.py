@@ -18,13 +18,16 @@ def parse(arguments):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--store", required=True, metavar="FILE.db", help="the store that `lpc sweep` filled")
     parser.add_argument("--out", metavar="DIR", help="folder for index.html, charts/ and tables/ (made if absent)")
-    parser.add_argument("--only", metavar="ID,ID", default="", help="only the charts whose id begins with one of these, and no page")
+    parser.add_argument("--only", metavar="ID,ID", default="",
+                        help="only the charts whose id begins with one of these, and no page")
     parser.add_argument("--chart", metavar="ID", help="one chart alone, written to --to; `best` picks the most telling")
     parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
-    parser.add_argument("--readme", metavar="FILE", help="the README: writes its figure, numbers and caption anew from this store")
+    parser.add_argument("--readme", metavar="FILE",
+                        help="the README: writes its figure, numbers and caption anew from this store")
     parser.add_argument("--check", action="store_true", help="measure the pictures: print the texts that overlap or are cut off "
                         "and end with 1 where there are any; write nothing")
-    parser.add_argument("--list", action="store_true", help="print the ids, titles and findings, and the metrics, and write nothing")
+    parser.add_argument("--list", action="store_true",
+                        help="print the ids, titles and findings, and the metrics, and write nothing")
     parser.add_argument("--taken", action="store_true", help="print the pipeline that the sweeps of choose take together, where "
                         "nothing has run it as a whole; write nothing")
     options = parser.parse_args(arguments)

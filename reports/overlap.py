@@ -27,7 +27,8 @@ def overlaps(figure):
     boxes += [box for box, _ in marks]
     cut = [box.words for box, line in marks if line.get_clip_on() and not _within(box, line.axes.bbox)]
     boxes += [_handle(handle, renderer) for legend in figure.findobj(Legend) if legend.get_visible()
-              for handle in getattr(legend, "legend_handles", None) or legend.legendHandles]  # as matplotlib before 3.7 calls them
+              # legendHandles: as matplotlib before 3.7 calls them
+              for handle in getattr(legend, "legend_handles", None) or legend.legendHandles]
     figure.set_dpi(dpi)
     together = [(a.words, b.words) for i, a in enumerate(boxes) for b in boxes[i + 1:] if a.meets(b) and b.meets(a)]
     outside = [box.words for box in boxes if box.corners.min() < -SLACK or box.corners[:, 0].max() > wide + SLACK or

@@ -69,8 +69,8 @@ def facts(store):
     rows.append(("commit", ", ".join(commits[:6]) + (f" and {len(commits) - 6} more" if len(commits) > 6 else "")
                  if commits else "not recorded"))
     seeds = sorted({seed for seed in (metrics._find(c, "seed") for c in store.trials["canonical"]) if seed == seed})
-    rows.append(("seeds", ", ".join(f"{seed:.0f}" for seed in seeds[:8]) + (f" and {len(seeds) - 8} more" if len(seeds) > 8 else "")
-                 if seeds else "not recorded"))
+    more = f" and {len(seeds) - 8} more" if len(seeds) > 8 else ""
+    rows.append(("seeds", ", ".join(f"{seed:.0f}" for seed in seeds[:8]) + more if seeds else "not recorded"))
     rows.append(("trials started", f"{first} to {last}" if first else "none"))
     rows.append(("store", f"{store.path.name}, schema {store.meta['schema_version']}, {len(store.trials)} trials"))
     return rows

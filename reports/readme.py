@@ -34,7 +34,8 @@ def about(context, chart):
 
 def caption(facts):
     """From what docs/resolvers.json says, and nothing else."""
-    settings = "; ".join(f"{axis} {listing(f'{v:g}' for v in values)} (growing marks)" for axis, values in facts["settings"].items())
+    settings = "; ".join(f"{axis} {listing(f'{v:g}' for v in values)} (growing marks)"
+                         for axis, values in facts["settings"].items())
     return f"{facts['bodies']} bodies with the ground{'; ' if settings else ''}{settings}. {facts['finding']}"
 
 

@@ -72,7 +72,8 @@ def finding(table, rows):
     wrong = [f"{table['method'][i]} fails on {of(i)}" for i in ours.index if bad[i]]
     cases = rows[["id", "query"]].drop_duplicates()
     nobodys = int((cases["query"] == NOBODY).sum())
-    said.append(f"of {plural(len(cases), 'published case')}" + (f", {nobodys} of which ask what nobody answers," if nobodys else "")
+    unanswered = f", {nobodys} of which ask what nobody answers," if nobodys else ""
+    said.append(f"of {plural(len(cases), 'published case')}{unanswered}"
                 + f" {listing(wrong) if wrong else 'our own methods are right on all that they declare'}")
     if len(theirs):
         worst = bad[theirs.index].idxmax()
@@ -131,10 +132,10 @@ def _note(rows, file):
     words = {"pair_query": "the distance of a pair", "contacts": "the contacts of a pair", "convex_hull": "a convex hull",
              "mass_properties": "a mass", NOBODY: "what nobody answers, such as a time of impact"}
     of = [f"{number} {words.get(query, query.replace('_', ' '))}" for query, number in cases.items()]
-    return (f"A row adds up to the {cases.sum()} cases of {file}, of which ask {listing(of)}. Failed is an exception, a crash, a number "
-            "that is not finite, or a refusal of what a method declares. The last three columns are no failures: shapes that a method does "
-            "not declare and refuses, cases of a dimension in which it does not exist, cases that ask something else; such a case "
-            "is grey at the right. All cases with their names are in the numbers.")
+    return (f"A row adds up to the {cases.sum()} cases of {file}, of which ask {listing(of)}. Failed is an exception, a crash, "
+            "a number that is not finite, or a refusal of what a method declares. The last three columns are no failures: "
+            "shapes that a method does not declare and refuses, cases of a dimension in which it does not exist, cases that "
+            "ask something else; such a case is grey at the right. All cases with their names are in the numbers.")
 
 
 def _plain(ax, columns, rows):

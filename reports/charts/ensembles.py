@@ -179,7 +179,8 @@ def _chart(context, cells, where, inner):
                  f"On {where}, {finding(context, where, groups, errors[0], everyone)}", cells["sweep"].iloc[0], figure,
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
                  "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. "
-                 f"The bar holds the median with at least {certain} %, whatever the distribution. A rank that one seed turns round is a tie.",
+                 f"The bar holds the median with at least {certain} %, whatever the distribution. A rank that one seed turns "
+                 "round is a tie.",
                  headline=headline(context, where, groups, errors[0], everyone))
 
 

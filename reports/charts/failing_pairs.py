@@ -74,8 +74,8 @@ def finding(pairs, dimension, precision):
     method = max(worst, key=lambda m: worst[m]["found"].get("error") or 0)
     case = worst[method]
     along = "along its normal alone" if case["found"]["failure"] == "wrong_normal" else "in distance or along its normal"
-    return (f"In {dimension}D, {precision}, the worst answers of {plural(len(pairs), 'method')} are wrong, {listing(counts)}; the "
-            f"worst of all is {method}'s on {kinds(case)} ({case.get('note', '').replace('_', ' ')}), a "
+    return (f"In {dimension}D, {precision}, the worst answers of {plural(len(pairs), 'method')} are wrong, {listing(counts)}; "
+            f"the worst of all is {method}'s on {kinds(case)} ({case.get('note', '').replace('_', ' ')}), a "
             f"{WRONG[case['found']['failure']]}, off by {case['found'].get('error') or 0:.2g} of the size {along}.")
 
 
@@ -101,16 +101,17 @@ def _chart(context, pairs, dimension, precision):
     numbers = pd.DataFrame(lines)
     numbers = pd.DataFrame({**{c: numbers[c] for c in ("method", "which", "shapes", "family", "failure")},
                             **quantity("answer", "m", numbers["answer"]), **quantity("truth", "m", numbers["truth"]),
-                            **quantity("error / size", "1", numbers["error"]), "case": numbers["case"], "input": numbers["input"]})
+                            **quantity("error / size", "1", numbers["error"]), "case": numbers["case"],
+                            "input": numbers["input"]})
     return Chart(f"failing_pairs_{dimension}d_{precision}", SECTION,
                  f"The simplest and the worst failing pair of each method, {dimension}D, {precision}",
                  finding(pairs, dimension, precision), "", figure, numbers, [],
                  "Above the pair with the fewest vertices on which the method fails, below the one with the largest error; "
-                 "beneath, the family, and what is wrong. A wrong distance is told for the true one, with the error over the size, "
-                 "of the distance or, where that is more, along the normal; a wrong normal belongs to a right distance, and the "
-                 "error is what the separation along it lacks; a wrong side is apart for overlapping, or the reverse. A is blue, B "
-                 "orange; in 3D their shadows from one side, in which shapes that are apart may overlap. The inputs are in the "
-                 "numbers, and in found/ beside the store as files for lpc verify --cases.",
+                 "beneath, the family, and what is wrong. A wrong distance is told for the true one, with the error over the "
+                 "size, of the distance or, where that is more, along the normal; a wrong normal belongs to a right distance, "
+                 "and the error is what the separation along it lacks; a wrong side is apart for overlapping, or the reverse. "
+                 "A is blue, B orange; in 3D their shadows from one side, in which shapes that are apart may overlap. The "
+                 "inputs are in the numbers, and in found/ beside the store as files for lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 

@@ -144,14 +144,16 @@ def _heat_map(context, rows, stage, dimension, precision):
         first = ax.get_position().x0 == min(a.get_position().x0 for a in axes)
         ax.set_yticklabels([context.name(m) for m in methods] if first else [])
     handles = [Patch(facecolor=RIGHT, label="0: never fails"), Patch(facecolor=plt.cm.Oranges(0.3), label="seldom fails"),
-               Patch(facecolor=plt.cm.Oranges(0.85), label="often fails"), Patch(facecolor=REFUSED, label="fails by refusing alone"),
+               Patch(facecolor=plt.cm.Oranges(0.85), label="often fails"),
+               Patch(facecolor=REFUSED, label="fails by refusing alone"),
                Patch(facecolor=NOT_ASKED, label="–: does not declare it")]
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 0), ncol=5, handlelength=1.2)
     table = summary.drop(columns=["ns", "max_error", "median_error", "worst"]).assign(
         **quantity("time per question", "ns", summary["ns"]), **quantity("largest error", "1", summary["max_error"]),
         **quantity("median error", "1", summary["median_error"]), worst=summary["worst"])
     return Chart(f"ledger_{stage}_{dimension}d_{precision}", SECTION,
-                 f"Ledger of {NOUNS.get(stage, stage)}, {dimension}D, {precision}", finding(stage, dimension, precision, everything),
+                 f"Ledger of {NOUNS.get(stage, stage)}, {dimension}D, {precision}",
+                 finding(stage, dimension, precision, everything),
                  "", figure, table, [],
                  f"A cell is the share of questions that failed; blue, or a blue corner: some were refused. {failure.DEFINITION} "
                  "Witnesses are held to this tolerance too, for which they were not made: the chart of shares within a tolerance "
@@ -208,7 +210,8 @@ def _panel(ax, rows, methods):
                     colour, ink = RIGHT, "#4C7A5E"
             ax.add_patch(Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, facecolor=colour, lw=0))
             if corner:
-                ax.add_patch(Polygon([(x + 0.48, y - 0.45), (x + 0.48, y - 0.05), (x + 0.28, y - 0.45)], facecolor="#4F86B8", lw=0))
+                ax.add_patch(Polygon([(x + 0.48, y - 0.45), (x + 0.48, y - 0.05), (x + 0.28, y - 0.45)], facecolor="#4F86B8",
+                                     lw=0))
             ax.text(x, y, text, ha="center", va="center", fontsize=7, color=ink)
     ax.set_xlim(-0.5, len(columns) - 0.5)
     ax.set_ylim(len(methods) - 0.5, -0.5)
@@ -288,7 +291,8 @@ def _cost_finding(rows, dimension, precision):
     alone = [cells[0]["method"] for cells in first if len(cells) == 1]
     said = [f"on {len(only)} {_winners(only)} alone {'has' if len(set(only)) == 1 else 'have'} no failure"] if only else []
     said += [f"on {len(alone)} the fastest without one is {_winners(alone)}"] if alone else []
-    said += [f"on {len(first) - len(alone)} several are within {noise.UNMEASURED:g} times the fastest"] if len(alone) < len(first) else []
+    near = len(first) - len(alone)
+    said += [f"on {near} several are within {noise.UNMEASURED:g} times the fastest"] if near else []
     text = (f"{where} by one timing of each, so that only ratios beyond {noise.UNMEASURED:g} are told: of "
             f"{plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {listing(said)}")
     if (rows["role"] != "competitor").any():

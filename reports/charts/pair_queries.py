@@ -153,9 +153,10 @@ def _told_times(cells, dimension, least):
     ratio, pair, part = max(found, key=lambda told: told[:2])
     first = noise.leaders(part, TIME, least)
     names = " or ".join(cell["method"] for cell in first)
-    return Headline(f"In {dimension}D nobody fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ most "
-                    f"on {pair}, where {part['method'].iloc[-1]} takes {times(ratio)} times the {si(part[TIME].iloc[0], 'ns')} a "
-                    f"query of {names}{', which are within the noise of each other' if len(first) > 1 else ''}.",
+    return Headline(f"In {dimension}D nobody fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ "
+                    f"most on {pair}, where {part['method'].iloc[-1]} takes {times(ratio)} times the "
+                    f"{si(part[TIME].iloc[0], 'ns')} a query of "
+                    f"{names}{', which are within the noise of each other' if len(first) > 1 else ''}.",
                     dict(zip(part["method"], part[TIME])), "ns", "time per query")
 
 

@@ -33,7 +33,8 @@ def of_sweep(context, cells):
     least = noise.floor_of(context, cells["sweep"].iloc[0], COST)
     words = [twins.told(base, row, COST, least) for _, _, base, row in rows if base is not None and row is not None]
     ratios = [twins.ratio_of(base, row, COST) for _, _, base, row in rows if base is not None and row is not None]
-    ratios = [ratio for ratio in ratios if math.isfinite(ratio)]  # of all pairs: those beyond the noise alone would be a selection
+    # Of all pairs: those beyond the noise alone would be a selection.
+    ratios = [ratio for ratio in ratios if math.isfinite(ratio)]
     told, silent = [float(word) for word in words if word[:1].isdigit()], sum(word in noise.IN_WORDS for word in words)
     worse = [(place, name, twins.ratio_of(base, row, error)) for place, name, base, row in rows
              if base is not None and row is not None]

@@ -113,6 +113,6 @@ def _chart(context, cells, shown, left_out, setting):
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method", setting]),
                  "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, "
-                 f"over m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks where a "
-                 "run failed. Engines that tell no contacts have none. Falls are compared over one span: the widest whose two "
-                 "ends the most methods finished at.")
+                 f"over m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks "
+                 "where a run failed. Engines that tell no contacts have none. Falls are compared over one span: the widest "
+                 "whose two ends the most methods finished at.")

@@ -135,7 +135,8 @@ def _headline(where, rows):
         return None
     most = max(parts, key=parts.get)
     share = 100 * parts[most] / sum(parts.values())
-    return Headline(f"On {where} ({rows[0]['run']}) {most} takes {share:.0f} % of the time of a step.", parts, "s", "time per step")
+    return Headline(f"On {where} ({rows[0]['run']}) {most} takes {share:.0f} % of the time of a step.", parts, "s",
+                    "time per step")
 
 
 def _finding(where, side, peaks, rows):

@@ -80,8 +80,8 @@ def finding(rows, dimension, precision):
                  f"1e{LOOSE} it is {say(a, LOOSE)} and {say(b, LOOSE)}: the rank turns round")
     elif len(plain):
         first = plain[tight].idxmax()
-        text += (f"no two witnesses change ranks between 1e{tight} and 1e{LOOSE} of the size; {first} fails on {say(first, tight)} "
-                 f"and {say(first, LOOSE)} of its questions")
+        text += (f"no two witnesses change ranks between 1e{tight} and 1e{LOOSE} of the size; {first} fails on "
+                 f"{say(first, tight)} and {say(first, LOOSE)} of its questions")
     if len(ours):
         worst = ours[tight].idxmax()
         text += ("; " if len(plain) else "") + (f"ours fail on none at 1e{tight}" if not ours[tight].any() else
@@ -105,8 +105,8 @@ def headline(rows, dimension, precision):
         return None
     told = {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair}
     a, b, c, d = map(failure.share, told.values())
-    return Headline(f"{dimension}D, {precision}: judged at 1e{tight} of the size {pair[0]} fails more often than {pair[1]} ({a} and "
-                    f"{b} of the questions), at 1e{LOOSE} less ({c} and {d}).", told,
+    return Headline(f"{dimension}D, {precision}: judged at 1e{tight} of the size {pair[0]} fails more often than {pair[1]} "
+                    f"({a} and {b} of the questions), at 1e{LOOSE} less ({c} and {d}).", told,
                     quantity="share of the questions that failed")
 
 
@@ -145,12 +145,14 @@ def _chart(context, rows, dimension, precision):
     handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="the ledger's"))
     legend_right(figure, handles, legend_width)
     numbers = table.drop(columns="role").rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
-    return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION, f"Right within which tolerance, {dimension}D, {precision}",
+    return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION,
+                 f"Right within which tolerance, {dimension}D, {precision}",
                  finding(rows, dimension, precision), "", figure, numbers,
                  [f"Nobody fails on {listing(easy)}: not drawn"] if easy else [],
-                 "The share of the questions that would not be failures, had the referee allowed that tolerance, over the tolerance. "
-                 "The dashed line is the one that the ledger takes. A right side without a value (some witnesses give depths alone) "
-                 f"is no failure at any. Settings in braces are the tightest that a library offers. {failure.DEFINITION}",
+                 "The share of the questions that would not be failures, had the referee allowed that tolerance, over the "
+                 "tolerance. The dashed line is the one that the ledger takes. A right side without a value (some witnesses "
+                 f"give depths alone) is no failure at any. Settings in braces are the tightest that a library offers. "
+                 f"{failure.DEFINITION}",
                  headline=headline(rows, dimension, precision),
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 

@@ -208,7 +208,8 @@ class Engines(unittest.TestCase):
             made = synthetic_store.Maker(Path(folder) / "engines.db")
             axes = {"scene": "pyramid", "dimension": 2, "iterations": 10}
             for label, extra in (("catto+none", None), ("box2d", engine)):
-                made.world("resolvers", {**axes, "resolver": label, "precision": "f32" if extra else "f64"}, 1.0, 1e-3, extra=extra)
+                made.world("resolvers", {**axes, "resolver": label, "precision": "f32" if extra else "f64"}, 1.0, 1e-3,
+                           extra=extra)
             made.close()
             store = load.Store(Path(folder) / "engines.db")
             context = chart.Context(store)

@@ -87,8 +87,8 @@ class Corpus(unittest.TestCase):
         store, made = self.made()
         told = made.table.set_index("id")["closed_form"]
         self.assertEqual((told["flat"], told["deep"]), ("undeclared", "failed"))
-        self.assertIn("Of 5 published cases, 1 of which ask what nobody answers, closed_form fails on 1 of the 2 that it declares and "
-                      "sat fails on 1 of the 3 that it declares; solid fails on 1 of the 2", made.finding)
+        self.assertIn("Of 5 published cases, 1 of which ask what nobody answers, closed_form fails on 1 of the 2 that it "
+                      "declares and sat fails on 1 of the 3 that it declares; solid fails on 1 of the 2", made.finding)
         self.assertIn("The last three columns are no failures", made.note)
         self.assertEqual(made.headline.values, {"closed_form": 1, "convex_hull": 0, "sat": 1, "solid": 1})
 

@@ -26,9 +26,11 @@ STILL = {2: {"t": [0, 0], "cos_sin": [1, 0]}, 3: {"t": [0, 0, 0], "q_wxyz": [1, 
 
 def case(method, failure, error, radius):
     """Two circles; the answer is off by this part of the size."""
-    return {"id": f"{method}-{radius}", "dim": 2, "note": "ties", "shapeA": {"type": "sphere", "radius": radius}, "poseA": STILL[2],
+    return {"id": f"{method}-{radius}", "dim": 2, "note": "ties",
+            "shapeA": {"type": "sphere", "radius": radius}, "poseA": STILL[2],
             "shapeB": {"type": "sphere", "radius": radius}, "poseB": {"t": [3, 0], "cos_sin": [0, 1]},
-            "found": {"stage": "pair_query", "precision": "f64", "method": method, "failure": failure, "value": 0.5, "error": error},
+            "found": {"stage": "pair_query", "precision": "f64", "method": method, "failure": failure, "value": 0.5,
+                      "error": error},
             "expected": {"signed_distance": 3 - 2 * radius}}
 
 
@@ -81,7 +83,8 @@ class Gallery(unittest.TestCase):
                 made.db.execute("INSERT INTO found_case VALUES (?,?,?,?)",
                                 (name, vertices, radius, json.dumps(case("fcl_libccd", failure, 1e-9, radius))))
             for kinds, error in (("box", 0.1), ("capsule", 0.7)):
-                made.db.execute("UPDATE ledger SET wrong=1, max_error=?, worst=? WHERE method='fcl_libccd' AND axis='all' AND kind_a=?",
+                made.db.execute("UPDATE ledger SET wrong=1, max_error=?, worst=? WHERE method='fcl_libccd' AND axis='all' AND "
+                                "kind_a=?",
                                 (error, json.dumps(case("fcl_libccd", "wrong_distance", error, 0.5 + error)), kinds))
             made.close()
             context = chart.Context(load.Store(Path(folder) / "s.db"))
@@ -91,7 +94,8 @@ class Gallery(unittest.TestCase):
             self.assertEqual(shown.loc["simplest", "case"], "fcl_libccd-0.25")
             self.assertEqual(shown.loc["worst", "case"], "fcl_libccd-1.2")
             self.assertIn("the worst answers of 1 method are wrong, 1 in distance; the worst of all is fcl_libccd's on "
-                          "sphere–sphere (ties), a wrong distance, off by 0.7 of the size in distance or along", charts[0].finding)
+                          "sphere–sphere (ties), a wrong distance, off by 0.7 of the size in distance or along",
+                          charts[0].finding)
             drawn = [ax.get_xlabel() for ax in charts[0].figure.axes if ax.get_visible()]
             self.assertEqual(["wrong distance" in words for words in drawn], [True, True])
             self.assertEqual(overlap.overlaps(charts[0].figure), ([], []))

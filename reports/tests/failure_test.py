@@ -136,7 +136,8 @@ class WithinTolerance(Synthetic):
         self.assertIn("at 1e-3 it is 0 and 32%: the rank turns round", text)
         apart = rows[often | (rows["kind_a"] == "box")]
         self.assertIn("no two witnesses change ranks", within_tolerance.finding(apart, 3, "f64"), "asked of other kinds")
-        tight = rows[often].assign(method="fcl_libccd{tolerance=1e-14}", wrong=0, histogram=[{"-15": n} for n in rows[often]["asked"]])
+        tight = rows[often].assign(method="fcl_libccd{tolerance=1e-14}", wrong=0,
+                                   histogram=[{"-15": n} for n in rows[often]["asked"]])
         text = within_tolerance.finding(load.pd.concat([rows, tight], ignore_index=True), 3, "f64")
         self.assertIn("The tightest setting of a library helps fcl_libccd most: 70% become 0", text)
 

@@ -398,7 +398,8 @@ class OfStores(unittest.TestCase):
                     maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
                                 iterations / 10, error)
         found = self.made(budgets, fill)[0]
-        self.assertRegex(found.finding, r"by time: with 4\d\d µs and .* per step: catto \(4 mm\); with .*: naive \(2 mm\); .* naive \(1 mm\)")
+        self.assertRegex(found.finding, r"by time: with 4\d\d µs and .* per step: catto \(4 mm\); with .*: naive \(2 mm\); .* "
+                                        r"naive \(1 mm\)")
 
     def test_errors_within_a_cost_name_the_setting_and_those_that_read_alike(self):
         def fill(maker):
@@ -409,8 +410,8 @@ class OfStores(unittest.TestCase):
                     axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                     maker.world("costs", axes, each * iterations / 4, error)
         found = self.made(cost_against_error, fill)[0]
-        self.assertIn("weld has the smallest penetration (3 mm at iterations=4) and 3 of 4, hinge, pivot and rod, the same largest "
-                      "(8 mm at iterations=10, 2.7 times as much).", found.finding)
+        self.assertIn("weld has the smallest penetration (3 mm at iterations=4) and 3 of 4, hinge, pivot and rod, the same "
+                      "largest (8 mm at iterations=10, 2.7 times as much).", found.finding)
         self.assertIn("weld has the smallest penetration, 3 mm at iterations=4; hinge, pivot and rod have 8 mm at iterations=10.",
                       found.headline.text)
 
@@ -464,7 +465,8 @@ class OfStores(unittest.TestCase):
             return into
         found = self.made(residual, fill(1))[0]
         self.assertEqual(found.finding, "In 2D on stack the residual of soft_step falls most of 3 methods from 10 to 30 "
-                         "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only iterations=10 was run.")
+                         "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only "
+                         "iterations=10 was run.")
         self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
 
     def test_no_two_ticks_have_one_label(self):

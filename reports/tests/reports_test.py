@@ -152,7 +152,8 @@ class Numbers(unittest.TestCase):
         self.assertNotEqual(check_crossover(first_crossing), "", "the planted bug was not seen")
 
     def test_a_zero_beside_a_failure_is_the_largest_effect(self):
-        self.assertEqual([chart.Headline("", v).effect for v in ({"a": 0.0, "b": math.nan}, {"a": 0.0, "b": 0.0}, {"a": 1.0, "b": 4.0})],
+        self.assertEqual([chart.Headline("", v).effect for v in ({"a": 0.0, "b": math.nan}, {"a": 0.0, "b": 0.0},
+                                                                 {"a": 1.0, "b": 4.0})],
                          [1000.0, 1.0, 4.0])
 
     def test_numbers_in_words(self):
@@ -166,7 +167,8 @@ class Numbers(unittest.TestCase):
         self.assertEqual([style.si(v, "m") for v in (0.9996, 999.9, 1234, 8400)], ["1 m", "1,000 m", "1,234 m", "8,400 m"])
         self.assertEqual([style.si(v, "J") for v in (999.9, 1240)], ["1,000 J", "1,240 J"])
         self.assertEqual(style.si(3600, "1", 2), "3,600")
-        self.assertEqual([style.times(r) for r in (0.04, 0.5, 0.97, 1.036, 1.96, 23.7)], ["0.04", "0.5", "0.97", "1.04", "2.0", "24"])
+        self.assertEqual([style.times(r) for r in (0.04, 0.5, 0.97, 1.036, 1.96, 23.7)],
+                         ["0.04", "0.5", "0.97", "1.04", "2.0", "24"])
         self.assertEqual([failure.share(p) for p in (0, 1e-5, 0.996, 1, math.nan)], ["0", "<0.01%", ">99%", "100%", "unknown"])
 
     def test_every_metric_of_the_report_is_described(self):
@@ -295,7 +297,8 @@ class Findings(WithStore):
         solid = made["ledger_pair_query_3d_f64"]
         self.assertNotIn("ledger_pair_query_2d_f64", made, "what never failed has no heat map")
         self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
-        self.assertIn("of the 8 witnesses bullet_box_box fails most often, on 100% (100% refused) of its questions", solid.finding)
+        self.assertIn("of the 8 witnesses bullet_box_box fails most often, on 100% (100% refused) of its questions",
+                      solid.finding)
         numbers = solid.table.set_index("method")
         self.assertEqual(numbers.loc["fcl_libccd", "crashed"], 4 * 200)
         self.assertEqual(numbers.loc["closed_form", "median error [1]"], 0.0)
@@ -313,9 +316,11 @@ class Findings(WithStore):
         self.assertEqual(check_clean(questions, ledger_clean.clean), "")
         self.assertNotEqual(check_clean(questions, with_failures), "", "the planted bug was not seen")
         made = ledger_clean.of_store(self.context)[0]
-        everything = questions[(questions["axis"] == "all") & ~((questions["stage"] == "pair_query") & (questions["dimension"] == 3))]
+        failing = (questions["stage"] == "pair_query") & (questions["dimension"] == 3)
+        everything = questions[(questions["axis"] == "all") & ~failing]
         asked = everything["asked"].sum()
-        self.assertIn(f"Nothing fails in 2 ledgers: broadphases 3D f64 and pair queries 2D f64; {asked:,} questions to 3 methods.",
+        self.assertIn(f"Nothing fails in 2 ledgers: broadphases 3D f64 and pair queries 2D f64; {asked:,} questions to 3 "
+                      "methods.",
                       made.finding)
         queries = made.table[made.table["stage"] == "pair_query"]["asked"].sum()
         self.assertEqual(queries, everything[everything["stage"] == "pair_query"]["asked"].sum())

@@ -32,7 +32,8 @@ RESOLVERS = {"naive": (0.6, 3e-2, 4), "millington": (2.5, 8e-3, 9), "catto+none"
              "catto+split_impulse": (1.3, 4e-4, 40), "soft_step": (1.1, 1e-4, 60)}
 BROADPHASES = {"naive": (0.9, 2.0, 400), "naive_sphere": (0.7, 2.0, 400), "sort_and_sweep": (28, 1.12, 1500),
                "uniform_grid": (60, 1.03, 2500), "region_tree": (95, 1.08, 3000)}
-QUERIES = {"closed_form": (9, 0.0), "sat": (60, 2e-16), "gjk_epa": (400, 3e-15), "fcl": (900, 4e-7), "fcl_libccd_collide": (1500, 8e-5)}
+QUERIES = {"closed_form": (9, 0.0), "sat": (60, 2e-16), "gjk_epa": (400, 3e-15), "fcl": (900, 4e-7),
+           "fcl_libccd_collide": (1500, 8e-5)}
 # what, name, kind, title, unit, role, smaller, needs
 DESCRIBED = [("metric", *row.split("|")) for row in """\
 ms_per_step_median|world|time per step|ms|cost|cheaper|timing
@@ -71,8 +72,8 @@ wrong_boolean|pairs|wrong yes or no|1|error|fewer wrong|
 wrong|pairs|wrong answers|1|error|fewer wrong|
 asked|pairs|asked|1|detail||""".splitlines()] + [("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
     ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("max_penetration", ""),
-    ("penetration_poses", ""), ("mean_penetration", ""), ("residual", ""), ("pairs", ""), ("bodies", ""), ("awake", ""), ("seconds", "timing"),
-    ("sec_*", "timing"))]
+    ("penetration_poses", ""), ("mean_penetration", ""), ("residual", ""), ("pairs", ""), ("bodies", ""), ("awake", ""),
+    ("seconds", "timing"), ("sec_*", "timing"))]
 GROUPS = {"broadphase": "broadphase", "pair_query": "narrowphase", "solver": "solver", "velocity": "solver", "position": "solver",
           "engine": "engine"}
 STAGES = {"solver": ("soft_step", "split_solver"), "velocity": ("catto", "millington", "naive"),
@@ -93,7 +94,8 @@ class Maker:
             self.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                             (what, name, kind, title, unit, f"{title}, as invented", role, smaller, needs))
         if algorithms is None:
-            algorithms = registered("broadphase", sorted(BROADPHASES)) + registered("pair_query", ["closed_form", "gjk_epa", "sat"])
+            algorithms = registered("broadphase", sorted(BROADPHASES))
+            algorithms += registered("pair_query", ["closed_form", "gjk_epa", "sat"])
             algorithms += registered("pair_query", [m for m, v in VERIFIED.items() if v[0] == "witness"] + ["fcl"], "witness")
             for stage, names in STAGES.items():
                 algorithms += registered(stage, names)
@@ -148,10 +150,13 @@ class Maker:
         noise = self.random.random(n)
         series = {"max_speed": restless * (0.3 + noise) + 2 * np.exp(-at / 15), "points": np.minimum(at, points) * 1.0,
                   "kinetic": 10 * np.exp(-at / 20) + restless, "potential": 100 - 5 * (1 - np.exp(-at / 20)),
-                  "drift": error * 3 * at / steps, "residual": error * (0.5 + noise) / 10, "mean_penetration": np.full(n, 0 if "mean_penetration" in zero else error / 2)}
+                  "drift": error * 3 * at / steps, "residual": error * (0.5 + noise) / 10,
+                  "mean_penetration": np.full(n, 0 if "mean_penetration" in zero else error / 2)}
         measured = "slope" in (extra or {})
-        facts = {"penetration_poses": error, "slope_error": error if measured else math.nan, "drift_limit": math.nan if measured else 0.5,
-                 "max_penetration": error, "end_drift_max": error * 3, "residual_median": error / 10, "work_row_updates": base_ms * 4000 if work is None else work, "bodies": 15,
+        facts = {"penetration_poses": error, "slope_error": error if measured else math.nan,
+                 "drift_limit": math.nan if measured else 0.5,
+                 "max_penetration": error, "end_drift_max": error * 3, "residual_median": error / 10,
+                 "work_row_updates": base_ms * 4000 if work is None else work, "bodies": 15,
                  "steps_done": n, "max_speed_end": restless}
         facts |= {} if left is None else {"mean_penetration_poses_end": left}
         facts = {name: math.nan if name in without else 0.0 if name in zero else value for name, value in facts.items()}
@@ -162,7 +167,8 @@ class Maker:
                 self.trial(sweep, {**axes, "timed": True, "repeat": repeat},
                            {"ms_per_step_median": ms, "ms_per_step_p25": ms * 0.97, "ms_per_step_p75": ms * 1.05,
                             "ms_per_step_p99": ms * 1.3, "ms_per_step_worst": ms * 2.5, "load": 0.4,
-                            **{f"us_{stage}": us * ms / base_ms for stage, us in (stages or {}).items()}, **facts}, outcome, reason, step, machine=machine, extra=extra, hash=hash)
+                            **{f"us_{stage}": us * ms / base_ms for stage, us in (stages or {}).items()}, **facts},
+                           outcome, reason, step, machine=machine, extra=extra, hash=hash)
 
     def close(self):
         self.db.commit()
@@ -327,7 +333,8 @@ def ledger(make, asked=20000):
         values = {"stage": stage, "precision": precision, "dimension": dimension, "kind_a": kinds[0], "kind_b": kinds[1],
                   "axis": axis, "value": value, "method": method, "role": role, "asked": n,
                   "agree": answered - wrong - answered // 50, "wrong": wrong, "tie": answered // 50, "refused": refused,
-                  "crashed": crashed, "max_error": None if math.isnan(worst) or not answered else worst if wrong else min(worst, 1e-13),
+                  "crashed": crashed,
+                  "max_error": None if math.isnan(worst) or not answered else worst if wrong else min(worst, 1e-13),
                   "histogram": json.dumps(_errors(decade, worst, answered - wrong, wrong)),
                   "ns": n * ns * (1 + 0.2 * len(kinds[1]) / 8), "worst": '{"id": "planted"}' if axis == "all" else ""}
         make.db.execute(f"INSERT INTO ledger({','.join(LEDGER)}) VALUES ({','.join('?' * len(LEDGER))})",
@@ -376,8 +383,8 @@ def forty(make):
 
 
 def forty_algorithms():
-    return (registered("velocity", sorted({label.split("+")[0] for label in FORTY})) + registered("position", STAGES["position"]) +
-            registered("solver", ("split_solver",)))
+    return (registered("velocity", sorted({label.split("+")[0] for label in FORTY})) +
+            registered("position", STAGES["position"]) + registered("solver", ("split_solver",)))
 
 
 FORTY = [f"{velocity}+{position}" for velocity in ("apgd", "catto", "direct_lcp", "jacobi", "millington", "naive", "nncg",

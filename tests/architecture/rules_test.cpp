@@ -92,6 +92,12 @@ std::string includeTarget(const std::string& line) {
   return std::regex_match(line, m, include) ? m[1].str() : "";
 }
 
+// Of a line in UTF-8: bytes that begin a character.
+std::size_t columns(const std::string& line) {
+  return static_cast<std::size_t>(
+      std::count_if(line.begin(), line.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
 // Words that would make a result depend on the machine, the compiler or the address of an object.
 std::string denied(const std::string& line) {
   static const std::regex words(
@@ -207,6 +213,21 @@ TEST(Rules, EveryStageHasItsFolderAndNobodyElse) {
 
 TEST(Rules, FileLength) {
   for (const Source& s : sources()) EXPECT_LE(s.lines.size(), 500u) << s.path << " is a room too full: split it";
+}
+
+// clang-format keeps lines of C++ short; Python has no such tool here.
+TEST(Rules, PythonLinesAreShort) {
+  EXPECT_EQ(columns(std::string(130, 'x')), 130u);
+  EXPECT_EQ(columns("\xE2\x80\x93 \xC2\xB5s"), 4u);  // a dash and a micro sign are one column each
+  int read = 0;
+  for (const Source& s : sources()) {
+    if (!s.path.ends_with(".py")) continue;
+    ++read;
+    for (std::size_t i = 0; i < s.lines.size(); ++i) {
+      EXPECT_LE(columns(s.lines[i]), 130u) << s.path << ":" << i + 1 << " is too long";
+    }
+  }
+  EXPECT_GT(read, 30);
 }
 
 TEST(Rules, DenyList) {
