@@ -97,6 +97,6 @@ def _chart(context, table):
     return Chart("distinctness", SECTION, "Runs that end in the same bits", finding(table), "", figure,
                  table.rename(columns={"share": "share [1]"}),
                  [f"{plural(more, 'further pair')} that agree somewhere are in the numbers alone"] if more > 0 else [],
-                 "Two runs are equal when the hash of their final poses and velocities is: to the last bit, not nearly. Beyond the "
-                 "dashed line (half of the runs that both finished) a bar is dark: one path under two names, whose times are two "
-                 "measurements of the same thing. Exact broadphases agree by design, because the world sorts their pairs.")
+                 "Two runs are equal when the hash of their final poses and velocities is: to the last bit, not nearly. Beyond "
+                 "the dashed line (half of the runs that both finished) a bar is dark: one path under two names, whose times are "
+                 "two measurements of the same thing. Exact broadphases agree by design, because the world sorts their pairs.")

@@ -27,10 +27,10 @@ def of_store(context):
     return [Chart("noise", SECTION, "The same method against itself", finding(rows), "", figure, table,
                   [f"{row['sweep']}: too few repeats to measure its noise, so only ratios beyond {noise.UNMEASURED:g} are told"
                    for row in rows if not row["ratios"]],
-                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were made "
-                  f"in the same rounds. The bar is the floor: {noise.LIKELY} of 100 of the cells that the "
-                  "label counts are inside. A ratio is told in a chart when it is beyond the floor and the whiskers of the two are "
-                  "apart; else it is noise. Other libraries' methods and engines have floors of their own." + beyond(rows) +
+                  "A dash in the first panel is one cell: the median of its even repeats over that of its odd ones, which were "
+                  f"made in the same rounds. The bar is the floor: {noise.LIKELY} of 100 of the cells that the "
+                  "label counts are inside. A ratio is told in a chart when it is beyond the floor and the whiskers of the two "
+                  "are apart; else it is noise. Other libraries' methods and engines have floors of their own." + beyond(rows) +
                   " Load is the mean of a minute.")]
 
 
