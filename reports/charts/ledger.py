@@ -3,7 +3,6 @@
 
 import math
 
-import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle

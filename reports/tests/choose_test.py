@@ -43,6 +43,8 @@ ALGORITHMS[-5]["params"] = [{"name": "iterations", "type": "integer", "default":
 
 
 def pipeline(broadphase="region_tree", resolver="catto+split_impulse"):
+    if resolver == "box2d":
+        return "engine=box2d{iterations=10}"
     solver = SPLIT % resolver.split("+")[1] if "+" in resolver else f"solver={resolver}"
     return f"broadphase={broadphase} cache=by_feature {solver}"
 

@@ -163,7 +163,8 @@ TEST(CalibrationSearch, RetryOfTheCommandReachesTheSearch) {
   const std::string path = w.write("s.toml", twoMethods("work_row_updates", "budgets = [1e9]\n"));
   {
     Store store(w.path("s.db"), true);
-    for (const CalibratedCell& cell : planSweeps(path, {}).at(0).calibrated) {
+    const PlannedSweep sweep = planSweeps(path, {}).at(0);
+    for (const CalibratedCell& cell : sweep.calibrated) {
       write(store, cell.plan(1).at(0), [](const json&) {
         TrialResult r;
         r.fail("timeout", "no result within 1 s", -1);
