@@ -98,6 +98,12 @@ def creep(trial):
     return float(drift[-1] - drift[0]) / (dt * (len(drift) - 1))
 
 
+def exchanged(kinetic, potential):
+    """The largest energy (J) that a run exchanged, from finite values: its largest kinetic one, or the largest fall of its
+    potential one. A rise is not in it: a gain over itself would always be all of what is exchanged."""
+    return max(float(np.max(kinetic)), float(np.max(np.maximum.accumulate(potential) - potential)))
+
+
 @metric("energy gained", "1", "energy above the start, over the largest energy exchanged", "less energy from nowhere",
         ("kinetic", "potential"))
 def energy_gain(trial):
@@ -105,7 +111,7 @@ def energy_gain(trial):
     energy = _energy(trial)
     if energy is None:
         return math.nan
-    scale = max(float(np.max(trial.series("kinetic"))), float(np.ptp(trial.series("potential"))))
+    scale = exchanged(trial.series("kinetic"), trial.series("potential"))
     return 0.0 if scale == 0 else max(0.0, float(np.max(energy) - energy[0])) / scale
 
 

@@ -131,6 +131,12 @@ def tells(a, b, metric, least):
     return not (low_a <= high_b and low_b <= high_a)  # unknown intervals tell by the floor alone
 
 
+def above(cell, metric, bound, least):
+    """Whether a time is above a bound by more than noise."""
+    value, (low, _) = float(cell[metric]), interval(runs(cell, metric))
+    return value > bound and value > bound * between(least, cell, cell, metric) and not low <= bound
+
+
 def leaders(cells, metric, least):
     """The fastest of these cells and all that are not told from it, the fastest first."""
     found = sorted((cell for _, cell in cells.iterrows() if math.isfinite(float(cell[metric]))), key=lambda cell: cell[metric])

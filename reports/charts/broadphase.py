@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
-from chart import Chart, Headline, Needs, dimension_of, holes, listing
-from load import one_machine
+from chart import Chart, Headline, Needs, describe, dimension_of, holes, identifier, listing
+from load import one_machine, split, varying
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, plain_log,
                    same, times)
 from table import quantity
@@ -27,17 +27,12 @@ def of_sweep(context, cells):
     cells, refused = one_machine(context.store, cells)
     if "distribution" not in cells:
         cells["distribution"] = "boxes"
+    others = varying(context.store, cells, ("dimension", "distribution", "n"))  # unequal cells never meet in one chart
     made = []
     for dimension in sorted(set(dimension_of(cells))):
-        for precision, part in _by_precision(cells[dimension_of(cells) == dimension]):
-            made.append(_chart(context, part, dimension, precision, refused))
+        for part in split(cells[dimension_of(cells) == dimension], others, sort=True):
+            made.append(_chart(context, part, dimension, describe(part.iloc[0], others), refused))
     return made
-
-
-def _by_precision(cells):
-    if "precision" not in cells or cells["precision"].nunique() < 2:
-        return [("", cells)]
-    return [(" " + name, part) for name, part in cells.groupby("precision", sort=True)]
 
 
 def curve(cells, method, metric):
@@ -59,8 +54,8 @@ def baseline_of(context, cells):
 
 
 def crossings(cells, base, least=1.0):
-    """Per distribution and method: where it starts to beat the baseline for good. A ratio at the largest size that is not
-    beyond `least` is noise, and no crossing."""
+    """Per distribution and method: where it starts to beat the baseline for good. Where the times of the two at the largest size
+    are not told apart (noise.tells, with the floor `least`), there is no crossing."""
     rows = []
     for distribution, part in cells.groupby("distribution", sort=True):
         methods = sorted(part["method"].unique())
@@ -79,8 +74,10 @@ def crossings(cells, base, least=1.0):
             last = np.flatnonzero(both)[-1]
             kind = "crosses" if cross else ("always faster" if (b[both] < a[both]).all() else
                                             "never faster" if (b[both] >= a[both]).all() else "slower at the end")
-            if max(a[last] / b[last], b[last] / a[last]) <= least:
-                kind, cross = f"as fast as it at the largest size, {noise.IN_WORDS[noise.silence(least)]}", None
+            ends = [part[(part["method"] == name) & (part["n"] == shared[last])].iloc[0] for name in (base, method)]
+            word = noise.said(*ends, TIME, least)
+            if word in noise.IN_WORDS:
+                kind, cross = f"as fast as it at the largest size, {noise.IN_WORDS[word]}", None
             sizes = shared[both]
             between = (sizes[sizes <= cross].max(), sizes[sizes > cross].min()) if cross else (math.nan, math.nan)
             rows.append((distribution, method, kind, cross or math.nan, *between, shared[last], a[last] / b[last]))
@@ -153,7 +150,7 @@ def n_share(cells, n):
     return 0.0 if high == low else (math.log(n) - low) / (high - low)
 
 
-def _chart(context, cells, dimension, precision, refused):
+def _chart(context, cells, dimension, where, refused):
     distributions = sorted(cells["distribution"].unique())
     methods, lines = sorted(cells["method"].unique()), []
     base, looks = baseline_of(context, cells), context.looks(cells)
@@ -218,8 +215,9 @@ def _chart(context, cells, dimension, precision, refused):
     for name in context.metrics("boxes", "cost", "error", "detail"):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(table, name))
     table = table[["distribution", "method", "n", "outcome"]].assign(**numbers)
-    return Chart(f"{cells['sweep'].iloc[0]}_{dimension}d{precision.strip()}", SECTION, f"Time and box tests over body count, "
-                 f"{dimension}D{precision}", finding(cross, base, dimension, ahead, least), cells["sweep"].iloc[0], figure, table,
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {dimension}d {where}"), SECTION, f"Time and box tests over body count, "
+                 f"{dimension}D" + (f", {where}" if where else ""),
+                 finding(cross, base, dimension, ahead, least), cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
                  f"frames. The dotted line is where the named method overtakes {base} for good, interpolated between the two "

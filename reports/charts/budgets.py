@@ -13,12 +13,13 @@ from chart import Chart, Needs, describe, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
 from matplotlib.lines import Line2D
-from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
 from table import quantity
 
 PLACE = 21
 SECTION = "Which method is right within a budget?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",))
+TIME = "ms_per_step_median"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(TIME,))
 ABSENT = Chart("budgets", SECTION, "Error within a budget",
                "No timed sweep of several methods at several costs is in this store.", "resolvers")
 BUDGETS = 4  # that the finding names, evenly on a log axis from where two methods have finished to the dearest
@@ -39,9 +40,11 @@ def of_sweep(context, cells):
     return made
 
 
-def within(cells, cost, error, budget):
-    """{method: its cell with the least error at that budget}; whoever has none at that cost is not in it."""
-    good = cells[(cells["outcome"] == "ok").to_numpy() & (metrics.column(cells, cost) <= budget) &
+def within(cells, cost, error, budget, least=1.0):
+    """{method: its cell with the least error at that budget}; whoever has none at that cost is not in it. A time above the budget
+    by no more than the noise, `least`, or whose interval holds it, is within it: a cut through noise would be a rank by noise."""
+    above = np.array([noise.above(cell, cost, budget, least) for _, cell in cells.iterrows()])
+    good = cells[(cells["outcome"] == "ok").to_numpy() & ~above & np.isfinite(metrics.column(cells, cost)) &
                  np.isfinite(metrics.column(cells, error))]
     return {method: part.loc[part[error].idxmin()] for method, part in good.groupby("method", sort=True)}
 
@@ -51,15 +54,21 @@ def marks(cells, cost, error):
     good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
                  np.isfinite(metrics.column(cells, error))]
     firsts = sorted(good.groupby("method")[cost].min())
-    if len(firsts) < 2 or firsts[1] <= 0:
+    if len(firsts) < 2 or good[cost].max() <= 0:
         return []
-    return list(np.geomspace(firsts[1], good[cost].max(), BUDGETS)) if good[cost].max() > firsts[1] else [firsts[1]]
+    lowest = next(v for v in sorted(good[cost]) if v >= firsts[1] and v > 0)  # what costs nothing is within every budget
+    return list(np.geomspace(lowest, good[cost].max(), BUDGETS)) if good[cost].max() > lowest else [lowest]
+
+
+def least_of(context, cells, cost):
+    """The noise of a cost: counts have none."""
+    return noise.floor_of(context, cells["sweep"].iloc[0], cost) if context.store.is_time(cost) else 1.0
 
 
 def finding(context, cells, cost, error):
     unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
     for budget in marks(cells, cost, error):
-        reached = within(cells, cost, error, budget)
+        reached = within(cells, cost, error, budget, least_of(context, cells, cost))
         best = min(reached.values(), key=lambda cell: cell[error])
         equals = [m for m, cell in reached.items() if not noise.beats(best, cell, error, context.floor(error))]
         value = best[error] if best[error] > context.floor(error) else 0.0
@@ -84,17 +93,17 @@ def _chart(context, cells, where, setting, refused):
         ax = axes[0][column]
         good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
                      np.isfinite(metrics.column(cells, error))]
-        plain_log(ax, "x", [v for v in good[cost] if v > 0], context.unit(cost))
+        across = ZeroLog(ax, "x", list(good[cost]), context.unit(cost), failures=False)
         up = ZeroLog(ax, "y", list(good[error]), context.unit(error), failures=False, floor=context.floor(error))
         for method, part in good.groupby("method", sort=True):
             part = part.sort_values(cost)
             reached = np.minimum.accumulate(part[error].to_numpy(dtype=float))
             ends = [*part[cost], max(good[cost])]
-            ax.step(ends, [up.place(v) for v in (*reached, reached[-1])], where="post", **{**looks(method), "lw": 1.3},
-                    markevery=list(range(len(part))))
+            ax.step([across.place(v) for v in ends], [up.place(v) for v in (*reached, reached[-1])], where="post",
+                    **{**looks(method), "lw": 1.3}, markevery=list(range(len(part))))
         for budget in marks(cells, cost, error):
             ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
-            for method, cell in within(cells, cost, error, budget).items():
+            for method, cell in within(cells, cost, error, budget, least_of(context, cells, cost)).items():
                 numbers = quantity(f"{context.title(cost)}, at most", context.unit(cost), [budget])
                 numbers |= quantity(context.title(error), context.unit(error), [cell[error]])
                 rows.append({"method": method, setting: cell[setting], **{name: v[0] for name, v in numbers.items()}})
@@ -107,4 +116,5 @@ def _chart(context, cells, where, setting, refused):
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
                  f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
                  "are the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that "
-                 "cheap.")
+                 "cheap: a time above the budget by no more than the noise is within it. " + noise.rule(
+                     noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

@@ -182,12 +182,12 @@ def against_baseline(context, cells, cost_name, error_name):
     if not all(map(math.isfinite, costs + errors)) or not costs[1] or max(errors) <= context.floor(error_name):
         return ""
     ratio = errors[0] / errors[1] if errors[1] > 0 else math.inf
-    how = "with the same error" if abs(ratio - 1) < 0.005 else f"with {ratio:.2g} times its error"
+    how = "with the same error" if abs(ratio - 1) < 0.005 else f"with {times(ratio)} times its error"
     how = f"with an error where {base} has none" if math.isinf(ratio) else how if ratio else "without error"
     if not context.store.is_time(cost_name):
-        return f" {at}{best['method']} takes {costs[0] / costs[1]:.2g} times the {context.title(cost_name)} of {base} {how}."
+        return f" {at}{best['method']} takes {times(costs[0] / costs[1])} times the {context.title(cost_name)} of {base} {how}."
     text = noise.said(row, best, cost_name, noise.floor_of(context, everything["sweep"].iloc[0], cost_name))
-    time = f"takes {costs[0] / costs[1]:.2g} times the time of {base}"
+    time = f"takes {times(costs[0] / costs[1])} times the time of {base}"
     if text == noise.SAME_WORK:
         time = f"does the same work as {base}, by all counts,"
     elif text in noise.IN_WORDS:

@@ -34,13 +34,13 @@ def of_sweep(context, cells):
 
 
 def exchanged(context, cell):
-    """The largest energy that a run exchanged (J), or NaN: its largest kinetic one, or the span of its potential one."""
+    """The largest energy that a run exchanged (J), or NaN."""
     kinetic, potential = (None if cell["key"] is None else context.store.series(cell["key"], name)
                           for name in ("kinetic", "potential"))
     if kinetic is None or potential is None or not len(kinetic):
         return math.nan
     finite = np.isfinite(kinetic) & np.isfinite(potential)
-    return max(float(np.max(kinetic[finite])), float(np.ptp(potential[finite]))) if finite.any() else math.nan
+    return metrics.exchanged(kinetic[finite], potential[finite]) if finite.any() else math.nan
 
 
 def over_start(context, cell):
@@ -61,7 +61,7 @@ def adds_bodies(context, cells):
 
 
 def finding(where, cells, largest, scripted=False):
-    """`largest`: J, that any run of the chart exchanged; a column `exchanged` has what each did."""
+    """`largest`: J, that any finished run of the chart exchanged; a column `exchanged` has what each did."""
     if scripted:
         return f"on {where} the script adds bodies and with them energy: no gain is told"
     good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
@@ -95,7 +95,8 @@ def _chart(context, cells, shown, left_out, setting):
     table = pd.DataFrame({"scene": drawn["where"], "method": drawn["method"], "outcome": drawn["outcome"],
                           **quantity(context.title("energy_gain"), "1", metrics.column(drawn, "energy_gain"))})
     shown = [(where, part.assign(exchanged=[exchanged(context, cell) for _, cell in part.iterrows()])) for where, part in shown]
-    largest = max([v for _, part in shown for v in part["exchanged"] if math.isfinite(v)], default=0.0)
+    # Of those that finished: beside the energy of one explosion nothing that the others exchange would be much.
+    largest = max([v for _, part in shown for v in part[part["outcome"] == "ok"]["exchanged"] if math.isfinite(v)], default=0.0)
     said = [finding(where, part, largest, adds_bodies(context, part)) for where, part in shown]
     at = over_steps.setting_of(drawn, setting)
     return Chart(f"{cells['sweep'].iloc[0]}_energy_{dimension}d", SECTION, f"Energy over the steps, {dimension}D",

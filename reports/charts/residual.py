@@ -71,15 +71,20 @@ def finding(where, cells, setting):
     falls = table[table["after"] < table["before"]]
     if not len(falls):
         return f"on {where} no residual falls {span}"
-    drops = falls["before"] / falls["after"].clip(lower=FLOOR)
-    best = falls.loc[drops.idxmax()]
-    after = si(best["after"]) if best["after"] > 0 else f"less than {si(FLOOR)}"
-    equals = sorted(falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]["method"])
-    idle = len(table) - len(falls)
+    small, idle = (int(which.sum()) for which in ((table["before"] == 0) & (table["after"] == 0),
+                                                  (table["before"] > 0) & (table["after"] >= table["before"])))
     tail = f"; that of {idle} of {len(table)} methods does not fall" if idle else ""
+    tail += f"; that of {small} of {len(table)} methods is below {si(FLOOR)} from the first" if small else ""
+    everyone, solved = sorted(cells["method"].unique()), falls[falls["after"] == 0]
+    if len(solved):  # all of them: beyond that the one that falls most would be the one that starts worst
+        starts = list(dict.fromkeys(si(v) for v in sorted(solved["before"])))
+        return (f"on {where} the residual of {methods(sorted(solved['method']), everyone)} falls {span} below {si(FLOOR)}, from "
+                f"{starts[0] if len(starts) == 1 else f'{starts[0]} to {starts[-1]}'}{tail}")
+    best = falls.loc[(falls["before"] / falls["after"]).idxmax()]
+    equals = sorted(falls[(falls["before"] == best["before"]) & (falls["after"] == best["after"])]["method"])
     most = f" most of {len(table)} methods" if len(table) > len(equals) else ""
-    return (f"on {where} the residual of {methods(equals, sorted(cells['method'].unique()))} falls{most} {span}, from "
-            f"{si(best['before'])} to {after}{tail}")
+    return (f"on {where} the residual of {methods(equals, everyone)} falls{most} {span}, from {si(best['before'])} to "
+            f"{si(best['after'])}{tail}")
 
 
 def _chart(context, cells, shown, left_out, setting):

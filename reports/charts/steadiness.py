@@ -49,10 +49,31 @@ def envelope(values, count=150):
     return edges[:-1], np.array([np.max(values[a:b]) for a, b in zip(edges[:-1], edges[1:])])
 
 
+def at_rest(speeds):
+    """{method: speed}; what is below REST rests."""
+    return {method: 0.0 if v <= REST else v for method, v in speeds.items()}
+
+
+def finding(where, speeds, failed, everyone):
+    """Who is calmest and who most restless. Below REST all are equally calm: a rank of rounding is none."""
+    speeds = at_rest(speeds)
+    least, most = min(speeds.values()), max(speeds.values())
+    first, last = ([m for m, v in speeds.items() if v == value] for value in (least, most))
+    tail = f"; {listing(failed)} {'fails' if len(failed) == 1 else 'fail'}" if failed else ""
+    if not most:
+        return f"on {where} {methods(first, everyone)} come to rest (below {si(REST, 'm/s')} in the last quarter){tail}"
+    if least == most:
+        return f"on {where} {methods(first, everyone)} are equally restless in the last quarter ({si(most, 'm/s')}){tail}"
+    calm = (f"{methods(first, everyone)} {'comes' if len(first) == 1 else 'come'} to rest (below {si(REST, 'm/s')} in the last "
+            "quarter)" if not least else f"the last quarter is calmest with {methods(first, everyone)} ({si(least, 'm/s')})")
+    loud = f"{methods(last, everyone)} ({si(most, 'm/s')}){tail}"
+    return f"on {where} {calm}{' and' if least else '; it is'} most restless with {loud}"
+
+
 def headline(where, speeds, failed=(), at=""):
     """How fast bodies go that should rest; below REST they do. Who failed is told: it has no place among the speeds. `at`: the
     setting, in words."""
-    speeds = {m: 0.0 if v <= REST else v for m, v in speeds.items()}
+    speeds = at_rest(speeds)
     resting, moving = [m for m in speeds if speeds[m] == 0], {m: v for m, v in speeds.items() if v > 0}
     if not moving:
         return None
@@ -122,13 +143,9 @@ def _steady_chart(context, resting, at):
         failed = sorted(part[~part["outcome"].isin(("ok", NOT_RUN))]["method"])
         part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float))]
         if len(part) > 1:
-            best, worst = part.loc[part["restlessness"].idxmin()], part.loc[part["restlessness"].idxmax()]
-            said.append(f"on {scene} the last quarter is calmest with {best['method']} "
-                        f"({si(best['restlessness'], 'm/s')}) and most restless with {worst['method']} "
-                        f"({si(worst['restlessness'], 'm/s')})" +
-                        (f"; {listing(failed)} {'fails' if len(failed) == 1 else 'fail'}" if failed else ""))
-            told.append(headline(f"{scene} in {dimension}D", dict(zip(part["method"], part["restlessness"].astype(float))),
-                                 failed, at))
+            speeds = dict(zip(part["method"], part["restlessness"].astype(float)))
+            said.append(finding(scene, speeds, failed, labels))
+            told.append(headline(f"{scene} in {dimension}D", speeds, failed, at))
     text = f"In {dimension}D{at} " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
     table = table.rename(columns={"restlessness": "restlessness [m/s]"})
     gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]

@@ -21,8 +21,8 @@ import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import (broadphase, budgets, cost_against_error, distinctness, energy, ensembles, noise_floor,  # noqa: E402
-                    precision, residual, stages, steadiness, step_times, unneeded)
+from charts import (broadphase, cost_against_error, ensembles, noise_floor, precision, step_times,  # noqa: E402
+                    unneeded)
 
 COST = "ms_per_step_median"
 
@@ -228,13 +228,6 @@ class OfStores(unittest.TestCase):
                 said += made.finding
         self.assertGreaterEqual(said.lower().count("too few repeats"), 5, said)
 
-    def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
-        """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
-        found = self.made(stages, synthetic_store.stages)[0]
-        self.assertRegex(found.finding, r"none: peak [\d.]+ ms, last tenth [\d.]+ ms a step and split_average: peak")
-        self.assertNotIn("as dear as", found.finding)
-        self.assertIn("no ratio of two runs is told", found.note)
-
     @staticmethod
     def two_scenes(maker, wide=0.2):
         """One scene whose repeats agree, and one whose repeats do not, in one sweep; naive is 1.1 times as dear."""
@@ -345,31 +338,6 @@ class OfStores(unittest.TestCase):
         for errors, turns in (([1.0, 1.0], (False, 2, 2)), ([1.0, 2.0], (False, 1, 1)), ([0.5, 2.0], (True, 0, 0))):
             self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), turns)
 
-    def test_of_equal_medians_the_one_that_is_never_worse_is_the_best(self):
-        def fill(maker):
-            maker.sweep("ensemble", "world", resolver="label")
-            for label, errors in (("catto", (1e-3, 2e-3, 3e-3)), ("naive", (0.5e-3, 2e-3, 3e-3))):
-                for seed, error in enumerate(errors):
-                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
-                    maker.world("ensemble", axes, 1.0, error, repeats=0)
-        found = self.made(ensembles, fill)[0]  # in the order of names catto would be the first
-        self.assertIn("no method has a smaller penetration than naive under any of 3 seeds (median 2 mm)", found.finding)
-
-    def test_each_seed_is_a_run_of_its_own_where_methods_are_one_path(self):
-        def fill(maker, alike=(1,)):
-            maker.sweep("ensemble", "world", resolver="label", perturb="parameter")
-            for perturb in (1e-6, 1e-3):
-                for seed in range(1, 11):
-                    for label in ("catto", "naive"):
-                        axes = {"scene": "stack", "dimension": 2, "perturb": perturb, "resolver": label, "seed": seed}
-                        maker.world("ensemble", axes, 1.0, 1e-3, repeats=0,
-                                    hash=f"{perturb} {seed}" + ("" if seed in alike else label))
-        found = chart.made(distinctness, self.context(fill))[0]
-        self.assertIn("No two methods end in the same bits in most of the runs", found.finding)
-        self.assertEqual(found.table[["cells", "equal"]].to_numpy().tolist(), [[20, 2]])
-        found = chart.made(distinctness, self.context(lambda maker: fill(maker, range(1, 9))))[0]
-        self.assertIn("catto and naive are one path (16 of 20 comparisons", found.finding)
-
     def test_seeds_that_change_nothing_are_told(self):
         found = self.made(ensembles, self.ensemble(idle=True))[0]
         self.assertIn("seeds change nothing here: all 10 end in the same state", " ".join(found.holes))
@@ -389,17 +357,6 @@ class OfStores(unittest.TestCase):
             found = self.made(cost_against_error, fill)
             self.assertEqual(len(found), 1, "not one chart for each seed")
             self.assertIn(words, found[0].finding)
-
-    def test_budgets_name_who_is_best_at_each(self):
-        def fill(maker):
-            maker.sweep("costs", "world", resolver="label", iterations="setting")
-            for iterations, errors in ((4, (4e-3, 8e-3)), (10, (3e-3, 2e-3)), (40, (3e-3, 1e-3))):
-                for label, error in zip(("catto", "naive"), errors):
-                    maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
-                                iterations / 10, error)
-        found = self.made(budgets, fill)[0]
-        self.assertRegex(found.finding, r"by time: with 4\d\d µs and .* per step: catto \(4 mm\); with .*: naive \(2 mm\); .* "
-                                        r"naive \(1 mm\)")
 
     def test_errors_within_a_cost_name_the_setting_and_those_that_read_alike(self):
         def fill(maker):
@@ -438,55 +395,9 @@ class OfStores(unittest.TestCase):
         self.assertRegex(found.finding, r"the slowest step takes 2\.\d times the median")
         self.assertRegex(found.finding, r"a step of box2d takes 0\.3\d times the time of our fastest, naive")
 
-    def test_who_fails_is_told_beside_the_speeds_of_the_others(self):
-        def fill(maker):
-            maker.sweep("costs", "world", resolver="label", iterations="setting")
-            for label, restless in (("catto", 1e-2), ("naive", 9.0), ("soft_step", 1e-3)):
-                for iterations in (4, 10, 30):
-                    failed = ("collapsed", "far", 50) if label == "naive" else ()
-                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
-                    maker.world("costs", axes, 1.0, 1e-3, *failed, restless=restless)
-        found = self.made(steadiness, fill)[0]
-        self.assertRegex(found.headline.text, r"^On stack in 2D at iterations=10, by the RMS of .* in the last quarter, .*; of "
-                         r"those that finish, the fastest goes at .* with catto; naive fails\.$")
-        self.assertTrue(math.isnan(found.headline.values["naive"]))
-        self.assertRegex(found.finding, r"^In 2D at iterations=10 on stack .*; naive fails\.$")
-
-    def test_residuals_are_compared_over_one_span(self):
-        def fill(contacts):
-            def into(maker):
-                maker.sweep("costs", "world", resolver="label", iterations="setting")
-                for label, errors in (("catto", {4: 8e-1, 10: 4e-3, 30: 2e-3}), ("soft_step", {10: 4e-3, 30: 1e-3}),
-                                      ("millington", {10: 2e-3, 30: 2e-3})):
-                    for scene in ("stack", "pyramid"):
-                        for iterations in errors if scene == "stack" else (10,):
-                            axes = {"scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
-                            maker.world("costs", axes, 1.0, errors[iterations] * contacts)
-            return into
-        found = self.made(residual, fill(1))[0]
-        self.assertEqual(found.finding, "In 2D on stack the residual of soft_step falls most of 3 methods from 10 to 30 "
-                         "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only "
-                         "iterations=10 was run.")
-        self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
-
     def test_no_two_ticks_have_one_label(self):
         labels = [style._tick(value, "1") for value in style._ticks(math.log10(1.4e-4), math.log10(8e-4), 8)]
         self.assertEqual(len(set(labels)), len(labels), labels)
-
-    def test_energy_tells_the_setting_and_no_gain_of_a_script(self):
-        def fill(maker):
-            maker.sweep("costs", "world", resolver="label", iterations="setting")
-            for scene, scale, bodies in (("fall", 100.0, 2), ("rest", 1e-3, 2), ("script", 100.0, 9)):
-                for label, gain in (("catto", 0.0), ("box2d", 0.5)):
-                    for iterations in (4, 10, 30):
-                        series = {"kinetic": scale * np.array([0.0, 1.0, gain]), "potential": scale * np.array([1.0, 0.0, 1.0]),
-                                  "bodies": np.array([2.0, 2.0, bodies])}
-                        axes = {"kind": "world", "scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
-                        maker.trial("costs", {**axes, "timed": False, "repeat": 0}, {}, series=series)
-        found = self.made(energy, fill)[0]
-        self.assertEqual(found.finding, "In 2D at iterations=10 on fall box2d gains energy, 50 % of what is exchanged; on rest "
-                         "box2d gains energy, 0.0005 J, where next to nothing is exchanged; on script the script adds bodies and "
-                         "with them energy: no gain is told.")
 
 
 if __name__ == "__main__":
