@@ -155,13 +155,19 @@ def said(a, b, metric, least):
     return silence(between(least, a, b, metric)) if all(len(runs(cell, metric)) >= FEWEST for cell in (a, b)) else FEW
 
 
+def percent(least):
+    """A floor in percent, for a sentence."""
+    share = 100 * (least - 1)
+    return f"{share:.2g}" if share < 100 else f"{share:,.0f}"
+
+
 def rule(least):
     """What a reader must know of the ratios of a chart."""
     if least == UNMEASURED:
         return (f"Too few repeats to measure the noise: a ratio is told when it is beyond {UNMEASURED:g} and the whiskers of the "
                 "two are apart.")
     known = {role: v for role, v in least.of_role.items() if v != UNMEASURED} if isinstance(least, Floor) else {}
-    noise = f"{100 * (least - 1):.2g} %" if len(known) < 2 else ", ".join(f"{100 * (v - 1):.2g} % ({role})"
+    noise = f"{percent(least)} %" if len(known) < 2 else ", ".join(f"{percent(v)} % ({role})"
                                                                         for role, v in known.items())
     return (f"The same method against itself differs by up to {noise} in {LIKELY} of 100 cells: a ratio is told "
             "when it is beyond that and the whiskers of the two are apart; else it is noise.")

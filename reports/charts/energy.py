@@ -72,7 +72,9 @@ def finding(where, cells, largest, scripted=False):
         return f"on {where} no method that finishes gains energy"
     worst = gains.loc[gains["energy_gain"].idxmax()]
     gain = (f"{si(worst['energy_gain'] * worst['exchanged'], 'J')}, where next to nothing is exchanged"
-            if worst["exchanged"] < LITTLE * largest else f"{si(100 * worst['energy_gain'])} % of what is exchanged")
+            if worst["exchanged"] < LITTLE * largest else
+            f"{si(worst['energy_gain'] * worst['exchanged'], 'J')}, more than is exchanged" if worst["energy_gain"] > 1 else
+            f"{si(100 * worst['energy_gain'])} % of what is exchanged")
     if gains["method"].nunique() == 1:
         return f"on {where} {worst['method']} gains energy, {gain}"
     return (f"on {where} {methods(sorted(gains['method'].unique()), sorted(cells['method'].unique()))} gain energy, "

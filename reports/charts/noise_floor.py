@@ -72,7 +72,7 @@ def finding(rows):
     if not known:
         return "No cell was repeated often enough to measure its noise."
     loads = [load for row in rows for load in row["loads"]]
-    said = [f"{100 * (row['floor'] - 1):.2g} % in {row['sweep']}" for row in known]
+    said = [f"{noise.percent(row['floor'])} % in {row['sweep']}" for row in known]
     busy = f"; the load average was {np.median(loads):.2g} in the median, {max(loads):.2g} at most" if loads else ""
     return f"Timed against itself, a method differs by at most {listing(said)} ({noise.LIKELY} of 100 cells of each){busy}."
 

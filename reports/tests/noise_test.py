@@ -271,6 +271,7 @@ class OfStores(unittest.TestCase):
             self.assertEqual(noise.said(sat, gjk, "ns_per_query", floor), told)
         self.assertEqual(noise.said(sat, fcl, "ns_per_query", least), "noise")
         self.assertIn("2 % (competitor), 90 % (witness) in 95", noise.rule(least))
+        self.assertEqual([noise.percent(v) for v in (1.0234, 1.9, 2.6)], ["2.3", "90", "160"])
         found = chart.made(noise_floor, context)[0]
         self.assertIn("2 % in pairs", found.finding)
         self.assertIn("in pairs (witness)", found.finding)
