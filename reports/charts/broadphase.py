@@ -125,7 +125,7 @@ def finding(cross, base, dimension, ahead, least):
                  f"{listing(rows['method'])} and {base} have no size in common that both finished"
                  for kind, rows in part.groupby("kind", sort=True)]
         said.append(f"on {distribution} boxes nothing crosses {base}: {listing(kinds)}")
-    alike = f", {noise.IN_WORDS[noise.silence(least)]},"
+    alike = f", alike {noise.IN_WORDS[noise.silence(least)]},"
     fastest = [f"{listing(names)}{alike if len(names) > 1 else ''} on {distribution} ({speeds(ratios)} times the "
                f"speed of {base} at {n:,.0f})" for distribution, (n, names, ratios) in ahead.items()]
     return f"In {dimension}D " + "; ".join(said) + (f"; fastest at the largest size: {listing(fastest)}." if fastest else ".")
@@ -139,7 +139,7 @@ def headline(cells, cross, base, dimension, ahead, least):
     part = cells[(cells["distribution"] == distribution) & (cells["n"] == n) & (cells["outcome"] == "ok")]
     crossed = cross[(cross["distribution"] == distribution) & (cross["method"] == names[0]) & (cross["kind"] == "crosses")]
     since = "".join(f"; {names[0]} {overtakes(row, base)}" for row in crossed.itertuples())
-    find = "finds the pairs" if len(names) == 1 else f"{noise.IN_WORDS[noise.silence(least)]}, find the pairs"
+    find = "finds the pairs" if len(names) == 1 else f"alike {noise.IN_WORDS[noise.silence(least)]}, find the pairs"
     return Headline(f"Among {n:,.0f} {distribution} boxes in {dimension}D {listing(names)}{',' if len(names) > 1 else ''} {find} "
                     f"{speeds(ratios)} times as fast as {base}{since}.",
                     dict(zip(part["method"], metrics.column(part, TIME))), "ns", "time per frame")

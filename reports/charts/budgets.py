@@ -66,6 +66,7 @@ def least_of(context, cells, cost):
 
 
 def finding(context, cells, cost, error):
+    """Whose error is smallest within each budget: `within 1 ms and 2 ms per step that of a (4 mm), within 4 ms that of ...`."""
     unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
     for budget in marks(cells, cost, error):
         reached = within(cells, cost, error, budget, least_of(context, cells, cost))
@@ -74,10 +75,11 @@ def finding(context, cells, cost, error):
         value = best[error] if best[error] > context.floor(error) else 0.0
         unit_of_cost = context.unit(cost)
         text = f"{budget:,.0f}" if unit_of_cost == "1" and budget >= 100 else si(budget, unit_of_cost)
-        said.append((text, f"{methods(equals, everyone)} ({si(value, unit)})"))
+        said.append((text, f"that of {methods(equals, everyone)} ({si(value, unit)})"))
     # Budgets one after another with one answer are told together: they are lines drawn beforehand, not where ranks change.
-    return "; ".join(f"with {listing(budget for budget, _ in group)} per step: {text}"
-                     for text, group in itertools.groupby(said, lambda one: one[1]))
+    told = [(listing(budget for budget, _ in group), text) for text, group in itertools.groupby(said, lambda one: one[1])]
+    of = "per step" if context.unit(cost) != "1" else context.title(cost)
+    return ", ".join(f"within {budgets} {of + ' ' if i == 0 else ''}{text}" for i, (budgets, text) in enumerate(told))
 
 
 def _chart(context, cells, where, setting, refused):
@@ -110,9 +112,9 @@ def _chart(context, cells, where, setting, refused):
         ax.set_xlabel(context.title(cost))
         ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
     legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], width)
-    said = [f"by {context.title(cost).removesuffix(' per step')}: {finding(context, cells, cost, error)}" for cost in costs]
+    said = [finding(context, cells, cost, error) for cost in costs]
     return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), SECTION, f"Least error within a budget: {where}",
-                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} has, " + "; ".join(said) + ".",
+                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} is, " + "; ".join(said) + ".",
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
                  f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
                  "are the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that "

@@ -103,8 +103,11 @@ def finding(context, where, groups, error, everyone):
             continue
         value = si(float(np.median(noise.of_seeds(best, error))), unit)
         text = f"{place}: {standing(part, best, equals, everyone, error, zero, what, value)}"
-        fails = [f"{cell['failed_seeds']} of {cell['method']}" for _, cell in part.iterrows() if cell["failed_seeds"]]
-        said.append(text + (f"; seeds that fail: {listing(fails)}" if fails else "") +
+        fails = {}  # number of seeds -> who fails under so many
+        for _, cell in part[part["failed_seeds"] > 0].iterrows():
+            fails.setdefault(f"{cell['failed_seeds']} of {len(cell['seeds'])} seeds", []).append(cell["method"])
+        under = [f"{methods(who, everyone)} {'fails' if len(who) == 1 else 'fail'} under {count}" for count, who in fails.items()]
+        said.append("; ".join([text, *under]) +
                     ("; the seeds change nothing: each method ends in one state" if noise.idle_seeds(part) else ""))
     return "; ".join(text.removeprefix(f"{where}: ") for text in said) + "."
 
@@ -118,16 +121,17 @@ def headline(context, where, groups, error, everyone):
     if not won[-1][1] or noise.idle_seeds(part):
         return None
     medians = {cell["method"]: float(np.median(noise.of_seeds(cell, error))) for _, cell in part.iterrows()}
-    places = {}  # who -> where
-    for place, found in won:
-        places.setdefault(methods(found, everyone) if found else "no method", []).append(place)
+    places = {}  # who -> where; that nobody wins comes last
+    for place, found in sorted(won, key=lambda one: not one[1]):
+        places.setdefault(tuple(found), []).append(place)
+    (winner, at), *further = ((methods(found, everyone) if found else "no method", listing(at)) for found, at in places.items())
+    has = f"{winner} {'have' if len(next(iter(places))) > 1 else 'has'} the smallest {what} every time"
     first = f"On {where}, started in {max(map(len, part['seeds']))} places"
     if len(groups) == 1:
-        name, verb = next(iter(places)), "have" if len(won[0][1]) > 1 else "has"
-        text = f"{first}, {name} {verb} the smallest {what} every time."
+        text = f"{first}, {has}."
     else:
-        by = ", ".join(f"of {name} at {listing(at)}" for name, at in places.items())
-        text = f"{first}, the smallest {what} every time is that {by} (medians: {won[-1][0]})."
+        others = "".join(f", {name} at {there}" for name, there in further)
+        text = f"{first}, {has} at {at}{others} (the numbers: medians at {won[-1][0]})."
     return Headline(text, {m: v if math.isfinite(v) else math.nan for m, v in medians.items()}, context.unit(error),
                     f"{context.title(error)}, median of the seeds", ends=final_states(part))
 
