@@ -19,8 +19,10 @@ struct Camera {
   Camera();
   /// In metres, on the plane that the camera looks at.
   Vec<2> flat(const Vec<D>& p) const { return {p.dot(right), p.dot(up)}; }
+  /// What flew away, far beyond any picture, is held where numbers are still written and counted in whole pixels.
   Vec<2> pixel(const Vec<D>& p) const {
-    const Vec<2> at = scale * (flat(p) - middle);
+    constexpr double kFar = 1e8;  // px
+    const Vec<2> at = (scale * (flat(p) - middle)).cwiseMin(kFar).cwiseMax(-kFar);
     return {width / 2 + at[0], (height + kBand) / 2 - at[1]};
   }
 };

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/film/falls.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <tuple>
 
 #include "experiments/film/reel.h"
+#include "experiments/film/temporary_recording.h"
 #include "experiments/runner/worker_pool.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -130,7 +129,7 @@ json cornersOf(const Patch& patch, const Camera<D>& camera) {
 template <int D>
 json stripOf(const std::string& recording) {
   const Reel<D> reel(recording);
-  const Camera<D> camera = reel.camera(kWidth, 0);
+  const Camera<D> camera = cameraOf<D>(reel.sight(0), kWidth);
   json pictures = json::array();
   for (const std::size_t i : momentsOf<D>(reel.frames())) {
     json patches = json::array();
@@ -142,17 +141,6 @@ json stripOf(const std::string& recording) {
   }
   return {{"width", camera.width}, {"top", camera.kBand}, {"height", camera.height}, {"pictures", pictures}};
 }
-
-class TemporaryRecording {
- public:
-  TemporaryRecording()
-      : path((std::filesystem::temp_directory_path() / ("lpc_fall_" + std::to_string(getpid()) + ".rec")).string()) {}
-  ~TemporaryRecording() { std::remove(path.c_str()); }
-  TemporaryRecording(const TemporaryRecording&) = delete;
-  TemporaryRecording& operator=(const TemporaryRecording&) = delete;
-
-  const std::string path;
-};
 
 // Why the run that was recorded is not the one that fell; empty where it is.
 std::string otherwise(const WorkerEnd& end, const Fall& fall) {
@@ -167,13 +155,15 @@ std::string otherwise(const WorkerEnd& end, const Fall& fall) {
 bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& options) {
   if (sweep.kind != "world") return true;
   const InterruptGuard interrupts;
-  const TemporaryRecording recording;
+  std::optional<TemporaryRecording> place;
   WorkerPool pool(options.plugins);
   for (const Fall& fall : lastFalls(sweep, store)) {
     const PlannedTrial& t = *fall.trial;
     if (store.hasFilm(t.key)) continue;
+    if (!place) place.emplace();
+    const std::string recording = place->path();
     pool.start(0, t.canonical.at("precision"),
-               {{"trial", t.canonical}, {"scene_file", t.sceneFile}, {"record", recording.path}},
+               {{"trial", t.canonical}, {"scene_file", t.sceneFile}, {"record", recording}},
                {sweep.wallLimit, sweep.memoryLimit * 1073741824.0}, -1);
     std::vector<WorkerEnd> ends;
     while (ends.empty() && !InterruptGuard::interrupted()) ends = pool.ended();
@@ -185,7 +175,7 @@ bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& option
       continue;
     }
     const bool flat = t.canonical.at("dimension").get<int>() == 2;
-    store.putFilm(t.key, (flat ? stripOf<2>(recording.path) : stripOf<3>(recording.path)).dump());
+    store.putFilm(t.key, (flat ? stripOf<2>(recording) : stripOf<3>(recording)).dump());
   }
   return true;
 }

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <functional>
+#include <optional>
 
 #include "experiments/film/film_file.h"
 #include "experiments/film/reel.h"
+#include "experiments/runner/worker_pool.h"
 #include "framework/check.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -36,34 +39,43 @@ std::vector<std::size_t> moments(std::size_t first, std::size_t frames, std::siz
   return out;
 }
 
-template <int D>
-void film(const std::string& path, const std::string& out) {
-  const FilmKind kind = filmKind(out);
-  const Reel<D> reel(path);
-  const Camera<D> camera = reel.camera(widthOf(kind));
-  std::vector<Picture> pictures;
-  for (const std::size_t i : moments(0, reel.frames().size(), filmLength(kind, reel.frames().size()))) {
-    pictures.push_back(reel.picture(i, camera));
-  }
-  writeFilm(out, pictures, reel.frames().back().time - reel.frames().front().time);
+// Films frames `first` to `frames` and says how many of them are seen: a film may leave some out.
+std::string filmed(const std::string& out, std::size_t first, std::size_t frames, double seconds, FilmKind kind,
+                   const std::function<Picture(std::size_t)>& picture) {
+  const std::vector<std::size_t> shown = moments(first, frames, filmLength(kind, frames - first));
+  writeFilm(out, kind, {shown.size(), seconds, [&](std::size_t i) {
+                          if (InterruptGuard::interrupted()) throw Interrupted();
+                          return picture(shown[i]);
+                        }});
+  return "film      " + out + ": " + std::to_string(shown.size()) + " of " + std::to_string(frames - first) +
+         " frames" + (kind == FilmKind::frames ? ", without their steps and times" : "");
 }
 
-// Seen by one camera: what differs is the runs. Each is as large as in a film of its own.
 template <int D>
-void filmBoth(const Reel<D>& a, const Reel<D>& b, std::size_t first, const std::string& out) {
+std::string film(const std::string& path, const std::string& out) {
   const FilmKind kind = filmKind(out);
-  const std::size_t frames = std::max(a.frames().size(), b.frames().size());
-  const Camera<D> camera = a.camera(widthOf(kind));
+  const Reel<D> reel(path);
+  const auto& frames = reel.frames();
+  const Camera<D> camera = cameraOf<D>(reel.sight(), widthOf(kind));
+  return filmed(out, 0, frames.size(), frames.back().time - frames.front().time, kind,
+                [&](std::size_t i) { return reel.picture(i, camera); });
+}
+
+// Seen by one camera, which has both in sight: what differs is the runs. The one that ends first stays as it ended.
+template <int D>
+std::string filmBoth(const Reel<D>& a, const Reel<D>& b, std::size_t first, FilmKind kind, const std::string& out) {
+  const auto& longer = (a.frames().size() < b.frames().size() ? b : a).frames();
+  Sight sight = a.sight();
+  sight.take(b.sight().lo, b.sight().hi);
+  const Camera<D> camera = cameraOf<D>(sight, widthOf(kind));
   const double end = camera.width;
-  std::vector<Picture> pictures;
-  for (const std::size_t i : moments(first, frames, filmLength(kind, frames - first))) {
+  return filmed(out, first, longer.size(), longer.back().time - longer[first].time, kind, [&](std::size_t i) {
     Picture both{2 * end, camera.height, {}, {}};
     both.add(a.picture(std::min(i, a.frames().size() - 1), camera), {0, 0});
     both.add(b.picture(std::min(i, b.frames().size() - 1), camera), {end, 0});
     both.patches.push_back({{{end, 0}, {end, camera.height}}, kDivider, kDivider});
-    pictures.push_back(std::move(both));
-  }
-  writeFilm(out, pictures, a.frames().back().time - a.frames()[std::min(first, a.frames().size() - 1)].time);
+    return both;
+  });
 }
 
 template <int D>
@@ -79,18 +91,26 @@ std::string describe(const std::string& path) {
 
 template <int D>
 std::string compare(const std::string& pathA, const std::string& pathB, double tolerance, const std::string& out) {
-  if (!out.empty()) filmKind(out);
+  std::optional<FilmKind> kind;
+  if (!out.empty()) kind = filmKind(out);
   const Reel<D> a(pathA), b(pathB);
   const auto parting = partingOf(a, b, tolerance);
-  if (!out.empty()) filmBoth(a, b, parting && parting->frame > 0 ? parting->frame - 1 : 0, out);
-  if (!parting) return "the runs never part: " + std::to_string(a.frames().size()) + " frames are the same";
-  return "the runs part at step " + std::to_string(parting->step) + ": " + parting->how;
+  std::string text;
+  if (parting) {
+    text = "the runs part at step " + std::to_string(parting->step) + ": " + parting->how;
+  } else {
+    char within[48];
+    std::snprintf(within, sizeof within, " frames are within %.6g m and rad", tolerance);
+    text = "the runs never part: " + std::to_string(a.frames().size()) + within;
+  }
+  const std::size_t before = parting && parting->frame > 0 ? parting->frame - 1 : 0;
+  return kind ? text + "\n" + filmBoth(a, b, before, *kind, out) : text;
 }
 
 }  // namespace
 
-void filmRecording(const std::string& recording, const std::string& out) {
-  dimensionOf(recording) == 2 ? film<2>(recording, out) : film<3>(recording, out);
+std::string filmRecording(const std::string& recording, const std::string& out) {
+  return dimensionOf(recording) == 2 ? film<2>(recording, out) : film<3>(recording, out);
 }
 
 std::string describeRecording(const std::string& recording) {

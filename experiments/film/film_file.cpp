@@ -40,14 +40,14 @@ void putHead(std::ostream& out, double width, double height) {
 
 // As many in a row as a screen is wide; each picture is an <svg> of its own, so that nothing of it covers its
 // neighbour.
-void putStrip(std::ostream& out, const std::vector<Picture>& pictures) {
+void putStrip(std::ostream& out, const Film& film) {
   constexpr double kScreen = 1280, kGap = 6;  // px
-  const double width = pictures[0].width + kGap, height = pictures[0].height + kGap;
-  const auto fitting = std::max<std::size_t>(1, static_cast<std::size_t>(kScreen / pictures[0].width));
-  const std::size_t columns = std::min(fitting, pictures.size()), rows = (pictures.size() + columns - 1) / columns;
-  putHead(out, static_cast<double>(columns) * width + kGap, static_cast<double>(rows) * height + kGap);
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    const Picture& p = pictures[i];
+  for (std::size_t i = 0; i < film.length; ++i) {
+    const Picture p = film.picture(i);
+    const double width = p.width + kGap, height = p.height + kGap;
+    const auto fitting = std::max<std::size_t>(1, static_cast<std::size_t>(kScreen / p.width));
+    const std::size_t columns = std::min(fitting, film.length), rows = (film.length + columns - 1) / columns;
+    if (i == 0) putHead(out, static_cast<double>(columns) * width + kGap, static_cast<double>(rows) * height + kGap);
     out << "<svg x=\"" << kGap + static_cast<double>(i % columns) * width << "\" y=\""
         << kGap + static_cast<double>(i / columns) * height << "\" width=\"" << p.width << "\" height=\"" << p.height
         << "\">\n<rect width=\"100%\" height=\"100%\" fill=\"#f7f7f5\"/>\n";
@@ -58,42 +58,65 @@ void putStrip(std::ostream& out, const std::vector<Picture>& pictures) {
 }
 
 // Every picture is there and hidden but for its turn.
-void putAnimated(std::ostream& out, const std::vector<Picture>& pictures, double seconds) {
-  const double share = 100.0 / static_cast<double>(pictures.size());
-  putHead(out, pictures[0].width, pictures[0].height);
-  out << "<style>@keyframes turn { 0% { visibility: visible } " << share
-      << "% { visibility: hidden } 100% { visibility: "
-      << "hidden } } g { visibility: hidden; animation: turn " << seconds << "s step-end infinite }</style>\n";
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    out << "<g style=\"animation-delay: " << seconds * static_cast<double>(i) / static_cast<double>(pictures.size())
-        << "s\">\n";
-    putPatches(out, pictures[i]);
+void putAnimated(std::ostream& out, const Film& film) {
+  const double seconds = std::max(0.1, film.seconds), length = static_cast<double>(film.length);
+  for (std::size_t i = 0; i < film.length; ++i) {
+    const Picture picture = film.picture(i);
+    if (i == 0) {
+      putHead(out, picture.width, picture.height);
+      out << "<style>@keyframes turn { 0% { visibility: visible } " << 100 / length
+          << "% { visibility: hidden } 100% { visibility: "
+          << "hidden } } g { visibility: hidden; animation: turn " << seconds << "s step-end infinite }</style>\n";
+    }
+    out << "<g style=\"animation-delay: " << seconds * static_cast<double>(i) / length << "s\">\n";
+    putPatches(out, picture);
     out << "</g>\n";
   }
   out << "</svg>\n";
 }
 
-void writeFrames(const std::string& path, const std::vector<Picture>& pictures) {
-  const fs::path folder = fs::path(path).has_filename() ? fs::path(path) : fs::path(path).parent_path();
-  const fs::path partial = folder.string() + ".partial";
-  std::error_code error;
-  fs::remove_all(partial, error);
-  fs::create_directory(partial, error);
-  if (error) throw CannotWrite(path + ": cannot be written: " + error.message());
-  try {
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-      char name[32];
-      std::snprintf(name, sizeof name, "%05zu.png", i);
-      writePng((partial / name).string(), pictures[i]);
+// A folder that is there whole or not at all: made beside its place under a name that nobody has, and renamed.
+class OutputFolder {
+ public:
+  explicit OutputFolder(const std::string& path) : m_path(path) {
+    std::error_code error;
+    m_folder = fs::weakly_canonical(path, error);
+    if (!m_folder.has_filename()) m_folder = m_folder.parent_path();
+    bool made = false;
+    for (int i = 1; !made && !error; ++i) {
+      m_partial = m_folder.string() + ".partial" + (i > 1 ? std::to_string(i) : "");
+      made = fs::create_directory(m_partial, error);
     }
-  } catch (...) {
-    fs::remove_all(partial, error);
-    throw;
+    if (error) throw CannotWrite(m_path + ": cannot be written: " + error.message());
   }
-  fs::rename(partial, folder, error);
-  if (!error) return;
-  fs::remove_all(partial, error);
-  throw CannotWrite(path + ": is there and not empty; valid: a new or an empty folder");
+  ~OutputFolder() {
+    std::error_code ignored;
+    if (!m_partial.empty()) fs::remove_all(m_partial, ignored);
+  }
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  std::string file(const char* name) const { return (m_partial / name).string(); }
+  void finish() {
+    std::error_code error;
+    fs::rename(m_partial, m_folder, error);
+    if (error) throw CannotWrite(m_path + ": cannot be written: " + error.message());
+    m_partial.clear();
+  }
+
+ private:
+  std::string m_path;  // as the user named it
+  fs::path m_folder, m_partial;
+};
+
+void writeFrames(const std::string& path, const Film& film) {
+  OutputFolder out(path);
+  for (std::size_t i = 0; i < film.length; ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "%05zu.png", i);
+    writePng(out.file(name), film.picture(i));
+  }
+  out.finish();
 }
 
 }  // namespace
@@ -104,6 +127,7 @@ FilmKind filmKind(const std::string& path) {
     if (fs::exists(path, ignored) && !fs::is_empty(path, ignored)) {
       throw UserError(path + ": is there and not empty; valid: a new or an empty folder");
     }
+    const OutputFolder probe(path);  // throws what is wrong with the place
     return FilmKind::frames;
   }
   if (!path.ends_with(".svg")) {
@@ -111,7 +135,7 @@ FilmKind filmKind(const std::string& path) {
                     ": what film it shall be is not known; valid: NAME.svg, which moves, NAME.strip.svg, or a folder "
                     "NAME/ for PNG files");
   }
-  const OutputFile probe(path);  // throws what is wrong with the place
+  const OutputFile probe(path);
   return path.ends_with(".strip.svg") ? FilmKind::strip : FilmKind::animated;
 }
 
@@ -127,15 +151,10 @@ std::size_t filmLength(FilmKind kind, std::size_t frames) {
   return 0;
 }
 
-void writeFilm(const std::string& path, const std::vector<Picture>& pictures, double seconds) {
-  const FilmKind kind = filmKind(path);
-  if (kind == FilmKind::frames) return writeFrames(path, pictures);
+void writeFilm(const std::string& path, FilmKind kind, const Film& film) {
+  if (kind == FilmKind::frames) return writeFrames(path, film);
   OutputFile out(path);
-  if (kind == FilmKind::strip) {
-    putStrip(out.stream(), pictures);
-  } else {
-    putAnimated(out.stream(), pictures, std::max(0.1, seconds));
-  }
+  kind == FilmKind::strip ? putStrip(out.stream(), film) : putAnimated(out.stream(), film);
   out.finish();
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <functional>
 #include <string>
-#include <vector>
 
 #include "experiments/film/picture.h"
 
@@ -19,7 +19,14 @@ enum class FilmKind {
 FilmKind filmKind(const std::string& path);
 /// How many pictures such a film is made of, of a run with `frames` of them.
 std::size_t filmLength(FilmKind kind, std::size_t frames);
-/// Writes the whole film or none. `seconds`: of what is shown, for a film that moves.
-void writeFilm(const std::string& path, const std::vector<Picture>& pictures, double seconds);
+
+/// Pictures are made one by one as they are written: those of a long run of many bodies are gigabytes.
+struct Film {
+  std::size_t length = 0;
+  double seconds = 0;  // of what is shown, for a film that moves
+  std::function<Picture(std::size_t)> picture;
+};
+/// Writes the whole film or none.
+void writeFilm(const std::string& path, FilmKind kind, const Film& film);
 
 }  // namespace lpc::inline LPC_PRECISION

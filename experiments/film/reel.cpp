@@ -15,7 +15,6 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPi = 3.14159265358979323846;
 constexpr Colour kFixed{205, 205, 200}, kFixedEdge{120, 120, 115};
 // Bodies take turns, so that neighbours are told apart.
@@ -50,13 +49,6 @@ Shape<D> shapeOf(const typename Recording<D>::Arrival::Part& p) {
   }
   return Shape<D>::plane();
 }
-
-struct Box {
-  Vec<2> lo = Vec<2>::Constant(kInfinity), hi = Vec<2>::Constant(-kInfinity);
-
-  void take(const Vec<2>& lower, const Vec<2>& upper) { lo = lo.cwiseMin(lower), hi = hi.cwiseMax(upper); }
-  bool empty() const { return !(lo[0] <= hi[0]); }
-};
 
 template <int D>
 bool finite(const Pose<D>& X) {
@@ -162,11 +154,11 @@ Reel<D>::Reel(const std::string& path) try {
 }
 
 template <int D>
-Camera<D> Reel<D>::camera(double width, double follow) const {
-  Camera<D> camera;
-  Box first, all;
+Sight Reel<D>::sight(double follow) const {
+  const Camera<D> camera;
+  Sight first, all;
   for (const auto& frame : frames()) {
-    Box box;
+    Sight box;
     for (const auto& body : frame.bodies) {
       const auto actor = m_cast.find({body.slot, body.generation});
       if (actor == m_cast.end() || actor->second.type == BodyType::fixed || !finite(body.X_WC)) continue;
@@ -181,10 +173,15 @@ Camera<D> Reel<D>::camera(double width, double follow) const {
   }
   if (all.empty()) all.take({-1, -1}, {1, 1}), first = all;
   const Vec<2> limit = Vec<2>::Constant(std::max(follow, (first.hi - first.lo).maxCoeff()));
-  all.lo = all.lo.cwiseMax(first.lo - limit), all.hi = all.hi.cwiseMin(first.hi + limit);
-  const Vec<2> margin = Vec<2>::Constant(0.06 * (all.hi - all.lo).maxCoeff());
-  const Vec<2> size = all.hi - all.lo + 2 * margin;
-  camera.middle = (all.lo + all.hi) / 2;
+  return {all.lo.cwiseMax(first.lo - limit), all.hi.cwiseMin(first.hi + limit)};
+}
+
+template <int D>
+Camera<D> cameraOf(const Sight& sight, double width) {
+  Camera<D> camera;
+  const Vec<2> margin = Vec<2>::Constant(0.06 * (sight.hi - sight.lo).maxCoeff());
+  const Vec<2> size = sight.hi - sight.lo + 2 * margin;
+  camera.middle = (sight.lo + sight.hi) / 2;
   camera.width = width;
   camera.height = std::clamp(width * size[1] / size[0], 0.4 * width, 1.2 * width);
   camera.scale = std::min(camera.width / size[0], camera.height / size[1]);
@@ -244,8 +241,9 @@ std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tole
                      "one has " + std::to_string(ours.size()) + " bodies, the other " + std::to_string(theirs.size())};
     }
     for (std::size_t k = 0; k < ours.size(); ++k) {
-      const std::string who = "body " + std::to_string(ours[k].slot);
+      const std::string who = "body " + std::to_string(std::min(ours[k].slot, theirs[k].slot));
       if (ours[k].slot != theirs[k].slot) return Parting{i, step, who + " is in one alone"};
+      if (ours[k].generation != theirs[k].generation) return Parting{i, step, who + " is another one in each"};
       const double way = (ours[k].X_WC.p - theirs[k].X_WC.p).norm();
       const double turn = angleOf(ours[k].X_WC.q.inverse() * theirs[k].X_WC.q);
       char text[80];
@@ -264,6 +262,8 @@ std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tole
   return Parting{count - 1, a.frames()[count - 1].step, "one goes on, the other ends"};
 }
 
+template Camera<2> cameraOf(const Sight&, double);
+template Camera<3> cameraOf(const Sight&, double);
 template class Reel<2>;
 template class Reel<3>;
 template std::optional<Parting> partingOf(const Reel<2>&, const Reel<2>&, double);

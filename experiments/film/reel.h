@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// A recording with the shapes that play in it, and its frames as pictures. Whoever draws worlds while they run may take
-// the place of `picture`.
+// A recording with the shapes that play in it, and its frames as pictures.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,6 +15,19 @@
 
 namespace lpc::inline LPC_PRECISION {
 
+/// A part of the plane that cameras look at (m).
+struct Sight {
+  Vec<2> lo = Vec<2>::Constant(std::numeric_limits<double>::infinity());
+  Vec<2> hi = Vec<2>::Constant(-std::numeric_limits<double>::infinity());
+
+  void take(const Vec<2>& lower, const Vec<2>& upper) { lo = lo.cwiseMin(lower), hi = hi.cwiseMax(upper); }
+  bool empty() const { return !(lo[0] <= hi[0]); }
+};
+
+/// Sees the whole of it, and a little around.
+template <int D>
+Camera<D> cameraOf(const Sight& sight, double width);
+
 template <int D>
 class Reel {
  public:
@@ -23,9 +36,9 @@ class Reel {
 
   const std::vector<typename Recording<D>::Frame>& frames() const { return m_recording.frames; }
   bool torn() const { return m_recording.torn; }
-  /// Sees the bodies that move, wherever most of them ever are; one that flies off does not shrink the others to dots:
-  /// nobody is followed farther than the size of the first picture, or `follow` (m).
-  Camera<D> camera(double width, double follow = 10) const;
+  /// Where the bodies that move ever are, most of them; one that flies off does not shrink the others to dots: nobody
+  /// is followed farther than the size of the first picture, or `follow` (m).
+  Sight sight(double follow = 10) const;
   /// One frame, with its time.
   Picture picture(std::size_t frame, const Camera<D>& camera) const;
 
@@ -46,7 +59,8 @@ struct Parting {
   std::int64_t step = 0;
   std::string how;  // "body 3 is 0.0012 m apart"
 };
-/// The first frame in which a body is farther from its twin than `tolerance` (m, and rad of its turn), or has none.
+/// The first frame in which a body is farther from its twin (slot and generation) than `tolerance` (m, and rad of its
+/// turn), or has none.
 template <int D>
 std::optional<Parting> partingOf(const Reel<D>& a, const Reel<D>& b, double tolerance);
 

@@ -11,6 +11,7 @@
 
 #include "experiments/lpc/command.h"
 #include "experiments/runner/code_identity.h"
+#include "experiments/runner/worker_pool.h"
 #include "framework/check.h"
 #include "framework/names.h"
 #include "framework/plugin.h"
@@ -58,6 +59,9 @@ int run(int argc, char** argv) {
   } catch (const UserError& e) {
     std::cerr << "lpc: " << e.what() << "\n";
     return 2;
+  } catch (const Interrupted& e) {
+    std::cerr << "lpc: " << e.what() << "\n";
+    return 130;
   } catch (const std::exception& e) {
     std::cerr << "lpc: " << e.what() << "\n";
     return 1;

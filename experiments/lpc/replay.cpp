@@ -4,6 +4,7 @@
 
 #include "experiments/film/film.h"
 #include "experiments/lpc/command.h"
+#include "experiments/runner/worker_pool.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -14,15 +15,14 @@ struct Options {
 };
 
 void replay(const Options& o) {
-  std::string text;
-  if (o.beside.empty()) {
-    if (!o.film.empty()) filmRecording(o.recording, o.film);
-    text = describeRecording(o.recording);
-  } else {
-    text = compareRecordings(o.recording, o.beside, o.tolerance, o.film);
+  const InterruptGuard interrupts;
+  if (!o.beside.empty()) {
+    std::printf("%s\n", compareRecordings(o.recording, o.beside, o.tolerance, o.film).c_str());
+    return;
   }
+  std::string text = describeRecording(o.recording);
+  if (!o.film.empty()) text += "\n" + filmRecording(o.recording, o.film);
   std::printf("%s\n", text.c_str());
-  if (!o.film.empty()) std::printf("film      %s\n", o.film.c_str());
 }
 
 void addReplay(CommandLine& app, Session&) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -11,13 +9,16 @@
 
 #include "experiments/film/film.h"
 #include "experiments/film/film_file.h"
+#include "experiments/film/temporary_recording.h"
 #include "experiments/lpc/command.h"
 #include "experiments/lpc/scene_options.h"
 #include "experiments/lpc/series_plot.h"
 #include "experiments/runner/child.h"
 #include "experiments/runner/locations.h"
 #include "experiments/runner/trial_plan.h"
+#include "experiments/runner/worker_pool.h"
 #include "experiments/trial/metric.h"
+#include "experiments/trial/output_file.h"
 #include "experiments/trial/plugin.h"
 #include "experiments/trial/trial.h"
 #include "framework/names.h"
@@ -95,8 +96,14 @@ void print(const PlannedTrial& trial, const TrialResult& result) {
   }
 }
 
-std::string temporaryFile() {
-  return (std::filesystem::temp_directory_path() / ("lpc_film_" + std::to_string(getpid()) + ".rec")).string();
+// None when the worker has refused, and said why.
+std::optional<std::string> answerOf(const std::string& program, const json& request) {
+  Child worker(program, request.dump(), -1, true);
+  if (!worker.wait(&InterruptGuard::interrupted)) throw Interrupted();
+  if (worker.signal()) throw std::runtime_error("the worker crashed with signal " + std::to_string(worker.signal()));
+  if (worker.exitCode() == 2) return std::nullopt;
+  if (worker.exitCode()) throw std::runtime_error("the worker ended with " + std::to_string(worker.exitCode()));
+  return worker.output();
 }
 
 void runScene(const Options& o, Session& session) {
@@ -114,33 +121,38 @@ void runScene(const Options& o, Session& session) {
     if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
   }
   if (!o.profile.empty()) request["profile"] = o.profile;
+  const InterruptGuard interrupts;
   // A film is made of a recording, which goes again where nobody has asked for it.
-  const std::string recording = o.record.empty() && !o.film.empty() ? temporaryFile() : o.record;
-  const auto removed = [&](const std::string* path) {
-    if (o.record.empty()) std::remove(path->c_str());
-  };
-  const std::unique_ptr<const std::string, decltype(removed)> keeper(&recording, removed);
+  std::optional<TemporaryRecording> temporary;
+  if (o.record.empty() && !o.film.empty()) temporary.emplace();
+  const std::string recording = temporary ? temporary->path() : o.record;
   if (!recording.empty()) request["record"] = recording;
-  Child worker(workerPath(o.precision, trial.canonical.contains("engine")), request.dump(), -1, true);
-  worker.wait();
-  if (worker.signal()) throw std::runtime_error("the worker crashed with signal " + std::to_string(worker.signal()));
-  if (worker.exitCode() == 2) {  // it has said why
+  std::optional<std::string> answer;
+  try {
+    answer = answerOf(workerPath(o.precision, trial.canonical.contains("engine")), request);
+  } catch (const Interrupted&) {
+    for (const std::string& path : {o.record, o.profile}) {
+      if (!path.empty()) OutputFile::discard(path);
+    }
+    throw;
+  }
+  if (!answer) {
     session.exitCode = 2;
     return;
   }
-  if (worker.exitCode()) throw std::runtime_error("the worker ended with " + std::to_string(worker.exitCode()));
+  const TrialResult result = resultFromJson(json::parse(*answer));
   if (o.asJson) {
-    std::printf("%s\n", worker.output().c_str());
-  }
-  const TrialResult result = resultFromJson(json::parse(worker.output()));
-  const bool filmed = !o.film.empty() && result.outcome != "unsupported";  // then nothing has moved
-  if (filmed) filmRecording(recording, o.film);
-  if (!o.asJson) {
+    std::printf("%s\n", answer->c_str());
+  } else {
     print(trial, result);
     if (o.plots) printPlots(o, result);
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
     if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
-    if (filmed) std::printf("film      %s\n", o.film.c_str());
+  }
+  std::fflush(stdout);                                       // before the film, which may yet fail
+  if (!o.film.empty() && result.outcome != "unsupported") {  // then nothing has moved
+    const std::string told = filmRecording(recording, o.film);
+    if (!o.asJson) std::printf("%s\n", told.c_str());
   }
   session.exitCode = result.outcome == "ok" ? 0 : 1;
 }

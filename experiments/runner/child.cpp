@@ -94,11 +94,13 @@ bool Child::poll() {
   return true;
 }
 
-void Child::wait() {
+bool Child::wait(bool (*stop)()) {
   while (!poll()) {
+    if (stop()) return false;
     pollfd p{m_out, POLLIN, 0};
     ::poll(&p, m_out >= 0 ? 1 : 0, 20);
   }
+  return true;
 }
 
 void Child::kill() { ::kill(m_pid, SIGKILL); }

@@ -22,7 +22,8 @@ class Child {
 
   /// Takes what it has written since; true when it has ended.
   bool poll();
-  void wait();
+  /// False when `stop` says so before it has ended.
+  bool wait(bool (*stop)());
   void kill();
   /// Seconds since its start.
   double seconds() const;

@@ -67,6 +67,11 @@ class InterruptGuard {
   static bool interrupted();
 };
 
+/// Thrown where what is under way is left for it. The program ends with exit code 130.
+struct Interrupted : std::runtime_error {
+  Interrupted() : std::runtime_error("stopped") {}
+};
+
 /// Processors that this process may use.
 std::vector<int> processors();
 

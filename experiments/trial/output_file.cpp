@@ -14,12 +14,17 @@ namespace {
   throw CannotWrite(path + ": cannot be written: " + std::strerror(errno));
 }
 
+// Where it is written: beside its place, and a device in it.
+std::string writtenAt(const std::string& path) {
+  std::error_code ignored;
+  const bool special = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
+  return special ? path : path + ".partial";
+}
+
 }  // namespace
 
 OutputFile::OutputFile(std::string path) : m_path(std::move(path)) {
-  std::error_code ignored;
-  const bool special = std::filesystem::exists(m_path, ignored) && !std::filesystem::is_regular_file(m_path, ignored);
-  m_written = special ? m_path : m_path + ".partial";
+  m_written = writtenAt(m_path);
   m_stream.open(m_written, std::ios::binary | std::ios::trunc);
   if (!m_stream) fail(m_path);
 }
@@ -30,6 +35,10 @@ OutputFile::~OutputFile() {
 
 void OutputFile::check() {
   if (!m_stream.flush()) fail(m_path);
+}
+
+void OutputFile::discard(const std::string& path) {
+  if (const std::string written = writtenAt(path); written != path) std::remove(written.c_str());
 }
 
 void OutputFile::finish() {

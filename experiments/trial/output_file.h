@@ -29,6 +29,8 @@ class OutputFile {
   /// Throws CannotWrite when something so far could not be written.
   void check();
   void finish();
+  /// Removes what was not finished at `path` by a process that was killed.
+  static void discard(const std::string& path);
 
  private:
   std::string m_path, m_written;  // where it shall be, where it is written

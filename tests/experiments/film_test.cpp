@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A run can be watched: strips, moving pictures and PNG frames of recordings, and two runs beside one another.
+// A run can be watched: strips, moving pictures and PNG frames of recordings. Two runs: film_beside_test.cpp.
 #include <regex>
-#include <set>
 
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
@@ -82,75 +81,6 @@ TEST(Film, MovesOrIsAFolder) {
   EXPECT_EQ(w.lpc("run director_1 --steps 40 --film e.svg").code, 0);
 }
 
-// Two runs are the same until their solvers have told them apart; whoever looks less closely sees it later.
-TEST(Film, TwoRunsFromWhereTheyPart) {
-  Workspace w;
-  const std::string run = "run pyramid --param base=4 --steps 60 --record ";
-  ASSERT_EQ(w.lpc(run + "a.rec").code, 0);
-  ASSERT_EQ(w.lpc(run + "b.rec --pipeline solver=soft_step").code, 0);
-  EXPECT_NE(w.lpc("replay a.rec --beside a.rec").text.find("never part: 61 frames"), std::string::npos);
-  const auto step = [&](const std::string& more) {
-    const Outcome out = w.lpc("replay a.rec --beside b.rec " + more);
-    EXPECT_EQ(out.code, 0) << out.text;
-    std::smatch found;
-    EXPECT_TRUE(std::regex_search(out.text, found, std::regex("part at step ([0-9]+): body [0-9]+ is "))) << out.text;
-    return found.empty() ? -1 : std::stol(found[1]);
-  };
-  EXPECT_EQ(step(""), 1);
-  const long later = step("--tolerance 0.0005 --film both.strip.svg");
-  EXPECT_GT(later, 1);
-  const std::string svg = readFile(w.path("both.strip.svg"));
-  EXPECT_EQ(countOf(svg, ">step " + std::to_string(later - 1) + ", "), 2u) << "it begins before they part";
-}
-
-// The outlines that one half of a picture shows, in pixels from its left end.
-std::multiset<std::string> drawnIn(const std::string& picture, double half, bool right) {
-  std::multiset<std::string> out;
-  const std::regex path("<path d=\"([^\"]*)Z\""), corner("[ML]([-0-9.]+) ([-0-9.]+)");
-  for (std::sregex_iterator p(picture.begin(), picture.end(), path), end; p != end; ++p) {
-    const std::string corners = (*p)[1];
-    std::string text;
-    double least = 1e9, most = -1e9;
-    for (std::sregex_iterator c(corners.begin(), corners.end(), corner); c != end; ++c) {
-      const double x = std::stod((*c)[1]);
-      least = std::min(least, x), most = std::max(most, x);
-      text += std::to_string(std::lround(right ? x - half : x)) + "," +
-              std::to_string(std::lround(std::stod((*c)[2]))) + " ";
-    }
-    if (least == half && most == half) continue;  // what divides them
-    EXPECT_TRUE(most <= half + 0.1 || least >= half - 0.1) << "one half covers the other: " << corners;
-    if (right ? least >= half - 0.1 : most <= half + 0.1) out.insert(text);
-  }
-  return out;
-}
-
-// In the last step before they part both halves show the same, and neither floor, which has no end, hides the other
-// run.
-TEST(Film, BothHalvesAreSeen) {
-  std::vector<std::string> others = {"2 --pipeline solver=soft_step", "3 --pipeline solver=soft_step"};
-  if (std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-engine-worker-f64")) {
-    others.push_back("3 --pipeline engine=bullet");
-  }
-  for (const std::string& other : others) {
-    Workspace w;
-    const std::string run = "run pyramid --param base=3 --steps 30 ", dimension = other.substr(0, 1);
-    ASSERT_EQ(w.lpc(run + "--record a.rec --dimension " + dimension).code, 0);
-    ASSERT_EQ(w.lpc(run + "--record b.rec --dimension " + other).code, 0);
-    ASSERT_EQ(w.lpc("replay a.rec --beside b.rec --film both.strip.svg").code, 0);
-    const std::string svg = readFile(w.path("both.strip.svg")), head = "<svg x=\"";
-    const std::size_t first = svg.find(head);
-    ASSERT_NE(first, svg.npos);
-    const std::string picture = svg.substr(first, svg.find("</svg>", first) - first);
-    std::smatch width;
-    ASSERT_TRUE(std::regex_search(picture, width, std::regex("width=\"([0-9.]+)\"")));
-    const double half = std::stod(width[1]) / 2;
-    EXPECT_GE(half, 320) << "as large as a picture of one run";
-    const auto left = drawnIn(picture, half, false), right = drawnIn(picture, half, true);
-    EXPECT_GT(left.size(), 6u) << other;
-    EXPECT_EQ(left, right) << other;
-  }
-}
-
 TEST(Film, RefusesInOneLineAndLeavesNothing) {
   Workspace w;
   w.write("none.rec", "no recording");
@@ -161,6 +91,8 @@ TEST(Film, RefusesInOneLineAndLeavesNothing) {
       {"run pyramid --film ball.mp4", "valid: NAME.svg"},
       {"run pyramid --film nowhere/ball.svg", "nowhere/ball.svg: cannot be written"},
       {"run pyramid --film full/", "full/: is there and not empty"},
+      {"run pyramid --film nowhere/frames/ --record early.rec", "nowhere/frames/: cannot be written: No such file"},
+      {"run pyramid --film full/of/frames/ --record early.rec", "full/of/frames/: cannot be written: Not a directory"},
       {"replay none.rec --film x.svg", "none.rec: this is not a recording"},
       {"replay absent.rec", "absent.rec: cannot be read"},
   };
@@ -173,6 +105,90 @@ TEST(Film, RefusesInOneLineAndLeavesNothing) {
   ASSERT_EQ(w.lpc("run pyramid --param base=2 --steps 2 --film ok.svg", "TMPDIR=" + w.path("temporary")).code, 0);
   EXPECT_TRUE(std::filesystem::is_empty(w.path("temporary"))) << "the film's recording stayed";
   EXPECT_FALSE(std::filesystem::exists(w.path("x.svg")));
+  EXPECT_FALSE(std::filesystem::exists(w.path("early.rec"))) << "it ran before it was refused";
+  const Outcome homeless = w.lpc("run pyramid --film x.svg", "TMPDIR=/nonexistent");
+  EXPECT_EQ(homeless.code, 2) << homeless.text;
+  EXPECT_TRUE(homeless.text.starts_with("lpc: TMPDIR=/nonexistent: ")) << homeless.text;
+}
+
+// A folder is written under another name first; none that is there is taken for it.
+TEST(Film, LeavesOtherFoldersAlone) {
+  Workspace w;
+  std::filesystem::create_directory(w.path("keep.partial"));
+  w.write("keep.partial/mine", "1");
+  const Outcome out = w.lpc("run pyramid --param base=2 --steps 2 --film keep/");
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_EQ(readFile(w.path("keep.partial/mine")), "1");
+  EXPECT_TRUE(std::filesystem::exists(w.path("keep/00002.png")));
+  const std::filesystem::directory_iterator all(w.path(""));
+  EXPECT_EQ(std::distance(begin(all), end(all)), 2) << "something half-written stayed";
+}
+
+// What a run has found is not lost with its film.
+TEST(Film, IsDrawnAfterTheResultsAreTold) {
+  Workspace w;
+  std::filesystem::create_symlink("/dev/full", w.path("full.svg"));
+  const Outcome out = w.lpc("run pyramid --param base=2 --steps 2 --film full.svg");
+  EXPECT_EQ(out.code, 2) << out.text;
+  EXPECT_NE(out.text.find("\nhash "), std::string::npos) << out.text;
+  EXPECT_NE(out.text.find("\nlpc: full.svg: cannot be written: No space left"), std::string::npos) << out.text;
+}
+
+// A signal at a moment that is known: once `started` is there.
+Outcome stopped(const Workspace& w, const std::string& command, const std::string& started) {
+  return w.shell(
+      "{ TMPDIR=$PWD/temporary " LPC_BINARY_DIR "/bin/lpc " + command + " > out.txt & i=0; while ! ls " + started +
+      " > none.txt 2>&1 && [ $i -lt 600 ]; do sleep 0.1; i=$((i + 1)); done; kill -TERM $!; wait $!; code=$?; " +
+      "cat out.txt; rm -f out.txt none.txt; exit $code; }");
+}
+
+TEST(Film, StoppedLeavesNothing) {
+  Workspace w;
+  std::filesystem::create_directory(w.path("temporary"));
+  const std::string run = "run pyramid --param base=2 --dimension 2 --steps ";
+  Outcome out = stopped(w, run + "100000000 --film x.svg", "temporary/*/*.partial");
+  EXPECT_EQ(out.code, 130) << out.text;
+  EXPECT_TRUE(std::filesystem::is_empty(w.path("temporary"))) << "the film's recording stayed";
+  out = stopped(w, run + "100000000 --record r.rec --profile p.csv", "r.rec.partial");
+  EXPECT_EQ(out.code, 130) << out.text;
+  ASSERT_EQ(w.lpc(run + "3000 --record whole.rec").code, 0);
+  out = stopped(w, "replay whole.rec --film frames/", "frames.partial/00000.png");
+  EXPECT_EQ(out.code, 130) << out.text;
+  std::string left;
+  for (const auto& entry : std::filesystem::directory_iterator(w.path("")))
+    left += entry.path().filename().string() + " ";
+  EXPECT_TRUE(left == "temporary whole.rec " || left == "whole.rec temporary ") << left;
+}
+
+// Of a long run a film shows a part, and says so; what is not written on PNG files is told, too.
+TEST(Film, TellsWhatItLeavesOut) {
+  Workspace w;
+  ASSERT_EQ(w.lpc("run bouncing_ball --steps 700 --record r.rec").code, 0);
+  const std::pair<const char*, const char*> cases[] = {
+      {"x.svg", "film      x.svg: 120 of 701 frames\n"},
+      {"x.strip.svg", "film      x.strip.svg: 8 of 701 frames\n"},
+      {"x/", "film      x/: 600 of 701 frames, without their steps and times\n"},
+  };
+  for (const auto& [name, line] : cases) {
+    const Outcome out = w.lpc(std::string("replay r.rec --film ") + name);
+    EXPECT_TRUE(out.text.ends_with(line)) << out.text;
+  }
+}
+
+// A body that flies as far as a run allows is still a path of whole pairs of numbers.
+TEST(Film, WhatFliesFarIsStillWritten) {
+  Workspace w;
+  w.write("fly.toml",
+          "name = \"fly\"\nsummary = \"s\"\ndimensions = [2, 3]\ndt = 10\nsteps = 20000\ngravity = [0, 0, 0]\n"
+          "[[body]]\nvelocity = [-2.0e8, 1.5e8]\nshapes = [{ kind = \"circle\", radius = 1e-3 }]\n");
+  ASSERT_EQ(w.lpc("run fly.toml --film far.strip.svg").code, 0);
+  const std::string svg = readFile(w.path("far.strip.svg"));
+  const std::regex path("<path d=\"([^\"]*)Z\""), whole("(([ML]-?[0-9]+\\.[0-9] -?[0-9]+\\.[0-9]))+");
+  std::size_t paths = 0;
+  for (std::sregex_iterator p(svg.begin(), svg.end(), path), end; p != end; ++p, ++paths) {
+    EXPECT_TRUE(std::regex_match((*p)[1].str(), whole)) << (*p)[1];
+  }
+  EXPECT_GE(paths, 8u);
 }
 
 }  // namespace
