@@ -55,8 +55,6 @@ INSTEAD = {
     "lpc verify": "lpc verify --stage broadphase",
     "lpc verify --minutes 10": "lpc verify --minutes 0.02 --stage broadphase",
     "lpc verify --minutes 10 --precision f64,f32": "lpc verify --minutes 0.02 --precision f64,f32 --stage broadphase",
-    "lpc verify --cases tests/regressions/hard_cases.json":
-        "lpc verify --cases tests/regressions/hard_cases.json --role competitor --methods sat",
     "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*'":
         "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*' --gtest_list_tests | grep libccd_gjk",
 }

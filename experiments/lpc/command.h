@@ -30,6 +30,9 @@ class Option {
   Option& valueOptional();
   Option& range(long lo, long hi);
   Option& range(double lo, double hi);
+  /// Stands only beside, or never beside, the other: what an option would not do is not given in vain.
+  Option& with(const Option& other);
+  Option& without(const Option& other);
   /// Once the command line is known.
   bool given() const;
 
@@ -45,7 +48,7 @@ class CommandLine {
   /// listed in main.cpp.
   template <class T>
   Option option(const char* name, T& value, const char* meaning);
-  void flag(const char* name, bool& value, const char* meaning);
+  Option flag(const char* name, bool& value, const char* meaning);
   void footer(const char* text);
   /// Run when this subcommand was given.
   void callback(std::function<void()> body);

@@ -298,11 +298,14 @@ void addList(CommandLine& app, Session&) {
   CommandLine command = app.subcommand(
       "list", "Names of all algorithms, kinds of shape, metrics, scenes and sweeps; on request all about them");
   auto o = std::make_shared<Options>();
-  command.option("--stage", o->stage, "the algorithms of one stage, with parameters, ranges and meanings");
-  command.option("--name", o->name, "whatever has this name: an algorithm, a scene, a metric, ...");
-  command.flag("--all", o->all, "everything about everything");
-  command.flag("--json", o->asJson, "everything, or what was asked for, for programs");
-  command.option("--into", o->page, "writes the algorithms' names into this page, such as docs/architecture.md");
+  const Option stage =
+      command.option("--stage", o->stage, "the algorithms of one stage, with parameters, ranges and meanings");
+  const Option name = command.option("--name", o->name, "whatever has this name: an algorithm, a scene, a metric, ...");
+  const Option all = command.flag("--all", o->all, "everything about everything");
+  const Option asJson = command.flag("--json", o->asJson, "everything, or what was asked for, for programs");
+  Option into = command.option("--into", o->page,
+                               "writes the names of all algorithms into this page, such as docs/architecture.md");
+  for (const Option& other : {stage, name, all, asJson}) into.without(other);
   command.footer(
       "Example: lpc list --stage velocity\n"
       "         lpc list --name pyramid\n"

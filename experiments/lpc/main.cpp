@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "experiments/lpc/command.h"
@@ -22,6 +23,19 @@ namespace {
 std::map<std::string, AddCommand>& commands() {
   static std::map<std::string, AddCommand> all;
   return all;
+}
+
+// As CLI::Range, which lets pass what is not a number.
+template <class T>
+CLI::Validator within(T lo, T hi) {
+  std::ostringstream range;
+  range << lo << " to " << hi;
+  const auto check = [lo, hi, valid = range.str()](std::string& text) {
+    T value{};
+    const bool fits = CLI::detail::lexical_cast(text, value) && lo <= value && value <= hi;
+    return fits ? std::string() : "'" + text + "' is not in range; valid: " + valid;
+  };
+  return CLI::Validator(check, "in [" + range.str() + "]");
 }
 
 int run(int argc, char** argv) {
@@ -101,11 +115,19 @@ Option& Option::valueOptional() {
   return *this;
 }
 Option& Option::range(long lo, long hi) {
-  m_option->check(CLI::Range(lo, hi));
+  m_option->check(within<long>(lo, hi));
   return *this;
 }
 Option& Option::range(double lo, double hi) {
-  m_option->check(CLI::Range(lo, hi));
+  m_option->check(within<double>(lo, hi));
+  return *this;
+}
+Option& Option::with(const Option& other) {
+  m_option->needs(other.m_option);
+  return *this;
+}
+Option& Option::without(const Option& other) {
+  m_option->excludes(other.m_option);
   return *this;
 }
 bool Option::given() const { return m_option->count() > 0; }
@@ -117,7 +139,9 @@ template <class T>
 Option CommandLine::option(const char* name, T& value, const char* meaning) {
   return Option(m_app->add_option(name, value, meaning));
 }
-void CommandLine::flag(const char* name, bool& value, const char* meaning) { m_app->add_flag(name, value, meaning); }
+Option CommandLine::flag(const char* name, bool& value, const char* meaning) {
+  return Option(m_app->add_flag(name, value, meaning));
+}
 void CommandLine::footer(const char* text) { m_app->footer(text); }
 void CommandLine::callback(std::function<void()> body) { m_app->callback(std::move(body)); }
 

@@ -123,7 +123,7 @@ void addNeeds(CommandLine& app, Session& session) {
       .option("--perturb", q.perturbation,
               "how far from its place a seed starts a body (m and rad). Larger values show more of what a scene may do")
       .showDefault()
-      .range(0.0, 1e9);
+      .range(0.0, kMostPerturbed);
   command.option("--dimension", q.dimension, "2 or 3; default: the scene's first");
   command.option("--pipeline", q.pipeline, "algorithms, such as \"solver=soft_step{substeps=4}\"");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");

@@ -32,14 +32,16 @@ void addReplay(CommandLine& app, Session&) {
   command.option("recording", o->recording, "what lpc run --record wrote").required();
   command.option("--film", o->film,
                  "NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, a folder of PNG files");
-  command.option("--beside", o->beside, "another recording, of the same scene").file();
+  Option beside = command.option("--beside", o->beside, "another recording, of the same scene");
+  beside.file();
   command
       .option(
           "--tolerance", o->tolerance,
           "with --beside: how far bodies are from their twins where runs part (m and rad). Larger values find the step "
           "in which it is seen")
       .showDefault()
-      .range(0.0, 1e9);
+      .range(0.0, 1e9)
+      .with(beside);
   command.footer(
       "Example: lpc replay pyramid.rec --film pyramid.svg\n"
       "         lpc replay catto.rec --beside soft_step.rec --tolerance 0.01 --film both.strip.svg");

@@ -177,7 +177,7 @@ void addRun(CommandLine& app, Session& session) {
   Option plot = command.option("--plot", o->plot,
                                "draws this series over the steps, or all of them in a line each when none is named");
   plot.valueOptional();
-  command.flag("--json", o->asJson, "the whole result as JSON, with a series per step");
+  plot.without(command.flag("--json", o->asJson, "the whole result as JSON, with a series per step"));
   command.footer(
       "Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv\n"
       "         lpc run bouncing_ball --plot kinetic\n"

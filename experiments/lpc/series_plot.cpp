@@ -24,13 +24,13 @@ Range rangeOf(const std::vector<double>& values) {
   return r;
 }
 
-// The largest of each of at most `width` equal parts: a peak of one step is not lost.
-std::vector<double> peaks(const std::vector<double>& series, std::size_t width) {
-  std::vector<double> out(std::min(width, series.size()), kNan);
-  for (std::size_t i = 0; i < series.size(); ++i) {
-    double& peak = out[i * out.size() / series.size()];
-    if (std::isfinite(series[i])) peak = std::fmax(peak, series[i]);
-  }
+// Of each of at most `width` equal parts: a peak of one step is not lost, nor a dip.
+std::vector<Range> partsOf(const std::vector<double>& series, std::size_t width) {
+  const std::size_t count = std::min(width, series.size());
+  std::vector<std::vector<double>> parts(count);
+  for (std::size_t i = 0; i < series.size(); ++i) parts[i * count / series.size()].push_back(series[i]);
+  std::vector<Range> out;
+  for (const std::vector<double>& part : parts) out.push_back(rangeOf(part));
   return out;
 }
 
@@ -40,23 +40,26 @@ std::string numberText(double value) {
   return text;
 }
 
-std::string withUnit(const std::string& unit) { return unit == "1" ? "" : " " + unit; }
+std::string withUnit(const std::string& unit) { return unit.empty() ? "" : " " + unit; }
 
 }  // namespace
 
 std::vector<std::string> barRows(const std::vector<double>& series, std::size_t width, std::size_t height) {
   static constexpr std::array<const char*, 9> kEighths = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-  const std::vector<double> columns = peaks(series, width);
-  const Range range = rangeOf(columns);
+  const Range range = rangeOf(series);
   const double low = std::fmin(0, range.lo), span = range.hi - low;
-  std::vector<std::string> rows(height);
-  for (const double value : columns) {
-    // At least one eighth, so that what is there is seen to be there.
+  // At least one eighth, so that what is there is seen to be there.
+  const auto eighthsOf = [&](double value) {
     const double full = 8 * static_cast<double>(height);
-    const long eighths = std::isnan(value) ? 0 : span > 0 ? std::max(1L, std::lround((value - low) / span * full)) : 1;
+    return std::isnan(value) ? 0 : span > 0 ? std::max(1L, std::lround((value - low) / span * full)) : 1;
+  };
+  std::vector<std::string> rows(height);
+  for (const Range& part : partsOf(series, width)) {
+    const long top = eighthsOf(part.hi), least = eighthsOf(part.lo);
     for (std::size_t row = 0; row < height; ++row) {
       const long below = 8 * static_cast<long>(height - 1 - row);
-      rows[row] += kEighths[static_cast<std::size_t>(std::clamp(eighths - below, 0L, 8L))];
+      const auto filled = static_cast<std::size_t>(std::clamp(top - below, 0L, 8L));
+      rows[row] += filled == 8 && below >= least ? "░" : kEighths[filled];
     }
   }
   return rows;

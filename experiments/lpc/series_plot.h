@@ -9,9 +9,9 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// The series in at most `width` columns, each the largest of its steps in eighths of the height from `low` (the
-/// smaller of 0 and the least value) to the largest value; a blank where there is none. One string per row, from the
-/// top.
+/// The series in at most `width` columns, each as high as the largest of its steps, in eighths of a row from the
+/// smaller of 0 and the least value of all to the largest of all; light above the least of its steps; a blank where it
+/// has none. One string per row, from the top.
 std::vector<std::string> barRows(const std::vector<double>& series, std::size_t width, std::size_t height);
 
 /// One row, and beside it from where to where it goes.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <sstream>
 
@@ -69,7 +70,6 @@ void verify(Arguments& a, Session& session) {
     session.exitCode = verifyCaseFile(a);
     return;
   }
-  if (!a.csv.empty()) throw UserError("--csv is the table of --cases FILE, which is not given");
   readChoices(a);
   a.options.plugins = session.plugins;
   checkVerification(a.options);  // before a store is made
@@ -93,24 +93,29 @@ void addVerify(CommandLine& app, Session& session) {
       "verify", "Pair queries, contacts and broadphases on seeded inputs (or a file of cases) before the referee");
   auto a = std::make_shared<Arguments>();
   VerificationOptions& o = a->options;
-  command.option("--pairs", o.pairs, "pairs per two kinds of shape and sets of boxes, in blocks of 200")
+  std::vector<Option> ofSeeded;
+  const auto seeded = [&](const char* name, auto& value, const char* meaning) -> Option& {
+    return ofSeeded.emplace_back(command.option(name, value, meaning));
+  };
+  seeded("--pairs", o.pairs, "pairs per two kinds of shape and sets of boxes, in blocks of 200")
       .showDefault()
       .range(1L, 1000000000L);
-  command.option("--minutes", o.minutes, "goes on with further blocks until then").range(0.01, 1e5);
-  command.option("--seed", o.seed, "of the inputs").showDefault();
-  command.option("--stage", a->stages, "pair_query, contacts, broadphase; default: all").commaSeparated();
-  command.option("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
-  command.option("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
-  command.option("--role", a->role, "competitor, witness or all (default)");
-  command.option(
-      "--methods", o.methods,
-      "methods with parameters, separated by spaces; default: all, witnesses also at their tightest tolerance");
+  seeded("--minutes", o.minutes, "goes on with further blocks until then").range(0.01, 1e5);
+  seeded("--seed", o.seed, "of the inputs").showDefault().range(0L, std::numeric_limits<long>::max());
+  seeded("--stage", a->stages, "pair_query, contacts, broadphase; default: all").commaSeparated();
+  seeded("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
+  seeded("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
+  seeded("--role", a->role, "competitor, witness or all (default)");
+  seeded("--methods", o.methods,
+         "methods with parameters, separated by spaces; default: all, witnesses also at their tightest tolerance");
   Option store = command.option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
   store.showDefault();
-  command.option("--jobs", o.jobs, "workers at once; default: one per core");
+  seeded("--jobs", o.jobs, "workers at once; default: one per core").range(1L, 4096L);
   command.flag("--quiet", o.quiet, "no progress line");
-  command.option("--cases", a->cases, "a file of cases instead of seeded inputs").file();
-  command.option("--csv", a->csv, "with --cases: the table as a file").file();
+  Option cases = command.option("--cases", a->cases, "a file of cases instead of seeded inputs");
+  cases.file();
+  for (const Option& option : ofSeeded) cases.without(option);
+  command.option("--csv", a->csv, "with --cases: the table as a file").file().with(cases);
   command.footer(
       "Exit code 1 when one of our own methods is wrong; witnesses are only recorded.\n"
       "Examples:\n"

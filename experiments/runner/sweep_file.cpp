@@ -82,6 +82,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       top.fail(*top.find(key),
                "no axis has the value '" + value + "'" + validNames({m_named.begin(), m_named.end()}, value));
     }
+    if (!m_timed && !m_twice.empty()) top.fail(*top.find("twice"), "'twice' without times; valid: timed = true");
     m_out.notes = m_seeds.notes();
     refuseWhatIsThere(settings.axes);
     if (m_out.trials.empty() && m_out.calibrated.empty() && m_only.empty())
@@ -247,7 +248,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (s.untimed) {
       for (long r = 0; r < (s.timed ? 1 : s.repeats); ++r) add(false, r);
     }
-    if (s.timed) {
+    if (m_timed = m_timed || s.timed; s.timed) {
       const bool twice = std::find(axes.begin(), axes.end(), json(m_twice)) != axes.end();
       for (long r = 0; r < (twice ? 2 : 1) * s.repeats; ++r) add(true, r);
     }
@@ -411,6 +412,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::optional<Calibration> m_calibration;
   std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
   std::string m_twice;                    // a value of an axis: its cells are timed as if they were two
+  bool m_timed = false;                   // something is
   IdleSeeds m_seeds;
   PlannedSweep m_out;
 };

@@ -37,6 +37,8 @@ inline constexpr const char* kJointParameter = "joint";
 
 /// A parameter of every scene: how far bodies start from where the file puts them (m and rad), by the seed.
 inline constexpr const char* kPerturbParameter = "perturb";
+/// m and rad: the most it may be. Such a start is still that of the same scene: less than the size of its bodies.
+inline constexpr double kMostPerturbed = 0.1;
 
 struct SceneParameter {
   std::string name, meaning;

@@ -20,9 +20,8 @@ void from_json(const nlohmann::json& in, ParameterValue& value) {
 }
 
 std::vector<SceneParameter> readParameters(TableReader& top) {
-  // The range is that of a start which is still the same scene: less than the size of its bodies.
   const SceneParameter everyScenes{kPerturbParameter, "how far bodies start from their places, by the seed (m and rad)",
-                                   0.0, 0, 0.1};
+                                   0.0, 0, kMostPerturbed};
   const toml::table* parameters = top.table("parameters");
   if (!parameters) return {everyScenes};
   std::vector<SceneParameter> out;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The `lpc` program as a user meets it.
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "experiments/parse/toml_reader.h"
 #include "framework/plugin.h"
@@ -93,6 +94,30 @@ TEST(CommandLine, runTellsUnitsByKind) {
   EXPECT_EQ(one.text.find("\nkinetic "), std::string::npos) << one.text;
 }
 
+// A spring that swings from side to side within a step: ends of the axis are those of the series, and nothing of a
+// column is lost, neither a peak nor a dip.
+TEST(CommandLine, plotsPeaksAndDips) {
+  Workspace w;
+  w.write("swing.toml",
+          "name = \"swing\"\nsummary = \"s\"\ndimensions = [2]\ndt = 0.01\nsteps = 900\ngravity = [0, 0, 0]\n"
+          "[[body]]\nname = \"a\"\nposition = [0, 1]\nshapes = [{ kind = \"box\", half = [0.5, 0.5] }]\n"
+          "[[spring]]\na = \"world\"\nb = \"a\"\nstiffness = 39000\n");
+  const Outcome out = w.lpc("run swing.toml --plot height");
+  ASSERT_EQ(out.code, 0) << out.text;
+  const std::size_t from = out.text.find("\nheight m\n");
+  ASSERT_NE(from, out.text.npos) << out.text;
+  std::istringstream plot(out.text.substr(from + 1));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(plot, line);) lines.push_back(line);
+  ASSERT_GE(lines.size(), 13u);
+  const double top = std::stod(lines[1]), bottom = std::stod(lines[12]);
+  EXPECT_GT(top, 0.9);
+  EXPECT_LT(bottom, -0.9) << out.text;
+  EXPECT_NE(lines[6].find("░"), std::string::npos) << "some steps of a column are lower: " << out.text;
+  EXPECT_NE(lines[12].find("█"), std::string::npos) << out.text;
+  EXPECT_NE(w.lpc("run swing.toml --plot bodies").text.find("\nbodies\n"), std::string::npos) << "no blank for no unit";
+}
+
 // The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
 TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
   Workspace w;
@@ -136,6 +161,12 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"verify --methods gjk_epa{iterations=many}", {"iterations", "many"}},
       {"verify --dimension 2 --stage contacts --role witness", {"no method of that role"}},
       {"verify --cases nowhere.json", {"nowhere.json"}},
+      {"verify --csv x.csv", {"--csv requires --cases"}},
+      {"verify --cases nowhere.json --pairs 5", {"--cases", "excludes", "--pairs"}},
+      {"list --into nowhere.md --stage velocity", {"--into", "excludes", "--stage"}},
+      {"list --into nowhere.md --name catto", {"--into", "excludes", "--name"}},
+      {"run pyramid --json --plot height", {"--json", "excludes", "--plot"}},
+      {"replay nowhere.rec --tolerance 1", {"--tolerance requires --beside"}},
   };
   for (const auto& [arguments, parts] : cases) {
     const Outcome out = w.lpc(arguments);
@@ -143,6 +174,42 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
     EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << arguments << "\n" << out.text;
     for (const char* part : parts) EXPECT_NE(out.text.find(part), std::string::npos) << arguments << "\n" << out.text;
   }
+}
+
+// Every option that takes a number, as the help has them, refuses what is none.
+TEST(CommandLine, numbersAreNumbers) {
+  Workspace w;
+  ASSERT_EQ(w.lpc("run pyramid --param base=2 --steps 1 --record a.rec").code, 0);
+  const std::pair<const char*, const char*> commands[] = {{"run", "pyramid"},
+                                                          {"replay", "a.rec --beside a.rec"},
+                                                          {"needs", "slope --store n.db"},
+                                                          {"sweep", "broadphase_crossover --store s.db --dry-run"},
+                                                          {"verify", "--store v.db"}};
+  const std::regex number("\n +(?:-[a-z],)?(--[a-z]+) (?:INT|UINT|FLOAT)");
+  std::size_t tried = 0;
+  const auto refused = [&](const std::string& arguments, const std::string& option, const std::string& given) {
+    const Outcome out = w.lpc(arguments + " " + option + " " + given);
+    EXPECT_EQ(out.code, 2) << arguments << " " << option << " " << given << "\n" << out.text;
+    EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+    ++tried;
+  };
+  for (const auto& [command, rest] : commands) {
+    const std::string help = w.lpc(std::string(command) + " --help").text, run = std::string(command) + " " + rest;
+    std::size_t options = 0;
+    for (std::sregex_iterator o(help.begin(), help.end(), number), end; o != end; ++o, ++options) {
+      for (const char* given : {"nan", "inf", "-1"}) refused(run, (*o)[1], given);
+    }
+    EXPECT_GT(options, 0u) << help;
+  }
+  for (const char* given : {"nan", "inf"}) {
+    refused("run pyramid", "--param", std::string("base=") + given);
+    refused("needs pyramid --store n.db", "--param", std::string("base=") + given);
+    refused("sweep broadphase_crossover --store s.db", "--set", std::string("n=") + given);
+  }
+  EXPECT_GE(tried, 45u);
+  refused("needs slope --store n.db", "--perturb", "0.2");  // as the scene's parameter
+  const std::filesystem::directory_iterator all(w.path(""));
+  EXPECT_EQ(std::distance(begin(all), end(all)), 1) << "something was made";
 }
 
 TEST(CommandLine, listsEverything) {

@@ -51,6 +51,11 @@ TEST(Repeats, areInterleavedAndOneMethodIsTimedTwice) {
   w.write("t.toml", "twice = \"nobody\"\n" + text.substr(0, text.find("twice")) + text.substr(text.find("[axes]")));
   EXPECT_NE(w.lpc("sweep ./t.toml --dry-run").text.find("no axis has the value 'nobody'; valid: naive, region_tree"),
             std::string::npos);
+  w.write("t.toml", "summary = \"s\"\nkind = \"boxes\"\n" + text.substr(text.find("twice")));
+  const test::Outcome untimed = w.lpc("sweep ./t.toml --dry-run");
+  EXPECT_EQ(untimed.code, 2) << untimed.text;
+  EXPECT_NE(untimed.text.find("t.toml:3: 'twice' without times; valid: timed = true"), std::string::npos)
+      << untimed.text;
 }
 
 TEST(Repeats, afterTheFirstTellTimesAlone) {
