@@ -178,7 +178,8 @@ class Findings(unittest.TestCase):
             return into
         found = self.made(residual, fill(1))[0]
         self.assertEqual(found.finding, "In 2D on stack the residual of soft_step falls most of 3 methods from 10 to 30 "
-                         "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only iterations=10 was run.")
+                         "iterations, from 0.0004 to 0.0001; that of 1 of 3 methods does not fall; on pyramid only "
+                         "iterations=10 was run.")
         self.assertIsNone(self.made(residual, fill(0))[0].figure, "no contacts, no residual, no chart")
 
     @staticmethod
