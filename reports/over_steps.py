@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 
 from chart import describe, listing
 from load import split, varying
-from style import HALO, grid_of_axes, legend_right, legend_room, letter
+from style import HALO, fallen, grid_of_axes, legend_right, legend_room
 
 COLUMNS = 3  # scenes side by side
 STRETCHES = 150
@@ -65,8 +65,9 @@ def legend(context, figure, cells, width):
 
 
 def lines(context, ax, cells, values_of, place):
-    """One line per method: `values_of(cell)` has a value per step, `place` puts a value on the axis."""
-    looks = context.looks(cells)
+    """One line per method: `values_of(cell)` has a value per step, `place` puts a value on the axis. The letters of failed runs
+    are the last that the panel gets."""
+    looks, spots = context.looks(cells), []
     for order, (_, cell) in enumerate(cells.drop_duplicates("method").sort_values("method").iterrows()):
         values = None if cell["key"] is None else values_of(cell)
         if values is None or not np.isfinite(values).any():
@@ -78,6 +79,6 @@ def lines(context, ax, cells, values_of, place):
                 markevery=(order * every // max(1, cells["method"].nunique()), every))
         if cell["outcome"] != "ok":
             last = [v for v in shown if math.isfinite(v)][-1]
-            ax.plot([len(values)], [place(last)], marker=letter(cell["outcome"]), ms=8, ls="none", color=look["color"],
-                    clip_on=False, path_effects=HALO, zorder=4)
+            spots.append((len(values), place(last), cell["outcome"], look["color"]))
+    fallen(ax, spots, clip_on=False, path_effects=HALO)
     ax.set_xlabel("step")

@@ -86,10 +86,9 @@ def _chart(context, cells, shown, left_out, setting):
     figure, axes, width = over_steps.grid(context, cells, 1, len(shown))
     for column, (where, part) in enumerate(shown):
         ax = axes[0][column]
-        over_steps.lines(context, ax, part, lambda cell: over_start(context, cell), lambda v: min(1.1, max(-1.1, v)))
         ax.axhline(0, color="#999999", lw=0.8, ls=(0, (4, 3)), zorder=0.5)
-        low, high = ax.get_ylim()
-        ax.set_ylim(min(low, -0.02), max(high, 0.02))
+        ax.update_datalim([(0, -0.02), (0, 0.02)])  # what is next to nothing does not fill the panel
+        over_steps.lines(context, ax, part, lambda cell: over_start(context, cell), lambda v: min(1.1, max(-1.1, v)))
         ax.set_title(f"{where}, {dimension}D")
     axes[0][0].set_ylabel("energy above the start")
     over_steps.legend(context, figure, cells, width)

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the charts over the steps of a run (energy, residual, steadiness). Run by ctest, or
+python3 reports/tests/over_steps_test.py."""
+
+import sys
+import tempfile
+import unittest
+import unittest.mock
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import over_steps  # noqa: E402
+import overlap  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+from charts import energy, residual, steadiness  # noqa: E402
+
+
+def letters_one_by_one(ax, spots, **kwargs):
+    """Planted bug: what fails at one place lies on one another."""
+    for x, y, outcome, colour in spots:
+        ax.plot([x], [y], marker=style.letter(outcome), ls="none", color=colour)
+
+
+class OverSteps(unittest.TestCase):
+    def made(self, module, fill):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(style.plt.close, "all")
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        fill(maker)
+        maker.close()
+        return chart.made(module, chart.Context(load.Store(Path(folder.name) / "store.db")))
+
+    @staticmethod
+    def two_that_fail_alike(maker):
+        maker.sweep("mine", "world", resolver="label", iterations="setting")
+        for iterations in (4, 10, 30):
+            for label, failed in (("catto", ()), ("naive", ("exploded", "far", 60)), ("soft_step", ("exploded", "far", 60))):
+                axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
+                maker.world("mine", axes, 1.0, 1e-3, *failed)
+
+    def test_runs_that_fail_at_one_place_are_one_letter_with_their_number(self):
+        for module in (energy, residual, steadiness):
+            figure = self.made(module, self.two_that_fail_alike)[0].figure
+            self.assertEqual(overlap.overlaps(figure), ([], []), module.__name__)
+        figure = self.made(energy, self.two_that_fail_alike)[0].figure
+        self.assertIn("E×2", [text.get_text() for ax in figure.axes for text in ax.texts])
+        with unittest.mock.patch.object(over_steps, "fallen", letters_one_by_one):
+            figure = self.made(energy, self.two_that_fail_alike)[0].figure
+        self.assertNotEqual(overlap.overlaps(figure)[0], [], "the planted bug was not seen")
+
+
+if __name__ == "__main__":
+    unittest.main()
