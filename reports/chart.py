@@ -65,6 +65,7 @@ class Needs:
     methods: tuple = (1, math.inf)  # how many compete
     metrics: tuple = ()  # that a finished cell holds; where none is finished, the plan decides
     series: tuple = ()  # that the chart reads
+    also: str = ""  # what its of_sweep asks besides, in words
     calibrated: Optional[bool] = False  # by the runner, to budgets, which are then the sweep's one question; None: both are drawn
 
 
@@ -82,7 +83,7 @@ def made(module, context):
         context.check(module)
         found = [chart for sweep in context.store.sweeps() if context.has(sweep, module.NEEDS, name_of(module))
                  for chart in module.of_sweep(context, context.cells(sweep, module.NEEDS.metrics))]
-        found += [_asked_for(module, sweep) for sweep in context.store.sweeps()
+        found += [_asked_for(module, sweep, context) for sweep in context.store.sweeps()
                   if name_of(module) in context.store.sweep(sweep).report and sweep not in {c.sweep for c in found}]
     return found or [module.ABSENT]
 
@@ -92,11 +93,13 @@ def name_of(module):
     return Path(module.__file__).stem
 
 
-def _asked_for(module, sweep):
-    """What stands for a chart that a sweep names and has not the data for."""
-    absent = module.ABSENT
+def _asked_for(module, sweep, context):
+    """What stands for a chart that a sweep names and has not the data for: what it has, it is not told that it lacks."""
+    absent, needs = module.ABSENT, module.NEEDS
+    has = context.has(sweep, needs, name_of(module))
+    wanted = (needs.also or "a cell that it can draw") if has else described(needs)
     return Chart(identifier(f"{sweep} {absent.id}"), module.SECTION, f"{absent.title}: {sweep}",
-                 f"{sweep} asks for this chart and has not what it needs: {described(module.NEEDS)}.", sweep)
+                 f"{sweep} asks for this chart and has not what it needs: {wanted}.", sweep)
 
 
 def described(needs):
@@ -104,6 +107,7 @@ def described(needs):
     parts += ["calibrated methods"] if needs.calibrated else []
     if needs.metrics:
         parts.append(f"{listing(needs.metrics)} in a finished cell")
+    parts += [needs.also] if needs.also else []
     return listing(parts)
 
 

@@ -14,6 +14,7 @@ COLUMNS = 3  # scenes side by side
 STRETCHES = 150
 MARKS = 4  # on a line
 LADDER = 4  # so many values of a parameter are a question of when a method falls, which has a chart of its own
+ONE_COURSE = f"one seed and fewer than {LADDER} values of each parameter"  # what it takes, where not `elsewhere`
 
 
 def elsewhere(context, cells):

@@ -19,7 +19,8 @@ from table import quantity
 PLACE = 21
 SECTION = "Which method is right within a budget?"
 TIME = "ms_per_step_median"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(TIME,))
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(TIME,),
+              also="several values of a setting at several costs")
 ABSENT = Chart("budgets", SECTION, "Error within a budget",
                "No timed sweep of several methods at several costs is in this store.", "resolvers")
 BUDGETS = 4  # that the finding names, evenly on a log axis from where two methods have finished to the dearest

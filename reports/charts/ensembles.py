@@ -17,7 +17,7 @@ from table import quantity
 
 PLACE = 25
 SECTION = "Which ranks hold when a scene starts a little elsewhere?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"))
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="several seeds")
 ABSENT = Chart("ensembles", SECTION, "Ensembles", "No sweep over seeds is in this store.", "ensembles")
 ERRORS = 2  # panels
 
@@ -32,18 +32,17 @@ def of_sweep(context, cells):
 
 
 def ranks(part, error, zero):
-    """(the best by the median, whom it does not beat under every seed, who never finished) among the cells of one ensemble."""
+    """(the best by the median, whom it does not beat under every seed) among the cells of one ensemble."""
     known = part[np.isfinite([np.median(noise.of_seeds(cell, error)) for _, cell in part.iterrows()])]
-    never = sorted(set(part["method"]) - set(known["method"]))
     if not len(known):
-        return None, [], never
+        return None, []
     values = [np.array([v if v > zero else 0.0 for v in noise.of_seeds(cell, error)]) for _, cell in known.iterrows()]
     # Where most seeds end alike medians are equal: then whoever errs less than the others under more seeds stands first.
     wins = [sum(int(np.sum(mine < other)) - int(np.sum(mine > other)) for other in values if len(other) == len(mine))
             for mine in values]
     order = sorted(range(len(known)), key=lambda i: (float(np.median(values[i])), -wins[i]))
     best = known.iloc[order[0]]
-    return best, [known.iloc[i]["method"] for i in order if not noise.beats(best, known.iloc[i], error, zero)], never
+    return best, [known.iloc[i]["method"] for i in order if not noise.beats(best, known.iloc[i], error, zero)]
 
 
 def against(best, other, error, zero):
@@ -57,7 +56,7 @@ def against(best, other, error, zero):
 
 def winners(part, error, zero):
     """The methods that err least under every seed, all as much; none where a rank turns round or some seeds tell two apart."""
-    best, equals, _ = ranks(part, error, zero)
+    best, equals = ranks(part, error, zero)
     if best is None:
         return []
     rows = {cell["method"]: cell for _, cell in part.iterrows()}
@@ -97,7 +96,7 @@ def finding(context, where, groups, error, everyone):
     said = []
     for place, part in groups:
         seeds = max(map(len, part["seeds"]))
-        best, equals, never = ranks(part, error, zero)
+        best, equals = ranks(part, error, zero)
         if best is None:
             said.append(f"{place}: every method fails under half of the {seeds} seeds or more")
             continue

@@ -14,7 +14,8 @@ from style import OUTCOMES, WIDTH, plt, si
 
 PLACE = 45
 SECTION = "When does each method fall?"
-NEEDS = Needs("world", series=("kinetic", "potential", "max_penetration"), calibrated=None)
+NEEDS = Needs("world", series=("kinetic", "potential", "max_penetration"), calibrated=None,
+              also="a run that fell")
 FALLEN = {"collapsed": "a body is farther from where it came than the scene allows",
           "exploded": "a body is faster than the scene allows, or than light",
           "diverged": "a number is not finite, or the energy is over what the scene allows"}

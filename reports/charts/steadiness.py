@@ -16,7 +16,7 @@ from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_
 PLACE = 30
 SECTION = "How restless is a scene that should be at rest?"
 NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("drift_limit", "jitter"),
-              series=("max_speed", "points"))
+              series=("max_speed", "points"), also=f"{over_steps.ONE_COURSE}, on a scene that says how far its bodies may drift")
 ABSENT = Chart("steadiness", SECTION, "The fastest body and the contacts over time",
                "No sweep of several methods on a scene that should be at rest is in this store.", "resolvers")
 PANELS = 3  # side by side

@@ -17,7 +17,7 @@ import over_steps  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
-from charts import energy, residual, steadiness  # noqa: E402
+from charts import broadphase, energy, ensembles, residual, steadiness  # noqa: E402
 
 
 def letters_one_by_one(ax, spots, **kwargs):
@@ -53,6 +53,24 @@ class OverSteps(unittest.TestCase):
         with unittest.mock.patch.object(over_steps, "fallen", letters_one_by_one):
             figure = self.made(energy, self.two_that_fail_alike)[0].figure
         self.assertNotEqual(overlap.overlaps(figure)[0], [], "the planted bug was not seen")
+
+    def test_a_chart_that_is_asked_for_says_what_is_missing_and_not_what_is_there(self):
+        def fill(maker):
+            maker.sweep("mine", "world", resolver="label", iterations="setting",
+                        report=["steadiness", "residual", "energy", "ensembles", "broadphase"])
+            for seed in (1, 2):
+                for label in ("catto", "naive"):
+                    for iterations in (4, 10):
+                        axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations, "seed": seed}
+                        maker.world("mine", axes, 1.0, 1e-3)
+        asks = "mine asks for this chart and has not what it needs: one seed"
+        for module in (steadiness, residual, energy):
+            found = self.made(module, fill)
+            self.assertEqual([c.figure for c in found], [None])
+            self.assertTrue(found[0].finding.startswith(asks), found[0].finding)
+            self.assertNotIn("trials of kind world", found[0].finding, "it has these")
+        self.assertIn("trials of kind boxes", self.made(broadphase, fill)[0].finding)
+        self.assertIsNotNone(self.made(ensembles, fill)[0].figure)
 
 
 if __name__ == "__main__":
