@@ -283,8 +283,6 @@ class Store:
                 values = over_seeds(repeats, bad)
                 cell[_free(name, axes)] = float(np.median(values)) if values else np.nan
                 cell[_free(name, axes) + " runs"] = values
-                if values and name.endswith("_median"):
-                    cell[name[:-6] + "lo"], cell[name[:-6] + "hi"] = min(values), max(values)
         return cell
 
     def _facts(self, cell, axes, trials, seed_of):
@@ -405,6 +403,6 @@ def one_machine(store, cells):
                for row in cells[other].itertuples()]
     cells = cells.copy()
     for name in cells.columns:
-        if store.is_time(re.sub("_(lo|hi)$", "_median", name.removesuffix(" runs").removesuffix(" seeds"))):
+        if store.is_time(name.removesuffix(" runs").removesuffix(" seeds")):
             cells.loc[other, name] = np.nan
     return cells, sorted(set(refused)) + said

@@ -23,7 +23,7 @@ def of_store(context):
     found = [agreements(context.store, context.cells(sweep)) for sweep in context.store.sweeps()
              if context.store.sweep(sweep).kind == "world"]
     found = [table for table in found if len(table)]
-    return [_chart(context, pd.concat(found, ignore_index=True))] if found else []
+    return [_chart(pd.concat(found, ignore_index=True))] if found else []
 
 
 def agreements(store, cells):
@@ -73,7 +73,7 @@ def finding(table):
     return text + (f"; no two methods of {listing(different)} agree in most of their runs." if different else ".")
 
 
-def _chart(context, table):
+def _chart(table):
     table = table.assign(share=table["equal"] / table["cells"])
     shown = table[table["equal"] > 0].sort_values("share", ascending=False, kind="stable").head(SHOWN)
     figure = None

@@ -103,8 +103,7 @@ def _chart(context, stage, table, machines):
                            hspace=(head + foot) / (len(names) * row))
     best = values.min(axis=0)
     for panel in range(panels):
-        _panel(context, axes[panel][0], values, best, errors, table, cases[panel * columns:(panel + 1) * columns],
-               columns)
+        _panel(context, axes[panel][0], values, best, errors, cases[panel * columns:(panel + 1) * columns], columns)
     shown = values.add_suffix(" [s]").rename_axis("algorithm").reset_index()
     return Chart("micro_" + stage.replace(" ", "_").lower(), SECTION, f"Micro-benchmark: {stage}", finding(stage, values),
                  "", figure, shown, [f"{name} on {case}: {error}" for (name, case), error in errors.items()],
@@ -112,7 +111,7 @@ def _chart(context, stage, table, machines):
                  "measured. Imported " + "; ".join(machines) + ".", headline=headline(stage, values))
 
 
-def _panel(context, ax, values, best, errors, table, cases, columns):
+def _panel(context, ax, values, best, errors, cases, columns):
     for y, name in enumerate(values.index):
         for x, case in enumerate(cases):
             value = values.loc[name, case]

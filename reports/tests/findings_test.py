@@ -124,8 +124,8 @@ class Findings(unittest.TestCase):
                     maker.world("costs", {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations},
                                 iterations / 10, error)
         found = self.made(budgets, fill)[0]
-        self.assertRegex(found.finding, r"^On stack, 2D the smallest penetration is, within 4\d\d µs and 8\d\d µs per step that of "
-                         r"catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive \(1 mm\); within "
+        self.assertRegex(found.finding, r"^On stack, 2D the smallest penetration is, within 4\d\d µs and 8\d\d µs per step "
+                         r"that of catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive \(1 mm\); within "
                          r"\S+ .*row updates per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
 
     def test_what_is_below_rounding_has_no_rank_in_rest(self):

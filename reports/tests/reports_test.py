@@ -199,7 +199,7 @@ class Loading(WithStore):
         row = cells[(cells["scene"] == "pyramid") & (cells["method"] == "catto+linear") & (cells["iterations"] == 4)].iloc[0]
         self.assertEqual(row["planned_trials"], 6)
         self.assertGreater(row["ms_per_step_median"], 1.2)
-        self.assertLessEqual(row["ms_per_step_lo"], row["ms_per_step_hi"])
+        self.assertEqual(len(row["ms_per_step_median runs"]), 5)
         self.assertNotEqual(row["key"], row["key_timed"])
 
     def test_a_null_metric_is_nan_and_stays(self):
