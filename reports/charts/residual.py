@@ -16,7 +16,8 @@ from table import quantity
 PLACE = 35
 SECTION = "Do more iterations solve the contacts?"
 SERIES, RESIDUAL = "residual", "residual_median"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="one seed, contacts and several values of a setting")
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
+              also="one seed, contacts and several values of a setting")
 ABSENT = Chart("residual", SECTION, "Residual", "No sweep of several methods with residuals is in this store.", "resolvers")
 FLOOR = 1e-12  # below it a residual is rounding
 

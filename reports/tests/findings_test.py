@@ -100,7 +100,7 @@ class Findings(unittest.TestCase):
         cells = self.context(self.cut([1.01, 1.2, 1.21, 1.23, 1.24])).store.cells("costs")
         self.assertEqual(sorted(budgets.within(cells, COST, "penetration_poses", 1.02, least)), ["catto", "naive"], "whiskers")
         found = chart.made(budgets, context)[0]
-        self.assertRegex(found.finding, r"with 1\.02 ms, .*per step: catto \(1 mm\)\.")
+        self.assertRegex(found.finding, r"within 1\.02 ms, .*per step that of catto \(1 mm\)\.")
         self.assertIn("a time above the budget by no more than the noise is within it", found.note)
 
     def test_a_cost_of_0_is_drawn_and_within_every_budget(self):
@@ -125,8 +125,8 @@ class Findings(unittest.TestCase):
                                 iterations / 10, error)
         found = self.made(budgets, fill)[0]
         self.assertRegex(found.finding, r"^On stack, 2D the smallest penetration is, within 4\d\d µs and 8\d\d µs per step "
-                         r"that of catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive \(1 mm\); within "
-                         r"\S+ .*row updates per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
+                         r"that of catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive "
+                         r"\(1 mm\); within \S+ .*row updates per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
 
     def test_what_is_below_rounding_has_no_rank_in_rest(self):
         said = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
