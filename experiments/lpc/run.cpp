@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -149,8 +151,10 @@ void runScene(const Options& o, Session& session) {
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
     if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
   }
-  std::fflush(stdout);                                       // before the film, which may yet fail
   if (!o.film.empty() && result.outcome != "unsupported") {  // then nothing has moved
+    // Before the film, which may yet fail.
+    if (std::fflush(stdout) != 0)
+      throw UserError(std::string("standard output cannot be written: ") + std::strerror(errno));
     const std::string told = filmRecording(recording, o.film);
     if (!o.asJson) std::printf("%s\n", told.c_str());
   }
