@@ -65,15 +65,15 @@ def legend(context, figure, cells, width):
     legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in sorted(cells["method"].unique())], width)
 
 
-def lines(context, ax, cells, values_of, place):
+def lines(context, ax, cells, values_of, place, of=np.median, drawn=None):
     """One line per method: `values_of(cell)` has a value per step, `place` puts a value on the axis. The letters of failed runs
-    are the last that the panel gets."""
+    are the last that the panel gets. `of`: what is drawn of a stretch; `drawn`: whose lines, where others are equal to them."""
     looks, spots = context.looks(cells), []
     for order, (_, cell) in enumerate(cells.drop_duplicates("method").sort_values("method").iterrows()):
         values = None if cell["key"] is None else values_of(cell)
-        if values is None or not np.isfinite(values).any():
+        if values is None or not np.isfinite(values).any() or drawn is not None and cell["method"] not in drawn:
             continue
-        step, shown = stretches(values)
+        step, shown = stretches(values, of)
         every = max(1, len(step) // MARKS)
         look = {**looks(cell["method"]), "lw": 1.2}
         ax.plot(step, [place(v) if math.isfinite(v) else math.nan for v in shown], **look,

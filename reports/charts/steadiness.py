@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 import pandas as pd
-from matplotlib.lines import Line2D
 
 import over_steps
-from chart import Chart, Headline, Needs, describe, holes, listing, methods
-from load import NOT_RUN, split, varying
-from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si
+from chart import Chart, Headline, Needs, holes, listing, methods
+from load import NOT_RUN, split
+from style import ZeroLog, caption_of_lines, one_line, same, si
 
 PLACE = 30
 SECTION = "How restless is a scene that should be at rest?"
@@ -19,8 +18,6 @@ NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metr
               series=("max_speed", "points"), also=f"{over_steps.ONE_COURSE}, on a scene that says how far its bodies may drift")
 ABSENT = Chart("steadiness", SECTION, "The fastest body and the contacts over time",
                "No sweep of several methods on a scene that should be at rest is in this store.", "resolvers")
-PANELS = 3  # side by side
-MARKS = 4  # on a line
 REST = 1e-9  # m/s: rounding, not motion
 
 
@@ -29,24 +26,14 @@ def of_sweep(context, cells):
         return []
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
-        setting = next(iter(context.settings(part)), None)
-        if setting:  # methods are compared at one setting, the middle one
-            part = over_steps.at_middle(part, setting)
-        at = over_steps.setting_of(part, setting)
-        resting = []
-        for scene in split(part, ["scene"]):
-            names = ["scene", *varying(context.store, scene, ("dimension", setting))]
-            resting += [(describe(equal.iloc[0], names), equal) for equal in split(scene, names)
-                        if equal["drift_limit"].notna().any() or not (equal["finished_trials"] > 0).any()]
-        if resting:
-            made.append(_steady_chart(context, resting, at))
+        # Scenes, each at the middle of its own setting, that say how far their bodies may drift; where none finished none said.
+        said = [scene for scene in split(part, ["scene"])
+                if scene["drift_limit"].notna().any() or not (scene["finished_trials"] > 0).any()]
+        if said:
+            shown, left_out, setting = over_steps.scenes(context, pd.concat(said))
+            made.append(_chart(context, [(where, over_steps.at_middle(mine, setting)) for where, mine in shown], left_out,
+                               setting))
     return made
-
-
-def envelope(values, count=150):
-    """The largest value of each of `count` stretches, and the step at which each begins."""
-    edges = np.unique(np.linspace(0, len(values), min(count, len(values)) + 1).astype(int))
-    return edges[:-1], np.array([np.max(values[a:b]) for a, b in zip(edges[:-1], edges[1:])])
 
 
 def at_rest(speeds):
@@ -89,54 +76,35 @@ def headline(where, speeds, failed=(), at=""):
                     {**speeds, **dict.fromkeys(failed, math.nan)}, "m/s", "RMS speed of the fastest body")
 
 
-def _steady_chart(context, resting, at):
-    left_out = [where for where, _ in resting[PANELS:]]
-    resting = resting[:PANELS]
+def _chart(context, resting, left_out, setting):
+    resting = [(scene, part.drop_duplicates("method").sort_values("method")) for scene, part in resting]
     cells = pd.concat([part for _, part in resting])
-    looks, dimension = context.looks(cells), int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
-    legend_width = legend_room(map(context.name, cells["method"].unique()), 2.0)
-    figure, axes = grid_of_axes(2, len(resting), 2.2, legend_width, left=1.0, gap_x=0.8, gap_y=0.45)
-    labels = sorted(cells["method"].unique())
-    rows, shared = [], []
+    dimension, at = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2, over_steps.setting_of(cells, setting)
+    figure, axes, legend_width = over_steps.grid(context, cells, 2, len(resting))
+    labels, rows, shared = sorted(cells["method"].unique()), [], []
     for column, (scene, part) in enumerate(resting):
-        part = part.drop_duplicates("method")
-        tracks = {}
-        for _, cell in part.iterrows():
-            if cell["key"] is None:
-                rows.append({"scene": scene, "method": cell["method"], "outcome": cell["outcome"], "restlessness": math.nan,
-                             "contact points at the end": math.nan})
-            else:
-                tracks[cell["method"]] = (cell, context.store.series(cell["key"], "max_speed"),
-                                          context.store.series(cell["key"], "points"))
-        speeds = [v for _, s, _ in tracks.values() if s is not None for v in envelope(s)[1] if math.isfinite(v)]
-        scale = ZeroLog(axes[0][column], "y", speeds, "m/s", failures=False, floor=REST)
-        firsts = [same({m: [] if tracks[m][which] is None else tracks[m][which] for m in sorted(tracks)}) for which in (1, 2)]
-        spots = [], []
-        for order, (method, (cell, speed, points)) in enumerate(sorted(tracks.items())):
-            look = {**looks(method), "lw": 1.2}
-            for row, values, place in ((0, speed, scale.place), (1, points, float)):
-                if values is None or not len(values) or firsts[row][method] != method:
-                    continue
-                step, high = envelope(np.where(np.isfinite(values), values, np.nan))
-                # Few markers, and not all at the same steps: members of a family have one colour.
-                every = max(1, len(step) // MARKS)
-                axes[row][column].plot(step, [place(v) if math.isfinite(v) else math.nan for v in high], **look,
-                                       markevery=(order * every // max(1, len(tracks)), every))
-                if cell["outcome"] != "ok":
-                    last = [v for v in high if math.isfinite(v)]
-                    spots[row].append((len(values), place(last[-1] if last else 0), cell["outcome"], look["color"]))
-            rows.append({"scene": scene, "method": method, "outcome": cell["outcome"], "restlessness": cell.get("jitter"),
-                         "contact points at the end": math.nan if points is None or not len(points) else points[-1]})
+        speeds, points = ({cell["method"]: [] if found is None else found for _, cell in part.iterrows()
+                           if cell["key"] is not None for found in [context.store.series(cell["key"], name)]}
+                          for name in ("max_speed", "points"))
+        high = [v for track in speeds.values() for v in over_steps.stretches(np.asarray(track, float), np.max)[1]
+                if math.isfinite(v)]
         axes[0][column].set_title(f"{scene}, {dimension}D")
-        axes[1][column].set_xlabel("step")
+        scale = ZeroLog(axes[0][column], "y", high, "m/s", failures=False, floor=REST)
+        for ax, tracks, place, what in ((axes[0][column], speeds, scale.place, "fastest body"),
+                                        (axes[1][column], points, float, "contact points")):
+            firsts = same(tracks)
+            over_steps.lines(context, ax, part, lambda cell, of=tracks: np.asarray(of[cell["method"]], float), place,
+                             np.max, drawn=set(firsts.values()))
+            shared.append((f"On {scene}, {what}", one_line(ax, firsts, lambda group: methods(group, labels))))
+        axes[0][column].set_xlabel("")
         axes[1][column].set_ylim(bottom=0)
-        for row in (0, 1):
-            fallen(axes[row][column], spots[row], clip_on=False, path_effects=HALO)
-            shared.append((f"On {scene}, {('fastest body', 'contact points')[row]}",
-                           one_line(axes[row][column], firsts[row], lambda group: methods(group, labels))))
+        rows += [{"scene": scene, "method": cell["method"], "outcome": cell["outcome"],
+                  "restlessness": math.nan if cell["key"] is None else cell.get("jitter"),
+                  "contact points at the end": points[cell["method"]][-1] if len(points.get(cell["method"], [])) else math.nan}
+                 for _, cell in part.iterrows()]
     axes[0][0].set_ylabel("fastest body")
     axes[1][0].set_ylabel("contact points")
-    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], legend_width)
+    over_steps.legend(context, figure, cells, legend_width)
     table = pd.DataFrame(rows)
     said, told = [], []
     for scene, part in table.groupby("scene", sort=False):
@@ -148,11 +116,11 @@ def _steady_chart(context, resting, at):
             told.append(headline(f"{scene} in {dimension}D", speeds, failed, at))
     text = f"In {dimension}D{at} " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
     table = table.rename(columns={"restlessness": "restlessness [m/s]"})
-    gaps = [f"{where}: not drawn, there is room for {PANELS}" for where in left_out]
     return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
                  f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,
-                 gaps + holes(cells, ["scene", "method"]),
-                 "Lines are the largest value of each of 150 stretches; a letter marks where a run failed. The speeds of the "
+                 left_out + holes(cells, ["scene", "method"]),
+                 f"Lines are the largest value of each of {over_steps.STRETCHES} stretches; a letter marks where a run failed. "
+                 "The speeds of the "
                  f"finding are the RMS of the fastest body's over the last quarter of the steps; "
                  f"below {si(REST, 'm/s')} is rounding, and at rest." + caption_of_lines(shared),
                  headline=max(filter(None, told), key=lambda found: (found.effect, -sum(map(math.isnan, found.values.values()))),

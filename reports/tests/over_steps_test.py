@@ -72,6 +72,20 @@ class OverSteps(unittest.TestCase):
         self.assertIn("trials of kind boxes", self.made(broadphase, fill)[0].finding)
         self.assertIsNotNone(self.made(ensembles, fill)[0].figure)
 
+    def test_each_scene_is_drawn_at_the_middle_of_its_own_setting(self):
+        def fill(maker):
+            maker.sweep("mine", "world", resolver="label", iterations="setting")
+            for label in ("catto", "naive"):
+                for scene, settings in (("A", (4, 10, 30, 100)), ("B", (4, 10))):
+                    for iterations in settings:
+                        axes = {"scene": scene, "dimension": 2, "resolver": label, "iterations": iterations}
+                        maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2}[label])
+        found = self.made(steadiness, fill)[0]
+        self.assertEqual(set(found.table["scene"]), {"A", "B"}, "B has no 30 iterations and vanished")
+        self.assertIn("; on B the last quarter", found.finding)
+        self.assertEqual(overlap.overlaps(found.figure), ([], []))
+        self.assertEqual([len(ax.lines) for ax in found.figure.axes], [2, 2, 1, 1], "equal contacts are one line")
+
 
 if __name__ == "__main__":
     unittest.main()
