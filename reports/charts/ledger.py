@@ -10,6 +10,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 import failure
 import noise
 from chart import Chart, Headline, listing, plural
+from load import family
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid_of_axes, legend_right, plt
 from table import quantity
 
@@ -90,7 +91,10 @@ def finding(stage, dimension, precision, rows):
     if len(others):
         first = others.loc[(others["failed"] / others["asked"]).idxmax()]
         clean = list(others[others["failed"] == 0]["method"])
-        said.append(f"of the {plural(len(others), 'witness', 'witnesses')} {first['method']} fails most often, on "
+        witnesses = plural(others["method"].map(family).nunique(), "witness", "witnesses")
+        if others["method"].map(family).duplicated().any():  # each is asked at its library's tightest tolerance, too
+            witnesses += f" (in {len(others)} settings)"
+        said.append(f"of the {witnesses} {first['method']} fails most often, on "
                     f"{_of(first['failed'], first['asked'], first['refused'])} of its questions" if first["failed"]
                     else "no witness failed")
         if first["failed"] and clean:

@@ -15,6 +15,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
 
 import chart  # noqa: E402
 import coverage  # noqa: E402
@@ -299,6 +300,10 @@ class Findings(WithStore):
         self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
         self.assertIn("of the 8 witnesses bullet_box_box fails most often, on 100% (100% refused) of its questions",
                       solid.finding)
+        # One that is asked at another tolerance, too, is one witness.
+        rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64'")
+        twice = pd.concat([rows, rows[rows["method"] == "libccd_mpr"].assign(method="libccd_mpr{tolerance=1e-14}")])
+        self.assertIn("of the 8 witnesses (in 9 settings) bullet_box_box", ledger.finding("pair_query", 3, "f64", twice))
         numbers = solid.table.set_index("method")
         self.assertEqual(numbers.loc["fcl_libccd", "crashed"], 4 * 200)
         self.assertEqual(numbers.loc["closed_form", "median error [1]"], 0.0)
