@@ -196,8 +196,9 @@ def _strips(context, ax, ladder, name, rows_of, table, labelled):
     ax.set_ylim(len(rows_of) - 0.4, -0.6)
     ax.set_xticks(range(len(values)))
     labels = [_value(name, v).replace(" ", "\n") if name == "dt" else _value(name, v) for v in values]
-    # Long ladders: every second label, so that none overlap.
-    every = max(1, math.ceil(len(values) / (9 if max(map(len, labels)) <= 3 else 6)))
+    # Long ladders: every second label, so that none overlap. A digit needs 0.08 inches, and some air.
+    room = ax.get_position().width * ax.figure.get_figwidth() / len(values)
+    every = max(1, math.ceil((0.08 * max(len(part) for label in labels for part in label.split("\n")) + 0.08) / room))
     ax.set_xticklabels([label if i % every == 0 else "" for i, label in enumerate(labels)])
     ax.set_yticks(range(len(rows_of)))
     ax.set_yticklabels([context.name(m) for m in rows_of] if labelled else [])

@@ -79,9 +79,16 @@ def crossings(cells, base, least=1.0):
             if word in noise.IN_WORDS:
                 kind, cross = f"as fast as it at the largest size, {noise.IN_WORDS[word]}", None
             sizes = shared[both]
-            between = (sizes[sizes <= cross].max(), sizes[sizes > cross].min()) if cross else (math.nan, math.nan)
+            between = _bracket(part, base, method, sizes, cross, least) if cross else (math.nan, math.nan)
             rows.append((distribution, method, kind, cross or math.nan, *between, shared[last], a[last] / b[last]))
     return pd.DataFrame(rows, columns=["distribution", "method", "kind", "n", "below", "above", "largest", "ratio"])
+
+
+def _bracket(part, base, method, sizes, cross, least):
+    """The nearest sizes on both sides of a crossing at which the two are told apart; where none is, the last that was measured."""
+    at = {n: [part[(part["method"] == name) & (part["n"] == n)].iloc[0] for name in (base, method)] for n in sizes}
+    apart = [n for n in sizes if noise.tells(*at[n], TIME, least)]
+    return (max([n for n in apart if n <= cross], default=sizes.min()), min([n for n in apart if n > cross], default=sizes.max()))
 
 
 def overtakes(row, base):

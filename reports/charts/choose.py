@@ -40,7 +40,7 @@ class Advice:
 
     @property
     def given(self):
-        """What every stage was judged with, run in the same rounds."""
+        """What every stage was judged with. It ran before, with the stages: what is taken was not known in those rounds."""
         return next((cell for name, cell in self.whole if self.run is not None and cell["key"] != self.run["key"]), None)
 
 
@@ -117,13 +117,13 @@ def _together(context, advice):
         return f" Not yet run as a whole: {pasted}."
     text = f" As a whole this takes {span(noise.runs(advice.run, COST) or [advice.run[COST]], 'ms')} a step"
     if advice.given is not None:
-        why, given = tie(advice.run, advice.given, COST, _floor(advice)), "what every stage was judged with"
+        why, given = tie(advice.run, advice.given, COST, _floor(advice)), "what every stage was judged with, timed before it"
         found = noise.ratio(advice.given, advice.run, COST)
         text += f", as fast as {given}, {why}" if why else f", {ratio(found)} times the time of {given}" * math.isfinite(found)
     for error in advice.errors:
         text += f"; {context.title(error)} {span(noise.of_seeds(advice.run, error), context.unit(error))}"
     seeds = len(advice.run["seeds"])
-    return text + f" over {plural(seeds, 'seed')}. To paste: {pasted}."
+    return text + f" (times over repeats, errors over {plural(seeds, 'seed')}). To paste: {pasted}."
 
 
 def _floor(advice):
@@ -265,7 +265,7 @@ def _headline(advice):
         part = ratio(times_of["taken"] / times_of["judged with"])
         whole = si(times_of["taken"], "ms")
         return Headline(f"For {advice.where} take {listing(named)}: as a whole {whole} a step, {part} times "
-                        "the time of what every stage was judged with.", times_of, "ms")
+                        "the time of what every stage was judged with, timed before it.", times_of, "ms")
     made = []
     for choice in advice.choices:
         slower = [v for v in choice.verdicts if v.word == "slower" and v.cost == choice.cost]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Methods at equal cost, or at equal error: each at the setting that meets a budget, ranked at every budget."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -139,10 +140,11 @@ def not_used(context, cells, about):
 
 def headline(context, cells, about, where, name):
     """The budget at which those that have a rank are farthest apart."""
-    unit, found = context.unit(name), []
+    unit, found, firsts = context.unit(name), [], []
     for budget, here in cells.groupby("budget", sort=True):
         table = ranks(here, name, context.floor(name))
         best, ranked = [row[1] for row in table if row[0] == 1], [row for row in table if row[0] is not None]
+        firsts += [set(best)] if best else []
         if best and ranked[-1][0] != 1:
             none = [row[1] for row in table if row[0] is None]
             fail = f"; {methods(none, [row[1] for row in table])} {'fails' if len(none) == 1 else 'fail'}" if none else ""
@@ -153,7 +155,10 @@ def headline(context, cells, about, where, name):
                 f"{context.title(name).removeprefix('largest ')}, {si(ranked[0][2], unit)}; {ranked[-1][1]} has "
                 f"{si(ranked[-1][2], unit)}{fail}.", {row[1]: row[2] for row in table}, unit, context.title(name),
                 ends=final_states(here))))
-    return max(found, key=lambda pair: pair[0], default=(0, None))[1]
+    most = max(found, key=lambda pair: pair[0], default=(0, None))[1]
+    if most and not set.intersection(*firsts):  # the sentence stands for one budget
+        most = dataclasses.replace(most, text=f"{most.text[:-1]}; nobody is first at every budget.")
+    return most
 
 
 def _chart(context, cells, about, axes, refused):

@@ -104,8 +104,16 @@ def finding(cells, dimension, least):
     worst = good.iloc[int(np.nanargmax(errors))] if np.isfinite(errors).any() else None
     off = f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']})" if worst is not None else "unknown"
     who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
-    return text + (f". Somewhere {who} {'fails' if len(failed) == 1 else 'fail'}; the worst error is {off}." if failed else
-                   f". Nobody fails, and no error is above {off}.")
+    at = judged_at(good)
+    return text + (f". {at[0].upper()}{at[1:]}, {who} {'fails' if len(failed) == 1 else 'fail'} somewhere; the worst error is {off}."
+                   if failed else f". Nobody fails {at}, and no error is above {off}.")
+
+
+def judged_at(cells):
+    """The tolerance that decides who fails: ranks turn round at another."""
+    known = sorted({precision for _, precision in cells["arithmetic"] if precision in failure.TOLERANCE}, reverse=True)
+    return "at " + (listing([failure.tolerance(p) + (f" in {p}" if len(known) > 1 else "") for p in known]) if known else
+                    "the referee's tolerance")
 
 
 def headline(cells, dimension, least):
@@ -127,7 +135,7 @@ def _told_failing(cells, passed, pair, dimension, least):
     shares = " to ".join(dict.fromkeys(map(failure.share, (share[0], share[-1]))))
     numbers = lambda part: listing([f"{n:,.0f}" for n in sorted(set(part["asked"]))])  # noqa: E731
     names = listing([f"{m} ({si(ns, 'ns')} a query)" for m, ns in zip(right["method"], right[TIME])])
-    text = (f"On {pair} in {dimension}D {'only ' if len(wrong) > len(right) else ''}{names} never "
+    text = (f"On {pair} in {dimension}D, {judged_at(cells)}, {'only ' if len(wrong) > len(right) else ''}{names} never "
             f"{'fails' if len(right) == 1 else 'fail'}, in {numbers(right)} queries{' each' if len(right) > 1 else ''}; ")
     quick = wrong.sort_values(TIME, kind="stable").iloc[0]
     if len(wrong) == 1:

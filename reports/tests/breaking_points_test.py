@@ -49,6 +49,10 @@ class Ladders(unittest.TestCase):
                          "held to the largest tried (20).")
         self.assertIn("need not cost the same", made.note)
         self.assertIn("with iterations=10", made.headline.text)
+        self.assertEqual([tick.get_text() for tick in made.figure.axes[0].get_xticklabels()], ["5", "10", "20"])
+        many = self.made({"catto": (300,), "naive": (30,)}, sizes=(3, 10, 30, 100, 300, 1000, 10000))
+        self.assertEqual([tick.get_text() for tick in many.figure.axes[0].get_xticklabels()],
+                         ["3", "10", "30", "100", "300", "1000", "10k"], "a rung that the sentence may name has its label")
 
     def test_a_calibrated_ladder_is_one_per_budget_and_says_which(self):
         made = self.made({"catto": (10, 20), "naive": (5, 10)}, budgets=(800.0, 2400.0))

@@ -211,12 +211,12 @@ class Choose(unittest.TestCase):
         self.assertEqual(choose.to_run(context), "", "it has run")
         self.assertRegex(made[0].finding, r"As a whole this takes 1\.0\d ms \(.* to .*\) a step, 0\.3\d times the time of what")
         self.assertIn("mean penetration of shapes at the end 2 mm", made[0].finding)
-        self.assertIn(f"over 3 seeds. To paste: --pipeline '{pasted}'", made[0].finding)
+        self.assertIn(f"over 3 seeds). To paste: --pipeline '{pasted}'", made[0].finding)
         self.assertEqual(self.verdicts(made[0].table, "as a whole"), {"taken": "take"})
         self.assertRegex(made[0].headline.text, r"take broadphase sort_and_sweep and resolver catto\+none: as a whole 1\.0\d ms")
         self.assertNotIn("as a whole", " ".join(made[0].holes))
         _, made = self.made(whole=3.01)
-        self.assertIn("as fast as what every stage was judged with, within the noise", made[0].finding)
+        self.assertIn("as fast as what every stage was judged with, timed before it, within the noise", made[0].finding)
         self.assertNotIn("as a whole", made[0].headline.text)
 
     def test_what_is_taken_may_have_run_anyway(self):

@@ -98,6 +98,7 @@ class EqualCost(unittest.TestCase):
         self.assertIn("at 100 catto is first (3 mm), soft_step last (4 mm), without a rank naive", made.finding)
         self.assertIn("at 400 soft_step is first (500 µm), naive last (4 mm)", made.finding)
         self.assertIn("No method is first at every budget.", made.finding)
+        self.assertTrue(made.headline.text.endswith("; nobody is first at every budget."), made.headline.text)
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
         self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])
         self.assertEqual(list(made.table["iterations"]), ["4", "4", "", "8", "8", "8"])

@@ -77,7 +77,7 @@ class PairQueries(unittest.TestCase):
 
     def test_where_nobody_fails_the_headline_tells_times_beyond_the_noise(self):
         first = self.made()[0]
-        self.assertIn("Nobody fails, and no error is above 3e-16", first.finding)
+        self.assertIn("Nobody fails at 1e-12 of the size, and no error is above 3e-16", first.finding)
         self.assertIn("In 2D nobody fails, in 4,800 queries; times differ most on box–sphere, where gjk_epa takes 3.0 times "
                       "the 100 ns", first.headline.text)
         self.assertIn("of closed_form or sat, which are within the noise", first.headline.text)
@@ -86,7 +86,8 @@ class PairQueries(unittest.TestCase):
 
     def test_where_somebody_fails_the_headline_tells_who_and_how_often(self):
         first = self.made(failing=("fcl_libccd", "libccd_mpr", "fcl_indep"))[0]
-        self.assertIn("Somewhere fcl_indep, fcl_libccd and libccd_mpr fail; the worst error is 0.5 of the size", first.finding)
+        self.assertIn("At 1e-12 of the size, fcl_indep, fcl_libccd and libccd_mpr fail somewhere; the worst error "
+                      "is 0.5 of the size", first.finding)
         self.assertIn("closed_form (50 ns a query), sat (51 ns a query) and gjk_epa (120 ns a query) never fail, in 600 queries "
                       "each; the 3 others fail on 8.3% of 96", first.headline.text)
         self.assertTrue(all(math.isnan(first.headline.values[m]) for m in ("fcl_libccd", "libccd_mpr", "fcl_indep")))

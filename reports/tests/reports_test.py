@@ -285,7 +285,7 @@ class Findings(WithStore):
         for n in tree["n"]:
             self.assertAlmostEqual(n, (95 / 0.9)**(1 / 0.92), delta=1)
         text = broadphase.finding(cross, "naive", 2, broadphase.leaders(cells, "naive", 1.0), 1.0)
-        self.assertIn("uniform_grid overtakes naive at about 76 (between 50 and 100)", text)
+        self.assertIn("uniform_grid overtakes naive at about 76 (between 50 and 200)", text)
         self.assertNotIn("uniform_grid on cluster", text.split("fastest at the largest size")[1], "it has no cell there")
 
     def test_no_question_of_the_ledger_vanishes(self):
