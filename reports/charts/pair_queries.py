@@ -105,8 +105,10 @@ def finding(cells, dimension, least):
     off = f"{worst['max_error']:.2g} of the size ({worst['method']} on {worst['pair']})" if worst is not None else "unknown"
     who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
     at = judged_at(good)
-    return text + (f". {at[0].upper()}{at[1:]}, {who} {'fails' if len(failed) == 1 else 'fail'} somewhere; the worst error is {off}."
-                   if failed else f". Nobody fails {at}, and no error is above {off}.")
+    if not failed:
+        return f"{text}. Nobody fails {at}, and no error is above {off}."
+    return (f"{text}. {at[0].upper()}{at[1:]}, {who} {'fails' if len(failed) == 1 else 'fail'} somewhere; "
+            f"the worst error is {off}.")
 
 
 def judged_at(cells):
