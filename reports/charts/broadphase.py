@@ -85,7 +85,7 @@ def crossings(cells, base, least=1.0):
 
 
 def _bracket(part, base, method, sizes, cross, least):
-    """The nearest sizes on both sides of a crossing at which the two are told apart; where none is, the last that was measured."""
+    """The nearest sizes on both sides of a crossing that tell the two apart; where none does, the last that was measured."""
     at = {n: [part[(part["method"] == name) & (part["n"] == n)].iloc[0] for name in (base, method)] for n in sizes}
     apart = [n for n in sizes if noise.tells(*at[n], TIME, least)]
     return (max([n for n in apart if n <= cross], default=sizes.min()),
