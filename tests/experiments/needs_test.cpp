@@ -99,8 +99,9 @@ TEST(Needs, GoesOnAfterCtrlC) {
   Workspace w;
   const std::string run = "needs pyramid --param base=6 --seeds 10 --store n.db";
   // As soon as it tells its progress, on a slow machine as on a fast one.
-  const Outcome stopped = w.shell(LPC_BINARY_DIR "/bin/lpc " + run +
-                                  " 2> told & until grep -q ' of ' told; do sleep 0.01; done; kill -INT $!; wait $!");
+  const Outcome stopped =
+      w.shell("{ " LPC_BINARY_DIR "/bin/lpc " + run +
+              " 2> told & until grep -q ' of ' told || ! kill -0 $!; do sleep 0.01; done; kill -INT $!; wait $!; }");
   ASSERT_EQ(stopped.code, 130) << stopped.text;
   EXPECT_NE(stopped.text.find("the same command continues"), std::string::npos) << stopped.text;
   const Outcome whole = w.lpc(run);
