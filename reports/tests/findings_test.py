@@ -4,7 +4,6 @@ python3 reports/tests/findings_test.py. Every check that guards a promise is see
 
 import math
 import sys
-import tempfile
 import unittest
 import unittest.mock
 from pathlib import Path
@@ -15,33 +14,15 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
-import load  # noqa: E402
 import noise  # noqa: E402
-import overlap  # noqa: E402
-import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
 from charts import broadphase, budgets, distinctness, energy, ensembles, residual, stages, steadiness  # noqa: E402
 
 COST = "ms_per_step_median"
 
 
-class Findings(unittest.TestCase):
-    def context(self, fill):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.addCleanup(style.plt.close, "all")
-        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
-        fill(maker)
-        maker.close()
-        return chart.Context(load.Store(Path(folder.name) / "store.db"))
-
-    def made(self, module, fill):
-        found = chart.made(module, self.context(fill))
-        for c in found:
-            if c.figure is not None:
-                self.assertEqual(overlap.overlaps(c.figure), ([], []), c.id)
-        return found
-
+class Findings(with_store.WithStore):
     def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
         """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
         found = self.made(stages, synthetic_store.stages)[0]

@@ -5,7 +5,6 @@ check that guards a promise is seen to fail on a planted bug."""
 import math
 import random
 import sys
-import tempfile
 import unittest
 import unittest.mock
 from pathlib import Path
@@ -16,11 +15,10 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
-import load  # noqa: E402
 import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
-import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
 from charts import (broadphase, cost_against_error, ensembles, noise_floor, precision, step_times,  # noqa: E402
                     unneeded)
 
@@ -80,23 +78,7 @@ class Noise(unittest.TestCase):
         self.assertFalse(noise.beats(of(1e-15, 1e-15), of(1e-14, 1e-14), "e", 1e-12), "rounding")
 
 
-class OfStores(unittest.TestCase):
-    def context(self, fill):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.addCleanup(style.plt.close, "all")
-        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
-        fill(maker)
-        maker.close()
-        return chart.Context(load.Store(Path(folder.name) / "store.db"))
-
-    def made(self, module, fill):
-        found = chart.made(module, self.context(fill))
-        for c in found:
-            if c.figure is not None:
-                self.assertEqual(overlap.overlaps(c.figure), ([], []), c.id)
-        return found
-
+class OfStores(with_store.WithStore):
     @staticmethod
     def features(slower):
         def fill(maker):

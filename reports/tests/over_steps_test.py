@@ -3,7 +3,6 @@
 python3 reports/tests/over_steps_test.py."""
 
 import sys
-import tempfile
 import unittest
 import unittest.mock
 from pathlib import Path
@@ -12,11 +11,10 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import chart  # noqa: E402
-import load  # noqa: E402
 import over_steps  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
-import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
 from charts import broadphase, energy, ensembles, residual, steadiness  # noqa: E402
 
 
@@ -26,15 +24,9 @@ def letters_one_by_one(ax, spots, **kwargs):
         ax.plot([x], [y], marker=style.letter(outcome), ls="none", color=colour)
 
 
-class OverSteps(unittest.TestCase):
-    def made(self, module, fill):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.addCleanup(style.plt.close, "all")
-        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
-        fill(maker)
-        maker.close()
-        return chart.made(module, chart.Context(load.Store(Path(folder.name) / "store.db")))
+class OverSteps(with_store.WithStore):
+    def made(self, module, fill):  # planted bugs overlap
+        return chart.made(module, self.context(fill))
 
     @staticmethod
     def two_that_fail_alike(maker):

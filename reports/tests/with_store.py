@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Zlib
+"""Charts of a store that a test fills."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import chart
+import load
+import overlap
+import style
+import synthetic_store
+
+
+class WithStore(unittest.TestCase):
+    def context(self, fill):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(style.plt.close, "all")
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        fill(maker)
+        maker.close()
+        return chart.Context(load.Store(Path(folder.name) / "store.db"))
+
+    def made(self, module, fill):
+        found = chart.made(module, self.context(fill))
+        for c in found:
+            if c.figure is not None:
+                self.assertEqual(overlap.overlaps(c.figure), ([], []), c.id)
+        return found
