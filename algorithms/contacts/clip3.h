@@ -21,11 +21,12 @@ struct Patch3 {
   Vec<3> normal = Vec<3>::Zero();  // n_12, unit, in frame 1
   std::vector<PatchPoint<3>> points;
 
-  /// Is one of the points within `bound`? Apart, the witnesses themselves must be: those of a corner beside the
-  /// reference face are not one above the other.
-  bool reaches(Real bound) const {
+  /// Is one of the points within `bound`? Of cores that are `apart` the witnesses themselves must be: those of a corner
+  /// beside the reference face are not one above the other.
+  bool reaches(Real bound, bool apart) const {
     for (const PatchPoint<3>& p : points) {
-      if (p.separation <= bound && (p.separation <= 0 || (p.p2 - p.p1).squaredNorm() <= bound * bound)) return true;
+      const bool above = !apart && p.separation <= 0;
+      if (p.separation <= bound && (above || (p.p2 - p.p1).squaredNorm() <= bound * bound)) return true;
     }
     return false;
   }

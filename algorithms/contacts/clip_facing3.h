@@ -29,7 +29,7 @@ inline void clipFacing(const Core3& c1, const Core3& c2, const Vec<3>& n, const 
                        const PlacedPair<3>& pair, ClipScratch3& scratch, Patch3& out) {
   out.normal = n;
   out.points.clear();
-  const auto deepEnough = [&] { return out.reaches(witness.separation + pair.tolerance); };
+  const auto deepEnough = [&] { return out.reaches(witness.separation + pair.tolerance, witness.separation > 0); };
   if (c1.faceCount() == 0 && c2.faceCount() == 0) {
     ClosestEdges3 e{0, 0};
     closestOfSegments(segmentPair(c1, 0, c2, 0), e.s, e.t);

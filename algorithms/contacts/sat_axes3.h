@@ -35,9 +35,25 @@ inline FaceAxis3 bestFace(const Core3& p, const Core3& q, Real limit) {
   return best;
 }
 
+/// Is nothing of either core beyond the edge axis, but for `rounding`?
+inline bool isForemost(const Core3& c1, const Core3& c2, const EdgeAxis3& axis, Real rounding) {
+  const Real front1 = axis.normal.dot(c1.v[c1.edge(axis.edge1).v0]) + rounding;
+  const Real front2 = axis.normal.dot(c2.v[c2.edge(axis.edge2).v0]) - rounding;
+  for (int i = 0; i < c1.vertexCount; ++i) {
+    if (axis.normal.dot(c1.v[i]) > front1) return false;
+  }
+  for (int i = 0; i < c2.vertexCount; ++i) {
+    if (axis.normal.dot(c2.v[i]) < front2) return false;
+  }
+  return true;
+}
+
 /// Two edges span a face of the Minkowski difference when their arcs on the Gauss map cross (Gregorius, GDC 2013); only
-/// those are projected. A segment's arc is a whole great circle. Counts the axes that were projected.
-inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, std::vector<Real>& along, WorkDone& work) {
+/// those are projected. A segment's arc is a whole great circle. The arc between two faces of a sliver is half a circle
+/// but for the rounding of their normals, which may turn it to the wrong side, hence the look at the cores themselves.
+/// Counts the axes that were projected.
+inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, Real rounding, std::vector<Real>& along,
+                           WorkDone& work) {
   EdgeAxis3 best;
   const int faces2 = c2.faceCount();
   if (along.size() < static_cast<std::size_t>(faces2)) along.resize(static_cast<std::size_t>(faces2));
@@ -57,13 +73,18 @@ inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, std::ve
         if (!(u * w < 0 && x * w < 0)) continue;
       }
       Vec<3> n = d1.cross(d2);
-      const Real norm2 = n.squaredNorm();
-      if (norm2 <= kParallelSine * kParallelSine * length1 * d2.squaredNorm()) continue;
+      const Real norm2 = n.squaredNorm(), lengths2 = length1 * d2.squaredNorm();
+      if (norm2 <= kParallelSine * kParallelSine * lengths2) continue;
       n /= std::sqrt(norm2);
+      // Of nearly parallel edges: once more across one of them, and thereby across the other.
+      if (norm2 <= kNearlyParallel * kNearlyParallel * lengths2) n = (n - n.dot(d1) / length1 * d1).normalized();
       if (n.dot(c2.n[e2.faceA] + c2.n[e2.faceB]) > 0) n = -n;
       ++work[WorkCount::axisTests];
       const Real s = n.dot(c2.v[e2.v0] - c1.v[e1.v0]);
-      if (s > best.separation) best = {i, k, s, n};
+      if (!(s > best.separation)) continue;
+      const EdgeAxis3 axis{i, k, s, n};
+      if (!isForemost(c1, c2, axis, rounding)) continue;
+      best = axis;
       if (s > limit) return best;
     }
   }

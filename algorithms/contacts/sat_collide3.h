@@ -24,7 +24,7 @@ inline bool clipAgainst(const Core3& c1, const Core3& c2, bool firstIsReference,
   auto& points = s.patch.points;
   s.patch.normal = n;
   points.clear();
-  const auto good = [&] { return s.patch.reaches(separation + pair.tolerance); };
+  const auto good = [&] { return s.patch.reaches(separation + pair.tolerance, separation > 0); };
   if (inc.faceCount() == 0) {
     clipSegment(reference, inc, pair, s.clip, points);
     return good();
@@ -89,7 +89,7 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
     if (axes.face2.separation > pair.limit) return;
     axes.face1 = bestFace(c1, c2, pair.limit);
     if (axes.face1.separation > pair.limit) return;
-    axes.edges = bestEdges(c1, c2, pair.limit, s.along, work);
+    axes.edges = bestEdges(c1, c2, pair.limit, pair.rounding, s.along, work);
     if (axes.edges.separation > pair.limit) return;
   }
   // Shape 1's face is preferred unless shape 2's is clearly better, and faces unless an edge pair is clearly better:

@@ -45,6 +45,7 @@ inline constexpr Real kParallelDeterminant = 16 * kEpsilon;
 
 /// Below this angle (sine; 3 degrees, a visible one) two logs lie on each other in two points, above it they cross in
 /// one. Larger: two points with gaps below them, that hold up what should tip. Smaller: logs that roll on one point.
+/// The direction across two edges is also cleaned of its rounding below it.
 inline constexpr Real kNearlyParallel = Real(0.05);
 
 /// Faces steeper than this (cosine to the normal) meet the normal almost edge-on: what lies on them is far from the
