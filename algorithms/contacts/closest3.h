@@ -55,6 +55,48 @@ inline SegmentPair3 segmentPair(const Core3& c1, int edge1, const Core3& c2, int
   return {c1.v[v[0]], c1.v[v[1]], c2.v[v[2]], c2.v[v[3]]};
 }
 
+/// How far segment 2 lies beyond segment 1 along n (m).
+inline Real separationOfSegments(const SegmentPair3& x, const Vec<3>& n) {
+  return std::min(n.dot(x.a2), n.dot(x.b2)) - std::max(n.dot(x.a1), n.dot(x.b1));
+}
+
+/// n_12 of two segments, given their nearest points: the way from one to the other. Near crossing it has lost the
+/// digits that its ends have in common, and what it leans along a segment is that much of the segment's length too
+/// little. So the best of it, of what is left of it across either segment, and of the direction across both.
+inline Vec<3> normalOfSegments(const SegmentPair3& x, const ClosestEdges3& e, const PlacedPair<3>& pair) {
+  const Vec<3> d1 = x.b1 - x.a1, d2 = x.b2 - x.a2, apart = (x.a2 + e.t * d2) - (x.a1 + e.s * d1);
+  const Real distance = apart.norm();
+  Vec<3> best = Vec<3>::Zero();
+  Real most = -std::numeric_limits<Real>::infinity();
+  if (distance > pair.rounding) {
+    best = apart / distance, most = separationOfSegments(x, best);
+    if (most >= distance - pair.rounding) return best;
+  }
+  const Real length1 = d1.norm(), length2 = d2.norm();
+  const auto across = [](const Vec<3>& v, const Vec<3>& d, Real length) -> Vec<3> {
+    return length > 0 ? Vec<3>(v - v.dot(d) / length / length * d) : v;
+  };
+  const auto offer = [&](const Vec<3>& v) {
+    const Real length = v.norm();
+    if (!(length > 0)) return;
+    const Vec<3> n = v / length;
+    const Real separation = separationOfSegments(x, n);
+    if (separation > most) best = n, most = separation;
+  };
+  // Once more across one of them: then across the other as well, to the last digit, however small their angle is.
+  Vec<3> both = d1.cross(d2);
+  if (both.norm() > kParallelCross * length1 * length2) {
+    both = across(both, d1, length1);
+  } else {
+    const Vec<3>& longer = length1 >= length2 ? d1 : d2;
+    both = longer.isZero(0) ? Vec<3>(Vec<3>::Unit(0)) : Vec<3>(tangents(Vec<3>(longer.normalized())).col(0));
+  }
+  const bool forward = both.dot(distance > pair.rounding ? apart : pair.X_12.p) >= 0;
+  offer(forward ? both : Vec<3>(-both));
+  if (distance > pair.rounding) offer(across(apart, d1, length1)), offer(across(apart, d2, length2));
+  return best;
+}
+
 struct ClosestScratch3 {
   std::vector<int> edges1, edges2;
 };

@@ -46,20 +46,7 @@ inline void collideSegments(const Core3& c1, const Core3& c2, const PlacedPair<3
   e.squared = closestOfSegments(x, e.s, e.t);
   const Real distance = std::sqrt(e.squared);
   if (distance > pair.limit) return;
-  const Vec<3> d1 = x.b1 - x.a1, d2 = x.b2 - x.a2, apart = (x.a2 + e.t * d2) - (x.a1 + e.s * d1);
-  const bool inside = e.s > 0 && e.s < 1 && e.t > 0 && e.t < 1;
-  const Real noise = inside ? std::max(pair.rounding, kCrossing * (d1.norm() + d2.norm())) : pair.rounding;
-  if (distance > noise) {
-    out.normal = apart / distance;
-  } else {
-    const Vec<3> longer = d1.squaredNorm() >= d2.squaredNorm() ? d1 : d2;
-    Vec<3> n = d1.cross(d2);
-    const Real size = n.norm();
-    n = size > kParallelSine * d1.norm() * d2.norm() ? Vec<3>(n / size)
-        : longer.squaredNorm() > 0                   ? Vec<3>(tangents(Vec<3>(longer.normalized())).col(0))
-                                                     : Vec<3>(1, 0, 0);
-    out.normal = n.dot(distance > pair.rounding ? apart : pair.X_12.p) < 0 ? Vec<3>(-n) : n;
-  }
+  out.normal = normalOfSegments(x, e, pair);
   touchEdges(c1, c2, e, pair, out);
 }
 

@@ -33,10 +33,10 @@ inline constexpr Real kThinPart = Real(0.01);
 /// by the sine times the edge's length.
 inline constexpr Real kParallelSine = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);
 
-/// Where segments cross within this part of their length (1), half of the digits of their nearest points' difference
-/// are gone, and with them its direction: the normal is then across both. Larger: capsules that are apart and seen
-/// nearly end-on get a normal that is not along the shortest way. Smaller: a normal made of rounding.
-inline constexpr Real kCrossing = sizeof(Real) == 8 ? Real(1.5e-8) : Real(3.5e-4);
+/// Segments more parallel than this (sine) span no plane: their cross product is nothing but rounding. Larger: segments
+/// that do cross get a direction across one of them only, wrong by the sine times the other's length. Smaller: a
+/// direction made of rounding.
+inline constexpr Real kParallelCross = 16 * kEpsilon;
 
 /// Below this part of the product of squared lengths (1) the determinant of two directions is rounding, and segments
 /// are parallel: every place is as near as another. Larger: the nearest points of segments that do cross are missed,

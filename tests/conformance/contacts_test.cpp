@@ -166,6 +166,24 @@ TEST(Contacts, CrossingAxesGiveTheDirectionAcrossBoth) {
   }
 }
 
+// Two logs whose axes all but lie on one line: what leans along that line is short of the depth by the logs' length.
+TEST(Contacts, AxesOnOneLineGiveADirectionAcrossIt) {
+  constexpr Real kGap = sizeof(Real) == 8 ? Real(1e-9) : Real(1e-1);
+  PlainDraw draw(4);
+  for (int i = 0; i < 200; ++i) {
+    const Shape<3> a = Shape<3>::capsule(100, 1), b = Shape<3>::capsule(80, 1);
+    const Real gap = kGap * draw.real(0.01, 1), shift = draw.real(-50, 50);
+    const Pose<3> X_WA{{0, 0, 0}, drawRotation<3>(draw)};
+    const ContactScene<3> scene(a, b, X_WA, X_WA * Pose<3>{{shift, gap, 0}, {}}, 0);
+    for (const char* name : {"sat_clip", "query_clip", "deepest_point"}) {
+      const auto fresh = scene.run(*createStage<ContactGenerator<3>>({name, {}}));
+      ASSERT_EQ(fresh.size(), 1u) << name;
+      const Vec<3> n = X_WA.q.inverse() * fresh[0].normal;
+      EXPECT_LE(std::abs(n[0]), sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5)) << name << ", gap " << gap;
+    }
+  }
+}
+
 TEST(Contacts, DeepBodiesGoBackWhereTheyCameFrom) {
   onEveryGenerator<2>("Contacts.DeepBodiesGoBackWhereTheyCameFrom", deepBodiesGoBack<2>, 20);
   onEveryGenerator<3>("Contacts.DeepBodiesGoBackWhereTheyCameFrom", deepBodiesGoBack<3>, 20);

@@ -36,7 +36,6 @@ Verdict ask(const Case& c, const std::string& method) {
 
 TEST(KnownFaults, EachStillFails) {
   const std::vector<Case> cases = foundCases("known_faults.json");
-  EXPECT_GE(cases.size(), 5u);
   for (const Case& c : cases) {
     const Verdict verdict = ask(c, c.finding->method);
     EXPECT_EQ(verdict.failure, c.finding->failure) << c.id << ": when it is mended, it moves to found_cases.json";
@@ -57,7 +56,9 @@ TEST(KnownFaults, AnotherMethodIsRight) {
 }
 
 TEST(KnownFaults, MendedOnesStayRight) {
-  for (const Case& c : foundCases("found_cases.json")) EXPECT_EQ(ask(c, c.finding->method).failure, "") << c.id;
+  const std::vector<Case> cases = foundCases("found_cases.json");
+  EXPECT_GE(cases.size(), 2u);
+  for (const Case& c : cases) EXPECT_EQ(ask(c, c.finding->method).failure, "") << c.id;
 }
 
 }  // namespace
