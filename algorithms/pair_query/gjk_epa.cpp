@@ -102,10 +102,12 @@ class GjkEpa final : public PairQuery<D> {
         if (length < pair.radii()) best.bound = length;  // surely less than the radii: only the sign counts
         return QueryStatus::converged;
       }
-      // Three ends, any of which alone can be missed by rounding: the gap is closed, no new point, no descent.
+      // Three ends, any of which alone can be missed by rounding: the gap is closed, no new point, no descent. The
+      // length shows only the square of a direction's lean: a bound that gets better is a descent, too.
       Vec<D> n;
       if (length - best.bound <= tolerance || !featureDirection(nearest, n)) capped = false;
       if (!capped) break;
+      const Real before = best.bound;
       const Vec<D> w = support(n);
       if (length - best.bound <= tolerance || nearest.feature.contains(w)) {
         capped = false;
@@ -115,7 +117,7 @@ class GjkEpa final : public PairQuery<D> {
       simplex.push(w);
       NearestFeature<D> next;
       inside = nearestOfSimplex(simplex, next);
-      if (inside || !(next.length2 < nearest.length2)) {
+      if (inside || (!(next.length2 < nearest.length2) && !(best.bound > before))) {
         capped = false;
         break;
       }
