@@ -123,10 +123,10 @@ inline constexpr int kSettleSteps = 2;
 inline constexpr int kTouchRounds = 3;
 
 /// The band of features grows by this factor (1), so often at most (count), until the features of both shapes meet; the
-/// last band is 16^5 x kFeatureBand. Larger: witnesses leave their shapes by more. Smaller: features that a leaning
+/// last band is 4^10 x kFeatureBand. Larger: witnesses leave their shapes by more. Smaller: features that a leaning
 /// normal holds apart never meet, and the witnesses do not lie one above the other.
-inline constexpr Real kBandGrowth = 16;
-inline constexpr int kMostBands = 6;
+inline constexpr Real kBandGrowth = 4;
+inline constexpr int kMostBands = 11;
 
 /// How often a curved face is asked for one more point of its rim (count), and how far the direction leans towards that
 /// (tangent): more than the rounding of n, and less than any visible angle. Larger: a point of another face, which the
