@@ -73,6 +73,18 @@ struct FeaturesFromPosition final : SpoiledContacts<D> {
   }
 };
 
+/// Numbers that follow from which point is the deepest: where faces lie flat on each other, rounding says which.
+template <int D>
+struct FeaturesFromDepth final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override {
+    std::uint64_t deepest = 0;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(m.count); ++i) {
+      if (m.points[i].separation < m.points[deepest].separation) deepest = i;
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) m.points[i].feature = 8 * deepest + i;
+  }
+};
+
 /// The vertices of B that are near A's face, wherever the face ends.
 template <int D>
 struct Unclipped final : SpoiledContacts<D> {

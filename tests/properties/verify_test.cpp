@@ -392,6 +392,7 @@ TEST(Verify, WrongContactGeneratorsAreFound) {
   generatorIsFound<NoEdgeContacts>("");
   generatorIsFound<OnlyOnePoint>("resting_faces");
   generatorIsFound<FeaturesFromPosition>("resting_faces");
+  generatorIsFound<FeaturesFromDepth>("resting_faces");
 }
 
 TEST(Verify, WrongDimensionIsTheUsersMistake) {
