@@ -51,10 +51,10 @@ inline bool isForemost(const Core3& c1, const Core3& c2, const EdgeAxis3& axis, 
 /// Two edges span a face of the Minkowski difference when their arcs on the Gauss map cross (Gregorius, GDC 2013); only
 /// those are projected. A segment's arc is a whole great circle. The arc between two faces of a sliver is half a circle
 /// but for the rounding of their normals, which may turn it to the wrong side, hence the look at the cores themselves.
-/// Counts the axes that were projected.
-inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real limit, Real rounding, std::vector<Real>& along,
-                           WorkDone& work) {
-  EdgeAxis3 best;
+/// No edges (-1) when none separates by more than `least`. Counts the axes that were projected.
+inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real least, Real limit, Real rounding,
+                           std::vector<Real>& along, WorkDone& work) {
+  EdgeAxis3 best{.separation = least};
   const int faces2 = c2.faceCount();
   if (along.size() < static_cast<std::size_t>(faces2)) along.resize(static_cast<std::size_t>(faces2));
   Real* const alongEdge1 = along.data();  // the components of shape 2's face normals along edge 1

@@ -76,7 +76,8 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
     if (axes.face2.separation > pair.limit) return;
     axes.face1 = bestFace(c1, c2, pair.limit);
     if (axes.face1.separation > pair.limit) return;
-    axes.edges = bestEdges(c1, c2, pair.limit, pair.rounding, s.along, work);
+    const Real least = axes.best() - pair.tolerance;  // less than that is no match for a face
+    axes.edges = bestEdges(c1, c2, least, pair.limit, pair.rounding, s.along, work);
     if (axes.edges.separation > pair.limit) return;
   }
   // Shape 1's face is preferred unless shape 2's is clearly better, and faces unless an edge pair is clearly better:
