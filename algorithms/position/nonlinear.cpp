@@ -17,11 +17,15 @@ class Nonlinear final : public PositionResolver<D> {
   struct Params {
     Real iterationFactor = 4;
     Real slop = kLinearSlop;
+    // A move deepens the contacts beside it, by less: mended to the last bit, those of a 3D pyramid take every move
+    // that they may. This is 0.2 % of the slop and a sixth of those moves.
+    Real tolerance = Real(1e-5);
     Real angularLimit = Real(0.2);
     ExtremeSearch search = ExtremeSearch::tree;
     void visit(ParamVisitor& v) {
       v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of moves, as a multiple of the contacts");
       v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
+      v.real("tolerance", tolerance, 0, 1, "m", "depth of a contact beyond the slop that is not worth a move");
       v.real("angular_limit", angularLimit, 0, 2, "rad", "largest turn in one move; the rest is made up by moving");
       v.choice("search", search, {"scan", "tree"}, "how the deepest contact is found; the result is the same");
     }
@@ -116,7 +120,8 @@ class Nonlinear final : public PositionResolver<D> {
     Vec<D> rA = bodies.pose[a].q * item.localA, rB = bodies.pose[b].q * item.localB;
     const Vec<D> gap = (bodies.pose[b].p - bodies.pose[a].p) + rB - rA;
     rA += gap / 2, rB -= gap / 2;
-    return {item.normal, cross(rA, item.normal), cross(rB, item.normal), -gap.dot(item.normal) - m_params.slop};
+    const Real depth = -gap.dot(item.normal) - m_params.slop;
+    return {item.normal, cross(rA, item.normal), cross(rB, item.normal), depth > m_params.tolerance ? depth : Real(0)};
   }
   Place jointPlace(const Bodies<D>& bodies, const Item& item) {
     jointRows(m_joints[static_cast<std::size_t>(item.joint)], bodies, m_rows);

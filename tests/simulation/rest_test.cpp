@@ -51,5 +51,33 @@ void everySolverStays() {
 TEST(Rest, EverySolverStays2) { everySolverStays<2>(); }
 TEST(Rest, EverySolverStays3) { everySolverStays<3>(); }
 
+// Steps of a pyramid, base 10, that falls 20 cm and 5 cm more with each row, and comes to rest, in which `position`
+// makes as many moves as it may: four for each contact.
+int stepsAtTheLimit(const std::string& position) {
+  World<3> world(Pipeline::parse("solver=split_solver{velocity=catto{iterations=10},position=" + position + "}"));
+  addGround(world);
+  for (int row = 0; row < 10; ++row) {
+    for (int i = 0; i < 10 - row; ++i) {
+      const Vec<3> p = at<3>(0.5 * (row + 1) + i - 5, 0.7 + 1.05 * row);
+      world.add(body<3>(Shape<3>::box(Vec<3>::Constant(Real(0.5))), p));
+    }
+  }
+  int atLimit = 0;
+  for (int i = 0; i < 30; ++i) {
+    world.step(kDt);
+    long contacts = 0;
+    for (const Manifold<3>& m : world.manifolds()) contacts += m.count;
+    const auto rows = static_cast<long>(world.profiler().frame().work[WorkCount::rowUpdates]);
+    const long moves = rows - 10 * 3 * contacts;  // less the rows of the velocities
+    EXPECT_GE(moves, 0);
+    atLimit += contacts > 0 && moves >= 4 * contacts;
+  }
+  return atLimit;
+}
+TEST(Rest, NonlinearEndsBeforeItsLimit) {
+  EXPECT_EQ(stepsAtTheLimit("nonlinear"), 0);
+  EXPECT_GT(stepsAtTheLimit("nonlinear{tolerance=0}"), 0);  // it mends what it made itself, without an end
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test
