@@ -38,7 +38,7 @@ NOT_RUN = {
     "--benchmark_out_format=json": "measures for minutes",
     "lpc verify --stage pair_query --dimension 3 --methods sat gjk_epa{iterations=20} fcl_libccd --seed 7":
         "a hundred seconds of the referee",
-    "lpc verify --cases results/found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
+    "lpc verify --cases results/verify.db.found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
 }
 # The same in a second or two.
 INSTEAD = {

@@ -376,7 +376,7 @@ Ledger ledgerOf(const VerificationOptions& options, Store& store) {
 
 std::vector<std::string> writeFoundCases(Store& store, const std::string& storePath) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(storePath).parent_path() / "found";
+  const fs::path folder = storePath + ".found";
   std::vector<std::string> out;
   const auto write = [&](const std::string& what, const std::map<std::string, std::string>& cases) {
     for (const auto& [name, text] : cases) {

@@ -47,8 +47,8 @@ Ledger ledgerOf(const VerificationOptions& options, Store& store);
 /// that its library offers, the lower end of its parameter `tolerance`. (Bullet's are constants of its build.)
 std::vector<Spec> specsToVerify(const Registered& method);
 
-/// Writes the simplest pair of each failure and the worst of each method as one file each into the folder "found"
-/// beside the store. Returns lines that say what is where.
+/// Writes the simplest pair of each failure and the worst of each method as one file each into the folder
+/// STORE.found. Returns lines that say what is where.
 std::vector<std::string> writeFoundCases(Store& store, const std::string& storePath);
 
 }  // namespace lpc::inline LPC_PRECISION

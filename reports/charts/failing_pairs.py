@@ -111,7 +111,7 @@ def _chart(context, pairs, dimension, precision):
                  "size, of the distance or, where that is more, along the normal; a wrong normal belongs to a right distance, "
                  "and the error is what the separation along it lacks; a wrong side is apart for overlapping, or the reverse. "
                  "A is blue, B orange; in 3D their shadows from one side, in which shapes that are apart may overlap. The "
-                 "inputs are in the numbers, and in found/ beside the store as files for lpc verify --cases.",
+                 "inputs are in the numbers, and in NAME.found/ beside the store NAME as files for lpc verify --cases.",
                  made_by=f"verify --stage pair_query --dimension {dimension} --precision {precision} --pairs 200")
 
 

@@ -126,21 +126,21 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_EQ(tally("crashed + refused + not_finite", "planted_half"), 0);
   EXPECT_EQ(tally("agree + tie", "closed_form"), kVerifyBlock);
   // The simplest pair of each failure is a file that can be replayed before all methods.
-  EXPECT_TRUE(std::filesystem::exists(w.path("v/found/planted_abort-crashed-2d-f64.json")));
-  EXPECT_EQ(w.lpc("verify --cases v/found/planted_half-wrong_distance-2d-f64.json").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(w.path("v/s.db.found/planted_abort-crashed-2d-f64.json")));
+  EXPECT_EQ(w.lpc("verify --cases v/s.db.found/planted_half-wrong_distance-2d-f64.json").code, 0);
   const Outcome replay =
-      w.lpc("--plugin " + kPlugin + " verify --cases v/found/planted_half-wrong_distance-2d-f64.json");
+      w.lpc("--plugin " + kPlugin + " verify --cases v/s.db.found/planted_half-wrong_distance-2d-f64.json");
   EXPECT_EQ(replay.code, 1);
   EXPECT_NE(replay.text.find("planted_half"), std::string::npos) << replay.text;
   // And the one with the largest error, of the methods that were wrong.
-  const std::string worst = "v/found/planted_half-worst-2d-f64.json", largest = ask(w.path("v/s.db"), R"(
+  const std::string worst = "v/s.db.found/planted_half-worst-2d-f64.json", largest = ask(w.path("v/s.db"), R"(
       SELECT max(max_error) FROM ledger WHERE method='planted_half' AND axis='all')");
   std::ifstream in(w.path(worst));
   const nlohmann::json kept = nlohmann::json::parse(in);
   EXPECT_NEAR(kept.at("cases").at(0).at("found").at("error").get<double>(), std::stod(largest), 1e-12);
   EXPECT_EQ(w.lpc("--plugin " + kPlugin + " verify --cases " + worst).code, 1);
-  EXPECT_FALSE(std::filesystem::exists(w.path("v/found/closed_form-worst-2d-f64.json")));
-  EXPECT_NE(run.text.find("worst pair of this method: v/found/planted_half-worst-2d-f64.json"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(w.path("v/s.db.found/closed_form-worst-2d-f64.json")));
+  EXPECT_NE(run.text.find("worst pair of this method: v/s.db.found/planted_half-worst-2d-f64.json"), std::string::npos);
 }
 
 // A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told.
