@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "experiments/lpc/command.h"
@@ -99,6 +100,7 @@ void needs(Options& o, Session& session) {
   addPlugins(sweeps[0].command, session);
   RunOptions run;
   run.plugins = session.plugins, run.quiet = o.quiet;
+  if (std::error_code none; !std::filesystem::exists(o.store, none)) checkWorkers(sweeps);  // before it is made
   {
     Store store(o.store, true);
     describeProgram(store);

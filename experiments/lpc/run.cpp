@@ -102,6 +102,7 @@ void print(const PlannedTrial& trial, const TrialResult& result) {
 std::optional<std::string> answerOf(const std::string& program, const json& request) {
   Child worker(program, request.dump(), -1, true);
   if (!worker.wait(&InterruptGuard::interrupted)) throw Interrupted();
+  if (worker.flooded()) throw std::runtime_error("the worker's output has no end");
   if (worker.signal()) throw std::runtime_error("the worker crashed with signal " + std::to_string(worker.signal()));
   if (worker.exitCode() == 2) return std::nullopt;
   if (worker.exitCode()) throw std::runtime_error("the worker ended with " + std::to_string(worker.exitCode()));
@@ -132,7 +133,7 @@ void runScene(const Options& o, Session& session) {
   std::optional<std::string> answer;
   try {
     answer = answerOf(workerPath(o.precision, trial.canonical.contains("engine")), request);
-  } catch (const Interrupted&) {
+  } catch (...) {
     for (const std::string& path : {o.record, o.profile}) {
       if (!path.empty()) OutputFile::discard(path);
     }
@@ -142,7 +143,12 @@ void runScene(const Options& o, Session& session) {
     session.exitCode = 2;
     return;
   }
-  const TrialResult result = resultFromJson(json::parse(*answer));
+  TrialResult result;
+  try {
+    result = resultFromJson(json::parse(*answer));
+  } catch (const json::exception&) {
+    throw std::runtime_error("the worker's result cannot be read");
+  }
   if (o.asJson) {
     std::printf("%s\n", answer->c_str());
   } else {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "experiments/film/falls.h"
@@ -61,6 +62,7 @@ void sweep(Options& o, Session& session) {
     for (const PlannedSweep& s : sweeps) printPlan(s);
     return;
   }
+  if (std::error_code none; !std::filesystem::exists(o.store, none)) checkWorkers(sweeps);  // before it is made
   Store store(o.store, true);
   describeProgram(store);
   o.run.partial = !o.only.empty();

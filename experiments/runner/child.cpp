@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <sched.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,15 +13,26 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
 #include "framework/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 
-Child::Child(const std::string& program, const std::string& input, int core, bool showErrors)
-    : m_start(std::chrono::steady_clock::now()) {
-  int in[2], out[2], err[2];
-  if (pipe2(in, O_CLOEXEC) || pipe2(out, O_CLOEXEC) || pipe2(err, O_CLOEXEC)) {
+// What is read of a child at once: one that writes without end is looked after all the same.
+constexpr std::size_t kAtOnce = 16 << 20;
+
+Child::Child(const std::string& program, std::string input, int core, bool showErrors)
+    : m_input(std::move(input)), m_start(std::chrono::steady_clock::now()) {
+  start(program, core, showErrors);
+  feed();
+}
+
+void Child::start(const std::string& program, int core, bool showErrors) {
+  int in[2], out[2], err[2], fault[2];
+  // A socket, since it can be told not to raise SIGPIPE. `fault` is closed by exec, and tells why there was none.
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in) || pipe2(out, O_CLOEXEC) || pipe2(err, O_CLOEXEC) ||
+      pipe2(fault, O_CLOEXEC)) {
     throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
   }
   std::fflush(nullptr);
@@ -39,20 +51,24 @@ Child::Child(const std::string& program, const std::string& input, int core, boo
     }
     dup2(in[0], 0), dup2(out[1], 1);
     if (!showErrors) dup2(err[1], 2);
-    ::signal(SIGINT, SIG_DFL);
+    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) ::signal(signal, SIG_DFL);  // exec keeps what is ignored
     execl(program.c_str(), program.c_str(), static_cast<char*>(nullptr));
+    const int why = errno;
+    while (write(fault[1], &why, sizeof why) < 0 && errno == EINTR) continue;
     _exit(127);
   }
-  close(in[0]), close(out[1]), close(err[1]);
-  m_out = out[0], m_err = err[0];
+  close(in[0]), close(out[1]), close(err[1]), close(fault[1]);
+  m_in = in[1], m_out = out[0], m_err = err[0];
   for (int descriptor : {m_out, m_err}) fcntl(descriptor, F_SETFL, O_NONBLOCK);
-  std::size_t sent = 0;
-  while (sent < input.size()) {  // a worker reads all of it before it writes
-    const ssize_t n = write(in[1], input.data() + sent, input.size() - sent);
-    if (n <= 0 && errno != EINTR) break;  // it ended already; poll() will say how
-    if (n > 0) sent += static_cast<std::size_t>(n);
-  }
-  close(in[1]);
+  int why = 0;
+  ssize_t told = 0;
+  while ((told = read(fault[0], &why, sizeof why)) < 0 && errno == EINTR) continue;
+  close(fault[0]);
+  if (told <= 0) return;
+  waitpid(m_pid, nullptr, 0);
+  for (int descriptor : {m_in, m_out, m_err}) close(descriptor);
+  throw UserError(program + ": cannot be started: " + std::strerror(why) +
+                  "; valid: a program of the build, in the folder that LPC_WORKERS names where it is set");
 }
 
 Child::~Child() {
@@ -60,16 +76,31 @@ Child::~Child() {
     kill();
     waitpid(m_pid, nullptr, 0);
   }
-  if (m_out >= 0) close(m_out);
-  if (m_err >= 0) close(m_err);
+  for (int descriptor : {m_in, m_out, m_err}) {
+    if (descriptor >= 0) close(descriptor);
+  }
+}
+
+void Child::feed() {
+  while (m_in >= 0) {
+    const ssize_t n = send(m_in, m_input.data() + m_given, m_input.size() - m_given, MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return;
+    if (n > 0) m_given += static_cast<std::size_t>(n);
+    if (n > 0 && m_given < m_input.size()) continue;
+    close(m_in);  // all is given, or it reads no more; poll() will say how it ended
+    m_in = -1, m_input = {};
+  }
 }
 
 void Child::drain(int& descriptor, std::string& into) {
   char buffer[65536];
-  while (descriptor >= 0) {
+  for (std::size_t taken = 0; descriptor >= 0 && taken < kAtOnce;) {
     const ssize_t n = read(descriptor, buffer, sizeof buffer);
     if (n > 0) {
-      into.append(buffer, static_cast<std::size_t>(n));
+      taken += static_cast<std::size_t>(n);
+      m_flooded = m_flooded || into.size() + static_cast<std::size_t>(n) > kMostOutput;
+      if (!m_flooded) into.append(buffer, static_cast<std::size_t>(n));
     } else if (n == 0) {
       close(descriptor);
       descriptor = -1;
@@ -79,31 +110,44 @@ void Child::drain(int& descriptor, std::string& into) {
   }
 }
 
-bool Child::poll() {
-  if (m_ended) return true;
+void Child::takeOutput() {
   drain(m_out, m_output);
   drain(m_err, m_errors);
   if (m_errors.size() > 65536) m_errors.erase(0, m_errors.size() - 4096);
+}
+
+bool Child::poll() {
+  if (m_ended) return true;
+  feed();
+  takeOutput();
+  if (m_flooded) kill();
   int status = 0;
   if (waitpid(m_pid, &status, WNOHANG) != m_pid) return false;
-  drain(m_out, m_output);
-  drain(m_err, m_errors);
+  takeOutput();
   m_ended = true;
   if (WIFSIGNALED(status)) m_signal = WTERMSIG(status);
   if (WIFEXITED(status)) m_exit = WEXITSTATUS(status);
   return true;
 }
 
+bool Child::addTo(std::vector<pollfd>& descriptors) const {
+  if (m_in >= 0) descriptors.push_back({m_in, POLLOUT, 0});
+  if (m_out >= 0) descriptors.push_back({m_out, POLLIN, 0});
+  return m_out >= 0;
+}
+
 bool Child::wait(bool (*stop)()) {
   while (!poll()) {
     if (stop()) return false;
-    pollfd p{m_out, POLLIN, 0};
-    ::poll(&p, m_out >= 0 ? 1 : 0, 20);
+    std::vector<pollfd> descriptors;
+    addTo(descriptors);
+    ::poll(descriptors.data(), descriptors.size(), 20);
   }
   return true;
 }
 
-void Child::kill() { ::kill(m_pid, SIGKILL); }
+// With what it has started itself: it leads a group.
+void Child::kill() { ::kill(-m_pid, SIGKILL); }
 
 double Child::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - m_start).count();

@@ -5,8 +5,11 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "framework/space.h"
+
+struct pollfd;
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -14,14 +17,18 @@ namespace lpc::inline LPC_PRECISION {
 /// terminal does not reach it: the parent decides.
 class Child {
  public:
-  /// `core` >= 0 pins it to that processor. `showErrors`: its stderr goes to this program's.
-  Child(const std::string& program, const std::string& input, int core, bool showErrors);
+  /// `core` >= 0 pins it to that processor. `showErrors`: its stderr goes to this program's. Throws UserError for a
+  /// program that cannot be started. The input is given as the child takes it, by `poll`.
+  Child(const std::string& program, std::string input, int core, bool showErrors);
   ~Child();  // kills it when it still runs
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Takes what it has written since; true when it has ended.
+  /// Gives what it reads, takes what it has written since; true when it has ended. One that writes more than
+  /// kMostOutput is killed.
   bool poll();
+  /// Adds what poll(2) shall wait for; false where it has closed its output, and is about to end.
+  bool addTo(std::vector<pollfd>& descriptors) const;
   /// False when `stop` says so before it has ended.
   bool wait(bool (*stop)());
   void kill();
@@ -35,16 +42,22 @@ class Child {
   std::string lastError() const;
   int signal() const { return m_signal; }  // that ended it, 0 for none
   int exitCode() const { return m_exit; }
-  int outputDescriptor() const { return m_out; }
+  bool flooded() const { return m_flooded; }  // it was killed for all that it wrote
+
+  static constexpr std::size_t kMostOutput = 1 << 30;  // bytes
 
  private:
+  void start(const std::string& program, int core, bool showErrors);
+  void feed();
   void drain(int& descriptor, std::string& into);
+  void takeOutput();
 
   pid_t m_pid = -1;
-  int m_out = -1, m_err = -1;
+  int m_in = -1, m_out = -1, m_err = -1;
   int m_signal = 0, m_exit = 0;
-  std::string m_output, m_errors;
-  bool m_ended = false;
+  std::string m_input, m_output, m_errors;
+  std::size_t m_given = 0;  // of the input
+  bool m_ended = false, m_flooded = false;
   std::chrono::steady_clock::time_point m_start;
 };
 

@@ -180,6 +180,20 @@ class Scheduler {
 
 }  // namespace
 
+void checkWorkers(const std::vector<PlannedSweep>& sweeps) {
+  std::set<std::pair<std::string, bool>> workers;
+  const auto add = [&](const PlannedTrial& t) {
+    if (t.unsupported.empty()) workers.emplace(t.canonical.at("precision"), t.canonical.contains("engine"));
+  };
+  for (const PlannedSweep& sweep : sweeps) {
+    for (const PlannedTrial& t : sweep.trials) add(t);
+    for (const CalibratedCell& cell : sweep.calibrated) {
+      for (const PlannedTrial& t : cell.plan(1)) add(t);
+    }
+  }
+  for (const auto& [precision, engine] : workers) checkWorker(precision, engine);
+}
+
 RunSummary runSweeps(std::vector<PlannedSweep>& sweeps, Store& store, const RunOptions& options) {
   const InterruptGuard interrupts;
   Scheduler scheduler(store, options);

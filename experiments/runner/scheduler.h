@@ -28,6 +28,9 @@ struct RunSummary {
   long left() const { return planned - shared - skipped - run; }
 };
 
+/// Throws UserError where a worker of these sweeps cannot be started.
+void checkWorkers(const std::vector<PlannedSweep>& sweeps);
+
 /// Runs what the store lacks: first all untimed trials, one worker per core, then timed ones, one at a time on a core
 /// of its own, in a shuffled order that is the same every time. Each trial is in the store when it has finished. Ctrl-C
 /// kills the workers and returns. Sweeps that are calibrated are so first, and get their trials by it.

@@ -265,19 +265,26 @@ class Verification {
       m_jobs[m_nextJob++] = std::move(job);
       return true;
     }
+    return false;
   }
 
-  void collect(const WorkerEnd& end) {
+  void collect(WorkerEnd end) {
     const Part part = m_parts.at(end.job);
     m_parts.erase(end.job);
     Job& job = m_jobs.at(part.job);
     if (end.outcome == "unsupported") throw UserError(end.reason);
+    Verified verified;
+    try {
+      if (end.outcome == "ok") verified = verifiedFromJson(json::parse(end.output));
+    } catch (const json::exception&) {
+      end.outcome = "crash", end.reason = "the worker's result cannot be read";
+    }
     if (end.outcome != "ok") {
       if (!part.ended.empty()) throw std::runtime_error("verify: " + end.reason);
       split(part, job, end.outcome == "timeout" ? "hung" : "crashed");
       return;
     }
-    job.verified.add(verifiedFromJson(json::parse(end.output)));
+    job.verified.add(verified);
     if (--job.open > 0) return;
     m_store.addVerified(job.blocks, job.verified);
     m_summary.asked += job.count;
@@ -352,7 +359,10 @@ std::vector<Spec> specsToVerify(const Registered& method) {
   return out;
 }
 
-void checkVerification(const VerificationOptions& options) { Plan{options}; }
+void checkVerification(const VerificationOptions& options) {
+  Plan{options};
+  for (const std::string& precision : options.precisions) checkWorker(precision, false);
+}
 
 VerificationSummary runVerification(const VerificationOptions& options, Store& store) {
   const InterruptGuard interrupts;

@@ -32,6 +32,10 @@ double loadAverage() {
   return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string memoryText(double bytes, double most) {
+  return fmt::format("{:.2f} GiB, over {:.2f} GiB", bytes / 1073741824.0, most / 1073741824.0);
+}
+
 }  // namespace
 
 WorkerPool::WorkerPool(const std::vector<std::string>& plugins) {
@@ -66,11 +70,8 @@ std::vector<WorkerEnd> WorkerPool::ended() {
 
 void WorkerPool::waitForOutput() {
   std::vector<pollfd> descriptors;
-  for (const Running& r : m_running) {
-    if (r.child->outputDescriptor() >= 0) descriptors.push_back({r.child->outputDescriptor(), POLLIN, 0});
-  }
-  // A worker that has closed its output is about to end: look again soon.
-  const bool ending = descriptors.size() < m_running.size();
+  bool ending = false;  // look again soon
+  for (const Running& r : m_running) ending = !r.child->addTo(descriptors) || ending;
   ::poll(descriptors.data(), descriptors.size(), ending ? 1 : 50);
 }
 
@@ -79,8 +80,9 @@ void WorkerPool::guard(Running& r) {
   if (r.child->seconds() > r.limits.seconds) {
     r.killedFor = "timeout", r.why = fmt::format("no result within {:g} s", r.limits.seconds);
   } else if (const double bytes = static_cast<double>(r.child->residentBytes()); bytes > r.limits.bytes) {
-    r.killedFor = "out_of_memory";
-    r.why = fmt::format("{:.2f} GiB, over {:.2f} GiB", bytes / 1073741824.0, r.limits.bytes / 1073741824.0);
+    r.killedFor = "out_of_memory", r.why = memoryText(bytes, r.limits.bytes);
+  } else if (const double told = static_cast<double>(r.child->output().size()); told > r.limits.bytes) {
+    r.killedFor = "out_of_memory", r.why = "its output has " + memoryText(told, r.limits.bytes);
   }
   if (!r.killedFor.empty()) r.child->kill();
 }
@@ -92,6 +94,8 @@ WorkerEnd WorkerPool::endOf(const Running& r) {
       .job = r.job, .reason = last, .output = {}, .started = r.started, .load = r.load, .seconds = c.seconds()};
   if (!r.killedFor.empty()) {
     end.outcome = r.killedFor, end.reason = r.why;
+  } else if (c.flooded()) {
+    end.outcome = "out_of_memory", end.reason = "its output has no end";
   } else if (c.signal()) {
     end.outcome = "crash";
     end.reason = fmt::format("signal {} ({}){}{}", c.signal(), strsignal(c.signal()), last.empty() ? "" : ": ", last);
@@ -99,11 +103,15 @@ WorkerEnd WorkerPool::endOf(const Running& r) {
     end.outcome = "unsupported";
   } else if (c.exitCode() != 0) {
     end.outcome = last.find("bad_alloc") != std::string::npos ? "out_of_memory" : "crash";
-    end.reason = fmt::format("exit code {}: {}", c.exitCode(), last);
+    end.reason = fmt::format("exit code {}{}{}", c.exitCode(), last.empty() ? "" : ": ", last);
   } else {
     end.output = c.output();
   }
   return end;
+}
+
+void checkWorker(const std::string& precision, bool engine) {
+  const Child started(workerPath(precision, engine), "", -1, false);  // and killed
 }
 
 InterruptGuard::InterruptGuard() {

@@ -57,6 +57,9 @@ class WorkerPool {
   std::vector<Running> m_running;
 };
 
+/// Throws UserError where trials of this precision, or those of engines, have no worker that can be started.
+void checkWorker(const std::string& precision, bool engine);
+
 /// Ctrl-C and SIGTERM set a flag while this lives.
 class InterruptGuard {
  public:

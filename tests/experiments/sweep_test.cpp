@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Sweeps: planning, keys, outcomes, merging. What every store keeps to: sweep_rules_test.cpp.
+#include <regex>
+
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/sweep_file.h"
+#include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -142,6 +145,60 @@ TEST(SweepRun, theLastLineAddsUp) {
   EXPECT_EQ(w.lpc(run).text,
             "s.db: 10 trials planned, 2 were done, 6 run, 3 of these not ok (3 ok, 3 wrong), 2 shared\n");
   EXPECT_EQ(w.lpc(run).text, "s.db: 10 trials planned, 8 were done, 0 run, 0 of these not ok, 2 shared\n");
+}
+
+// A program in the place of all workers, in the folder "workers".
+std::string workers(const Workspace& w, const std::string& text, bool executable = true) {
+  std::filesystem::create_directory(w.path("workers"));
+  for (const char* name : {"workers/lpc-worker-f64", "workers/lpc-worker-f32"}) {
+    const std::string path = w.write(name, text);
+    if (executable) std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  }
+  return "LPC_WORKERS=" + w.path("workers");
+}
+
+// Whatever a worker does, the sweep goes on; what it was killed for, it was killed for.
+TEST(SweepRun, aWorkerOfAnyKindIsARow) {
+  Workspace w;
+  w.write("s.toml", boxes("n = [8, 16, 24]\nbroadphase = \"naive\"\n", "wall_limit = 5\nmemory_limit = 0.02\n"));
+  const std::pair<const char*, const char*> kinds[] = {
+      {"exit 1", "crash: exit code 1"},
+      {"echo no >&2; exit 3", "crash: exit code 3: no"},
+      {"exit 0", "crash: the worker's result cannot be read"},
+      {"exec 0<&-; kill -9 $$", "crash: signal 9 (Killed)"},
+      {"exec yes", "out_of_memory: its output has 0.0"},
+  };
+  for (const auto& [text, row] : kinds) {
+    const std::string environment = workers(w, std::string("#!/bin/sh\n") + text + "\n");
+    const Outcome run = w.lpc("sweep s.toml --store s.db --quiet --retry", environment);
+    EXPECT_EQ(run.code, 0) << text << "\n" << run.text;
+    const std::string rows = "SELECT count(*) FROM trial WHERE outcome || ': ' || reason LIKE '";
+    EXPECT_EQ(ask(w.path("s.db"), rows + std::regex_replace(row, std::regex("'"), "''") + "%'"), "3") << text;
+  }
+  EXPECT_EQ(w.lpc("sweep s.toml --store s.db --quiet --retry").code, 0);
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "3");
+}
+
+// A worker that cannot be started is one line, and no store is made.
+TEST(SweepRun, noWorkerEndsIt) {
+  Workspace w;
+  w.write("s.toml", boxes("n = [8, 16]\nbroadphase = \"naive\"\n"));
+  for (const bool executable : {false, true}) {
+    const std::string environment = workers(w, "no program", executable);
+    for (const char* command : {"sweep s.toml --store s.db", "verify --store s.db", "run box_drop --record s.rec",
+                                "needs box_drop --store s.db"}) {
+      const Outcome out = w.lpc(command, environment);
+      EXPECT_EQ(out.code, 2) << command << "\n" << out.text;
+      EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+      EXPECT_NE(out.text.find("lpc-worker-f64: cannot be started: "), std::string::npos) << out.text;
+      EXPECT_FALSE(std::filesystem::exists(w.path("s.db")) || std::filesystem::exists(w.path("s.rec.partial")))
+          << command;
+    }
+  }
+  // With all done nobody is started.
+  ASSERT_EQ(w.lpc("sweep s.toml --store s.db --quiet").code, 0);
+  EXPECT_EQ(w.lpc("sweep s.toml --store s.db --quiet", workers(w, "no program")).code, 0);
+  EXPECT_EQ(w.lpc("sweep s.toml --store s.db --quiet --set n=9", workers(w, "no program")).code, 2);
 }
 
 TEST(SweepRun, aRepeatWithAnotherHashIsNondeterministic) {
