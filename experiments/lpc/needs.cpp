@@ -103,6 +103,7 @@ void needs(Options& o, Session& session) {
   if (std::error_code none; !std::filesystem::exists(o.store, none)) checkWorkers(sweeps);  // before it is made
   {
     Store store(o.store, true);
+    store.claim();
     describeProgram(store);
     if (runSweeps(sweeps, store, run).stopped) {
       std::printf("stopped; the same command continues\n");

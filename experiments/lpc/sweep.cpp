@@ -64,6 +64,7 @@ void sweep(Options& o, Session& session) {
   }
   if (std::error_code none; !std::filesystem::exists(o.store, none)) checkWorkers(sweeps);  // before it is made
   Store store(o.store, true);
+  store.claim();
   describeProgram(store);
   o.run.partial = !o.only.empty();
   o.run.plugins = session.plugins;

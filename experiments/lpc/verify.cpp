@@ -74,6 +74,7 @@ void verify(Arguments& a, Session& session) {
   a.options.plugins = session.plugins;
   checkVerification(a.options);  // before a store is made
   Store store(a.store, true);
+  store.claim();
   describeProgram(store);
   const VerificationSummary done = runVerification(a.options, store);
   const int faults = printLedger(ledgerOf(a.options, store), std::cout);

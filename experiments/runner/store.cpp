@@ -123,6 +123,8 @@ Store::Store(const std::string& path, bool create) try
   failStore(path, e);
 }
 
+void Store::claim() { m_lock.emplace(m_db.getFilename()); }
+
 std::optional<std::string> Store::outcome(const std::string& key) try {
   SQLite::Statement s(m_db, "SELECT outcome FROM trial WHERE key=?");
   s.bind(1, key);

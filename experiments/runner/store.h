@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/runner/store_lock.h"
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
@@ -35,6 +36,8 @@ class Store {
  public:
   /// Opens it; makes it when `create`. Throws UserError for a file that is no store or has another schema.
   Store(const std::string& path, bool create);
+  /// For whoever runs what it lacks: alone, until this is gone. Throws UserError while another process does.
+  void claim();
 
   /// The outcome of a trial, if it was run.
   std::optional<std::string> outcome(const std::string& key);
@@ -80,6 +83,7 @@ class Store {
   void forgetCells(const PlannedSweep& sweep);  // that are planned anew
   void mergeLedger();                           // from the attached store `other`
 
+  std::optional<StoreLock> m_lock;  // goes after the database
   SQLite::Database m_db;
   long m_machine = 0;
   std::string m_commit;

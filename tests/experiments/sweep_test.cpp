@@ -241,6 +241,32 @@ TEST(SweepRun, interruptKeepsWhatWasFinished) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "6");
 }
 
+// Of two on one store, the second is told who has it, and leaves it alone; readers do not wait.
+TEST(SweepRun, oneRunnerAtATime) {
+  Workspace w;
+  w.write("s.toml", boxes("n = 8\nbroadphase = [\"naive\", \"planted_hang\"]\n", "wall_limit = 1000\n"));
+  const std::string sweep = "--plugin " + kPlugin + " sweep s.toml --quiet --store s.db";
+  test::Process first(w, sweep);
+  ASSERT_TRUE(first.isBusy(w.path("s.db"))) << first.said();
+  while (!first.ended() && ask(w.path("s.db"), "SELECT count(*) FROM trial") != "1") usleep(1000);
+  const std::string before = timeless(w.path("s.db"));
+  std::filesystem::create_symlink("s.db", w.path("other_name.db"));
+  for (const std::string& second : {sweep, std::string("sweep s.toml --only naive --store other_name.db"),
+                                    std::string("verify --store s.db"), std::string("needs box_drop --store s.db")}) {
+    const Outcome out = w.lpc((second == sweep ? "" : "--plugin " + kPlugin + " ") + second);
+    EXPECT_EQ(out.code, 2) << second << "\n" << out.text;
+    EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+    EXPECT_NE(out.text.find("process " + std::to_string(first.pid()) + ")"), std::string::npos) << out.text;
+  }
+  EXPECT_EQ(timeless(w.path("s.db")), before);
+  EXPECT_EQ(w.lpc(sweep + " --dry-run").code, 0);
+  EXPECT_EQ(w.lpc("merge other.db s.db").text, "s.db: 1 trials taken over\n");
+  // It goes with its holder, however that ends, and no worker has it.
+  first.signal(SIGKILL);
+  first.wait();
+  EXPECT_EQ(w.lpc("--plugin " + kPlugin + " sweep s.toml --quiet --store s.db --only naive").code, 0);
+}
+
 TEST(Store, merges) {
   Workspace w;
   w.write("a.toml", boxes("n = [8, 16]\nbroadphase = \"naive\"\n"));
