@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "experiments/film/film.h"
 #include "experiments/lpc/command.h"
@@ -15,7 +16,8 @@ struct Options {
 };
 
 void replay(const Options& o) {
-  const InterruptGuard interrupts;
+  std::optional<InterruptGuard> interrupts;  // a film leaves nothing half-written
+  if (!o.film.empty()) interrupts.emplace();
   if (!o.beside.empty()) {
     std::printf("%s\n", compareRecordings(o.recording, o.beside, o.tolerance, o.film).c_str());
     return;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // What works on stores that exist: merge, import-benchmark, report.
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -76,6 +78,7 @@ int runProgram(const std::vector<std::string>& arguments) {
   std::fflush(nullptr);
   const pid_t pid = fork();
   if (pid == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // it does not go on alone
     execvp(argv[0], argv.data());
     _exit(127);
   }

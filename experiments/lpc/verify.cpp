@@ -51,11 +51,13 @@ void readChoices(Arguments& a) {
 
 // The table goes into a CSV file, and into a store for its report, where one is named.
 int verifyCaseFile(const Arguments& a) {
-  std::unique_ptr<OutputFile> csv;
-  if (!a.csv.empty()) csv = std::make_unique<OutputFile>(a.csv);
+  if (!a.csv.empty()) const OutputFile possible(a.csv);  // and gone: nothing lies there when this is stopped
   std::ostringstream table;
   const int exitCode = verifyCases(a.cases, std::cout, &table);
-  if (csv) csv->stream() << table.str(), csv->finish();
+  if (!a.csv.empty()) {
+    OutputFile csv(a.csv);
+    csv.stream() << table.str(), csv.finish();
+  }
   if (a.storeNamed) {
     Store store(a.store, true);
     describeProgram(store);

@@ -33,8 +33,9 @@ class Scheduler {
   RunSummary run(const std::vector<PlannedSweep>& sweeps) {
     std::vector<Job> untimed, timed;
     for (const PlannedSweep& sweep : sweeps) {
+      m_summary.planned += static_cast<long>(sweep.trials.size());
       for (const PlannedTrial& t : sweep.trials) {
-        ++m_summary.planned;
+        if (InterruptGuard::interrupted()) break;
         const bool isDone = done(t.key);
         if (!m_seen.insert(t.key).second) {
           ++m_summary.shared;

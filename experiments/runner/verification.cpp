@@ -232,7 +232,7 @@ class Verification {
 
   // Walks over rounds of blocks, and in each over all subjects, so that a run that is stopped has asked of everything.
   bool nextJob() {
-    for (;;) {
+    while (!InterruptGuard::interrupted()) {
       if (m_subject == m_subjects.size()) m_subject = 0, m_round += m_blocksPerJob, m_block = m_round;
       const bool timeIsOver = m_options.minutes > 0 && seconds() > 60 * m_options.minutes;
       const long blocks = (m_options.pairs + kVerifyBlock - 1) / kVerifyBlock;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Zlib
+// What is stopped while it is busy ends, leaves nothing half-written, and can be gone on with. (Films: film_test.cpp.)
+#include "tests/experiments/process.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::ask;
+using test::Process;
+using test::Workspace;
+
+TEST(Interrupt, EndsWhateverIsUnderWay) {
+  Workspace w;
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"boxes\"\nwall_limit = 1000\n[axes]\ndimension = 2\ndistribution = \"uniform\"\n"
+          "frames = 12\nn = [8, 16, 24]\nbroadphase = [\"planted_hang\", \"naive\"]\n");
+  const std::string sweep = "--plugin " LPC_BINARY_DIR "/lib/liblpc_planted.so sweep s.toml --store s.db";
+  const std::pair<std::string, const char*> commands[] = {
+      // and what is there when they are at work
+      {sweep, "s.db"},
+      {"verify --minutes 100 --store v.db", "v.db"},
+      {"verify --pairs 1000000 --store v.db", "v.db"},
+      {"needs pyramid --param base=6 --seeds 50 --store n.db", "n.db"},
+      {"run pyramid --steps 100000000 --record r.rec --profile p.csv", "r.rec.partial"},
+      {"run pyramid --steps 100000000 --film f.svg", ""},
+  };
+  for (const auto& [command, file] : commands) {
+    for (const int signal : {SIGTERM, SIGINT}) {
+      if (*file) std::filesystem::remove(w.path(file));
+      Process process(w, command);
+      ASSERT_TRUE(process.isBusy(w.path(file))) << command << "\n" << process.said();
+      process.signal(signal);
+      EXPECT_EQ(process.wait(), 130) << command << "\n" << process.said();
+      EXPECT_NE(process.said().find("stopped"), std::string::npos) << command << "\n" << process.said();
+    }
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(w.path(""))) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name == "said" || name == "s.toml" || name.ends_with(".db")) << name;
+  }
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome != 'ok'"), "0");
+  EXPECT_EQ(w.lpc(sweep + " --only naive --quiet").code, 0);
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial"), "3");
+}
+
+// Cases are asked in the program itself, which ends by the signal.
+TEST(Interrupt, EndsCases) {
+  Workspace w;
+  Process process(w, "verify --cases " LPC_SOURCE_DIR "/tests/regressions/hard_cases.json --csv x.csv");
+  ASSERT_TRUE(process.isBusy(w.path(""))) << "no witness was started";
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 128 + SIGTERM);
+  for (const auto& entry : std::filesystem::directory_iterator(w.path(""))) EXPECT_EQ(entry.path().filename(), "said");
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
