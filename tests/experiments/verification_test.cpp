@@ -2,8 +2,6 @@
 // `lpc verify` as a program: blocks, resuming, lost workers, kept failures.
 #include "experiments/runner/verification.h"
 
-#include <sys/wait.h>
-
 #include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
@@ -11,6 +9,8 @@
 
 #include "experiments/runner/store.h"
 #include "framework/random.h"
+#include "tests/check_property.h"
+#include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -75,7 +75,7 @@ TEST(Verification, ChangedCodeStartsAnew) {
   EXPECT_EQ(ledgerText(store), before);
 }
 
-// Killed at random moments and started again, it ends with what an uninterrupted one has.
+// Killed at random moments, its workers too, and started again, it ends with what an uninterrupted one has.
 TEST(Verification, ResumesAfterSigkill) {
   Workspace w;
   const std::string arguments =
@@ -83,22 +83,18 @@ TEST(Verification, ResumesAfterSigkill) {
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(w.lpc(arguments + "whole.db").code, 0);
   const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
-  Random random(7);
-  int kills = 0;
-  for (int turn = 0; turn < 6; ++turn) {
-    const pid_t pid = fork();
-    if (pid == 0) {
-      if (chdir(w.path("").c_str()) != 0 || !std::freopen("/dev/null", "w", stdout)) _exit(1);
-      execl("/bin/sh", "sh", "-c", ("exec " LPC_BINARY_DIR "/bin/lpc " + arguments + "pieces.db").c_str(),
-            static_cast<char*>(nullptr));
-      _exit(127);
-    }
-    std::this_thread::sleep_for(took * (10 + static_cast<long>(random.below(40))) / 100);
-    kill(pid, SIGKILL);
-    int status = 0;
-    waitpid(pid, &status, 0);
-    kills += WIFSIGNALED(status);
+  Random random(test::seedOf("verify, killed"));
+  int kills = 0, workers = 0;
+  for (int turn = 0; turn < test::caseCount(6); ++turn) {
+    test::Process verify(w, arguments + "pieces.db");
+    const auto wait = [&] { std::this_thread::sleep_for(took * (5 + static_cast<long>(random.below(20))) / 100); };
+    wait();
+    for (const pid_t worker : verify.workers()) workers += kill(worker, SIGKILL) == 0;
+    wait();
+    verify.signal(SIGKILL);
+    kills += verify.wait() == 128 + SIGKILL;
   }
+  EXPECT_GT(workers, 0);
   EXPECT_GT(kills, 0);
   const Outcome last = w.lpc(arguments + "pieces.db");
   ASSERT_EQ(last.code, 0) << last.text;
