@@ -175,6 +175,7 @@ TEST(SweepRun, aWorkerOfAnyKindIsARow) {
     const std::string rows = "SELECT count(*) FROM trial WHERE outcome || ': ' || reason LIKE '";
     EXPECT_EQ(ask(w.path("s.db"), rows + std::regex_replace(row, std::regex("'"), "''") + "%'"), "3") << text;
   }
+  w.write("s.toml", boxes("n = [8, 16, 24]\nbroadphase = \"naive\"\n"));
   EXPECT_EQ(w.lpc("sweep s.toml --store s.db --quiet --retry").code, 0);
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "3");
 }
