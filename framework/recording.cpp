@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/recording.h"
 
+#include <cmath>
 #include <cstring>
 #include <istream>
 #include <ostream>
+
+#include "framework/user_numbers.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -46,10 +49,15 @@ bool getRot(std::istream& in, Rot<3>& q) {
   return getReal(in, q.w) && getReal(in, q.x) && getReal(in, q.y) && getReal(in, q.z);
 }
 
+void require(bool sound, const char* otherwise) {
+  if (!sound) throw UserError(std::string("the recording is damaged (") + otherwise + ")");
+}
+
 template <int D>
 bool getArrival(std::istream& in, typename Recording<D>::Arrival& a) {
   std::uint32_t parts = 0;
   if (!get(in, a.slot) || !get(in, a.generation) || !get(in, a.type) || !get(in, parts)) return false;
+  require(a.slot >= 0 && a.type <= BodyType::dynamic, "a body of no known type");
   for (std::uint32_t i = 0; i < parts; ++i) {
     auto& p = a.parts.emplace_back();
     std::uint32_t vertices = 0;
@@ -57,6 +65,8 @@ bool getArrival(std::istream& in, typename Recording<D>::Arrival& a) {
         !getRot(in, p.X_CS.q) || !get(in, vertices)) {
       return false;
     }
+    require(static_cast<int>(p.kind) < kShapeKinds && kindExists(p.kind, D), "a shape of no known kind");
+    require(p.X_CS.p.allFinite() && isUnit(p.X_CS.q), "a shape has no place on its body");
     for (std::uint32_t k = 0; k < vertices; ++k) {
       if (!getVec(in, p.vertices.emplace_back(Vec<D>::Zero()))) return false;
     }
@@ -68,6 +78,7 @@ template <int D>
 bool getFrame(std::istream& in, typename Recording<D>::Frame& f) {
   std::uint32_t arrivals = 0, bodies = 0;
   if (!get(in, f.step) || !get(in, f.time) || !get(in, arrivals) || !get(in, bodies)) return false;
+  require(f.step >= 0 && std::isfinite(f.time), "a frame at no step or time");
   for (std::uint32_t i = 0; i < arrivals; ++i) {
     if (!getArrival<D>(in, f.arrivals.emplace_back())) return false;
   }
@@ -77,6 +88,7 @@ bool getFrame(std::istream& in, typename Recording<D>::Frame& f) {
         !getRot(in, b.X_WC.q)) {
       return false;
     }
+    require(b.slot >= 0 && b.awake <= 1, "a body's flag is neither 0 nor 1");
   }
   return true;
 }

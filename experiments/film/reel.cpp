@@ -15,6 +15,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+constexpr double kFarthest = 1e100;  // m: of what is larger or farther no picture has a size
 constexpr double kPi = 3.14159265358979323846;
 constexpr Colour kFixed{205, 205, 200}, kFixedEdge{120, 120, 115};
 // Bodies take turns, so that neighbours are told apart.
@@ -165,7 +166,7 @@ Sight Reel<D>::sight(double follow) const {
       for (const ShapePart<D>& part : actor->second.parts) {
         const Vec<2> at = camera.flat(body.X_WC * part.X_SP.p);
         const Vec<2> reach = Vec<2>::Constant(boundingRadius(part.shape.view()));
-        if (reach.allFinite()) box.take(at - reach, at + reach);
+        if (((at.cwiseAbs() + reach).array() < kFarthest).all()) box.take(at - reach, at + reach);
       }
     }
     if (first.empty()) first = box;

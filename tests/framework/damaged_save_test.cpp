@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // A saved world that has been damaged is refused with one line, or it is still a world: nothing that is read from it
 // may point at nothing. What is refused leaves the world as it was.
-#define XXH_INLINE_ALL
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <sstream>
 
 #include "framework/saved_state.h"
-#include "tests/small_worlds.h"
+#include "tests/check_property.h"
+#include "tests/fuzz/damaged_world.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
@@ -18,39 +19,10 @@ constexpr Real kDt = Real(1) / 60;
 constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN();
 constexpr char kPipeline[] = "contacts=query_clip sleep=split_average";
 
-// Every class of shape, a joint, contacts, the slots of removed bodies, an event.
-template <int D>
-void fill(World<D>& world) {
-  world.add(body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed));
-  const Handle gone = world.add(body<D>(Shape<D>::sphere(1), at<D>(50, 50)));
-  std::vector<Vec<D>> corners;
-  for (int bits = 0; bits < 1 << D; ++bits) {
-    Vec<D> v;
-    for (int k = 0; k < D; ++k) v[k] = (bits >> k) & 1 ? Real(0.4) : Real(-0.4);
-    corners.push_back(v);
-  }
-  world.add(body<D>(Shape<D>::polytope(corners, Real(0.01)), at<D>(0, 0.41)));
-  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.3))), at<D>(0.1, 1.12)));
-  std::vector<Real> sizes(static_cast<std::size_t>(D), Real(0.3));
-  world.add(body<D>(Shape<D>::curved(ShapeKind::ellipsoid, sizes), at<D>(1.5, 0.3)));
-  if constexpr (D == 3) {
-    const std::vector<Real> cylinder = {Real(0.2), Real(0.3)};
-    world.add(body<D>(Shape<D>::curved(ShapeKind::cylinder, cylinder), at<D>(-1.5, 0.3)));
-  }
-  const Shape<D> ball = Shape<D>::sphere(Real(0.2)), hull = Shape<D>::polytope(corners);
-  const std::vector<ShapePart<D>> parts = {{ball, {at<D>(0.4, 0), {}}}, {hull, {}}};
-  world.add(body<D>(Shape<D>::compound(parts), at<D>(4, 0.4)));
-  const Handle bob = world.add(body<D>(Shape<D>::capsule(Real(0.2), Real(0.1)), at<D>(1, 2)));
-  world.add(pivot<D>(box, bob, at<D>(0.5, 1.5)));
-  for (int i = 0; i < 3; ++i) world.step(kDt);
-  world.remove(gone);
-  world.applyForce(box, at<D>(1, 0), at<D>(0.1, 1));
-}
-
 template <int D>
 std::string filledAndSaved() {
   World<D> world(Pipeline::parse(kPipeline));
-  fill(world);
+  addEverything(world);
   EXPECT_GT(world.manifolds().size(), 2u);
   return saved(world);
 }
@@ -71,7 +43,7 @@ template <int D>
 void truncate() {
   const std::string bytes = filledAndSaved<D>();
   World<D> world(Pipeline::parse(kPipeline));
-  fill(world);
+  addEverything(world);
   world.step(kDt);
   const std::string before = saved(world);
   for (std::size_t length = 0; length < bytes.size(); ++length) {
@@ -82,14 +54,6 @@ void truncate() {
   EXPECT_EQ(saved(world), bytes);
 }
 TEST(DamagedSave, EveryTruncationIsRefused) { truncate<2>(), truncate<3>(); }
-
-// With the checksum of the bytes as they are: what is said of them is then what the reader makes of them.
-std::string sealed(std::string bytes) {
-  constexpr std::size_t kChecksum = 26, kBody = 34;  // after the format, two numbers and the length
-  const std::uint64_t sum = XXH64(bytes.data() + kBody, bytes.size() - kBody, 0);
-  bytes.replace(kChecksum, sizeof sum, reinterpret_cast<const char*>(&sum), sizeof sum);
-  return bytes;
-}
 
 template <int D>
 void everyFlipIsTold() {
@@ -109,13 +73,13 @@ template <int D>
 void flip() {
   const std::string bytes = filledAndSaved<D>();
   World<D> world(Pipeline::parse(kPipeline));
-  fill(world);
+  addEverything(world);
   int refused = 0, loaded = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     for (const int mask : {0x01, 0x80, 0xff}) {
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(damaged[i] ^ mask);
-      if (i >= 34) damaged = sealed(damaged);
+      if (i >= kSavedBody) damaged = sealed(damaged);
       const std::uint64_t hash = world.hash();
       const std::string what = refusal(world, damaged);
       if (what.empty()) {
@@ -134,6 +98,29 @@ void flip() {
 }
 TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless2) { flip<2>(); }
 TEST(DamagedSave, EveryFlippedByteIsRefusedOrHarmless3) { flip<3>(); }
+
+// Numbers at the edges in the place of one or a few that are there, in every pipeline that keeps something.
+template <int D>
+void edges() {
+  Random random(seedOf("edges in a saved world"));
+  const int cases = caseCount(200);
+  std::filesystem::create_directories(LPC_BINARY_DIR "/failures");
+  for (std::size_t k = 0; k < kDamagedPipelines.size(); ++k) {
+    const std::string whole = payloadOf<D>(k);
+    EXPECT_EQ(livesOn<D>(whole, kDamagedPipelines[k], true), "");
+    for (int i = 0; i < cases; ++i) {
+      std::string payload = whole;
+      do putEdge(payload, random);
+      while (random.below(3) == 0);
+      const std::string kept = LPC_BINARY_DIR "/failures/saved_world_" + std::to_string(D);
+      std::ofstream(kept) << payload;  // what ends the program is there afterwards
+      ASSERT_EQ(livesOn<D>(payload, kDamagedPipelines[k], true), "") << kDamagedPipelines[k] << ", " << kept;
+      std::filesystem::remove(kept);
+    }
+  }
+}
+TEST(DamagedSave, NumbersAtTheEdgesAreRefusedOrHarmless2) { edges<2>(); }
+TEST(DamagedSave, NumbersAtTheEdgesAreRefusedOrHarmless3) { edges<3>(); }
 
 // What a save holds, to be damaged in one place.
 template <int D>
@@ -265,7 +252,7 @@ std::vector<Damage<D>> damages() {
 template <int D>
 void name() {
   World<D> world(Pipeline::parse(kPipeline));
-  fill(world);
+  addEverything(world);
   EXPECT_EQ(Damaged<D>(world).refusal(), "");
   for (const Damage<D>& damage : damages<D>()) {
     Damaged<D> parts(world);
@@ -279,7 +266,7 @@ TEST(DamagedSave, EachDamageIsNamed) { name<2>(), name<3>(); }
 template <int D>
 void explode() {
   World<D> world(Pipeline::parse(kPipeline)), copy(Pipeline::parse(kPipeline));
-  fill(world);
+  addEverything(world);
   world.setMotion(world.handle(2), {Vec<D>::Constant(std::numeric_limits<Real>::max()), Ang<D>::Zero()});
   for (int i = 0; i < 3; ++i) world.step(1);
   EXPECT_FALSE(world.bodies().pose[2].p.allFinite());

@@ -318,6 +318,36 @@ TYPED_TEST(WorldTest, RecordingReadsBackAndDropsATornFrame) {
   EXPECT_NE(messageOf([&] { Recording<D>::read(wrong); }), "");
 }
 
+// Any byte: one line, or a recording whose shapes have a kind and a place.
+TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addHeap(world, 4, 1);
+  std::ostringstream out;
+  Recorder<D> recorder(out);
+  for (int i = 0; i < 2; ++i) world.step(kDt), recorder.frame(world);
+  int told = 0;
+  for (std::size_t i = 12; i < out.str().size(); ++i) {
+    std::string bytes = out.str();
+    bytes[i] = static_cast<char>(bytes[i] ^ 0xf8);
+    std::istringstream in(bytes);
+    const std::string message = messageOf([&] {
+      for (const auto& frame : Recording<D>::read(in).frames) {
+        EXPECT_TRUE(std::isfinite(frame.time)) << i;
+        for (const auto& arrival : frame.arrivals) {
+          for (const auto& part : arrival.parts) {
+            ASSERT_LT(static_cast<int>(part.kind), kShapeKinds) << i;
+            ASSERT_TRUE(part.X_CS.p.allFinite()) << i;
+          }
+        }
+      }
+    });
+    told += !message.empty();
+    EXPECT_TRUE(message.empty() || message.starts_with("the recording is damaged (")) << message;
+  }
+  EXPECT_GT(told, 20);
+}
+
 TYPED_TEST(WorldTest, DirectorBringsAndTakesBodiesAtStepNumbers) {
   constexpr int D = TypeParam::D;
   SceneSpec<D> scene;
