@@ -12,6 +12,7 @@
 #include "experiments/runner/metric_name.h"
 #include "experiments/runner/store.h"
 #include "experiments/runner/sweep_file.h"
+#include "experiments/runner/worker_pool.h"
 #include "experiments/trial/trial.h"
 #include "framework/names.h"
 
@@ -92,7 +93,8 @@ class Calibrator {
       round.trials.clear(), round.calibrated.clear();
       bool any = false;
       for (Asked& a : m_asked) {
-        while (a.search.open() && canRun(a)) {  // as far as the store knows
+        if (InterruptGuard::interrupted()) return;  // planning a round takes its time
+        while (a.search.open() && canRun(a)) {      // as far as the store knows
           At& here = at(a.cell, a.search.next());
           if (!here.measured && !(here.measured = measure(here.trials))) break;
           a.search.tell(here.measured->value), a.failure = here.measured->failure;
@@ -141,7 +143,10 @@ class Calibrator {
 
   At& at(std::size_t cell, long setting) {
     const auto [it, added] = m_at.try_emplace({cell, setting});
-    if (added) it->second.trials = m_sweep.calibrated[cell].plan(setting);
+    if (added) {
+      if (InterruptGuard::interrupted()) throw Interrupted();
+      it->second.trials = m_sweep.calibrated[cell].plan(setting);
+    }
     return it->second;
   }
   // Which parts of a step are timed is known once one has run.

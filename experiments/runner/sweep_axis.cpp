@@ -217,6 +217,15 @@ void readValue(const std::string& file, const toml::node& node, Axis& axis) {
   }
 }
 
+// The longest that stands there: $n must not eat the beginning of $number. Empty: none does.
+std::string axisAt(const std::string& text, std::size_t at, const nlohmann::json& axes) {
+  std::string longest;
+  for (const auto& [name, value] : axes.items()) {
+    if (name.size() > longest.size() && text.compare(at, name.size(), name) == 0) longest = name;
+  }
+  return longest;
+}
+
 }  // namespace
 
 Axis readAxis(const std::string& file, const std::string& name, const toml::node& node) {
@@ -256,19 +265,37 @@ std::string valueText(const nlohmann::json& label) {
   return label.is_string() ? label.get<std::string>() : label.dump();
 }
 
-std::string withValues(std::string text, const nlohmann::json& axes, std::set<std::string>& used) {
-  // The longest names first: $n must not eat the beginning of $number.
-  std::vector<std::string> names;
-  for (const auto& [name, value] : axes.items()) names.push_back(name);
-  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  for (const std::string& name : names) {
-    const std::string mark = "$" + name;
-    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at)) {
-      text.replace(at, mark.size(), valueText(axes[name]));
-      used.insert(name);
+std::string withValues(const std::string& text, const nlohmann::json& axes, std::set<std::string>& used) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    if (text[at] != '$') {
+      out += text[at++];
+      continue;
     }
+    const std::string name = axisAt(text, at + 1, axes);
+    if (name.empty()) {
+      std::vector<std::string> valid;
+      for (const auto& [axis, value] : axes.items()) valid.push_back("$" + axis);
+      throw UserError("a '$' in '" + text + "' names no axis; valid: " + joined(valid));
+    }
+    const std::string value = valueText(axes[name]);
+    if (value.find('$') != value.npos) {
+      throw UserError("'$" + name + "' becomes '" + value +
+                      "', which is not looked at again; valid: a value without $");
+    }
+    out += value;
+    used.insert(name);
+    at += 1 + name.size();
   }
-  return text;
+  return out;
+}
+
+std::set<std::string> namedIn(const std::string& text, const nlohmann::json& axes) {
+  std::set<std::string> out;
+  for (std::size_t at = text.find('$'); at != text.npos; at = text.find('$', at + 1)) {
+    if (std::string name = axisAt(text, at + 1, axes); !name.empty()) out.insert(std::move(name));
+  }
+  return out;
 }
 
 bool addMethod(const std::string& given, const std::string& searched, std::vector<Axis>& axes) {

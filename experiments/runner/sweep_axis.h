@@ -53,8 +53,11 @@ struct SetAxis {
 
 /// A value of an axis as a text of a pipeline has it.
 std::string valueText(const nlohmann::json& label);
-/// Replaces $name by the value of that axis, and tells in `used` which were.
-std::string withValues(std::string text, const nlohmann::json& axes, std::set<std::string>& used);
+/// Replaces each $name by the value of that axis, in one pass: what a value holds is not looked at again. Tells in
+/// `used` which were. Throws UserError for a `$` that names no axis or stands in such a value.
+std::string withValues(const std::string& text, const nlohmann::json& axes, std::set<std::string>& used);
+/// The axes that a text names so.
+std::set<std::string> namedIn(const std::string& text, const nlohmann::json& axes);
 
 /// One more method, "LABEL=PIPELINE" as the command line has it, joins the labelled axis. Not where none is, or where
 /// the text uses a `$name` that neither an axis nor `searched`, the setting that is calibrated, has. Throws UserError

@@ -15,14 +15,13 @@
 #include "experiments/runner/message_place.h"
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/sweep_axis.h"
+#include "experiments/runner/sweep_size.h"
 #include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kMaxTrials = 1e6;  // of one group; more is a slip of the pen
 
 void collectNames(const Spec& spec, std::set<std::string>& out) {
   out.insert(spec.name);
@@ -46,8 +45,8 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     m_out.name = std::filesystem::path(path).stem().string();
   }
 
-  PlannedSweep plan(std::shared_ptr<Planner> planner) {
-    m_planner = std::move(planner);
+  PlannedSweep plan(std::shared_ptr<Planner> planner, std::shared_ptr<SweepSize> size) {
+    m_planner = std::move(planner), m_size = std::move(size);
     TableReader top(m_table, m_path, "the sweep");
     m_out.summary = top.requireString("summary"), m_out.baseline = top.string("baseline", "");
     m_kind = m_out.kind = top.requireString("kind");
@@ -130,7 +129,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     bool timed = false, untimed = true;
     long repeats = 1;
     std::vector<double> budgets;
+    std::set<std::string> named;  // axes that mean something because a value of another names them
   };
+  using Shared = std::shared_ptr<const Settings>;
 
   void readSettings(TableReader& t, Settings& s) {
     s.pipeline = t.string("pipeline", s.pipeline);
@@ -164,24 +165,34 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
   }
 
-  void product(const Settings& s, const toml::node& where) {
-    if (m_calibration) refuseUncalibrated(s, where);
-    std::vector<std::size_t> at(s.axes.size(), 0);
-    double trials = static_cast<double>(s.repeats);
-    for (const Axis& axis : s.axes) {
+  void product(Settings settings, const toml::node& where) {
+    if (m_calibration) refuseUncalibrated(settings, where);
+    for (const Axis& axis : settings.axes) {
       if (axis.values.empty()) return;
-      trials *= static_cast<double>(axis.values.size());
     }
-    if (trials > kMaxTrials) {
-      failAt(m_path, where,
-             "the product of all axes is " + asText(trials) + " trials; valid: up to " + asText(kMaxTrials));
+    addSize(settings, where);
+    json axes = json::object();
+    for (const Axis& axis : settings.axes) axes[axis.name] = nullptr;
+    if (m_calibration) axes[m_calibration->setting] = nullptr;
+    for (const Axis& axis : settings.axes) {
+      if (!axis.labelled && !stageByName(axis.name)) continue;  // its values are not looked at
+      for (const AxisValue& value : axis.values) settings.named.merge(namedIn(value.written, axes));
     }
+    const Shared s = std::make_shared<const Settings>(std::move(settings));
+    std::vector<std::size_t> at(s->axes.size(), 0);
     for (;;) {
       cell(s, at, where);
-      std::size_t i = s.axes.size();
-      while (i > 0 && ++at[i - 1] == s.axes[i - 1].values.size()) at[--i] = 0;
+      std::size_t i = at.size();
+      while (i > 0 && ++at[i - 1] == s->axes[i - 1].values.size()) at[--i] = 0;
       if (i == 0) return;
     }
+  }
+
+  void addSize(const Settings& s, const toml::node& where) {
+    std::vector<std::pair<std::string, double>> factors = {{"repeats", static_cast<double>(s.repeats)}};
+    for (const Axis& axis : s.axes) factors.emplace_back(axis.name, static_cast<double>(axis.values.size()));
+    if (m_calibration) factors.emplace_back("budgets", static_cast<double>(s.budgets.size()));
+    m_size->add(factors, m_path, where);
   }
 
   void refuseUncalibrated(const Settings& s, const toml::node& where) const {
@@ -196,32 +207,31 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
   }
 
-  void calibratedCell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where,
-                      const json& axes) {
+  void calibratedCell(const Shared& s, const std::vector<std::size_t>& at, const toml::node& where, const json& axes) {
     const auto trialsAt = [self = shared_from_this(), s, at, &where, axes](long setting, std::set<std::string>& names) {
       json cell = axes;
       cell[self->m_calibration->setting] = setting;
-      return self->trialsOf(s, at, where, cell, names);
+      return self->trialsOf(*s, at, where, cell, names);
     };
     std::set<std::string> names;
     trialsAt(1, names);
     m_out.roles["budget"] = "run";
     if (!wanted(names)) return;
-    addCalibrated(m_out, {axes, s.budgets, [trialsAt](long setting) {
+    addCalibrated(m_out, {axes, s->budgets, [trialsAt](long setting) {
                             std::set<std::string> unused;
                             return trialsAt(setting, unused);
                           }});
   }
 
-  void cell(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where) {
+  void cell(const Shared& s, const std::vector<std::size_t>& at, const toml::node& where) {
     json axes = json::object();
     for (std::size_t i = 0; i < at.size(); ++i) {
-      const json& label = axes[s.axes[i].name] = s.axes[i].values[at[i]].label;
+      const json& label = axes[s->axes[i].name] = s->axes[i].values[at[i]].label;
       if (label.is_string()) m_named.insert(label.get<std::string>());
     }
     if (m_calibration) return calibratedCell(s, at, where, axes);
     std::set<std::string> names;
-    for (PlannedTrial& trial : trialsOf(s, at, where, axes, names)) {
+    for (PlannedTrial& trial : trialsOf(*s, at, where, axes, names)) {
       // Two groups may meet in one cell; it runs once.
       if (wanted(names) && m_seen.insert(trial.key).second) m_out.trials.push_back(std::move(trial));
     }
@@ -285,11 +295,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
                      std::set<std::string>& names) {
     WorldCell cell;
     cell.timed = timed, cell.repeat = static_cast<int>(repeat);
-    std::set<std::string> used;
-    // What one value of an axis names means something also where another value stands, or a method lacks it.
-    for (const Axis& axis : s.axes) {
-      for (const AxisValue& value : axis.values) withValues(value.written, axes, used);
-    }
+    std::set<std::string> used = s.named;
     const std::string base = withValues(s.pipeline, axes, used);
     std::optional<Spec> engine = engineOf(base);  // of the last part that names one: it stands in place of all stages
     Pipeline pipeline = Pipeline::parse(engine ? "" : base);
@@ -409,6 +415,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::set<std::string>& m_taken;
   toml::table m_table;
   std::shared_ptr<Planner> m_planner;
+  std::shared_ptr<SweepSize> m_size;
   std::optional<Calibration> m_calibration;
   std::set<std::string> m_seen, m_named;  // keys; values of axes that are no numbers
   std::string m_twice;                    // a value of an axis: its cells are timed as if they were two
@@ -459,9 +466,10 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
   }
   const auto planner = std::make_shared<Planner>();
   std::vector<PlannedSweep> out;
+  const auto size = std::make_shared<SweepSize>();
   for (const auto& [name, file] : files) {
     std::set<std::string> here, used;
-    out.push_back(std::make_shared<Sweep>(file, only, here, with, set, used)->plan(planner));
+    out.push_back(std::make_shared<Sweep>(file, only, here, with, set, used)->plan(planner, size));
     if (only.empty() || !here.empty()) out.back().command = commandOf(name, here, used, with, setList);
     matched.merge(here), taken.merge(used);
   }
