@@ -2,15 +2,18 @@
 // The `lpc` program. Exit codes: 0 fine, 1 it ran and something is not right, 2 the user's mistake, one clear line.
 #include <CLI/CLI.hpp>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <map>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 #include "experiments/lpc/command.h"
+#include "experiments/lpc/scene_options.h"
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/worker_pool.h"
 #include "framework/check.h"
@@ -36,6 +39,34 @@ CLI::Validator within(T lo, T hi) {
     return fits ? std::string() : "'" + text + "' is not in range; valid: " + valid;
   };
   return CLI::Validator(check, "in [" + range.str() + "]");
+}
+
+// The number that a type holds, itself or some of them; void: a text.
+template <class T>
+struct NumberIn : std::conditional<std::is_arithmetic_v<T>, T, void> {};
+template <class T>
+struct NumberIn<std::optional<T>> : NumberIn<T> {};
+template <class T>
+struct NumberIn<std::vector<T>> : NumberIn<T> {};
+
+// CLI11 by itself takes nan, hexadecimal, 010 as 8, blanks, nothing at all, and what is too large as the largest.
+CLI::Validator wholeNumberOnly() {
+  return CLI::Validator(
+      [](std::string& text) {
+        long value = 0;
+        const char* end = text.data() + text.size();
+        const auto [read, error] = std::from_chars(text.data(), end, value);
+        if (error != std::errc() || read != end) return "'" + text + "' is no whole number up to 9223372036854775807";
+        text = std::to_string(value);
+        return std::string();
+      },
+      "");
+}
+CLI::Validator finiteNumberOnly() {
+  const auto check = [](std::string& text) {
+    return finiteNumber(text) ? std::string() : "'" + text + "' is no finite number; valid: such as 0.5 or 1e-3";
+  };
+  return CLI::Validator(check, "");
 }
 
 int run(int argc, char** argv) {
@@ -137,7 +168,11 @@ CommandLine CommandLine::subcommand(const char* name, const char* summary) {
 }
 template <class T>
 Option CommandLine::option(const char* name, T& value, const char* meaning) {
-  return Option(m_app->add_option(name, value, meaning));
+  CLI::Option* option = m_app->add_option(name, value, meaning);
+  using Number = typename NumberIn<T>::type;
+  if constexpr (std::is_integral_v<Number>) option->transform(wholeNumberOnly());
+  if constexpr (std::is_floating_point_v<Number>) option->transform(finiteNumberOnly());
+  return Option(option);
 }
 Option CommandLine::flag(const char* name, bool& value, const char* meaning) {
   return Option(m_app->add_flag(name, value, meaning));

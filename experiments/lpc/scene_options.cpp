@@ -1,24 +1,30 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/lpc/scene_options.h"
 
-#include <cstdlib>
+#include <charconv>
+#include <cmath>
 
 #include "framework/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 
+std::optional<double> finiteNumber(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && read == end && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
 ParameterValues readParameters(const std::vector<std::string>& texts) {
   ParameterValues out;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
-    const std::string name = text.substr(0, equals);
-    char* end = nullptr;
-    const char* given = equals == std::string::npos ? "" : text.c_str() + equals + 1;
-    const double value = std::strtod(given, &end);
-    if (!*given || (*end && name != kJointParameter)) {
+    const std::string name = text.substr(0, equals), given = equals == text.npos ? "" : text.substr(equals + 1);
+    const std::optional<double> value = finiteNumber(given);
+    if (given.empty() || (!value && name != kJointParameter)) {
       throw UserError("--param " + text + " is not NAME=NUMBER, or joint=KIND");
     }
-    out[name] = *end ? ParameterValue(std::string(given)) : ParameterValue(value);
+    out[name] = value ? ParameterValue(*value) : ParameterValue(given);
   }
   return out;
 }

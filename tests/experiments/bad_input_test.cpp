@@ -125,7 +125,7 @@ TEST(BadInput, TheCommandRunRefuses) {
   refused(w, "run heavy.toml --record r.rec --profile p.csv", {"heavy.toml:6: ", "nan", "finite"});
   refused(w, "run absent.toml", {"'absent.toml'", "valid", "pyramid"});
   refused(w, "run folder", {"'folder'", "valid", "pyramid"});
-  refused(w, "run good.toml --dt nan", {"dt is nan s", "above 0"});
+  refused(w, "run good.toml --dt nan", {"--dt", "'nan'", "finite"});
   refused(w, "run good.toml --dt 0", {"dt is 0 s", "above 0"});
   refused(w, "run good.toml --steps -5", {"-5", "0 or more"});
   refused(w, "run good.toml --seed -5", {"--seed", "-5", "0 to"});

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // The `lpc` program as a user meets it.
+#include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 
 #include "experiments/parse/toml_reader.h"
 #include "framework/plugin.h"
+#include "framework/registry.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -176,16 +179,16 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
   }
 }
 
-// Every option that takes a number, as the help has them, refuses what is none.
+// Every option that takes a number, of every subcommand, as the help has them, refuses what is none.
 TEST(CommandLine, numbersAreNumbers) {
   Workspace w;
   ASSERT_EQ(w.lpc("run pyramid --param base=2 --steps 1 --record a.rec").code, 0);
-  const std::pair<const char*, const char*> commands[] = {{"run", "pyramid"},
-                                                          {"replay", "a.rec --beside a.rec"},
-                                                          {"needs", "slope --store n.db"},
-                                                          {"sweep", "broadphase_crossover --store s.db --dry-run"},
-                                                          {"verify", "--store v.db"}};
-  const std::regex number("\n +(?:-[a-z],)?(--[a-z]+) (?:INT|UINT|FLOAT)");
+  const std::map<std::string, std::string> rest = {{"run", "pyramid"},
+                                                   {"replay", "a.rec --beside a.rec"},
+                                                   {"needs", "slope --store n.db"},
+                                                   {"sweep", "broadphase_crossover --store s.db --dry-run"},
+                                                   {"verify", "--store v.db"}};
+  const std::regex subcommand("\n  ([a-z][a-z-]*) "), number("\n +(?:-[a-z],)?(--[a-z]+) (?:INT|UINT|FLOAT)");
   std::size_t tried = 0;
   const auto refused = [&](const std::string& arguments, const std::string& option, const std::string& given) {
     const Outcome out = w.lpc(arguments + " " + option + " " + given);
@@ -193,23 +196,56 @@ TEST(CommandLine, numbersAreNumbers) {
     EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
     ++tried;
   };
-  for (const auto& [command, rest] : commands) {
-    const std::string help = w.lpc(std::string(command) + " --help").text, run = std::string(command) + " " + rest;
-    std::size_t options = 0;
-    for (std::sregex_iterator o(help.begin(), help.end(), number), end; o != end; ++o, ++options) {
-      for (const char* given : {"nan", "inf", "-1"}) refused(run, (*o)[1], given);
+  const std::string main = w.lpc("--help").text, subcommands = main.substr(main.find("\nSubcommands:"));
+  std::size_t listed = 0;
+  for (std::sregex_iterator c(subcommands.begin(), subcommands.end(), subcommand), end; c != end; ++c, ++listed) {
+    const std::string command = (*c)[1], help = w.lpc(command + " --help").text;
+    for (std::sregex_iterator o(help.begin(), help.end(), number); o != end; ++o) {
+      ASSERT_TRUE(rest.count(command)) << "what must stand beside " << (*o)[1] << " of " << command << "?";
+      for (const char* given : {"nan", "inf", "-1", "''", "0x10", "9223372036854775808"}) {
+        refused(command + " " + rest.at(command), (*o)[1], given);
+      }
     }
-    EXPECT_GT(options, 0u) << help;
   }
-  for (const char* given : {"nan", "inf"}) {
-    refused("run pyramid", "--param", std::string("base=") + given);
-    refused("needs pyramid --store n.db", "--param", std::string("base=") + given);
+  EXPECT_GE(listed, 9u) << main;
+  for (const char* option : {"--steps", "--dt", "--dimension", "--seed"}) {  // one of each type
+    for (const char* given : {"' 5'", "'5 '", "5x", "1e999", "-inf", "+5", "0x1p3", "true"}) {
+      refused("run pyramid", option, given);
+    }
+    if (std::string(option) != "--dt") refused("run pyramid", option, "1e3");
+  }
+  for (const char* given : {"nan", "inf", "1e999"}) {
     refused("sweep broadphase_crossover --store s.db", "--set", std::string("n=") + given);
   }
-  EXPECT_GE(tried, 45u);
+  for (const char* given : {"nan", "inf", "0x10", "' 5'", "5x", "''", "+5", "1e999"}) {
+    refused("run pyramid", "--param", std::string("base=") + given);
+    refused("needs pyramid --store n.db", "--param", std::string("base=") + given);
+  }
+  EXPECT_GE(tried, 120u);
   refused("needs slope --store n.db", "--perturb", "0.2");  // as the scene's parameter
   const std::filesystem::directory_iterator all(w.path(""));
   EXPECT_EQ(std::distance(begin(all), end(all)), 1) << "something was made";
+  const auto ten = nlohmann::json::parse(w.lpc("run slope --json --steps 010").text);  // not octal
+  EXPECT_EQ(ten["series"]["kinetic"].size(), 10u);
+}
+
+// The numbers in a pipeline, of every parameter of every method.
+TEST(CommandLine, numbersOfMethodsAreNumbers) {
+  std::size_t tried = 0;
+  for (const auto& [key, entry] : Registry::instance().all()) {
+    for (const ParamInfo& p : entry.params) {
+      if (p.type != "real" && p.type != "integer") continue;
+      for (const char* given : {"nan", "inf", "-inf", "1e999", "", "0x10", " 5", "5x", "+5", "5{x=1}"}) {
+        Spec spec{entry.info.name, {}};
+        spec.set(p.name, {given, {}});
+        EXPECT_THROW(entry.create(spec), UserError) << entry.info.name << " " << p.name << "=" << given;
+        ++tried;
+      }
+      ASSERT_TRUE(p.range) << entry.info.name << " " << p.name;
+      EXPECT_TRUE(std::isfinite(p.range->lo) && std::isfinite(p.range->hi)) << entry.info.name << " " << p.name;
+    }
+  }
+  EXPECT_GT(tried, 300u);
 }
 
 TEST(CommandLine, listsEverything) {
