@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -19,6 +20,10 @@ constexpr double kStripWidth = 320, kFilmWidth = 720;  // px, of one picture
 constexpr Colour kDivider{120, 120, 115};
 
 int dimensionOf(const std::string& path) {
+  std::error_code absent;  // a pipe would wait for somebody who writes, and be empty when it is read again
+  if (std::filesystem::exists(path, absent) && !std::filesystem::is_regular_file(path, absent)) {
+    throw UserError(path + ": this is not a recording of a world: it is no file");
+  }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw UserError(path + ": cannot be read");
   try {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // The `lpc` program. Exit codes: 0 fine, 1 it ran and something is not right, 2 the user's mistake, one clear line.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <type_traits>
@@ -69,6 +71,18 @@ CLI::Validator finiteNumberOnly() {
   return CLI::Validator(check, "");
 }
 
+// Names and texts go into stores and into what workers are told, which are UTF-8.
+void requireUtf8(const char* argument) {
+  using nlohmann::json;
+  const json text = argument;
+  const std::string shown = text.dump(-1, ' ', false, json::error_handler_t::replace);
+  try {
+    text.dump();
+  } catch (const json::type_error&) {
+    throw UserError("the argument " + shown + " is not UTF-8; valid: names of files and texts in UTF-8");
+  }
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Large Polygon Collider: sweeps, verifies and compares rigid-body collision algorithms", "lpc"};
   app.footer(
@@ -91,6 +105,7 @@ int run(int argc, char** argv) {
   CommandLine line(&app);
   for (const auto& [name, add] : commands()) add(line, session);
   try {
+    std::for_each(argv, argv + argc, requireUtf8);
     if (argc > 1 && argv[1][0] != '-' && !commands().count(argv[1])) {
       std::vector<std::string> names;
       for (const auto& [name, add] : commands()) names.push_back(name);
@@ -108,8 +123,10 @@ int run(int argc, char** argv) {
     std::cerr << "lpc: " << e.what() << "\n";
     return 130;
   } catch (const std::exception& e) {
-    std::cerr << "lpc: " << e.what() << "\n";
-    return 1;
+    const auto* ofJson = dynamic_cast<const nlohmann::json::type_error*>(&e);
+    const bool notUtf8 = ofJson && ofJson->id == 316;  // the name of the folder that is worked in, TMPDIR
+    std::cerr << "lpc: " << (notUtf8 ? "a name or text is not UTF-8: " : "") << e.what() << "\n";
+    return notUtf8 ? 2 : 1;
   }
   errno = 0;
   std::cout.flush();

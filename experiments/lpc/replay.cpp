@@ -6,6 +6,7 @@
 #include "experiments/film/film.h"
 #include "experiments/lpc/command.h"
 #include "experiments/runner/worker_pool.h"
+#include "experiments/trial/output_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -16,6 +17,7 @@ struct Options {
 };
 
 void replay(const Options& o) {
+  keepApart({{"the recording", o.recording}, {"the recording", o.beside}}, {{"--film", o.film}});
   std::optional<InterruptGuard> interrupts;  // a film leaves nothing half-written
   if (!o.film.empty()) interrupts.emplace();
   if (!o.beside.empty()) {

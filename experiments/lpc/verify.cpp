@@ -51,6 +51,7 @@ void readChoices(Arguments& a) {
 
 // The table goes into a CSV file, and into a store for its report, where one is named.
 int verifyCaseFile(const Arguments& a) {
+  keepApart({{"the cases", a.cases}}, {{"--csv", a.csv}, {"--store", a.storeNamed ? a.store : ""}});
   if (!a.csv.empty()) const OutputFile possible(a.csv);  // and gone: nothing lies there when this is stopped
   std::ostringstream table;
   const int exitCode = verifyCases(a.cases, std::cout, &table);

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
 #include "framework/names.h"
 
@@ -39,12 +38,17 @@ toml::table parseToml(std::string_view text, const std::string& file) {
 }
 
 std::string readFile(const std::string& path) {
+  constexpr std::size_t kMost = 1u << 27;  // bytes; /dev/zero has no end
   std::ifstream in(path, std::ios::binary);
-  std::ostringstream out;
-  if (!in || (in.peek() != std::ifstream::traits_type::eof() && !(out << in.rdbuf())) || in.bad()) {  // bad: a folder
-    throw UserError(path + ": cannot be read");
+  std::string out;
+  std::vector<char> part(1u << 16);
+  while (in && out.size() <= kMost) {
+    in.read(part.data(), static_cast<std::streamsize>(part.size()));
+    out.append(part.data(), static_cast<std::size_t>(in.gcount()));
   }
-  return out.str();
+  if (out.size() > kMost) throw UserError(path + ": is larger than " + std::to_string(kMost >> 20) + " MiB");
+  if (!in.eof() || in.bad()) throw UserError(path + ": cannot be read");  // bad: a folder
+  return out;
 }
 
 std::vector<std::pair<std::string, const toml::node*>> inFileOrder(const toml::table& table) {

@@ -21,6 +21,18 @@ std::string writtenAt(const std::string& path) {
   return special ? path : path + ".partial";
 }
 
+// Devices take what several write.
+bool areOneFile(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (a.empty() || b.empty() || fs::is_character_file(a, ignored)) return false;
+  if (fs::exists(a, ignored) && fs::exists(b, ignored)) return fs::equivalent(a, b, ignored);
+  const auto place = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
+  };
+  return place(a) == place(b);
+}
+
 }  // namespace
 
 OutputFile::OutputFile(std::string path) : m_path(std::move(path)) {
@@ -46,6 +58,21 @@ void OutputFile::finish() {
   m_stream.close();
   if (m_written != m_path && std::rename(m_written.c_str(), m_path.c_str()) != 0) fail(m_path);
   m_written = m_path;
+}
+
+void keepApart(const NamedFiles& inputs, const NamedFiles& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const auto& [option, path] = outputs[i];
+    for (const auto& [what, input] : inputs) {
+      if (!areOneFile(path, input) && (path.empty() || !areOneFile(writtenAt(path), input))) continue;
+      throw UserError(option + " " + path + " would be written over " + what + " " + input + "; valid: another file");
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!areOneFile(path, outputs[j].second)) continue;
+      throw UserError(outputs[j].first + " " + outputs[j].second + " and " + option + " " + path +
+                      " are one file; valid: a file for each");
+    }
+  }
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -3,6 +3,8 @@
 
 #include <fstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "framework/check.h"
 #include "framework/space.h"
@@ -36,5 +38,11 @@ class OutputFile {
   std::string m_path, m_written;  // where it shall be, where it is written
   std::ofstream m_stream;
 };
+
+/// Files as a message names them: {"--record", "a.rec"}. Those that were not named have an empty path.
+using NamedFiles = std::vector<std::pair<std::string, std::string>>;
+/// Throws UserError where an output would be written over an input or over another output, also when a link or another
+/// spelling leads there.
+void keepApart(const NamedFiles& inputs, const NamedFiles& outputs);
 
 }  // namespace lpc::inline LPC_PRECISION

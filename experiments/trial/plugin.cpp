@@ -13,6 +13,10 @@ namespace {
 constexpr std::string_view kMark = "LPC-ABI|";
 
 std::string abiOf(const std::string& path) {
+  std::error_code absent;  // a pipe may wait, and a device go on, for ever
+  if (std::filesystem::exists(path, absent) && !std::filesystem::is_regular_file(path, absent)) {
+    throw UserError("plugin " + path + ": it is no file");
+  }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw UserError("plugin " + path + ": cannot be read");
   std::ostringstream bytes;

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Zlib
+// Which files a command may be given to read and to write: none is written over what is read, and none is waited for.
+#include "experiments/parse/toml_reader.h"
+#include "tests/experiments/refused.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::Outcome;
+using test::refused;
+using test::Workspace;
+
+const std::string kScene =
+    "name = \"t\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 5\n[[body]]\n"
+    "shapes = [{ kind = \"circle\", radius = 1 }]\n";
+
+TEST(Files, NoOutputIsWrittenOverAnInput) {
+  Workspace w;
+  std::filesystem::create_directory(w.path("folder"));
+  for (const char* name : {"r.toml", "r.svg", "r.partial"}) w.write(name, kScene);
+  std::filesystem::create_symlink("r.toml", w.path("link"));
+  std::filesystem::create_hard_link(w.path("r.toml"), w.path("other"));
+  const char* valid = "valid: another file";
+  for (const char* option : {"--record", "--profile"}) {
+    for (const char* path : {"r.toml", "./folder/../r.toml", "link", "other"}) {
+      refused(w, std::string("run r.toml ") + option + " " + path, {option, "over the scene r.toml", valid});
+    }
+    refused(w, "run " + w.path("r.toml") + " " + option + " r.toml", {option, "over the scene", valid});
+    refused(w, std::string("run r.partial ") + option + " r", {option, "over the scene r.partial", valid});
+  }
+  refused(w, "run r.svg --film r.svg", {"--film r.svg", "over the scene r.svg", valid});
+  EXPECT_EQ(readFile(w.path("r.toml")), kScene);
+  EXPECT_EQ(readFile(w.path("r.svg")), kScene);
+  EXPECT_EQ(readFile(w.path("r.partial")), kScene);
+
+  ASSERT_EQ(w.lpc("run r.toml --record a.svg").code, 0);
+  refused(w, "replay a.svg --film ./a.svg", {"--film", "over the recording a.svg", valid});
+  refused(w, "replay r.toml --beside a.svg --film a.svg", {"--film", "over the recording a.svg", valid});
+  w.write("c.json", "{\"cases\": []}");
+  refused(w, "verify --cases c.json --csv ./c.json", {"--csv", "over the cases c.json", valid});
+  refused(w, "verify --cases c.json --csv s.db --store s.db", {"--csv s.db", "--store s.db", "are one file"});
+}
+
+TEST(Files, TwoOutputsAreTwoFiles) {
+  Workspace w;
+  w.write("r.toml", kScene);
+  w.write("x", "earlier");
+  refused(w, "run r.toml --record x --profile x", {"--record x and --profile x are one file"});
+  refused(w, "run r.toml --record y --profile ./y", {"--record y and --profile ./y are one file"});
+  refused(w, "run r.toml --profile f.svg --film f.svg", {"--profile f.svg and --film f.svg are one file"});
+  EXPECT_EQ(readFile(w.path("x")), "earlier");
+  EXPECT_EQ(w.lpc("run r.toml --record /dev/null --profile /dev/null").code, 0) << "a device takes both";
+  refused(w, "run r.toml --record /dev/stdout", {"/dev/stdout", "valid: a file"});
+}
+
+// A pipe that nobody writes to and a device without an end.
+TEST(Files, NobodyIsWaitedFor) {
+  Workspace w;
+  w.write("r.toml", kScene);
+  w.write("bench.json", "");
+  ASSERT_EQ(w.lpc("run r.toml --record a.rec").code, 0);
+  ASSERT_EQ(w.shell("mkfifo pipe && mkdir folder").code, 0);
+  for (const char* path : {"pipe", "folder", "/dev/zero", "bench.json"}) {
+    const std::string name = path;
+    refused(w, "replay " + name, {name + ": ", "not a recording"});
+    refused(w, "replay a.rec --beside " + name, {name + ": ", "not a recording"});
+    refused(w, "--plugin " + name + " list", {name + ": "});
+    if (name != "bench.json") refused(w, "run " + name, {"'" + name + "'"});
+    if (name != "pipe") refused(w, "import-benchmark --store s.db " + name, {name + ": "});
+    if (name != "bench.json") refused(w, "needs r.toml --store " + name, {name + ": ", "no file"});
+    if (name != "bench.json") refused(w, "merge s.db " + name, {name + ": ", "no file"});
+  }
+  refused(w, "replay absent.rec", {"absent.rec: cannot be read"});
+}
+
+// Stores and what workers are told are UTF-8.
+TEST(Files, NamesAreUtf8) {
+  Workspace w;
+  w.write("a\xff.toml", kScene);
+  w.write("r.toml", kScene);
+  for (const std::string arguments :
+       {"run a\xff.toml", "run r.toml --record a\xff.rec", "sweep a\xff.toml", "sweep ensembles --store \xff.db",
+        "list --name \xff", "--plugin \xff.so list", "merge \xff.db a.db", "verify --cases \xff.json", "\xff"}) {
+    refused(w, arguments, {"lpc: the argument ", "not UTF-8"});
+  }
+  std::filesystem::create_directory(w.path("tmp\xff"));
+  refused(w, "run r.toml --film r.svg", {"not UTF-8"}, "TMPDIR=" + w.path("tmp\xff"));
+  w.write("bad.toml", "name = \"\xff\"\n");
+  refused(w, "run bad.toml", {"bad.toml:1: "});
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
