@@ -63,7 +63,8 @@ def read(store, sweep):
                 seen.failures.append((own["outcome"], own["reason"]))
                 own = None
             if own is not None:
-                costs.append(own["metrics"].get(COST, math.nan))
+                cost = own["metrics"].get(COST)  # a run of one step has none
+                costs.append(math.nan if cost is None else cost)
                 if first is not None:
                     _compare(store, first, own, seen)
                 else:
