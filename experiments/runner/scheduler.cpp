@@ -85,6 +85,7 @@ class Scheduler {
     };
     std::map<std::string, double> last;
     for (const Job& job : jobs) {
+      if (InterruptGuard::interrupted()) return;  // with 100,000 it takes seconds
       double& most = last[ofCell(job)];
       most = std::max(most, job.trial->canonical.at("repeat").get<double>());
     }
