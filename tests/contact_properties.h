@@ -220,6 +220,7 @@ struct FaceContact {
   ContactScene<D> scene;
   Pose<D> X_A;                // its z axis (3D) or y axis (2D) is the normal
   std::vector<Vec<2>> patch;  // 3D: corners of the common area, in x and y of X_A; 2D: its ends, in x
+  bool flush = false;         // the same shape, corner on corner
 };
 
 inline bool insideConvex(const std::vector<Vec<2>>& polygon, const Vec<2>& p) {
@@ -290,7 +291,7 @@ inline FaceContact<2> drawFaceContact<2>(Draw& draw) {
   X_AB.q = Rot<2>::angle(draw.pick({0.0, 1e-9, 1e-4}));
   const Pose<2> X_WA = draw.coin() ? drawPose<2>(draw, 3) : Pose<2>{};
   const Real lo = std::max(-x1, X_AB.p[0] - x2), hi = std::min(x1, X_AB.p[0] + x2);
-  return {ContactScene<2>(a, b, X_WA, X_WA * X_AB, kContactMargin), X_WA, {{lo, 0}, {hi, 0}}};
+  return {ContactScene<2>(a, b, X_WA, X_WA * X_AB, kContactMargin), X_WA, {{lo, 0}, {hi, 0}}, same};
 }
 
 template <>
@@ -328,7 +329,7 @@ inline FaceContact<3> drawFaceContact<3>(Draw& draw) {
   const double tilt = draw.pick({0.0, 1e-9, 1e-4});
   X_AB.q = Rot<3>::vector({static_cast<Real>(tilt), 0, 0}) * X_AB.q;
   const Pose<3> X_WA = draw.coin() ? drawPose<3>(draw, 3) : Pose<3>{};
-  return {ContactScene<3>(a, b, X_WA, X_WA * X_AB, kContactMargin), X_WA, commonCorners(base1, base2)};
+  return {ContactScene<3>(a, b, X_WA, X_WA * X_AB, kContactMargin), X_WA, commonCorners(base1, base2), same};
 }
 
 /// Breadth of the patch along the direction with this angle (m).
@@ -395,27 +396,38 @@ void facesSpanPatch(ContactGenerator<D>& generator) {
   if (D == 3) RC_ASSERT(areaOfHull(points) >= Real(0.48) * areaOfHull(c.patch));
 }
 
-/// A motion of a micrometre leaves the features of a face contact as they are.
+/// A motion of a micrometre leaves the features of a face contact as they are. Where a corner just passes a threshold,
+/// which happens by chance alone, they may change, but not also a millimetre beside.
 template <int D>
 void featuresAreSteady(ContactGenerator<D>& generator) {
-  auto c = *Gen(drawFaceContact<D>);
+  const auto c = *Gen(drawFaceContact<D>);
   const auto motion = *Gen([](Draw& draw) {
     return std::pair(drawVector<D>(draw), turn(Ang<D>(Ang<D>::Constant(Real(1e-7) * draw.signedUnit()))));
   });
   if (isSliver(c)) return;
-  const auto before = c.scene.run(generator);
   const Real step = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-5);
-  c.scene.pose[1].p += step * motion.first;
-  c.scene.pose[1].q = motion.second * c.scene.pose[1].q;
-  const auto after = c.scene.run(generator);
-  RC_ASSERT(before.size() == after.size());
-  if (before.empty()) return;
-  RC_LOG() << before[0] << after[0];
-  RC_ASSERT(before[0].count == after[0].count);
-  for (int i = 0; i < before[0].count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    RC_ASSERT(before[0].points[k].feature == after[0].points[k].feature);
-  }
+  const auto isSteady = [&](ContactScene<D> scene) {
+    const auto before = scene.run(generator);
+    scene.pose[1].p += step * motion.first;
+    scene.pose[1].q = motion.second * scene.pose[1].q;
+    const auto after = scene.run(generator);
+    RC_ASSERT(before.size() == after.size());
+    if (before.empty()) return true;
+    RC_LOG() << before[0] << after[0];
+    const auto points = [](const Manifold<D>& m) {
+      return std::span(m.points).first(static_cast<std::size_t>(m.count));
+    };
+    const auto same = [](const auto& p, const auto& q) { return p.feature == q.feature; };
+    return std::ranges::equal(points(before[0]), points(after[0]), same);
+  };
+  if (isSteady(c.scene)) return;
+  RC_ASSERT(!c.flush);
+  ContactScene<D> beside = c.scene;
+  Vec<D> way = Vec<D>::Zero();  // along the faces and none of their sides
+  way[0] = Real(0.8);
+  if constexpr (D == 3) way[1] = Real(0.6);
+  beside.pose[1].p += 1000 * step * (c.X_A.q * way);
+  RC_ASSERT(isSteady(beside));
 }
 
 /// The ridges of two boxes, edge along edge and apart: two points span their common stretch.
