@@ -32,9 +32,16 @@ void addMerge(CommandLine& app, Session&) {
       std::error_code absent;
       if (std::filesystem::equivalent(path, *into, absent)) throw UserError(path + ": a store is merged into itself");
     }
-    Store store(*into, true);
-    for (const std::string& path : *from) {
-      std::printf("%s: %ld trials taken over\n", path.c_str(), store.merge(path));
+    const bool fresh = !std::filesystem::exists(*into);
+    try {
+      Store store(*into, true);
+      for (const std::string& path : *from) {
+        std::printf("%s: %ld trials taken over\n", path.c_str(), store.merge(path));
+      }
+    } catch (const UserError&) {  // of a damaged store: what was made for it goes again
+      std::error_code ignored;
+      if (fresh) std::filesystem::remove(*into, ignored);
+      throw;
     }
   });
 }

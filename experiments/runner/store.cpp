@@ -87,6 +87,25 @@ std::string prepared(const std::string& path, bool create) {
   return path;
 }
 
+// Whoever has lost a table or a column would fail in the middle of what is written.
+void requireWhole(SQLite::Database& db, const std::string& path) {
+  const auto columns = [](SQLite::Database& of) {
+    SQLite::Statement s(of,
+                        "SELECT t.name, c.name FROM sqlite_master t, pragma_table_info(t.name) c WHERE t.type='table'");
+    std::set<std::pair<std::string, std::string>> out;
+    while (s.executeStep()) out.emplace(s.getColumn(0).getString(), s.getColumn(1).getString());
+    return out;
+  };
+  SQLite::Database ours(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  ours.exec(kTables);
+  const auto found = columns(db);
+  for (const auto& [table, column] : columns(ours)) {
+    if (found.contains({table, column})) continue;
+    throw UserError(path + ": not a result store, or a damaged one: it has no column '" + column + "' in a table '" +
+                    table + "'");
+  }
+}
+
 // The store's numbers are little-endian float64, and so are this machine's.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
 void bindNumbers(SQLite::Statement& s, int index, const std::vector<double>& data) {
@@ -116,6 +135,7 @@ Store::Store(const std::string& path, bool create) try
     throw UserError(path + ": the store has schema " + found + ", this program reads schema " + kSchemaVersion);
   }
   version.reset();
+  requireWhole(m_db, path);
   m_db.exec("PRAGMA journal_mode=WAL");
   m_db.exec("PRAGMA synchronous=NORMAL");  // with WAL a killed process loses nothing; only a dying machine may
   boundSize(m_db);
@@ -146,8 +166,7 @@ std::optional<Store::Row> Store::measured(const std::string& key) try {
   s.bind(1, key);
   if (!s.executeStep()) return std::nullopt;
   Row row{s.getColumn(0).getString(), s.getColumn(1).getString(), {}};
-  const json metrics = json::parse(s.getColumn(2).getString());
-  for (const auto& [name, value] : metrics.items()) {
+  for (const auto& [name, value] : storedJson(s.getColumn(2).getString())) {
     if (value.is_number()) row.metrics[name] = value;
   }
   return row;
@@ -170,7 +189,7 @@ json Store::commandsOf(const PlannedSweep& sweep, bool replace) {
   SQLite::Statement s(m_db, "SELECT roles FROM sweep WHERE name=?");
   s.bind(1, sweep.name);
   if (const auto roles = one(s); roles && !replace) {
-    const json earlier = json::parse(*roles).value("commands", json::array());
+    const json earlier = json(storedJson(*roles)).value("commands", json::array());
     if (earlier.is_array()) out = earlier;
   }
   if (!sweep.command.empty() && std::find(out.begin(), out.end(), json(sweep.command)) == out.end()) {
@@ -191,7 +210,7 @@ void Store::forgetCells(const PlannedSweep& sweep) {
   SQLite::Statement s(m_db, "SELECT key, axes FROM planned WHERE sweep=?");
   s.bind(1, sweep.name);
   while (s.executeStep()) {
-    if (cells.count(cellOf(json::parse(s.getColumn(1).getString())))) keys.push_back(s.getColumn(0).getString());
+    if (cells.count(cellOf(storedJson(s.getColumn(1).getString())))) keys.push_back(s.getColumn(0).getString());
   }
   SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=? AND key=?");
   for (const std::string& key : keys) {

@@ -92,6 +92,14 @@ class Store {
 /// Tells a user what SQLite cannot do.
 [[noreturn]] void failStore(const std::string& path, const SQLite::Exception& e);
 
+/// The JSON of a text in a store, which is one of these unless the file is damaged: then it throws as SQLite does.
+template <class T = nlohmann::json::object_t>
+T storedJson(const std::string& text) try {
+  return nlohmann::json::parse(text).get<T>();
+} catch (const nlohmann::json::exception&) {
+  throw SQLite::Exception("a text in it is no JSON of ours", 11);  // SQLITE_CORRUPT
+}
+
 /// Now, UTC, as 2026-11-21T04:05:06Z.
 std::string timeStamp();
 

@@ -40,7 +40,7 @@ LedgerEntry entryOf(SQLite::Statement& s) {
   int at = kKeys + 1;
   for (long& count : e.tallies) count = static_cast<long>(s.getColumn(at++).getInt64());
   e.maxError = s.getColumn(at++).getDouble();
-  e.histogram = json::parse(s.getColumn(at++).getString()).get<std::map<std::string, long>>();
+  e.histogram = storedJson<std::map<std::string, long>>(s.getColumn(at++).getString());
   e.nanoseconds = s.getColumn(at++).getDouble();
   e.worst = s.getColumn(at).getString();
   return e;

@@ -297,6 +297,22 @@ TEST(BadInput, StoresThatAreNone) {
     torn.seekp(static_cast<std::streamoff>(page * 4096)), torn << std::string(4096, '!');
   }
   refused(w, "sweep s.toml --dry-run --store torn.db", {"torn.db: ", "damaged"});
+  refused(w, "merge all.db torn.db", {"torn.db", "damaged"});
+  // What would be missed in the middle of writing.
+  for (const char* damage : {"DROP TABLE metrics", "ALTER TABLE trial RENAME COLUMN key TO k"}) {
+    std::filesystem::copy_file(w.path("whole.db"), w.path("lost.db"),
+                               std::filesystem::copy_options::overwrite_existing);
+    SQLite::Database(w.path("lost.db"), SQLite::OPEN_READWRITE).exec(damage);
+    const std::string lost = readFile(w.path("lost.db"));
+    for (const char* command : {"sweep s.toml --store lost.db", "sweep s.toml --dry-run --store lost.db",
+                                "merge all.db lost.db", "merge whole.db lost.db"}) {
+      refused(w, command, {"lost.db: ", "damaged", "no column"});
+    }
+    EXPECT_EQ(readFile(w.path("lost.db")), lost);
+  }
+  std::filesystem::copy(w.path("whole.db"), w.path("garbled.db"));
+  SQLite::Database(w.path("garbled.db"), SQLite::OPEN_READWRITE).exec("UPDATE sweep SET roles='{'");
+  refused(w, "sweep s.toml --quiet --only naive --store garbled.db", {"garbled.db: ", "damaged", "JSON"});
   const auto before = filesIn(w);
   EXPECT_EQ(w.lpc("sweep s.toml --dry-run --store deep/new.db").code, 0);
   EXPECT_EQ(w.lpc("sweep s.toml --dry-run --store empty.db").code, 0);
