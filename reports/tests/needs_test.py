@@ -96,6 +96,10 @@ class PageAndProgram(unittest.TestCase):
         text, made = self.compare("pyramid --param base=3 --steps 40 --seeds 4")
         self.assertEqual(printed(text)[0][0], "another seed")
 
+    def test_agree_where_nothing_is_timed(self):
+        """The first steps are not timed, so that a run of one step has no median."""
+        self.compare("slope --seeds 1 --steps 1")
+
     def test_agree_on_every_remark(self):
         """Times as somebody with another machine would measure them, and runs that fail."""
         def as_planted(axes, metrics):
