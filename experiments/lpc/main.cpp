@@ -114,18 +114,18 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
-    std::cerr << "lpc: " << e.what() << " (see lpc --help)\n";
+    std::cerr << "lpc: " << oneLine(e.what()) << " (see lpc --help)\n";
     return 2;
   } catch (const UserError& e) {
-    std::cerr << "lpc: " << e.what() << "\n";
+    std::cerr << "lpc: " << oneLine(e.what()) << "\n";
     return 2;
   } catch (const Interrupted& e) {
-    std::cerr << "lpc: " << e.what() << "\n";
+    std::cerr << "lpc: " << oneLine(e.what()) << "\n";
     return 130;
   } catch (const std::exception& e) {
     const auto* ofJson = dynamic_cast<const nlohmann::json::type_error*>(&e);
     const bool notUtf8 = ofJson && ofJson->id == 316;  // the name of the folder that is worked in, TMPDIR
-    std::cerr << "lpc: " << (notUtf8 ? "a name or text is not UTF-8: " : "") << e.what() << "\n";
+    std::cerr << "lpc: " << (notUtf8 ? "a name or text is not UTF-8: " : "") << oneLine(e.what()) << "\n";
     return notUtf8 ? 2 : 1;
   }
   errno = 0;

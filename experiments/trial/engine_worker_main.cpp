@@ -9,6 +9,7 @@
 #include "experiments/trial/plugin.h"
 #include "experiments/trial/trial.h"
 #include "framework/check.h"
+#include "framework/names.h"
 
 int main() {
   try {
@@ -18,10 +19,10 @@ int main() {
     std::cout << lpc::toJson(lpc::runWorldTrial(request)).dump() << std::flush;
     return std::cout ? 0 : 1;
   } catch (const lpc::UserError& e) {
-    std::cerr << "lpc: " << e.what() << "\n";
+    std::cerr << "lpc: " << lpc::oneLine(e.what()) << "\n";
     return 2;
   } catch (const std::exception& e) {
-    std::cerr << "error: " << e.what() << "\n";
+    std::cerr << "error: " << lpc::oneLine(e.what()) << "\n";
     return 1;
   }
 }

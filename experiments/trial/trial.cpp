@@ -7,6 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "framework/names.h"
+
 namespace lpc::inline LPC_PRECISION {
 
 using nlohmann::json;
@@ -14,8 +16,8 @@ using nlohmann::json;
 json toJson(const TrialResult& r) {
   json poses = json::array();
   for (const auto& [step, data] : r.poses) poses.push_back({{"step", step}, {"data", data}});
-  return {{"outcome", r.outcome}, {"reason", r.reason}, {"step", r.step}, {"hash", r.hash},
-          {"metrics", r.metrics}, {"series", r.series}, {"poses", poses}};
+  return {{"outcome", r.outcome}, {"reason", oneLine(r.reason)}, {"step", r.step}, {"hash", r.hash},
+          {"metrics", r.metrics}, {"series", r.series},          {"poses", poses}};
 }
 
 TrialResult resultFromJson(const json& j) {

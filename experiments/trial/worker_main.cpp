@@ -8,6 +8,7 @@
 
 #include "experiments/trial/trial.h"
 #include "framework/check.h"
+#include "framework/names.h"
 #ifdef LPC_HAS_ORACLES
 #include "experiments/trial/verify_task.h"
 #endif
@@ -29,10 +30,10 @@ int main() {
     std::cout << run(nlohmann::json::parse(text)).dump() << std::flush;
     return std::cout ? 0 : 1;
   } catch (const lpc::UserError& e) {
-    std::cerr << "lpc: " << e.what() << "\n";
+    std::cerr << "lpc: " << lpc::oneLine(e.what()) << "\n";
     return 2;
   } catch (const std::exception& e) {
-    std::cerr << "error: " << e.what() << "\n";
+    std::cerr << "error: " << lpc::oneLine(e.what()) << "\n";
     return 1;
   }
 }

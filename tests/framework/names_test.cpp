@@ -36,6 +36,32 @@ TEST(Names, TheMessageHasBoth) {
   EXPECT_EQ(validNames({}, "double"), "; valid: none");
 }
 
+TEST(Names, NothingLongIsASlip) {
+  const std::string much(1000000, 'x');  // both ways: a table of their product would be the end
+  EXPECT_EQ(meantName({"naive", much}, much + "y"), "");
+  EXPECT_EQ(meantName({much, "naive"}, "niave"), "naive");
+}
+
+TEST(Names, AMessageIsOneLine) {
+  EXPECT_EQ(oneLine("file.toml:3: 'naïve' is …; valid: 😀"), "file.toml:3: 'naïve' is …; valid: 😀");
+  EXPECT_EQ(oneLine(std::string("a\nb\tc\r\x1b[0m\x7f\0z", 13)), "a\\nb\\tc\\x0d\\x1b[0m\\x7f\\x00z");
+  // No UTF-8: a byte that begins nothing, a cut character, an overlong one, a surrogate, too far; and C1, separators.
+  EXPECT_EQ(oneLine("\xff|\xc3|\xc0\x80|\xed\xa0\x80|\xf4\x90\x80\x80"),
+            "\\xff|\\xc3|\\xc0\\x80|\\xed\\xa0\\x80|\\xf4\\x90\\x80\\x80");
+  EXPECT_EQ(oneLine("\xc2\x85|\xe2\x80\xa8"), "\\xc2\\x85|\\xe2\\x80\\xa8");
+  const std::string once =
+      oneLine("t.toml:3: '" + std::string(1000000, 'x') + "' beside '" + std::string(900, 'y') + "'; valid: z");
+  EXPECT_LT(once.size(), 1000u);
+  for (const char* part : {"t.toml:3: 'xxx", " ... (999640 bytes) ... xxx", "xxx' beside 'yyy", "yyy'; valid: z"}) {
+    EXPECT_NE(once.find(part), once.npos) << once;
+  }
+  EXPECT_EQ(oneLine(once), once);
+  std::string letters;
+  for (int i = 0; i < 5000; ++i) letters += "é";
+  EXPECT_LT(oneLine(letters).size(), 1600u);
+  EXPECT_EQ(oneLine(letters).find('\\'), std::string::npos) << "cut within a character";
+}
+
 TEST(Names, APartOfAStageIsPutInItsPlace) {
   EXPECT_EQ(placeInPipeline(*stageByName("solver"), "soft_step"), "");
   EXPECT_EQ(placeInPipeline(*stageByName("velocity"), "catto"),
