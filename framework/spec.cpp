@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "framework/names.h"
+#include "framework/nesting.h"
 #include "framework/registry.h"
 
 namespace lpc {
@@ -18,15 +19,16 @@ class Parser {
  public:
   explicit Parser(std::string_view text) : m_text(text) {}
 
-  Spec spec() {
+  Spec spec(int depth = 0) {
     Spec s{word("a name or value"), {}};
     if (!take('{')) return s;
+    if (depth == kMostNested) fail("nested more than " + std::to_string(kMostNested) + " deep");
     if (take('}')) return s;
     do {
       const std::string key = word("a parameter name");
       if (s.find(key)) fail("parameter '" + key + "' is given twice");
       if (!take('=')) fail("'=' is missing after '" + key + "'");
-      s.fields.push_back({key, spec()});
+      s.fields.push_back({key, spec(depth + 1)});
     } while (take(','));
     if (!take('}')) fail("',' or '}' is missing");
     return s;

@@ -8,6 +8,7 @@
 
 #include "framework/check.h"
 #include "framework/curved_core.h"
+#include "framework/nesting.h"
 #include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -297,7 +298,10 @@ std::vector<Case> readCases(const std::string& path) {
   }
   Json file;
   try {
-    file = Json::parse(in);
+    file = Json::parse(in, [&](int depth, Json::parse_event_t, const Json&) {
+      if (depth > kMostNested) throw UserError(path + ": nested more than " + std::to_string(kMostNested) + " deep");
+      return true;
+    });
   } catch (const Json::exception& error) {
     throw UserError(path + ": " + error.what());
   }

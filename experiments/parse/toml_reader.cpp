@@ -5,13 +5,60 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include "framework/names.h"
+#include "framework/nesting.h"
 
 namespace lpc::inline LPC_PRECISION {
 
+namespace {
+
+// One past the string that begins at `at`. Where it does not end, the parser says so.
+std::size_t endOfString(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const bool escapes = quote == '"';
+  const std::string three(3, quote);
+  const bool many = text.substr(at, 3) == three;
+  for (std::size_t i = at + (many ? 3 : 1); i < text.size(); ++i) {
+    if (escapes && text[i] == '\\') {
+      ++i;
+    } else if (many && text.substr(i, 3) == three) {
+      for (i += 3; i < text.size() && text[i] == quote;) ++i;  // it may end in quotes of its own
+      return i;
+    } else if (!many && (text[i] == quote || text[i] == '\n')) {
+      return i + (text[i] == quote);
+    }
+  }
+  return text.size();
+}
+
+// The parser goes as deep as dotted keys do, and what it makes of them ends by recursion. So this comes before it. What
+// stands behind a syntax error may be misread here, but then the parser says that one.
+void checkNesting(std::string_view text, const std::string& file) {
+  std::vector<int> dots = {0};  // in the key under way, of the file and of every bracket that is open
+  int depth = 0;                // all of these and the brackets
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '#') i = std::min(text.find('\n', i), text.size()) - 1;
+    if (c == '"' || c == '\'') i = endOfString(text, i) - 1;
+    if (c == '.') ++depth, ++dots.back();
+    if (c == '[' || c == '{') ++depth, dots.push_back(0);
+    if (c == ',' || (c == '\n' && dots.size() == 1)) depth -= std::exchange(dots.back(), 0);
+    if ((c == ']' || c == '}') && dots.size() > 1) depth -= 1 + dots.back(), dots.pop_back();
+    if (depth > kMostNested) {
+      const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n');
+      throw UserError(file + ":" + std::to_string(line) + ": nested more than " + std::to_string(kMostNested) +
+                      " deep");
+    }
+  }
+}
+
+}  // namespace
+
 void failAt(std::string_view file, const toml::node& node, const std::string& what) {
-  throw UserError(std::string(file) + ":" + std::to_string(node.source().begin.line) + ": " + what);
+  // As one line at once: what() of an error ends where a quoted text holds a zero.
+  throw UserError(oneLine(std::string(file) + ":" + std::to_string(node.source().begin.line) + ": " + what));
 }
 
 std::string describe(const toml::node& node) {
@@ -30,10 +77,11 @@ std::string asText(double number) {
 }
 
 toml::table parseToml(std::string_view text, const std::string& file) {
+  checkNesting(text, file);
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& e) {
-    throw UserError(file + ":" + std::to_string(e.source().begin.line) + ": " + std::string(e.description()));
+    throw UserError(oneLine(file + ":" + std::to_string(e.source().begin.line) + ": " + std::string(e.description())));
   }
 }
 

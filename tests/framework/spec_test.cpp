@@ -210,6 +210,28 @@ TEST(Registry, CanonicalTextSpellsEverythingOut) {
   EXPECT_EQ(nested.find("inner")->fields.size(), entry.params.size());
 }
 
+// A reader that calls itself for each level has no stack for what somebody may write.
+TEST(Spec, IsNotNestedWithoutEnd) {
+  const auto nested = [](int n) {
+    std::string text;
+    for (int i = 0; i < n; ++i) text += "a{b=";
+    return text + "a" + std::string(static_cast<std::size_t>(n), '}');
+  };
+  EXPECT_EQ(Spec::parse(nested(64)).text(), nested(64));
+  for (const int n : {65, 30000, 1000000}) {
+    for (const std::string& text : {nested(n), nested(n).substr(0, static_cast<std::size_t>(4 * n))}) {
+      try {
+        Spec::parse(text);
+        ADD_FAILURE() << n << " was taken";
+      } catch (const UserError& e) {
+        EXPECT_TRUE(std::string(e.what()).ends_with("nested more than 64 deep"));
+      }
+      EXPECT_THROW(Pipeline::parse("solver=" + text), UserError);
+      EXPECT_THROW(engineOf("engine=" + text), UserError);
+    }
+  }
+}
+
 TEST(Registry, EveryAlgorithmDescribesItself) {
   ASSERT_FALSE(Registry::instance().all().empty()) << "registrations were dropped by the linker";
   for (const auto& [key, r] : Registry::instance().all()) {
