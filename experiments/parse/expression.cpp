@@ -4,9 +4,13 @@
 #include <muParser.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <sstream>
 
 #include "framework/check.h"
+#include "framework/names.h"
+#include "framework/nesting.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -15,14 +19,17 @@ namespace {
 thread_local Random* drawing = nullptr;
 thread_local bool decided = false;
 
+// Beyond it, sinCos is no sine.
+double withinTurns(double angle) { return std::abs(angle) <= kLargestAngle ? angle : std::nan(""); }
+
 double sine(double x) {
   double s = 0, c = 1;
-  sinCos(x, s, c);
+  sinCos(withinTurns(x), s, c);
   return s;
 }
 double cosine(double x) {
   double s = 0, c = 1;
-  sinCos(x, s, c);
+  sinCos(withinTurns(x), s, c);
   return c;
 }
 double draw(double lo, double hi) {
@@ -38,6 +45,46 @@ double smaller(double x, double y) { return std::min(x, y); }
 double larger(double x, double y) { return std::max(x, y); }
 
 constexpr const char* kFunctions = "sin cos sqrt abs floor ceil min max mod rand pi";
+
+bool inName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
+// What muParser takes in silence and nobody means: an assignment, which would change a variable for whatever is read
+// later; a comma that is no function's, of which only the last number counts; two comparisons in a row, whose second
+// compares a 0 or 1. Why it is refused, or an empty text.
+std::string slipIn(const std::string& text) {
+  struct Level {
+    bool function = false, compared = false;
+  };
+  std::vector<Level> levels(1);  // of parentheses
+  char last = ' ';               // but for spaces
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool equals = i + 1 < text.size() && text[i + 1] == '=';
+    if (c == '(') {
+      levels.push_back({inName(last), false});
+      if (levels.size() > kMostNested + 1)
+        return "parentheses nested more than " + std::to_string(kMostNested) + " deep";
+    } else if (c == ')') {
+      if (levels.size() > 1) levels.pop_back();
+    } else if (c == ',') {
+      if (!levels.back().function) return "a comma outside of a function; valid: a point for decimals, as in 0.5";
+      levels.back().compared = false;
+    } else if (c == '?' || c == ':' || c == '&' || c == '|') {
+      levels.back().compared = false;
+    } else if (c == '=' && !equals) {
+      return "'=' in an expression, which changes nothing; valid: '==', which compares";
+    } else if (c == '=' || c == '<' || c == '>' || (c == '!' && equals)) {
+      if (levels.back().compared) return "two comparisons in a row; valid: such as 'a < b && b < c'";
+      levels.back().compared = true;
+      i += equals;
+    }
+    const bool space = std::isspace(static_cast<unsigned char>(c));
+    if (!space && std::iscntrl(static_cast<unsigned char>(c)))
+      return "a control character";  // a zero ends what is read
+    if (!space) last = c;
+  }
+  return "";
+}
 
 }  // namespace
 
@@ -59,11 +106,35 @@ void Expressions::forgetLocals() {
 
 bool Expressions::knows(const std::string& name) const { return m_globals.count(name) || m_locals.count(name); }
 
+void Expressions::checkName(const std::string& name) {
+  bool taken = std::isdigit(static_cast<unsigned char>(name.empty() ? '0' : name[0]));
+  for (const char c : name) taken = taken || !inName(c);
+  if (taken) throw UserError("'" + name + "' is no name for a number; valid: letters, digits and _, no digit first");
+  std::istringstream functions(kFunctions);
+  for (std::string function; functions >> function;) {
+    if (name == function) throw UserError("'" + name + "' is already the name of something else");
+  }
+}
+
 double Expressions::evaluate(const std::string& text) {
+  const double value = valueOf(text);
+  if (!std::isfinite(value)) {
+    throw UserError("'" + oneLine(text) + "' is not a finite number, or the sine of over " +
+                    std::to_string(static_cast<long>(kLargestAngle)) + " rad");
+  }
+  return value;
+}
+
+void Expressions::check(const std::string& text) {
+  aside([&] { valueOf(text); });
+}
+
+double Expressions::valueOf(const std::string& text) {
   drawing = &m_random, decided = m_drew;
   try {
     auto& compiled = m_compiled[text];
     if (!compiled) {
+      if (const std::string slip = slipIn(text); !slip.empty()) throw UserError("'" + oneLine(text) + "': " + slip);
       compiled = std::make_unique<Compiled>();
       mu::Parser& p = compiled->parser;
       p.ClearFun();  // libm's functions end in other digits on other machines: only ours are left
@@ -85,7 +156,6 @@ double Expressions::evaluate(const std::string& text) {
     }
     const double value = compiled->parser.Eval();
     m_drew = decided;
-    if (!std::isfinite(value)) throw UserError("'" + text + "' is not a finite number");
     return value;
   } catch (const mu::Parser::exception_type& e) {
     m_compiled.erase(text);
@@ -93,7 +163,7 @@ double Expressions::evaluate(const std::string& text) {
     for (const auto* scope : {&m_globals, &m_locals}) {
       for (const auto& [name, value] : *scope) names += " " + name;
     }
-    throw UserError("'" + text + "': " + e.GetMsg() + " Valid names:" + names + " and " + kFunctions);
+    throw UserError("'" + oneLine(text) + "': " + e.GetMsg() + " Valid names:" + names + " and " + kFunctions);
   }
 }
 

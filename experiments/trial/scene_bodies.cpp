@@ -4,6 +4,7 @@
 
 #include "experiments/trial/scene_parsed.h"
 #include "framework/curved_core.h"
+#include "framework/mass.h"
 #include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -15,6 +16,7 @@ std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
   const toml::node& list = shape.require("points");
   if (!list.is_array()) shape.fail(list, "'points' is " + describe(list) + "; valid: a list of points");
   const double depth = numbers.between(shape, "depth", 0, 0, kLargest);
+  numbers.count(list, "points", static_cast<long>(list.as_array()->size()));
   std::vector<Vec<D>> points;
   for (const toml::node& n : *list.as_array()) {
     Vec<D> p = numbers.vector<D>(n);
@@ -71,14 +73,20 @@ Shape<D> readCompound(TableReader& shape, SceneNumbers& numbers) {
     const std::string kind = part.requireString("kind");
     if (kind == "plane" || kind == "compound") part.fail("a part is a " + kind + "; valid: convex shapes that end");
     const long n = numbers.whole(part, "repeat", 1, 0, kMostParts);
+    numbers.count(part.raw(), "shapes", n);
     for (long i = 0; i < n; ++i) {
       numbers.expressions.setLocal("part", static_cast<double>(i));
       parts.push_back(readPlaced<D>(part, numbers));
     }
     numbers.expressions.setLocal("part", 0);
-    if (n > 0) part.finish();
+    if (n == 0) {
+      const SceneNumbers::Rehearsal rehearsal(numbers);
+      readPlaced<D>(part, numbers);
+    }
+    part.finish();
     if (parts.size() > static_cast<std::size_t>(kMostParts)) shape.fail("more than 10000 parts");
   }
+  if (numbers.rehearsing()) return {};
   return Shape<D>::compound(parts, overlap == "refused" ? PartOverlap::refused : PartOverlap::counted);
 }
 
@@ -90,12 +98,12 @@ ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers) {
     placed.shape = kind == "compound" ? readCompound<D>(shape, numbers) : readConvex<D>(shape, numbers, kind);
   } catch (const UserError& e) {
     // Errors of the shape factories know no place; those of this file do.
-    if (std::string_view(e.what()).starts_with(shape.file())) throw;
     const std::string_view what = e.what();
-    shape.fail(what.starts_with(kind) ? std::string(what) : kind + ": " + std::string(what));
+    if (what.starts_with(shape.file())) throw;
+    if (!numbers.rehearsing()) shape.fail(what.starts_with(kind) ? std::string(what) : kind + ": " + std::string(what));
   }
   placed.X_SP.p = numbers.vector<D>(shape, "offset");
-  placed.X_SP.q = rotationOf(readAngular<D>(shape, numbers, "angle"));
+  placed.X_SP.q = rotationOf(readAngle<D>(shape, numbers, "angle"));
   return placed;
 }
 
@@ -121,20 +129,49 @@ ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::tab
   return def;
 }
 
+// As World::add would, who knows no place.
+template <int D>
+void checkMass(const BodyDef<D>& def, const TableReader& body) {
+  MassProperties<D> all;
+  for (const ShapeDef<D>& s : def.shapes) {
+    if (s.shape.isPlane() && def.type == BodyType::kinematic) body.fail("a plane moves; valid: type = \"fixed\"");
+    all = combined(all, transformed(massProperties(s.shape, s.density), s.X_BS));
+  }
+  if (def.type == BodyType::dynamic && (!(all.mass > 0) || !std::isfinite(all.mass))) {
+    body.fail("a dynamic body has a mass of " + asText(all.mass) + " kg; valid: finite and above 0, or another type");
+  }
+  if (!std::isfinite(all.mass) || !all.center.allFinite() || !all.inertia.allFinite()) {
+    body.fail("a body whose mass, " + asText(all.mass) +
+              " kg, or inertia is more than numbers hold; valid: smaller ones");
+  }
+}
+
 }  // namespace
 
+void SceneNumbers::count(const toml::node& place, std::string_view what, long n) {
+  if (m_rehearsing || (m_counts[what] += n) <= kMostOfEach) return;
+  failAt(m_file, place,
+         "more than " + std::to_string(kMostOfEach) + " " + std::string(what) + " in all blocks together");
+}
+
 double SceneNumbers::number(const toml::node& node) {
+  double value = 1;  // of an expression in a rehearsal
   if (node.is_number()) {
-    const double value = *node.value<double>();
+    value = *node.value<double>();
     if (!std::isfinite(value)) failAt(m_file, node, describe(node) + " is found; valid: a finite number");
-    return value;
+  } else if (node.is_string()) {
+    try {
+      const std::string text = *node.value<std::string>();
+      m_rehearsing ? expressions.check(text) : void(value = expressions.evaluate(text));
+    } catch (const UserError& e) {
+      failAt(m_file, node, e.what());
+    }
+  } else {
+    failAt(m_file, node, describe(node) + " is found; valid: a number or an expression");
   }
-  if (!node.is_string()) failAt(m_file, node, describe(node) + " is found; valid: a number or an expression");
-  try {
-    return expressions.evaluate(*node.value<std::string>());
-  } catch (const UserError& e) {
-    failAt(m_file, node, e.what());
-  }
+  constexpr double kMost = std::numeric_limits<Real>::max();
+  if (std::abs(value) <= kMost) return value;
+  failAt(m_file, node, asText(value) + " is more than numbers of this precision hold; valid: up to " + asText(kMost));
 }
 
 double SceneNumbers::number(TableReader& table, const std::string& key, double fallback) {
@@ -198,6 +235,17 @@ Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string&
 }
 
 template <int D>
+Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& key) {
+  const Ang<D> angle = readAngular<D>(table, numbers, key);
+  for (const Real a : angle) {
+    if (std::abs(a) <= static_cast<Real>(kLargestAngle)) continue;
+    table.fail(*table.find(key), "'" + key + "' is " + asText(a) + "; valid: -" + asText(kLargestAngle) + " to " +
+                                     asText(kLargestAngle) + " rad");
+  }
+  return angle;
+}
+
+template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults) {
   BodyDef<D> def;
   const std::string type = body.string("type", "dynamic");
@@ -211,7 +259,7 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
     body.fail(*body.find("type"), "unknown type '" + type + "'" + validNames({"dynamic", "fixed", "kinematic"}, type));
   }
   def.X_WB.p = numbers.vector<D>(body, "position");
-  def.X_WB.q = rotationOf(readAngular<D>(body, numbers, "angle"));
+  def.X_WB.q = rotationOf(readAngle<D>(body, numbers, "angle"));
   def.velocity = numbers.vector<D>(body, "velocity");
   def.angularVelocity = readAngular<D>(body, numbers, "angular_velocity");
   def.pinned = body.flag("pinned", false);
@@ -222,14 +270,10 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
   if (shapes.empty()) body.fail("a body needs 'shapes'");
   for (const toml::table* t : shapes) {
     TableReader shape(*t, body.file(), "a shape");
+    numbers.count(*t, "shapes");
     def.shapes.push_back(readShape<D>(shape, numbers, defaults));
   }
-  if (def.type != BodyType::dynamic) return def;
-  double mass = 0;
-  for (const ShapeDef<D>& s : def.shapes) mass += massProperties(s.shape, s.density).mass;
-  if (!(mass > 0) || !std::isfinite(mass)) {
-    body.fail("a dynamic body has a mass of " + asText(mass) + " kg; valid: finite and above 0, or another type");
-  }
+  if (!numbers.rehearsing()) checkMass(def, body);
   return def;
 }
 
@@ -237,6 +281,8 @@ template Vec<2> SceneNumbers::vector<2>(const toml::node&);
 template Vec<3> SceneNumbers::vector<3>(const toml::node&);
 template Vec<2> SceneNumbers::vector<2>(TableReader&, const std::string&);
 template Vec<3> SceneNumbers::vector<3>(TableReader&, const std::string&);
+template Ang<2> readAngle<2>(TableReader&, SceneNumbers&, const std::string&);
+template Ang<3> readAngle<3>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<2> readAngular<2>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<3> readAngular<3>(TableReader&, SceneNumbers&, const std::string&);
 template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*);

@@ -110,7 +110,7 @@ struct Set {
       if (n && fixed) e.block.fail(*n, "'" + std::string(key) + "' of a fixed body; valid: position, angle");
     }
     const auto position = given("position", e.numbers.template vector<D>(e.block, "position"));
-    const auto angle = given("angle", readAngular<D>(e.block, e.numbers, "angle"));
+    const auto angle = given("angle", readAngle<D>(e.block, e.numbers, "angle"));
     const auto v = given("velocity", e.numbers.template vector<D>(e.block, "velocity"));
     const auto w = given("angular_velocity", readAngular<D>(e.block, e.numbers, "angular_velocity"));
     addEvent<D>(e, body, [=](Simulation<D>& world, Handle h) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <utility>
 
 #include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_parsed.h"
@@ -13,30 +14,9 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-struct FeatureName {
-  const char* name;
-  bool Features::*flag;
-};
-constexpr FeatureName kFeatures[] = {{"cache", &Features::cache},       {"friction", &Features::friction},
-                                     {"joints", &Features::joints},     {"restitution", &Features::restitution},
-                                     {"rotation", &Features::rotation}, {"sleeping", &Features::sleeping}};
-constexpr Features kNothing{false, false, false, false, false, false};
-// A script that makes more bodies than this is a slip of the pen.
-constexpr std::size_t kMaxBodies = 1000000;
 constexpr long kMaxSteps = 1000000000;
+constexpr std::string_view kTurns = "turns of loops";
 constexpr double kRightAngle = 1.5707963267948966;  // rad
-
-void setFeature(Features& features, const std::string& name) {
-  for (const FeatureName& f : kFeatures) {
-    if (name == f.name) {
-      features.*(f.flag) = true;
-      return;
-    }
-  }
-  std::vector<std::string> names;
-  for (const FeatureName& f : kFeatures) names.push_back(f.name);
-  throw UserError("unknown feature '" + name + "'" + validNames(names, name));
-}
 
 void readHeader(TableReader& top, SceneFile::Parsed& out) {
   out.name = top.requireString("name");
@@ -53,7 +33,7 @@ void readHeader(TableReader& top, SceneFile::Parsed& out) {
   const long seed = top.integer("seed", 1);
   if (seed < 0) top.fail(*top.find("seed"), "'seed' is " + std::to_string(seed) + "; valid: 0 or more");
   out.seed = static_cast<std::uint64_t>(seed);
-  out.needs = kNothing;
+  out.needs = featuresFromText("");
   for (const std::string& need : top.strings("needs")) {
     try {
       setFeature(out.needs, need);
@@ -63,6 +43,8 @@ void readHeader(TableReader& top, SceneFile::Parsed& out) {
   }
   out.parameters = readParameters(top);
 }
+
+using Entries = std::vector<std::pair<std::string, const toml::node*>>;
 
 template <int D>
 class Builder {
@@ -132,23 +114,28 @@ class Builder {
   // Runs `once` for every turn of the block's loops. `k` counts the turns over all loops and script steps.
   void loops(TableReader& block, const std::function<void()>& once) {
     const toml::node* repeat = block.find("repeat");
-    if (!repeat) return turn(block, once);
-    if (!repeat->is_table()) {
-      const long n = count(*repeat);
+    if (!repeat || !repeat->is_table()) {
+      const long n = repeat ? times(*repeat) : 1;
+      m_numbers.count(repeat ? *repeat : block.raw(), kTurns, n);
       for (long i = 0; i < n; ++i) turn(block, once);
       return;
     }
-    nested(block, inFileOrder(*repeat->as_table()), 0, once);
+    // The turns are counted before the first is made.
+    const Entries indices = inFileOrder(*repeat->as_table());
+    m_numbers.expressions.aside([&] { nested(indices, 0, nullptr); });
+    nested(indices, 0, [&] { turn(block, once); });
   }
-  void nested(TableReader& block, const std::vector<std::pair<std::string, const toml::node*>>& loops,
-              std::size_t depth, const std::function<void()>& once) {
-    if (depth == loops.size()) return turn(block, once);
-    const auto& [name, bound] = loops[depth];
+  // Without a `body` it only counts.
+  void nested(const Entries& indices, std::size_t depth, const std::function<void()>& body) {
+    if (depth == indices.size()) return body ? body() : void();
+    const auto& [name, bound] = indices[depth];
+    const long n = times(*bound);
+    if (!body) m_numbers.count(*bound, kTurns, n);
     local(*bound, name, 0);
-    const long n = count(*bound);
+    if (!body && depth + 1 == indices.size()) return;
     for (long i = 0; i < n; ++i) {
       m_numbers.expressions.setLocal(name, static_cast<double>(i));
-      nested(block, loops, depth + 1, once);
+      nested(indices, depth + 1, body);
     }
   }
   void turn(TableReader& block, const std::function<void()>& once) {
@@ -158,21 +145,44 @@ class Builder {
       for (const auto& [name, node] : inFileOrder(*lets)) local(*node, name, m_numbers.number(*node));
     }
     const toml::node* when = block.find("when");
-    if (when && m_numbers.number(*when) == 0) return;
+    if (when && m_numbers.number(*when) == 0 && !m_numbers.rehearsing()) return;
     ++m_turns;
     once();
   }
-  long count(const toml::node& bound) {
+  // At the end of a block. One that made no turn is read all the same, for its mistakes.
+  void endLoops(TableReader& block, const std::function<void()>& once) {
+    if (m_turns == 0) {
+      const SceneNumbers::Rehearsal rehearsal(m_numbers);
+      const toml::node* repeat = block.find("repeat");
+      const toml::table* indices = repeat ? repeat->as_table() : nullptr;
+      for (const auto& [name, bound] : indices ? inFileOrder(*indices) : Entries{}) {
+        m_numbers.number(*bound), local(*bound, name, 0);
+      }
+      SceneSpec<D> scene = std::exchange(m_scene, {});
+      m_scene.spawns.emplace_back();  // whatever body is named
+      turn(block, once);
+      m_scene = std::move(scene);
+    }
+    block.finish();
+  }
+  long times(const toml::node& bound) {
     const double n = m_numbers.number(bound);
-    if (!(n >= 0) || n > static_cast<double>(kMaxBodies) || n != std::floor(n)) {
+    if (!(n >= 0) || n > static_cast<double>(kMostOfEach) || n != std::floor(n)) {
       failAt(m_parsed.path, bound, "a loop runs " + asText(n) + " times; valid: a whole number from 0 to 1000000");
     }
     return static_cast<long>(n);
   }
+  // The steps from `from` before `until`.
+  void checkSteps(const TableReader& block, long from, long every, long until) const {
+    if (every > 0 && (until - from) / every > kMostOfEach) block.fail("more than 1000000 turns");
+  }
   void local(const toml::node& node, const std::string& name, double value) {
     if (std::find(m_locals.begin(), m_locals.end(), name) == m_locals.end()) {
-      if (m_numbers.expressions.knows(name)) {
-        failAt(m_parsed.path, node, "'" + name + "' is already the name of something else");
+      try {
+        Expressions::checkName(name);
+        if (m_numbers.expressions.knows(name)) throw UserError("'" + name + "' is already the name of something else");
+      } catch (const UserError& e) {
+        failAt(m_parsed.path, node, e.what());
       }
       m_locals.push_back(name);
     }
@@ -182,9 +192,7 @@ class Builder {
     m_numbers.expressions.forgetLocals();
     m_locals.clear();
     m_turns = 0;
-    m_numbers.expressions.setLocal("k", 0);
-    m_numbers.expressions.setLocal("step", 0);
-    m_numbers.expressions.setLocal("part", 0);
+    for (const char* name : {"k", "step", "part"}) m_numbers.expressions.setLocal(name, 0);
   }
 
   void bodyBlock(const toml::table& table) {
@@ -195,12 +203,15 @@ class Builder {
     const long every = m_numbers.whole(block, "every", 0, 0, kMaxSteps);
     const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
     if (block.find("until") && every <= 0) block.fail("'until' needs 'every' > 0");
-    if (every > 0 && (until - from) / every > static_cast<long>(kMaxBodies)) block.fail("more than 1000000 turns");
-    for (long step = from; step<until; step += every> 0 ? every : until - from) {
+    checkSteps(block, from, every, until);
+    if (!name.empty()) m_named[name];
+    long step = from;
+    const auto once = [&] { addBody(block, name, step, m_numbers.whole(block, "remove", -1, -1, kMaxSteps)); };
+    for (; step<until; step += every> 0 ? every : until - from) {
       m_numbers.expressions.setLocal("step", static_cast<double>(step));
-      loops(block, [&] { addBody(block, name, step, m_numbers.whole(block, "remove", -1, -1, kMaxSteps)); });
+      loops(block, once);
     }
-    if (m_turns > 0) block.finish();
+    endLoops(block, once);
   }
 
   void addBody(TableReader& block, const std::string& name, long step, long removeAt) {
@@ -208,9 +219,10 @@ class Builder {
     spawn.step = step, spawn.removeAt = removeAt;
     spawn.body = readBody<D>(block, m_numbers, m_defaults);
     spawn.body.name = name;
+    if (m_numbers.rehearsing()) return;
+    m_numbers.count(block.raw(), "bodies");
     if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
     m_scene.spawns.push_back(std::move(spawn));
-    if (m_scene.spawns.size() > kMaxBodies) block.fail("more than 1000000 bodies");
   }
 
   // Once at `step`, or at every `every`-th before `until`. Those that name new bodies are read in a round of their own.
@@ -231,26 +243,32 @@ class Builder {
     const long every = m_numbers.whole(block, "every", 1, 1, kMaxSteps);
     const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
     if (block.find("every") && !block.find("until")) block.fail("'every' needs 'until'");
-    for (long step = from; step < until; step += every) {
+    checkSteps(block, from, every, until);
+    if (naming && block.find("name")) m_named[block.string("name", "")];
+    long step = from;
+    const auto bodyNamed = [&](const std::string& key) {
+      const int body = bodyOf(block, key, false);
+      use(body, step, table);
+      return body;
+    };
+    const auto joint = [&](TableReader& t) {
+      const auto j = readJointOf(t);
+      use(j.bodyA, step, table), use(j.bodyB, step, table);
+      return j;
+    };
+    const auto add = [&] { addBody(block, block.string("name", ""), step, -1); };
+    const auto once = [&] {
+      m_numbers.count(table, "events");
+      kind->read({block, m_numbers, step, m_scene, bodyNamed, add, joint});
+    };
+    for (; step < until; step += every) {
       m_numbers.expressions.setLocal("step", static_cast<double>(step));
-      loops(block, [&] {
-        const auto bodyNamed = [&](const std::string& key) {
-          m_uses.push_back({bodyOf(block, key, false), step, &table});
-          return m_uses.back().body;
-        };
-        const auto joint = [&](TableReader& t) {
-          const auto j = readJointOf(t);
-          for (const int body : {j.bodyA, j.bodyB}) {
-            if (body >= 0) m_uses.push_back({body, step, &table});
-          }
-          return j;
-        };
-        const auto add = [&] { addBody(block, block.string("name", ""), step, -1); };
-        kind->read({block, m_numbers, step, m_scene, bodyNamed, add, joint});
-        if (m_scene.events.size() > kMaxBodies) block.fail("more than 1000000 events");
-      });
+      loops(block, once);
     }
-    if (m_turns > 0) block.finish();
+    endLoops(block, once);
+  }
+  void use(int body, long step, const toml::table& block) {
+    if (body >= 0 && !m_numbers.rehearsing()) m_uses.push_back({body, step, &block});
   }
   // The bodies that events name must be there then.
   void checkUses() const {
@@ -289,18 +307,23 @@ class Builder {
     if (text == "world" && worldAllowed) return -1;
     const std::size_t bracket = text.find('[');
     const auto it = m_named.find(text.substr(0, bracket));
-    std::vector<std::string> names;
-    for (const auto& [name, list] : m_named) names.push_back(name);
-    if (it == m_named.end()) block.fail(node, "there is no body named '" + text + "'" + validNames(names, text));
+    if (it == m_named.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, list] : m_named) names.push_back(name);
+      block.fail(node, "there is no body named '" + text + "'" + validNames(names, text));
+    }
     double index = 0;
     if (bracket != std::string::npos) {
       if (text.back() != ']') block.fail(node, "']' is missing in '" + text + "'");
       try {
-        index = m_numbers.expressions.evaluate(text.substr(bracket + 1, text.size() - bracket - 2));
+        const std::string inside = text.substr(bracket + 1, text.size() - bracket - 2);
+        if (m_numbers.rehearsing()) m_numbers.expressions.check(inside);
+        if (!m_numbers.rehearsing()) index = m_numbers.expressions.evaluate(inside);
       } catch (const UserError& e) {
         block.fail(node, e.what());
       }
     }
+    if (m_numbers.rehearsing()) return 0;
     if (index < 0 || index >= static_cast<double>(it->second.size()) || index != std::floor(index)) {
       block.fail(node, "'" + it->first + "' has " + std::to_string(it->second.size()) + " bodies, asked is number " +
                            asText(index));
@@ -328,34 +351,47 @@ class Builder {
   void jointBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[joint]]");
     beginBlock();
-    loops(block, [&] { m_scene.joints.push_back(readJointOf(block)); });
-    if (m_turns > 0) block.finish();
+    const auto once = [&] { m_scene.joints.push_back(readJointOf(block)); };
+    loops(block, once);
+    endLoops(block, once);
   }
   typename SceneSpec<D>::Joint readJointOf(TableReader& block) {
+    if (!m_parsed.needs.joints) {
+      block.fail("a joint in a scene without the need of them, where it holds nothing; valid: 'needs' with \"joints\"");
+    }
+    m_numbers.count(block.raw(), "joints");
     typename SceneSpec<D>::Joint joint;
     joint.bodyA = bodyOf(block, "a", true), joint.bodyB = bodyOf(block, "b", false);
+    checkTwo(block, "joint", joint.bodyA, joint.bodyB);
+    joint.def = readJoint<D>(block, m_numbers, m_chosenJoint);
+    return joint;
+  }
+  void checkTwo(const TableReader& block, const std::string& what, int bodyA, int bodyB) const {
+    if (m_numbers.rehearsing()) return;
     const auto moves = [&](int body) {
       return body >= 0 && m_scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::dynamic;
     };
-    if (joint.bodyA == joint.bodyB)
-      block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
-    if (!moves(joint.bodyA) && !moves(joint.bodyB)) block.fail("a joint of two bodies that do not move");
-    joint.def = readJoint<D>(block, m_numbers, m_chosenJoint);
-    return joint;
+    if (bodyA == bodyB) {
+      block.fail("a " + what + " of a body with itself; valid: two bodies, or \"world\" and one");
+    }
+    if (!moves(bodyA) && !moves(bodyB)) block.fail("a " + what + " of two bodies that do not move");
   }
   void springBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[spring]]");
     beginBlock();
-    loops(block, [&] {
+    const auto once = [&] {
+      m_numbers.count(table, "springs");
       typename SceneSpec<D>::SpringDef spring;
       spring.bodyA = bodyOf(block, "a", true), spring.bodyB = bodyOf(block, "b", false);
+      checkTwo(block, "spring", spring.bodyA, spring.bodyB);
       spring.localA = m_numbers.vector<D>(block, "local_a"), spring.localB = m_numbers.vector<D>(block, "local_b");
       spring.restLength = static_cast<Real>(m_numbers.between(block, "rest_length", 0, 0, kLargest));
       spring.stiffness = static_cast<Real>(m_numbers.between(block.require("stiffness"), "stiffness", 0, kLargest));
       spring.damping = static_cast<Real>(m_numbers.between(block, "damping", 0, 0, kLargest));
       m_scene.springs.push_back(spring);
-    });
-    if (m_turns > 0) block.finish();
+    };
+    loops(block, once);
+    endLoops(block, once);
   }
 
   const SceneFile::Parsed& m_parsed;
@@ -433,24 +469,6 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
   if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
   for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
   if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
-  return out;
-}
-
-std::string featuresText(const Features& features) {
-  std::string out;
-  for (const FeatureName& f : kFeatures) {
-    if (features.*(f.flag)) out += (out.empty() ? "" : ",") + std::string(f.name);
-  }
-  return out;
-}
-
-Features featuresFromText(std::string_view text) {
-  Features out = kNothing;
-  while (!text.empty()) {
-    const std::size_t comma = text.find(',');
-    setFeature(out, std::string(text.substr(0, comma)));
-    text = comma == std::string_view::npos ? "" : text.substr(comma + 1);
-  }
   return out;
 }
 

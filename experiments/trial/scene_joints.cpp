@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
+#include <cmath>
 
 #include "experiments/trial/scene_parsed.h"
 #include "framework/names.h"
@@ -22,6 +23,7 @@ Rot<3> readAxis(TableReader& joint, SceneNumbers& numbers, const Rot<3>& none) {
   if (!node) return none;
   const Vec<3> axis = numbers.vector<3>(*node);
   if (!(axis.norm() > 0)) joint.fail(*node, "'axis' has no length");
+  if (!std::isfinite(axis.norm())) joint.fail(*node, "'axis' is longer than numbers hold; valid: such as [0, 0, 1]");
   return alongZ(axis);
 }
 
@@ -53,6 +55,7 @@ Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
   const toml::table* given = joint.table("parameters");
   if (!given) return spec;
   for (const auto& [key, node] : inFileOrder(*given)) {
+    bool known = false;
     std::string value = "0";  // of a name that the kind does not know, as it will say
     for (const ParamInfo& p : kind.params) {
       if (p.name != key) continue;
@@ -65,7 +68,9 @@ Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
       } else {
         value = asText(numbers.number(*node));
       }
+      known = true;
     }
+    if (known && numbers.rehearsing()) continue;  // it has no value
     spec.set(key, {value, {}});
   }
   return spec;
@@ -89,6 +94,7 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
     const Spec kind = Spec::parse(def.kind);
     return Registry::instance().find(StageKind::joint, D, kind.name).create(kind);
   });
+  if (numbers.rehearsing()) return def;
   // What is left to go wrong is between the kind and the frames, but for forces to break at.
   try {
     makeJoint<D>(def, {}, {});

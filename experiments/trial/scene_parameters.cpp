@@ -28,6 +28,15 @@ std::vector<SceneParameter> readParameters(TableReader& top) {
   for (const auto& [name, node] : inFileOrder(*parameters)) {
     if (name == everyScenes.name) top.fail(*node, "'" + name + "' is a parameter of every scene; valid: another name");
     if (!node->is_table()) top.fail(*node, "parameter '" + name + "' is " + describe(*node) + "; valid: a table");
+    try {
+      Expressions::checkName(name);
+    } catch (const UserError& e) {
+      top.fail(*node, "parameter " + std::string(e.what()));
+    }
+    if (std::find(std::begin(kSetNames), std::end(kSetNames), name) != std::end(kSetNames)) {
+      top.fail(*node, "parameter '" + name + "' is a name that scenes set themselves; valid: all but " +
+                          joined({std::begin(kSetNames), std::end(kSetNames)}));
+    }
     TableReader p(*node->as_table(), top.file(), "parameter '" + name + "'");
     SceneParameter parameter{name, p.requireString("meaning"), {}};
     if (name == kJointParameter && p.require("default").is_string()) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <limits>
+#include <map>
+#include <string_view>
 
 #include "experiments/parse/expression.h"
 #include "experiments/parse/toml_reader.h"
@@ -21,12 +23,42 @@ struct SceneFile::Parsed {
 
 inline constexpr double kLargest = std::numeric_limits<double>::max();
 
+/// Throws UserError with the valid names.
+void setFeature(Features& features, const std::string& name);
+
+/// Names of numbers that the scene language sets itself.
+inline constexpr const char* kSetNames[] = {"dimension", "k", "part", "step"};
+
+/// The most that a scene may have of each: bodies, shapes, points, joints, springs, events and turns of loops, all its
+/// blocks together. The largest scenes of the field have some 100,000 bodies, so that more is a slip of the pen.
+inline constexpr long kMostOfEach = 1000000;
+
 /// Numbers and vectors of one scene file: a TOML number, or an expression in a string.
 class SceneNumbers {
  public:
   SceneNumbers(std::string file, std::uint64_t seed) : expressions(seed), m_file(std::move(file)) {}
 
-  /// Always finite.
+  /// While it lives, a block is only read for its mistakes: expressions are, but have no values and draw nothing, and
+  /// what is made of numbers is nobody's.
+  class Rehearsal {
+   public:
+    explicit Rehearsal(SceneNumbers& numbers) : m_numbers(numbers), m_before(numbers.m_rehearsing) {
+      m_numbers.m_rehearsing = true;
+    }
+    ~Rehearsal() { m_numbers.m_rehearsing = m_before; }
+    Rehearsal(const Rehearsal&) = delete;
+    Rehearsal& operator=(const Rehearsal&) = delete;
+
+   private:
+    SceneNumbers& m_numbers;
+    bool m_before;
+  };
+  bool rehearsing() const { return m_rehearsing; }
+
+  /// `n` more of `what` come at that place: refused when the scene then has more than kMostOfEach.
+  void count(const toml::node& place, std::string_view what, long n = 1);
+
+  /// Always finite, as a Real too.
   double number(const toml::node& node);
   double number(TableReader& table, const std::string& key, double fallback);
   /// Both ends count as valid.
@@ -44,10 +76,15 @@ class SceneNumbers {
 
  private:
   std::string m_file;
+  std::map<std::string_view, long> m_counts;
+  bool m_rehearsing = false;
 };
 
 inline Rot<2> rotationOf(const Ang<2>& vector) { return Rot<2>::angle(vector[0]); }
 inline Rot<3> rotationOf(const Ang<3>& vector) { return Rot<3>::vector(vector); }
+/// As readAngular, of an angle and no speed: up to kLargestAngle.
+template <int D>
+Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& key);
 /// A number turns about z, in the plane of 2D; a list of three is a rotation vector, of which 2D sees the third. Zero
 /// where the key is missing.
 template <int D>

@@ -79,6 +79,7 @@ shapes = [{ kind = "circle", radius = 1 }]
 
 TEST(SceneFile, scriptsSpawnAndRemove) {
   const SceneSpec<2> scene = flat(R"(
+needs = ["joints"]
 [[body]]
 name = "late"
 from = 40
@@ -206,7 +207,8 @@ TEST(SceneFile, mistakesHaveFileAndLine) {
        {"t.toml:5: ", "whole number"}},
       {"[[body]]\nrepeat = { k = 3 }\nshapes = [{ kind = \"circle\", radius = 1 }]\n", {"t.toml:5: ", "'k'"}},
       {"[[body]]\nuntil = 5\nshapes = [{ kind = \"circle\", radius = 1 }]\n", {"t.toml:4: ", "'every'"}},
-      {"[[joint]]\nkind = \"pivot\"\na = \"nobody\"\nb = \"nobody\"\nanchor = [0, 0]\n", {"t.toml:6: ", "'nobody'"}},
+      {"needs = [\"joints\"]\n[[joint]]\nkind = \"pivot\"\na = \"nobody\"\nb = \"nobody\"\nanchor = [0, 0]\n",
+       {"t.toml:7: ", "'nobody'"}},
       {"[defaults]\nfrictoin = 3\n", {"t.toml:5: ", "'frictoin'", "friction"}},
       {"[limits]\nspin = 3\n", {"t.toml:5: ", "'spin'", "drift"}},
   };
@@ -246,8 +248,8 @@ TEST(SceneFile, badJointsAreRefused) {
       {"fixed", "a", "kind = \"hinge\"\naxis = [0, 0, 0]", {"'axis'", "no length"}},
   };
   for (const Case& c : cases) {
-    const std::string text = "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\n" + bodies + "[[joint]]\na = \"" + c.a +
-                             "\"\nb = \"" + c.b + "\"\nanchor = [0, 0]\n" + c.rest + "\n";
+    const std::string text = "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\nneeds = [\"joints\"]\n" + bodies +
+                             "[[joint]]\na = \"" + c.a + "\"\nb = \"" + c.b + "\"\nanchor = [0, 0]\n" + c.rest + "\n";
     SCOPED_TRACE(text);
     try {
       SceneFile::parse(text, "t.toml").build<3>({}, 1);
@@ -266,6 +268,7 @@ TEST(SceneFile, jointsHaveParametersAxesAndEnds) {
 name = "t"
 summary = "t"
 dimensions = [2, 3]
+needs = ["joints"]
 [parameters]
 n = { default = 2, min = 0, max = 9, meaning = "turns" }
 [[body]]

@@ -1,0 +1,452 @@
+// SPDX-License-Identifier: Zlib
+// Mistakes that a scene would once have taken in silence, without an end or with a crash: nesting, loops beyond all
+// reason, expressions that mean something else, blocks that nobody reads, numbers beyond what arithmetic takes.
+#include <gtest/gtest.h>
+
+#include "experiments/parse/expression.h"
+#include "experiments/trial/scene_file.h"
+#include "framework/check.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::Outcome;
+using test::Workspace;
+
+using Parts = std::vector<std::string>;
+struct Case {
+  std::string text;
+  Parts parts;
+};
+
+const std::string kHead = "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\n";  // lines 1 to 3
+const std::string kBall = "shapes = [{ kind = \"circle\", radius = 1 }]\n";
+const std::string kNamed = "[[body]]\nname = \"a\"\n" + kBall;  // lines 4 to 6, where nothing stands before it
+const std::string kPivot = "[[joint]]\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n";
+
+template <int D>
+std::string messageOf(const std::string& text) {
+  try {
+    SceneFile::parse(kHead + text, "t.toml").build<D>({}, 1);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+template <int D>
+void refused(const std::vector<Case>& cases) {
+  for (const Case& c : cases) {
+    const std::string message = messageOf<D>(c.text);
+    for (const std::string& part : c.parts) {
+      EXPECT_NE(message.find(part), message.npos) << c.text.substr(0, 400) << "\n" << message;
+    }
+    EXPECT_EQ(message.find('\n'), message.npos) << message;
+    EXPECT_LT(message.size(), 1600u);
+  }
+}
+void refused(const std::vector<Case>& cases) { refused<2>(cases), refused<3>(cases); }
+
+std::string times(int n, const std::string& text) {
+  std::string out;
+  for (int i = 0; i < n; ++i) out += text;
+  return out;
+}
+std::string nested(int n, const std::string& open, const std::string& inside, const std::string& close) {
+  return times(n, open) + inside + times(n, close);
+}
+std::string placed(const std::string& expression) {
+  return "[[body]]\nposition = [\"" + expression + "\", 0]\n" + kBall;
+}
+
+TEST(SceneMistakes, WhatIsNestedTooDeep) {
+  const int n = 100000;
+  const std::string deep = nested(30000, "a{b=", "a", "}");
+  refused({
+      {"gravity = " + nested(n, "[", "", "]") + "\n", {"t.toml:4: nested more than 64 deep"}},
+      {"gravity = " + nested(n, "{a=", "1", "}") + "\n", {"t.toml:4: nested more than 64 deep"}},
+      {times(n, "a.") + "a = 1\n", {"t.toml:4: nested more than 64 deep"}},
+      {"x = \"'\"\n\"a\" " + times(n, ". 'a'") + " = 1\n", {"t.toml:5: nested more than 64 deep"}},
+      {"[" + times(n, "a.") + "a]\n", {"t.toml:4: nested more than 64 deep"}},
+      {"g = { " + times(n, "a.") + "a = 1 }\n", {"t.toml:4: nested more than 64 deep"}},
+      {"g = [\n" + times(70, "{ a = 1, b.c = [") + "\n", {"t.toml:5: nested more than 64 deep"}},
+      {placed(nested(n, "(", "1", ")")), {"t.toml:5: ", "parentheses nested more than 64 deep"}},
+      {placed(nested(65, "abs(", "1", ")")), {"t.toml:5: ", "parentheses nested more than 64 deep"}},
+      {placed(times(n, "-") + "1"), {"t.toml:5: "}},
+      {placed(times(4000, "1?") + "1" + times(3999, ":1")), {"t.toml:5: "}},
+      {"[parameters]\njoint = { default = \"" + deep + "\", meaning = \"m\" }\n",
+       {"t.toml:5: ", "nested more than 64"}},
+      {"needs = [\"joints\"]\n[parameters]\njoint = { default = \"pivot\", meaning = \"m\" }\n" + kNamed +
+           "[[joint]]\nkind = \"" + deep + "\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n",
+       {"t.toml:", "there is no joint"}},
+  });
+  // What people write is not deep, whatever its strings and comments hold.
+  const std::string dots = times(99, "."), open = times(99, "[");
+  EXPECT_EQ(
+      messageOf<2>("# " + dots + open + "\ngravity = [0.5, -9.81, 0.25]  # '" + open + "\n[limits]\ndrift = 1.5\n" +
+                   "[[body]]\nname = \"\"\"" + dots + "\\\"\"\"\"\"\nposition = [\"" + nested(64, "(", "1 + 0.5", ")") +
+                   "\", 0.5]\n" + kBall + "[[body]]\nname = '''" + open + "''''\n" + kBall + "[[body]]\nname = '" +
+                   open + "'\n" + kBall),
+      "no error");
+  EXPECT_EQ(messageOf<2>(placed(times(4000, "1?1:") + "1")), "no error");
+  EXPECT_EQ(messageOf<2>(placed(times(4000, "1+") + "1")), "no error");
+}
+
+TEST(SceneMistakes, ProgramsEndInOneLineHoweverDeep) {
+  Workspace w;
+  const std::string deep = nested(30000, "a{b=", "a", "}"), lists = nested(100000, "[", "", "]");
+  const std::string start = "{\"cases\": [{\"id\": \"c\", \"query\": \"signed_distance\", \"dim\": ";
+  w.write("good.toml", kHead + "steps = 1\n" + kNamed);
+  w.write("keys.toml", kHead + times(100000, "a.") + "a = 1\n");
+  w.write("sweep.toml",
+          "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\nn = 8\ndistribution = \"uniform\"\n" +
+              ("broadphase = \"" + deep + "\"\n"));
+  w.write("list.json", "{\"cases\": " + lists + "}");
+  w.write("id.json", "{\"cases\": [{\"id\": " + lists + "}]}");
+  w.write("dim.json", start + nested(100000, "{\"a\":", "1", "}") + "}]}");
+  w.write("torn.json", start + times(100000, "["));
+  for (const std::string command :
+       {"run keys.toml", "sweep keys.toml --store s.db", "sweep sweep.toml --store s.db", "verify --cases list.json",
+        "verify --cases id.json", "verify --cases dim.json", "verify --cases torn.json",
+        "run good.toml --pipeline \"solver=$(printf 'a{b=%.0s' $(seq 30000))\"", "verify --cases keys.toml"}) {
+    const Outcome out = w.lpc(command);
+    EXPECT_EQ(out.code, 2) << command << "\n" << out.text.substr(0, 2000);
+    EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << command;
+    EXPECT_LT(out.text.size(), 2000u) << command;
+    EXPECT_TRUE(out.text.find("nested more than 64 deep") != out.text.npos || command.ends_with("cases keys.toml"))
+        << out.text;
+  }
+}
+
+// Caps over all blocks together, told with the place of the block that goes beyond them.
+TEST(SceneMistakes, ScenesWithoutAnEnd) {
+  const std::string million = "repeat = { i = 1000000, j = 1000000 }\n", many = "more than 1000000 ";
+  const std::string spring = "[[spring]]\na = \"world\"\nb = \"a\"\nstiffness = 1\n";
+  const std::string push = "[[event]]\ndo = \"push\"\nbody = \"a\"\nimpulse = [1, 0]\nstep = 0\n";
+  const std::string joints = "needs = [\"joints\"]\n";
+  refused({
+      {"[[body]]\n" + million + kBall, {"t.toml:5: " + many + "turns of loops in all blocks together"}},
+      {"[[body]]\nwhen = 0\n" + million + kBall, {"t.toml:6: " + many + "turns of loops"}},
+      {"[[body]]\nrepeat = { i = 1000000, j = 1000000, n = 0 }\n" + kBall, {"t.toml:5: " + many + "turns of loops"}},
+      {"[[body]]\nwhen = 0\nrepeat = 600000\n" + kBall + "[[body]]\nrepeat = 600000\n" + kBall,
+       {"t.toml:9: " + many + "turns of loops"}},
+      {kNamed + spring + "when = 0\nrepeat = { i = 10000, j = 10000 }\n", {"t.toml:12: " + many + "turns of loops"}},
+      {joints + kNamed + kPivot + "when = 0\nrepeat = { i = 10000, j = 10000 }\n",
+       {"t.toml:14: " + many + "turns of loops"}},
+      {kNamed + push + "until = 1e9\n", {"t.toml:7: " + many + "turns"}},
+      {kNamed + push + "when = 0\nuntil = 100000\nrepeat = 1000\n", {"t.toml:14: " + many + "turns"}},
+      {"[[body]]\nfrom = 5\nevery = 1\nuntil = 100000\nwhen = 0\nrepeat = 1000\n" + kBall,
+       {"t.toml:9: " + many + "turns"}},
+  });
+  refused<2>({
+      // what is made until then takes a second
+      {"[[body]]\nrepeat = 100000\nshapes = [" + times(200, "{ kind = \"circle\", radius = 1 },") + "]\n",
+       {"t.toml:6: " + many + "shapes"}},
+      {"[[body]]\nrepeat = 100000\nshapes = [\n{ kind = \"compound\", parts = [\n{ repeat = 10000, kind = \"circle\", "
+       "radius = 1 }] }]\n",
+       {"t.toml:8: " + many + "shapes"}},
+      {"[[body]]\nrepeat = 1000\nshapes = [{ kind = \"polytope\", depth = 1, points = [" +
+           times(1000, "[0, 0], [1, 0], [0, 1],") + "] }]\n",
+       {"t.toml:6: " + many + "points"}},
+  });
+}
+
+// A comma, an assignment and a second comparison mean something to the parser, and nothing to who wrote them.
+TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
+  const std::string head = "[parameters]\nn = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";  // 4 and 5
+  const auto when = [&](const std::string& text) {
+    return head + "[[body]]\nrepeat = { i = 3 }\nwhen = '''" + text + "'''\n" + kBall;
+  };
+  const std::vector<Case> cases = {
+      {"i=1", {"'=='"}},
+      {"n=5", {"'n=5'", "'=='"}},
+      {"n = n", {"'=='"}},
+      {"n += 1", {"'=='"}},
+      {"n => 1", {"'=='"}},
+      {"i == 1 ? n = 2 : 3", {"'=='"}},
+      {"0,5", {"comma", "point"}},
+      {"1,000", {"comma", "point"}},
+      {"max((1, 2), 3)", {"comma", "point"}},
+      {"(0,5)", {"comma", "point"}},
+      {"0 < n < 2", {"two comparisons", "&&"}},
+      {"1 == 1 == 1", {"two comparisons"}},
+      {"max(n, 1) < 2 < 3", {"two comparisons"}},
+      {"n <> 3", {"two comparisons"}},
+      {"sin(1e20)", {"finite", "100000 rad"}},
+      {"cos(100001)", {"finite", "100000 rad"}},
+      {"1e400", {"1e400"}},
+      {"1e308 * 10", {"finite"}},
+      {"", {"empty"}},
+      {"  ", {"empty"}},
+      {"1 2", {}},
+      {"(1)(2)", {}},
+      {"2n", {}},
+      {"2(3)", {}},
+      {"--5", {}},
+      {"1 +", {}},
+      {"n!", {}},
+      {"!n", {}},
+      {"5 % 3", {}},
+      {"1; 2", {}},
+      {"n & 1", {}},
+      {"n && ", {}},
+      {"0x10", {}},
+      {"1_000", {}},
+      {"1.2.3", {}},
+      {"1e", {}},
+      {"N", {"n"}},
+      {"\"n\"", {}},
+      {"1 ? 2", {}},
+      {"1 : 2", {}},
+      {"n++", {}},
+      {"max(1)", {}},
+      {"max(1, 2, 3)", {}},
+      {"sin 1", {}},
+      {"inf", {}},
+      {"true", {}},
+      {"()", {}},
+      {")(", {}},
+  };
+  for (const Case& c : cases) {
+    Parts parts = c.parts;
+    parts.push_back("t.toml:8: ");
+    refused({{when(c.text), parts}});
+  }
+  // A zero would be the end of what is read.
+  refused({{placed("1 \\u0000 +* 2"), {"t.toml:5: '1 \\x00 +* 2'", "control character"}}});
+  // What they do mean.
+  Expressions e(1);
+  e.setGlobal("n", 3);
+  const std::vector<std::pair<std::string, double>> right = {
+      {"n == 3", 1},
+      {"n >= 3 && n != 2", 1},
+      {"1 < n && n < 2", 0},
+      {"n < 2 ? n > 1 : n > 2", 1},
+      {"max(n > 2, n < 2)", 1},
+      {"(n > 2) == (n < 4)", 1},
+      {"n <= 2 || n == 3", 1},
+      {"max( min(1, 2) , 3 )", 3},
+      {"max(1, .5)", 1},
+      {"5. + 1e2", 105},
+      {"-2^2", -4},
+      {"2^-1", 0.5},
+      {"+n", 3},
+      {"1 +\n\t2", 3},
+      {"1 ? 2 : 3 ? 4 : 5", 2},
+  };
+  for (const auto& [text, value] : right) EXPECT_EQ(e.evaluate(text), value) << text;
+  EXPECT_THROW(e.evaluate("n = 5"), UserError);
+  EXPECT_EQ(e.evaluate("n"), 3) << "a refused assignment has changed it";
+}
+
+TEST(SceneMistakes, NamesThatAreTaken) {
+  const auto parameter = [](const std::string& name) {
+    return "[parameters]\n" + name + " = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";
+  };
+  std::vector<Case> cases;
+  for (const std::string name : {"k", "step", "part", "dimension"}) {
+    cases.push_back({parameter(name), {"t.toml:5: ", "'" + name + "'", "dimension, k, part, step"}});
+  }
+  for (const std::string name : {"max", "pi", "rand"})
+    cases.push_back({parameter(name), {"t.toml:5: ", "'" + name + "'"}});
+  for (const std::string name : {"a-b", "1x", "\"\"", "\"a b\""}) {
+    cases.push_back({parameter(name), {"t.toml:5: ", "letters, digits"}});
+  }
+  for (const std::string name : {"k", "step", "part", "dimension", "max", "pi"}) {
+    cases.push_back({"[[body]]\nrepeat = { " + name + " = 3 }\n" + kBall, {"t.toml:5: ", "'" + name + "'", "already"}});
+    cases.push_back({"[[body]]\nlet = { " + name + " = 3 }\n" + kBall, {"t.toml:5: ", "'" + name + "'", "already"}});
+  }
+  cases.push_back({"[[body]]\nrepeat = { i = \"i\" }\n" + kBall, {"t.toml:5: ", "'i'"}});
+  cases.push_back({"[[body]]\nrepeat = { i = \"j\", j = 3 }\n" + kBall, {"t.toml:5: ", "'j'"}});
+  cases.push_back({"[[body]]\nlet = { a-b = 3 }\n" + kBall, {"t.toml:5: ", "'a-b'", "letters, digits"}});
+  refused(cases);
+}
+
+// Finite, and yet nothing that a world can take.
+TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
+  const std::string joints = "needs = [\"joints\"]\n", plane = "shapes = [{ kind = \"plane\" }]\n";
+  const auto shape = [](const std::string& fields) { return "[[body]]\nshapes = [{ kind = " + fields + " }]\n"; };
+  const std::string fixed = "type = \"fixed\"\n";
+  refused({
+      {"[[body]]\nangle = 1e308\n" + kBall, {"t.toml:5: ", "'angle' is 1e+308", "-1e+05 to 1e+05 rad"}},
+      {"[[body]]\nangle = [0, 0, -1e6]\n" + kBall, {"t.toml:5: ", "'angle' is -1e+06", "-1e+05 to 1e+05 rad"}},
+      {shape("\"circle\", radius = 1, angle = \"1e300\""), {"t.toml:5: ", "'angle' is 1e+300", "1e+05 rad"}},
+      {kNamed + "[[event]]\ndo = \"set\"\nstep = 1\nbody = \"a\"\nangle = 1e308\n", {"t.toml:11: ", "'angle'", "rad"}},
+      {shape("\"circle\", radius = 1, offset = [1e300, 0]"), {"t.toml:4: ", "inertia", "more than numbers hold"}},
+      {shape("\"circle\", radius = 1e200, density = 1e-300"), {"t.toml:4: ", "more than numbers hold"}},
+      {"[[body]]\n" + fixed + "shapes = [{ kind = \"box\", half = [1e300, 1e300, 1e300] }]\n",
+       {"t.toml:4: ", "inf kg"}},
+      {"[[body]]\ntype = \"kinematic\"\n" + plane, {"t.toml:4: ", "plane", "fixed"}},
+      {joints + kNamed + "[[joint]]\nkind = \"pivot\"\na = \"a\"\nb = \"a\"\nanchor = [0, 0]\n",
+       {"t.toml:8: ", "a joint of a body with itself"}},
+      {joints + kNamed +
+           "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"a\"\nb = \"a\"\nanchor = [0, 0]\n",
+       {"t.toml:8: ", "a joint of a body with itself"}},
+      {kNamed + "[[spring]]\na = \"a\"\nb = \"a\"\nstiffness = 1\n", {"t.toml:7: ", "a spring of a body with itself"}},
+      {kNamed + "[[body]]\nname = \"wall\"\n" + fixed + kBall +
+           "[[spring]]\na = \"world\"\nb = \"wall\"\nstiffness = 1\n",
+       {"t.toml:11: ", "a spring of two bodies that do not move"}},
+      {kNamed + kPivot, {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},
+      {kNamed + "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n",
+       {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},
+      {kNamed + "[[joint]]\nrepeat = 0\n", {"t.toml:7: ", "'needs' with \"joints\""}},
+  });
+  const std::string hinge =
+      joints + kNamed + "[[joint]]\nkind = \"hinge\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n";
+  EXPECT_NE(messageOf<3>(hinge + "axis = [1e308, 1e308, 0]\n").find("t.toml:13: 'axis' is longer"), std::string::npos);
+  for (const double angle : {-1e5, 1e5, 3.0}) {
+    EXPECT_EQ(messageOf<3>("[[body]]\nangle = " + std::to_string(angle) + "\n" + kBall), "no error");
+  }
+  // What f64 holds and f32 does not: the plan is made in f64, the worker refuses.
+  Workspace w;
+  w.write("far.toml", kHead + "steps = 1\n[[body]]\nposition = [\"1e39\", 0]\n" + kBall);
+  w.write("turned.toml", kHead + "steps = 1\n[[body]]\nangle = 1e308\n" + kBall);
+  EXPECT_EQ(w.lpc("run far.toml").code, 0);
+  const Outcome out = w.lpc("run far.toml --precision f32");
+  EXPECT_EQ(out.code, 2) << out.text;
+  EXPECT_EQ(
+      out.text,
+      "lpc: far.toml:6: 1e+39 is more than numbers of this precision hold; valid: up to 3.4028234663852886e+38\n");
+  EXPECT_EQ(w.lpc("run turned.toml").code, 2);
+}
+
+// What makes no turn is read all the same, but has no values: bodies, numbers and sizes that never are do not matter.
+TEST(SceneMistakes, BlocksOfNoTurns) {
+  const std::string joints = "needs = [\"joints\"]\n", none = "repeat = { i = 0, j = \"i + 1\" }\n";
+  const auto event = [](const std::string& rest) { return kNamed + "[[event]]\n" + rest; };
+  refused({
+      {"[[body]]\nrepeat = 0\npositoin = [1, 2]\n" + kBall, {"t.toml:6: ", "unknown key 'positoin'", "position"}},
+      {"[[body]]\nwhen = 0\npositoin = [1, 2]\n" + kBall, {"t.toml:6: ", "unknown key 'positoin'"}},
+      {"[[body]]\nevery = 1\nuntil = 0\npositoin = [1, 2]\n" + kBall, {"t.toml:7: ", "unknown key 'positoin'"}},
+      {"[[body]]\nrepeat = 0\n", {"t.toml:4: ", "'shapes'"}},
+      {"[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"crcle\", radius = 1 }]\n", {"t.toml:7: ", "'crcle'", "circle"}},
+      {"[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"circle\", radus = 1 }]\n", {"t.toml:7: ", "'radius' is missing"}},
+      {"[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"circle\", radius = nan }]\n", {"t.toml:7: ", "nan", "finite"}},
+      {"[[body]]\n" + none + "position = [\"i + j + nobody\", 0]\n" + kBall, {"t.toml:6: ", "nobody"}},
+      {"[[body]]\n" + none + "position = [\"i +\", 0]\n" + kBall, {"t.toml:6: ", "'i +'"}},
+      {"[[body]]\n" + none + "when = \"i = j\"\n" + kBall, {"t.toml:6: ", "'=='"}},
+      {"[[body]]\n" + none + "let = { a = \"n\" }\n" + kBall, {"t.toml:6: ", "'n'"}},
+      {"[[body]]\nrepeat = { i = 0, j = \"k +\" }\n" + kBall, {"t.toml:5: ", "'k +'"}},
+      {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"circle\", radius = 1 },\n{ repeat = 0, kind = "
+       "\"crcle\" }] }]\n",
+       {"t.toml:7: ", "'crcle'"}},
+      {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"circle\", radius = 1 },\n{ repeat = 0, kind = "
+       "\"circle\", radius = 1, radus = 2 }] }]\n",
+       {"t.toml:7: ", "'radus'"}},
+      {event("do = \"push\"\nstep = 1\nuntil = 1\nbody = \"a\"\nimpuls = 3\n"), {"t.toml:7: ", "impulse"}},
+      {event("do = \"push\"\nstep = 1\nrepeat = 0\nbody = \"a\"\nimpulse = [1, 0]\nspeed = 3\n"),
+       {"'speed'", "impulse"}},
+      {event("do = \"push\"\nstep = 1\nrepeat = 0\nbody = \"b\"\nimpulse = [1, 0]\n"), {"t.toml:11: ", "'b'", "a"}},
+      {event("do = \"add\"\nstep = 1\nrepeat = 0\nbody = \"b\"\n" + kBall), {"t.toml:11: ", "'body'"}},
+      {joints + kNamed + "[[joint]]\nrepeat = 0\na = \"world\"\nb = \"a\"\nkind = \"pivt\"\nanchor = [0, 0]\n",
+       {"t.toml:8: ", "'pivt'", "pivot"}},
+      {joints + kNamed + kPivot + "repeat = 0\nparameters = { speed = \"k\" }\n", {"t.toml:8: ", "'speed'"}},
+      {joints + kNamed + kPivot + "repeat = 0\nbreak_force = \"k +\"\n", {"t.toml:14: ", "'k +'"}},
+      {kNamed + "[[spring]]\nrepeat = 0\na = \"world\"\nb = \"a[k +]\"\nstiffness = 1\n", {"t.toml:10: ", "'k +'"}},
+      {kNamed + "[[spring]]\nrepeat = 0\na = \"world\"\nb = \"a\"\nstiffnes = 1\n", {"t.toml:7: ", "'stiffness'"}},
+  });
+  const std::string sound = R"toml(needs = ["joints", "rotation"]
+[parameters]
+n = { default = 0, min = 0, max = 9, meaning = "m" }
+[[body]]
+name = "link"
+repeat = { i = "n", j = "n / i" }
+let = { size = "1 / n" }
+position = ["1 / n", "i + j + rand(0, 1)"]
+angle = "1e9 * i"
+velocity = ["sin(1e9)", 0]
+remove = "-5 - i"
+shapes = [
+  { kind = "box", half = ["size - 1", "-1", "n"] },
+  { kind = "polytope", points = [["n", 0], ["n", 0], ["n", "n"]], depth = 1 },
+  { kind = "compound", overlap = "refused", parts = [{ kind = "circle", radius = "1 / n", repeat = 4 }] },
+]
+[[joint]]
+repeat = { i = "n" }
+kind = "hinge"
+a = "link[i]"
+b = "link[i + 1]"
+anchor = [0, 0]
+axis = ["n", "n", "n"]
+parameters = { lower = "1 / n", upper = "-1", motor_speed = "n" }
+break_force = "n - 1"
+[[spring]]
+when = "n > 0"
+a = "link[n - 1]"
+b = "link"
+stiffness = "-n"
+[[event]]
+do = "remove"
+repeat = "n"
+step = 3
+body = "link[k]"
+[[event]]
+do = "force"
+repeat = "n"
+step = 3
+body = "link[k]"
+force = ["1 / n", 0]
+[[event]]
+do = "set"
+repeat = "n"
+step = 3
+body = "link[k]"
+velocity = ["1 / n", 0]
+[[event]]
+do = "joint"
+repeat = "n"
+step = 3
+kind = "weld"
+a = "link[k]"
+b = "link[k + 1]"
+anchor = [0, 0]
+[[event]]
+do = "add"
+repeat = "n"
+step = 3
+name = "late"
+shapes = [{ kind = "circle", radius = "n - 1" }]
+)toml";
+  EXPECT_EQ(messageOf<2>(sound), "no error");
+  EXPECT_EQ(messageOf<3>(sound), "no error");
+  // Nobody's numbers are drawn for it, and it leaves nothing.
+  const auto drawn = [&](const std::string& before) {
+    return SceneFile::parse(kHead + before + placed("rand(0, 1)"), "t.toml").build<2>({}, 1);
+  };
+  const auto with = drawn("[[body]]\nname = \"x\"\nrepeat = 0\nposition = [\"rand(0, 1)\", 0]\n" + kBall),
+             without = drawn("");
+  ASSERT_EQ(with.spawns.size(), 1u);
+  EXPECT_EQ(with.spawns[0].body.X_WB.p, without.spawns[0].body.X_WB.p);
+}
+
+// Whatever a message quotes, it is one line that a terminal and a table can take.
+TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
+  Workspace w;
+  w.write("good.toml", kHead + "steps = 1\n" + kNamed);
+  w.write("control.toml", kHead + "[[body]]\nshapes = [{ kind = \"a\\u0000b\\n\\u001b[31mc\\u009bd\", radius = 1 }]\n");
+  w.write("key.toml", kHead + "\"a\\nb\" = 1\n");
+  w.write("expression.toml", kHead + placed("1 \\n\\u0000 +* 2"));
+  w.write("long.toml", kHead + "[[body]]\ntype = \"" + std::string(10000000, 'x') + "\"\n" + kBall);
+  w.write("bytes.toml", kHead + "x = \"\xff\xfe\"\n");
+  w.write("id.json", "{\"cases\": [{\"id\": \"a\\nb" + std::string(10000000, 'x') + "\", \"query\": 3}]}");
+  for (const std::string command :
+       {"run control.toml", "run key.toml", "run expression.toml", "run long.toml", "run bytes.toml",
+        "verify --cases id.json", "run good.toml --pipeline \"$(printf 'sol\\nver=\\377')\"",
+        "run good.toml --param \"$(printf 'a\\033[31m\\nb=3')\"", "run \"$(printf 'no\\nbody\\377')\"",
+        "\"$(printf 'no\\nbody\\377')\"", "run good.toml \"$(printf -- '--no\\nbody\\377')\""}) {
+    const Outcome out = w.lpc(command);
+    EXPECT_EQ(out.code, 2) << command << "\n" << out.text.substr(0, 2000);
+    EXPECT_TRUE(out.text.starts_with("lpc: ")) << out.text;
+    EXPECT_LT(out.text.size(), 2000u) << command;
+    for (std::size_t i = 0; i < out.text.size(); ++i) {
+      const auto c = static_cast<unsigned char>(out.text[i]);
+      EXPECT_TRUE(c >= 0x20 ? c < 0x7f : (c == '\n' && i + 1 == out.text.size())) << command << " " << int(c);
+    }
+  }
+  EXPECT_NE(w.lpc("run control.toml").text.find("'a\\x00b\\n\\x1b[31mc\\xc2\\x9bd'; valid: sphere"), std::string::npos)
+      << w.lpc("run control.toml").text;
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
