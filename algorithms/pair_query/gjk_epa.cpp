@@ -129,13 +129,15 @@ class GjkEpa final : public PairQuery<D> {
     const EpaLimits limits{m_params.faces, tolerance};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
     if (curved) m_polish.improve(pair, best, work);
+    // Near contact rounding says on which side GJK's origin is: the bound knows better.
+    const bool overlaps = best.bound < -tolerance || (inside && best.bound <= tolerance);
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
-    if (inside && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
+    if (overlaps && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
     if constexpr (D == 3) {
-      if (inside && best.bound > -kShallow * pair.scale) m_local.improveAcrossEdges(pair, best, work);
+      if (overlaps && best.bound > -kShallow * pair.scale) m_local.improveAcrossEdges(pair, best, work);
     }
     const Real length = std::sqrt(nearest.length2);
-    const auto isShort = [&] { return !inside && length - best.bound > tolerance && best.bound > -tolerance; };
+    const auto isShort = [&] { return !overlaps && length - best.bound > tolerance; };
     if (isShort()) m_local.improve(pair, length - best.bound, best, work);
     // A bound that is short by a part of the length means a direction that is off by the root of twice that part: where
     // the length is near rounding, the vertices to try lie far from the plane reached.
