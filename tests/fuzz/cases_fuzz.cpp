@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Zlib
+// A file of cases: refused, or read. Who is asked what it holds is tests/fuzz/mutate.py's.
+#include "oracles/cases.h"
+#include "tests/fuzz/target.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+void fuzz(std::string_view text) {
+  const MemoryFile file(text);
+  try {
+    readCases(file.path());
+  } catch (const UserError&) {
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

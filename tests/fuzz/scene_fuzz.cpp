@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Zlib
+// The text of a scene: refused, or built in each of its dimensions.
+#include "experiments/trial/scene_file.h"
+#include "tests/fuzz/target.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+void fuzz(std::string_view text) {
+  try {
+    const SceneFile scene = SceneFile::parse(std::string(text), "scene.toml");
+    try {
+      if (scene.has(2)) scene.build<2>({}, 1);
+    } catch (const UserError&) {
+    }
+    if (scene.has(3)) scene.build<3>({}, 1);
+  } catch (const UserError&) {
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Zlib
+"""What ships, as bytes to be damaged: small enough that each is read and run in a moment."""
+
+import json
+import re
+
+SMALL_SWEEP = """summary = "s"
+kind = "world"
+pipeline = "contacts=sat_clip cache=by_feature"
+wall_limit = 5
+
+[axes]
+scene = "vertical_stack"
+dimension = [2, 3]
+n = [2, 3]
+steps = 2
+iterations = [1, 4]
+
+[axes.resolver]
+"catto" = "solver=split_solver{velocity=catto{iterations=$iterations}}"
+"soft_step" = "solver=soft_step{substeps=$iterations}"
+"""
+SMALL_SCENE = """name = "small"
+summary = "s"
+dimensions = [2, 3]
+gravity = [0, -10, 0]
+steps = 5
+
+[parameters]
+n = { default = 2, min = 1, max = 5, meaning = "boxes" }
+
+[[body]]
+type = "fixed"
+name = "ground"
+position = [0, -1, 0]
+shapes = [{ kind = "box", half = [20, 1, 20] }]
+
+[[body]]
+repeat = { i = "n" }
+position = ["0.1 * i", "0.5 + i", 0]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], friction = "0.6 + 0.1 * k" }]
+"""
+
+
+def scenes(source):
+    found = [p for p in sorted((source / "experiments/scenes").glob("*.toml")) if p.stem != "large_pyramid"]  # it takes long
+    return [p.read_bytes() for p in found] + [SMALL_SCENE.encode()] * 5
+
+
+def small_scenes(source):
+    """Of few bodies, with every kind of block."""
+    names = ("bouncing_ball", "bridge", "compounds", "cylinders", "pendulum", "script_events", "slope")
+    return [(source / f"experiments/scenes/{name}.toml").read_bytes() for name in names] + [SMALL_SCENE.encode()]
+
+
+def sweeps(source):
+    """Without sets and the large ones, which plan for a second."""
+    found = [p.read_bytes() for p in sorted((source / "experiments/sweeps").glob("*.toml")) if not p.stem.endswith("_full")]
+    return [text for text in found if b"sweeps = " not in text]
+
+
+def pipelines(source):
+    found = b"\n".join(sweeps(source)).decode()
+    texts = re.findall(r'"((?:\w+=[^"\s]+ ?)+)"', found)
+    return [re.sub(r"\$\w+", "3", t).replace("*", "catto").encode() for t in sorted(set(texts))]
+
+
+def expressions(source):
+    found = b"\n".join(scenes(source)).decode()
+    return sorted({t.encode() for t in re.findall(r'"([^"\n]*)"', found) if re.search(r"[-+*/<]", t)})
+
+
+def cases(source):
+    """One case in a file: quickly asked."""
+    out = []
+    for path in sorted((source / "tests/regressions").glob("*.json")):
+        out += [json.dumps({"cases": [c]}, indent=1).encode() for c in json.loads(path.read_text()).get("cases", [])]
+    return out

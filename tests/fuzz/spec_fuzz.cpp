@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+// The text of a pipeline: refused, or what it says comes back from its own text; a world of it stands.
+#include "framework/world.h"
+#include "tests/fuzz/target.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <class Body>
+void orRefused(const Body& body) {
+  try {
+    body();
+  } catch (const UserError&) {
+  }
+}
+
+}  // namespace
+
+void fuzz(std::string_view text) {
+  orRefused([&] {
+    const Spec spec = Spec::parse(text);
+    demand(Spec::parse(spec.text()) == spec, "a spec's text says something else");
+  });
+  orRefused([&] { engineOf(text); });
+  orRefused([&] {
+    const Pipeline pipeline = Pipeline::parse(text);
+    demand(Pipeline::parse(pipeline.text()) == pipeline, "a pipeline's text says something else");
+    orRefused([&] { World<2> world(pipeline); });
+    World<3> world(pipeline);
+  });
+}
+
+}  // namespace lpc::inline LPC_PRECISION

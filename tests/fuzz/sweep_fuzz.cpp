@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Zlib
+// The text of a sweep: refused, or planned.
+#include "experiments/runner/sweep_file.h"
+#include "tests/fuzz/target.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+void fuzz(std::string_view text) {
+  const MemoryFile file(text);
+  try {
+    planSweeps(file.path(), {});
+  } catch (const UserError&) {
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+// What a libFuzzer target is here: a function of bytes, in a file that includes this once. It returns when the bytes
+// are taken or refused as they should be, and stops the program otherwise, as an assertion and a sanitizer do.
+//
+// Run by hand, for hours: docs/verification.md.
+#pragma once
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "framework/check.h"
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+void fuzz(std::string_view input);
+
+inline void demand(bool holds, const char* otherwise) {
+  if (holds) return;
+  std::fprintf(stderr, "fuzz: %s\n", otherwise);
+  std::abort();
+}
+
+/// A file in memory, for what reads by a path.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view bytes) : m_descriptor(memfd_create("input", 0)) {
+    demand(write(m_descriptor, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()), "no memory file");
+  }
+  ~MemoryFile() { close(m_descriptor); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(m_descriptor); }
+
+ private:
+  int m_descriptor;
+};
+
+}  // namespace lpc::inline LPC_PRECISION
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  lpc::fuzz({reinterpret_cast<const char*>(data), size});
+  return 0;
+}
