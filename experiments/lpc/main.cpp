@@ -73,13 +73,10 @@ CLI::Validator finiteNumberOnly() {
 
 // Names and texts go into stores and into what workers are told, which are UTF-8.
 void requireUtf8(const char* argument) {
-  using nlohmann::json;
-  const json text = argument;
-  const std::string shown = text.dump(-1, ' ', false, json::error_handler_t::replace);
   try {
-    text.dump();
-  } catch (const json::type_error&) {
-    throw UserError("the argument " + shown + " is not UTF-8; valid: names of files and texts in UTF-8");
+    static_cast<void>(nlohmann::json(argument).dump());
+  } catch (const nlohmann::json::type_error&) {
+    throw UserError("the argument '" + oneLine(argument) + "' is not UTF-8; valid: names of files and texts in UTF-8");
   }
 }
 
