@@ -27,6 +27,8 @@ double toleranceOf(const Case& c) { return c.finding && c.finding->precision == 
 // Mass properties and areas, relative: what is left of a hundredth of a metre far from the origin.
 constexpr double kRelative = kDouble ? 1e-9 : 1e-2;
 
+constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method";
+
 // The registered pair queries of one dimension, made once: a witness keeps its process from case to case.
 template <int D>
 struct Method {
@@ -101,7 +103,8 @@ template <int D>
 CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g) {
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
   const RefereeAnswer<D> truth = referee(a, g.a.X_WS, b, g.b.X_WS);
-  CaseResult row{.id = c.id, .method = "referee", .role = AlgorithmRole::referee, .expected = c.expected.distance};
+  CaseResult row{
+      .id = c.id, .method = std::string(kReferee), .role = AlgorithmRole::referee, .expected = c.expected.distance};
   const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, c.expected.distance);
   const double off = truth.interval().distanceTo(c.expected.distance);
   const bool right = truth.decided && off <= c.expected.tolerance + toleranceOf(c) * s;
@@ -142,6 +145,28 @@ void runDistance(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, s
   }
 }
 
+CaseVerdict verdictOf(Tally end) {
+  switch (end) {
+    case Tally::agree:
+    case Tally::tie:
+      return CaseVerdict::ok;
+    case Tally::wrong:
+      return CaseVerdict::wrong;
+    case Tally::undecided:
+    case Tally::refused:
+      return CaseVerdict::refused;
+    case Tally::hung:
+      return CaseVerdict::hang;
+    default:
+      return CaseVerdict::failed;
+  }
+}
+
+void tell(const Verdict& verdict, CaseResult& row) {
+  row.verdict = verdictOf(verdict.end), row.value = verdict.value, row.error = verdict.error.value_or(0);
+  row.reason = verdict.failure;
+}
+
 template <int D>
 void runContacts(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult>& rows) {
   if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g));
@@ -154,11 +179,7 @@ void runContacts(const Case& c, const CaseGeometry<D>& g, std::vector<CaseResult
       row.reason = "unsupported_shape";
       continue;
     }
-    const Verdict verdict = verifyPair(g.pair(), method);
-    row.verdict = verdict.end == Tally::agree   ? CaseVerdict::ok
-                  : verdict.end == Tally::wrong ? CaseVerdict::wrong
-                                                : CaseVerdict::failed;
-    row.value = verdict.value, row.error = verdict.error.value_or(0), row.reason = verdict.failure;
+    tell(verifyPair(g.pair(), method), row);
   }
 }
 
@@ -260,6 +281,10 @@ CaseResult runMass(const Case& c, const CaseGeometry<D>& g) {
 
 template <int D>
 void runCase(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::vector<CaseResult>& rows) {
+  if (c.finding) {
+    for (const std::string& method : methodsToAsk(c)) rows.push_back(askFound(c, method));
+    return;
+  }
   switch (c.query) {
     case CaseQuery::signedDistance:
       runDistance<D>(c, g, methods, rows);
@@ -273,6 +298,7 @@ void runCase(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::
     case CaseQuery::massProperties:
       rows.push_back(runMass<D>(c, g));
       return;
+    case CaseQuery::broadphase:  // only as a finding
     case CaseQuery::timeOfImpact:
     case CaseQuery::unknown:
       rows.push_back({.id = c.id, .method = "-", .reason = "unsupported_query"});
@@ -285,6 +311,56 @@ void runCase(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::
 std::string_view caseVerdictName(CaseVerdict verdict) {
   constexpr std::array<std::string_view, 5> kNames = {"ok", "wrong", "refused", "failed", "hang"};
   return kNames[static_cast<std::size_t>(verdict)];
+}
+
+namespace {
+
+int dimensionOf(const Case& c) { return std::holds_alternative<CaseGeometry<2>>(c.geometry) ? 2 : 3; }
+
+template <int D>
+bool takes(StageKind stage, const Registered& r, const Spec& spec, const CaseGeometry<D>& g) {
+  if (stage == StageKind::broadphase) return true;
+  if (!g.a.shape || !g.b.shape) return false;
+  const auto made = r.create(spec);
+  const ShapeKind a = g.a.shape->kind(), b = g.b.shape->kind();
+  return stage == StageKind::contacts ? static_cast<ContactGenerator<D>&>(*made).supports(a, b)
+                                      : static_cast<PairQuery<D>&>(*made).supports(a, b);
+}
+
+}  // namespace
+
+std::vector<std::string> methodsToAsk(const Case& c) {
+  std::vector<std::string> out{c.finding->method};
+  if (c.finding->stage == StageKind::broadphase) return out;  // the boxes themselves are the judge
+  const auto hasShapes = [](const auto& g) { return g.a.shape && g.b.shape; };
+  if (std::visit(hasShapes, c.geometry)) out.emplace_back(kReferee);
+  for (const Registered* r : Registry::instance().list(c.finding->stage, dimensionOf(c))) {
+    if (r->info.name != out[0]) out.push_back(r->info.name);
+  }
+  return out;
+}
+
+CaseResult askFound(const Case& c, const std::string& method) {
+  if (method == kReferee) return std::visit([&](const auto& g) { return judgeExpected(c, g); }, c.geometry);
+  CaseResult row{.id = c.id, .method = method, .expected = c.expected.distance};
+  if (method == c.finding->method) row.again = false;
+  const Spec spec = Spec::parse(method);
+  const StageKind stage = c.finding->stage;
+  const auto& all = Registry::instance().all();
+  const auto known = all.find({stage, dimensionOf(c), spec.name});
+  if (known == all.end()) {
+    row.reason = kUnknownMethod;
+    return row;
+  }
+  row.role = known->second.info.role;
+  if (!std::visit([&](const auto& g) { return takes(stage, known->second, spec, g); }, c.geometry)) {
+    row.reason = "unsupported_shape";
+    return row;
+  }
+  const Verdict verdict = askAgain(c, method);
+  tell(verdict, row);
+  if (row.again) row.again = verdict.failure == c.finding->failure;
+  return row;
 }
 
 std::vector<CaseResult> runCases(const std::vector<Case>& cases) {
@@ -300,13 +376,20 @@ std::vector<CaseResult> runCases(const std::vector<Case>& cases) {
 
 bool isOurFault(const CaseResult& result) {
   if (result.role != AlgorithmRole::competitor) return false;
-  const bool undeclared = result.reason == "unsupported_shape" || result.reason == "unsupported_query";
+  const bool undeclared = result.reason == "unsupported_shape" || result.reason == "unsupported_query" ||
+                          result.reason == kUnknownMethod || result.reason == "undecided";
   return result.verdict != CaseVerdict::ok && !(result.verdict == CaseVerdict::refused && undeclared);
 }
 
 namespace {
 
 bool hasValue(const CaseResult& row) { return row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong; }
+
+std::string reasonOf(const CaseResult& row) {
+  if (!row.again) return row.reason;
+  return *row.again ? "fails again: " + row.reason
+                    : row.reason + (row.reason.empty() ? "" : ", ") + "not as it was found";
+}
 
 void print(const CaseResult& row, std::ostream& out) {
   out << std::left << std::setw(40) << row.id << ' ' << std::setw(19) << row.method << ' ' << std::setw(7)
@@ -316,40 +399,46 @@ void print(const CaseResult& row, std::ostream& out) {
   } else {
     out << "- - -";
   }
-  if (!row.reason.empty()) out << ' ' << row.reason;
+  if (const std::string reason = reasonOf(row); !reason.empty()) out << ' ' << reason;
   out << '\n';
 }
 
 void write(const CaseResult& row, std::ostream& csv) {
-  csv << row.id << ',' << row.method << ',' << caseVerdictName(row.verdict) << ',' << std::setprecision(17);
+  const bool listed = row.method.find(',') != std::string::npos;  // of parameters
+  csv << row.id << ',' << (listed ? '"' + row.method + '"' : row.method) << ',' << caseVerdictName(row.verdict) << ','
+      << std::setprecision(17);
   if (hasValue(row)) {
     csv << row.value << ',' << row.expected << ',' << row.error;
   } else {
     csv << ",,";
   }
-  csv << ',' << std::quoted(row.reason, '"', '"') << '\n';
+  csv << ',' << std::quoted(reasonOf(row), '"', '"') << '\n';
 }
 
 }  // namespace
 
-int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv) {
-  const std::vector<CaseResult> rows = runCases(readCases(path));
+int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostream* csv) {
   std::map<std::string, std::map<CaseVerdict, int>> summary;
-  int faults = 0;
+  int faults = 0, found = 0, again = 0;
   if (csv) *csv << "id,method,verdict,value,expected,error,reason\n";
   for (const CaseResult& row : rows) {
     print(row, out);
     if (csv) write(row, *csv);
     ++summary[row.method][row.verdict];
-    faults += isOurFault(row);
+    faults += isOurFault(row), found += row.again.has_value(), again += row.again.value_or(false);
   }
   for (const auto& [method, counts] : summary) {
     out << std::left << std::setw(19) << method;
     for (const auto& [verdict, count] : counts) out << "  " << caseVerdictName(verdict) << ' ' << count;
     out << '\n';
   }
+  if (found > 0) out << "found failures: " << found << ", of which fail again " << again << '\n';
   out << "our faults: " << faults << '\n';
   return faults == 0 ? 0 : 1;
+}
+
+int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv) {
+  return printCases(runCases(readCases(path)), out, csv);
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "framework/curved_core.h"
+#include "oracles/box_script.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/posed_core.h"
 
@@ -106,6 +107,30 @@ std::string expectedText(const RefereeAnswer<D>& truth) {
          ", \"derived\": true, \"method\": \"referee, " + std::string(truth.method) + "\"}";
 }
 
+template <int D>
+std::string scriptText(const BoxScript<D>& script) {
+  std::ostringstream out = exactStream();
+  out << "\"slots\": " << script.slots << ", \"steps\": [";
+  for (std::size_t i = 0; i < script.steps.size(); ++i) {
+    out << (i ? ", [" : "[");
+    for (const BoxChange<D>& c : script.steps[i]) {
+      using What = typename BoxChange<D>::What;
+      const char* const what = c.what == What::added ? "added" : c.what == What::removed ? "removed" : "moved";
+      out << (&c == script.steps[i].data() ? "{\"" : ", {\"") << what << "\": " << c.slot;
+      if (c.what != What::removed) out << ", \"lo\": " << listed<D>(c.box.lo) << ", \"hi\": " << listed<D>(c.box.hi);
+      if (c.what == What::added) {
+        out << ", \"body\": " << c.body << ", \"active\": " << (c.active ? "true" : "false")
+            << ", \"category\": " << c.category << ", \"mask\": " << c.mask;
+      }
+      out << '}';
+    }
+    out << ']';
+  }
+  return out.str() + "]";
+}
+
+template std::string scriptText(const BoxScript<2>&);
+template std::string scriptText(const BoxScript<3>&);
 template int coreVertexCount(const ShapeView<2>&);
 template int coreVertexCount(const ShapeView<3>&);
 template std::string expectedText(const RefereeAnswer<2>&);

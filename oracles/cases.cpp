@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "framework/check.h"
@@ -44,6 +46,14 @@ struct Place {
     const Json& value = field(object, name);
     if (!value.is_string()) fail(std::string("field '") + name + "' holds " + value.dump() + "; valid: a text");
     return value.get<std::string>();
+  }
+  double whole(const Json& object, const char* name, double most) const {
+    const double x = number(field(object, name), name);
+    if (!(x >= 0 && x <= most) || x != std::floor(x)) {
+      fail(std::string("field '") + name + "' holds " + numberText(x) + "; valid: a whole number from 0 to " +
+           numberText(most));
+    }
+    return x;
   }
   template <int D>
   Vecd<D> doubles(const Json& value, const char* name) const {
@@ -207,6 +217,7 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
 CaseQuery queryFromText(const std::string& text) {
   if (text.starts_with("signed_distance")) return CaseQuery::signedDistance;
   if (text.starts_with("contacts")) return CaseQuery::contacts;
+  if (text.starts_with("broadphase")) return CaseQuery::broadphase;
   if (text.starts_with("convex_hull")) return CaseQuery::convexHull;
   if (text.starts_with("mass")) return CaseQuery::massProperties;
   if (text.starts_with("time_of_impact")) return CaseQuery::timeOfImpact;
@@ -227,7 +238,8 @@ template <int D>
 CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query) {
   CaseExpected out;
   if (isPair(query)) {
-    out.distance = at.number(at.field(e, "signed_distance"), "signed_distance");
+    at.field(e, "signed_distance");  // null where the referee had none
+    out.distance = at.number(e, "signed_distance", kUnknown);
     out.tolerance = at.number(e, "tolerance_of_this_value", 0);
   } else if (query == CaseQuery::convexHull) {
     out.degenerate = e.contains("degenerate") && e.at("degenerate") == true;
@@ -247,19 +259,65 @@ CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query) {
   return out;
 }
 
-CaseFinding readFinding(const Place& at, const Json& found) {
+CaseFinding readFinding(const Place& at, const Json& found, CaseQuery query) {
   const std::string stage = at.text(found, "stage");
   CaseFinding out;
-  if (stage != stageName(StageKind::pairQuery) && stage != stageName(StageKind::contacts)) {
-    at.fail("field 'stage' holds '" + stage + "'; valid: pair_query, contacts");
+  out.stage = query == CaseQuery::contacts     ? StageKind::contacts
+              : query == CaseQuery::broadphase ? StageKind::broadphase
+                                               : StageKind::pairQuery;
+  if (!(isPair(query) || query == CaseQuery::broadphase) || stage != stageName(out.stage)) {
+    at.fail("field 'stage' holds '" + stage + "', which is not who answers the query");
   }
-  out.stage = stage == stageName(StageKind::contacts) ? StageKind::contacts : StageKind::pairQuery;
   out.precision = at.text(found, "precision");
+  if (out.precision != "f64" && out.precision != "f32") {
+    at.fail("field 'precision' holds '" + out.precision + "'; valid: f64, f32");
+  }
   out.method = at.text(found, "method");
   out.failure = at.text(found, "failure");
   out.error = at.number(found, "error", kUnknown);
   out.seed = at.field(found, "seed").get<std::uint64_t>();
-  out.number = at.field(found, "number").get<int>();
+  out.number = static_cast<int>(at.whole(found, "number", std::numeric_limits<int>::max()));
+  return out;
+}
+
+constexpr int kMostSlots = 1000000;
+
+// A change that a world could have told of: a slot comes when it is free, and goes or moves when it is not.
+template <int D>
+BoxChange<D> readChange(const Place& at, const Json& change, int slots, std::vector<bool>& used) {
+  BoxChange<D> out;
+  using What = typename BoxChange<D>::What;
+  const char* name = "added";
+  if (change.contains("removed")) out.what = What::removed, name = "removed";
+  if (change.contains("moved")) out.what = What::moved, name = "moved";
+  out.slot = static_cast<ProxyId>(at.whole(change, name, slots - 1));
+  const auto k = static_cast<std::size_t>(out.slot);
+  if (used[k] == (out.what == What::added)) {
+    at.fail("slot " + std::to_string(out.slot) + " is " + name + " but " + (used[k] ? "in use" : "free"));
+  }
+  used[k] = out.what != What::removed;
+  if (out.what == What::removed) return out;
+  out.box = {at.vector<D>(at.field(change, "lo"), "lo"), at.vector<D>(at.field(change, "hi"), "hi")};
+  if (!(out.box.lo.array() <= out.box.hi.array()).all() || !out.box.lo.allFinite() || !out.box.hi.allFinite()) {
+    at.fail("slot " + std::to_string(out.slot) + ": 'lo' is above 'hi'");
+  }
+  if (out.what == What::moved) return out;
+  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  out.body = static_cast<std::int32_t>(at.whole(change, "body", std::numeric_limits<std::int32_t>::max()));
+  out.active = at.field(change, "active") == true;
+  out.category = static_cast<std::uint32_t>(at.whole(change, "category", kMost));
+  out.mask = static_cast<std::uint32_t>(at.whole(change, "mask", kMost));
+  return out;
+}
+
+template <int D>
+BoxScript<D> readScript(const Place& at, const Json& c) {
+  BoxScript<D> out{.family = "", .slots = static_cast<int>(at.whole(c, "slots", kMostSlots)), .steps = {}};
+  std::vector<bool> used(static_cast<std::size_t>(out.slots));
+  for (const Json& step : at.field(c, "steps")) {
+    std::vector<BoxChange<D>>& changes = out.steps.emplace_back();
+    for (const Json& change : step) changes.push_back(readChange<D>(at, change, out.slots, used));
+  }
   return out;
 }
 
@@ -268,6 +326,8 @@ CaseGeometry<D> readGeometry(const Place& at, const Json& c, CaseQuery query) {
   CaseGeometry<D> out;
   if (query == CaseQuery::convexHull) {
     out.points = at.points<D>(c);
+  } else if (query == CaseQuery::broadphase) {
+    out.script = readScript<D>(at, c);
   } else if (isPair(query) || query == CaseQuery::massProperties) {
     const Pose<D> X_WA = readPose<D>(at, at.field(c, "poseA"));
     out.a = readShape<D>(at, at.field(c, "shapeA"), X_WA);
@@ -296,9 +356,13 @@ std::vector<Case> readCases(const std::string& path) {
   if (!in || in.peek() == std::ifstream::traits_type::eof()) {  // a folder opens and has no bytes
     throw UserError(path + ": the file is empty or cannot be read");
   }
+  return parseCases({std::istreambuf_iterator<char>(in), {}}, path);
+}
+
+std::vector<Case> parseCases(const std::string& text, const std::string& path) {
   Json file;
   try {
-    file = Json::parse(in, [&](int depth, Json::parse_event_t, const Json&) {
+    file = Json::parse(text, [&](int depth, Json::parse_event_t, const Json&) {
       if (depth > kMostNested) throw UserError(path + ": nested more than " + std::to_string(kMostNested) + " deep");
       return true;
     });
@@ -321,7 +385,7 @@ std::vector<Case> readCases(const std::string& path) {
       // "mass properties, density 1"
       const std::size_t density = read.queryText.find("density ");
       if (density != std::string::npos) read.density = std::strtod(read.queryText.c_str() + density + 8, nullptr);
-      if (c.contains("found")) read.finding = readFinding(at, c.at("found"));
+      if (c.contains("found")) read.finding = readFinding(at, c.at("found"), read.query);
       at.bits = read.finding && read.finding->precision == (sizeof(Real) == 8 ? "f64" : "f32");
       const Json& expected = at.field(c, "expected");
       const double dimension = at.number(at.field(c, "dim"), "dim");

@@ -13,11 +13,13 @@
 
 #include "framework/registry.h"
 #include "framework/shape.h"
+#include "oracles/box_script.h"
 #include "oracles/hard_pairs.h"
+#include "oracles/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
 
-enum class CaseQuery { signedDistance, contacts, convexHull, massProperties, timeOfImpact, unknown };
+enum class CaseQuery { signedDistance, contacts, broadphase, convexHull, massProperties, timeOfImpact, unknown };
 
 /// A shape of a case as ours. Frames differ: a case's capsule has an axis or two end points, ours lies along x, so the
 /// pose contains that turn.
@@ -33,6 +35,7 @@ struct CaseGeometry {
   CaseShape<D> a, b;
   std::optional<Pose<D>> X_WBNudged = {};  // of a contacts case of faces at rest
   std::vector<Vec<D>> points;              // of a convex hull case
+  BoxScript<D> script;                     // of a broadphase case
 
   /// Both shapes as `lpc verify` asks them; neither may be refused.
   HardPair<D> pair() const;
@@ -42,10 +45,10 @@ struct CaseGeometry {
 /// precision; another build normalises the rotations.
 struct CaseFinding {
   StageKind stage = StageKind::pairQuery;
-  std::string precision, method;
-  std::string failure;     // as in names of files: wrong_distance
-  double error = 0;        // over s
-  std::uint64_t seed = 0;  // with the kinds of its shapes the name of the pair, on the day when it was found
+  std::string precision, method;  // the method with the parameters that it had
+  std::string failure;            // as in names of files: wrong_distance
+  double error = 0;               // over s; NaN where there is none
+  std::uint64_t seed = 0;         // with the kinds of its shapes the name of the pair, on the day when it was found
   int number = 0;
 };
 
@@ -75,6 +78,8 @@ struct Case {
 /// Throws UserError that names the file, the case and the field when the file is not in the schema. A shape or query
 /// that we lack is no error: it is read and later refused.
 std::vector<Case> readCases(const std::string& path);
+/// The same of a file's text; `path` is for messages.
+std::vector<Case> parseCases(const std::string& text, const std::string& path);
 
 enum class CaseVerdict { ok, wrong, refused, failed, hang };
 std::string_view caseVerdictName(CaseVerdict verdict);
@@ -87,19 +92,34 @@ struct CaseResult {
   std::string reason = {};  // unsupported_shape, unsupported_query, or what is wrong
   double value = 0, expected = 0;
   double error = 0;  // |value - expected| / s, s as in `errorScale`
+  /// Of the method that was found wrong on the case: does it fail in the same way again?
+  std::optional<bool> again = {};
 };
+
+/// Asks a method (with parameters, as gjk_epa{iterations=20}) what the case's finding says was asked, and judges as
+/// `lpc verify` does. Throws UserError where it does not exist. Precondition: the case has a finding.
+Verdict askAgain(const Case& c, const std::string& method);
+
+/// Who is asked about a case with a finding: the method that was found, the referee, then the others of its stage
+/// (of broadphases the method alone).
+std::vector<std::string> methodsToAsk(const Case& c);
+/// One of them. A method that is not registered here refuses.
+CaseResult askFound(const Case& c, const std::string& method);
 
 /// Every case with every method that takes its query: signed distances with each registered pair query, contacts with
 /// each generator (by the check of verifyContacts), hulls with `convexHull`, mass properties with `massProperties`. The
-/// referee stands in the table, too: where it is `wrong`, it contradicts the file.
+/// referee stands in the table, too: where it is `wrong`, it contradicts the file. A case with a finding is asked as it
+/// was found, its own method first; one of the other precision is asked in this one.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
 /// Is it one that must not happen: a competitor that is wrong, fails, or refuses what it declares?
 bool isOurFault(const CaseResult& result);
 
-/// `lpc verify --cases FILE`: prints one line per case and method (id, method, verdict, value, expected value, error/s,
-/// reason; `-` where there is no value) and a summary; into `csv` go the same lines with a head. Returns 0 when none is
-/// our fault, else 1.
+/// Prints one line per case and method (id, method, verdict, value, expected value, error/s, reason; `-` where there is
+/// no value) and a summary; into `csv` go the same lines with a head. Returns 0 when none is our fault, else 1.
+int printCases(const std::vector<CaseResult>& rows, std::ostream& out, std::ostream* csv = nullptr);
+
+/// Reads, runs and prints, all in this precision.
 int verifyCases(const std::string& path, std::ostream& out, std::ostream* csv = nullptr);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: Zlib
 #include "oracles/verify.h"
 
+#include <cmath>
+#include <string_view>
+#include <utility>
+#include <variant>
+
 #include "framework/check.h"
+#include "oracles/cases.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 template <class StageOf>
+Candidate<StageOf> candidate(const std::string& text) {
+  const Spec spec = Spec::parse(text);
+  const AlgorithmInfo info = Registry::instance().find(StageOf::kStage, StageOf::kDimension, spec.name).info;
+  return {text, info, [spec] { return createStage<StageOf>(spec); }};
+}
+
+template <class StageOf>
 std::vector<Candidate<StageOf>> candidates(const std::vector<std::string>& specs) {
   std::vector<Candidate<StageOf>> out;
-  for (const std::string& text : specs) {
-    const Spec spec = Spec::parse(text);
-    const AlgorithmInfo info = Registry::instance().find(StageOf::kStage, StageOf::kDimension, spec.name).info;
-    out.push_back({text, info, [spec] { return createStage<StageOf>(spec); }});
-  }
+  for (const std::string& text : specs) out.push_back(candidate<StageOf>(text));
   return out;
 }
 
@@ -35,13 +44,62 @@ Verified verifyIn(const VerifyTask& task) {
   }
 }
 
+template <int D>
+Verdict askAgainIn(const CaseGeometry<D>& g, StageKind stage, const std::string& method) {
+  if (stage == StageKind::broadphase) return verifyScript(g.script, candidate<Broadphase<D>>(method));
+  if (!g.a.shape || !g.b.shape) return {.end = Tally::refused, .error = {}, .failure = "unsupported_shape"};
+  if (stage == StageKind::contacts) return verifyPair(g.pair(), candidate<ContactGenerator<D>>(method));
+  return verifyPair(g.pair(), candidate<PairQuery<D>>(method));
+}
+
+// The method that a kept text names, asked it alone: is the failure there again, and by as much?
+bool failsAgain(const std::string& text) {
+  const Case c = parseCases("{\"cases\": [" + text + "]}", "a kept failure").front();
+  const Verdict verdict = askAgain(c, c.finding->method);
+  return verdict.failure == c.finding->failure &&
+         verdict.error.value_or(-1) == (std::isnan(c.finding->error) ? -1 : c.finding->error);
+}
+
+constexpr std::string_view kFound = "\"found\": {";
+
+// What is told of a question must not hang on those that were asked before it.
+void askKeptAgain(Verified& out) {
+  const auto marked = [](std::string text) {
+    return text.insert(text.find(kFound) + kFound.size(), "\"again\": false, ");
+  };
+  std::vector<FoundCase> once;
+  for (auto at = out.found.begin(); at != out.found.end();) {
+    if (failsAgain(at->second.text)) {
+      ++at;
+    } else {
+      once.push_back(at->second);
+      at = out.found.erase(at);
+    }
+  }
+  for (FoundCase& c : once) {
+    c.failure += "_once", c.text = marked(c.text);
+    out.keep(std::move(c));
+  }
+  for (auto& [key, entry] : out.ledger) {
+    const bool failure = !entry.worst.empty() && entry.worst.find("\"failure\": \"none\"") == std::string::npos;
+    if (failure && !failsAgain(entry.worst)) entry.worst = marked(entry.worst);
+  }
+}
+
 }  // namespace
+
+Verdict askAgain(const Case& c, const std::string& method) {
+  return std::visit([&](const auto& g) { return askAgainIn(g, c.finding->stage, method); }, c.geometry);
+}
 
 double verifyTolerance() { return sizeof(Real) == 8 ? 1e-12 : 1e-5; }
 
 Verified verify(const VerifyTask& task) {
-  if (task.dimension == 2) return verifyIn<2>(task);
-  if (task.dimension == 3) return verifyIn<3>(task);
+  if (task.dimension == 2 || task.dimension == 3) {
+    Verified out = task.dimension == 2 ? verifyIn<2>(task) : verifyIn<3>(task);
+    if (!task.range.ended) askKeptAgain(out);
+    return out;
+  }
   throw UserError("verify: the dimension is " + std::to_string(task.dimension) + "; valid: 2, 3");
 }
 

@@ -12,6 +12,7 @@
 
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
+#include "oracles/box_script.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/verdict.h"
 #include "oracles/witness.h"
@@ -75,8 +76,13 @@ Verdict verifyPair(const HardPair<D>& pair, const Candidate<ContactGenerator<D>>
 template <int D>
 void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broadphase<D>>> methods, Verified& out);
 
+/// One set of boxes by the same check, as a file of cases holds it.
+template <int D>
+Verdict verifyScript(const BoxScript<D>& script, const Candidate<Broadphase<D>>& method);
+
 /// One stage by name, on methods of the registry: what a worker does. The kinds are ignored by broadphases. Throws
-/// UserError for names that do not exist.
+/// UserError for names that do not exist. A failure that it keeps is asked again, alone and from its text: what does
+/// not fail so again is named `_once`, and its case says "again": false.
 struct VerifyTask {
   StageKind stage = StageKind::pairQuery;
   int dimension = 3;

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "framework/random.h"
+#include "oracles/box_script.h"
 #include "oracles/verdict.h"
 #include "oracles/verify.h"
 
@@ -35,46 +36,43 @@ constexpr Family kFamilies[] = {
 constexpr std::string_view kMixed = "mixed";  // each box from another family
 constexpr int kSteps = 6;
 
-/// Boxes that come, move and go, as a broadphase is told about them.
+/// Draws what happens, step by step.
 template <int D>
-class BoxSet {
+class BoxDrawer {
  public:
-  BoxSet(std::uint64_t seed, int index) : m_random(seed * 1000003 + static_cast<std::uint64_t>(index)) {
+  BoxDrawer(std::uint64_t seed, int index) : m_random(seed * 1000003 + static_cast<std::uint64_t>(index)), m_boxes(0) {
     m_random = Random(m_random.next());
     const auto family = m_random.below(std::size(kFamilies) + 1);
     m_family = family < std::size(kFamilies) ? &kFamilies[family] : nullptr;
-    m_proxies.resize(static_cast<int>(2 + m_random.below(120)));
+    m_slots = static_cast<int>(2 + m_random.below(120));
+    m_boxes = BoxSet<D>(m_slots);
   }
 
-  std::string_view family() const { return m_family ? m_family->name : kMixed; }
-  const Proxies<D>& proxies() const { return m_proxies; }
-  ProxyChanges changes() const { return {m_added, m_removed, m_moved}; }
-
-  void advance(int step) {
-    m_added.clear(), m_removed.clear(), m_moved.clear();
-    for (ProxyId i = 0; i < m_proxies.size(); ++i) {
-      if (m_proxies.isFree(i)) {
-        if (step == 0 || m_random.below(4) == 0) add(i);
-      } else if (const auto what = m_random.below(16); what == 0) {
-        remove(i);
-      } else if (what < 9) {
-        move(i, what == 1);
-      }
-    }
-  }
-
-  /// By definition, without any algorithm; sorted.
-  std::vector<ProxyPair> pairs() const {
-    std::vector<ProxyPair> out;
-    for (ProxyId a = 0; a < m_proxies.size(); ++a) {
-      for (ProxyId b = a + 1; b < m_proxies.size(); ++b) {
-        if (m_proxies.boxesOverlap(a, b) && m_proxies.mayCollide(a, b)) out.push_back({a, b});
-      }
+  BoxScript<D> draw() {
+    BoxScript<D> out{.family = std::string(m_family ? m_family->name : kMixed), .slots = m_slots, .steps = {}};
+    for (int step = 0; step < kSteps; ++step) {
+      m_boxes.apply(out.steps.emplace_back(drawStep(step)));
     }
     return out;
   }
 
  private:
+  using What = typename BoxChange<D>::What;
+
+  std::vector<BoxChange<D>> drawStep(int step) {
+    std::vector<BoxChange<D>> out;
+    for (ProxyId i = 0; i < m_slots; ++i) {
+      if (m_boxes.proxies().isFree(i)) {
+        if (step == 0 || m_random.below(4) == 0) out.push_back(added(i));
+      } else if (const auto what = m_random.below(16); what == 0) {
+        out.push_back({.what = What::removed, .slot = i});
+      } else if (what < 9) {
+        out.push_back({.what = What::moved, .slot = i, .box = what == 1 ? drawBox() : near(m_boxes.proxies().box(i))});
+      }
+    }
+    return out;
+  }
+
   Aabb<D> drawBox() {
     Aabb<D> box;
     const Family& family = m_family ? *m_family : kFamilies[m_random.below(std::size(kFamilies))];
@@ -86,38 +84,25 @@ class BoxSet {
     }
     return box;
   }
-
-  void add(ProxyId i) {
-    const auto k = static_cast<std::size_t>(i);
-    m_proxies.setBox(i, drawBox());
-    m_proxies.body[k] = static_cast<std::int32_t>(m_random.below(4) == 0 ? m_random.below(8) : 100 + k);  // some share
-    m_proxies.active[k] = m_random.below(4) > 0;
-    m_proxies.category[k] = 1u << m_random.below(2), m_proxies.mask[k] = m_random.below(4) == 0 ? 1u : ~0u;
-    m_added.push_back(i);
-  }
-  void remove(ProxyId i) {
-    m_proxies.setBox(i, Aabb<D>{});
-    m_proxies.body[static_cast<std::size_t>(i)] = -1, m_proxies.active[static_cast<std::size_t>(i)] = 0;
-    m_removed.push_back(i);
-  }
-  void move(ProxyId i, bool far) {
-    Aabb<D> box = m_proxies.box(i);
-    if (far) {
-      box = drawBox();
-    } else {
-      for (int d = 0; d < D; ++d) {
-        const Real step = (box.hi[d] - box.lo[d]) * static_cast<Real>(m_random.uniform(-0.2, 0.2));
-        box.lo[d] += step, box.hi[d] += step;
-      }
+  Aabb<D> near(Aabb<D> box) {
+    for (int d = 0; d < D; ++d) {
+      const Real step = (box.hi[d] - box.lo[d]) * static_cast<Real>(m_random.uniform(-0.2, 0.2));
+      box.lo[d] += step, box.hi[d] += step;
     }
-    m_proxies.setBox(i, box);
-    m_moved.push_back(i);
+    return box;
+  }
+  BoxChange<D> added(ProxyId i) {
+    BoxChange<D> c{.what = What::added, .slot = i, .box = drawBox()};
+    c.body = m_random.below(4) == 0 ? static_cast<std::int32_t>(m_random.below(8)) : 100 + i;  // some share
+    c.active = m_random.below(4) > 0;
+    c.category = 1u << m_random.below(2), c.mask = m_random.below(4) == 0 ? 1u : ~0u;
+    return c;
   }
 
   Random m_random;
   const Family* m_family = nullptr;  // none: mixed
-  Proxies<D> m_proxies;
-  std::vector<ProxyId> m_added, m_removed, m_moved;
+  int m_slots = 0;
+  BoxSet<D> m_boxes;
 };
 
 // Right pairs that are not found, then found ones that are wrong or found twice.
@@ -139,35 +124,72 @@ Difference compare(std::vector<ProxyPair>& found, const BoxSet<D>& boxes, Guaran
   return {missing.size(), extra.size()};
 }
 
+/// What the first step that was wrong has.
+struct WrongStep {
+  int number = -1;  // none
+  Difference difference = {};
+};
+
+template <int D>
+Verdict playScript(const BoxScript<D>& script, const Candidate<Broadphase<D>>& m, double& spent, WrongStep& wrong) {
+  const auto method = m.create();
+  BoxSet<D> boxes(script.slots);
+  Verdict verdict;
+  for (std::size_t step = 0; step < script.steps.size(); ++step) {
+    boxes.apply(script.steps[step]);
+    std::vector<ProxyPair> found;
+    WorkDone work;
+    const double before = threadNanoseconds();
+    method->update(boxes.proxies(), boxes.changes());
+    method->findPairs(boxes.proxies(), found, work);
+    spent += threadNanoseconds() - before;
+    const Difference d = compare(found, boxes, m.info.guarantee);
+    if (d.missing + d.extra == 0 || verdict.end == Tally::wrong) continue;
+    verdict.end = Tally::wrong, verdict.failure = "wrong_pairs";
+    wrong = {static_cast<int>(step), d};
+  }
+  return verdict;
+}
+
+template <int D>
+std::string scriptCaseText(const LedgerKey& subject, const VerifyRange& range, int index, const BoxScript<D>& script,
+                           const Verdict& verdict, const WrongStep& wrong) {
+  std::string text = "{\"id\": \"" + inputName(subject, range.seed, index) +
+                     "\", \"source\": \"lpc verify\", \"dim\": " + std::to_string(D) +
+                     ", \"query\": \"broadphase\", \"note\": \"" + script.family + "\", " + scriptText(script) +
+                     findingText(subject, verdict, range.seed, index);
+  if (wrong.number >= 0) {
+    text += ", \"step\": " + std::to_string(wrong.number) +
+            ", \"missing\": " + std::to_string(wrong.difference.missing) +
+            ", \"extra\": " + std::to_string(wrong.difference.extra);
+  }
+  return text + ", \"expected\": {}}";
+}
+
 }  // namespace
+
+template <int D>
+Verdict verifyScript(const BoxScript<D>& script, const Candidate<Broadphase<D>>& method) {
+  double ignored = 0;
+  WrongStep wrong;
+  return playScript(script, method, ignored, wrong);
+}
+
+template Verdict verifyScript(const BoxScript<2>&, const Candidate<Broadphase<2>>&);
+template Verdict verifyScript(const BoxScript<3>&, const Candidate<Broadphase<3>>&);
 
 template <int D>
 void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broadphase<D>>> methods, Verified& out) {
   for (int index = range.first; index < range.first + range.count; ++index) {
+    const BoxScript<D> script = BoxDrawer<D>(range.seed, index).draw();
     for (const Candidate<Broadphase<D>>& m : methods) {
-      BoxSet<D> boxes(range.seed, index);
-      const auto method = m.create();
       const LedgerKey subject = subjectOf(StageKind::broadphase, D, m.name);
-      Verdict verdict;
-      std::string what;
       double spent = 0;
-      if (range.ended) verdict = withoutAnswer(*range.ended);
-      for (int step = 0; step < kSteps && !range.ended; ++step) {
-        boxes.advance(step);
-        std::vector<ProxyPair> found;
-        WorkDone work;
-        const double before = threadNanoseconds();
-        method->update(boxes.proxies(), boxes.changes());
-        method->findPairs(boxes.proxies(), found, work);
-        spent += threadNanoseconds() - before;
-        const Difference d = compare(found, boxes, m.info.guarantee);
-        if (d.missing + d.extra == 0 || verdict.end == Tally::wrong) continue;
-        verdict.end = Tally::wrong, verdict.failure = "wrong_pairs";
-        what = "{\"id\": \"" + inputName(subject, range.seed, index) + "\", \"step\": " + std::to_string(step) +
-               ", \"missing\": " + std::to_string(d.missing) + ", \"extra\": " + std::to_string(d.extra) + "}";
-      }
-      book(out.ledger, subject, m.info.role, {{"family", std::string(boxes.family())}}, verdict, spent,
-           [&] { return what; });
+      WrongStep wrong;
+      const Verdict verdict = range.ended ? withoutAnswer(*range.ended) : playScript(script, m, spent, wrong);
+      const auto text = [&] { return scriptCaseText(subject, range, index, script, verdict, wrong); };
+      book(out.ledger, subject, m.info.role, {{"family", script.family}}, verdict, spent, text);
+      if (!verdict.failure.empty()) out.keep({m.name, verdict.failure, script.slots, 0, text()});
     }
   }
 }

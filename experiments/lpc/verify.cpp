@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "experiments/lpc/command.h"
+#include "experiments/runner/case_replay.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/ledger_table.h"
 #include "experiments/runner/verification.h"
@@ -49,12 +50,22 @@ void readChoices(Arguments& a) {
   }
 }
 
+std::vector<CaseResult> runCaseFile(const std::string& path, const std::vector<std::string>& plugins) {
+  const std::vector<Case> cases = readCases(path);
+  std::vector<CaseResult> found = replayFound(path, cases, plugins);
+  std::vector<Case> published = cases;
+  std::erase_if(published, [](const Case& c) { return c.finding.has_value(); });
+  std::vector<CaseResult> rows = runCases(published);
+  rows.insert(rows.end(), found.begin(), found.end());
+  return rows;
+}
+
 // The table goes into a CSV file, and into a store for its report, where one is named.
 int verifyCaseFile(const Arguments& a) {
   keepApart({{"the cases", a.cases}}, {{"--csv", a.csv}, {"--store", a.storeNamed ? a.store : ""}});
   if (!a.csv.empty()) const OutputFile possible(a.csv);  // and gone: nothing lies there when this is stopped
   std::ostringstream table;
-  const int exitCode = verifyCases(a.cases, std::cout, &table);
+  const int exitCode = printCases(runCaseFile(a.cases, a.options.plugins), std::cout, &table);
   if (!a.csv.empty()) {
     OutputFile csv(a.csv);
     csv.stream() << table.str(), csv.finish();
@@ -69,12 +80,12 @@ int verifyCaseFile(const Arguments& a) {
 }
 
 void verify(Arguments& a, Session& session) {
+  a.options.plugins = session.plugins;
   if (!a.cases.empty()) {
     session.exitCode = verifyCaseFile(a);
     return;
   }
   readChoices(a);
-  a.options.plugins = session.plugins;
   checkVerification(a.options);  // before a store is made
   Store store(a.store, true);
   store.claim();
@@ -121,7 +132,8 @@ void addVerify(CommandLine& app, Session& session) {
   for (const Option& option : ofSeeded) cases.without(option);
   command.option("--csv", a->csv, "with --cases: the table as a file").file().with(cases);
   command.footer(
-      "Exit code 1 when one of our own methods is wrong; witnesses are only recorded.\n"
+      "Exit code 1 when one of our own methods is wrong; witnesses are only recorded. A case that was found here is\n"
+      "asked in the precision in which it was found, first the method that failed, and told whether it fails again.\n"
       "Examples:\n"
       "  lpc verify --pairs 1000 --seed 7\n"
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"

@@ -126,6 +126,12 @@ void Store::keepOnlyCode(const LedgerMethod& method, const std::string& code) tr
     bindMethod(drop, method);
     drop.exec();
   }
+  SQLite::Statement forget(m_db,
+                           "DELETE FROM found_case WHERE json_extract(data, '$.found.stage')=? AND "
+                           "json_extract(data, '$.found.precision')=? AND json_extract(data, '$.dim')=? AND "
+                           "json_extract(data, '$.found.method')=?");
+  bindMethod(forget, method);
+  forget.exec();
   transaction.commit();
 } catch (const SQLite::Exception& e) {
   failStore(m_db.getFilename(), e);
@@ -165,7 +171,7 @@ std::map<std::string, std::string> Store::worstCases() try {
   SQLite::Statement s(
       m_db,
       "SELECT method, dimension, precision, worst, max(max_error) FROM ledger WHERE axis='all' AND wrong > 0 "
-      "AND worst <> '' GROUP BY stage, method, dimension, precision");
+      "AND worst <> '' AND worst NOT LIKE '%\"failure\": \"none\"%' GROUP BY stage, method, dimension, precision");
   while (s.executeStep()) {
     out[nameOf(s.getColumn(0).getString(), "worst", s.getColumn(1).getInt(), s.getColumn(2).getString())] =
         s.getColumn(3).getString();

@@ -395,7 +395,8 @@ std::vector<std::string> writeFoundCases(Store& store, const std::string& storeP
       OutputFile file(path.string());
       file.stream() << "{\"schema\": {}, \"count\": 1, \"cases\": [\n" << text << "\n]}\n";
       file.finish();
-      out.push_back(what + ": " + path.string());
+      const bool again = text.find("\"again\": false") == std::string::npos;
+      out.push_back(what + (again ? "" : ", which did not fail when it was asked again, alone") + ": " + path.string());
     }
   };
   write("simplest pair of this failure", store.foundCases());

@@ -46,4 +46,38 @@ Verified verifiedFromJson(const json& j) {
   return out;
 }
 
+json caseRowsToJson(const std::vector<CaseResult>& rows) {
+  json out = json::array();
+  for (const CaseResult& r : rows) {
+    out.push_back({{"id", r.id},
+                   {"method", r.method},
+                   {"role", r.role},
+                   {"verdict", r.verdict},
+                   {"reason", r.reason},
+                   {"numbers", {r.value, r.expected, r.error}}});
+    if (r.again) out.back()["again"] = *r.again;
+  }
+  return out;
+}
+
+std::vector<CaseResult> caseRowsFromJson(const json& j) {
+  std::vector<CaseResult> out;
+  for (const json& row : j) {
+    const auto number = [&](std::size_t i) {  // one that is not finite is null
+      const json& x = row.at("numbers")[i];
+      return x.is_null() ? kUnknown : x.get<double>();
+    };
+    CaseResult& r = out.emplace_back(CaseResult{.id = row.at("id"),
+                                                .method = row.at("method"),
+                                                .role = row.at("role"),
+                                                .verdict = row.at("verdict"),
+                                                .reason = row.at("reason"),
+                                                .value = number(0),
+                                                .expected = number(1),
+                                                .error = number(2)});
+    if (row.contains("again")) r.again = row.at("again").get<bool>();
+  }
+  return out;
+}
+
 }  // namespace lpc::inline LPC_PRECISION

@@ -3,12 +3,17 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <vector>
 
+#include "oracles/cases.h"
 #include "oracles/ledger.h"
 
 namespace lpc::inline LPC_PRECISION {
 
 nlohmann::json toJson(const Verified& verified);
 Verified verifiedFromJson(const nlohmann::json& json);
+
+nlohmann::json caseRowsToJson(const std::vector<CaseResult>& rows);
+std::vector<CaseResult> caseRowsFromJson(const nlohmann::json& json);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -6,6 +6,7 @@
 #include "experiments/trial/ledger_json.h"
 #include "experiments/trial/plugin.h"
 #include "framework/check.h"
+#include "oracles/cases.h"
 #include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -19,10 +20,25 @@ int indexOf(const Names& names, const std::string& name) {
   throw UserError("verify: there is no '" + name + "'");
 }
 
+void loadPlugins(const nlohmann::json& request) {
+  for (const auto& path : request.value("plugins", std::vector<std::string>{})) loadPlugin(path);
+}
+
 }  // namespace
 
+nlohmann::json runCasesTask(const nlohmann::json& request) {
+  loadPlugins(request);
+  const nlohmann::json& t = request.at("cases");
+  const std::vector<Case> cases = readCases(t.at("file"));
+  std::vector<CaseResult> rows;
+  for (const auto& [number, method] : t.at("questions").get<std::vector<std::pair<std::size_t, std::string>>>()) {
+    rows.push_back(askFound(cases.at(number), method));
+  }
+  return caseRowsToJson(rows);
+}
+
 nlohmann::json runVerifyTask(const nlohmann::json& request) {
-  for (const auto& path : request.value("plugins", std::vector<std::string>{})) loadPlugin(path);
+  loadPlugins(request);
   const nlohmann::json& t = request.at("verify");
   const StageInfo* stage = stageByName(t.at("stage").get<std::string>());
   if (!stage) throw UserError("verify: there is no stage " + t.at("stage").dump());

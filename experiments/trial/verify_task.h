@@ -12,4 +12,8 @@ namespace lpc::inline LPC_PRECISION {
 /// not come back: it is booked and nobody is asked. Exists where the oracles were built.
 nlohmann::json runVerifyTask(const nlohmann::json& request);
 
+/// {"cases": {"file": path, "questions": [[number of a case with a finding, method], ...]}, "plugins": [...]} -> one
+/// row each (see ledger_json.h).
+nlohmann::json runCasesTask(const nlohmann::json& request);
+
 }  // namespace lpc::inline LPC_PRECISION

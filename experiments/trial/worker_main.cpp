@@ -18,6 +18,7 @@ namespace {
 nlohmann::json run(const nlohmann::json& request) {
 #ifdef LPC_HAS_ORACLES
   if (request.contains("verify")) return lpc::runVerifyTask(request);
+  if (request.contains("cases")) return lpc::runCasesTask(request);
 #endif
   return lpc::toJson(lpc::runTrial(request));
 }

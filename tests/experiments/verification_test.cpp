@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "experiments/runner/store.h"
@@ -143,6 +144,63 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_EQ(w.lpc("--plugin " + kPlugin + " verify --cases " + worst).code, 1);
   EXPECT_FALSE(std::filesystem::exists(w.path("v/s.db.found/closed_form-worst-2d-f64.json")));
   EXPECT_NE(run.text.find("worst pair of this method: v/s.db.found/planted_half-worst-2d-f64.json"), std::string::npos);
+}
+
+// Whatever a run keeps, of each stage and precision, ours or not, wrong or crashed: its file is asked again in the
+// precision in which it was found, with the parameters that the method had, and fails again by the same error.
+TEST(Verification, EveryKeptFailureFailsAgain) {
+  Workspace w;
+  const std::string plugin = "--plugin " + kPlugin + " ";
+  const bool single = std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32");
+  const std::string precisions = single ? "f64,f32" : "f64";
+  w.lpc(plugin +
+        "verify --stage pair_query,broadphase --dimension 2 --quiet --store s.db --methods planted_abort "
+        "planted_half planted_forget");
+  w.lpc("verify --stage pair_query --dimension 2 --quiet --store s.db --precision " + precisions +
+        " --methods bullet_gjk_epa libccd_mpr{tolerance=1e-14}");
+  // Each case in a file of its own, and all of them in one.
+  nlohmann::json all = {{"cases", nlohmann::json::array()}};
+  for (const auto& file : std::filesystem::directory_iterator(w.path("s.db.found"))) {
+    std::ifstream in(file.path());
+    all["cases"].push_back(nlohmann::json::parse(in).at("cases").at(0));
+  }
+  w.write("all.json", all.dump());
+  EXPECT_GE(all["cases"].size(), single ? 10u : 7u);
+  const Outcome run = w.lpc(plugin + "verify --cases all.json");
+  EXPECT_EQ(run.code, 1) << run.text;  // the planted ones are ours
+  const std::string n = std::to_string(all["cases"].size());
+  EXPECT_NE(run.text.find("found failures: " + n + ", of which fail again " + n + "\n"), std::string::npos) << run.text;
+  for (const nlohmann::json& c : all["cases"]) {
+    const auto& found = c.at("found");
+    const std::string id = c.at("id"), method = found.at("method"), failure = found.at("failure");
+    // The line of the method, whose error has two digits in print.
+    std::string line;
+    std::istringstream lines(run.text);
+    while (std::getline(lines, line)) {
+      if (line.starts_with(id + " ") && line.find(" " + method + " ") != line.npos &&
+          line.ends_with("fails again: " + failure))
+        break;
+    }
+    EXPECT_TRUE(line.starts_with(id)) << id << ' ' << method << ' ' << failure << '\n' << run.text;
+  }
+  EXPECT_NE(all.dump().find("planted_forget"), std::string::npos);
+  EXPECT_NE(all.dump().find("\"crashed\""), std::string::npos);
+  EXPECT_NE(all.dump().find("libccd_mpr{tolerance=1e-14}"), std::string::npos);
+}
+
+TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
+  if (!std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32")) GTEST_SKIP() << "this build has no f32";
+  Workspace w;
+  const std::string found = LPC_SOURCE_DIR "/tests/regressions/found_cases.json";
+  const Outcome run = w.lpc("verify --cases " + found);
+  EXPECT_EQ(run.code, 0) << run.text;
+  EXPECT_NE(run.text.find(", of which fail again 0\n"), std::string::npos) << run.text;
+  const Outcome half =
+      w.lpc("verify --cases " + w.write("half.json", R"({"cases": [{"id": "x", "dim": 2, "query": "contacts",
+    "found": {"stage": "contacts", "precision": "f16", "method": "sat", "failure": "x", "seed": 1, "number": 1},
+    "expected": {"signed_distance": 0}}]})"));
+  EXPECT_EQ(half.code, 2);
+  EXPECT_NE(half.text.find("field 'precision' holds 'f16'; valid: f64, f32"), std::string::npos) << half.text;
 }
 
 // A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told.

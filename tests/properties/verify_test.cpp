@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <set>
 
@@ -279,21 +280,111 @@ TEST(Verify, LostWorkersAreBooked) {
   EXPECT_EQ(failures(verified), (std::set<std::string>{"crashed"}));
 }
 
-// Of all failing pairs the one with the fewest vertices is kept, and as a file of cases it shows the failure again.
-TEST(Verify, TheSimplestFailingPairIsKeptAndReplays) {
+// Every failure that is kept fails again from its text alone: in the same way, by the very same error.
+template <class StageOf>
+void allFailAgain(const Verified& verified, const Candidate<StageOf>& method) {
+  constexpr int D = StageOf::kDimension;
+  EXPECT_FALSE(verified.found.empty());
+  std::vector<std::string> texts;
+  for (const auto& [name, c] : verified.found) texts.push_back(c.text);
+  for (const auto& [key, entry] : verified.ledger) {
+    if (entry.worst.find("\"failure\": \"none\"") == std::string::npos && !entry.worst.empty())
+      texts.push_back(entry.worst);
+  }
+  for (const std::string& text : texts) {
+    const Case c = parseCases("{\"cases\": [" + text + "]}", "kept").at(0);
+    const auto& g = std::get<CaseGeometry<D>>(c.geometry);
+    Verdict again;
+    if constexpr (StageOf::kStage == StageKind::broadphase) {
+      again = verifyScript(g.script, method);
+    } else {
+      again = verifyPair(g.pair(), method);
+    }
+    EXPECT_EQ(again.failure, c.finding.value().failure) << text;
+    EXPECT_EQ(again.error.value_or(-1), std::isnan(c.finding->error) ? -1 : c.finding->error) << text;
+    EXPECT_EQ(c.finding->stage, StageOf::kStage);
+  }
+}
+
+template <class StageOf, class Bug>
+void keptOnesFailAgain(Guarantee guarantee = Guarantee::exact) {
+  constexpr int D = StageOf::kDimension;
+  AlgorithmInfo info;
+  info.guarantee = guarantee;
+  const auto method = planted<StageOf>([] { return std::make_unique<Bug>(); }, info);
+  Verified out;
+  if constexpr (StageOf::kStage == StageKind::broadphase) {
+    verifyBroadphases<D>({.seed = 1, .first = 0, .count = 40}, {&method, 1}, out);
+  } else {
+    for (const auto& [a, b] : kindPairs(D, ShapeKind::polytope)) {
+      const VerifyRange range{.seed = 3, .first = 0, .count = 24};
+      if constexpr (StageOf::kStage == StageKind::contacts) {
+        verifyContacts<D>(a, b, range, {&method, 1}, out);
+      } else {
+        verifyPairQueries<D>(a, b, range, {&method, 1}, out);
+      }
+    }
+  }
+  allFailAgain(out, method);
+}
+template <int D>
+void plantedOnesFailAgain() {
+  keptOnesFailAgain<PairQuery<D>, wrong_queries::FlippedNormal<D>>();
+  keptOnesFailAgain<PairQuery<D>, wrong_queries::CentreRayDepth<D>>();
+  keptOnesFailAgain<PairQuery<D>, wrong_queries::ForgetsRounding<D>>();
+  keptOnesFailAgain<ContactGenerator<D>, FlippedNormal<D>>();
+  keptOnesFailAgain<ContactGenerator<D>, DuplicateFeatures<D>>();
+  keptOnesFailAgain<ContactGenerator<D>, FeaturesFromPosition<D>>();
+  keptOnesFailAgain<Broadphase<D>, OpenBoxes<D>>();
+  keptOnesFailAgain<Broadphase<D>, StaleSlot<D>>();
+  keptOnesFailAgain<Broadphase<D>, InnerSpheres<D>>(Guarantee::conservative);
+}
+TEST(Verify, KeptFailuresFailAgain2) { plantedOnesFailAgain<2>(); }
+TEST(Verify, KeptFailuresFailAgain3) { plantedOnesFailAgain<3>(); }
+
+// Wrong in company, right alone.
+template <int D>
+class Sociable final : public PairQuery<D> {
+ public:
+  using Params = NoParams;
+  explicit Sociable(const Params&) {}
+  static AlgorithmInfo info() {
+    return {.name = "planted_sociable", .summary = "", .paper = "", .complexity = "", .role = AlgorithmRole::witness};
+  }
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
+    for (int i = 0; i < batch.count; ++i) {
+      PairAnswer<D> answer;
+      answer.status = QueryStatus::converged;
+      const PairView<D> pair = batch.pair(i);
+      const Real length = pair.X_AB.p.norm(), truth = length - pair.a.radius - pair.b.radius;
+      answer.distance = batch.count > 1 ? -1 - 2 * std::abs(truth) : truth;
+      answer.normal = length > 0 ? Vec<D>(pair.X_AB.p / length) : Vec<D>(Vec<D>::Unit(0));
+      answers.set(i, answer);
+    }
+  }
+};
+TEST(Verify, WhatDoesNotFailAgainIsTold) {
+  static const Registrar<PairQuery, Sociable, 2> registrar(__FILE__);
+  const Verified verified = verify({.dimension = 2,
+                                    .kindA = ShapeKind::sphere,
+                                    .kindB = ShapeKind::sphere,
+                                    .range = {.seed = 1, .first = 0, .count = 40},
+                                    .methods = {"planted_sociable"}});
+  EXPECT_GT(total(verified)[Tally::wrong], 0);
+  ASSERT_FALSE(verified.found.empty());
+  for (const auto& [name, c] : verified.found) {
+    EXPECT_TRUE(c.failure.ends_with("_once")) << c.failure;
+    EXPECT_NE(c.text.find("\"again\": false"), std::string::npos) << c.text;
+    EXPECT_EQ(parseCases("{\"cases\": [" + c.text + "]}", "kept").at(0).finding->method, "planted_sociable");
+  }
+}
+
+// Of all failing pairs the one with the fewest vertices is kept.
+TEST(Verify, TheSimplestFailingPairIsKept) {
   const Verified verified = verifyQuery<3>(planted<PairQuery<3>, wrong_queries::CentreRayDepth<3>>(), 40);
   const FoundCase& kept = verified.found.at({"planted", "wrong_distance"});
   EXPECT_LE(kept.vertices, 4) << kept.text;  // two capsules fail, two spheres cannot
-  const std::string path = ::testing::TempDir() + "found_case.json";
-  std::ofstream(path) << "{\"schema\": {}, \"cases\": [" << kept.text << "]}";
-  const std::vector<Case> cases = readCases(path);
-  ASSERT_EQ(cases.size(), 1u);
-  const auto& g = std::get<CaseGeometry<3>>(cases[0].geometry);
-  wrong_queries::CentreRayDepth<3> wrong;
-  const ShapeView<3>&a = g.a.shape->view(), &b = g.b.shape->view();
-  const PairAnswer<3> answer = queryPair<3>(wrong, a, b, g.a.X_WS.inverse() * g.b.X_WS);
-  EXPECT_GT(std::abs(answer.distance - cases[0].expected.distance),
-            verifyTolerance() * errorScale<3>(a, g.a.X_WS, b, g.b.X_WS, cases[0].expected.distance));
 }
 
 template <int D>

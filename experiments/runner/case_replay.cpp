@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/case_replay.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "experiments/runner/worker_pool.h"
+#include "experiments/trial/ledger_json.h"
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+struct Question {
+  std::size_t number;  // of the case
+  std::string method;
+};
+using Questions = std::vector<Question>;
+
+class Replay {
+ public:
+  Replay(const std::string& path, const std::vector<Case>& cases, const std::vector<std::string>& plugins)
+      : m_path(std::filesystem::absolute(path).string()), m_cases(cases), m_pool(plugins) {}
+
+  // One worker for all; where it does not come back, one for each half.
+  void ask(const Questions& questions, std::vector<CaseResult>& rows) {
+    WorkerEnd end = run(questions);
+    if (end.outcome == "unsupported") throw UserError(m_path + ": " + end.reason);
+    std::vector<CaseResult> told;
+    try {
+      if (end.outcome == "ok") told = caseRowsFromJson(json::parse(end.output));
+    } catch (const json::exception&) {
+      end.outcome = "crash";
+    }
+    if (end.outcome == "ok") {
+      rows.insert(rows.end(), told.begin(), told.end());
+    } else if (questions.size() > 1) {
+      const auto half = questions.begin() + static_cast<std::ptrdiff_t>(questions.size() / 2);
+      ask({questions.begin(), half}, rows);
+      ask({half, questions.end()}, rows);
+    } else {
+      rows.push_back(lost(questions.front(), end));
+    }
+  }
+
+ private:
+  WorkerEnd run(const Questions& questions) {
+    json task = {{"file", m_path}, {"questions", json::array()}};
+    for (const Question& q : questions) task["questions"].push_back({q.number, q.method});
+    // A witness is given half a second for a pair that it hangs on.
+    const WorkerLimits limits{.seconds = 20 + 0.6 * static_cast<double>(questions.size())};
+    m_pool.start(0, m_cases[questions.front().number].finding->precision, {{"cases", task}}, limits, -1);
+    for (;;) {
+      if (InterruptGuard::interrupted()) throw Interrupted();
+      for (WorkerEnd& end : m_pool.ended()) return std::move(end);
+    }
+  }
+
+  CaseResult lost(const Question& q, const WorkerEnd& end) const {
+    const Case& c = m_cases[q.number];
+    const bool hung = end.outcome == "timeout";
+    CaseResult row{.id = c.id, .method = q.method, .expected = c.expected.distance};
+    row.verdict = hung ? CaseVerdict::hang : CaseVerdict::failed, row.reason = hung ? "hung" : "crashed";
+    if (q.method == c.finding->method) row.again = c.finding->failure == row.reason;
+    return row;
+  }
+
+  std::string m_path;
+  const std::vector<Case>& m_cases;
+  WorkerPool m_pool;
+};
+
+}  // namespace
+
+std::vector<CaseResult> replayFound(const std::string& path, const std::vector<Case>& cases,
+                                    const std::vector<std::string>& plugins) {
+  const InterruptGuard interrupts;
+  Replay replay(path, cases, plugins);
+  std::set<std::string> precisions;
+  for (const Case& c : cases) {
+    if (c.finding && precisions.insert(c.finding->precision).second) checkWorker(c.finding->precision, false);
+  }
+  std::vector<CaseResult> rows;
+  Questions questions;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (!cases[i].finding) continue;
+    if (!questions.empty() && cases[i].finding->precision != cases[questions.front().number].finding->precision) {
+      replay.ask(std::exchange(questions, {}), rows);
+    }
+    for (const std::string& method : methodsToAsk(cases[i])) questions.push_back({i, method});
+  }
+  if (!questions.empty()) replay.ask(questions, rows);
+  return rows;
+}
+
+}  // namespace lpc::inline LPC_PRECISION
