@@ -6,14 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "framework/stage_narrowphase.h"
-#include "oracles/referee.h"
+#include "tests/fuzz/pair_fault.h"
 #include "tests/fuzz/target.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
-
-constexpr double kBound = 1e-12;  // over s, as that of all accuracy claims in f64
 
 // Zeros where the bytes have ended.
 class Reader {
@@ -89,19 +86,6 @@ Shape<D> shape(Reader& r) {
 }
 
 template <int D>
-void judge(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB, const PairAnswer<D>& answer) {
-  demand(std::isfinite(answer.distance) && answer.normal.allFinite(), "an answer that is not finite");
-  if (answer.status != QueryStatus::converged) return;
-  const double distance = static_cast<double>(answer.distance);
-  const double s = errorScale<D>(a, {}, b, X_AB, distance);
-  const Vecd<D> n = answer.normal.template cast<double>();
-  if (n.isZero()) return;
-  demand(std::abs(n.norm() - 1) < kBound, "a normal that has not unit length");
-  demand(separationAlong<D>(a, {}, b, X_AB, n).distanceTo(distance) <= kBound * s,
-         "a distance that is not the one along its normal");
-}
-
-template <int D>
 const std::vector<std::unique_ptr<PairQuery<D>>>& competitors() {
   static const auto all = [] {
     std::vector<std::unique_ptr<PairQuery<D>>> out;
@@ -123,7 +107,9 @@ void ask(Reader& r) {
   X_AB.p = r.vector<D>();
   for (const auto& method : competitors<D>()) {
     const PairAnswer<D> answer = queryPair(*method, a.view(), b.view(), X_AB);
-    if (answer.status != QueryStatus::refused && r.ordinary()) judge<D>(a.view(), b.view(), X_AB, answer);
+    if (answer.status == QueryStatus::refused || !r.ordinary()) continue;
+    const char* fault = faultOf<D>(a.view(), b.view(), X_AB, answer);
+    demand(!fault, fault);
   }
 }
 

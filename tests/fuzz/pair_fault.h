@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Zlib
+// What an answer about a pair is told by itself, without the referee: that it is finite, and that its distance is the
+// one along its normal.
+#pragma once
+
+#include <cmath>
+
+#include "framework/stage_narrowphase.h"
+#include "oracles/referee.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Null when nothing is wrong. `X_AB` takes B's frame to A's, in which the answer is. Errors up to 1e-12 of
+/// `errorScale` are none, as in all accuracy claims in f64.
+template <int D>
+const char* faultOf(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB, const PairAnswer<D>& answer) {
+  constexpr double kBound = 1e-12;
+  if (!std::isfinite(answer.distance) || !answer.normal.allFinite()) return "an answer that is not finite";
+  if (answer.status != QueryStatus::converged) return nullptr;
+  const double distance = static_cast<double>(answer.distance);
+  const double s = errorScale<D>(a, {}, b, X_AB, distance);
+  const Vecd<D> n = answer.normal.template cast<double>();
+  if (n.isZero()) return nullptr;
+  if (!(std::abs(n.norm() - 1) < kBound)) return "a normal that has not unit length";
+  const bool along = separationAlong<D>(a, {}, b, X_AB, n).distanceTo(distance) <= kBound * s;
+  return along ? nullptr : "a distance that is not the one along its normal";
+}
+
+}  // namespace lpc::inline LPC_PRECISION
