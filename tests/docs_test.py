@@ -38,6 +38,10 @@ NOT_RUN = {
     "--benchmark_out_format=json": "measures for minutes",
     "lpc verify --stage pair_query --dimension 3 --methods sat gjk_epa{iterations=20} fcl_libccd --seed 7":
         "a hundred seconds of the referee",
+    "LPC_TEST_CASES=10000 LPC_TEST_SEED=7 ctest --test-dir build/test -R fuzz_mutate --output-on-failure":
+        "twenty minutes; the same test runs for seconds beside this one",
+    "python3 tests/fuzz/target.py build/sanitize/bin/scene_fuzz . build/sanitize/fuzz -max_total_time=7200":
+        "two hours, of another build; its tests run the same",
     "lpc verify --cases results/verify.db.found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
 }
 # The same in a second or two.
