@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <set>
@@ -25,6 +26,9 @@ namespace {
 
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
+
+// How a file of a kept failure begins.
+constexpr std::string_view kCaseHead = "{\"schema\": {}, \"count\": 1, \"cases\": [\n";
 
 // Starting a worker costs as much as some hundred pairs of our methods; witnesses take long, and longer when they hang.
 constexpr int kBlocksPerJob = 5, kBlocksPerSlowJob = 1;
@@ -384,23 +388,43 @@ Ledger ledgerOf(const VerificationOptions& options, Store& store) {
   return out;
 }
 
+namespace {
+
+// Those of an earlier store of this name would tell of failures that this one does not have.
+void removeOthers(const std::filesystem::path& folder, const std::set<std::string>& written) {
+  std::error_code ignored;
+  for (const auto& file : std::filesystem::directory_iterator(folder, ignored)) {
+    if (written.count(file.path().filename().string())) continue;
+    std::string head(kCaseHead.size(), ' ');
+    std::ifstream in(file.path());
+    if (in.read(head.data(), static_cast<std::streamsize>(head.size())) && head == kCaseHead) {
+      std::filesystem::remove(file.path(), ignored);
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> writeFoundCases(Store& store, const std::string& storePath) {
   namespace fs = std::filesystem;
   const fs::path folder = storePath + ".found";
   std::vector<std::string> out;
+  std::set<std::string> written;
   const auto write = [&](const std::string& what, const std::map<std::string, std::string>& cases) {
     for (const auto& [name, text] : cases) {
       fs::create_directories(folder);
       const fs::path path = folder / (name + ".json");
       OutputFile file(path.string());
-      file.stream() << "{\"schema\": {}, \"count\": 1, \"cases\": [\n" << text << "\n]}\n";
+      file.stream() << kCaseHead << text << "\n]}\n";
       file.finish();
+      written.insert(path.filename().string());
       const bool again = text.find("\"again\": false") == std::string::npos;
       out.push_back(what + (again ? "" : ", which did not fail when it was asked again, alone") + ": " + path.string());
     }
   };
   write("simplest pair of this failure", store.foundCases());
   write("worst pair of this method", store.worstCases());
+  removeOthers(folder, written);
   return out;
 }
 

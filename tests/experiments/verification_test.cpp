@@ -144,6 +144,15 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_EQ(w.lpc("--plugin " + kPlugin + " verify --cases " + worst).code, 1);
   EXPECT_FALSE(std::filesystem::exists(w.path("v/s.db.found/closed_form-worst-2d-f64.json")));
   EXPECT_NE(run.text.find("worst pair of this method: v/s.db.found/planted_half-worst-2d-f64.json"), std::string::npos);
+  // Another store of this name has none of these failures; what is not ours stays.
+  w.write("v/s.db.found/notes.json", "{}");
+  std::filesystem::remove(w.path("v/s.db"));
+  ASSERT_EQ(w.lpc("verify --stage pair_query --dimension 2 --quiet --store v/s.db --methods closed_form").code, 0);
+  std::vector<std::string> left;
+  for (const auto& file : std::filesystem::directory_iterator(w.path("v/s.db.found"))) {
+    left.push_back(file.path().filename().string());
+  }
+  EXPECT_EQ(left, std::vector<std::string>{"notes.json"});
 }
 
 // Whatever a run keeps, of each stage and precision, ours or not, wrong or crashed: its file is asked again in the
