@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/store.h"
@@ -16,8 +15,6 @@
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
-
-using nlohmann::json;
 
 constexpr const char* kSeedsMove = "perturb";  // the parameter of a scene by which a seed moves its bodies
 
@@ -45,8 +42,7 @@ std::optional<Ended> read(SQLite::Database& db, const PlannedTrial& trial) {
   row.bind(1, trial.key);
   if (!row.executeStep()) return std::nullopt;
   Ended out{trial.canonical.at("dimension"), row.getColumn(0).getString(), row.getColumn(1).getString(), {}, {}};
-  const json metrics = json::parse(row.getColumn(2).getString());
-  for (const auto& [name, value] : metrics.items()) {
+  for (const auto& [name, value] : storedJson(row.getColumn(2).getString())) {
     if (value.is_number()) out.metrics[name] = value;
   }
   SQLite::Statement poses(db, "SELECT data FROM poses WHERE key=? ORDER BY step DESC LIMIT 1");
@@ -110,7 +106,7 @@ PlannedSweep planNeeds(const NeedsQuestion& q) {
   out.roles = {{"scene", "run"}, {"model", "run"}, {"seed", "run"}, {"dimension", "run"}};
   const auto add = [&](const std::string& model, int seed, int repeat) {
     WorldCell cell;
-    cell.params = q.params, cell.pipeline = q.pipeline, cell.precision = q.precision, cell.steps = q.steps;
+    cell.params = q.params, cell.pipeline = q.pipeline, cell.steps = q.steps;
     cell.dimension = dimension, cell.seed = static_cast<std::uint64_t>(seed), cell.repeat = repeat, cell.timed = true;
     if (file.parameter(kSeedsMove) && q.perturbation > 0) {
       cell.params.emplace(kSeedsMove, q.perturbation);
@@ -118,7 +114,7 @@ PlannedSweep planNeeds(const NeedsQuestion& q) {
     applyModel(file, model, cell);
     PlannedTrial trial = planner.world(q.scene, cell);
     trial.axes = {{"kind", "world"},        {"scene", file.name()}, {"model", model}, {"seed", seed},
-                  {"dimension", dimension}, {"repeat", repeat},     {"timed", true},  {"precision", q.precision}};
+                  {"dimension", dimension}, {"repeat", repeat},     {"timed", true},  {"precision", cell.precision}};
     out.trials.push_back(std::move(trial));
   };
   for (int seed = 1; seed <= q.seeds; ++seed) {

@@ -7,7 +7,7 @@
 namespace lpc::inline LPC_PRECISION {
 
 struct NeedsQuestion {
-  std::string scene, pipeline, precision = "f64";
+  std::string scene, pipeline;
   ParameterValues params;
   std::optional<int> dimension;  // none: the scene's first
   std::optional<long> steps;
