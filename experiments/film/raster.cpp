@@ -33,6 +33,7 @@ class Raster {
 
   std::vector<png_byte> pixels() const {
     std::vector<png_byte> out;
+    out.reserve(m_samples.size() * 3 / (kSamples * kSamples));
     for (int y = 0; y < m_height; y += kSamples) {
       for (int x = 0; x < m_width; x += kSamples) {
         int red = 0, green = 0, blue = 0;

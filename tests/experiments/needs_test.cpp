@@ -97,7 +97,7 @@ TEST(Needs, MistakesAreOneLine) {
 // Ctrl-C keeps what was finished, and the same command goes on.
 TEST(Needs, GoesOnAfterCtrlC) {
   Workspace w;
-  const std::string run = "needs pyramid --param base=6 --seeds 10 --store n.db";
+  const std::string run = "needs slope --steps 100 --seeds 8 --store n.db";
   // As soon as it tells its progress, on a slow machine as on a fast one.
   const Outcome stopped =
       w.shell("{ " LPC_BINARY_DIR "/bin/lpc " + run +

@@ -303,12 +303,13 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
   w.write("far.toml", kHead + "steps = 1\n[[body]]\nposition = [\"1e39\", 0]\n" + kBall);
   w.write("turned.toml", kHead + "steps = 1\n[[body]]\nangle = 1e308\n" + kBall);
   EXPECT_EQ(w.lpc("run far.toml").code, 0);
+  EXPECT_EQ(w.lpc("run turned.toml").code, 2);
+  if (!std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32")) GTEST_SKIP() << "this build has no f32";
   const Outcome out = w.lpc("run far.toml --precision f32");
   EXPECT_EQ(out.code, 2) << out.text;
   EXPECT_EQ(
       out.text,
       "lpc: far.toml:6: 1e+39 is more than numbers of this precision hold; valid: up to 3.4028234663852886e+38\n");
-  EXPECT_EQ(w.lpc("run turned.toml").code, 2);
 }
 
 // What makes no turn is read all the same, but has no values: bodies, numbers and sizes that never are do not matter.
