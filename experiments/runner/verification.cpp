@@ -8,9 +8,9 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
+#include <regex>
 #include <set>
 
 #include "experiments/runner/code_identity.h"
@@ -26,9 +26,6 @@ namespace {
 
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-
-// How a file of a kept failure begins.
-constexpr std::string_view kCaseHead = "{\"schema\": {}, \"count\": 1, \"cases\": [\n";
 
 // Starting a worker costs as much as some hundred pairs of our methods; witnesses take long, and longer when they hang.
 constexpr int kBlocksPerJob = 5, kBlocksPerSlowJob = 1;
@@ -390,17 +387,17 @@ Ledger ledgerOf(const VerificationOptions& options, Store& store) {
 
 namespace {
 
-// Those of an earlier store of this name would tell of failures that this one does not have.
+// Those of an earlier store of this name would tell of failures that this one does not have. Files of other names are
+// the user's.
 void removeOthers(const std::filesystem::path& folder, const std::set<std::string>& written) {
+  static const std::regex ours(".+-[a-z_]+-[23]d-f(32|64)\\.json");
+  std::vector<std::filesystem::path> stale;
   std::error_code ignored;
-  for (const auto& file : std::filesystem::directory_iterator(folder, ignored)) {
-    if (written.count(file.path().filename().string())) continue;
-    std::string head(kCaseHead.size(), ' ');
-    std::ifstream in(file.path());
-    if (in.read(head.data(), static_cast<std::streamsize>(head.size())) && head == kCaseHead) {
-      std::filesystem::remove(file.path(), ignored);
-    }
+  for (std::filesystem::directory_iterator file(folder, ignored), end; file != end; file.increment(ignored)) {
+    const std::string name = file->path().filename().string();
+    if (!written.count(name) && std::regex_match(name, ours)) stale.push_back(file->path());
   }
+  for (const auto& path : stale) std::filesystem::remove(path, ignored);
 }
 
 }  // namespace
@@ -415,7 +412,7 @@ std::vector<std::string> writeFoundCases(Store& store, const std::string& storeP
       fs::create_directories(folder);
       const fs::path path = folder / (name + ".json");
       OutputFile file(path.string());
-      file.stream() << kCaseHead << text << "\n]}\n";
+      file.stream() << "{\"schema\": {}, \"count\": 1, \"cases\": [\n" << text << "\n]}\n";
       file.finish();
       written.insert(path.filename().string());
       const bool again = text.find("\"again\": false") == std::string::npos;

@@ -145,7 +145,7 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_FALSE(std::filesystem::exists(w.path("v/s.db.found/closed_form-worst-2d-f64.json")));
   EXPECT_NE(run.text.find("worst pair of this method: v/s.db.found/planted_half-worst-2d-f64.json"), std::string::npos);
   // Another store of this name has none of these failures; what is not ours stays.
-  w.write("v/s.db.found/notes.json", "{}");
+  w.write("v/s.db.found/notes.json", readFile(w.path(worst)));
   std::filesystem::remove(w.path("v/s.db"));
   ASSERT_EQ(w.lpc("verify --stage pair_query --dimension 2 --quiet --store v/s.db --methods closed_form").code, 0);
   std::vector<std::string> left;
