@@ -22,12 +22,12 @@ class GjkEpa final : public PairQuery<D> {
   struct Params {
     int iterations = 64;
     int faces = 1024;
-    Real tolerance = kBoundRounding;
+    Real tolerance = 0;
     void visit(ParamVisitor& v) {
       v.integer("iterations", iterations, 1, 10000, "support points of GJK");
       v.integer("faces", faces, 8, 100000, "faces that EPA may make");
-      v.real("tolerance", tolerance, kEpsilon, Real(0.1), "1",
-             "gap of the distance that is left, against the largest coordinate");
+      v.real("tolerance", tolerance, 0, Real(0.1), "1",
+             "gap of the distance that is left, against the largest coordinate; eight roundings at least");
     }
   };
   explicit GjkEpa(const Params& params) : m_params(params) {}
@@ -84,7 +84,8 @@ class GjkEpa final : public PairQuery<D> {
   QueryStatus search(const CorePair<D>& pair, QueryNeed need, const PairMemory* memory, BestAxis<D>& best,
                      WorkDone& work) {
     const bool curved = pair.a.curved || pair.b.curved;
-    const Real tolerance = m_params.tolerance * pair.scale * (curved ? kCurvedTolerance : Real(1));
+    const Real tolerance =
+        std::max(m_params.tolerance, kBoundRounding) * pair.scale * (curved ? kCurvedTolerance : Real(1));
     const auto support = [&](const Vec<D>& n) {
       work[WorkCount::supportCalls] += 2;
       const Vec<D> w = pair.support(n);

@@ -57,6 +57,21 @@ TEST(SweepPlan, onlyKeepsWhatTakesPart) {
   EXPECT_NE(messageOf(path, {"naive", "nobody"}).find("--only nobody"), std::string::npos);
 }
 
+// The plan is made in f64 and writes every parameter out: a default of f64 must be one that f32 takes.
+TEST(SweepRun, DefaultsHoldInEitherPrecision) {
+  if (!std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32")) GTEST_SKIP() << "this build has no f32";
+  Workspace w;
+  const std::string axes = "precision = \"f32\"\ndimension = [2, 3]\n";
+  w.write("pairs.toml", "summary = \"s\"\nkind = \"pairs\"\n[axes]\n" + axes +
+                            "pair_query = \"*\"\nkind_a = \"box\"\nkind_b = \"box\"\nn = 10\n");
+  w.write("worlds.toml",
+          "summary = \"s\"\nkind = \"world\"\n[axes]\n" + axes + "scene = \"box_drop\"\nsteps = 1\ncontacts = \"*\"\n");
+  w.lpc("sweep pairs.toml --store s.db --quiet");
+  w.lpc("sweep worlds.toml --store s.db --quiet");
+  EXPECT_GT(std::stoi(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome='ok'")), 8);
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT group_concat(reason) FROM trial WHERE reason LIKE '%valid:%'"), "");
+}
+
 // A key is made of inputs and of the code that takes part, and of nothing else.
 TEST(SweepPlan, keysAreStable) {
   Workspace w;
