@@ -80,7 +80,7 @@ void requireVolume(const Cloud<D>& cloud) {
       return r;
     };
     const Point<D> c = residual(p[farthestFrom<D>(p, [&](const Point<D>& q) { return residual(q).norm(); })]);
-    if (!(c.norm() > cloud.tolerance)) flat(k == 1 ? "on one line" : "in one plane");
+    if (!(c.norm() > (D == 3 ? kThinnestHull : 1) * cloud.tolerance)) flat(k == 1 ? "on one line" : "in one plane");
     axes.col(k) = c.normalized();
   }
 }
@@ -211,17 +211,59 @@ double outside(const std::vector<Point<3>>& p, const std::vector<int>& hull, con
   return outer - inner;
 }
 
-// The normal of the area is the better one for wide faces, but that of a sliver is made of rounding: Qhull knows it
-// from the neighbourhood. The one that leaves less outside is taken.
-Point<3> faceNormal(const std::vector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop) {
+// Of the loop's area; that of the loop where it has none.
+Point<3> areaNormal(const std::vector<Point<3>>& p, const Loop& loop) {
   const Point<3>& base = p[static_cast<std::size_t>(loop.v[0])];
   Point<3> area = Point<3>::Zero();
   for (std::size_t i = 1; i + 1 < loop.v.size(); ++i) {
     const auto a = static_cast<std::size_t>(loop.v[i]), b = static_cast<std::size_t>(loop.v[i + 1]);
     area += (p[a] - base).cross(p[b] - base);
   }
-  if (!(area.norm() > 0)) return loop.normal;
-  area.normalize();
+  return area.norm() > 0 ? Point<3>(area.normalized()) : loop.normal;
+}
+
+// The sine of the loop's turn at b, on its way from a to c; negative where it turns inwards.
+double turn(const std::vector<Point<3>>& p, const Point<3>& normal, int a, int b, int c) {
+  const Point<3> in = p[static_cast<std::size_t>(b)] - p[static_cast<std::size_t>(a)];
+  const Point<3> out = p[static_cast<std::size_t>(c)] - p[static_cast<std::size_t>(b)];
+  return in.cross(out).dot(normal) / (in.norm() * out.norm());
+}
+
+// Where merging what rounding has split left a corner that turns inwards, the loop becomes two. Either a narrow
+// triangle of a sliver's other side was laid into this one: it is a face of its own, across the dent. Or two faces of
+// this side became one: they meet again in an edge from that corner. False when no corner does, or nothing helps.
+bool mendDent(const std::vector<Point<3>>& p, const std::vector<int>& hull, double tolerance, Loop& loop,
+              std::vector<Loop>& more) {
+  std::vector<int>& v = loop.v;
+  for (std::size_t tried = 0; v.size() > 3 && tried < v.size(); ++tried) {
+    std::rotate(v.begin(), v.begin() + 1, v.end());
+    if (!(turn(p, loop.normal, v[0], v[1], v[2]) < -kDent)) continue;
+    const Loop across{{v[0], v[1], v[2]}, loop.normal};
+    const Point<3> back = areaNormal(p, across);
+    if (outside(p, hull, across, back) <= kDentDepth * tolerance) {
+      more.push_back({across.v, back});
+      v.erase(v.begin() + 1);
+      return true;
+    }
+    std::size_t to = 0;
+    double best = -1;
+    for (std::size_t k = 3; k < v.size(); ++k) {
+      const double least = std::min(turn(p, loop.normal, v[0], v[1], v[k]), turn(p, loop.normal, v[k], v[1], v[2]));
+      if (least > best) best = least, to = k;
+    }
+    if (to == 0) continue;
+    const auto end = v.begin() + static_cast<std::ptrdiff_t>(to);
+    more.push_back({{v.begin() + 1, end + 1}, loop.normal});
+    v.erase(v.begin() + 2, end);
+    return true;
+  }
+  return false;
+}
+
+// The normal of the area is the better one for wide faces, but that of a sliver is made of rounding: Qhull knows it
+// from the neighbourhood. The one that leaves less outside is taken.
+Point<3> faceNormal(const std::vector<Point<3>>& p, const std::vector<int>& hull, const Loop& loop) {
+  const Point<3> area = areaNormal(p, loop);
   return outside(p, hull, loop, area) <= outside(p, hull, loop, loop.normal) ? area : loop.normal;
 }
 
@@ -239,6 +281,11 @@ std::shared_ptr<Polytope<3>> assemble(std::span<const Vec<3>> points, const Clou
     number[i] = static_cast<int>(hull->vertices.size());
     hull->vertices.push_back(points[i]);
     used.push_back(static_cast<int>(i));
+  }
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    std::vector<Loop> more;
+    while (mendDent(cloud.p, used, cloud.tolerance, loops[i], more)) continue;
+    loops.insert(loops.end(), more.begin(), more.end());
   }
   // One order, whatever Qhull's was: each loop from its lowest vertex, faces by their loops.
   for (Loop& loop : loops) std::rotate(loop.v.begin(), std::min_element(loop.v.begin(), loop.v.end()), loop.v.end());

@@ -22,6 +22,19 @@ inline constexpr double kLargestExtent = sizeof(Real) == 8 ? 1e100 : 1e12;
 /// Larger: a normal that is no direction. Smaller: below the rounding of a float (6e-8) all hulls are refused.
 inline constexpr double kFaceNormalError = 1e-5;
 
+/// A hull in space that is no thicker than this many times that rounding is none (1). Larger: usable plates are
+/// refused. Smaller: Qhull's merging does not end (four of 60,000 plates of about 12), or finds no whole faces (every tenth).
+inline constexpr double kThinnestHull = 20;
+
+/// A face's loop turns inwards at a corner where the sine of the turn is beyond this (1). Larger: dents stay.
+/// Smaller: faces of no area where three corners lie on a line.
+inline constexpr double kDent = 1e-10;
+
+/// What bridges a dent is a face of the other side when no point stands out of it by more than this many times the
+/// rounding (1): up to 4 where it is one, 16 and more where it is none. Larger: a face through the hull. Smaller: a
+/// face that is missing.
+inline constexpr double kDentDepth = 8;
+
 /// What the rounding is multiplied by from try to try (1), when a near-degenerate cloud gives no closed hull: each one
 /// merges more. Larger: hulls that leave points outside. Smaller, or fewer: clouds are refused that have a hull.
 inline constexpr double kHullTries[] = {1, 4, 16};

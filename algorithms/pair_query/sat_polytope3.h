@@ -3,7 +3,6 @@
 // (Gregorius 2013), and for cores that are apart the directions between vertices and edges.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "algorithms/pair_query/core_pair.h"
@@ -83,41 +82,6 @@ class SatPolytope<3> {
       Vec<3> direction = hull.vertices[at(e.v1)] - hull.vertices[at(e.v0)];
       makeUnit<3>(direction);
       core.edges.push_back({e.v0, e.v1, r * direction, core.faces[at(e.faceA)].n, core.faces[at(e.faceB)].n});
-    }
-    for (const auto& f : hull.faces) {
-      if (isDented(hull, f)) fillDent({hull.loop.data() + f.begin, at(f.end - f.begin)}, core);
-    }
-  }
-
-  // Merging what rounding has split may lay a narrow triangle of a sliver's one side into the face of its other side: a
-  // corner of the loop then turns inwards, the edge that runs past it is missing, and so is the triangle.
-  static bool isDented(const Polytope<3>& hull, const Polytope<3>::Face& f) {
-    const int count = f.end - f.begin;
-    const auto corner = [&](int i) { return hull.vertices[at(hull.loop[at(f.begin + i % count)])]; };
-    for (int i = 0; count > 3 && i < count; ++i) {
-      const Vec<3> e = corner(i + 1) - corner(i), next = corner(i + 2) - corner(i + 1);
-      const Real turn = e.cross(next).dot(f.normal);
-      if (turn < 0 && turn < -kArcSine * e.norm() * next.norm()) return true;
-    }
-    return false;
-  }
-  // Every two of its corners as an edge whose faces nobody knows, every three as a plane from either side.
-  static void fillDent(std::span<const int> corners, Core& core) {
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      for (std::size_t j = i + 1; j < corners.size(); ++j) {
-        const Vec<3> u = core.vertices[at(corners[i])];
-        Edge edge{corners[i], corners[j], core.vertices[at(corners[j])] - u};
-        edge.bare = true;
-        if (!makeUnit<3>(edge.direction)) continue;
-        core.edges.push_back(edge);
-        for (std::size_t k = j + 1; k < corners.size(); ++k) {
-          Vec<3> n = edge.direction.cross(core.vertices[at(corners[k])] - u);
-          if (!makeUnit<3>(n)) continue;
-          Real low = std::numeric_limits<Real>::infinity(), high = -low;
-          for (const Vec<3>& v : core.vertices) low = std::min(low, n.dot(v)), high = std::max(high, n.dot(v));
-          core.faces.push_back({n, high}), core.faces.push_back({-n, -low});
-        }
-      }
     }
   }
 

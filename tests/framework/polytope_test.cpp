@@ -7,6 +7,7 @@
 
 #include "framework/check.h"
 #include "framework/shape.h"
+#include "framework/shape_tolerances.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
@@ -62,6 +63,17 @@ std::string wrong(const Points<2>& points, const Polytope<2>& hull) {
   }
   return "";
 }
+bool isDented(const Polytope<3>& hull, const Polytope<3>::Face& face) {
+  const int n = face.end - face.begin;
+  const auto corner = [&](int i) -> const Vec<3>& {
+    return hull.vertices[static_cast<std::size_t>(hull.loop[static_cast<std::size_t>(face.begin + i % n)])];
+  };
+  for (int i = 0; i < n; ++i) {
+    const Vec<3> in = corner(i + 1) - corner(i), out = corner(i + 2) - corner(i + 1);
+    if (in.cross(out).dot(face.normal) < -1e-9 * in.norm() * out.norm()) return true;
+  }
+  return false;
+}
 std::string wrong(const Points<3>& points, const Polytope<3>& hull) {
   const auto given = asSet<3>(points);
   const Real rounding = roundingOf<3>(points);
@@ -86,6 +98,7 @@ std::string wrong(const Points<3>& points, const Polytope<3>& hull) {
       if (std::abs(face.normal.dot(vertex(a)) - face.offset) > rounding) return "a corner off its face";
     }
     if (!(area.dot(face.normal) > 0)) return "a face turned inwards";
+    if (isDented(hull, face)) return "a face whose loop turns inwards";
     for (const Vec<3>& p : points) {
       if (face.normal.dot(p) - face.offset > rounding) return "a point outside";
     }
@@ -232,6 +245,41 @@ TEST(Hull, PlantedBugsAreCaught) {
   break3("3D: a loop is clockwise", [](Polytope<3>& h) { std::swap(h.loop[0], h.loop[1]); });
   break3("3D: a face lies a little inside", [](Polytope<3>& h) { h.faces[0].offset -= Real(1e-4); });
   break3("3D: an edge names the wrong face", [](Polytope<3>& h) { std::swap(h.edges[0].faceA, h.edges[0].faceB); });
+}
+
+// About as many roundings thick as told: rounding is that of the largest coordinate, which lies between 0.8 and 1.7.
+Points<3> drawPlate(std::uint64_t seed, Real roundings) {
+  PlainDraw draw(seed);
+  const Rot<3> q = drawRotation<3>(draw);
+  Points<3> points;
+  for (int n = 8 + draw.below(16); n > 0; --n) {
+    points.push_back(
+        q * Vec<3>(draw.signedUnit(), draw.signedUnit(), draw.signedUnit() * roundings * Real(kHullRounding) / 2));
+  }
+  return points;
+}
+
+// What is merged there may lie on the plate's other side.
+TEST(Hull, PlatesHaveNoDents) {
+  int dented = 0;
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    const auto hull = hullOf<3>(drawPlate(seed, 200));
+    EXPECT_EQ(hull->vertices.size() + hull->faces.size(), hull->edges.size() + 2);
+    for (const auto& face : hull->faces) dented += isDented(*hull, face);
+  }
+  EXPECT_EQ(dented, 0);
+}
+
+// Qhull does not come back from some of them.
+TEST(Hull, ThinnerPlatesAreRefused) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    try {
+      hullOf<3>(drawPlate(seed, 10));
+      ADD_FAILURE() << seed;
+    } catch (const UserError& e) {
+      EXPECT_STREQ(e.what(), "convex hull: all points lie in one plane within rounding");
+    }
+  }
 }
 
 TEST(Hull, MergesCoplanarTriangles) {
