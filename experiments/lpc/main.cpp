@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The `lpc` program. Exit codes: 0 fine, 1 it ran and something is not right, 2 the user's mistake, one clear line.
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
@@ -80,7 +82,16 @@ void requireUtf8(const char* argument) {
   }
 }
 
+// Those that are closed are taken: the next file or socket that is opened would lie there, be written over, or be lost
+// by the worker whose input it is. Nothing can be read there, and an answer that nobody gets is told as one.
+void takeStandardStreams() {
+  for (const int stream : {0, 1, 2}) {
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == 1 ? O_RDONLY : O_WRONLY);
+  }
+}
+
 int run(int argc, char** argv) {
+  takeStandardStreams();
   CLI::App app{"Large Polygon Collider: sweeps, verifies and compares rigid-body collision algorithms", "lpc"};
   app.footer(
       "Examples:\n"
@@ -110,9 +121,11 @@ int run(int argc, char** argv) {
     }
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
-    std::cerr << "lpc: " << oneLine(e.what()) << " (see lpc --help)\n";
-    return 2;
+    if (e.get_exit_code() != 0) {
+      std::cerr << "lpc: " << oneLine(e.what()) << " (see lpc --help)\n";
+      return 2;
+    }
+    app.exit(e);  // --help, --version
   } catch (const UserError& e) {
     std::cerr << "lpc: " << oneLine(e.what()) << "\n";
     return 2;

@@ -163,9 +163,11 @@ class Scheduler {
     std::string left = "?";
     if (m_finished > 0)
       left = clockText(spent / static_cast<double>(m_finished) * static_cast<double>(m_total - m_finished));
-    fmt::print(stderr, "{}{}: {} of {} trials, {} not ok, {} skipped as done, {} gone, {} left in this phase{}",
-               m_tty ? "\r" : "", m_phase, m_finished, m_total, m_summary.bad, m_summary.skipped, clockText(spent),
-               left, m_tty && !last ? "   " : "\n");
+    std::fputs(fmt::format("{}{}: {} of {} trials, {} not ok, {} skipped as done, {} gone, {} left in this phase{}",
+                           m_tty ? "\r" : "", m_phase, m_finished, m_total, m_summary.bad, m_summary.skipped,
+                           clockText(spent), left, m_tty && !last ? "   " : "\n")
+                   .c_str(),
+               stderr);
     std::fflush(stderr);
   }
 

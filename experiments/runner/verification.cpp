@@ -323,8 +323,10 @@ class Verification {
     } else if (m_summary.asked > 0) {
       left = clockText(now / static_cast<double>(m_summary.asked) * std::max(0.0, rest));
     }
-    fmt::print(stderr, "{}verify: {} inputs asked, {} skipped as done, {} gone, {} left{}", m_tty ? "\r" : "",
-               m_summary.asked, m_summary.skipped, clockText(now), left, m_tty && !last ? "   " : "\n");
+    std::fputs(fmt::format("{}verify: {} inputs asked, {} skipped as done, {} gone, {} left{}", m_tty ? "\r" : "",
+                           m_summary.asked, m_summary.skipped, clockText(now), left, m_tty && !last ? "   " : "\n")
+                   .c_str(),
+               stderr);
     std::fflush(stderr);
   }
 

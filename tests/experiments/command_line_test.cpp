@@ -19,6 +19,11 @@ using test::Workspace;
 TEST(CommandLine, helpHasAnExample) {
   Workspace w;
   EXPECT_NE(w.lpc("--help").text.find("Examples:"), std::string::npos);
+  for (const std::string told : {"--help", "run --help", "--version"}) {
+    const Outcome out = w.shell("(" LPC_BINARY_DIR "/bin/lpc " + told + " >/dev/full)");
+    EXPECT_EQ(out.code, 2) << told << out.text;
+    EXPECT_TRUE(out.text.starts_with("lpc: standard output cannot be written")) << told << out.text;
+  }
   for (const char* command : {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs"}) {
     const Outcome help = w.lpc(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0) << command;

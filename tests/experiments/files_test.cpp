@@ -73,6 +73,26 @@ TEST(Files, NobodyIsWaitedFor) {
   refused(w, "replay absent.rec", {"absent.rec: cannot be read"});
 }
 
+// As some services start a program. What a worker is given must not come to lie where a stream was.
+TEST(Files, ClosedStreamsAreNoFiles) {
+  Workspace w;
+  w.write("r.toml", kScene);
+  EXPECT_EQ(w.lpc("run r.toml <&-").text, w.lpc("run r.toml </dev/null").text);
+  const std::string cases = "verify --cases " LPC_SOURCE_DIR "/tests/regressions/found_cases.json";
+  EXPECT_EQ(w.lpc(cases + " <&-").text, w.lpc(cases + " </dev/null").text);
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\nframes = 12\n"
+          "n = [8, 16]\nbroadphase = \"naive\"\n");
+  EXPECT_EQ(w.shell("(" LPC_BINARY_DIR "/bin/lpc sweep s.toml --store s.db <&- >&- 2>&-)").code, 2)
+      << "standard output cannot be written";
+  EXPECT_EQ(w.shell("(" LPC_BINARY_DIR "/bin/lpc sweep s.toml --store t.db 2>/dev/full)").code, 0);
+  for (const char* store : {"s.db", "t.db"}) {
+    EXPECT_EQ(test::ask(w.path(store), "SELECT count(*) FROM trial WHERE outcome = 'ok'"), "2") << store;
+  }
+  EXPECT_EQ(w.shell("(" LPC_BINARY_DIR "/bin/lpc run r.toml --json >&-)").text,
+            "lpc: standard output cannot be written: Bad file descriptor\n");
+}
+
 // Stores and what workers are told are UTF-8.
 TEST(Files, NamesAreUtf8) {
   Workspace w;
