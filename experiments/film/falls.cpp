@@ -145,9 +145,13 @@ json stripOf(const std::string& recording) {
 // Why the run that was recorded is not the one that fell; empty where it is.
 std::string otherwise(const WorkerEnd& end, const Fall& fall) {
   if (end.outcome != "ok") return end.outcome + ", " + end.reason;
-  const json again = json::parse(end.output);
-  if (again.at("outcome") == fall.outcome && again.at("step").get<double>() == fall.step) return "";
-  return again.at("outcome").get<std::string>() + " at step " + again.at("step").dump();
+  try {
+    const json again = json::parse(end.output);
+    if (again.at("outcome") == fall.outcome && again.at("step").get<double>() == fall.step) return "";
+    return again.at("outcome").get<std::string>() + " at step " + again.at("step").dump();
+  } catch (const json::exception&) {
+    return "crash, the worker's result cannot be read";
+  }
 }
 
 }  // namespace

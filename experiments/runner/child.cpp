@@ -29,16 +29,23 @@ Child::Child(const std::string& program, std::string input, int core, bool showE
 }
 
 void Child::start(const std::string& program, int core, bool showErrors) {
-  int in[2], out[2], err[2], fault[2];
+  int in[2] = {-1, -1}, out[2] = {-1, -1}, err[2] = {-1, -1}, fault[2] = {-1, -1};
+  const auto refuse = [&](const char* valid) {
+    const std::string why = std::strerror(errno);
+    for (const int descriptor : {in[0], in[1], out[0], out[1], err[0], err[1], fault[0], fault[1]}) {
+      if (descriptor >= 0) close(descriptor);
+    }
+    throw UserError(program + ": cannot be started: " + why + "; valid: " + valid);
+  };
   // A socket, since it can be told not to raise SIGPIPE. `fault` is closed by exec, and tells why there was none.
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in) || pipe2(out, O_CLOEXEC) || pipe2(err, O_CLOEXEC) ||
       pipe2(fault, O_CLOEXEC)) {
-    throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
+    refuse("fewer --jobs, or more open files (ulimit -n)");
   }
   std::fflush(nullptr);
   const pid_t parent = getpid();
   m_pid = fork();
-  if (m_pid < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
+  if (m_pid < 0) refuse("fewer --jobs, or more processes (ulimit -u)");
   if (m_pid == 0) {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);

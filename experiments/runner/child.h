@@ -17,8 +17,8 @@ namespace lpc::inline LPC_PRECISION {
 /// terminal does not reach it: the parent decides.
 class Child {
  public:
-  /// `core` >= 0 pins it to that processor. `showErrors`: its stderr goes to this program's. Throws UserError for a
-  /// program that cannot be started. The input is given as the child takes it, by `poll`.
+  /// `core` >= 0 pins it to that processor. `showErrors`: its stderr goes to this program's. Throws UserError where
+  /// it cannot be started. The input is given as the child takes it, by `poll`.
   Child(const std::string& program, std::string input, int core, bool showErrors);
   ~Child();  // kills it when it still runs
   Child(const Child&) = delete;

@@ -23,8 +23,8 @@ namespace {
 volatile std::sig_atomic_t interruptFlag = 0;
 void interrupt(int) { interruptFlag = 1; }
 
-constexpr std::array<int, 2> kSignals = {SIGINT, SIGTERM};
-std::array<struct sigaction, 2> oldActions;
+constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
+std::array<struct sigaction, kSignals.size()> oldActions;
 
 // Of the last minute; the worker that is about to start is not in it yet.
 double loadAverage() {
@@ -51,11 +51,13 @@ void WorkerPool::start(std::size_t job, const std::string& precision, nlohmann::
   }
   const bool engine = request.contains("trial") && request["trial"].contains("engine");
   auto child = std::make_unique<Child>(workerPath(precision, engine), request.dump(), core, false);
+  if (m_running.empty()) m_watched = std::chrono::steady_clock::now();
   m_running.push_back({job, limits, std::move(child), timeStamp(), loadAverage(), "", ""});
 }
 
 std::vector<WorkerEnd> WorkerPool::ended() {
   waitForOutput();
+  countStops();
   std::vector<WorkerEnd> out;
   for (std::size_t i = 0; i < m_running.size();) {
     if (m_running[i].child->poll()) {
@@ -75,9 +77,16 @@ void WorkerPool::waitForOutput() {
   ::poll(descriptors.data(), descriptors.size(), ending ? 1 : 50);
 }
 
+// This program itself was stopped (Ctrl-Z): a worker with more to tell than a pipe holds has waited for it.
+void WorkerPool::countStops() {
+  const auto now = std::chrono::steady_clock::now();
+  const double since = std::chrono::duration<double>(now - std::exchange(m_watched, now)).count();
+  for (Running& r : m_running) r.unwatched += since > 1 ? since : 0;
+}
+
 void WorkerPool::guard(Running& r) {
   if (!r.killedFor.empty()) return;
-  if (r.child->seconds() > r.limits.seconds) {
+  if (r.child->seconds() - r.unwatched > r.limits.seconds) {
     r.killedFor = "timeout", r.why = fmt::format("no result within {:g} s", r.limits.seconds);
   } else if (const double bytes = static_cast<double>(r.child->residentBytes()); bytes > r.limits.bytes) {
     r.killedFor = "out_of_memory", r.why = memoryText(bytes, r.limits.bytes);
@@ -118,7 +127,11 @@ InterruptGuard::InterruptGuard() {
   interruptFlag = 0;
   struct sigaction action {};
   action.sa_handler = interrupt;
-  for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &oldActions[i]);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], nullptr, &oldActions[i]);
+    const bool kept = kSignals[i] == SIGHUP && oldActions[i].sa_handler == SIG_IGN;  // by nohup
+    if (!kept) sigaction(kSignals[i], &action, nullptr);
+  }
 }
 
 InterruptGuard::~InterruptGuard() {

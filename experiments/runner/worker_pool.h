@@ -2,6 +2,7 @@
 // Workers at work: started with a request each, watched for time and memory, and what became of them.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -48,19 +49,22 @@ class WorkerPool {
     std::string started;
     double load;
     std::string killedFor, why;  // timeout or out_of_memory, when we did it
+    double unwatched = 0;        // s in which nobody could look after it
   };
   void waitForOutput();
+  void countStops();
   static void guard(Running& r);
   static WorkerEnd endOf(const Running& r);
 
   std::vector<std::pair<std::string, std::string>> m_plugins;  // precision, absolute path
   std::vector<Running> m_running;
+  std::chrono::steady_clock::time_point m_watched;  // when they were last looked after
 };
 
 /// Throws UserError where trials of this precision, or those of engines, have no worker that can be started.
 void checkWorker(const std::string& precision, bool engine);
 
-/// Ctrl-C and SIGTERM set a flag while this lives.
+/// Ctrl-C, SIGTERM and, without nohup, a terminal that is gone (SIGHUP) set a flag while this lives.
 class InterruptGuard {
  public:
   InterruptGuard();

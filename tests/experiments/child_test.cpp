@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/child.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <array>
 #include <csignal>
+#include <nlohmann/json.hpp>
 
+#include "experiments/runner/worker_pool.h"
 #include "framework/check.h"
 #include "tests/experiments/workspace.h"
 
@@ -13,6 +18,8 @@ namespace {
 using test::Workspace;
 
 const std::string kLong(10'000'000, 'x');  // more than any pipe holds
+
+constexpr int kTries = 100'000;  // of a millisecond or more: a test that would wait for ever fails
 
 bool never() { return false; }
 
@@ -72,13 +79,63 @@ TEST(Child, ThatCannotStartIsTheUsersMistake) {
   EXPECT_NE(message("/no/program").find("No such file"), std::string::npos);
 }
 
+// Too many at once: each takes four descriptors, and one that finds no more leaves none open.
+TEST(Child, ThatFindsNoDescriptorIsTheUsersMistake) {
+  Workspace w;
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const auto open = [] { return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {}); };
+  const auto first = open();
+  std::string message = "none yet";
+  rlim_t most = 3;
+  for (; !message.empty() && most < 200; ++most) {
+    const rlimit few{most, before.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &few);
+    message.clear();
+    try {
+      Child child("/bin/true", "", -1, false);
+    } catch (const UserError& e) {
+      message = e.what();
+    }
+    setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(open(), first) << most;
+    const std::string wanted =
+        "/bin/true: cannot be started: Too many open files; valid: fewer --jobs, or more open files";
+    EXPECT_TRUE(message.empty() || message == wanted + " (ulimit -n)") << message;
+  }
+  EXPECT_GT(most, 4u);
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\nframes = 12\n"
+          "n = [8, 9, 10, 11, 12, 13, 14, 15]\nbroadphase = \"naive\"\n");
+  const test::Outcome out =
+      w.shell("ulimit -n 20; " LPC_BINARY_DIR "/bin/lpc sweep s.toml --store s.db --quiet --jobs 8");
+  EXPECT_EQ(out.code, 2) << out.text;
+  EXPECT_EQ(std::count(out.text.begin(), out.text.end(), '\n'), 1) << out.text;
+  EXPECT_NE(out.text.find("valid: fewer --jobs"), out.text.npos) << out.text;
+}
+
+// What a worker could not write while this program itself was stopped (Ctrl-Z) is no time that it took.
+TEST(Child, IsNotLateWhenNobodyLooks) {
+  Workspace w;
+  const std::string program = script(w, "head -c 1000000 /dev/zero");
+  std::filesystem::rename(program, w.path("lpc-worker-f64"));
+  setenv("LPC_WORKERS", w.path("").c_str(), 1);
+  WorkerPool pool({});
+  pool.start(0, "f64", {}, {.seconds = 1}, -1);
+  usleep(1'500'000);
+  std::vector<WorkerEnd> ends;
+  while (ends.empty()) ends = pool.ended();
+  EXPECT_EQ(ends[0].outcome, "ok") << ends[0].reason;
+  EXPECT_EQ(ends[0].output.size(), 1'000'000u);
+}
+
 // It takes with it what it has started.
 TEST(Child, EndsWithItsOwn) {
   Workspace w;
   std::string sleeper;
   {
     Child shell(script(w, "sleep 1000 & echo $!; wait"), "", -1, false);
-    while (shell.output().empty() && !shell.poll()) usleep(1000);
+    for (int i = 0; i < kTries && shell.output().empty() && !shell.poll(); ++i) usleep(1000);
     sleeper = shell.output().substr(0, shell.output().find('\n'));
   }
   ASSERT_FALSE(sleeper.empty());
@@ -87,7 +144,8 @@ TEST(Child, EndsWithItsOwn) {
     std::string line;
     return std::getline(in, line) && line.find(") Z ") == line.npos;  // whose parent is gone may stay a zombie
   };
-  while (runs()) usleep(1000);
+  for (int i = 0; i < kTries && runs(); ++i) usleep(1000);
+  EXPECT_FALSE(runs());
 }
 
 }  // namespace

@@ -29,6 +29,24 @@ dimension = [2, 3]
 "catto" = "solver=split_solver{velocity=catto{iterations=4}}"
 )";
 
+const std::string kCrowd = R"(name = "crowd"
+summary = "balls that fall out of the world"
+dimensions = [2]
+needs = []
+gravity = [0, -10, 0]
+dt = 0.01
+steps = 50
+[parameters]
+n = { default = 10, min = 1, max = 1000, meaning = "balls" }
+[limits]
+drift = 0.1
+[[body]]
+repeat = { i = "n" }
+position = ["3 * i", 5, 0]
+shapes = [{ kind = "circle", radius = 0.5 }]
+)",
+                  kCrowds = "summary = \"s\"\nkind = \"world\"\npipeline = \"\"\n[axes]\nscene = \"crowd\"\nn = [1]\n";
+
 struct Film {
   std::string key;
   int dimension;
@@ -222,28 +240,30 @@ n = [14]
   EXPECT_EQ(wrong(w.path("s.db"), films[0]), "");
 }
 
+// The sweep goes on: it has its trials.
+TEST(Falls, WhoseWorkerTellsNothingAreNotDrawn) {
+  Workspace w;
+  w.write("crowd.toml", kCrowd), w.write("crowds.toml", kCrowds);
+  const std::string worker = w.write("lpc-worker-f64", R"(#!/bin/sh
+request=$(cat)
+case "$request" in *'"record"'*) echo nothing ;; *) printf %s "$request" | ")" LPC_BINARY_DIR
+                                                       R"(/bin/lpc-worker-f64" ;; esac)");
+  std::filesystem::permissions(worker, std::filesystem::perms::owner_all);
+  const Outcome out = w.lpc("sweep ./crowds.toml --quiet --store s.db --set n=3", "LPC_WORKERS=" + w.path(""));
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_NE(out.text.find("is crash, the worker's result cannot be read when it is run again: not drawn"),
+            std::string::npos)
+      << out.text;
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT outcome FROM trial"), "collapsed");
+}
+
 TEST(Falls, WhoStandsIsNotDrawnNorWhoIsTooMany) {
   Workspace w;
   w.write("towers.toml", kTowers);
   ASSERT_EQ(w.lpc("sweep ./towers.toml --store s.db --quiet --set n=2").code, 0);
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM sqlite_master WHERE name='film'"), "0");
-  w.write("crowd.toml", R"(name = "crowd"
-summary = "balls that fall out of the world"
-dimensions = [2]
-needs = []
-gravity = [0, -10, 0]
-dt = 0.01
-steps = 50
-[parameters]
-n = { default = 10, min = 1, max = 1000, meaning = "balls" }
-[limits]
-drift = 0.1
-[[body]]
-repeat = { i = "n" }
-position = ["3 * i", 5, 0]
-shapes = [{ kind = "circle", radius = 0.5 }]
-)");
-  w.write("crowds.toml", "summary = \"s\"\nkind = \"world\"\npipeline = \"\"\n[axes]\nscene = \"crowd\"\nn = [1]\n");
+  w.write("crowd.toml", kCrowd);
+  w.write("crowds.toml", kCrowds);
   for (const auto& [n, filmed] : {std::pair("300", true), std::pair("301", false)}) {
     const std::string store = "c" + std::string(n) + ".db";
     const Outcome out = w.lpc("sweep ./crowds.toml --quiet --store " + store + " --set n=" + n);

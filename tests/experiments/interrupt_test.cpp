@@ -26,7 +26,7 @@ TEST(Interrupt, EndsWhateverIsUnderWay) {
       {"run pyramid --steps 100000000 --film f.svg", ""},
   };
   for (const auto& [command, file] : commands) {
-    for (const int signal : {SIGTERM, SIGINT}) {
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
       if (*file) std::filesystem::remove(w.path(file));
       Process process(w, command);
       ASSERT_TRUE(process.isBusy(w.path(file))) << command << "\n" << process.said();
@@ -42,6 +42,16 @@ TEST(Interrupt, EndsWhateverIsUnderWay) {
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome != 'ok'"), "0");
   EXPECT_EQ(w.lpc(sweep + " --only naive --quiet").code, 0);
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial"), "3");
+}
+
+TEST(Interrupt, NohupOutlivesTheTerminal) {
+  Workspace w;
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  Process process(w, "run pyramid --steps 300 --record r.rec");
+  std::signal(SIGHUP, before);
+  process.isBusy(w.path("r.rec.partial"));
+  process.signal(SIGHUP);
+  EXPECT_EQ(process.wait(), 0) << process.said();
 }
 
 // Cases are asked in the program itself, which ends by the signal.
