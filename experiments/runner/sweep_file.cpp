@@ -189,10 +189,8 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   }
 
   void addSize(const Settings& s, const toml::node& where) {
-    std::vector<std::pair<std::string, double>> factors = {{"repeats", static_cast<double>(s.repeats)}};
-    for (const Axis& axis : s.axes) factors.emplace_back(axis.name, static_cast<double>(axis.values.size()));
-    if (m_calibration) factors.emplace_back("budgets", static_cast<double>(s.budgets.size()));
-    m_size->add(factors, m_path, where);
+    const std::size_t budgets = m_calibration ? s.budgets.size() : 1;
+    m_size->add({s.axes, budgets, s.repeats, s.timed, s.untimed, m_twice}, m_path, where);
   }
 
   void refuseUncalibrated(const Settings& s, const toml::node& where) const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/sweep_size.h"
 
+#include <algorithm>
+
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
@@ -10,14 +12,27 @@ constexpr int kMostTrials = 100000;
 
 }  // namespace
 
-void SweepSize::add(const std::vector<std::pair<std::string, double>>& factors, const std::string& file,
-                    const toml::node& where) {
-  double trials = 1;
+void SweepSize::add(const Product& product, const std::string& file, const toml::node& where) {
   std::string told;
-  for (const auto& [name, n] : factors) {
-    trials *= n;
-    if (n > 1) told += (told.empty() ? " (" : ", ") + name + " " + asText(n);
+  const auto tell = [&](const std::string& text) { told += (told.empty() ? " (" : ", ") + text; };
+  const auto factor = [&](const std::string& name, auto n) {
+    if (n > 1) tell(name + " " + asText(static_cast<double>(n)));
+    return static_cast<double>(n);
+  };
+  const double repeats = factor("repeats", product.repeats);
+  double cells = 1, others = 1;  // those without the value that is timed twice
+  for (const Axis& axis : product.axes) {
+    cells *= factor(axis.name, axis.values.size());
+    others *= static_cast<double>(std::count_if(axis.values.begin(), axis.values.end(),
+                                                [&](const AxisValue& v) { return v.label != product.twice; }));
   }
+  const double budgets = factor("budgets", product.budgets);
+  double trials = 0;
+  if (product.untimed) trials += cells * (product.timed ? 1 : repeats);
+  if (product.untimed && product.timed) tell("each cell once untimed");
+  if (product.timed) trials += (cells + (cells - others)) * repeats;
+  if (product.timed && cells > others) tell("'" + product.twice + "' twice");
+  trials *= budgets;
   if (m_trials + trials > kMostTrials) {
     failAt(file, where,
            "the product of all axes is " + asText(trials) + " trials" + told + (told.empty() ? "" : ")") +

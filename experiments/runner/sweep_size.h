@@ -3,19 +3,25 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "experiments/parse/toml_reader.h"
+#include "experiments/runner/sweep_axis.h"
 
 namespace lpc::inline LPC_PRECISION {
 
 class SweepSize {
  public:
-  /// A product of axes and what else multiplies. Throws UserError, which tells each factor, where it is too large by
-  /// itself or together with what was added before.
-  void add(const std::vector<std::pair<std::string, double>>& factors, const std::string& file,
-           const toml::node& where);
+  /// A product of axes and what else multiplies.
+  struct Product {
+    const std::vector<Axis>& axes;
+    std::size_t budgets;
+    long repeats;
+    bool timed, untimed;
+    std::string twice;  // a value: its cells are timed as if they were two
+  };
+  /// Throws UserError, which tells each factor, where it is too large by itself or together with what was added before.
+  void add(const Product& product, const std::string& file, const toml::node& where);
 
  private:
   double m_trials = 0;  // holds what is too large for whole numbers

@@ -76,6 +76,11 @@ TEST(Planning, TooManyTrials) {
       // Each group is small enough by itself.
       {kBoxes + kAxes + "[[group]]\naxes = { frames = [1, 2, 3] }\n[[group]]\nrepeats = 99998\n",
        {"s.toml:10: ", "99998 trials (repeats 99998) after 3 before it", "valid: up to 100000 in all"}},
+      // Timed trials beside the untimed one of a cell, and twice as many of a method that is timed twice.
+      {"timed = true\nuntimed = true\nrepeats = 50000\n" + kBoxes + kAxes + "frames = [1, 2]\n",
+       {"s.toml:", "100002 trials (repeats 50000, frames 2, each cell once untimed)"}},
+      {"timed = true\nrepeats = 20000\ntwice = \"naive\"\n" + kBoxes + kAxes + "frames = [1, 2, 3]\n",
+       {"s.toml:", "120000 trials (repeats 20000, frames 3, 'naive' twice)"}},
       // One search may end in as many trials as it has budgets.
       {"summary = \"s\"\nkind = \"world\"\npipeline = \"solver=soft_step{substeps=$it}\"\nbudgets = [1, 2]\n"
        "repeats = 50001\ncalibrate = { equal = \"cost\", metric = \"work_row_updates\", setting = \"it\" }\n"
