@@ -3,6 +3,7 @@
 
 import os
 import random
+import sqlite3
 import sys
 import tempfile
 import textwrap
@@ -13,6 +14,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parent)]
 
 import judge  # noqa: E402
 import mutate  # noqa: E402
+import mutations  # noqa: E402
 
 LIMITS = judge.Limits(cpu=1, wall=300, memory=512 << 20, grace=0.5)
 
@@ -71,6 +73,15 @@ class Judge(unittest.TestCase):
         for kind in mutate.KINDS.values():
             once, again = (kind.mutate(random.Random("7"), data, data) for _ in range(2))
             self.assertEqual(once, again)
+
+    def test_damage_reaches_the_schema_of_a_store(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "s.db"
+            db = sqlite3.connect(path)
+            db.executescript("CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT); INSERT INTO meta VALUES ('schema_version', '3')")
+            db.close()
+            data = path.read_bytes()
+            self.assertTrue(any(b"2147483647" in mutations.database(random.Random(n), data, data) for n in range(300)))
 
     def test_a_program_that_falls_over_a_word_is_found_and_the_input_made_small(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -163,7 +163,8 @@ def database(rng, data, other):
             elif what == 2:
                 db.execute(f"DELETE FROM \"{table}\"")
             elif what == 3:
-                db.execute(f"PRAGMA user_version = {rng.choice([0, 1, 2, 4, 2147483647])}")
+                schema = rng.choice([0, 1, 2, 4, 2147483647, -1, "", "x", None])
+                db.execute("UPDATE meta SET value = ? WHERE key = 'schema_version'", (schema,))
             elif rows:
                 row, value = rng.choice(rows)
                 old = value if isinstance(value, bytes) else str(value).encode("latin-1", "replace")
