@@ -49,15 +49,30 @@ bool getRot(std::istream& in, Rot<3>& q) {
   return getReal(in, q.w) && getReal(in, q.x) && getReal(in, q.y) && getReal(in, q.z);
 }
 
-void require(bool sound, const char* otherwise) {
-  if (!sound) throw UserError(std::string("the recording is damaged (") + otherwise + ")");
-}
+// How far from a unit a rotation may be that either precision wrote: f32's rounding, whatever reads it.
+constexpr Real kWrittenUnit = Real(1e-5);
+
+Real lengthOf(const Rot<2>& q) { return std::sqrt(q.c * q.c + q.s * q.s); }
+Real lengthOf(const Rot<3>& q) { return std::sqrt(q.w * q.w + q.imag().squaredNorm()); }
+
+// The frame, from 1, in which something is not sound.
+struct Reading {
+  std::istream& in;
+  std::size_t frame;
+
+  void require(bool sound, const char* otherwise) const {
+    if (sound) return;
+    throw UserError("the recording is damaged (frame " + std::to_string(frame) + ": " + otherwise + ")");
+  }
+};
 
 template <int D>
-bool getArrival(std::istream& in, typename Recording<D>::Arrival& a) {
+bool getArrival(const Reading& reading, typename Recording<D>::Arrival& a) {
+  std::istream& in = reading.in;
   std::uint32_t parts = 0;
   if (!get(in, a.slot) || !get(in, a.generation) || !get(in, a.type) || !get(in, parts)) return false;
-  require(a.slot >= 0 && a.type <= BodyType::dynamic, "a body of no known type");
+  reading.require(a.slot >= 0, "a body of no known place");
+  reading.require(a.type <= BodyType::dynamic, "a body of no known type");
   for (std::uint32_t i = 0; i < parts; ++i) {
     auto& p = a.parts.emplace_back();
     std::uint32_t vertices = 0;
@@ -65,8 +80,10 @@ bool getArrival(std::istream& in, typename Recording<D>::Arrival& a) {
         !getRot(in, p.X_CS.q) || !get(in, vertices)) {
       return false;
     }
-    require(static_cast<int>(p.kind) < kShapeKinds && kindExists(p.kind, D), "a shape of no known kind");
-    require(p.X_CS.p.allFinite() && isUnit(p.X_CS.q), "a shape has no place on its body");
+    reading.require(static_cast<int>(p.kind) < kShapeKinds && kindExists(p.kind, D), "a shape of no known kind");
+    const bool turned = std::abs(lengthOf(p.X_CS.q) - 1) < kWrittenUnit;
+    reading.require(p.X_CS.p.allFinite() && turned, "a shape has no place on its body");
+    if (!isUnit(p.X_CS.q)) p.X_CS.q = p.X_CS.q.normalized();
     for (std::uint32_t k = 0; k < vertices; ++k) {
       if (!getVec(in, p.vertices.emplace_back(Vec<D>::Zero()))) return false;
     }
@@ -75,12 +92,13 @@ bool getArrival(std::istream& in, typename Recording<D>::Arrival& a) {
 }
 
 template <int D>
-bool getFrame(std::istream& in, typename Recording<D>::Frame& f) {
+bool getFrame(const Reading& reading, typename Recording<D>::Frame& f) {
+  std::istream& in = reading.in;
   std::uint32_t arrivals = 0, bodies = 0;
   if (!get(in, f.step) || !get(in, f.time) || !get(in, arrivals) || !get(in, bodies)) return false;
-  require(f.step >= 0 && std::isfinite(f.time), "a frame at no step or time");
+  reading.require(f.step >= 0 && std::isfinite(f.time), "a frame at no step or time");
   for (std::uint32_t i = 0; i < arrivals; ++i) {
-    if (!getArrival<D>(in, f.arrivals.emplace_back())) return false;
+    if (!getArrival<D>(reading, f.arrivals.emplace_back())) return false;
   }
   for (std::uint32_t i = 0; i < bodies; ++i) {
     auto& b = f.bodies.emplace_back();
@@ -88,7 +106,8 @@ bool getFrame(std::istream& in, typename Recording<D>::Frame& f) {
         !getRot(in, b.X_WC.q)) {
       return false;
     }
-    require(b.slot >= 0 && b.awake <= 1, "a body's flag is neither 0 nor 1");
+    reading.require(b.slot >= 0, "a body of no known place");
+    reading.require(b.awake <= 1, "a body's flag is neither 0 nor 1");
   }
   return true;
 }
@@ -163,7 +182,7 @@ Recording<D> Recording<D>::read(std::istream& in) {
   Recording r;
   while (in.peek() != std::istream::traits_type::eof()) {
     Frame f;
-    r.torn = !getFrame<D>(in, f);
+    r.torn = !getFrame<D>({in, r.frames.size() + 1}, f);
     if (r.torn) break;
     r.frames.push_back(std::move(f));
   }

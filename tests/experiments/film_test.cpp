@@ -81,6 +81,23 @@ TEST(Film, MovesOrIsAFolder) {
   EXPECT_EQ(w.lpc("run director_1 --steps 40 --film e.svg").code, 0);
 }
 
+// What turns a shape on its body is a unit to the rounding of the precision that wrote it.
+TEST(Film, OfSinglePrecision) {
+  if (!std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32")) GTEST_SKIP() << "this build has no f32";
+  Workspace w;
+  w.write("turned.toml",
+          "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\nsteps = 3\n[[body]]\nrepeat = { i = 20 }\n"
+          "position = [\"4 * i\", 0]\nangle = \"i\"\n"
+          "shapes = [{ kind = \"box\", half = [1, 1, 1], angle = [0, \"i / 3\", \"i / 7\"] }]\n");
+  for (const std::string dimension : {"2", "3"}) {
+    const Outcome ran = w.lpc("run turned.toml --precision f32 --record r.rec --dimension " + dimension);
+    ASSERT_EQ(ran.code, 0) << ran.text;
+    const Outcome out = w.lpc("replay r.rec --film r.svg");
+    EXPECT_EQ(out.code, 0) << out.text;
+    EXPECT_NE(out.text.find("film      r.svg"), std::string::npos) << out.text;
+  }
+}
+
 TEST(Film, RefusesInOneLineAndLeavesNothing) {
   Workspace w;
   w.write("none.rec", "no recording");

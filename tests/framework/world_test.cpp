@@ -346,6 +346,18 @@ TYPED_TEST(WorldTest, ADamagedRecordingIsToldOrHarmless) {
     EXPECT_TRUE(message.empty() || message.starts_with("the recording is damaged (")) << message;
   }
   EXPECT_GT(told, 20);
+  // Which frame, and what of it: after the header, a step, a time and two numbers the first body's slot and type.
+  const auto toldOf = [&](std::size_t at, char byte) {
+    std::string bytes = out.str();
+    bytes[at] = byte;
+    std::istringstream in(bytes);
+    return messageOf([&] { Recording<D>::read(in); });
+  };
+  EXPECT_EQ(toldOf(36 + 3, '\x80'), "the recording is damaged (frame 1: a body of no known place)");
+  EXPECT_EQ(toldOf(36 + 8, '\x03'), "the recording is damaged (frame 1: a body of no known type)");
+  const std::size_t pose = (D + (D == 2 ? 2 : 4)) * sizeof(double), lastBody = out.str().size() - pose - 9;
+  EXPECT_EQ(toldOf(lastBody + 3, '\x80'), "the recording is damaged (frame 2: a body of no known place)");
+  EXPECT_EQ(toldOf(lastBody + 8, '\x02'), "the recording is damaged (frame 2: a body's flag is neither 0 nor 1)");
 }
 
 TYPED_TEST(WorldTest, DirectorBringsAndTakesBodiesAtStepNumbers) {
