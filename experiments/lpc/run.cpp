@@ -137,13 +137,16 @@ void runScene(const Options& o, Session& session) {
   if (o.record.empty() && !o.film.empty()) temporary.emplace();
   const std::string recording = temporary ? temporary->path() : o.record;
   if (!recording.empty()) request["record"] = recording;
+  std::vector<std::string> partial;  // what a worker that is killed leaves
+  for (const std::string& path : {o.record, o.profile}) {
+    if (path.empty()) continue;
+    if (const std::string written = OutputFile::writtenAt(path); written != path) partial.push_back(written);
+  }
   std::optional<std::string> answer;
   try {
     answer = answerOf(workerPath(o.precision, trial.canonical.contains("engine")), request);
   } catch (...) {
-    for (const std::string& path : {o.record, o.profile}) {
-      if (!path.empty()) OutputFile::discard(path);
-    }
+    for (const std::string& path : partial) std::remove(path.c_str());
     throw;
   }
   if (!answer) {

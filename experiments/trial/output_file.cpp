@@ -14,13 +14,6 @@ namespace {
   throw CannotWrite(path + ": cannot be written: " + std::strerror(errno));
 }
 
-// Where it is written: beside its place, and a device in it.
-std::string writtenAt(const std::string& path) {
-  std::error_code ignored;
-  const bool special = std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored);
-  return special ? path : path + ".partial";
-}
-
 // Devices take what several write.
 bool areOneFile(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
@@ -35,8 +28,25 @@ bool areOneFile(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+std::string OutputFile::writtenAt(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return path;
+  for (int i = 1;; ++i) {
+    std::string beside = path + ".partial" + (i > 1 ? std::to_string(i) : "");
+    if (!fs::exists(fs::symlink_status(beside, ignored))) return beside;
+  }
+}
+
 OutputFile::OutputFile(std::string path) : m_path(std::move(path)) {
-  m_written = writtenAt(m_path);
+  std::FILE* made = nullptr;
+  do {
+    m_written = writtenAt(m_path);
+    if (m_written == m_path) break;
+    made = std::fopen(m_written.c_str(), "wbx");  // x: not one that has come since
+  } while (!made && errno == EEXIST);
+  if (made) std::fclose(made);
+  if (!made && m_written != m_path) fail(m_path);
   m_stream.open(m_written, std::ios::binary | std::ios::trunc);
   if (!m_stream) fail(m_path);
 }
@@ -47,10 +57,6 @@ OutputFile::~OutputFile() {
 
 void OutputFile::check() {
   if (!m_stream.flush()) fail(m_path);
-}
-
-void OutputFile::discard(const std::string& path) {
-  if (const std::string written = writtenAt(path); written != path) std::remove(written.c_str());
 }
 
 void OutputFile::finish() {
@@ -64,13 +70,19 @@ void keepApart(const NamedFiles& inputs, const NamedFiles& outputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const auto& [option, path] = outputs[i];
     for (const auto& [what, input] : inputs) {
-      if (!areOneFile(path, input) && (path.empty() || !areOneFile(writtenAt(path), input))) continue;
+      if (!areOneFile(path, input)) continue;
       throw UserError(option + " " + path + " would be written over " + what + " " + input + "; valid: another file");
     }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!areOneFile(path, outputs[j].second)) continue;
-      throw UserError(outputs[j].first + " " + outputs[j].second + " and " + option + " " + path +
-                      " are one file; valid: a file for each");
+    for (std::size_t j = 0; j < outputs.size(); ++j) {
+      const auto& [other, place] = outputs[j];
+      if (i == j || path.empty() || place.empty()) continue;
+      const std::string written = OutputFile::writtenAt(path);
+      if (written != path && areOneFile(written, place)) {
+        throw UserError(option + " " + path + " is written as " + written + " first, where " + other + " " + place +
+                        " shall be; valid: another file");
+      }
+      if (j > i || !areOneFile(path, place)) continue;
+      throw UserError(other + " " + place + " and " + option + " " + path + " are one file; valid: a file for each");
     }
   }
 }

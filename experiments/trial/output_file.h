@@ -16,8 +16,8 @@ struct CannotWrite : UserError {
   using UserError::UserError;
 };
 
-/// A file that is there whole or not at all: written beside its place as NAME.partial and renamed by `finish`. What
-/// exists and is no regular file (a device, a pipe) is written in place.
+/// A file that is there whole or not at all: written beside its place as NAME.partial and renamed by `finish`; as
+/// NAME.partial2 where that name is taken. What exists and is no regular file (a device, a pipe) is written in place.
 class OutputFile {
  public:
   /// Throws CannotWrite at once, not after hours of running.
@@ -31,8 +31,8 @@ class OutputFile {
   /// Throws CannotWrite when something so far could not be written.
   void check();
   void finish();
-  /// Removes what was not finished at `path` by a process that was killed.
-  static void discard(const std::string& path);
+  /// Where the next one of this path is written.
+  static std::string writtenAt(const std::string& path);
 
  private:
   std::string m_path, m_written;  // where it shall be, where it is written

@@ -6,6 +6,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using test::filesIn;
 using test::Outcome;
 using test::refused;
 using test::Workspace;
@@ -26,7 +27,8 @@ TEST(Files, NoOutputIsWrittenOverAnInput) {
       refused(w, std::string("run r.toml ") + option + " " + path, {option, "over the scene r.toml", valid});
     }
     refused(w, "run " + w.path("r.toml") + " " + option + " r.toml", {option, "over the scene", valid});
-    refused(w, std::string("run r.partial ") + option + " r", {option, "over the scene r.partial", valid});
+    // It is written under another name first, but not under that.
+    EXPECT_EQ(w.lpc(std::string("run r.partial ") + option + " r").code, 0);
   }
   refused(w, "run r.svg --film r.svg", {"--film r.svg", "over the scene r.svg", valid});
   EXPECT_EQ(readFile(w.path("r.toml")), kScene);
@@ -48,9 +50,32 @@ TEST(Files, TwoOutputsAreTwoFiles) {
   refused(w, "run r.toml --record x --profile x", {"--record x and --profile x are one file"});
   refused(w, "run r.toml --record y --profile ./y", {"--record y and --profile ./y are one file"});
   refused(w, "run r.toml --profile f.svg --film f.svg", {"--profile f.svg and --film f.svg are one file"});
+  // Neither is written on the way to the other.
+  const char* on = "is written as y.partial first, where";
+  refused(w, "run r.toml --record y.partial --profile y", {"--profile y ", on, "--record y.partial"});
+  refused(w, "run r.toml --record y --profile ./y.partial", {"--record y ", on, "--profile ./y.partial"});
   EXPECT_EQ(readFile(w.path("x")), "earlier");
   EXPECT_EQ(w.lpc("run r.toml --record /dev/null --profile /dev/null").code, 0) << "a device takes both";
   refused(w, "run r.toml --record /dev/stdout", {"/dev/stdout", "valid: a file"});
+}
+
+// A file of the user's whose name an output could have had on the way.
+TEST(Files, NobodysFileIsTakenForAPartialOne) {
+  Workspace w;
+  w.write("r.toml", kScene);
+  w.write("a.partial", "mine");
+  ASSERT_EQ(w.shell("ln -s nowhere a.partial2").code, 0);
+  ASSERT_EQ(w.lpc("run r.toml --record a --profile b").code, 0);
+  EXPECT_TRUE(readFile(w.path("a")).starts_with("LPCREC"));
+  EXPECT_EQ(readFile(w.path("a.partial")), "mine");
+  const std::set<std::string> all = filesIn(w);
+  EXPECT_EQ(all.size(), 5u) << "r.toml, a, b and two that were there";
+  // Neither by a run that is refused, nor by one whose worker dies.
+  refused(w, "run r.toml --record a --profile nowhere/b", {"nowhere/b: cannot be written"});
+  const Outcome out = w.lpc("run r.toml --record a", "LPC_WORKERS=" + w.path("none"));
+  EXPECT_NE(out.code, 0) << out.text;
+  EXPECT_EQ(readFile(w.path("a.partial")), "mine");
+  EXPECT_EQ(filesIn(w), all);
 }
 
 // A pipe that nobody writes to and a device without an end.
