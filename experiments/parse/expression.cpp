@@ -18,6 +18,12 @@ namespace {
 // muParser's callbacks are plain functions; the stream that `rand` draws from is that of the evaluation under way.
 thread_local Random* drawing = nullptr;
 thread_local bool decided = false;
+thread_local bool noNumber = false;  // a function gave none; min, max and comparisons would swallow it
+
+double told(double value) {
+  noNumber = noNumber || std::isnan(value);
+  return value;
+}
 
 // Beyond it, sinCos is no sine.
 double withinTurns(double angle) { return std::abs(angle) <= kLargestAngle ? angle : std::nan(""); }
@@ -25,24 +31,24 @@ double withinTurns(double angle) { return std::abs(angle) <= kLargestAngle ? ang
 double sine(double x) {
   double s = 0, c = 1;
   sinCos(withinTurns(x), s, c);
-  return s;
+  return told(s);
 }
 double cosine(double x) {
   double s = 0, c = 1;
   sinCos(withinTurns(x), s, c);
-  return c;
+  return told(c);
 }
 double draw(double lo, double hi) {
   decided = decided || lo != hi;
   return drawing->uniform(lo, hi);
 }
-double root(double x) { return std::sqrt(x); }
+double root(double x) { return told(std::sqrt(x)); }
 double magnitude(double x) { return std::fabs(x); }
 double roundDown(double x) { return std::floor(x); }
 double roundUp(double x) { return std::ceil(x); }
-double remainderOf(double x, double y) { return x - y * std::floor(x / y); }
-double smaller(double x, double y) { return std::min(x, y); }
-double larger(double x, double y) { return std::max(x, y); }
+double remainderOf(double x, double y) { return told(x - y * std::floor(x / y)); }
+double smaller(double x, double y) { return std::min(told(x), told(y)); }
+double larger(double x, double y) { return std::max(told(x), told(y)); }
 
 constexpr const char* kFunctions = "sin cos sqrt abs floor ceil min max mod rand pi";
 
@@ -118,7 +124,7 @@ void Expressions::checkName(const std::string& name) {
 
 double Expressions::evaluate(const std::string& text) {
   const double value = valueOf(text);
-  if (!std::isfinite(value)) {
+  if (!std::isfinite(value) || noNumber) {
     throw UserError("'" + oneLine(text) + "' is not a finite number, or the sine of over " +
                     std::to_string(static_cast<long>(kLargestAngle)) + " rad");
   }
@@ -130,7 +136,7 @@ void Expressions::check(const std::string& text) {
 }
 
 double Expressions::valueOf(const std::string& text) {
-  drawing = &m_random, decided = m_drew;
+  drawing = &m_random, decided = m_drew, noNumber = false;
   try {
     auto& compiled = m_compiled[text];
     if (!compiled) {
@@ -140,16 +146,18 @@ double Expressions::valueOf(const std::string& text) {
       p.ClearFun();  // libm's functions end in other digits on other machines: only ours are left
       p.ClearConst();
       p.DefineConst("pi", 3.14159265358979323846);
-      p.DefineFun("sin", sine);
-      p.DefineFun("cos", cosine);
-      p.DefineFun("sqrt", root);
+      // false: never folded into a number. Two calls of rand are two, and what gives none is to be told whenever it is
+      // asked, and not in a branch that is not taken.
+      p.DefineFun("sin", sine, false);
+      p.DefineFun("cos", cosine, false);
+      p.DefineFun("sqrt", root, false);
       p.DefineFun("abs", magnitude);
       p.DefineFun("floor", roundDown);
       p.DefineFun("ceil", roundUp);
-      p.DefineFun("mod", remainderOf);
-      p.DefineFun("min", smaller);
-      p.DefineFun("max", larger);
-      p.DefineFun("rand", draw, false);  // false: two calls are two numbers, never folded into one
+      p.DefineFun("mod", remainderOf, false);
+      p.DefineFun("min", smaller, false);
+      p.DefineFun("max", larger, false);
+      p.DefineFun("rand", draw, false);
       for (auto& [name, value] : m_globals) p.DefineVar(name, &value);
       for (auto& [name, value] : m_locals) p.DefineVar(name, &value);
       p.SetExpr(text);

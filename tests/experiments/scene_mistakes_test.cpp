@@ -207,6 +207,17 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
       {"true", {}},
       {"()", {}},
       {")(", {}},
+      {"max(0, sqrt(-1))", {"finite"}},
+      {"max(sqrt(n - 9), 0)", {"finite"}},
+      {"min(1, sin(200000))", {"finite", "100000 rad"}},
+      {"max(0, 0 / (n - 3))", {"finite"}},
+      {"max(0, mod(1, 0))", {"finite"}},
+      {"min(0, mod(1, n - 3))", {"finite"}},
+      {"sin(200000) > 0 ? 1 : 2", {"finite", "100000 rad"}},
+      {"cos(n * 200000) > 0 ? 1 : 2", {"finite", "100000 rad"}},
+      {"sqrt(-1) && 1", {"finite"}},
+      {"abs(sqrt(-n)) < 1", {"finite"}},
+      {"floor(sqrt(-1)) == 1", {"finite"}},
   };
   for (const Case& c : cases) {
     Parts parts = c.parts;
@@ -234,8 +245,14 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
       {"+n", 3},
       {"1 +\n\t2", 3},
       {"1 ? 2 : 3 ? 4 : 5", 2},
+      {"n > 0 ? 1 / n : 0", 1.0 / 3},
+      {"n < 0 ? sqrt(n) : sqrt(-n + 4)", 1},
+      {"n > 0 ? 1 : sqrt(-1)", 1},
+      {"1 > 0 ? max(1, 2) : max(0, sqrt(-1))", 2},
+      {"n < 0 ? mod(1, 0) : n == 3 ? 7 : sin(200000)", 7},
   };
   for (const auto& [text, value] : right) EXPECT_EQ(e.evaluate(text), value) << text;
+  for (int i = 0; i < 2; ++i) EXPECT_THROW(e.evaluate("max(0, sqrt(-1))"), UserError) << "forgotten at the second";
   EXPECT_THROW(e.evaluate("n = 5"), UserError);
   EXPECT_EQ(e.evaluate("n"), 3) << "a refused assignment has changed it";
 }
