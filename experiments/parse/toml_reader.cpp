@@ -58,7 +58,7 @@ void checkNesting(std::string_view text, const std::string& file) {
 
 void failAt(std::string_view file, const toml::node& node, const std::string& what) {
   // As one line at once: what() of an error ends where a quoted text holds a zero.
-  throw UserError(oneLine(std::string(file) + ":" + std::to_string(node.source().begin.line) + ": " + what));
+  throw PlacedError(oneLine(std::string(file) + ":" + std::to_string(node.source().begin.line) + ": " + what));
 }
 
 std::string describe(const toml::node& node) {

@@ -16,7 +16,11 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// "scene.toml:12: what"
+/// A mistake that is told with its place.
+struct PlacedError : UserError {
+  using UserError::UserError;
+};
+/// "scene.toml:12: what". Throws PlacedError.
 [[noreturn]] void failAt(std::string_view file, const toml::node& node, const std::string& what);
 /// "a list", "the number 3", ... for messages.
 std::string describe(const toml::node& node);

@@ -30,6 +30,17 @@ std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
   return points;
 }
 
+// A block of no turns may be one of the other dimension: it has the kinds of both, and each kind the sizes of both.
+template <int D>
+bool rehearseCurved(TableReader& shape, SceneNumbers& numbers, const std::string& kind) {
+  for (const auto& [curved, made] : curvedKinds<D>()) {
+    if (shapeKindName(curved) != kind) continue;
+    for (const std::string_view s : made.sizes) numbers.number(shape, std::string(s), 0);
+    return true;
+  }
+  return false;
+}
+
 template <int D>
 Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string& kind) {
   const auto size = [&](const std::string& key) { return static_cast<Real>(numbers.number(shape.require(key))); };
@@ -38,13 +49,14 @@ Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string
   if (kind == "box") return Shape<D>::box(numbers.vector<D>(shape.require("half")), rounding);
   if (kind == "capsule") return Shape<D>::capsule(size("half_length"), size("radius"));
   if (kind == "polytope") return Shape<D>::polytope(readPoints<D>(shape, numbers), rounding);
-  if (kind == "segment") {
-    if (D == 3) shape.fail("a segment exists in 2D only");
-    return Shape<D>::segment(size("half_length"));
-  }
+  if (kind == "segment") return Shape<D>::segment(size("half_length"));
   if (kind == "plane") return Shape<D>::plane();
   std::vector<std::string> valid = {"sphere", "circle", "box", "capsule", "polytope", "plane", "compound"};
   if (D == 2) valid.push_back("segment");
+  if (numbers.rehearsing()) {
+    const bool planar = rehearseCurved<2>(shape, numbers, kind), solid = rehearseCurved<3>(shape, numbers, kind);
+    if (planar || solid) return {};
+  }
   for (const auto& [curved, made] : curvedKinds<D>()) {
     const std::string name(shapeKindName(curved));
     valid.push_back(name);
@@ -96,10 +108,10 @@ ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers) {
   const std::string kind = shape.requireString("kind");
   try {
     placed.shape = kind == "compound" ? readCompound<D>(shape, numbers) : readConvex<D>(shape, numbers, kind);
-  } catch (const UserError& e) {
-    // Errors of the shape factories know no place; those of this file do.
+  } catch (const PlacedError&) {
+    throw;
+  } catch (const UserError& e) {  // of the shape factories
     const std::string_view what = e.what();
-    if (what.starts_with(shape.file())) throw;
     if (!numbers.rehearsing()) shape.fail(what.starts_with(kind) ? std::string(what) : kind + ": " + std::string(what));
   }
   placed.X_SP.p = numbers.vector<D>(shape, "offset");

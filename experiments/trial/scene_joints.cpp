@@ -47,11 +47,20 @@ Spec readChosen(TableReader& joint, const std::string& chosen) {
   return atBlock(joint, [&] { return Spec::parse(chosen); });
 }
 
+// A block of no turns may be one of the other dimension.
+const Registered& kindOf(const std::string& name, const SceneNumbers& numbers, int dimension) {
+  const auto known = [&](int d) {
+    const auto all = Registry::instance().list(StageKind::joint, d);
+    return std::any_of(all.begin(), all.end(), [&](const Registered* r) { return r->info.name == name; });
+  };
+  const bool other = numbers.rehearsing() && !known(dimension) && known(5 - dimension);
+  return Registry::instance().find(StageKind::joint, other ? 5 - dimension : dimension, name);
+}
+
 // Numbers may be expressions, so what is a number is asked of the kind.
 Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
   Spec spec{joint.requireString("kind"), {}};
-  const Registered& kind =
-      *atBlock(joint, [&] { return &Registry::instance().find(StageKind::joint, dimension, spec.name); });
+  const Registered& kind = *atBlock(joint, [&] { return &kindOf(spec.name, numbers, dimension); });
   const toml::table* given = joint.table("parameters");
   if (!given) return spec;
   for (const auto& [key, node] : inFileOrder(*given)) {
@@ -92,7 +101,7 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
   def.kind = (isChosen ? readChosen(joint, chosen) : readKind(joint, numbers, D)).text();
   atBlock(joint, [&] {
     const Spec kind = Spec::parse(def.kind);
-    return Registry::instance().find(StageKind::joint, D, kind.name).create(kind);
+    return kindOf(kind.name, numbers, D).create(kind);
   });
   if (numbers.rehearsing()) return def;
   // What is left to go wrong is between the kind and the frames, but for forces to break at.

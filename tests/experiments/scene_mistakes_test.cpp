@@ -4,49 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "experiments/parse/expression.h"
-#include "experiments/trial/scene_file.h"
-#include "framework/check.h"
+#include "tests/experiments/scene_text.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-using test::Outcome;
-using test::Workspace;
-
-using Parts = std::vector<std::string>;
-struct Case {
-  std::string text;
-  Parts parts;
-};
-
-const std::string kHead = "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\n";  // lines 1 to 3
-const std::string kBall = "shapes = [{ kind = \"circle\", radius = 1 }]\n";
-const std::string kNamed = "[[body]]\nname = \"a\"\n" + kBall;  // lines 4 to 6, where nothing stands before it
-const std::string kPivot = "[[joint]]\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n";
-
-template <int D>
-std::string messageOf(const std::string& text) {
-  try {
-    SceneFile::parse(kHead + text, "t.toml").build<D>({}, 1);
-  } catch (const UserError& e) {
-    return e.what();
-  }
-  return "no error";
-}
-
-template <int D>
-void refused(const std::vector<Case>& cases) {
-  for (const Case& c : cases) {
-    const std::string message = messageOf<D>(c.text);
-    for (const std::string& part : c.parts) {
-      EXPECT_NE(message.find(part), message.npos) << c.text.substr(0, 400) << "\n" << message;
-    }
-    EXPECT_EQ(message.find('\n'), message.npos) << message;
-    EXPECT_LT(message.size(), 1600u);
-  }
-}
-void refused(const std::vector<Case>& cases) { refused<2>(cases), refused<3>(cases); }
+using namespace test;
 
 std::string times(int n, const std::string& text) {
   std::string out;
@@ -55,9 +19,6 @@ std::string times(int n, const std::string& text) {
 }
 std::string nested(int n, const std::string& open, const std::string& inside, const std::string& close) {
   return times(n, open) + inside + times(n, close);
-}
-std::string placed(const std::string& expression) {
-  return "[[body]]\nposition = [\"" + expression + "\", 0]\n" + kBall;
 }
 
 TEST(SceneMistakes, WhatIsNestedTooDeep) {
@@ -86,8 +47,8 @@ TEST(SceneMistakes, WhatIsNestedTooDeep) {
   EXPECT_EQ(
       messageOf<2>("# " + dots + open + "\ngravity = [0.5, -9.81, 0.25]  # '" + open + "\n[limits]\ndrift = 1.5\n" +
                    "[[body]]\nname = \"\"\"" + dots + "\\\"\"\"\"\"\nposition = [\"" + nested(64, "(", "1 + 0.5", ")") +
-                   "\", 0.5]\n" + kBall + "[[body]]\nname = '''" + open + "''''\n" + kBall + "[[body]]\nname = '" +
-                   open + "'\n" + kBall),
+                   "\", 0.5]\n" + kBall + "[parameters]\na = { default = 0, min = 0, max = 1, meaning = '''" + open +
+                   "'''' }\nb = { default = 0, min = 0, max = 1, meaning = '" + open + "' }\n"),
       "no error");
   EXPECT_EQ(messageOf<2>(placed(times(4000, "1?1:") + "1")), "no error");
   EXPECT_EQ(messageOf<2>(placed(times(4000, "1+") + "1")), "no error");
@@ -329,115 +290,6 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       "lpc: far.toml:6: 1e+39 is more than numbers of this precision hold; valid: up to 3.4028234663852886e+38\n");
 }
 
-// What makes no turn is read all the same, but has no values: bodies, numbers and sizes that never are do not matter.
-TEST(SceneMistakes, BlocksOfNoTurns) {
-  const std::string joints = "needs = [\"joints\"]\n", none = "repeat = { i = 0, j = \"i + 1\" }\n";
-  const auto event = [](const std::string& rest) { return kNamed + "[[event]]\n" + rest; };
-  refused({
-      {"[[body]]\nrepeat = 0\npositoin = [1, 2]\n" + kBall, {"t.toml:6: ", "unknown key 'positoin'", "position"}},
-      {"[[body]]\nwhen = 0\npositoin = [1, 2]\n" + kBall, {"t.toml:6: ", "unknown key 'positoin'"}},
-      {"[[body]]\nevery = 1\nuntil = 0\npositoin = [1, 2]\n" + kBall, {"t.toml:7: ", "unknown key 'positoin'"}},
-      {"[[body]]\nrepeat = 0\n", {"t.toml:4: ", "'shapes'"}},
-      {"[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"crcle\", radius = 1 }]\n", {"t.toml:7: ", "'crcle'", "circle"}},
-      {"[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"circle\", radus = 1 }]\n", {"t.toml:7: ", "'radius' is missing"}},
-      {"[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"circle\", radius = nan }]\n", {"t.toml:7: ", "nan", "finite"}},
-      {"[[body]]\n" + none + "position = [\"i + j + nobody\", 0]\n" + kBall, {"t.toml:6: ", "nobody"}},
-      {"[[body]]\n" + none + "position = [\"i +\", 0]\n" + kBall, {"t.toml:6: ", "'i +'"}},
-      {"[[body]]\n" + none + "when = \"i = j\"\n" + kBall, {"t.toml:6: ", "'=='"}},
-      {"[[body]]\n" + none + "let = { a = \"n\" }\n" + kBall, {"t.toml:6: ", "'n'"}},
-      {"[[body]]\nrepeat = { i = 0, j = \"k +\" }\n" + kBall, {"t.toml:5: ", "'k +'"}},
-      {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"circle\", radius = 1 },\n{ repeat = 0, kind = "
-       "\"crcle\" }] }]\n",
-       {"t.toml:7: ", "'crcle'"}},
-      {"[[body]]\nshapes = [{ kind = \"compound\", parts = [\n{ kind = \"circle\", radius = 1 },\n{ repeat = 0, kind = "
-       "\"circle\", radius = 1, radus = 2 }] }]\n",
-       {"t.toml:7: ", "'radus'"}},
-      {event("do = \"push\"\nstep = 1\nuntil = 1\nbody = \"a\"\nimpuls = 3\n"), {"t.toml:7: ", "impulse"}},
-      {event("do = \"push\"\nstep = 1\nrepeat = 0\nbody = \"a\"\nimpulse = [1, 0]\nspeed = 3\n"),
-       {"'speed'", "impulse"}},
-      {event("do = \"push\"\nstep = 1\nrepeat = 0\nbody = \"b\"\nimpulse = [1, 0]\n"), {"t.toml:11: ", "'b'", "a"}},
-      {event("do = \"add\"\nstep = 1\nrepeat = 0\nbody = \"b\"\n" + kBall), {"t.toml:11: ", "'body'"}},
-      {joints + kNamed + "[[joint]]\nrepeat = 0\na = \"world\"\nb = \"a\"\nkind = \"pivt\"\nanchor = [0, 0]\n",
-       {"t.toml:8: ", "'pivt'", "pivot"}},
-      {joints + kNamed + kPivot + "repeat = 0\nparameters = { speed = \"k\" }\n", {"t.toml:8: ", "'speed'"}},
-      {joints + kNamed + kPivot + "repeat = 0\nbreak_force = \"k +\"\n", {"t.toml:14: ", "'k +'"}},
-      {kNamed + "[[spring]]\nrepeat = 0\na = \"world\"\nb = \"a[k +]\"\nstiffness = 1\n", {"t.toml:10: ", "'k +'"}},
-      {kNamed + "[[spring]]\nrepeat = 0\na = \"world\"\nb = \"a\"\nstiffnes = 1\n", {"t.toml:7: ", "'stiffness'"}},
-  });
-  const std::string sound = R"toml(needs = ["joints", "rotation"]
-[parameters]
-n = { default = 0, min = 0, max = 9, meaning = "m" }
-[[body]]
-name = "link"
-repeat = { i = "n", j = "n / i" }
-let = { size = "1 / n" }
-position = ["1 / n", "i + j + rand(0, 1)"]
-angle = "1e9 * i"
-velocity = ["sin(1e9)", 0]
-remove = "-5 - i"
-shapes = [
-  { kind = "box", half = ["size - 1", "-1", "n"] },
-  { kind = "polytope", points = [["n", 0], ["n", 0], ["n", "n"]], depth = 1 },
-  { kind = "compound", overlap = "refused", parts = [{ kind = "circle", radius = "1 / n", repeat = 4 }] },
-]
-[[joint]]
-repeat = { i = "n" }
-kind = "hinge"
-a = "link[i]"
-b = "link[i + 1]"
-anchor = [0, 0]
-axis = ["n", "n", "n"]
-parameters = { lower = "1 / n", upper = "-1", motor_speed = "n" }
-break_force = "n - 1"
-[[spring]]
-when = "n > 0"
-a = "link[n - 1]"
-b = "link"
-stiffness = "-n"
-[[event]]
-do = "remove"
-repeat = "n"
-step = 3
-body = "link[k]"
-[[event]]
-do = "force"
-repeat = "n"
-step = 3
-body = "link[k]"
-force = ["1 / n", 0]
-[[event]]
-do = "set"
-repeat = "n"
-step = 3
-body = "link[k]"
-velocity = ["1 / n", 0]
-[[event]]
-do = "joint"
-repeat = "n"
-step = 3
-kind = "weld"
-a = "link[k]"
-b = "link[k + 1]"
-anchor = [0, 0]
-[[event]]
-do = "add"
-repeat = "n"
-step = 3
-name = "late"
-shapes = [{ kind = "circle", radius = "n - 1" }]
-)toml";
-  EXPECT_EQ(messageOf<2>(sound), "no error");
-  EXPECT_EQ(messageOf<3>(sound), "no error");
-  // Nobody's numbers are drawn for it, and it leaves nothing.
-  const auto drawn = [&](const std::string& before) {
-    return SceneFile::parse(kHead + before + placed("rand(0, 1)"), "t.toml").build<2>({}, 1);
-  };
-  const auto with = drawn("[[body]]\nname = \"x\"\nrepeat = 0\nposition = [\"rand(0, 1)\", 0]\n" + kBall),
-             without = drawn("");
-  ASSERT_EQ(with.spawns.size(), 1u);
-  EXPECT_EQ(with.spawns[0].body.X_WB.p, without.spawns[0].body.X_WB.p);
-}
-
 // Whatever a message quotes, it is one line that a terminal and a table can take.
 TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
   Workspace w;
@@ -445,12 +297,13 @@ TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
   w.write("control.toml", kHead + "[[body]]\nshapes = [{ kind = \"a\\u0000b\\n\\u001b[31mc\\u009bd\", radius = 1 }]\n");
   w.write("key.toml", kHead + "\"a\\nb\" = 1\n");
   w.write("expression.toml", kHead + placed("1 \\n\\u0000 +* 2"));
+  w.write("lo\nng.toml", kHead + "[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"circle\", radius = \"nobody\" }]\n");
   w.write("long.toml", kHead + "[[body]]\ntype = \"" + std::string(10000000, 'x') + "\"\n" + kBall);
   w.write("bytes.toml", kHead + "x = \"\xff\xfe\"\n");
   w.write("id.json", "{\"cases\": [{\"id\": \"a\\nb" + std::string(10000000, 'x') + "\", \"query\": 3}]}");
   for (const std::string command :
-       {"run control.toml", "run key.toml", "run expression.toml", "run long.toml", "run bytes.toml",
-        "verify --cases id.json", "run good.toml --pipeline \"$(printf 'sol\\nver=\\377')\"",
+       {"run control.toml", "run \"$(printf 'lo\\nng.toml')\"", "run key.toml", "run expression.toml", "run long.toml",
+        "run bytes.toml", "verify --cases id.json", "run good.toml --pipeline \"$(printf 'sol\\nver=\\377')\"",
         "run good.toml --param \"$(printf 'a\\033[31m\\nb=3')\"", "run \"$(printf 'no\\nbody\\377')\"",
         "\"$(printf 'no\\nbody\\377')\"", "run good.toml \"$(printf -- '--no\\nbody\\377')\""}) {
     const Outcome out = w.lpc(command);
@@ -462,6 +315,7 @@ TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
       EXPECT_TRUE(c >= 0x20 ? c < 0x7f : (c == '\n' && i + 1 == out.text.size())) << command << " " << int(c);
     }
   }
+  EXPECT_NE(w.lpc("run \"$(printf 'lo\\nng.toml')\"").text.find("ng.toml:7: 'nobody'"), std::string::npos);
   EXPECT_NE(w.lpc("run control.toml").text.find("'a\\x00b\\n\\x1b[31mc\\xc2\\x9bd'; valid: sphere"), std::string::npos)
       << w.lpc("run control.toml").text;
 }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+// Scenes as text, and what their reader says of them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "experiments/trial/scene_file.h"
+#include "framework/check.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+using Parts = std::vector<std::string>;
+struct Case {
+  std::string text;
+  Parts parts;
+};
+
+inline const std::string kHead = "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\n";  // lines 1 to 3
+inline const std::string kBall = "shapes = [{ kind = \"circle\", radius = 1 }]\n";
+inline const std::string kNamed = "[[body]]\nname = \"a\"\n" + kBall;  // lines 4 to 6, where nothing stands before it
+inline const std::string kPivot = "[[joint]]\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n";
+
+inline std::string placed(const std::string& expression) {
+  return "[[body]]\nposition = [\"" + expression + "\", 0]\n" + kBall;
+}
+
+template <int D>
+std::string messageOf(const std::string& text) {
+  try {
+    SceneFile::parse(kHead + text, "t.toml").build<D>({}, 1);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+template <int D>
+void refused(const std::vector<Case>& cases) {
+  for (const Case& c : cases) {
+    const std::string message = messageOf<D>(c.text);
+    for (const std::string& part : c.parts) {
+      EXPECT_NE(message.find(part), message.npos) << c.text.substr(0, 400) << "\n" << message;
+    }
+    EXPECT_EQ(message.find('\n'), message.npos) << message;
+    EXPECT_LT(message.size(), 1600u);
+  }
+}
+inline void refused(const std::vector<Case>& cases) { refused<2>(cases), refused<3>(cases); }
+
+}  // namespace lpc::inline LPC_PRECISION::test
