@@ -146,7 +146,7 @@ template <int D>
 void checkMass(const BodyDef<D>& def, const TableReader& body) {
   MassProperties<D> all;
   for (const ShapeDef<D>& s : def.shapes) {
-    if (s.shape.isPlane() && def.type == BodyType::kinematic) body.fail("a plane moves; valid: type = \"fixed\"");
+    if (s.shape.isPlane() && def.type != BodyType::fixed) body.fail("a plane moves; valid: type = \"fixed\"");
     all = combined(all, transformed(massProperties(s.shape, s.density), s.X_BS));
   }
   if (def.type == BodyType::dynamic && (!(all.mass > 0) || !std::isfinite(all.mass))) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The features that scenes need, by name.
+// The features that scenes need and the bodies that they have, by name.
 #include "experiments/trial/scene_parsed.h"
 #include "framework/names.h"
 
@@ -46,5 +46,30 @@ Features featuresFromText(std::string_view text) {
   }
   return out;
 }
+
+template <int D>
+std::map<std::string, int> census(const SceneSpec<D>& scene) {
+  std::map<std::string, int> out;
+  for (const auto& spawn : scene.spawns) {
+    const BodyDef<D>& b = spawn.body;
+    const std::string type =
+        b.type == BodyType::dynamic ? "dynamic" : (b.type == BodyType::fixed ? "fixed" : "kinematic");
+    ++out[type];
+    if (b.pinned) ++out["pinned"];
+    if (!b.rotatable) ++out["non-rotatable"];
+    if (spawn.step > 0) ++out["scripted"];
+    if (spawn.removeAt >= 0) ++out["removed"];
+    for (const ShapeDef<D>& s : b.shapes) {
+      ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : "compound")];
+    }
+  }
+  if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
+  for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
+  if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
+  return out;
+}
+
+template std::map<std::string, int> census(const SceneSpec<2>&);
+template std::map<std::string, int> census(const SceneSpec<3>&);
 
 }  // namespace lpc::inline LPC_PRECISION

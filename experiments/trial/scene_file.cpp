@@ -15,12 +15,17 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr long kMaxSteps = 1000000000;
-constexpr std::string_view kTurns = "turns of loops";
+constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops around others of no turn";
 constexpr double kRightAngle = 1.5707963267948966;  // rad
 
+std::string readLine(TableReader& top, const std::string& key) {
+  const std::string text = top.requireString(key);
+  if (oneLine(text) != text) top.fail(*top.find(key), "'" + key + "' is '" + text + "'; valid: one line of text");
+  return text;
+}
+
 void readHeader(TableReader& top, SceneFile::Parsed& out) {
-  out.name = top.requireString("name");
-  out.summary = top.requireString("summary");
+  out.name = readLine(top, "name"), out.summary = readLine(top, "summary");
   const toml::node& dimensions = top.require("dimensions");
   if (!dimensions.is_array())
     top.fail(dimensions, "'dimensions' is " + describe(dimensions) + "; valid: [2], [3], [2, 3]");
@@ -116,7 +121,7 @@ class Builder {
     const toml::node* repeat = block.find("repeat");
     if (!repeat || !repeat->is_table()) {
       const long n = repeat ? times(*repeat) : 1;
-      m_numbers.count(repeat ? *repeat : block.raw(), kTurns, n);
+      if (repeat) m_numbers.count(*repeat, kTurns, n);
       for (long i = 0; i < n; ++i) turn(block, once);
       return;
     }
@@ -125,14 +130,16 @@ class Builder {
     m_numbers.expressions.aside([&] { nested(indices, 0, nullptr); });
     nested(indices, 0, [&] { turn(block, once); });
   }
-  // Without a `body` it only counts.
+  // Without a `body` it only counts: the innermost turns, and those of outer loops that have none.
   void nested(const Entries& indices, std::size_t depth, const std::function<void()>& body) {
     if (depth == indices.size()) return body ? body() : void();
     const auto& [name, bound] = indices[depth];
     const long n = times(*bound);
-    if (!body) m_numbers.count(*bound, kTurns, n);
+    const bool innermost = depth + 1 == indices.size();
+    if (!body && innermost) m_numbers.count(*bound, kTurns, n);
+    if (!body && n == 0 && depth > 0) m_numbers.count(*bound, kEmptyTurns);
     local(*bound, name, 0);
-    if (!body && depth + 1 == indices.size()) return;
+    if (!body && innermost) return;
     for (long i = 0; i < n; ++i) {
       m_numbers.expressions.setLocal(name, static_cast<double>(i));
       nested(indices, depth + 1, body);
@@ -177,14 +184,16 @@ class Builder {
     if (every > 0 && (until - from) / every > kMostOfEach) block.fail("more than 1000000 turns");
   }
   void local(const toml::node& node, const std::string& name, double value) {
-    if (std::find(m_locals.begin(), m_locals.end(), name) == m_locals.end()) {
+    const toml::node*& known = m_locals[name];
+    if (known != &node) {
+      if (m_locals.size() + m_parsed.parameters.size() - 1 > kMostNames) failAt(m_parsed.path, node, kTooManyNames);
       try {
         Expressions::checkName(name);
         if (m_numbers.expressions.knows(name)) throw UserError("'" + name + "' is already the name of something else");
       } catch (const UserError& e) {
         failAt(m_parsed.path, node, e.what());
       }
-      m_locals.push_back(name);
+      known = &node;
     }
     m_numbers.expressions.setLocal(name, value);
   }
@@ -195,10 +204,19 @@ class Builder {
     for (const char* name : {"k", "step", "part"}) m_numbers.expressions.setLocal(name, 0);
   }
 
+  // Empty where it has none.
+  static std::string nameOf(TableReader& block) {
+    std::string name = block.string("name", "");
+    if (name == "world" || name.find('[') != name.npos) {
+      block.fail(*block.find("name"), "'name' is '" + name + "'; valid: any but 'world', and without a '['");
+    }
+    return name;
+  }
+
   void bodyBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[body]]");
     beginBlock();
-    const std::string name = block.string("name", "");
+    const std::string name = nameOf(block);
     const long from = m_numbers.whole(block, "from", 0, 0, kMaxSteps);
     const long every = m_numbers.whole(block, "every", 0, 0, kMaxSteps);
     const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
@@ -220,6 +238,10 @@ class Builder {
     spawn.body = readBody<D>(block, m_numbers, m_defaults);
     spawn.body.name = name;
     if (m_numbers.rehearsing()) return;
+    if (removeAt >= 0 && removeAt < step) {
+      block.fail(*block.find("remove"), "'remove' is " + std::to_string(removeAt) + "; valid: from step " +
+                                            std::to_string(step) + " on, when the body comes");
+    }
     m_numbers.count(block.raw(), "bodies");
     if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
     m_scene.spawns.push_back(std::move(spawn));
@@ -244,7 +266,7 @@ class Builder {
     const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
     if (block.find("every") && !block.find("until")) block.fail("'every' needs 'until'");
     checkSteps(block, from, every, until);
-    if (naming && block.find("name")) m_named[block.string("name", "")];
+    if (naming && block.find("name")) m_named[nameOf(block)];
     long step = from;
     const auto bodyNamed = [&](const std::string& key) {
       const int body = bodyOf(block, key, false);
@@ -256,7 +278,7 @@ class Builder {
       use(j.bodyA, step, table), use(j.bodyB, step, table);
       return j;
     };
-    const auto add = [&] { addBody(block, block.string("name", ""), step, -1); };
+    const auto add = [&] { addBody(block, nameOf(block), step, -1); };
     const auto once = [&] {
       m_numbers.count(table, "events");
       kind->read({block, m_numbers, step, m_scene, bodyNamed, add, joint});
@@ -409,7 +431,7 @@ class Builder {
     const toml::table* block;
   };
   std::vector<Use> m_uses;
-  std::vector<std::string> m_locals;
+  std::map<std::string, const toml::node*> m_locals;  // indices and `let`s of the block
   long m_turns = 0;
 };
 
@@ -450,31 +472,7 @@ SceneSpec<D> SceneFile::build(const ParameterValues& given, std::uint64_t seed) 
   return Builder<D>(*m_parsed, values(given), seed).build();
 }
 
-template <int D>
-std::map<std::string, int> census(const SceneSpec<D>& scene) {
-  std::map<std::string, int> out;
-  for (const auto& spawn : scene.spawns) {
-    const BodyDef<D>& b = spawn.body;
-    const std::string type =
-        b.type == BodyType::dynamic ? "dynamic" : (b.type == BodyType::fixed ? "fixed" : "kinematic");
-    ++out[type];
-    if (b.pinned) ++out["pinned"];
-    if (!b.rotatable) ++out["non-rotatable"];
-    if (spawn.step > 0) ++out["scripted"];
-    if (spawn.removeAt >= 0) ++out["removed"];
-    for (const ShapeDef<D>& s : b.shapes) {
-      ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : "compound")];
-    }
-  }
-  if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
-  for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
-  if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
-  return out;
-}
-
 template SceneSpec<2> SceneFile::build<2>(const ParameterValues&, std::uint64_t) const;
 template SceneSpec<3> SceneFile::build<3>(const ParameterValues&, std::uint64_t) const;
-template std::map<std::string, int> census(const SceneSpec<2>&);
-template std::map<std::string, int> census(const SceneSpec<3>&);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -26,6 +26,7 @@ std::vector<SceneParameter> readParameters(TableReader& top) {
   if (!parameters) return {everyScenes};
   std::vector<SceneParameter> out;
   for (const auto& [name, node] : inFileOrder(*parameters)) {
+    if (out.size() == kMostNames) top.fail(*node, kTooManyNames);
     if (name == everyScenes.name) top.fail(*node, "'" + name + "' is a parameter of every scene; valid: another name");
     if (!node->is_table()) top.fail(*node, "parameter '" + name + "' is " + describe(*node) + "; valid: a table");
     try {

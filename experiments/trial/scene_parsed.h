@@ -33,6 +33,10 @@ inline constexpr const char* kSetNames[] = {"dimension", "k", "part", "step"};
 /// blocks together. The largest scenes of the field have some 100,000 bodies, so that more is a slip of the pen.
 inline constexpr long kMostOfEach = 1000000;
 
+/// The most parameters, loop indices and `let`s together: each expression is compiled with all of them.
+inline constexpr std::size_t kMostNames = 100;
+inline constexpr const char* kTooManyNames = "more than 100 parameters, indices and 'let's together";
+
 /// Numbers and vectors of one scene file: a TOML number, or an expression in a string.
 class SceneNumbers {
  public:

@@ -237,8 +237,39 @@ TEST(SceneMistakes, NamesThatAreTaken) {
   }
   cases.push_back({"[[body]]\nrepeat = { i = \"i\" }\n" + kBall, {"t.toml:5: ", "'i'"}});
   cases.push_back({"[[body]]\nrepeat = { i = \"j\", j = 3 }\n" + kBall, {"t.toml:5: ", "'j'"}});
+  cases.push_back({"[[body]]\nrepeat = { i = 3 }\nlet = { i = \"5\" }\n" + kBall, {"t.toml:6: ", "'i'", "already"}});
+  cases.push_back({"[[body]]\nrepeat = { i = 0 }\nlet = { i = \"5\" }\n" + kBall, {"t.toml:6: ", "'i'", "already"}});
+  for (const std::string name : {"world", "a[0]", "["}) {
+    cases.push_back({"[[body]]\nname = \"" + name + "\"\n" + kBall, {"t.toml:5: ", "'" + name + "'", "'world'"}});
+    cases.push_back({"[[event]]\ndo = \"add\"\nstep = 1\nname = \"" + name + "\"\n" + kBall,
+                     {"t.toml:7: ", "'" + name + "'", "'world'"}});
+  }
   cases.push_back({"[[body]]\nlet = { a-b = 3 }\n" + kBall, {"t.toml:5: ", "'a-b'", "letters, digits"}});
   refused(cases);
+}
+
+// Each expression is compiled with all of them.
+TEST(SceneMistakes, MoreNamesThanPeopleWrite) {
+  const auto parameters = [](int n) {
+    std::string out = "[parameters]\n";
+    for (int i = 0; i < n; ++i) {
+      out += "p" + std::to_string(i) + " = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";
+    }
+    return out;
+  };
+  const auto lets = [](int n) {
+    std::string out = "[[body]]\nrepeat = { i = 1, j = 2 }\nlet = { ";
+    for (int i = 0; i < n; ++i) out += (i ? ", l" : "l") + std::to_string(i) + " = \"i + 1\"";
+    return out + " }\n" + kBall;
+  };
+  const std::string many = "more than 100 parameters, indices and 'let's together";
+  EXPECT_EQ(messageOf<2>(parameters(100)), "no error");
+  EXPECT_EQ(messageOf<2>(lets(98) + lets(98)), "no error");
+  EXPECT_EQ(messageOf<2>(parameters(50) + lets(48)), "no error");
+  refused({{parameters(101), {"t.toml:105: " + many}},
+           {lets(99), {"t.toml:6: " + many}},
+           {parameters(50) + lets(49), {"t.toml:57: " + many}},
+           {lets(4000), {"t.toml:6: " + many}}});
 }
 
 // Finite, and yet nothing that a world can take.
@@ -256,6 +287,11 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       {"[[body]]\n" + fixed + "shapes = [{ kind = \"box\", half = [1e300, 1e300, 1e300] }]\n",
        {"t.toml:4: ", "inf kg"}},
       {"[[body]]\ntype = \"kinematic\"\n" + plane, {"t.toml:4: ", "plane", "fixed"}},
+      {"[[body]]\nshapes = [{ kind = \"plane\" }, { kind = \"circle\", radius = 1 }]\n",
+       {"t.toml:4: ", "plane", "fixed"}},
+      {"[[body]]\nfrom = 10\nremove = 5\n" + kBall, {"t.toml:6: ", "'remove' is 5", "step 10"}},
+      {"[[body]]\nfrom = 10\nevery = 5\nuntil = 30\nremove = 24\n" + kBall,
+       {"t.toml:8: ", "'remove' is 24", "step 25"}},
       {joints + kNamed + "[[joint]]\nkind = \"pivot\"\na = \"a\"\nb = \"a\"\nanchor = [0, 0]\n",
        {"t.toml:8: ", "a joint of a body with itself"}},
       {joints + kNamed +
@@ -273,6 +309,7 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
   const std::string hinge =
       joints + kNamed + "[[joint]]\nkind = \"hinge\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n";
   EXPECT_NE(messageOf<3>(hinge + "axis = [1e308, 1e308, 0]\n").find("t.toml:13: 'axis' is longer"), std::string::npos);
+  EXPECT_EQ(messageOf<2>("[[body]]\nfrom = 10\nevery = 5\nuntil = 30\nremove = \"step\"\n" + kBall), "no error");
   for (const double angle : {-1e5, 1e5, 3.0}) {
     EXPECT_EQ(messageOf<3>("[[body]]\nangle = " + std::to_string(angle) + "\n" + kBall), "no error");
   }
@@ -297,13 +334,17 @@ TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
   w.write("control.toml", kHead + "[[body]]\nshapes = [{ kind = \"a\\u0000b\\n\\u001b[31mc\\u009bd\", radius = 1 }]\n");
   w.write("key.toml", kHead + "\"a\\nb\" = 1\n");
   w.write("expression.toml", kHead + placed("1 \\n\\u0000 +* 2"));
+  const std::string rest = "\"\ndimensions = [2]\nsteps = 1\n" + kNamed;
+  w.write("name.toml", "summary = \"s\"\nname = \"t\\u001b[31m" + rest);
+  w.write("summary.toml", "name = \"t\"\nsummary = \"s\\n\\u009bt" + rest);
   w.write("lo\nng.toml", kHead + "[[body]]\nrepeat = 0\nshapes = [\n{ kind = \"circle\", radius = \"nobody\" }]\n");
   w.write("long.toml", kHead + "[[body]]\ntype = \"" + std::string(10000000, 'x') + "\"\n" + kBall);
   w.write("bytes.toml", kHead + "x = \"\xff\xfe\"\n");
   w.write("id.json", "{\"cases\": [{\"id\": \"a\\nb" + std::string(10000000, 'x') + "\", \"query\": 3}]}");
   for (const std::string command :
-       {"run control.toml", "run \"$(printf 'lo\\nng.toml')\"", "run key.toml", "run expression.toml", "run long.toml",
-        "run bytes.toml", "verify --cases id.json", "run good.toml --pipeline \"$(printf 'sol\\nver=\\377')\"",
+       {"run control.toml", "run name.toml", "run summary.toml", "run \"$(printf 'lo\\nng.toml')\"", "run key.toml",
+        "run expression.toml", "run long.toml", "run bytes.toml", "verify --cases id.json",
+        "run good.toml --pipeline \"$(printf 'sol\\nver=\\377')\"",
         "run good.toml --param \"$(printf 'a\\033[31m\\nb=3')\"", "run \"$(printf 'no\\nbody\\377')\"",
         "\"$(printf 'no\\nbody\\377')\"", "run good.toml \"$(printf -- '--no\\nbody\\377')\""}) {
     const Outcome out = w.lpc(command);
@@ -315,6 +356,9 @@ TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
       EXPECT_TRUE(c >= 0x20 ? c < 0x7f : (c == '\n' && i + 1 == out.text.size())) << command << " " << int(c);
     }
   }
+  EXPECT_EQ(w.lpc("run name.toml").text, "lpc: name.toml:2: 'name' is 't\\x1b[31m'; valid: one line of text\n");
+  EXPECT_EQ(w.lpc("run summary.toml").text,
+            "lpc: summary.toml:2: 'summary' is 's\\n\\xc2\\x9bt'; valid: one line of text\n");
   EXPECT_NE(w.lpc("run \"$(printf 'lo\\nng.toml')\"").text.find("ng.toml:7: 'nobody'"), std::string::npos);
   EXPECT_NE(w.lpc("run control.toml").text.find("'a\\x00b\\n\\x1b[31mc\\xc2\\x9bd'; valid: sphere"), std::string::npos)
       << w.lpc("run control.toml").text;

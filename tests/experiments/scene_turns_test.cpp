@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Blocks that make no turn of their loops.
+// Blocks that make no turn of their loops, and what is counted of those that do.
 #include "framework/joint.h"
 #include "tests/experiments/scene_text.h"
 
@@ -147,6 +147,16 @@ parameters = { pitch = "1 / n" }
              without = drawn("");
   ASSERT_EQ(with.spawns.size(), 1u);
   EXPECT_EQ(with.spawns[0].body.X_WB.p, without.spawns[0].body.X_WB.p);
+}
+
+// Exactly as many as may be, by any number of loops; what is counted is the innermost turns.
+TEST(SceneMistakes, AsManyTurnsAsMayBe) {
+  const auto scene = [](const std::string& rest) { return "[[body]]\nwhen = 0\n" + rest + kBall + kNamed; };
+  for (const std::string repeat : {"{ i = 1000, j = 1000 }", "{ i = 1000, j = 1000, n = 1 }"}) {
+    EXPECT_EQ(messageOf<2>(scene("repeat = " + repeat + "\n")), "no error") << repeat;
+  }
+  refused<2>({{scene("repeat = { i = 1000, j = 1000 }\n" + kBall + "[[body]]\nwhen = 0\nrepeat = 1\n"),
+               {"t.toml:10: more than 1000000 turns of loops"}}});
 }
 
 }  // namespace
