@@ -113,10 +113,14 @@ inline void putEdge(std::string& payload, Random& random) {
   }
 }
 
-/// Empty when the payload is refused with a line, or is a world that steps and is saved. `again`: as one that can be
-/// loaded.
+/// What became of a payload. No fault: it is refused with a line, or is a world that steps and is saved.
+struct Life {
+  bool loaded = false;
+  std::string fault;
+};
+/// `again`: it is saved as one that can be loaded.
 template <int D>
-std::string livesOn(const std::string& payload, const char* pipeline, bool again) {
+Life livesOn(const std::string& payload, const char* pipeline, bool again) {
   World<D> world(Pipeline::parse(pipeline));
   static const std::string header = saved(World<D>()).substr(0, kSavedBody);
   std::istringstream in(sealed(header + payload));
@@ -124,17 +128,17 @@ std::string livesOn(const std::string& payload, const char* pipeline, bool again
     world.load(in);
   } catch (const UserError& e) {
     const std::string what = e.what();
-    return what.starts_with("load: ") ? "" : "a refusal that does not say who refuses: " + what;
+    return {false, what.starts_with("load: ") ? "" : "a refusal that does not say who refuses: " + what};
   }
   for (int i = 0; i < 3; ++i) world.step(Real(1) / 60);
   std::istringstream out(saved(world));
-  if (!again) return "";
+  if (!again) return {true, ""};
   try {
     World<D>(Pipeline::parse(pipeline)).load(out);
   } catch (const UserError& e) {
-    return std::string("a world that stepped is saved as none: ") + e.what();
+    return {true, std::string("a world that stepped is saved as none: ") + e.what()};
   }
-  return "";
+  return {true, ""};
 }
 
 }  // namespace lpc::inline LPC_PRECISION::test

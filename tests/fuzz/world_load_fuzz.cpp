@@ -17,9 +17,9 @@ void fuzz(std::string_view input) {
   const auto choice = static_cast<unsigned char>(input[0]);
   const char* pipeline = test::kDamagedPipelines[choice / 2 % test::kDamagedPipelines.size()];
   const std::string payload(input.substr(1));
-  const std::string fault =
+  const test::Life life =
       choice % 2 ? test::livesOn<3>(payload, pipeline, false) : test::livesOn<2>(payload, pipeline, false);
-  demand(fault.empty(), fault.c_str());
+  demand(life.fault.empty(), life.fault.c_str());
 }
 
 namespace {
