@@ -133,16 +133,21 @@ class GjkEpa final : public PairQuery<D> {
     // Near contact rounding says on which side GJK's origin is: the bound knows better.
     const bool overlaps = best.bound < -tolerance || (inside && best.bound <= tolerance);
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
-    if (overlaps && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, m_epa.doubt(), best, work);
+    if (overlaps && m_epa.doubt() > kLeaning * tolerance) m_local.improve(pair, best.n, m_epa.doubt(), best, work);
     if constexpr (D == 3) {
       if (overlaps && best.bound > -kShallow * pair.scale) m_local.improveAcrossEdges(pair, best, work);
     }
     const Real length = std::sqrt(nearest.length2);
     const auto isShort = [&] { return !overlaps && length - best.bound > tolerance; };
-    if (isShort()) m_local.improve(pair, length - best.bound, best, work);
+    if (isShort()) m_local.improve(pair, best.n, length - best.bound, best, work);
+    // The best direction may be an early one, and the last, which rounding spoilt, the nearer one.
+    if (Vec<D> last; isShort() && featureDirection(nearest, last)) {
+      m_local.improve(pair, last, length - pair.bound(last), best, work);
+    }
     // A bound that is short by a part of the length means a direction that is off by the root of twice that part: where
     // the length is near rounding, the vertices to try lie far from the plane reached.
-    if (isShort()) m_local.improve(pair, std::sqrt(2 * (length - best.bound) / length) * pair.scale, best, work);
+    if (isShort())
+      m_local.improve(pair, best.n, std::sqrt(2 * (length - best.bound) / length) * pair.scale, best, work);
     return status;
   }
 

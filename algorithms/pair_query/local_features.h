@@ -10,11 +10,11 @@ namespace lpc::inline LPC_PRECISION::pair_query {
 template <int D>
 class LocalFeatures {
  public:
-  /// `gap` is how far best.bound may be from the truth (m).
-  void improve(const CorePair<D>& pair, Real gap, BestAxis<D>& best, WorkDone& work) {
+  /// Around the unit direction n, whose bound may be `gap` from the truth (m).
+  void improve(const CorePair<D>& pair, Vec<D> n, Real gap, BestAxis<D>& best, WorkDone& work) {
     const Real band = kGapBand * gap + kFeatureBand * pair.scale;
-    supportingVertices<D>(pair.a, best.n, band, m_a);
-    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * best.n)), band, m_b);
+    supportingVertices<D>(pair.a, n, band, m_a);
+    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, m_b);
     if (m_a.size() > kMostLocalVertices || m_b.size() > kMostLocalVertices) return;
     for (Vec<D>& v : m_b) v = pair.p + pair.r * v;
     const auto test = [&](const Vec<D>& v) { best.tryDirection(pair, v, work); };

@@ -125,6 +125,9 @@ TEST(PairQueryTruth, CompetitorsAgreeWithTheReferee3) { competitorsAgree<3>(); }
 TEST(PairQueryTruth, RoundingDoesNotDecideTheSide) {
   const HardPair<3> c = hardPair<3>(ShapeKind::box, ShapeKind::polytope, 7001, 13658);
   const auto truth = referee(c.a.view(), Pose<3>{}, c.b.view(), c.X_AB);
+  ASSERT_TRUE(truth.decided);
+  const double drawn = sizeof(Real) == 4 ? -2.4753415597e-4 : truth.lo;
+  ASSERT_NEAR(truth.lo, drawn, 1e-12) << "another pair is drawn: find that one again";
   const double s = errorScale(c.a.view(), Pose<3>{}, c.b.view(), c.X_AB, truth.lo);
   const auto answer = queryPair(*createStage<PairQuery<3>>(Spec{"gjk_epa", {}}), c.a.view(), c.b.view(), c.X_AB);
   EXPECT_LE(truth.interval().distanceTo(static_cast<double>(answer.distance)), kBound / 10 * s);
