@@ -125,7 +125,8 @@ void Expressions::checkName(const std::string& name) {
 double Expressions::evaluate(const std::string& text) {
   const double value = valueOf(text);
   if (!std::isfinite(value) || noNumber) {
-    throw UserError("'" + oneLine(text) + "' is not a finite number, or the sine of over " +
+    throw UserError("'" + oneLine(text) +
+                    "' is not a finite number, or a part of it is none, such as the sine of over " +
                     std::to_string(static_cast<long>(kLargestAngle)) + " rad");
   }
   return value;
