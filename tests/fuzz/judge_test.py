@@ -78,7 +78,8 @@ class Judge(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "s.db"
             db = sqlite3.connect(path)
-            db.executescript("CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT); INSERT INTO meta VALUES ('schema_version', '3')")
+            db.executescript("CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT);"
+                             "INSERT INTO meta VALUES ('schema_version', '3')")
             db.close()
             data = path.read_bytes()
             self.assertTrue(any(b"2147483647" in mutations.database(random.Random(n), data, data) for n in range(300)))
