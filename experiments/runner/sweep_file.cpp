@@ -239,10 +239,10 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::vector<PlannedTrial> trialsOf(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where,
                                      const json& axes, std::set<std::string>& names) {
     std::vector<PlannedTrial> out;
-    const auto add = [&](bool timed, long repeat) {
+    const auto add = [&](bool timed, long repeats) {
       PlannedTrial trial;
       try {
-        trial = m_kind == "world" ? world(s, at, axes, timed, repeat, names) : frozen(axes, timed, repeat, names);
+        trial = m_kind == "world" ? world(s, at, axes, timed, names) : frozen(axes, timed, names);
       } catch (const UserError& e) {
         if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
         failInCell(e.what(), s, at, where);
@@ -250,15 +250,17 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       trial.axes = axes;
       trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
       if (m_kind == "world") trial.axes["scene"] = trial.canonical["scene"];
-      trial.axes["timed"] = timed, trial.axes["repeat"] = repeat;
-      out.push_back(std::move(trial));
+      trial.axes["timed"] = timed;
+      for (long r = 0; r < repeats; ++r) {  // planned once: 65,536 repeats took 14 s
+        trial.axes["repeat"] = trial.canonical["repeat"] = r;
+        trial.key = trialKey(trial.canonical);
+        out.push_back(trial);
+      }
     };
-    if (s.untimed) {
-      for (long r = 0; r < (s.timed ? 1 : s.repeats); ++r) add(false, r);
-    }
+    if (s.untimed) add(false, s.timed ? 1 : s.repeats);
     if (m_timed = m_timed || s.timed; s.timed) {
       const bool twice = std::find(axes.begin(), axes.end(), json(m_twice)) != axes.end();
-      for (long r = 0; r < (twice ? 2 : 1) * s.repeats; ++r) add(true, r);
+      add(true, (twice ? 2 : 1) * s.repeats);
     }
     return out;
   }
@@ -289,10 +291,10 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     return any;
   }
 
-  PlannedTrial world(const Settings& s, const std::vector<std::size_t>& at, const json& axes, bool timed, long repeat,
+  PlannedTrial world(const Settings& s, const std::vector<std::size_t>& at, const json& axes, bool timed,
                      std::set<std::string>& names) {
     WorldCell cell;
-    cell.timed = timed, cell.repeat = static_cast<int>(repeat);
+    cell.timed = timed;
     std::set<std::string> used = s.named;
     const std::string base = withValues(s.pipeline, axes, used);
     std::optional<Spec> engine = engineOf(base);  // of the last part that names one: it stands in place of all stages
@@ -390,9 +392,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   }
 
   // boxes and pairs: the axes are the trial.
-  PlannedTrial frozen(const json& axes, bool timed, long repeat, std::set<std::string>& names) {
+  PlannedTrial frozen(const json& axes, bool timed, std::set<std::string>& names) {
     json cell = axes;
-    cell["timed"] = timed, cell["repeat"] = repeat;
+    cell["timed"] = timed, cell["repeat"] = 0;
     const char* method = m_kind == "boxes" ? "broadphase" : "pair_query";
     const std::set<std::string> known = {"dimension", "n",         "distribution", "drawing",    "frames",
                                          "seed",      "precision", "broadphase",   "pair_query", "kind_a",

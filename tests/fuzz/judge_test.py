@@ -4,6 +4,7 @@
 import os
 import random
 import sqlite3
+import subprocess
 import sys
 import tempfile
 import textwrap
@@ -73,6 +74,12 @@ class Judge(unittest.TestCase):
         for kind in mutate.KINDS.values():
             once, again = (kind.mutate(random.Random("7"), data, data) for _ in range(2))
             self.assertEqual(once, again)
+
+    def test_a_kind_that_is_none_is_told(self):
+        done = subprocess.run([sys.executable, "-B", mutate.__file__, "lpc", ".", "work", "--replay", "dance", "x"],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("there is no kind 'dance'; valid: cases, command", done.stderr)
 
     def test_damage_reaches_the_schema_of_a_store(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -208,6 +208,8 @@ def main():
     parser.add_argument("--replay", nargs=2, metavar=("KIND", "FILE"))
     parser.add_argument("--only", choices=sorted(KINDS), action="append", help="these kinds (for a longer search by hand)")
     o = parser.parse_args()
+    if o.replay and o.replay[0] not in KINDS:
+        parser.error(f"there is no kind '{o.replay[0]}'; valid: {', '.join(sorted(KINDS))}")
     judge.adopt_orphans()
     o.work.mkdir(parents=True, exist_ok=True)
     fuzzer = Fuzzer(o.lpc.resolve(), o.source.resolve(), o.work.resolve(), o.sanitized)

@@ -33,7 +33,7 @@ def main():
     shutil.rmtree(work / "corpus", ignore_errors=True)
     (work / "corpus").mkdir(parents=True)
     write_seeds(program, source, work / "corpus")
-    limits = ["-timeout=10", "-rss_limit_mb=2048", f"-artifact_prefix={work}/", "-print_final_stats=1"]
+    limits = ["-timeout=120", "-rss_limit_mb=2048", f"-artifact_prefix={work}/", "-print_final_stats=1"]
     if kept:
         done = subprocess.run([program, *limits, *kept], check=False)
         if done.returncode:
