@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -54,13 +55,19 @@ template <class T>
 struct NumberIn<std::vector<T>> : NumberIn<T> {};
 
 // CLI11 by itself takes nan, hexadecimal, 010 as 8, blanks, nothing at all, and what is too large as the largest.
+template <class T>
 CLI::Validator wholeNumberOnly() {
+  using Read = std::conditional_t<std::is_signed_v<T>, T, long>;
   return CLI::Validator(
       [](std::string& text) {
-        long value = 0;
+        Read value = 0;
         const char* end = text.data() + text.size();
         const auto [read, error] = std::from_chars(text.data(), end, value);
-        if (error != std::errc() || read != end) return "'" + text + "' is no whole number up to 9223372036854775807";
+        const Read least = std::is_signed_v<T> ? std::numeric_limits<Read>::min() : 0;
+        if (error != std::errc() || read != end || value < least) {
+          return "'" + text + "' is no whole number that it takes; valid: " + std::to_string(least) + " to " +
+                 std::to_string(std::numeric_limits<Read>::max());
+        }
         text = std::to_string(value);
         return std::string();
       },
@@ -68,7 +75,10 @@ CLI::Validator wholeNumberOnly() {
 }
 CLI::Validator finiteNumberOnly() {
   const auto check = [](std::string& text) {
-    return finiteNumber(text) ? std::string() : "'" + text + "' is no finite number; valid: such as 0.5 or 1e-3";
+    return finiteNumber(text)
+               ? std::string()
+               : "'" + text + "' is no finite number of double precision; valid: such as 0.5 or 1e-3, 0 or " +
+                     "2.3e-308 to 1.7e308 in size";
   };
   return CLI::Validator(check, "");
 }
@@ -197,7 +207,7 @@ template <class T>
 Option CommandLine::option(const char* name, T& value, const char* meaning) {
   CLI::Option* option = m_app->add_option(name, value, meaning);
   using Number = typename NumberIn<T>::type;
-  if constexpr (std::is_integral_v<Number>) option->transform(wholeNumberOnly());
+  if constexpr (std::is_integral_v<Number>) option->transform(wholeNumberOnly<Number>());
   if constexpr (std::is_floating_point_v<Number>) option->transform(finiteNumberOnly());
   return Option(option);
 }

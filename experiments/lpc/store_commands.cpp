@@ -83,9 +83,10 @@ int runProgram(const std::vector<std::string>& arguments) {
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   std::fflush(nullptr);
-  const pid_t pid = fork();
+  const pid_t parent = getpid(), pid = fork();
   if (pid == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);  // it does not go on alone
+    prctl(PR_SET_PDEATHSIG, SIGTERM);     // it does not go on alone
+    if (getppid() != parent) _exit(127);  // it died before the line above
     execvp(argv[0], argv.data());
     _exit(127);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -63,10 +64,13 @@ std::vector<CaseResult> runCaseFile(const std::string& path, const std::vector<s
 // The table goes into a CSV file, and into a store for its report, where one is named.
 int verifyCaseFile(const Arguments& a) {
   keepApart({{"the cases", a.cases}}, {{"--csv", a.csv}, {"--store", a.storeNamed ? a.store : ""}});
-  if (!a.csv.empty()) const OutputFile possible(a.csv);  // and gone: nothing lies there when this is stopped
+  std::error_code none;
+  const bool isPipe = std::filesystem::is_fifo(a.csv, none);        // whose reader would see its end
+  if (!a.csv.empty() && !isPipe) const OutputFile possible(a.csv);  // and gone: nothing lies there when this is stopped
   std::ostringstream table;
   const int exitCode = printCases(runCaseFile(a.cases, a.options.plugins), std::cout, &table);
   if (!a.csv.empty()) {
+    std::cout.flush();  // it may be the same stream
     OutputFile csv(a.csv);
     csv.stream() << table.str(), csv.finish();
   }

@@ -2,8 +2,10 @@
 #include "experiments/runner/store_lock.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -24,13 +26,13 @@ constexpr useconds_t kPause = 10'000;  // µs
 std::string holderOf(int file) {
   struct stat about {};
   if (fstat(file, &about) != 0) return "";
-  const std::string place = ":" + std::to_string(about.st_ino);
+  const std::string place = fmt::format("{:02x}:{:02x}:{}", major(about.st_dev), minor(about.st_dev), about.st_ino);
   std::ifstream locks("/proc/locks");
   for (std::string line; std::getline(locks, line);) {
     std::istringstream words(line);
     std::string number, kind, way, access, process, where;
     words >> number >> kind >> way >> access >> process >> where;
-    if (kind == "FLOCK" && where.ends_with(place)) return " (process " + process + ")";
+    if (kind == "FLOCK" && where == place) return " (process " + process + ")";
   }
   return "";
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Which files a command may be given to read and to write: none is written over what is read, and none is waited for.
+#include <nlohmann/json.hpp>
+
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/refused.h"
 
@@ -116,6 +118,20 @@ TEST(Files, ClosedStreamsAreNoFiles) {
   }
   EXPECT_EQ(w.shell("(" LPC_BINARY_DIR "/bin/lpc run r.toml --json >&-)").text,
             "lpc: standard output cannot be written: Bad file descriptor\n");
+}
+
+// A pipe is opened once: its reader gets the table, and then the end.
+TEST(Files, APipeTakesATable) {
+  Workspace w;
+  auto cases = nlohmann::json::parse(readFile(LPC_SOURCE_DIR "/tests/regressions/hard_cases.json"));
+  cases["cases"] = {cases["cases"][0]};
+  w.write("c.json", cases.dump());
+  const Outcome file = w.lpc("verify --cases c.json --csv x.csv");
+  ASSERT_EQ(file.code, 0) << file.text;
+  const Outcome out = w.shell("mkfifo pipe && (cat pipe > got & timeout 60 " LPC_BINARY_DIR
+                              "/bin/lpc verify --cases c.json --csv pipe && wait)");
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_EQ(readFile(w.path("got")), readFile(w.path("x.csv")));
 }
 
 // Stores and what workers are told are UTF-8.
