@@ -114,8 +114,7 @@ void runScene(const Options& o, Session& session) {
   NamedFiles inputs = {{"the scene", findToml("scenes", o.scene)}};
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
   for (const std::string& path : {o.record, o.profile}) {
-    const bool ofWorker = path == "/dev/stdout" || path.starts_with("/dev/fd/") || path.starts_with("/proc/self/fd/");
-    if (ofWorker) throw UserError(path + ": is another one for the worker that runs the scene; valid: a file");
+    if (isOwnStream(path)) throw UserError(path + ": is another one for the worker that runs the scene; valid: a file");
   }
   keepApart(inputs, {{"--record", o.record}, {"--profile", o.profile}, {"--film", o.film}});
   if (!o.film.empty()) filmKind(o.film);  // before the run, which may take hours

@@ -14,6 +14,20 @@ namespace {
   throw CannotWrite(path + ": cannot be written: " + std::strerror(errno));
 }
 
+// Where links lead, one after the other, but not beyond /proc: what a process has open there is no place for another
+// file.
+std::filesystem::path endOfLinks(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  fs::path at = fs::absolute(path, ignored);
+  for (int links = 0; links < 40; ++links) {
+    at = fs::weakly_canonical(at.parent_path(), ignored) / at.filename();
+    if (at.string().starts_with("/proc/") || !fs::is_symlink(at, ignored)) break;
+    at = at.parent_path() / fs::read_symlink(at, ignored);
+  }
+  return at;
+}
+
 // Devices take what several write.
 bool areOneFile(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
@@ -32,6 +46,7 @@ std::string OutputFile::writtenAt(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return path;
+  if (endOfLinks(path).string().starts_with("/proc/")) return path;
   for (int i = 1;; ++i) {
     std::string beside = path + ".partial" + (i > 1 ? std::to_string(i) : "");
     if (!fs::exists(fs::symlink_status(beside, ignored))) return beside;
@@ -47,7 +62,8 @@ OutputFile::OutputFile(std::string path) : m_path(std::move(path)) {
   } while (!made && errno == EEXIST);
   if (made) std::fclose(made);
   if (!made && m_written != m_path) fail(m_path);
-  m_stream.open(m_written, std::ios::binary | std::ios::trunc);
+  // In place it comes after what is there: /dev/stdout may be a file.
+  m_stream.open(m_written, std::ios::binary | (m_written == m_path ? std::ios::app : std::ios::trunc));
   if (!m_stream) fail(m_path);
 }
 
@@ -64,6 +80,13 @@ void OutputFile::finish() {
   m_stream.close();
   if (m_written != m_path && std::rename(m_written.c_str(), m_path.c_str()) != 0) fail(m_path);
   m_written = m_path;
+}
+
+bool isOwnStream(const std::string& path) {
+  if (path.empty()) return false;
+  std::error_code ignored;
+  const std::filesystem::path end = endOfLinks(path);
+  return end.parent_path() == std::filesystem::canonical("/proc/self/fd", ignored) && end.filename() != "2";
 }
 
 void keepApart(const NamedFiles& inputs, const NamedFiles& outputs) {

@@ -17,7 +17,8 @@ struct CannotWrite : UserError {
 };
 
 /// A file that is there whole or not at all: written beside its place as NAME.partial and renamed by `finish`; as
-/// NAME.partial2 where that name is taken. What exists and is no regular file (a device, a pipe) is written in place.
+/// NAME.partial2 where that name is taken. What exists and is no regular file (a device, a pipe, /dev/stdout) is
+/// written in place.
 class OutputFile {
  public:
   /// Throws CannotWrite at once, not after hours of running.
@@ -38,6 +39,10 @@ class OutputFile {
   std::string m_path, m_written;  // where it shall be, where it is written
   std::ofstream m_stream;
 };
+
+/// Whether the path leads to what this program reads or answers (/dev/stdout, a link to it), which is another one for a
+/// worker; its stderr may be the same.
+bool isOwnStream(const std::string& path);
 
 /// Files as a message names them: {"--record", "a.rec"}. Those that were not named have an empty path.
 using NamedFiles = std::vector<std::pair<std::string, std::string>>;

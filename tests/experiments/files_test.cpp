@@ -120,18 +120,42 @@ TEST(Files, ClosedStreamsAreNoFiles) {
             "lpc: standard output cannot be written: Bad file descriptor\n");
 }
 
+std::string oneCase() {
+  auto cases = nlohmann::json::parse(readFile(LPC_SOURCE_DIR "/tests/regressions/hard_cases.json"));
+  cases["cases"] = {cases["cases"][0]};
+  return cases.dump();
+}
+
 // A pipe is opened once: its reader gets the table, and then the end.
 TEST(Files, APipeTakesATable) {
   Workspace w;
-  auto cases = nlohmann::json::parse(readFile(LPC_SOURCE_DIR "/tests/regressions/hard_cases.json"));
-  cases["cases"] = {cases["cases"][0]};
-  w.write("c.json", cases.dump());
+  w.write("c.json", oneCase());
   const Outcome file = w.lpc("verify --cases c.json --csv x.csv");
   ASSERT_EQ(file.code, 0) << file.text;
   const Outcome out = w.shell("mkfifo pipe && (cat pipe > got & timeout 60 " LPC_BINARY_DIR
                               "/bin/lpc verify --cases c.json --csv pipe && wait)");
   EXPECT_EQ(out.code, 0) << out.text;
   EXPECT_EQ(readFile(w.path("got")), readFile(w.path("x.csv")));
+}
+
+// It is written to and stays, also where the output is a file.
+TEST(Files, StandardOutputIsNotReplaced) {
+  Workspace w;
+  w.write("r.toml", kScene);
+  w.write("c.json", oneCase());
+  ASSERT_EQ(w.shell("ln -s /proc/self/fd/1 first && ln -s first link").code, 0);
+  ASSERT_EQ(w.lpc("verify --cases c.json --csv x.csv").code, 0);
+  for (const std::string path : {"link", "//proc/self/fd/1"}) {
+    const Outcome out = w.shell(LPC_BINARY_DIR "/bin/lpc verify --cases c.json --csv " + path + " > out.txt");
+    EXPECT_EQ(out.code, 0) << out.text;
+    const std::string text = readFile(w.path("out.txt"));
+    EXPECT_TRUE(text.ends_with("our faults: 0\n" + readFile(w.path("x.csv")))) << text;
+    for (const char* option : {"--record ", "--profile "}) {
+      refused(w, "run r.toml " + std::string(option) + path, {path + ": is another one", "valid: a file"});
+    }
+  }
+  EXPECT_TRUE(std::filesystem::is_symlink(w.path("first")) && std::filesystem::is_symlink(w.path("link")));
+  EXPECT_EQ(w.lpc("run r.toml --profile /dev/stderr").code, 0);
 }
 
 // Stores and what workers are told are UTF-8.
