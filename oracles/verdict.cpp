@@ -62,10 +62,10 @@ std::string findingText(const LedgerKey& subject, const Verdict& verdict, std::u
     return numberText(verdict.error ? x : std::numeric_limits<double>::quiet_NaN());
   };
   return ", \"found\": {\"stage\": \"" + subject.stage + "\", \"precision\": \"" + subject.precision +
-         "\", \"method\": \"" + subject.method + "\", \"failure\": \"" +
-         (verdict.failure.empty() ? "none" : verdict.failure) + "\", \"value\": " + orNull(verdict.value) +
-         ", \"error\": " + orNull(verdict.error.value_or(0)) + ", \"seed\": " + std::to_string(seed) +
-         ", \"number\": " + std::to_string(index) + "}";
+         "\", \"method\": \"" + subject.method + "\", " +
+         (verdict.failure.empty() ? std::string(kNoFailure) : "\"failure\": \"" + verdict.failure + '"') +
+         ", \"value\": " + orNull(verdict.value) + ", \"error\": " + orNull(verdict.error.value_or(0)) +
+         ", \"seed\": " + std::to_string(seed) + ", \"number\": " + std::to_string(index) + "}";
 }
 
 std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index) {

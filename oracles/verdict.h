@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "framework/registry.h"
@@ -34,6 +35,9 @@ void book(Ledger& ledger, LedgerKey subject, AlgorithmRole role, const Labels& l
 
 /// What was wrong with whom, as a field of a case: see CaseFinding.
 std::string findingText(const LedgerKey& subject, const Verdict& verdict, std::uint64_t seed, int index);
+
+/// What `findingText` has where nothing was wrong: of the largest error of a method that was right.
+inline constexpr std::string_view kNoFailure = "\"failure\": \"none\"";
 
 /// A name for one input: of kinds (empty for none), seed and number.
 std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index);

@@ -2,6 +2,7 @@
 #include "oracles/verify.h"
 
 #include <cmath>
+#include <map>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -44,12 +45,20 @@ Verified verifyIn(const VerifyTask& task) {
   }
 }
 
+template <class StageOf, int D>
+Verdict askPair(const CaseGeometry<D>& g, const std::string& text) {
+  const Candidate<StageOf> method = candidate<StageOf>(text);
+  if (!g.a.shape || !g.b.shape || !method.create()->supports(g.a.shape->kind(), g.b.shape->kind())) {
+    return {.end = Tally::refused, .error = {}, .failure = "unsupported_shape"};
+  }
+  return verifyPair(g.pair(), method);
+}
+
 template <int D>
 Verdict askAgainIn(const CaseGeometry<D>& g, StageKind stage, const std::string& method) {
   if (stage == StageKind::broadphase) return verifyScript(g.script, candidate<Broadphase<D>>(method));
-  if (!g.a.shape || !g.b.shape) return {.end = Tally::refused, .error = {}, .failure = "unsupported_shape"};
-  if (stage == StageKind::contacts) return verifyPair(g.pair(), candidate<ContactGenerator<D>>(method));
-  return verifyPair(g.pair(), candidate<PairQuery<D>>(method));
+  if (stage == StageKind::contacts) return askPair<ContactGenerator<D>>(g, method);
+  return askPair<PairQuery<D>>(g, method);
 }
 
 // The method that a kept text names, asked it alone: is the failure there again, and by as much?
@@ -62,14 +71,21 @@ bool failsAgain(const std::string& text) {
 
 constexpr std::string_view kFound = "\"found\": {";
 
-// What is told of a question must not hang on those that were asked before it.
+// What is told of a question must not hang on those that were asked before it. The simplest pair and the one with the
+// largest error are often one, which is asked once.
 void askKeptAgain(Verified& out) {
+  std::map<std::string, bool> asked;
+  const auto again = [&](const std::string& text) {
+    const auto [at, fresh] = asked.try_emplace(text, false);
+    if (fresh) at->second = failsAgain(text);
+    return at->second;
+  };
   const auto marked = [](std::string text) {
     return text.insert(text.find(kFound) + kFound.size(), "\"again\": false, ");
   };
   std::vector<FoundCase> once;
   for (auto at = out.found.begin(); at != out.found.end();) {
-    if (failsAgain(at->second.text)) {
+    if (again(at->second.text)) {
       ++at;
     } else {
       once.push_back(at->second);
@@ -81,8 +97,8 @@ void askKeptAgain(Verified& out) {
     out.keep(std::move(c));
   }
   for (auto& [key, entry] : out.ledger) {
-    const bool failure = !entry.worst.empty() && entry.worst.find("\"failure\": \"none\"") == std::string::npos;
-    if (failure && !failsAgain(entry.worst)) entry.worst = marked(entry.worst);
+    const bool failure = !entry.worst.empty() && entry.worst.find(kNoFailure) == std::string::npos;
+    if (failure && !again(entry.worst)) entry.worst = marked(entry.worst);
   }
 }
 

@@ -2,6 +2,7 @@
 // The ledger of verifications in the store.
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/store.h"
+#include "oracles/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -171,7 +172,8 @@ std::map<std::string, std::string> Store::worstCases() try {
   SQLite::Statement s(
       m_db,
       "SELECT method, dimension, precision, worst, max(max_error) FROM ledger WHERE axis='all' AND wrong > 0 "
-      "AND worst <> '' AND worst NOT LIKE '%\"failure\": \"none\"%' GROUP BY stage, method, dimension, precision");
+      "AND worst <> '' AND worst NOT LIKE '%" +
+          std::string(kNoFailure) + "%' GROUP BY stage, method, dimension, precision");
   while (s.executeStep()) {
     out[nameOf(s.getColumn(0).getString(), "worst", s.getColumn(1).getInt(), s.getColumn(2).getString())] =
         s.getColumn(3).getString();

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+// How often `lpc verify` asks what it keeps again.
+#include <gtest/gtest.h>
+
+#include "oracles/verify.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+// Always wrong, and counts how often it is asked.
+template <int D>
+class Counting final : public PairQuery<D> {
+ public:
+  static inline int asked = 0;
+  using Params = NoParams;
+  explicit Counting(const Params&) {}
+  static AlgorithmInfo info() {
+    return {.name = "planted_counting", .summary = "", .paper = "", .complexity = "", .role = AlgorithmRole::witness};
+  }
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
+    PairAnswer<D> answer;
+    answer.status = QueryStatus::converged, answer.distance = 1e6, answer.normal = Vec<D>::Unit(0);
+    for (int i = 0; i < batch.count; ++i) answers.set(i, answer);
+    ++asked;
+  }
+};
+
+// Of a single pair, the simplest failure and the one with the largest error are the same text.
+TEST(Verify, AKeptFailureIsAskedAgainOnce) {
+  static const Registrar<PairQuery, Counting, 2> registrar(__FILE__);
+  const Verified verified = verify({.dimension = 2,
+                                    .kindA = ShapeKind::box,
+                                    .kindB = ShapeKind::box,
+                                    .range = {.seed = 1, .first = 0, .count = 1},
+                                    .methods = {"planted_counting"}});
+  ASSERT_EQ(verified.found.size(), 1u);
+  const std::string& text = verified.found.begin()->second.text;
+  int worst = 0;
+  for (const auto& [key, entry] : verified.ledger) worst += entry.worst == text;
+  EXPECT_EQ(worst, 1);
+  EXPECT_EQ(Counting<2>::asked, 3) << "to warm up, for its answer, and alone";
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
