@@ -26,7 +26,8 @@ template <int D>
 struct BoxScript {
   std::string family;
   int slots = 0;
-  std::vector<std::vector<BoxChange<D>>> steps;  // a slot changes once in a step at most
+  // In a step a slot is removed, added and moved once each at most, in this order: as ProxyChanges tells it.
+  std::vector<std::vector<BoxChange<D>>> steps;
 };
 
 /// The boxes after the steps so far, and what the last one changed.

@@ -47,11 +47,11 @@ struct Place {
     if (!value.is_string()) fail(std::string("field '") + name + "' holds " + value.dump() + "; valid: a text");
     return value.get<std::string>();
   }
-  double whole(const Json& object, const char* name, double most) const {
+  double whole(const Json& object, const char* name, double most, double least = 0) const {
     const double x = number(field(object, name), name);
-    if (!(x >= 0 && x <= most) || x != std::floor(x)) {
-      fail(std::string("field '") + name + "' holds " + numberText(x) + "; valid: a whole number from 0 to " +
-           numberText(most));
+    if (!(x >= least && x <= most) || x != std::floor(x)) {
+      fail(std::string("field '") + name + "' holds " + numberText(x) + "; valid: a whole number from " +
+           numberText(least) + " to " + numberText(most));
     }
     return x;
   }
@@ -235,11 +235,12 @@ std::array<double, 3> readTriple(const Place& at, const Json& value, const char*
 }
 
 template <int D>
-CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query) {
+CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query, bool found) {
   CaseExpected out;
   if (isPair(query)) {
-    at.field(e, "signed_distance");  // null where the referee had none
-    out.distance = at.number(e, "signed_distance", kUnknown);
+    const Json& distance = at.field(e, "signed_distance");
+    // A finding is judged by the referee, who may have had no value either.
+    out.distance = found && distance.is_null() ? kUnknown : at.number(distance, "signed_distance");
     out.tolerance = at.number(e, "tolerance_of_this_value", 0);
   } else if (query == CaseQuery::convexHull) {
     out.degenerate = e.contains("degenerate") && e.at("degenerate") == true;
@@ -280,27 +281,41 @@ CaseFinding readFinding(const Place& at, const Json& found, CaseQuery query) {
   return out;
 }
 
-constexpr int kMostSlots = 1000000;
+// `lpc verify` draws 121 and 6; the judge looks at every two slots in every step.
+constexpr int kMostSlots = 2000, kMostSteps = 100;
 
-// A change that a world could have told of: a slot comes when it is free, and goes or moves when it is not.
+// Of a slot while a script is read: is a box in it, and did this step add or move it?
+struct SlotRead {
+  bool used = false, added = false, moved = false;
+};
+
+// A change that a world could have told of: a slot comes when it is free, goes or moves when it is not, and in one step
+// is freed, taken and moved once each at most, in this order (see ProxyChanges).
 template <int D>
-BoxChange<D> readChange(const Place& at, const Json& change, int slots, std::vector<bool>& used) {
+BoxChange<D> readChange(const Place& at, const Json& change, std::vector<SlotRead>& slots) {
   BoxChange<D> out;
   using What = typename BoxChange<D>::What;
   const char* name = "added";
   if (change.contains("removed")) out.what = What::removed, name = "removed";
   if (change.contains("moved")) out.what = What::moved, name = "moved";
-  out.slot = static_cast<ProxyId>(at.whole(change, name, slots - 1));
-  const auto k = static_cast<std::size_t>(out.slot);
-  if (used[k] == (out.what == What::added)) {
-    at.fail("slot " + std::to_string(out.slot) + " is " + name + " but " + (used[k] ? "in use" : "free"));
+  out.slot = static_cast<ProxyId>(at.whole(change, name, static_cast<double>(slots.size()) - 1));
+  SlotRead& slot = slots[static_cast<std::size_t>(out.slot)];
+  const std::string which = "slot " + std::to_string(out.slot);
+  if (slot.used == (out.what == What::added)) {
+    at.fail(which + " is " + name + " but " + (slot.used ? "in use" : "free"));
   }
-  used[k] = out.what != What::removed;
+  if (slot.moved || (out.what == What::removed && slot.added)) {
+    at.fail(which + " is " + name + " after it was " + (slot.moved ? "moved" : "added") +
+            " in the same step; valid: removed, added, moved, each once at most and in this order");
+  }
+  slot.added |= out.what == What::added, slot.moved |= out.what == What::moved;
+  slot.used = out.what != What::removed;
   if (out.what == What::removed) return out;
   out.box = {at.vector<D>(at.field(change, "lo"), "lo"), at.vector<D>(at.field(change, "hi"), "hi")};
-  if (!(out.box.lo.array() <= out.box.hi.array()).all() || !out.box.lo.allFinite() || !out.box.hi.allFinite()) {
-    at.fail("slot " + std::to_string(out.slot) + ": 'lo' is above 'hi'");
+  if (!out.box.lo.allFinite() || !out.box.hi.allFinite()) {
+    at.fail(which + ": 'lo' or 'hi' is too large for " + (sizeof(Real) == 8 ? "f64" : "f32"));
   }
+  if (!(out.box.lo.array() <= out.box.hi.array()).all()) at.fail(which + ": 'lo' is above 'hi'");
   if (out.what == What::moved) return out;
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
   out.body = static_cast<std::int32_t>(at.whole(change, "body", std::numeric_limits<std::int32_t>::max()));
@@ -312,11 +327,16 @@ BoxChange<D> readChange(const Place& at, const Json& change, int slots, std::vec
 
 template <int D>
 BoxScript<D> readScript(const Place& at, const Json& c) {
-  BoxScript<D> out{.family = "", .slots = static_cast<int>(at.whole(c, "slots", kMostSlots)), .steps = {}};
-  std::vector<bool> used(static_cast<std::size_t>(out.slots));
-  for (const Json& step : at.field(c, "steps")) {
+  BoxScript<D> out{.family = "", .slots = static_cast<int>(at.whole(c, "slots", kMostSlots, 1)), .steps = {}};
+  std::vector<SlotRead> slots(static_cast<std::size_t>(out.slots));
+  const Json& steps = at.field(c, "steps");
+  if (steps.size() > kMostSteps) {
+    at.fail("field 'steps' has " + std::to_string(steps.size()) + "; valid: at most " + std::to_string(kMostSteps));
+  }
+  for (const Json& step : steps) {
     std::vector<BoxChange<D>>& changes = out.steps.emplace_back();
-    for (const Json& change : step) changes.push_back(readChange<D>(at, change, out.slots, used));
+    for (SlotRead& slot : slots) slot = {.used = slot.used};
+    for (const Json& change : step) changes.push_back(readChange<D>(at, change, slots));
   }
   return out;
 }
@@ -373,6 +393,10 @@ std::vector<Case> parseCases(const std::string& text, const std::string& path) {
     throw UserError(path + ": there is no list 'cases'");
   }
   if (file.at("cases").empty()) throw UserError(path + ": the list 'cases' is empty");
+  if (file.contains("count") && file.at("count") != file.at("cases").size()) {
+    throw UserError(path + ": field 'count' holds " + file.at("count").dump() + ", and the list 'cases' has " +
+                    std::to_string(file.at("cases").size()));
+  }
   std::vector<Case> out;
   for (const Json& c : file.at("cases")) {
     Place at{path, "number " + std::to_string(out.size())};
@@ -391,10 +415,10 @@ std::vector<Case> parseCases(const std::string& text, const std::string& path) {
       const double dimension = at.number(at.field(c, "dim"), "dim");
       if (dimension == 2) {
         read.geometry = readGeometry<2>(at, c, read.query);
-        read.expected = readExpected<2>(at, expected, read.query);
+        read.expected = readExpected<2>(at, expected, read.query, read.finding.has_value());
       } else if (dimension == 3) {
         read.geometry = readGeometry<3>(at, c, read.query);
-        read.expected = readExpected<3>(at, expected, read.query);
+        read.expected = readExpected<3>(at, expected, read.query, read.finding.has_value());
       } else {
         at.fail("field 'dim' holds " + std::to_string(dimension) + "; valid: 2, 3");
       }
