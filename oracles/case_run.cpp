@@ -9,6 +9,7 @@
 
 #include "framework/check.h"
 #include "framework/mass.h"
+#include "framework/names.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/tolerances.h"
 #include "oracles/cases.h"
@@ -101,17 +102,25 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
 // The referee on the case: it judges the file's expected value.
 template <int D>
 CaseResult judgeExpected(const Case& c, const CaseGeometry<D>& g) {
-  const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
-  const RefereeAnswer<D> truth = referee(a, g.a.X_WS, b, g.b.X_WS);
   CaseResult row{
       .id = c.id, .method = std::string(kReferee), .role = AlgorithmRole::referee, .expected = c.expected.distance};
+  if (!g.a.shape || !g.b.shape) {
+    row.reason = "unsupported_shape";
+    return row;
+  }
+  const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
+  const RefereeAnswer<D> truth = referee(a, g.a.X_WS, b, g.b.X_WS);
+  if (!truth.decided) {
+    row.reason = "undecided";
+    return row;
+  }
   const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, c.expected.distance);
   const double off = truth.interval().distanceTo(c.expected.distance);
-  const bool right = truth.decided && off <= c.expected.tolerance + toleranceOf(c) * s;
+  const bool right = off <= c.expected.tolerance + toleranceOf(c) * s;
   row.value = truth.interval().middle();
   row.error = off / s;
-  row.verdict = right ? CaseVerdict::ok : truth.decided ? CaseVerdict::wrong : CaseVerdict::failed;
-  row.reason = right ? "" : truth.decided ? "the file's expected value is not the distance" : "not finite";
+  row.verdict = right ? CaseVerdict::ok : CaseVerdict::wrong;
+  row.reason = right ? "" : "the file's expected value is not the distance";
   return row;
 }
 
@@ -317,14 +326,19 @@ namespace {
 
 int dimensionOf(const Case& c) { return std::holds_alternative<CaseGeometry<2>>(c.geometry) ? 2 : 3; }
 
-template <int D>
-bool takes(StageKind stage, const Registered& r, const Spec& spec, const CaseGeometry<D>& g) {
-  if (stage == StageKind::broadphase) return true;
-  if (!g.a.shape || !g.b.shape) return false;
-  const auto made = r.create(spec);
-  const ShapeKind a = g.a.shape->kind(), b = g.b.shape->kind();
-  return stage == StageKind::contacts ? static_cast<ContactGenerator<D>&>(*made).supports(a, b)
-                                      : static_cast<PairQuery<D>&>(*made).supports(a, b);
+// The method that the case is about.
+[[noreturn]] void failUnknown(const Case& c) {
+  const std::string name = Spec::parse(c.finding->method).name;
+  std::vector<std::string> names;
+  for (const Registered* r : Registry::instance().list(c.finding->stage, dimensionOf(c))) names.push_back(r->info.name);
+  throw UserError("case '" + c.id + "': the method '" + name + "' is neither built in nor of a --plugin" +
+                  validNames(names, name));
+}
+
+const Registered* registered(const Case& c, const std::string& method) {
+  const auto& all = Registry::instance().all();
+  const auto at = all.find({c.finding->stage, dimensionOf(c), Spec::parse(method).name});
+  return at == all.end() ? nullptr : &at->second;
 }
 
 }  // namespace
@@ -333,33 +347,31 @@ std::vector<std::string> methodsToAsk(const Case& c) {
   std::vector<std::string> out{c.finding->method};
   if (c.finding->stage == StageKind::broadphase) return out;  // the boxes themselves are the judge
   const auto hasShapes = [](const auto& g) { return g.a.shape && g.b.shape; };
-  if (std::visit(hasShapes, c.geometry)) out.emplace_back(kReferee);
+  if (std::isfinite(c.expected.distance) && std::visit(hasShapes, c.geometry)) out.emplace_back(kReferee);
   for (const Registered* r : Registry::instance().list(c.finding->stage, dimensionOf(c))) {
     if (r->info.name != out[0]) out.push_back(r->info.name);
   }
   return out;
 }
 
+AlgorithmRole roleOf(const Case& c, const std::string& method) {
+  if (method == kReferee) return AlgorithmRole::referee;
+  const Registered* r = registered(c, method);
+  return r ? r->info.role : AlgorithmRole::competitor;
+}
+
 CaseResult askFound(const Case& c, const std::string& method) {
   if (method == kReferee) return std::visit([&](const auto& g) { return judgeExpected(c, g); }, c.geometry);
-  CaseResult row{.id = c.id, .method = method, .expected = c.expected.distance};
-  if (method == c.finding->method) row.again = false;
-  const Spec spec = Spec::parse(method);
-  const StageKind stage = c.finding->stage;
-  const auto& all = Registry::instance().all();
-  const auto known = all.find({stage, dimensionOf(c), spec.name});
-  if (known == all.end()) {
+  CaseResult row{.id = c.id, .method = method, .role = roleOf(c, method), .expected = c.expected.distance};
+  const bool found = method == c.finding->method;
+  if (!registered(c, method)) {
+    if (found) failUnknown(c);
     row.reason = kUnknownMethod;
-    return row;
-  }
-  row.role = known->second.info.role;
-  if (!std::visit([&](const auto& g) { return takes(stage, known->second, spec, g); }, c.geometry)) {
-    row.reason = "unsupported_shape";
     return row;
   }
   const Verdict verdict = askAgain(c, method);
   tell(verdict, row);
-  if (row.again) row.again = verdict.failure == c.finding->failure;
+  if (found) row.again = verdict.failure == c.finding->failure;
   return row;
 }
 
@@ -385,6 +397,11 @@ namespace {
 
 bool hasValue(const CaseResult& row) { return row.verdict == CaseVerdict::ok || row.verdict == CaseVerdict::wrong; }
 
+// The file may hold no expected value.
+std::string expectedOr(const CaseResult& row, const char* otherwise) {
+  return std::isnan(row.expected) ? otherwise : numberText(row.expected);
+}
+
 std::string reasonOf(const CaseResult& row) {
   if (!row.again) return row.reason;
   return *row.again ? "fails again: " + row.reason
@@ -395,7 +412,8 @@ void print(const CaseResult& row, std::ostream& out) {
   out << std::left << std::setw(40) << row.id << ' ' << std::setw(19) << row.method << ' ' << std::setw(7)
       << caseVerdictName(row.verdict) << ' ';
   if (hasValue(row)) {
-    out << std::setprecision(17) << row.value << ' ' << row.expected << ' ' << std::setprecision(2) << row.error;
+    out << std::setprecision(17) << row.value << ' ' << expectedOr(row, "-") << ' ' << std::setprecision(2)
+        << row.error;
   } else {
     out << "- - -";
   }
@@ -408,7 +426,7 @@ void write(const CaseResult& row, std::ostream& csv) {
   csv << row.id << ',' << (listed ? '"' + row.method + '"' : row.method) << ',' << caseVerdictName(row.verdict) << ','
       << std::setprecision(17);
   if (hasValue(row)) {
-    csv << row.value << ',' << row.expected << ',' << row.error;
+    csv << row.value << ',' << expectedOr(row, "") << ',' << row.error;
   } else {
     csv << ",,";
   }

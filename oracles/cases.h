@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Corpora of hard inputs: reading a file of cases, and running every method on them. The schema stands at the top of
-// tests/regressions/hard_cases.json, so that corpora can be exchanged with others.
+// tests/regressions/hard_cases.json and, of what `lpc verify` found, found_cases.json beside it, so that corpora can be
+// exchanged with others.
 #pragma once
 
 #include <array>
@@ -57,7 +58,7 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// What must come out. Which fields count depends on the query; of hulls and masses only what the file states is
 /// compared. 2D uses the first two components.
 struct CaseExpected {
-  double distance = 0;        // signed, m
+  double distance = 0;        // signed, m; NaN in a case with a finding whose referee had none
   double tolerance = 0;       // how well the file knows `distance` (m)
   double measure = kUnknown;  // area or volume (m^D)
   bool degenerate = false;    // a hull that may be refused
@@ -89,21 +90,26 @@ struct CaseResult {
   std::string id, method;
   AlgorithmRole role = AlgorithmRole::competitor;
   CaseVerdict verdict = CaseVerdict::refused;
-  std::string reason = {};  // unsupported_shape, unsupported_query, or what is wrong
-  double value = 0, expected = 0;
-  double error = 0;  // |value - expected| / s, s as in `errorScale`
+  std::string reason = {};  // unsupported_shape, unsupported_query, undecided, or what is wrong
+  double value = 0;
+  double expected = 0;  // NaN where the file has none
+  double error = 0;     // |value - expected| / s, s as in `errorScale`
   /// Of the method that was found wrong on the case: does it fail in the same way again?
   std::optional<bool> again = {};
 };
 
 /// Asks a method (with parameters, as gjk_epa{iterations=20}) what the case's finding says was asked, and judges as
-/// `lpc verify` does. Throws UserError where it does not exist. Precondition: the case has a finding.
+/// `lpc verify` does; `unsupported_shape` where it does not take the shapes. Throws UserError where it does not exist.
+/// Precondition: the case has a finding.
 Verdict askAgain(const Case& c, const std::string& method);
 
-/// Who is asked about a case with a finding: the method that was found, the referee, then the others of its stage
-/// (of broadphases the method alone).
+/// Who is asked about a case with a finding: the method that was found, the referee where there is an expected value,
+/// then the others of its stage (of broadphases the method alone).
 std::vector<std::string> methodsToAsk(const Case& c);
-/// One of them. A method that is not registered here refuses.
+/// The role that one of them has in its row; of a method that is not registered here, a competitor's.
+AlgorithmRole roleOf(const Case& c, const std::string& method);
+/// One of them. One that is not registered here refuses; the method that was found must be (else UserError): nobody
+/// shall take it for mended.
 CaseResult askFound(const Case& c, const std::string& method);
 
 /// Every case with every method that takes its query: signed distances with each registered pair query, contacts with

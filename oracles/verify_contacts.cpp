@@ -265,10 +265,7 @@ Verdict judge(const Placed<D>& k, const std::vector<Manifold<D>>* found, const s
     v.end = failure == "not_finite" ? Tally::notFinite : Tally::wrong, v.failure = failure;
     return v;
   };
-  if (!k.truth.decided || 10 * k.truth.interval().width() > k.allowed) {
-    v.end = Tally::undecided;
-    return v;
-  }
+  if (!k.truth.decided || 10 * k.truth.interval().width() > k.allowed) return withoutAnswer(Tally::undecided);
   const double phi = k.truth.interval().middle(), margin = static_cast<double>(kContactMargin);
   if (!found) {
     v.wrongSide = phi < margin - 2 * k.allowed;
@@ -334,7 +331,9 @@ void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                            findingText(subject, verdict, range.seed, index) + expectedText(placed[i].truth));
       };
       book(out.ledger, subject, m.info.role, placed[i].labels, verdict, spent / range.count, text);
-      if (!verdict.failure.empty()) out.keep({m.name, verdict.failure, placed[i].vertices, placed[i].s, text()});
+      if (!verdict.failure.empty() && verdict.end != Tally::undecided) {
+        out.keep({m.name, verdict.failure, placed[i].vertices, placed[i].s, text()});
+      }
     }
   }
 }

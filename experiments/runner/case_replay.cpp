@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "experiments/runner/worker_pool.h"
@@ -24,12 +25,12 @@ using Questions = std::vector<Question>;
 class Replay {
  public:
   Replay(const std::string& path, const std::vector<Case>& cases, const std::vector<std::string>& plugins)
-      : m_path(std::filesystem::absolute(path).string()), m_cases(cases), m_pool(plugins) {}
+      : m_file(path), m_path(std::filesystem::absolute(path).string()), m_cases(cases), m_pool(plugins) {}
 
   // One worker for all; where it does not come back, one for each half.
   void ask(const Questions& questions, std::vector<CaseResult>& rows) {
     WorkerEnd end = run(questions);
-    if (end.outcome == "unsupported") throw UserError(m_path + ": " + end.reason);
+    if (end.outcome == "unsupported") throw UserError(m_file + ": " + std::string(toldBy(end.reason)));
     std::vector<CaseResult> told;
     try {
       if (end.outcome == "ok") told = caseRowsFromJson(json::parse(end.output));
@@ -48,6 +49,14 @@ class Replay {
   }
 
  private:
+  // A worker's message without what ours begins with, too.
+  std::string_view toldBy(std::string_view reason) const {
+    for (const std::string& start : {std::string("lpc: "), m_path + ": "}) {
+      if (reason.starts_with(start)) reason.remove_prefix(start.size());
+    }
+    return reason;
+  }
+
   WorkerEnd run(const Questions& questions) {
     json task = {{"file", m_path}, {"questions", json::array()}};
     for (const Question& q : questions) task["questions"].push_back({q.number, q.method});
@@ -63,13 +72,13 @@ class Replay {
   CaseResult lost(const Question& q, const WorkerEnd& end) const {
     const Case& c = m_cases[q.number];
     const bool hung = end.outcome == "timeout";
-    CaseResult row{.id = c.id, .method = q.method, .expected = c.expected.distance};
+    CaseResult row{.id = c.id, .method = q.method, .role = roleOf(c, q.method), .expected = c.expected.distance};
     row.verdict = hung ? CaseVerdict::hang : CaseVerdict::failed, row.reason = hung ? "hung" : "crashed";
     if (q.method == c.finding->method) row.again = c.finding->failure == row.reason;
     return row;
   }
 
-  std::string m_path;
+  std::string m_file, m_path;  // as it was named, and absolute
   const std::vector<Case>& m_cases;
   WorkerPool m_pool;
 };

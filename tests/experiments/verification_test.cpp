@@ -131,7 +131,16 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
   EXPECT_EQ(tally("agree + tie", "closed_form"), kVerifyBlock);
   // The simplest pair of each failure is a file that can be replayed before all methods.
   EXPECT_TRUE(std::filesystem::exists(w.path("v/s.db.found/planted_abort-crashed-2d-f64.json")));
-  EXPECT_EQ(w.lpc("verify --cases v/s.db.found/planted_half-wrong_distance-2d-f64.json").code, 0);
+  // Without the plugin it is not taken for mended.
+  const Outcome gone = w.lpc("verify --cases v/s.db.found/planted_half-wrong_distance-2d-f64.json");
+  EXPECT_EQ(gone.code, 2);
+  EXPECT_TRUE(
+      gone.text.starts_with("lpc: v/s.db.found/planted_half-wrong_distance-2d-f64.json: case 'pair_query-2d-f64-"))
+      << gone.text;
+  EXPECT_NE(gone.text.find("': the method 'planted_half' is neither built in nor of a --plugin; valid: bullet_"),
+            std::string::npos)
+      << gone.text;
+  EXPECT_EQ(std::count(gone.text.begin(), gone.text.end(), '\n'), 1) << gone.text;
   const Outcome replay =
       w.lpc("--plugin " + kPlugin + " verify --cases v/s.db.found/planted_half-wrong_distance-2d-f64.json");
   EXPECT_EQ(replay.code, 1);
@@ -205,12 +214,37 @@ TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
   const Outcome run = w.lpc("verify --cases " + found);
   EXPECT_EQ(run.code, 0) << run.text;
   EXPECT_NE(run.text.find(", of which fail again 0\n"), std::string::npos) << run.text;
+  // And in that precision the file is read: one line when it cannot be.
+  const Outcome large = w.lpc("verify --cases " + w.write("large.json", R"({"cases": [{"id": "x", "dim": 2,
+    "query": "broadphase", "slots": 1, "steps": [[{"added": 0, "lo": [0, 0], "hi": [1e300, 1], "body": 0,
+    "active": true, "category": 1, "mask": 1}]], "expected": {}, "found": {"stage": "broadphase", "precision": "f32",
+    "method": "naive", "failure": "x", "error": null, "seed": 1, "number": 1}}]})"));
+  EXPECT_EQ(large.code, 2);
+  EXPECT_EQ(large.text, "lpc: " + w.path("large.json") + ": case 'x': slot 0: 'lo' or 'hi' is too large for f32\n");
   const Outcome half =
       w.lpc("verify --cases " + w.write("half.json", R"({"cases": [{"id": "x", "dim": 2, "query": "contacts",
     "found": {"stage": "contacts", "precision": "f16", "method": "sat", "failure": "x", "seed": 1, "number": 1},
     "expected": {"signed_distance": 0}}]})"));
   EXPECT_EQ(half.code, 2);
   EXPECT_NE(half.text.find("field 'precision' holds 'f16'; valid: f64, f32"), std::string::npos) << half.text;
+}
+
+// Whose worker ends is nobody's fault but ours, where the method is.
+TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
+  Workspace w;
+  std::filesystem::create_directory(w.path("bin"));
+  w.write("bin/lpc-worker-f64", "#!/bin/sh\nkill -SEGV $$\n");
+  std::filesystem::permissions(w.path("bin/lpc-worker-f64"), std::filesystem::perms::owner_all);
+  const std::string shape = R"({"type": "box", "half_extents": [1, 1]})";
+  w.write("c.json", R"({"cases": [{"id": "x", "dim": 2, "query": "signed_distance", "shapeA": )" + shape +
+                        R"(, "shapeB": )" + shape + R"(, "poseA": {"t": [0, 0]}, "poseB": {"t": [3, 0]},
+    "expected": {"signed_distance": 1}, "found": {"stage": "pair_query", "precision": "f64", "method": "sat",
+    "failure": "crashed", "error": null, "seed": 1, "number": 1}}]})");
+  const Outcome run = w.lpc("verify --cases c.json", "LPC_WORKERS=" + w.path("bin"));
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.text.find("referee"), std::string::npos) << run.text;
+  EXPECT_NE(run.text.find("found failures: 1, of which fail again 1\nour faults: 3\n"), std::string::npos)
+      << "closed_form, gjk_epa, sat\n" + run.text;
 }
 
 // A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Pairs that `lpc verify` found, with the bits that a method was asked: it was wrong, is mended, and stays right. Each
-// build takes the cases of its own precision. And what a file of such cases may not hold.
+// build takes the cases of its own precision. And what a file of such cases may not hold, and who is asked about it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "framework/check.h"
 #include "oracles/cases.h"
@@ -60,6 +62,26 @@ std::string boxes(const std::string& query, const std::string& distance, const s
   return listed(kBoxes + (R"("query": ")" + query + R"(", "expected": {"signed_distance": )" + distance + "}" + found));
 }
 
+TEST(FoundCases, OnlyAFindingMayLackAnExpectedValue) {
+  for (const std::string& query : {std::string("signed_distance"), std::string("contacts")}) {
+    EXPECT_EQ(complaint(boxes(query, "1", "")), "");
+    EXPECT_EQ(complaint(boxes(query, "null", "")),
+              "f.json: case 'c': field 'signed_distance' holds null; valid: a number");
+    const bool contacts = query == "contacts";
+    const std::string found = finding(contacts ? "contacts" : "pair_query", contacts ? "sat_clip" : "sat");
+    // Then there is nothing for the referee to confirm; the methods are judged all the same.
+    const std::vector<CaseResult> rows = runCases(parseCases(boxes(query, "null", ", " + found), "f.json"));
+    EXPECT_GT(rows.size(), 2u);
+    for (const CaseResult& row : rows) {
+      EXPECT_NE(row.role, AlgorithmRole::referee);
+      EXPECT_TRUE(row.verdict == CaseVerdict::ok || row.reason == "unsupported_shape") << row.method;
+    }
+    std::ostringstream table, csv;
+    EXPECT_EQ(printCases(rows, table, &csv), 0);
+    EXPECT_EQ((table.str() + csv.str()).find("nan"), std::string::npos) << table.str() << csv.str();
+  }
+}
+
 TEST(FoundCases, CountIsThatOfTheList) {
   std::string text = boxes("contacts", "1", "");
   text.insert(1, R"("count": 1, )");
@@ -113,6 +135,64 @@ TEST(FoundCases, ScriptsAreOfASizeThatCanBeJudged) {
   for (int i = 1; i < 100; ++i) steps += ", []";
   EXPECT_EQ(complaint(script("2000", steps)), "");
   EXPECT_EQ(complaint(script("2", steps + ", []")), "f.json: case 'c': field 'steps' has 101; valid: at most 100");
+}
+
+// --- who is asked ----------------------------------------------------------------------------------------------------
+
+Case parsed(const std::string& text) { return parseCases(text, "f.json").front(); }
+
+// A hull that is flat here may be one in another precision, where it was decided who is asked.
+TEST(FoundCases, ShapesThatAreRefusedAreAskedNobody) {
+  const std::string flat = R"({"type": "convex", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]})";
+  for (const std::string& method : {std::string("sat"), std::string("gjk_epa")}) {
+    const Case c = parsed(listed(R"("dim": 3, "query": "signed_distance", "shapeA": )" + flat +
+                                 R"(, "poseA": {"t": [0, 0, 0]}, "shapeB": {"type": "sphere", "radius": 1},
+        "poseB": {"t": [0, 0, 3]}, "expected": {"signed_distance": 2}, )" +
+                                 finding("pair_query", method)));
+    const std::vector<std::string> methods = methodsToAsk(c);
+    EXPECT_EQ(std::count(methods.begin(), methods.end(), "referee"), 0);
+    for (const std::string& asked : {method, std::string("referee")}) {
+      const CaseResult row = askFound(c, asked);
+      EXPECT_EQ(row.verdict, CaseVerdict::refused) << asked;
+      EXPECT_EQ(row.reason, "unsupported_shape") << asked;
+      EXPECT_EQ(row.role, asked == "referee" ? AlgorithmRole::referee : AlgorithmRole::competitor);
+      EXPECT_FALSE(isOurFault(row));
+    }
+    EXPECT_EQ(askAgain(c, method).failure, "unsupported_shape");
+  }
+}
+
+// A circle in an ellipse that is one, at one centre: every normal is as good, and the referee cannot say.
+TEST(FoundCases, WhatTheRefereeCannotSayIsNobodysFault) {
+  for (const bool found : {false, true}) {
+    const Case c = parsed(listed(R"("dim": 2, "query": "contacts", "shapeA": {"type": "ellipsoid", "radii": [1, 1]},
+        "poseA": {"t": [0, 0]}, "shapeB": {"type": "sphere", "radius": 0.5}, "poseB": {"t": [0, 0]},
+        "expected": {"signed_distance": -1.5})" +
+                                 (found ? ", " + finding("contacts", "deepest_point") : "")));
+    int undecided = 0;
+    for (const CaseResult& row : runCases({c})) {
+      EXPECT_FALSE(isOurFault(row)) << row.method << ": " << row.reason;
+      EXPECT_EQ(row.verdict, CaseVerdict::refused) << row.method;
+      undecided += row.reason == "undecided";
+    }
+    EXPECT_EQ(undecided, 3) << "the referee, query_clip, deepest_point";
+  }
+}
+
+// A method that is gone has not been mended.
+TEST(FoundCases, AMethodThatIsNotThereIsTheUsersMistake) {
+  const Case c = parsed(boxes("signed_distance", "1", ", " + finding("pair_query", "gjk_ep{iterations=20}")));
+  try {
+    runCases({c});
+    ADD_FAILURE() << "it was asked";
+  } catch (const UserError& error) {
+    const std::string message = error.what();
+    EXPECT_TRUE(
+        message.starts_with("case 'c': the method 'gjk_ep' is neither built in nor of a --plugin; "
+                            "did you mean 'gjk_epa'? valid: "))
+        << message;
+  }
+  EXPECT_EQ(askFound(c, "nobody").reason, "unknown_method");  // of the others, one that another precision has
 }
 
 }  // namespace
