@@ -25,7 +25,7 @@ struct HardPair {
   /// X_WA^-1 * X_WB as computed in Real, which far from the origin is not what was meant. It is what a pair query is
   /// asked, so it is what the referee judges.
   Pose<D> X_AB = {};
-  /// X_WB after a motion of a micrometre, under which faces at rest keep their features; other pairs have none.
+  /// X_WB after a motion of a micrometre (f32: ten), under which faces at rest keep their features; others have none.
   std::optional<Pose<D>> X_WBNudged = {};
   std::string_view family = "random";
   double scale = 1;   // size of the shapes (m)

@@ -20,7 +20,7 @@ enum class Tally {
   asked,
   agree,
   wrong,      // value, normal or side, by the referee's proof: candidate or oracle, as the method's role says
-  tie,        // agrees along another normal than the referee's
+  tie,        // agrees along another normal than the referee's, or its features changed by chance
   undecided,  // the referee cannot say
   refused,
   notFinite,

@@ -73,6 +73,18 @@ struct FeaturesFromPosition final : SpoiledContacts<D> {
   }
 };
 
+/// The millimetre in which a point lies: few small motions show it.
+template <int D>
+struct FeaturesByMillimetre final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override {
+    for (int i = 0; i < m.count; ++i) {
+      auto& p = m.points[static_cast<std::size_t>(i)];
+      const auto cell = static_cast<std::int64_t>(std::floor(1000 * p.localB.sum() + Real(0.3)));
+      p.feature = static_cast<std::uint64_t>(8 * i) << 32 | static_cast<std::uint32_t>(cell);
+    }
+  }
+};
+
 /// Numbers that follow from which point is the deepest: where faces lie flat on each other, rounding says which.
 template <int D>
 struct FeaturesFromDepth final : SpoiledContacts<D> {
