@@ -396,8 +396,9 @@ void facesSpanPatch(ContactGenerator<D>& generator) {
   if (D == 3) RC_ASSERT(areaOfHull(points) >= Real(0.48) * areaOfHull(c.patch));
 }
 
-/// A motion of a micrometre leaves the features of a face contact as they are. Where a corner just passes a threshold,
-/// which happens by chance alone, they may change, but not also a millimetre beside.
+/// A motion of a micrometre (f32: ten) leaves the features of a face contact as they are, unless a corner just passes a
+/// threshold. Such places are few: along a centimetre, a centimetre beside, names change twelve times at most, by the
+/// motion or from place to place. Where equal shapes lie on each other, there is none.
 template <int D>
 void featuresAreSteady(ContactGenerator<D>& generator) {
   const auto c = *Gen(drawFaceContact<D>);
@@ -405,29 +406,38 @@ void featuresAreSteady(ContactGenerator<D>& generator) {
     return std::pair(drawVector<D>(draw), turn(Ang<D>(Ang<D>::Constant(Real(1e-7) * draw.signedUnit()))));
   });
   if (isSliver(c)) return;
-  const Real step = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-5);
-  const auto isSteady = [&](ContactScene<D> scene) {
-    const auto before = scene.run(generator);
-    scene.pose[1].p += step * motion.first;
-    scene.pose[1].q = motion.second * scene.pose[1].q;
-    const auto after = scene.run(generator);
-    RC_ASSERT(before.size() == after.size());
-    if (before.empty()) return true;
-    RC_LOG() << before[0] << after[0];
-    const auto points = [](const Manifold<D>& m) {
-      return std::span(m.points).first(static_cast<std::size_t>(m.count));
-    };
-    const auto same = [](const auto& p, const auto& q) { return p.feature == q.feature; };
-    return std::ranges::equal(points(before[0]), points(after[0]), same);
+  constexpr Real kStep = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-5), kBeside = Real(0.01);
+  constexpr int kPlaces = 32, kMostChanges = 12;
+  const auto featuresOf = [&](const ContactScene<D>& scene) {
+    const auto fresh = scene.run(generator);
+    RC_ASSERT(fresh.size() == 1u);
+    std::vector<std::uint64_t> out;
+    for (int i = 0; i < fresh[0].count; ++i) out.push_back(fresh[0].points[static_cast<std::size_t>(i)].feature);
+    return out;
   };
-  if (isSteady(c.scene)) return;
-  RC_ASSERT(!c.flush);
-  ContactScene<D> beside = c.scene;
+  const auto moved = [&](ContactScene<D> scene) {
+    scene.pose[1].p += kStep * motion.first;
+    scene.pose[1].q = motion.second * scene.pose[1].q;
+    return scene;
+  };
+  const auto start = featuresOf(c.scene), after = featuresOf(moved(c.scene));
+  if (c.flush) RC_ASSERT(start == after);
   Vec<D> way = Vec<D>::Zero();  // along the faces and none of their sides
   way[0] = Real(0.8);
   if constexpr (D == 3) way[1] = Real(0.6);
-  beside.pose[1].p += 1000 * step * (c.X_A.q * way);
-  RC_ASSERT(isSteady(beside));
+  int changes = 0;
+  std::vector<std::uint64_t> last;
+  for (int i = 0; i < kPlaces; ++i) {
+    ContactScene<D> beside = c.scene;
+    beside.pose[1].p += kBeside * (1 + Real(i) / kPlaces) * (c.X_A.q * way);
+    for (const auto& scene : {beside, moved(beside)}) {
+      const auto here = featuresOf(scene);
+      changes += !last.empty() && here != last;
+      last = here;
+    }
+  }
+  RC_LOG() << changes << " changes\n";
+  RC_ASSERT(changes <= kMostChanges);
 }
 
 /// The ridges of two boxes, edge along edge and apart: two points span their common stretch.

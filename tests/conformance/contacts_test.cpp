@@ -139,6 +139,9 @@ TEST(Contacts, FeaturesAreSteady) {
   onEveryGenerator<3>("Contacts.FeaturesAreSteady", featuresAreSteady<3>, 500);
   catches<2, FeaturesFromPosition>("feature ids from positions", featuresAreSteady<2>, 500);
   catches<3, FeaturesFromPosition>("feature ids from positions", featuresAreSteady<3>, 500);
+  catches<2, FeaturesByMillimetre>("features by the millimetre", featuresAreSteady<2>, 500);
+  catches<3, FeaturesByMillimetre>("features by the millimetre", featuresAreSteady<3>, 500);
+  catches<2, FeaturesFromDepth>("feature ids from the deepest point", featuresAreSteady<2>, 500);
   catches<3, FeaturesFromDepth>("feature ids from the deepest point", featuresAreSteady<3>, 500);
 }
 
