@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/case_replay.h"
 
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -35,7 +36,7 @@ class Replay {
     try {
       if (end.outcome == "ok") told = caseRowsFromJson(json::parse(end.output));
     } catch (const json::exception&) {
-      end.outcome = "crash";
+      end.outcome = "crash", end.reason = "the worker's result cannot be read";
     }
     if (end.outcome == "ok") {
       rows.insert(rows.end(), told.begin(), told.end());
@@ -69,9 +70,13 @@ class Replay {
     }
   }
 
+  // Only a signal and a hang tell of the method, and SIGKILL of the machine's memory.
   CaseResult lost(const Question& q, const WorkerEnd& end) const {
     const Case& c = m_cases[q.number];
-    const bool hung = end.outcome == "timeout";
+    const bool hung = end.outcome == "timeout", crashed = end.signal != 0 && end.signal != SIGKILL;
+    if (q.method == "referee" || !(hung || crashed)) {
+      throw std::runtime_error(c.id + ", " + q.method + ": " + end.reason);
+    }
     CaseResult row{.id = c.id, .method = q.method, .role = roleOf(c, q.method), .expected = c.expected.distance};
     row.verdict = hung ? CaseVerdict::hang : CaseVerdict::failed, row.reason = hung ? "hung" : "crashed";
     if (q.method == c.finding->method) row.again = c.finding->failure == row.reason;

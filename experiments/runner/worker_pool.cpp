@@ -106,7 +106,7 @@ WorkerEnd WorkerPool::endOf(const Running& r) {
   } else if (c.flooded()) {
     end.outcome = "out_of_memory", end.reason = "its output has no end";
   } else if (c.signal()) {
-    end.outcome = "crash";
+    end.outcome = "crash", end.signal = c.signal();
     end.reason = fmt::format("signal {} ({}){}{}", c.signal(), strsignal(c.signal()), last.empty() ? "" : ": ", last);
   } else if (c.exitCode() == 2) {
     end.outcome = "unsupported";

@@ -26,6 +26,7 @@ struct WorkerEnd {
   std::string started;  // UTC
   double load = 0;      // the machine's load average when it started; NaN where it is not told
   double seconds = 0;
+  int signal = 0;  // that ended it, unless we sent it
 };
 
 class WorkerPool {

@@ -233,8 +233,14 @@ TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
 TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
   Workspace w;
   std::filesystem::create_directory(w.path("bin"));
-  w.write("bin/lpc-worker-f64", "#!/bin/sh\nkill -SEGV $$\n");
-  std::filesystem::permissions(w.path("bin/lpc-worker-f64"), std::filesystem::perms::owner_all);
+  const auto worker = [&](const std::string& ofMethods, const std::string& ofReferee) {
+    w.write("bin/lpc-worker-f64",
+            "#!/bin/sh\nrequest=$(cat)\ncase \"$request\" in *'\"questions\":[[0,\"referee\"]]'*) " + ofReferee +
+                ";; *) " + ofMethods + ";; esac\n");
+    std::filesystem::permissions(w.path("bin/lpc-worker-f64"), std::filesystem::perms::owner_all);
+  };
+  const std::string right = "printf %s \"$request\" | " LPC_BINARY_DIR "/bin/lpc-worker-f64", crash = "kill -SEGV $$";
+  worker(crash, right);
   const std::string shape = R"({"type": "box", "half_extents": [1, 1]})";
   w.write("c.json", R"({"cases": [{"id": "x", "dim": 2, "query": "signed_distance", "shapeA": )" + shape +
                         R"(, "shapeB": )" + shape + R"(, "poseA": {"t": [0, 0]}, "poseB": {"t": [3, 0]},
@@ -245,6 +251,18 @@ TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
   EXPECT_NE(run.text.find("referee"), std::string::npos) << run.text;
   EXPECT_NE(run.text.find("found failures: 1, of which fail again 1\nour faults: 3\n"), std::string::npos)
       << "closed_form, gjk_epa, sat\n" + run.text;
+  // Any other end is none of the method's, and one of the referee is no verdict.
+  for (const auto& [ofMethods, ofReferee] : {std::pair<std::string, std::string>("exit 1", right),
+                                             {"kill -KILL $$", right},
+                                             {"echo none", right},
+                                             {crash, crash},
+                                             {crash, "exit 1"}}) {
+    worker(ofMethods, ofReferee);
+    const Outcome none = w.lpc("verify --cases c.json", "LPC_WORKERS=" + w.path("bin"));
+    EXPECT_EQ(none.code, 1) << ofMethods << none.text;
+    EXPECT_TRUE(none.text.starts_with("lpc: x, ")) << ofMethods << none.text;
+    EXPECT_EQ(std::count(none.text.begin(), none.text.end(), '\n'), 1) << none.text;
+  }
 }
 
 // A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told.
