@@ -122,7 +122,7 @@ TEST(Files, ClosedStreamsAreNoFiles) {
 
 std::string oneCase() {
   auto cases = nlohmann::json::parse(readFile(LPC_SOURCE_DIR "/tests/regressions/hard_cases.json"));
-  cases["cases"] = {cases["cases"][0]}, cases["count"] = 1;
+  cases["cases"] = nlohmann::json::array({cases["cases"][0]}), cases["count"] = 1;
   return cases.dump();
 }
 
