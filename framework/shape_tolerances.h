@@ -23,7 +23,8 @@ inline constexpr double kLargestExtent = sizeof(Real) == 8 ? 1e100 : 1e12;
 inline constexpr double kFaceNormalError = 1e-5;
 
 /// A hull in space that is no thicker than this many times that rounding is none (1). Larger: usable plates are
-/// refused. Smaller: Qhull's merging does not end (four of 60,000 plates of about 12), or finds no whole faces (every tenth).
+/// refused. Smaller: Qhull's merging does not end (four of 60,000 plates of about 12), or finds no whole faces (every
+/// tenth).
 inline constexpr double kThinnestHull = 20;
 
 /// A face's loop turns inwards at a corner where the sine of the turn is beyond this (1). Larger: dents stay.

@@ -130,8 +130,8 @@ inline constexpr int kMostBands = 11;
 
 /// How often a curved face is asked for one more point of its rim (count), and how far the direction leans towards that
 /// (tangent): more than the rounding of n, and less than any visible angle. Larger: a point of another face, which the
-/// band then refuses. Smaller: the same point again; fewer, and witnesses of caps that overlap in a lens lie beside it (3:
-/// 5e-6 of the size, for two cylinders whose rims all but pass each other).
+/// band then refuses. Smaller: the same point again; fewer, and witnesses of caps that overlap in a lens lie beside it
+/// (3: 5e-6 of the size, for two cylinders whose rims all but pass each other).
 inline constexpr int kMostRimPoints = 16;
 inline constexpr Real kTilt = Real(1e-3);
 

@@ -13,7 +13,7 @@ using test::ask;
 using test::Outcome;
 using test::Workspace;
 
-const bool kSingle = std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32");  // whether this build has it
+using test::kSingle;
 
 TEST(BroadphaseWitness, FindsEveryPairOfMovingBoxes) {
   Workspace w;

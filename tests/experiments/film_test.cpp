@@ -83,7 +83,7 @@ TEST(Film, MovesOrIsAFolder) {
 
 // What turns a shape on its body is a unit to the rounding of the precision that wrote it.
 TEST(Film, OfSinglePrecision) {
-  if (!std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32")) GTEST_SKIP() << "this build has no f32";
+  if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   Workspace w;
   w.write("turned.toml",
           "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\nsteps = 3\n[[body]]\nrepeat = { i = 20 }\n"

@@ -170,8 +170,7 @@ TEST(Verification, CrashesAndWrongAnswersAreBookedAndKept) {
 TEST(Verification, EveryKeptFailureFailsAgain) {
   Workspace w;
   const std::string plugin = "--plugin " + kPlugin + " ";
-  const bool single = std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32");
-  const std::string precisions = single ? "f64,f32" : "f64";
+  const std::string precisions = test::kSingle ? "f64,f32" : "f64";
   w.lpc(plugin +
         "verify --stage pair_query,broadphase --dimension 2 --quiet --store s.db --methods planted_abort "
         "planted_half planted_forget");
@@ -184,7 +183,7 @@ TEST(Verification, EveryKeptFailureFailsAgain) {
     all["cases"].push_back(nlohmann::json::parse(in).at("cases").at(0));
   }
   w.write("all.json", all.dump());
-  EXPECT_GE(all["cases"].size(), single ? 10u : 7u);
+  EXPECT_GE(all["cases"].size(), test::kSingle ? 10u : 7u);
   const Outcome run = w.lpc(plugin + "verify --cases all.json");
   EXPECT_EQ(run.code, 1) << run.text;  // the planted ones are ours
   const std::string n = std::to_string(all["cases"].size());
@@ -208,7 +207,7 @@ TEST(Verification, EveryKeptFailureFailsAgain) {
 }
 
 TEST(Verification, FoundCasesAreAskedInTheirOwnPrecision) {
-  if (!std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32")) GTEST_SKIP() << "this build has no f32";
+  if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   Workspace w;
   const std::string found = LPC_SOURCE_DIR "/tests/regressions/found_cases.json";
   const Outcome run = w.lpc("verify --cases " + found);
@@ -283,7 +282,7 @@ TEST(Verification, WitnessesAreAlsoAskedAtTheTightestToleranceOfTheirLibrary) {
 }
 
 TEST(Verification, SinglePrecisionRunsInItsOwnWorker) {
-  if (!std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32")) GTEST_SKIP() << "this build has no f32";
+  if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   Workspace w;
   ASSERT_EQ(w.lpc("verify --stage pair_query --dimension 2 --precision f32 --methods closed_form --quiet").code, 0);
   EXPECT_EQ(ask(w.path("results/verify.db"), "SELECT DISTINCT precision FROM ledger"), "f32");

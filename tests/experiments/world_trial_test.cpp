@@ -307,14 +307,14 @@ TEST(WorldSweep, aBaselineIsAValueOfAnAxis) {
 TEST(WorldSweep, runsInTheWorkerOfItsPrecision) {
   Workspace w;
   w.write("throw.toml", kThrow);
-  const bool single = std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-worker-f32");
   w.write("s.toml",
           "summary = \"s\"\nkind = \"world\"\ntimed = true\nrepeats = 2\n[axes]\nscene = \"throw\"\nprecision = " +
-              std::string(single ? "[\"f64\", \"f32\"]\n" : "\"f64\"\n"));
+              std::string(test::kSingle ? "[\"f64\", \"f32\"]\n" : "\"f64\"\n"));
   const auto out = w.lpc("sweep s.toml --store s.db --quiet");
   ASSERT_EQ(out.code, 0) << out.text;
-  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok' AND timed = 1"), single ? "4" : "2");
-  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(DISTINCT hash) FROM trial"), single ? "2" : "1");
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok' AND timed = 1"),
+            test::kSingle ? "4" : "2");
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(DISTINCT hash) FROM trial"), test::kSingle ? "2" : "1");
   EXPECT_EQ(ask(w.path("s.db"), "SELECT length(data) FROM series WHERE name = 'kinetic'"), "800");
   // What a report must know travels with the store.
   EXPECT_EQ(

@@ -51,8 +51,8 @@ void everySolverStays() {
 TEST(Rest, EverySolverStays2) { everySolverStays<2>(); }
 TEST(Rest, EverySolverStays3) { everySolverStays<3>(); }
 
-// A pyramid, base 10, falls 20 cm and 5 cm more with each row, and lands within 30 steps: those in which `position` makes
-// as many moves as it may, four for each contact.
+// A pyramid, base 10, falls 20 cm and 5 cm more with each row, and lands within 30 steps: those in which `position`
+// makes as many moves as it may, four for each contact.
 int stepsAtTheLimit(const std::string& position) {
   World<3> world(Pipeline::parse("solver=split_solver{velocity=catto{iterations=10},position=" + position + "}"));
   addGround(world);
