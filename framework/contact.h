@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <tuple>
 
 #include "framework/body.h"
@@ -34,6 +36,10 @@ struct Manifold {
   std::uint8_t begun = 0;                 // 1 in the step in which the pair starts to have contacts
   std::uint8_t ignored = 0;               // 1 when a listener vetoed it: kept, but not solved
   std::array<ContactPoint<D>, kManifoldPoints<D>> points{};
+  /// When its points were made: where B's centre-of-mass frame was in A's, and the normal in A's. The world writes
+  /// them.
+  Pose<D> X_AB{};
+  Vec<D> normalA = Vec<D>::Zero();
 
   /// Manifolds are sorted by this, so that the order in which a broadphase finds pairs leaves no trace. The children
   /// come last: those of one pair of shapes stand together.
@@ -62,8 +68,29 @@ struct ContactArms {
   }
 };
 
-/// Pair rules of the 2009 engine: friction by the geometric mean, restitution by the arithmetic.
-inline Real mixFriction(Real a, Real b) { return std::sqrt(a * b); }
-inline Real mixRestitution(Real a, Real b) { return (a + b) / 2; }
+/// How the coefficients of two shapes become that of their contact.
+enum class MixRule : std::uint8_t { geometricMean, arithmeticMean, minimum, maximum, product };
+inline constexpr std::array<std::string_view, 5> kMixRuleNames = {"geometric_mean", "arithmetic_mean", "minimum",
+                                                                  "maximum", "product"};
+inline Real mix(MixRule rule, Real a, Real b) {
+  switch (rule) {
+    case MixRule::geometricMean:
+      return std::sqrt(a * b);
+    case MixRule::arithmeticMean:
+      return (a + b) / 2;
+    case MixRule::minimum:
+      return std::min(a, b);
+    case MixRule::maximum:
+      return std::max(a, b);
+    case MixRule::product:
+      return a * b;
+  }
+  return 0;
+}
+/// Of friction and of restitution; the rules of the 2009 engine.
+struct MixRules {
+  MixRule friction = MixRule::geometricMean, restitution = MixRule::arithmeticMean;
+  bool operator==(const MixRules&) const = default;
+};
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -209,6 +209,26 @@ Spec canonicalSpec(const std::string& algorithm, int dimension, const std::funct
   return std::move(canonical.spec);
 }
 
+std::string_view frictionLawName(FrictionLaw law) {
+  switch (law) {
+    case FrictionLaw::unstated:
+      return "";
+    case FrictionLaw::coulomb:
+      return "coulomb";
+    case FrictionLaw::convex:
+      return "convex";
+    case FrictionLaw::pyramid:
+      return "pyramid";
+    case FrictionLaw::lagged:
+      return "lagged";
+    case FrictionLaw::regularised:
+      return "regularised";
+    case FrictionLaw::ofItsParts:
+      return "of its parts";
+  }
+  return "";
+}
+
 std::string canonicalText(const Pipeline& pipeline, int dimension) {
   Pipeline whole;
   for (const StageKind stage : kWorldStages) {

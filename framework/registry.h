@@ -22,6 +22,18 @@ namespace lpc::inline LPC_PRECISION {
 enum class Guarantee { exact, conservative, approximate };
 enum class AlgorithmRole { competitor, witness, referee, engine };
 
+/// What friction a resolver aims at. Two methods are compared by their own law, and by `coulomb` as the common one.
+enum class FrictionLaw {
+  unstated,     // the algorithm solves no contacts
+  coulomb,      // |f| <= mu n, against the sliding velocity (maximum dissipation); contacts do not part by sliding
+  convex,       // the same cone without De Saxce's correction: what slides also lifts
+  pyramid,      // each tangent within mu n by itself, or k facets
+  lagged,       // limits from the normal impulse of an earlier sweep or step
+  regularised,  // friction grows with the sliding velocity or distance: what should stick creeps
+  ofItsParts    // that of the stage which its parameters name
+};
+std::string_view frictionLawName(FrictionLaw law);
+
 /// A way in which a method is known to fail. The test named here is run and must fail.
 struct FailureMode {
   std::string when, symptom, test;
@@ -34,6 +46,7 @@ struct AlgorithmInfo {
   std::string complexity;
   Guarantee guarantee = Guarantee::exact;
   std::vector<FailureMode> failures = {};
+  FrictionLaw friction = FrictionLaw::unstated;  // of every solver and velocity resolver
   AlgorithmRole role = AlgorithmRole::competitor;
 };
 

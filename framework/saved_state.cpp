@@ -125,6 +125,9 @@ template <int D>
 void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contacts) {
   const WorldSettings<D>& s = saved.settings;
   require(s.gravity.allFinite() && isAmount(s.margin) && isAmount(s.restitutionThreshold), "a setting is not finite");
+  for (const MixRule rule : {s.mixing.friction, s.mixing.restitution}) {
+    require(static_cast<std::size_t>(rule) < kMixRuleNames.size(), "a mixing rule of no known name");
+  }
   require(isAmount(saved.time) && isAmount(saved.lastDt), "the time is no finite number >= 0");
   require(saved.steps >= 0 && saved.steps <= std::numeric_limits<std::int64_t>::max() / 2,
           "the number of steps has overflowed");

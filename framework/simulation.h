@@ -30,6 +30,7 @@ struct WorldSettings {
   Real restitutionThreshold = kRestitutionThreshold;
   Real margin = kContactMargin;
   Features features{};
+  MixRules mixing{};
 };
 
 template <int D>

@@ -174,6 +174,13 @@ struct Pose {
   Pose inverse() const { return {-(q.inverse() * p), q.inverse()}; }
 };
 
+/// X_AB. Positions are subtracted first: far from the origin X_WA.inverse() * X_WB would lose digits.
+template <int D>
+Pose<D> poseBetween(const Pose<D>& X_WA, const Pose<D>& X_WB) {
+  const Rot<D> back = X_WA.q.inverse();
+  return {back * (X_WB.p - X_WA.p).eval(), back * X_WB.q};
+}
+
 /// The rotation after a turn by `turn` (rad, world frame). Exact for a constant angular velocity.
 inline Rot<2> integrateRotation(const Rot<2>& q, const Ang<2>& turn) {
   return (Rot<2>::angle(turn[0]) * q).normalized();

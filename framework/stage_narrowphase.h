@@ -164,6 +164,7 @@ struct ContactInput {
   std::span<const Pose<D>> pose;           // X_WC by body slot
   Real margin;                             // contacts are made for separations up to this (m)
   bool friction = true;                    // false: the scene needs none, mixing is skipped
+  MixRules mixing = {};
 };
 
 /// A manifold with everything filled in that does not depend on geometry.
@@ -174,8 +175,8 @@ Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) 
   Manifold<D> m;
   m.bodyA = a.body, m.bodyB = b.body, m.shapeA = pair.shapes.a, m.shapeB = pair.shapes.b;
   m.childA = pair.childA, m.childB = pair.childB;
-  m.friction = in.friction ? mixFriction(a.friction, b.friction) : Real(0);
-  m.restitution = mixRestitution(a.restitution, b.restitution);
+  m.friction = in.friction ? mix(in.mixing.friction, a.friction, b.friction) : Real(0);
+  m.restitution = mix(in.mixing.restitution, a.restitution, b.restitution);
   return m;
 }
 
@@ -200,7 +201,16 @@ class ContactGenerator : public Stage {
   virtual void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) = 0;
 };
 
-/// Carries knowledge from the old manifolds to the fresh ones. Both are sorted by Manifold::key.
+template <int D>
+struct CacheInput {
+  std::span<const ShapePair> pairs;        // all whose boxes come near, sorted by body and shape of A, then of B
+  std::span<const Manifold<D>> old;        // of the last step, sorted by Manifold::key
+  std::span<const ShapeRecord<D>> shapes;  // by slot
+  std::span<const Pose<D>> pose;           // X_WC by body slot
+  Real margin;                             // contacts are made for separations up to this (m)
+};
+
+/// Carries knowledge from the old manifolds to the fresh ones.
 template <int D>
 class ContactCache : public Stage {
  public:
@@ -208,11 +218,11 @@ class ContactCache : public Stage {
   static constexpr int kDimension = D;
 
   /// The pairs whose contacts must be made anew; default: all. What is left out, `carry` must bring back.
-  virtual void select(std::span<const ShapePair> pairs, std::span<const Manifold<D>>, std::span<const Pose<D>>,
-                      std::vector<ShapePair>& regenerate) {
-    regenerate.assign(pairs.begin(), pairs.end());
+  virtual void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) {
+    regenerate.assign(in.pairs.begin(), in.pairs.end());
   }
-  virtual void carry(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh) = 0;
+  /// Directly after `select`, with the same input. `fresh` is sorted by Manifold::key, and shall be afterwards.
+  virtual void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) = 0;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

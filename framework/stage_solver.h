@@ -36,6 +36,9 @@ class DetectAgain {
 };
 
 template <int D>
+class VelocityWatcher;
+
+template <int D>
 struct StepInput {
   Real dt;                              // s, > 0
   Real lastDt;                          // of the step before, 0 in the first: impulses scale by dt / lastDt
@@ -52,6 +55,7 @@ struct StepInput {
   Profiler& profiler;  // for sub-phases: prepare, warm_start, iterate, integrate, correct, ...
   /// Of `manifolds` and `joints`, new after detect.again().
   const ContactGraph<D>& graph;
+  VelocityWatcher<D>* watcher = nullptr;  // who is shown each velocity problem before it is solved
 };
 
 /// Takes the bodies from the start of a step to its end: velocities, positions, impulses. Sleeping and static bodies
@@ -86,6 +90,14 @@ struct VelocityInput {
   /// Offsets into `order`: contacts from order[colours[c]] to order[colours[c + 1]] share no dynamic body. Empty:
   /// `order` has no colours.
   std::span<const int> colours = {};
+};
+
+/// Takes velocity problems out of a step. A solver whose method has none shows none.
+template <int D>
+class VelocityWatcher {
+ public:
+  virtual ~VelocityWatcher() = default;
+  virtual void see(const VelocityInput<D>& problem) = 0;
 };
 
 /// Changes velocities only, so that contacts stop approaching and joints stop drifting. Starts from the impulses in the

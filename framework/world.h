@@ -129,6 +129,9 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
 
   std::uint64_t hash() const override;
 
+  /// Whom the solver shows its velocity problems; nullptr: nobody. Not owned, not saved.
+  void watch(VelocityWatcher<D>* watcher) { m_watcher = watcher; }
+
   // --- saving --------------------------------------------------------------------------------------------------------
   /// Everything that a trajectory depends on except force generators and listeners, which the caller adds again. The
   /// bytes are a function of the state: saved, loaded and continued is the same as continued.
@@ -205,6 +208,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
 
   std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
   std::vector<ContactListener<D>*> m_listeners;
+  VelocityWatcher<D>* m_watcher = nullptr;
   Profiler m_profiler;
 };
 

@@ -82,15 +82,26 @@ void World<D>::makeContacts() {
   std::swap(m_manifolds, m_oldManifolds);
   m_manifolds.clear();
   WorkDone& work = m_profiler.frame().work;
+  const CacheInput<D> cacheInput{m_pairs, m_oldManifolds, m_shapes, m_bodies.pose, m_settings.margin};
   {
     Profiler::Scope scope(m_profiler, "cache");
-    stage<ContactCache>().select(m_pairs, m_oldManifolds, m_bodies.pose, m_regenerate);
+    if (m_settings.features.cache) {
+      stage<ContactCache>().select(cacheInput, m_regenerate);
+    } else {
+      m_regenerate = m_pairs;
+    }
   }
   {
     Profiler::Scope scope(m_profiler, "contacts");
     const auto children = m_children.of(m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, work);
     stage<ContactGenerator>().generate(
-        {children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction}, m_manifolds, work);
+        {children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction, m_settings.mixing},
+        m_manifolds, work);
+    for (Manifold<D>& m : m_manifolds) {
+      const Pose<D>& X_WA = m_bodies.pose[static_cast<std::size_t>(m.bodyA)];
+      m.X_AB = poseBetween(X_WA, m_bodies.pose[static_cast<std::size_t>(m.bodyB)]);
+      m.normalA = X_WA.q.inverse() * m.normal;
+    }
   }
   Profiler::Scope scope(m_profiler, "cache");
   // A pair without an active proxy is not reported by the broadphase: it stays as it was.
@@ -99,7 +110,7 @@ void World<D>::makeContacts() {
   }
   for (const Manifold<D>& m : m_manifolds) m_order.add(m.key());
   m_order.apply(std::span(m_manifolds));
-  if (m_settings.features.cache) stage<ContactCache>().carry(m_oldManifolds, m_manifolds);
+  if (m_settings.features.cache) stage<ContactCache>().carry(cacheInput, m_manifolds);
 }
 
 template <int D>

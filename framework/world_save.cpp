@@ -17,7 +17,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD4";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD5";  // a change of the format is a new number
 
 /// Before the world itself, so that what was damaged is told before it is read.
 struct Header {
@@ -113,7 +113,7 @@ void fields(Archive& a, ContactPoint<D>& c) {
 template <int D>
 void fields(Archive& a, Manifold<D>& m) {
   a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.childA, m.childB, m.count, m.normal, m.friction, m.restitution, m.begun,
-    m.ignored, m.points);
+    m.ignored, m.points, m.X_AB, m.normalA);
 }
 template <int D>
 void fields(Archive& a, JointRecord<D>& j) {
@@ -198,7 +198,7 @@ void fields(Archive& a, ShapeRecord<D>& s) {
 }
 template <int D>
 void fields(Archive& a, WorldSettings<D>& s) {
-  a(s.gravity, s.restitutionThreshold, s.margin, s.features);
+  a(s.gravity, s.restitutionThreshold, s.margin, s.features, s.mixing.friction, s.mixing.restitution);
 }
 
 template <int D>

@@ -81,7 +81,7 @@ void World<D>::step(Real dt) {
     collectActive();
     stage<Solver>().step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this,
                           m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler,
-                          m_graph});
+                          m_graph, m_watcher});
   }
   if (m_settings.features.joints) finishJoints(dt);
   m_boxes.outdate();

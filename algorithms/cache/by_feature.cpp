@@ -21,7 +21,8 @@ class ByFeature final : public ContactCache<D> {
                           "the same place has a new feature and starts cold", "Cache.CarriesWhereFeaturesChange"}}};
   }
 
-  void carry(std::span<const Manifold<D>> old, std::vector<Manifold<D>>& fresh) override {
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    const std::span<const Manifold<D>> old = in.old;
     std::size_t o = 0;
     for (Manifold<D>& m : fresh) {
       while (o < old.size() && old[o].key() < m.key()) ++o;

@@ -23,7 +23,7 @@ class NoCache final : public ContactCache<D> {
                      {"a sliding body", "it forgets all the same", "Cache.CarriesWhereFeaturesChange"}}};
   }
 
-  void carry(std::span<const Manifold<D>>, std::vector<Manifold<D>>&) override {}
+  void carry(const CacheInput<D>&, std::vector<Manifold<D>>&) override {}
 };
 
 }  // namespace

@@ -61,7 +61,8 @@ class SoftStep final : public Solver<D> {
                           "JointStep.LeavesNoSpeed"},
                          {"a stop that is hit, or a weld that is bent, in ever shorter steps",
                           "gives way by what falls slower than the step: relaxing takes out what its spring has put in",
-                          "JointMotion.Converges"}}};
+                          "JointMotion.Converges"}},
+            .friction = FrictionLaw::coulomb};
   }
 
   void step(const StepInput<D>& in) override {

@@ -47,7 +47,8 @@ class SplitSolver final : public Solver<D> {
             .paper = "lpc2009",
             .complexity = "that of its parts",
             .guarantee = Guarantee::approximate,
-            .failures = {}};
+            .failures = {},
+            .friction = FrictionLaw::ofItsParts};
   }
 
   void step(const StepInput<D>& in) override {
@@ -109,8 +110,13 @@ class SplitSolver final : public Solver<D> {
   }
   void solveVelocities(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.velocity");
-    m_velocity->solve({in.dt, in.lastDt, in.bodies, in.manifolds, m_order, in.joints, *m_position, in.features,
-                       in.restitutionThreshold, in.work, in.profiler, m_arrival, m_colours});
+    const VelocityInput<D> problem{in.dt,        in.lastDt,   in.bodies,
+                                   in.manifolds, m_order,     in.joints,
+                                   *m_position,  in.features, in.restitutionThreshold,
+                                   in.work,      in.profiler, m_arrival,
+                                   m_colours};
+    if (in.watcher) in.watcher->see(problem);
+    m_velocity->solve(problem);
   }
   void move(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.move");

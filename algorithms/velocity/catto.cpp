@@ -39,7 +39,8 @@ class Catto final : public VelocityResolver<D> {
             .guarantee = Guarantee::approximate,
             .failures = {{"a heavy body on a light one, a tall stack",
                           "linear convergence: the error of a sweep shrinks by r/(1+r) for a mass ratio r",
-                          "Impulse.CarriesHeavyOnLight"}}};
+                          "Impulse.CarriesHeavyOnLight"}},
+            .friction = FrictionLaw::coulomb};
   }
 
   void solve(const VelocityInput<D>& in) override {

@@ -40,7 +40,8 @@ class Millington final : public VelocityResolver<D> {
                          {"contacts elsewhere, that do not touch these", "share their limit of impulses",
                           "Replay.DisjointScenesAreTwoWorlds"},
                          {"a box that slides on four points", "it turns and runs up to 13 % too fast",
-                          "Slope.SlidesOrSaysThatItDoesNot"}}};
+                          "Slope.SlidesOrSaysThatItDoesNot"}},
+            .friction = FrictionLaw::coulomb};
   }
 
   void solve(const VelocityInput<D>& in) override {

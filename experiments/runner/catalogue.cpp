@@ -68,6 +68,7 @@ json describeAlgorithms() {
                    {"paper", entry.info.paper},
                    {"complexity", entry.info.complexity},
                    {"guarantee", guaranteeName(entry.info.guarantee)},
+                   {"friction", frictionLawName(entry.info.friction)},
                    {"role", roleName(entry.info.role)},
                    {"dimensions", {entry.dimension}},
                    {"params", describeParams(entry.params)},

@@ -92,6 +92,12 @@ class Builder {
       real(limits, "energy", m_scene.limits.energy);
       limits.finish();
     }
+    if (const toml::table* t = m_top.table("mixing")) {
+      TableReader mixing(*t, m_parsed.path, "[mixing]");
+      mixRule(mixing, "friction", m_scene.settings.mixing.friction);
+      mixRule(mixing, "restitution", m_scene.settings.mixing.restitution);
+      mixing.finish();
+    }
     m_defaults = m_top.table("defaults");
     if (m_defaults) {
       TableReader defaults(*m_defaults, m_parsed.path, "[defaults]");
@@ -302,6 +308,16 @@ class Builder {
         failAt(m_parsed.path, *use.block, who + "is removed at " + std::to_string(spawn.removeAt));
       }
     }
+  }
+
+  static void mixRule(TableReader& table, const std::string& key, MixRule& rule) {
+    const std::string name = table.string(key, std::string(kMixRuleNames[static_cast<std::size_t>(rule)]));
+    const auto found = std::find(kMixRuleNames.begin(), kMixRuleNames.end(), name);
+    if (found == kMixRuleNames.end()) {
+      const std::vector<std::string> valid(kMixRuleNames.begin(), kMixRuleNames.end());
+      table.fail(table.require(key), "'" + key + "' is '" + name + "'" + validNames(valid, name));
+    }
+    rule = static_cast<MixRule>(found - kMixRuleNames.begin());
   }
 
   // Bodies are known by their place among the spawns, which are sorted by step.

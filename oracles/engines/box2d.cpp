@@ -38,10 +38,10 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
   }
 
  private:
-  // Friction mixes as ours does; Box2D's own pair restitution is the larger of the two.
+  // Box2D's own are the geometric mean and the larger of the two.
   void BeginContact(b2Contact* contact) override {
-    const Real pair =
-        mixRestitution(contact->GetFixtureA()->GetRestitution(), contact->GetFixtureB()->GetRestitution());
+    const Real pair = mix(settings().mixing.restitution, contact->GetFixtureA()->GetRestitution(),
+                          contact->GetFixtureB()->GetRestitution());
     contact->SetRestitution(static_cast<float>(pair));
   }
 

@@ -54,17 +54,19 @@ Pose<3> poseOf(const btTransform& X) {
   return {vectorOf(X.getOrigin()), Rot<3>{q.w(), q.x(), q.y(), q.z()}.normalized()};
 }
 
-// Bullet's own are products.
+// Bullet's own are products. Its callbacks are told no world: one process has one.
+MixRules g_mixing;
 btScalar friction(const btCollisionObject* a, const btCollisionObject* b) {
-  return mixFriction(a->getFriction(), b->getFriction());
+  return mix(g_mixing.friction, a->getFriction(), b->getFriction());
 }
 btScalar restitution(const btCollisionObject* a, const btCollisionObject* b) {
-  return mixRestitution(a->getRestitution(), b->getRestitution());
+  return mix(g_mixing.restitution, a->getRestitution(), b->getRestitution());
 }
 
 class BulletWorld final : public EngineWorld<3> {
  public:
   BulletWorld(const BulletParams& params, const WorldSettings<3>& settings) : EngineWorld<3>(settings) {
+    g_mixing = settings.mixing;
     gCalculateCombinedFrictionCallback = friction, gCalculateCombinedRestitutionCallback = restitution;
     m_world.setGravity(vector(settings.gravity));
     m_world.setForceUpdateAllAabbs(false);

@@ -62,6 +62,12 @@ struct Steps {
   std::vector<Manifold<D>> old, fresh;
 };
 
+// Caches that look at shapes and poses have tests of their own.
+template <int D>
+CacheInput<D> inputOf(const Steps<D>& s) {
+  return {{}, s.old, {}, {}, 0};
+}
+
 template <int D>
 std::ostream& operator<<(std::ostream& out, const Steps<D>& s) {
   return out << s.old.size() << " old and " << s.fresh.size() << " fresh manifolds";
@@ -109,7 +115,7 @@ const ContactPoint<D>* find(const Manifold<D>* m, std::uint64_t feature) {
 template <int D>
 void carriesImpulses(ContactCache<D>& cache) {
   Steps<D> s = drawSteps<D>();
-  cache.carry(s.old, s.fresh);
+  cache.carry(inputOf(s), s.fresh);
   for (const Manifold<D>& m : s.fresh) {
     for (int i = 0; i < m.count; ++i) {
       const ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];
@@ -125,7 +131,7 @@ void carriesImpulses(ContactCache<D>& cache) {
 template <int D>
 void carriesFriction(ContactCache<D>& cache) {
   Steps<D> s = drawSteps<D>();
-  cache.carry(s.old, s.fresh);
+  cache.carry(inputOf(s), s.fresh);
   const auto friction = [](const Vec<D>& n, const ContactPoint<D>& p) {
     Vec<D> f = Vec<D>::Zero();
     for (int k = 1; k < D; ++k) f += p.impulse[static_cast<std::size_t>(k)] * tangents(n).col(k - 1);
@@ -149,7 +155,7 @@ template <int D>
 void leavesTheRestAlone(ContactCache<D>& cache) {
   Steps<D> s = drawSteps<D>();
   const auto made = s.fresh;
-  cache.carry(s.old, s.fresh);
+  cache.carry(inputOf(s), s.fresh);
   RC_ASSERT(s.fresh.size() == made.size());
   for (std::size_t i = 0; i < made.size(); ++i) {
     const Manifold<D>&m = s.fresh[i], &was = made[i];
@@ -175,7 +181,7 @@ void carriesWhereFeaturesChange(ContactCache<D>& cache) {
   for (Manifold<D>& m : s.fresh) {
     for (ContactPoint<D>& p : m.points) p.feature += 1000;
   }
-  cache.carry(s.old, s.fresh);
+  cache.carry(inputOf(s), s.fresh);
   for (const Manifold<D>& m : s.fresh) {
     const Manifold<D>* o = find(s.old, m);
     for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
@@ -250,7 +256,7 @@ TEST(Cache, SelectsEveryPairUnlessItBringsItBack) {
   for (const Registered* r : Registry::instance().list(StageKind::cache, 2)) {
     const auto cache = createStage<ContactCache<2>>({r->info.name, {}});
     std::vector<ShapePair> regenerate = {{9, 9}};
-    cache->select(pairs, {}, {}, regenerate);
+    cache->select({pairs, {}, {}, {}, 0}, regenerate);
     EXPECT_EQ(regenerate, pairs) << r->info.name << ": nothing old, so nothing can be left out";
   }
 }

@@ -52,6 +52,8 @@ TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
       {"gravity = [0, -inf]\n", {"t.toml:4: ", "-inf", "finite"}},
       {"margin = -0.1\n", {"t.toml:4: ", "'margin' is -0.1", "0 or more"}},
       {"restitution_threshold = -1\n", {"t.toml:4: ", "'restitution_threshold' is -1"}},
+      {"[mixing]\nfriction = \"sum\"\n", {"t.toml:5: ", "'friction' is 'sum'", "geometric_mean"}},
+      {"[mixing]\nbounce = \"minimum\"\n", {"t.toml:5: ", "bounce"}},
       {"[limits]\nspeed = -1\n", {"t.toml:5: ", "'speed' is -1"}},
       {"[parameters]\nn = { default = nan, min = 0, max = 5, meaning = \"m\" }\n", {"t.toml:5: ", "nan", "finite"}},
       {"[defaults]\ndensity = -2\n[[body]]\n" + kBall, {"t.toml:5: ", "'density' is -2", "0 or more"}},

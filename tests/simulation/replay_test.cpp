@@ -236,13 +236,13 @@ TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
   }
   // A save of another format says which.
   std::string old = bytes;
-  old.replace(0, 9, "LPCWORLD3");
+  old.replace(0, 9, "LPCWORLD4");
   try {
     std::istringstream in(old);
     world.load(in);
     ADD_FAILURE() << "an old save was read";
   } catch (const UserError& e) {
-    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD3, this program reads LPCWORLD4");
+    EXPECT_STREQ(e.what(), "load: the saved world has the format LPCWORLD4, this program reads LPCWORLD5");
   }
   EXPECT_EQ(world.hash(), hash);
   World<3> space;
