@@ -38,7 +38,10 @@ struct SceneSpec {
   };
   /// What must hold at every step of a right run, 0 = no demand. A breach ends the trial with that outcome.
   struct Limits {
-    Real drift = 0;  // "collapsed": a body is farther than this from where it came into the world (m)
+    /// "collapsed": a body is farther than this from where it came into the world (m). Not where it has only sunk,
+    /// still rests on something, and all bodies touch whom they touched after a second: soft contacts sag and hold.
+    Real drift = 0;
+    Real creep = 0;  // "collapsed": at the end a body has moved by more than this in the last second (m/s)
     Real speed = 0;  // "exploded": a body is faster than this (m/s)
     Real energy =
         0;  // "exploded": mechanical energy above this many times its start (only from a start above the floor)

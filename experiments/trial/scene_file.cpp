@@ -88,6 +88,7 @@ class Builder {
     if (const toml::table* t = m_top.table("limits")) {
       TableReader limits(*t, m_parsed.path, "[limits]");
       real(limits, "drift", m_scene.limits.drift);
+      real(limits, "creep", m_scene.limits.creep);
       real(limits, "speed", m_scene.limits.speed);
       real(limits, "energy", m_scene.limits.energy);
       limits.finish();

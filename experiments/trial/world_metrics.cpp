@@ -112,6 +112,37 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
         "deepest overlap of two shapes at the poses, by one exact query for everybody, every tenth step", kError,
         "less overlap"},
        [](R r) { return r.deepest; }},
+      {{"penetration_integral", "penetration over time", "m s", "deepest overlap of a contact, summed over time",
+        kDetail, "less overlap"},
+       [](R r) { return r.total("max_penetration") * r.scene.dt; }},
+      {{"lateral_max", "sideways drift", "m", "farthest across gravity that a body ever was from where it came",
+        kDetail, "less drift"},
+       [](R r) { return r.settling.lateralMax; }},
+      {{"sag_end", "sag at the end", "m", "farthest along gravity that a body is from where it came, at the end",
+        kDetail, "less sag"},
+       [](R r) { return r.settling.sag; }},
+      {{"tilt_end", "tilt at the end", "rad", "farthest that a body is turned from how it came, at the end", kDetail,
+        "less tilt"},
+       [](R r) { return r.settling.tilt; }},
+      {{"creep", "creep at the end", "m/s", "farthest that a body has moved in the last second", kDetail,
+        "what rests stays"},
+       [](R r) { return r.settling.creep(); }},
+      {{"jitter", "jitter at the end", "m/s", "fastest body, median over the last second", kDetail, "what rests stays"},
+       [](R r) { return r.settling.jitter(); }},
+      {{"rest_since", "time to rest", "s", "since when no body was faster than 0.05 m/s; none while one is", kDetail,
+        "rests sooner"},
+       [](R r) { return r.settling.restSince(); }},
+      {{"supports_changed", "changed supports", "1",
+        "pairs of bodies that touch at the end and did not after one second, or the other way round", kDetail,
+        "what stands keeps its neighbours"},
+       [](R r) { return r.supportsChanged; }},
+      {{"fell_through", "bodies that fell through", "1", "bodies whose centre is inside what is fixed, at the end",
+        kDetail, "no tunnelling"},
+       [](R r) { return r.fellThrough; }},
+      {{"angular_momentum_error", "change of angular momentum", "kg m^2/s",
+        "change of angular momentum about the origin that no outer torque explains", kDetail,
+        "angular momentum is kept", TrialNeed::isolation},
+       [](R r) { return (r.now.angularMomentum - r.start.angularMomentum).norm(); }},
       {{"momentum_error", "change of momentum", "kg m/s", "change of momentum that no outer force explains", kDetail,
         "momentum is kept", TrialNeed::isolation},
        [](R r) { return (r.now.momentum - r.start.momentum).norm(); }},
@@ -223,6 +254,12 @@ double WorldSeen<D>::largest(const char* name) const {
   double x = 0;
   for (double v : find(*this, name)) x = std::isnan(v) ? v : std::max(x, v);
   return x;
+}
+template <int D>
+double WorldSeen<D>::total(const char* name) const {
+  double sum = 0;
+  for (double v : find(*this, name)) sum += v;
+  return sum;
 }
 template <int D>
 double WorldSeen<D>::end(const char* name) const {

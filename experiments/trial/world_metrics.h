@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "experiments/trial/metric.h"
+#include "experiments/trial/settling.h"
 #include "framework/invariants.h"
 #include "framework/scene_spec.h"
 
@@ -28,6 +29,9 @@ struct WorldSeen {
   double seconds = 0;  // processor time of the step
   double depth = 0;    // m, on poses; NaN where it was not asked after this step
   double drift = 0, topDrift = 0, slid = 0;
+  Settling<D> settling;
+  double supportsChanged = 0;  // NaN: not told
+  double fellThrough = 0;
   double height = 0;  // m, of the highest body
   double weight = 0;  // kg, of all dynamic bodies
   // Over all steps:
@@ -38,6 +42,7 @@ struct WorldSeen {
   bool has(TrialNeed need) const;
   /// Of a series. Throw std::logic_error with the valid names for one that no entry has.
   double largest(const char* name) const;
+  double total(const char* name) const;
   double end(const char* name) const;                          // 0 before the first step
   double quantileOf(const std::string& name, double q) const;  // without the first steps, whose caches are cold
 };

@@ -112,6 +112,11 @@ class WorldTrial {
         m_top = static_cast<int>(i);
       }
     }
+    std::vector<std::int32_t> here;
+    for (const int i : m_dynamic) {
+      if (m_world.valid(m_director.body(i))) here.push_back(m_director.body(i).slot);
+    }
+    m_seen.settling.start(m_world, std::move(here));
     const double bytes = static_cast<double>(m_scene.spawns.size()) * 8 * (D == 2 ? 4 : 8);
     while (bytes * static_cast<double>(m_scene.steps) / static_cast<double>(m_poseEvery) > kPoseBytes &&
            m_poseEvery < m_scene.steps) {
@@ -142,6 +147,7 @@ class WorldTrial {
       if (b.used[i] && b.type[i] == BodyType::dynamic) m_seen.weight += double(b.mass[i]);
     }
     m_seen.topDrift = m_top < 0 ? kNan : moved(m_top);
+    m_seen.settling.observe(m_world, m_scene.dt);
     m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
     const double energy = m_seen.now.kinetic + m_seen.now.potential;
     m_seen.energyMax = std::max(m_seen.energyMax, energy);
@@ -177,11 +183,34 @@ class WorldTrial {
                now.maxSpeed > limit) {
       std::snprintf(why, sizeof why, "speed %.4g m/s is over %.4g m/s", now.maxSpeed, limit);
       m_out.fail("exploded", why, step + 1);
-    } else if (limits.drift > 0 && drift > static_cast<double>(limits.drift)) {
+    } else if (limits.drift > 0 && drift > static_cast<double>(limits.drift) && !onlySags()) {
       std::snprintf(why, sizeof why, "body %d is %.4g m from where it came, over %.4g m", farthest, drift,
                     static_cast<double>(limits.drift));
       m_out.fail("collapsed", why, step + 1);
     }
+  }
+
+  bool onlySags() const {
+    return m_seen.settling.lateral <= static_cast<double>(m_scene.limits.drift) && m_seen.settling.stands(m_world);
+  }
+
+  // Centres of dynamic bodies inside the shapes of fixed ones.
+  double fellThrough() const {
+    const Bodies<D>& b = m_world.bodies();
+    double count = 0;
+    for (std::size_t i = 0; i < b.pose.size(); ++i) {
+      if (!b.used[i] || b.type[i] != BodyType::dynamic || !b.pose[i].p.allFinite()) continue;
+      count += std::any_of(m_world.shapes().begin(), m_world.shapes().end(), [&](const ShapeRecord<D>& s) {
+        if (s.body < 0 || b.type[static_cast<std::size_t>(s.body)] != BodyType::fixed) return false;
+        bool inside = false;
+        forParts(s.shape, b.pose[static_cast<std::size_t>(s.body)] * s.X_CS,
+                 [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
+                   inside = inside || containsPoint(part, X_WP, b.pose[i].p);
+                 });
+        return inside;
+      });
+    }
+    return count;
   }
 
   // slot, position, rotation (angle, or quaternion w x y z) of every body
@@ -202,6 +231,16 @@ class WorldTrial {
   }
 
   void finish(long steps) {
+    m_seen.supportsChanged = static_cast<double>(m_seen.settling.supportsChanged(m_world).value_or(-1));
+    if (m_seen.supportsChanged < 0) m_seen.supportsChanged = kNan;
+    m_seen.fellThrough = fellThrough();
+    if (const double limit = m_scene.limits.creep;
+        limit > 0 && m_out.outcome == "ok" && m_seen.settling.creep() > limit) {
+      char why[160];
+      std::snprintf(why, sizeof why, "at the end a body moves by %.4g m in a second, over %.4g m",
+                    m_seen.settling.creep(), limit);
+      m_out.fail("collapsed", why, steps);
+    }
     m_out.metrics = worldMetrics(m_seen);
     auto& m = m_out.metrics;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Zlib
+// How a scene has settled: what is told of flights, slides, falls and rest that have a closed form.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/sweep_file.h"
+#include "experiments/trial/trial.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::Workspace;
+
+const std::string kHead = R"(
+name = "settling"
+summary = "a ball or a box with one second and more to go"
+dimensions = [2, 3]
+needs = ["cache", "friction", "rotation"]
+dt = 0.01
+steps = 200
+)";
+
+TrialResult run(const std::string& rest, const std::string& pipeline = "") {
+  Workspace w;
+  Planner planner;
+  WorldCell cell;
+  cell.pipeline = pipeline;
+  const PlannedTrial t = planner.world(w.write("scene.toml", kHead + rest), cell);
+  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+}
+
+TEST(Settling, FreeFlightIsSidewaysAndDown) {
+  const auto m = run(R"(
+gravity = [0, -10, 0]
+[[body]]
+position = [0, 0, 0]
+velocity = [3, 0, 0]
+angular_velocity = 0.5
+shapes = [{ kind = "circle", radius = 0.5 }]
+)")
+                     .metrics;
+  EXPECT_NEAR(m.at("lateral_max"), 6, 1e-4);
+  EXPECT_NEAR(m.at("sag_end"), 20, 0.2);  // g t^2 / 2, and g t dt / 2 of the integrator
+  EXPECT_NEAR(m.at("tilt_end"), 1, 1e-4);
+  EXPECT_NEAR(m.at("creep"), std::hypot(3, 15), 0.1);
+  EXPECT_TRUE(std::isnan(m.at("rest_since")));
+  EXPECT_EQ(m.at("supports_changed"), 0);
+  EXPECT_EQ(m.at("fell_through"), 0);
+}
+
+TEST(Settling, WithoutGravityAllWaysAreSideways) {
+  const auto m = run(R"(
+gravity = [0, 0, 0]
+[[body]]
+position = [0, 0, 0]
+velocity = [3, 4, 0]
+shapes = [{ kind = "circle", radius = 0.5 }]
+)")
+                     .metrics;
+  EXPECT_NEAR(m.at("lateral_max"), 10, 1e-4);
+  EXPECT_EQ(m.at("sag_end"), 0);
+  EXPECT_NEAR(m.at("creep"), 5, 1e-4);
+  EXPECT_NEAR(m.at("jitter"), 5, 1e-4);
+  EXPECT_NEAR(m.at("angular_momentum_error"), 0, 1e-4);
+}
+
+const std::string kTable = R"(
+gravity = [0, -10, 0]
+[[body]]
+type = "fixed"
+position = [0, -1, 0]
+shapes = [{ kind = "box", half = [2, 1, 2], friction = 0 }]
+)";
+
+TEST(Settling, RestIsToldFromItsBeginning) {
+  const auto m = run(kTable + R"(
+[[body]]
+position = [0, 0.5, 0]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
+)")
+                     .metrics;
+  EXPECT_NEAR(m.at("rest_since"), 0, 0.1);
+  EXPECT_LT(m.at("creep"), 1e-3);
+  EXPECT_LT(m.at("jitter"), 1e-3);
+  EXPECT_EQ(m.at("supports_changed"), 0);
+}
+
+TEST(Settling, WhoSlidesOffATableHasOtherSupports) {
+  const auto m = run(kTable + R"(
+[[body]]
+position = [0, 0.5, 0]
+velocity = [1.6, 0, 0]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
+[limits]
+creep = 0.1
+)");
+  EXPECT_EQ(m.metrics.at("supports_changed"), 1);
+  EXPECT_EQ(m.outcome, "collapsed");
+  EXPECT_NE(m.reason.find("in a second, over 0.1 m"), std::string::npos) << m.reason;
+}
+
+TEST(Settling, WhoIsInTheFloorFellThrough) {
+  const auto m = run(kTable + R"(
+[[body]]
+position = [0, -1, 0]
+shapes = [{ kind = "circle", radius = 0.1 }]
+)",
+                     "solver=split_solver{position=none}")
+                     .metrics;
+  EXPECT_EQ(m.at("fell_through"), 1);
+}
+
+// Soft contacts under a heavy load sink by more than the limit and hold; the same way down without a support is a fall.
+TEST(Settling, SaggingIsNoCollapse) {
+  const std::string load = R"(
+[[body]]
+position = [0, 0.5, 0]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
+[[body]]
+position = [0, 1.5, 0]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], density = 200 }]
+[limits]
+drift = 0.1
+)";
+  const auto sags = run(kTable + load, "solver=soft_step{hertz=6}");
+  EXPECT_EQ(sags.outcome, "ok") << sags.reason;
+  EXPECT_GT(sags.metrics.at("sag_end"), 0.1);
+  EXPECT_EQ(run("gravity = [0, -10, 0]\n" + load, "solver=soft_step{hertz=6}").outcome, "collapsed");
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
