@@ -65,6 +65,8 @@ TEST(RegistryRules, EveryAlgorithmDescribesItself) {
     }
     for (const FailureMode& f : r.info.failures) EXPECT_FALSE(f.when.empty() || f.symptom.empty() || f.test.empty());
     for (const ParamInfo& p : r.params) EXPECT_FALSE(p.meaning.empty() || p.unit.empty()) << p.name;
+    const bool rubs = r.stage == StageKind::solver || r.stage == StageKind::velocity;
+    EXPECT_EQ(r.info.friction != FrictionLaw::unstated, rubs) << "solvers and velocity resolvers have a friction law";
     if (r.info.role != AlgorithmRole::competitor) continue;
     const std::string folder = "algorithms/" + std::string(stageName(r.stage)) + "/" + r.info.name + ".cpp";
     EXPECT_TRUE(r.file.ends_with(folder)) << r.file << " should be " << folder;

@@ -6,6 +6,8 @@
 
 #include "experiments/parse/expression.h"
 #include "framework/check.h"
+#include "framework/director.h"
+#include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -309,6 +311,38 @@ TEST(SceneFile, featuresAreText) {
   EXPECT_EQ(featuresText(f), "cache,rotation");
   EXPECT_EQ(featuresFromText(featuresText(Features{})), Features{});
   EXPECT_THROW(featuresFromText("cache,wings"), UserError);
+}
+
+TEST(SceneFile, CoefficientsMixAsItSays) {
+  const auto mixed = [](const std::string& rules) {
+    SceneSpec<2> scene = flat("needs = [\"friction\", \"restitution\"]\ngravity = [0, -10, 0]\n" + rules + R"(
+[[body]]
+type = "fixed"
+shapes = [{ kind = "circle", radius = 1, friction = 0.9, restitution = 0.2 }]
+[[body]]
+position = [0, 1.99, 0]
+shapes = [{ kind = "circle", radius = 1, friction = 0.1, restitution = 0.8 }]
+)");
+    World<2> world({}, scene.settings);
+    Director<2> director(std::move(scene));
+    director.advance(world);
+    world.step(Real(0.01));
+    return std::pair(world.manifolds().front().friction, world.manifolds().front().restitution);
+  };
+  const auto rule = [](const std::string& name) {
+    return "[mixing]\nfriction = \"" + name + "\"\nrestitution = \"" + name + "\"\n";
+  };
+  const auto expect = [&](const std::string& rules, double friction, double restitution) {
+    const auto [f, r] = mixed(rules);
+    EXPECT_NEAR(f, friction, 1e-12) << rules;
+    EXPECT_NEAR(r, restitution, 1e-12) << rules;
+  };
+  expect("", 0.3, 0.5);
+  expect(rule("geometric_mean"), 0.3, 0.4);
+  expect(rule("arithmetic_mean"), 0.5, 0.5);
+  expect(rule("minimum"), 0.1, 0.2);
+  expect(rule("maximum"), 0.9, 0.8);
+  expect(rule("product"), 0.09, 0.16);
 }
 
 }  // namespace
