@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What "every solver" means to a test: each registered one by name, and one that is put together from parts with each
-// part, order and loop that can be exchanged.
+// part, order, loop and law of impact that can be exchanged.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,11 @@ std::vector<std::string> everySolver() {
     if (!competes(*r)) continue;
     specs.push_back(r->info.name);
     for (const ParamInfo& p : r->params) {
-      const bool manner = p.name == "order" || p.name == "loop";
+      const bool manner = p.name == "order" || p.name == "loop" || p.name == "impact";
       for (const std::string& choice : p.choices) {
-        if (manner) specs.push_back(r->info.name + "{" + p.name + "=" + choice + "}");
+        const std::string spec = r->info.name + "{" + p.name + "=" + choice + "}";
+        const bool isDefault = r->canonical(Spec::parse(spec)) == r->canonical(Spec{r->info.name, {}});
+        if (manner && !isDefault) specs.push_back(spec);
       }
     }
     for (const ParamInfo& p : r->params) {

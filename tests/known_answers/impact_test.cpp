@@ -9,8 +9,11 @@
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
-const Methods kImpulsive{"split_solver, any velocity resolver",
-                         {"split_solver", "split_solver{velocity=millington}", "split_solver{velocity=naive}"}};
+const Methods kLaws{"split_solver, any law of restitution",
+                    {"split_solver", "split_solver{impact=poisson}", "split_solver{impact=sequential}"}};
+const Methods kImpulsive{"split_solver, any velocity resolver and law",
+                         {"split_solver", "split_solver{impact=poisson}", "split_solver{impact=sequential}",
+                          "split_solver{velocity=millington}", "split_solver{velocity=naive}"}};
 const Methods kAll[] = {kImpulsive, {"soft_step", {"soft_step"}}};
 
 // v1' = ((m1 - e m2) v1 + (1 + e) m2 v2) / (m1 + m2) and so on, m 1 : 3, v 2 and -1. Returns the worst error of a
@@ -100,7 +103,8 @@ struct Drop {
   World<D> world;
   Handle ball;
   // From a gap of 1 m.
-  Drop(const std::string& solver, double e) : world(Pipeline::parse("solver=" + solver)) {
+  Drop(const std::string& solver, double e, const WorldSettings<D>& settings = {})
+      : world(Pipeline::parse("solver=" + solver), settings) {
     BodyDef<D> ground = body<D>(Shape<D>::box(Vec<D>::Ones()), at<D>(0, -1), BodyType::fixed);
     BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.25)), at<D>(0, 1.25));
     ground.shapes[0].restitution = def.shapes[0].restitution = Real(e);
@@ -143,6 +147,26 @@ TEST_F(KnownAnswer, bounce) {
         known(name + (": height " + std::to_string(n)), methods.name, expected, worst);
       }
     }
+  }
+}
+
+// At rest after sqrt(2 h / g) (1 + e) / (1 - e), if the ball bounces for ever; here until it has 2 cm/s.
+TEST_F(KnownAnswer, bounce_time) {
+  WorldSettings<2> settings;
+  settings.restitutionThreshold = Real(0.01);
+  for (const auto& [e, name] : {std::tuple(0.5, "e = 0.5"), std::tuple(0.8, "e = 0.8"), std::tuple(0.95, "e = 0.95")}) {
+    const double expected = std::sqrt(2 / kG) * (1 + e) / (1 - e);
+    double worst = expected;
+    for (const std::string& solver : kLaws.solvers) {
+      Drop<2> drop(solver, e, settings);
+      double moved = 0;
+      for (int i = 1; i < 1.2 * expected * 2000; ++i) {
+        drop.world.step(Real(1) / 2000);
+        if (std::abs(drop.v()) > 0.02) moved = i / 2000.;
+      }
+      worst = worse(moved, worst, expected);
+    }
+    known(std::string(name) + ": at rest after, s", kLaws.name, expected, worst);
   }
 }
 

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Zlib
+// Laws of restitution, of solvers that have a choice of them, and the rod of Painleve for every solver: whole steps
+// without a world.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/check_property.h"
+#include "tests/conformance/impact_scene.h"
+#include "tests/every_solver.h"
+#include "tests/planted_bugs/solver_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr bool kDouble = sizeof(Real) == 8;
+
+template <int D>
+using Step = std::function<void(ImpactScene<D>&)>;
+
+template <int D>
+void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
+  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
+  RC_ASSERT(holds);
+}
+
+// A rod that touches the floor with its lower end, to the right of its centre.
+template <int D>
+ImpactScene<D> tiltedRod(Real half, Real mass, Real angle, const Vec<D>& v, Real mu, Real e) {
+  ImpactScene<D> s;
+  s.add(0, Ang<D>::Zero(), {});
+  Vec<D> end = Vec<D>::Zero();
+  end[0] = half * std::cos(angle), end[1] = -half * std::sin(angle);
+  s.add(mass, Ang<D>::Constant(mass * half * half / 3), {-end, {}}, {v, Ang<D>::Zero()});
+  s.touch(0, 1, Vec<D>::Unit(1), Vec<D>::Zero(), 0, mu, e);
+  return s;
+}
+
+// R3 where Newton's law does not promise it: several contacts with friction and e of their own, or the one of a rod
+// that falls obliquely and slides back in the middle of its impact (Kane and Levinson 1985).
+template <int D>
+void addsNoEnergy(const Step<D>& step, Draw& draw) {
+  ImpactScene<D> before;
+  if (draw.coin()) {
+    const Vec<D> v = -draw.real(0.4, 0.6) * Vec<D>::Unit(0) - Vec<D>::Unit(1);
+    before = tiltedRod<D>(Real(0.5), 1, draw.real(0.8, 0.95), v, draw.real(0.7, 1), draw.real(0.9, 1));
+  } else {
+    before =
+        drawImpact<D>(draw, {.fixed = draw.coin(), .friction = true, .approaching = true, .joints = draw.below(2)});
+    for (Manifold<D>& m : before.manifolds) m.restitution = draw.real(0, 1);
+  }
+  auto after = before;
+  step(after);
+  const Real gain = after.energy() - before.energy();
+  require<D>(gain <= (kDouble ? Real(1e-9) : Real(1e-3)) * (1 + before.energy()), before, after, gain);
+}
+
+// A body that cannot turn, on a fixed one: normal and tangent have nothing to do with each other. It leaves with e v_n,
+// and slides mu (1 + e) v_n slower, or not any more.
+template <int D>
+void rubsWhileItBounces(const Step<D>& step, Draw& draw) {
+  ImpactScene<D> before;
+  before.add(0, Ang<D>::Zero(), {});
+  const Vec<D> n = drawDirection<D>(draw);
+  const auto t = tangents(n);
+  const Real fall = draw.real(0.5, 3), mu = draw.real(0, 1), e = draw.real(0, 1);
+  RealMatrix<D - 1, 1> slide;
+  for (int d = 0; d < D - 1; ++d) slide[d] = 3 * draw.signedUnit();
+  before.add(draw.real(1, 5), Ang<D>::Zero(), {n, {}}, {t * slide - fall * n, Ang<D>::Zero()});
+  before.touch(0, 1, n, Real(0.5) * n, 0, mu, e);
+  auto after = before;
+  step(after);
+  const Real was = slide.norm(), is = std::max(was - mu * (1 + e) * fall, Real(0));
+  const Vec<D> expected = e * fall * n + (was > 0 ? is / was : Real(0)) * (t * slide);
+  const Real error = (after.motion(1).v - expected).norm();
+  require<D>(error <= (kDouble ? Real(1e-9) : Real(1e-3)), before, after, error);
+}
+
+// R1, and R2 in a plane (see Solver.KeepsAngularMomentum).
+template <int D>
+void keepsMomenta(const Step<D>& step, Draw& draw) {
+  auto before = drawImpact<D>(draw, {.friction = true, .approaching = true});
+  for (Manifold<D>& m : before.manifolds) m.restitution = draw.real(0, 1);
+  before.dt = Real(1e-4);
+  auto after = before;
+  step(after);
+  const Real linear = (after.momentum() - before.momentum()).norm();
+  const Real angular = D == 2 ? (after.angularMomentum() - before.angularMomentum()).norm() : Real(0);
+  require<D>(linear <= (kDouble ? Real(1e-9) : Real(5e-3)) * before.speed(), before, after, linear);
+  require<D>(angular <= Real(4e-3) * before.speed(), before, after, angular);
+}
+
+// A rod slides on its tip, which goes ahead. For mu > 4/3 there are angles at which forces can neither keep the tip on
+// the floor nor let it lift off (Painleve 1895); impulses can. It must end finite, without more energy.
+template <int D>
+void painleve(const Step<D>& step, Draw& draw) {
+  const Real half = draw.real(0.2, 2), mass = draw.real(0.5, 5);
+  const Real mu = draw.coin() ? Real(1.6) : draw.real(1.34, 4);
+  const Real angle = draw.coin() ? Real(1.1071487177940904) : draw.real(0.8, 1.4);  // the first: mu = 4/3 is enough
+  Vec<D> v = draw.real(0.5, 10) * Vec<D>::Unit(0);
+  if (draw.coin()) v[1] = -draw.real(0, 1);
+  auto before = tiltedRod<D>(half, mass, angle, v, mu, 0);
+  before.field.gravity[1] = Real(-9.81);
+  auto after = before;
+  const auto energy = [&](const ImpactScene<D>& s) { return s.energy() + mass * Real(9.81) * s.pose(1).p[1]; };
+  for (int i = 0; i < 3; ++i) {
+    step(after);
+    require<D>(after.finite(), before, after, 0);
+    // What an Euler step of free fall can make, and rounding.
+    const Real fallen = mass * std::pow(Real(9.81) * before.dt, Real(2)) * static_cast<Real>(i + 1);
+    const Real gain = energy(after) - energy(before);
+    require<D>(gain <= fallen + (kDouble ? Real(1e-9) : Real(1e-3)) * (1 + energy(before)), before, after, gain);
+  }
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  void (*property)(const Step<D>&, Draw&);
+  Bug bug;
+  bool ofAll;  // or of solvers with a choice of laws, and those
+};
+template <int D>
+std::vector<Named<D>> properties() {
+  return {{"Impact.AddsNoEnergy", addsNoEnergy<D>, Bug::addsEnergy, false},
+          {"Impact.RubsWhileItBounces", rubsWhileItBounces<D>, Bug::frictionless, false},
+          {"Impact.KeepsMomenta", keepsMomenta<D>, Bug::oneBodyOnly, false},
+          {"Painleve.AddsNoEnergy", painleve<D>, Bug::frictionForward, true}};
+}
+
+constexpr int kRuns = 25;  // cases of each property, and of each bug that it must catch
+
+/// Is the law of impacts one of those that were made to be without the faults of the default?
+bool hasOtherLaw(const std::string& spec) {
+  const Spec* law = Spec::parse(spec).find("impact");
+  return law && law->name != "newton";
+}
+template <int D>
+bool hasLaws(const std::string& spec) {
+  const Spec parsed = Spec::parse(spec);
+  const auto& params = Registry::instance().find(StageKind::solver, D, parsed.name).params;
+  const bool choice = std::any_of(params.begin(), params.end(), [](const ParamInfo& p) { return p.name == "impact"; });
+  return choice && (parsed.find("impact") || parsed == Spec{parsed.name, {}});
+}
+
+template <int D>
+void testAll() {
+  for (const std::string& text : everySolver<D>()) {
+    const auto solver = createStage<Solver<D>>(Spec::parse(text));
+    for (const Named<D>& p : properties<D>()) {
+      if (!p.ofAll && !hasLaws<D>(text)) continue;
+      const std::string name = std::string(p.name) + " " + text + " " + std::to_string(D) + "D";
+      SCOPED_TRACE(name);
+      const auto run = [&] {
+        RapidCheckDraw draw;
+        p.property([&](ImpactScene<D>& s) { s.step(*solver); }, draw);
+      };
+      if (declares<D>(text, p.name) && !hasOtherLaw(text)) {
+        expectFalsified(name, run, kRuns);
+      } else {
+        check(name, run, kRuns);
+      }
+    }
+  }
+}
+
+template <int D>
+void plantedBugs() {
+  for (const Named<D>& p : properties<D>()) {
+    SCOPED_TRACE(p.name);
+    TwinSolver<D> wrong(p.bug, 5);
+    expectFalsified(
+        std::string(p.name) + " planted bug",
+        [&] {
+          RapidCheckDraw draw;
+          p.property([&](ImpactScene<D>& s) { s.step(wrong); }, draw);
+        },
+        kRuns);
+  }
+}
+
+TEST(ImpactLaws, EverySolver2) { testAll<2>(); }
+TEST(ImpactLaws, EverySolver3) { testAll<3>(); }
+TEST(ImpactLaws, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(ImpactLaws, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
