@@ -50,7 +50,15 @@ double remainderOf(double x, double y) { return told(x - y * std::floor(x / y));
 double smaller(double x, double y) { return std::min(told(x), told(y)); }
 double larger(double x, double y) { return std::max(told(x), told(y)); }
 
-constexpr const char* kFunctions = "sin cos sqrt abs floor ceil min max mod rand pi";
+// 1 + 1/2 + ... + 1/n.
+double harmonic(double n) {
+  if (!(n >= 0 && n <= 1e6 && n == std::floor(n))) return told(std::nan(""));
+  double sum = 0;
+  for (double k = n; k > 0; --k) sum += 1 / k;
+  return sum;
+}
+
+constexpr const char* kFunctions = "sin cos sqrt abs floor ceil min max mod rand harmonic pi";
 
 bool inName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
@@ -159,6 +167,7 @@ double Expressions::valueOf(const std::string& text) {
       p.DefineFun("min", smaller, false);
       p.DefineFun("max", larger, false);
       p.DefineFun("rand", draw, false);
+      p.DefineFun("harmonic", harmonic, false);
       for (auto& [name, value] : m_globals) p.DefineVar(name, &value);
       for (auto& [name, value] : m_locals) p.DefineVar(name, &value);
       p.SetExpr(text);

@@ -18,8 +18,8 @@ inline constexpr double kLargestAngle = 1e5;
 /// Arithmetic in scene files: `base - i`, `sin(angle) * k`, `rand(-1, 1)`, `i < 3 ? 0 : 1`. Computed in double in both
 /// precisions, and with the project's own sine, so that a scene is the same on every machine.
 ///
-/// Functions: sin cos sqrt abs floor ceil min max mod rand(lo, hi); constant pi. rand draws from one stream that the
-/// seed starts: the order in which expressions are evaluated is part of a scene.
+/// Functions: sin cos sqrt abs floor ceil min max mod rand(lo, hi) harmonic(n); constant pi. rand draws from one stream
+/// that the seed starts: the order in which expressions are evaluated is part of a scene.
 class Expressions {
  public:
   explicit Expressions(std::uint64_t seed);

@@ -36,6 +36,8 @@ TEST(Expression, computes) {
   EXPECT_EQ(e.evaluate("i == 3 ? 10 : 20"), 10);
   EXPECT_NEAR(e.evaluate("sin(pi / 6)"), 0.5, 1e-15);
   EXPECT_NEAR(e.evaluate("cos(pi / 3)"), 0.5, 1e-15);
+  EXPECT_EQ(e.evaluate("harmonic(0)"), 0);
+  EXPECT_NEAR(e.evaluate("harmonic(4)"), 25.0 / 12, 1e-15);
   e.setLocal("i", 4);
   EXPECT_EQ(e.evaluate("base - i * 2"), -1) << "a compiled text must see new values";
   e.forgetLocals();

@@ -179,6 +179,9 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
       {"sqrt(-1) && 1", {"finite"}},
       {"abs(sqrt(-n)) < 1", {"finite"}},
       {"floor(sqrt(-1)) == 1", {"finite"}},
+      {"max(0, harmonic(-1))", {"finite"}},
+      {"harmonic(n + 0.5)", {"finite"}},
+      {"harmonic(1e300)", {"finite"}},
   };
   for (const Case& c : cases) {
     Parts parts = c.parts;
