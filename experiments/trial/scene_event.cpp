@@ -129,17 +129,23 @@ struct Set {
 struct Force {
   static constexpr std::string_view kName = "force";
   static constexpr std::string_view kMeaning =
-      "for one step, or each until `until`: body, force (N), torque (N m), at (m)";
+      "for one step, or each until `until`: body, force (N), torque (N m), at (m); strength (N) towards a point (m)";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
     const int body = dynamicBody(e);
-    requireOneOf(e, {"force", "torque"});
+    requireOneOf(e, {"force", "torque", "strength"});
     const Vec<D> force = e.numbers.template vector<D>(e.block, "force");
     const Ang<D> torque = readAngular<D>(e.block, e.numbers, "torque");
-    addEvent<D>(e, body, [force, torque, at = pointOf(e)](Simulation<D>& world, Handle h) {
+    const auto strength = static_cast<Real>(e.numbers.between(e.block, "strength", 0, 0, kLargest));
+    if (e.block.find("strength")) e.block.require("towards");
+    const Vec<D> goal = e.numbers.template vector<D>(e.block, "towards");
+    addEvent<D>(e, body, [force, torque, strength, goal, at = pointOf(e)](Simulation<D>& world, Handle h) {
       const Vec<D> center = world.bodies().pose[static_cast<std::size_t>(h.slot)].p;
-      world.applyForce(h, force, center + armOf(world, h, at));
+      const Vec<D> point = center + armOf(world, h, at), way = goal - point;
+      const Real far = way.norm();
+      const Vec<D> pull = far > 0 ? Vec<D>(strength * (way / far)) : Vec<D>(Vec<D>::Zero());
+      world.applyForce(h, force + pull, point);
       world.applyTorque(h, torque);
     });
   }

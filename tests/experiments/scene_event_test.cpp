@@ -116,6 +116,21 @@ TEST(SceneEvent, TorqueTurns) {
   EXPECT_EQ(Played<2>(spec, 2).motion(0).v.norm(), 0);
 }
 
+// 16 N towards a place 3 m above the centre of mass; there is no way from a place to itself.
+template <int D>
+void pulled() {
+  const auto at = [](const std::string& towards) {
+    return Played<D>(
+               scene<D>("[[event]]\ndo = \"force\"\nstep = 0\nbody = \"box\"\nstrength = 16\ntowards = " + towards), 1)
+        .motion(0);
+  };
+  EXPECT_LT((at("[1.25, 5, 3]").v - vec<D>(0, 1, 0)).norm(), 1e-12);
+  EXPECT_EQ(at("[1.25, 5, 3]").w.norm(), 0);
+  EXPECT_LT((at("[-2.75, -1, 3]").v - vec<D>(Real(-0.8), Real(-0.6), 0)).norm(), 1e-12);
+  EXPECT_EQ(at("[1.25, 2, 3]").v.norm(), 0);
+}
+TEST(SceneEvent, StrengthIsTowardsAPoint) { pulled<2>(), pulled<3>(); }
+
 // --- set
 // ---------------------------------------------------------------------------------------------------------------
 
@@ -212,6 +227,9 @@ TEST(SceneEvent, MistakesAreOneLine) {
       {"do = \"push\"\nstep = 1.5\nbody = \"box\"\n", {"t.toml:18: ", "'step' is 1.5", "whole numbers"}},
       {"do = \"push\"\nstep = 3\nbody = \"bax\"\nimpulse = [1, 0]\n", {"t.toml:19: ", "'bax'", "valid: box, peg"}},
       {"do = \"push\"\nstep = 3\nbody = \"box[1]\"\nimpulse = [1, 0]\n", {"t.toml:19: ", "'box' has 1 bodies"}},
+      {"do = \"force\"\nstep = 3\nbody = \"box\"\nstrength = 1\n", {"t.toml:16: ", "'towards' is missing"}},
+      {"do = \"force\"\nstep = 3\nbody = \"box\"\nstrength = -1\ntowards = [0, 0]\n",
+       {"t.toml:20: ", "'strength' is -1", "valid: 0 or more"}},
       {"do = \"push\"\nstep = 3\nbody = \"peg\"\nimpulse = [1, 0]\n", {"t.toml:19: ", "valid: a dynamic body"}},
       {"do = \"push\"\nstep = 3\nbody = \"box\"\n", {"t.toml:16: ", "without effect", "impulse, angular_impulse"}},
       {"do = \"push\"\nstep = 3\nbody = \"box\"\nimpulse = [1, 0]\nspeed = 3\n", {"t.toml:21: ", "'speed'", "impulse"}},
