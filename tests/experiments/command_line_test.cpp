@@ -65,8 +65,8 @@ TEST(CommandLine, listsNamesAndTellsOnRequest) {
   for (const char* name : {"catto", "pyramid", "quick", "cylinder", "ms_per_step_median", "seconds"}) {
     EXPECT_NE(brief.text.find(name), std::string::npos) << name;
   }
-  EXPECT_EQ(brief.text.find("warm_start"), std::string::npos) << brief.text;
-  for (const char* text : {"catto", "warm_start=true", "base="}) EXPECT_NE(all.text.find(text), std::string::npos);
+  EXPECT_EQ(brief.text.find("warm_factor"), std::string::npos) << brief.text;
+  for (const char* text : {"catto", "warm_factor=1", "base="}) EXPECT_NE(all.text.find(text), std::string::npos);
 
   const Outcome named = w.lpc("list --name naive");
   EXPECT_TRUE(named.text.starts_with("broadphase\n  naive ")) << named.text;
