@@ -20,7 +20,8 @@ class NoCache final : public ContactCache<D> {
         .failures = {{"any contact that lasts", "the solver starts from zero each step, stacks need more iterations",
                       "Cache.CarriesImpulses"},
                      {"a contact on a slope", "friction starts from zero, too", "Cache.CarriesFrictionAsAVector"},
-                     {"a sliding body", "it forgets all the same", "Cache.CarriesWhereFeaturesChange"}}};
+                     {"a sliding body", "it forgets all the same", "Cache.CarriesWhereFeaturesChange"},
+                     {"a body that jumps", "it forgets all the same", "Cache.CarriesAcrossAJump"}}};
   }
 
   void carry(const CacheInput<D>&, std::vector<Manifold<D>>&) override {}

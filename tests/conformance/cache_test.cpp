@@ -2,11 +2,11 @@
 // Every registered contact cache, in both dimensions: what it must carry, and what it must leave alone.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
-#include "framework/stage_narrowphase.h"
 #include "tests/check_property.h"
-#include "tests/draw.h"
+#include "tests/conformance/moment.h"
 #include "tests/planted_bugs/cache_bugs.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -15,6 +15,7 @@ namespace {
 constexpr const char* kFriction = "Cache.CarriesFrictionAsAVector";
 constexpr const char* kImpulses = "Cache.CarriesImpulses";
 constexpr const char* kNewFeatures = "Cache.CarriesWhereFeaturesChange";
+constexpr const char* kJump = "Cache.CarriesAcrossAJump";
 
 template <int D>
 ContactPoint<D> drawPoint(Draw& draw, std::uint64_t feature) {
@@ -73,29 +74,6 @@ std::ostream& operator<<(std::ostream& out, const Steps<D>& s) {
   return out << s.old.size() << " old and " << s.fresh.size() << " fresh manifolds";
 }
 
-// Two steps. Where both have a manifold, its normal has moved a little, or is the old one, or has crossed z = 0, where
-// the tangent basis jumps.
-template <int D>
-Steps<D> drawSteps() {
-  return *Gen([](Draw& draw) {
-    Steps<D> s{drawManifolds<D>(draw), drawManifolds<D>(draw)};
-    for (Manifold<D>& m : s.fresh) {
-      for (Manifold<D>& o : s.old) {
-        if (o.key() != m.key()) continue;
-        const int change = draw.below(3);
-        if (change == 2) o.normal[D - 1] = D == 3 ? Real(1e-12) : o.normal[D - 1];
-        if (o.normal.norm() < Real(0.5)) o.normal[0] = 1;
-        o.normal.normalize();
-        m.normal = o.normal;
-        if (change == 1) m.normal = (m.normal + Real(1e-3) * drawVector<D>(draw)).normalized();
-        if (change == 2 && D == 3) m.normal[2] = -m.normal[2];
-      }
-    }
-    clearImpulses(s.fresh);
-    return s;
-  });
-}
-
 template <int D>
 const Manifold<D>* find(const std::vector<Manifold<D>>& list, const Manifold<D>& like) {
   for (const Manifold<D>& m : list) {
@@ -111,10 +89,39 @@ const ContactPoint<D>* find(const Manifold<D>* m, std::uint64_t feature) {
   return nullptr;
 }
 
+// Two steps. Where both have a manifold, its normal has moved a little, or is the old one, or has crossed z = 0, where
+// the tangent basis jumps; and where both have a feature, its anchors have moved by a millimetre, or anywhere.
+template <int D>
+Steps<D> drawSteps(bool anywhere = false) {
+  return *Gen([anywhere](Draw& draw) {
+    Steps<D> s{drawManifolds<D>(draw), drawManifolds<D>(draw)};
+    for (Manifold<D>& m : s.fresh) {
+      for (Manifold<D>& o : s.old) {
+        if (o.key() != m.key()) continue;
+        const int change = draw.below(3);
+        if (change == 2) o.normal[D - 1] = D == 3 ? Real(1e-12) : o.normal[D - 1];
+        if (o.normal.norm() < Real(0.5)) o.normal[0] = 1;
+        o.normal.normalize();
+        m.normal = o.normal;
+        if (change == 1) m.normal = (m.normal + Real(1e-3) * drawVector<D>(draw)).normalized();
+        if (change == 2 && D == 3) m.normal[2] = -m.normal[2];
+        for (ContactPoint<D>& p : m.points) {
+          const ContactPoint<D>* q = anywhere ? nullptr : find(&o, p.feature);
+          if (!q) continue;
+          p.localA = q->localA + Real(1e-3) * drawVector<D>(draw);
+          p.localB = q->localB + Real(1e-3) * drawVector<D>(draw);
+        }
+      }
+    }
+    clearImpulses(s.fresh);
+    return s;
+  });
+}
+
 // The same pair of shapes and the same feature: the same normal impulse, and the solver's memory.
 template <int D>
-void carriesImpulses(ContactCache<D>& cache) {
-  Steps<D> s = drawSteps<D>();
+void carriesFeatures(ContactCache<D>& cache, bool anywhere) {
+  Steps<D> s = drawSteps<D>(anywhere);
   cache.carry(inputOf(s), s.fresh);
   for (const Manifold<D>& m : s.fresh) {
     for (int i = 0; i < m.count; ++i) {
@@ -125,6 +132,15 @@ void carriesImpulses(ContactCache<D>& cache) {
       RC_ASSERT(p.memory == o->memory);
     }
   }
+}
+
+template <int D>
+void carriesImpulses(ContactCache<D>& cache) {
+  carriesFeatures<D>(cache, false);
+}
+template <int D>
+void carriesAcrossAJump(ContactCache<D>& cache) {
+  carriesFeatures<D>(cache, true);
 }
 
 // Friction as a vector in space stays, whatever tangent basis belongs to the new normal.
@@ -190,6 +206,85 @@ void carriesWhereFeaturesChange(ContactCache<D>& cache) {
   }
 }
 
+// Another feature in another place is another point.
+template <int D>
+void forgetsWhatIsFar(ContactCache<D>& cache) {
+  Steps<D> s = drawSteps<D>();
+  s.fresh = s.old;
+  clearImpulses(s.fresh);
+  for (Manifold<D>& m : s.fresh) {
+    for (ContactPoint<D>& p : m.points) {
+      p.feature += 1000, p.localA[0] += 10, p.localB[0] += 10;
+    }
+  }
+  cache.carry(inputOf(s), s.fresh);
+  for (const Manifold<D>& m : s.fresh) {
+    for (const ContactPoint<D>& p : m.points) {
+      for (Real x : p.impulse) RC_ASSERT(x == 0);
+    }
+  }
+}
+
+// One old point, and several fresh ones about where it was: no more comes out than went in.
+template <int D>
+void givesAnImpulseOnce(ContactCache<D>& cache) {
+  Steps<D> s = drawSteps<D>();
+  for (Manifold<D>& m : s.old) m.count = 1;
+  s.fresh = s.old;
+  clearImpulses(s.fresh);
+  for (Manifold<D>& m : s.fresh) {
+    for (; m.count < kManifoldPoints<D>; ++m.count) {
+      ContactPoint<D>& p = m.points[static_cast<std::size_t>(m.count)];
+      p = m.points[0];
+      p.feature += static_cast<std::uint64_t>(m.count), p.localA[0] += Real(1e-4) * static_cast<Real>(m.count);
+    }
+  }
+  cache.carry(inputOf(s), s.fresh);
+  for (std::size_t i = 0; i < s.old.size(); ++i) {
+    Real sum = 0;
+    for (int k = 0; k < s.fresh[i].count; ++k) sum += s.fresh[i].points[static_cast<std::size_t>(k)].impulse[0];
+    RC_ASSERT(sum <= s.old[i].points[0].impulse[0]);
+  }
+}
+
+template <int D>
+Real deepest(const Manifold<D>& m) {
+  Real s = m.points[0].separation;
+  for (int i = 1; i < m.count; ++i) s = std::min(s, m.points[static_cast<std::size_t>(i)].separation);
+  return s;
+}
+
+// Whatever `select` leaves out, `carry` brings back, as it is now: in order, none lost that touches, normals and
+// separations of these poses, and no corner deep inside without a point.
+template <int D>
+void isOfThisMoment(ContactCache<D>& cache) {
+  Moment<D> s = drawMoment<D>();
+  std::vector<ShapePair> regenerate;
+  cache.select(s.input(), regenerate);
+  std::vector<Manifold<D>> now = s.made(regenerate, s.after);
+  cache.carry(s.input(), now);
+  for (std::size_t i = 1; i < now.size(); ++i) RC_ASSERT(now[i - 1].key() < now[i].key());
+  for (const Manifold<D>& m : now) {
+    const bool kept =
+        std::find(regenerate.begin(), regenerate.end(), ShapePair{m.shapeA, m.shapeB}) == regenerate.end();
+    const Manifold<D>* was = kept ? find(s.old, m) : nullptr;
+    RC_ASSERT(!kept || was);
+    RC_ASSERT(std::abs(m.normal.norm() - 1) <= 20 * kEps);
+    const Pose<D>&X_WA = s.after[static_cast<std::size_t>(m.bodyA)], &X_WB = s.after[static_cast<std::size_t>(m.bodyB)];
+    RC_ASSERT((X_WA.q * m.normalA - m.normal).norm() <= 20 * kEps);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+      RC_ASSERT(std::abs(m.points[i].separation - separationNow(m, m.points[i], X_WA, X_WB)) <= 100 * kEps);
+      if (kept) RC_ASSERT(m.points[i].impulse[0] == was->points[i].impulse[0]);
+    }
+  }
+  for (const Manifold<D>& m : s.made(s.pairs, s.after)) {
+    if (!(deepest(m) < 0)) continue;
+    const Manifold<D>* seen = find(now, m);
+    if (!seen) RC_ASSERT(deepest(m) > -kContactMargin / 4);
+    if (seen) RC_ASSERT(deepest(*seen) - deepest(m) < kContactMargin / 4);
+  }
+}
+
 constexpr int kRuns = 200;  // cases of each property, and of each bug that it must catch
 
 template <int D, class Property>
@@ -242,8 +337,76 @@ TEST(Cache, CarriesWhereFeaturesChange) {
   onEveryCache<3>(kNewFeatures, carriesWhereFeaturesChange<3>);
 }
 
+TEST(Cache, CarriesAcrossAJump) {
+  onEveryCache<2>(kJump, carriesAcrossAJump<2>);
+  onEveryCache<3>(kJump, carriesAcrossAJump<3>);
+}
+
+TEST(Cache, ForgetsWhatIsFar) {
+  onEveryCache<2>("Cache.ForgetsWhatIsFar", forgetsWhatIsFar<2>);
+  onEveryCache<3>("Cache.ForgetsWhatIsFar", forgetsWhatIsFar<3>);
+  catches<MatchesByPlace, 2>("matched by place in the list", forgetsWhatIsFar<2>);
+  catches<MatchesByPlace, 3>("matched by place in the list", forgetsWhatIsFar<3>);
+}
+
+TEST(Cache, GivesAnImpulseOnce) {
+  onEveryCache<2>("Cache.GivesAnImpulseOnce", givesAnImpulseOnce<2>);
+  onEveryCache<3>("Cache.GivesAnImpulseOnce", givesAnImpulseOnce<3>);
+  catches<GivesToAllAround, 2>("given to all around", givesAnImpulseOnce<2>);
+  catches<GivesToAllAround, 3>("given to all around", givesAnImpulseOnce<3>);
+}
+
+TEST(Cache, IsOfThisMoment) {
+  onEveryCache<2>("Cache.IsOfThisMoment", isOfThisMoment<2>);
+  onEveryCache<3>("Cache.IsOfThisMoment", isOfThisMoment<3>);
+  catches<LosesWhatIsLeftOut, 2>("left out and lost", isOfThisMoment<2>);
+  catches<LosesWhatIsLeftOut, 3>("left out and lost", isOfThisMoment<3>);
+  catches<StaleSeparations, 2>("separations of before", isOfThisMoment<2>);
+  catches<StaleSeparations, 3>("separations of before", isOfThisMoment<3>);
+  catches<StaleNormals, 2>("normals of before", isOfThisMoment<2>);
+  catches<StaleNormals, 3>("normals of before", isOfThisMoment<3>);
+}
+
+// Hardly moved: nothing is made anew. Moved by a hand's width, or round: everything is.
+TEST(Cache, RecyclingRecycles) {
+  const auto recycling = createStage<ContactCache<2>>({"recycling", {}});
+  std::vector<ShapePair> regenerate;
+  Moment<2> s;
+  s.shapes.resize(3);
+  s.shapes[0].shape = Shape<2>::box({2, 2}), s.shapes[0].body = 0;
+  s.shapes[1].shape = Shape<2>::box({Real(0.5), Real(0.5)}), s.shapes[1].body = 1;
+  s.shapes[2].shape = Shape<2>::sphere(Real(0.5)), s.shapes[2].body = 2;
+  s.before = {Pose<2>{}, {{-1, Real(2.5)}, {}}, {{1, Real(2.5)}, {}}};
+  s.old = s.made(s.pairs, s.before);
+  ASSERT_EQ(s.old.size(), 2u);
+  s.after = s.before;
+  recycling->select(s.input(), regenerate);
+  EXPECT_EQ(regenerate, (std::vector<ShapePair>{{0, 2}})) << "the ball rolls";
+  s.after[1].p[0] += Real(0.04);
+  recycling->select(s.input(), regenerate);
+  EXPECT_EQ(regenerate, (std::vector<ShapePair>{{0, 2}}));
+  s.after[1].p[0] += Real(0.04);
+  recycling->select(s.input(), regenerate);
+  EXPECT_EQ(regenerate, s.pairs);
+  s.after[1] = {{-1, Real(2.53)}, {}};
+  recycling->select(s.input(), regenerate);
+  EXPECT_EQ(regenerate, s.pairs) << "beyond the margin there are no contacts";
+  // A box on its left edge, its right corner 25 mm up and without a point, then 10 mm deep.
+  s.shapes[1].shape = Shape<2>::box({Real(0.25), Real(0.25)}), s.pairs = {{0, 1}};
+  const auto tilted = [](double t) { return Pose<2>{{-1, Real(2.25 + 0.25 * t)}, Rot<2>::angle(t)}; };
+  s.before[1] = tilted(0.05), s.after[1] = tilted(-0.02);
+  s.after[1].p[0] += Real(0.25 * 0.07);  // the edge stays where it was
+  s.old = s.made(s.pairs, s.before);
+  ASSERT_EQ(s.old.at(0).count, 1);
+  recycling->select(s.input(), regenerate);
+  EXPECT_EQ(regenerate, s.pairs);
+  SeesPointsAlone<2> wrong;
+  wrong.select(s.input(), regenerate);
+  EXPECT_TRUE(regenerate.empty()) << "the planted bug";
+}
+
 TEST(Cache, DeclaredFailuresAreTested) {
-  const std::set<std::string> known = {kFriction, kImpulses, kNewFeatures};
+  const std::set<std::string> known = {kFriction, kImpulses, kNewFeatures, kJump};
   for (int d : {2, 3}) {
     for (const Registered* r : Registry::instance().list(StageKind::cache, d)) {
       for (const FailureMode& f : r->info.failures) EXPECT_TRUE(known.contains(f.test)) << f.test;

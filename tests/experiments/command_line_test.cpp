@@ -40,7 +40,7 @@ TEST(CommandLine, writesTheNamesIntoAPage) {
   const std::string text = readFile(page);
   EXPECT_TRUE(text.starts_with("above\n<!-- registry -->\n| stage | names |\n| --- | --- |\n| broadphase | naive, "));
   EXPECT_TRUE(text.ends_with("|\n<!-- end -->\nbelow\n")) << text;
-  EXPECT_NE(text.find("\n| cache | by_feature, none |\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n| cache | by_distance, by_feature, none, recycling |\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("libccd"), std::string::npos) << "a witness competes with nobody";
   w.lpc("list --into page.md");
   EXPECT_EQ(readFile(page), text);

@@ -2,6 +2,8 @@
 // Contact caches with one mistake each.
 #pragma once
 
+#include <memory>
+
 #include "framework/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -57,6 +59,23 @@ struct MatchesByShape final : ContactCache<D> {
   }
 };
 
+/// Each point takes what the nearest old one had, though another has taken it already.
+template <int D>
+struct GivesToAllAround final : ContactCache<D> {
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) {
+      for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+        std::size_t nearest = 0;
+        const auto apart = [&](std::size_t k) { return (o.points[k].localA - m.points[i].localA).norm(); };
+        for (std::size_t k = 1; k < static_cast<std::size_t>(o.count); ++k) {
+          if (apart(k) < apart(nearest)) nearest = k;
+        }
+        m.points[i].impulse = o.points[nearest].impulse, m.points[i].memory = o.points[nearest].memory;
+      }
+    });
+  }
+};
+
 /// Forgets that two normals have two tangent bases.
 template <int D>
 struct FrictionAsNumbers final : ContactCache<D> {
@@ -70,6 +89,54 @@ struct FrictionAsNumbers final : ContactCache<D> {
         }
       }
     });
+  }
+};
+
+/// What changes between `recycling` and the solver, by a mistake.
+template <int D>
+struct Recycled : ContactCache<D> {
+  std::unique_ptr<ContactCache<D>> right = createStage<ContactCache<D>>({"recycling", {}});
+  void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) override { right->select(in, regenerate); }
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override { right->carry(in, fresh); }
+};
+
+/// Leaves pairs out and forgets to bring them back.
+template <int D>
+struct LosesWhatIsLeftOut final : Recycled<D> {
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    createStage<ContactCache<D>>({"by_feature", {}})->carry(in, fresh);
+  }
+};
+
+/// Anchors kept, and separations, too.
+template <int D>
+struct StaleSeparations final : Recycled<D> {
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    Recycled<D>::carry(in, fresh);
+    forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) {
+      for (std::size_t i = 0; i < static_cast<std::size_t>(std::min(o.count, m.count)); ++i) {
+        m.points[i].separation = o.points[i].separation;
+      }
+    });
+  }
+};
+
+/// The normal does not turn with A.
+template <int D>
+struct StaleNormals final : Recycled<D> {
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    Recycled<D>::carry(in, fresh);
+    forSamePairs<D>(in.old, fresh, [](const Manifold<D>& o, Manifold<D>& m) { m.normal = o.normal; });
+  }
+};
+
+/// Does not ask what may have come in where there is no point.
+template <int D>
+struct SeesPointsAlone final : Recycled<D> {
+  void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) override {
+    CacheInput<D> wide = in;
+    wide.margin = 1000;
+    Recycled<D>::select(wide, regenerate);
   }
 };
 

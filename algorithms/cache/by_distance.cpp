@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Zlib
+#include <limits>
+
+#include "algorithms/cache/inherit.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Matches points by where their anchors are, the nearest pair first; an old point gives its impulse once. A place is
+// the same when it has stayed on A or on B: the corner of a sliding box keeps its place on the box, what it slides over
+// does not, and which of the two is A follows from the order of the bodies alone.
+template <int D>
+class ByDistance final : public ContactCache<D> {
+ public:
+  struct Params {
+    Real distance = Real(0.02);
+    void visit(ParamVisitor& v) {
+      v.real("distance", distance, 0, 1000, "m", "how far a point may have moved on the body on which it moved less");
+    }
+  };
+  explicit ByDistance(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "by_distance",
+            .summary = "a point inherits from the nearest old point of the same shapes",
+            .paper = "bullet",
+            .complexity = "m old + m fresh manifolds, points squared in each",
+            .failures = {{"a body that rolls or turns farther than `distance` in a step",
+                          "its points start cold, though their features would tell which they are",
+                          "Cache.CarriesAcrossAJump"}}};
+  }
+
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    cache::forKnown<D>(in.old, fresh, [&](const Manifold<D>& old, Manifold<D>& m) { inherit(old, m); });
+  }
+
+ private:
+  void inherit(const Manifold<D>& old, Manifold<D>& m) const {
+    const cache::FrictionTurn<D> turn(old.normal, m.normal);
+    std::array<bool, kManifoldPoints<D>> given{}, taken{};
+    for (int n = std::min(old.count, m.count); n > 0; --n) {
+      Real least = std::numeric_limits<Real>::infinity();
+      std::size_t from = 0, to = 0;
+      for (std::size_t o = 0; o < static_cast<std::size_t>(old.count); ++o) {
+        for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+          if (given[o] || taken[i]) continue;
+          const ContactPoint<D>&p = m.points[i], &q = old.points[o];
+          const Real apart = std::min((p.localA - q.localA).norm(), (p.localB - q.localB).norm());
+          if (apart < least) least = apart, from = o, to = i;
+        }
+      }
+      if (!(least <= m_params.distance)) return;
+      given[from] = taken[to] = true;
+      cache::inherit(old.points[from], turn, m.points[to]);
+    }
+  }
+
+  Params m_params;
+};
+
+}  // namespace
+
+LPC_REGISTER(ContactCache, ByDistance, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/cache/inherit.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Contact recycling: while two shapes have hardly moved against each other since their points were made, the points
+// stay: anchors where they are on the bodies, separations as they are now. A tower that leans keeps the face it stands
+// on.
+//
+// What may have moved is all of the face that the shapes share, corners without a point included. It lies in the
+// smaller shape, so no place of it is farther from the first point than that shape is wide; it may have moved by
+// `distance`, but along the normal by no more than the contact margin: what was farther apart than that when the points
+// were made has no point, and would go in unseen. Round shapes are left out: they roll, their points do not stay on
+// them, and a ball whose point lags behind it runs ever faster.
+template <int D>
+class Recycling final : public ContactCache<D> {
+ public:
+  struct Params {
+    Real distance = Real(0.05);
+    Real angle = Real(0.2);
+    void visit(ParamVisitor& v) {
+      v.real("distance", distance, 0, 1000, "m", "how far a place of the common face may have moved since");
+      v.real("angle", angle, 0, 3, "rad", "how far the shapes may have turned against each other since");
+    }
+  };
+  explicit Recycling(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "recycling",
+            .summary = "flat shapes that hardly moved against each other keep their points; others as by_feature",
+            .paper = "box2d",
+            .complexity = "m old + m fresh manifolds; the kept ones need no contacts made",
+            .failures = {{"a body that slides over a vertex or rolls over an edge",
+                          "the same place has a new feature and starts cold", "Cache.CarriesWhereFeaturesChange"}}};
+  }
+
+  void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) override {
+    regenerate.clear(), m_kept.clear();
+    std::size_t o = 0;
+    for (const ShapePair& pair : in.pairs) {
+      if (o < in.old.size()) {
+        const auto body = [&](std::int32_t shape) { return in.shapes[static_cast<std::size_t>(shape)].body; };
+        const auto key = std::tuple(body(pair.a), pair.a, body(pair.b), pair.b);
+        while (o < in.old.size() && in.old[o].shapeKey() < key) ++o;
+        std::size_t end = o;
+        while (end < in.old.size() && in.old[end].shapeKey() == key) ++end;
+        if (end > o && stays(in, in.old.subspan(o, end - o))) {
+          for (; o < end; ++o) m_kept.push_back(o);
+          continue;
+        }
+      }
+      regenerate.push_back(pair);
+    }
+  }
+
+  void carry(const CacheInput<D>& in, std::vector<Manifold<D>>& fresh) override {
+    cache::forKnown<D>(in.old, fresh, cache::inheritByFeature<D>);
+    // Merged from the end, in place.
+    std::size_t left = fresh.size(), out = left + m_kept.size();
+    fresh.resize(out);
+    for (std::size_t k = m_kept.size(); k > 0;) {
+      const Manifold<D>& old = in.old[m_kept[k - 1]];
+      --out;
+      if (left > 0 && old.key() < fresh[left - 1].key()) {
+        fresh[out] = fresh[--left];
+      } else {
+        fresh[out] = old, --k;
+        renew(in, fresh[out]);
+      }
+    }
+    m_kept.clear();
+  }
+
+ private:
+  // The manifolds of one pair of shapes, all made at one time.
+  bool stays(const CacheInput<D>& in, std::span<const Manifold<D>> old) const {
+    const Manifold<D>& m = old[0];
+    const ShapeRecord<D>&a = in.shapes[static_cast<std::size_t>(m.shapeA)],
+          &b = in.shapes[static_cast<std::size_t>(m.shapeB)];
+    if (!flat(a.shape) || !flat(b.shape)) return false;
+    const Pose<D>&X_WA = in.pose[static_cast<std::size_t>(m.bodyA)], &X_WB = in.pose[static_cast<std::size_t>(m.bodyB)];
+    const Pose<D> X_AB = poseBetween(X_WA, X_WB);
+    const Ang<D> turn = turnOf(X_AB.q * m.X_AB.q.inverse());
+    const Real angle = turn.norm();
+    if (!(angle <= m_params.angle)) return false;
+    const Vec<D>& p = m.points[0].localB;
+    const Vec<D> moved = (X_AB.p - m.X_AB.p) + (X_AB.q * p - m.X_AB.q * p);
+    const Real width = 2 * std::min(reach(a.shape), reach(b.shape));
+    if (!(moved.norm() + width * angle <= m_params.distance)) return false;
+    const Real tilt = cross(turn, m.normalA).norm();
+    if (!(std::abs(moved.dot(m.normalA)) + width * tilt <= in.margin)) return false;
+    // Shapes that are farther apart have no contacts.
+    for (const Manifold<D>& child : old) {
+      const Vec<D> n = X_WA.q * child.normalA;
+      for (int i = 0; i < child.count; ++i) {
+        if (separation(child.points[static_cast<std::size_t>(i)], n, X_WA, X_WB) <= in.margin) return true;
+      }
+    }
+    return false;
+  }
+
+  static void renew(const CacheInput<D>& in, Manifold<D>& m) {
+    const Pose<D>&X_WA = in.pose[static_cast<std::size_t>(m.bodyA)], &X_WB = in.pose[static_cast<std::size_t>(m.bodyB)];
+    const Vec<D> n = X_WA.q * m.normalA;
+    const cache::FrictionTurn<D> turn(m.normal, n);
+    m.normal = n, m.begun = m.ignored = 0;
+    for (int i = 0; i < m.count; ++i) {
+      ContactPoint<D>& p = m.points[static_cast<std::size_t>(i)];
+      p.separation = separation(p, n, X_WA, X_WB);
+      turn(p.impulse);
+    }
+  }
+
+  // As a generator would have it: far from the origin the sum of a place and an arm loses digits.
+  static Real separation(const ContactPoint<D>& p, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
+    return ((X_WB.p - X_WA.p) + X_WB.q * p.localB - X_WA.q * p.localA).dot(n);
+  }
+
+  static bool flat(const Shape<D>& shape) {
+    bool flat = true;
+    forParts(shape, Pose<D>{}, [&](const ShapeView<D>& part, const Pose<D>&) {
+      flat = flat && part.radius == 0 && part.core() != CoreClass::curved && part.core() != CoreClass::point;
+    });
+    return flat;
+  }
+
+  // Radius of a sphere around the shape's origin that contains it, m.
+  static Real reach(const Shape<D>& shape) {
+    Real reach = 0;
+    forParts(shape, Pose<D>{}, [&](const ShapeView<D>& part, const Pose<D>& X_SP) {
+      reach = std::max(reach, X_SP.p.norm() + boundingRadius(part));
+    });
+    return reach;
+  }
+
+  Params m_params;
+  std::vector<std::size_t> m_kept;  // indices into `old`
+};
+
+}  // namespace
+
+LPC_REGISTER(ContactCache, Recycling, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
