@@ -78,6 +78,20 @@ Real contactTarget(Real separation, Real velocity, Real arrival, Real restitutio
   return target;
 }
 
+/// The change of normal velocity that a contact point asks for at the velocities of now, m/s; negative: none.
+template <int D>
+Real velocityError(const VelocityInput<D>& in, const Manifold<D>& m, const ContactPoint<D>& c) {
+  const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+  const ContactArms<D> arms(c, m.normal, in.bodies.pose[a], in.bodies.pose[b]);
+  const auto along = [&](const Motion<D>& x, const Motion<D>& y) {
+    return (y.v + cross(y.w, arms.rB) - x.v - cross(x.w, arms.rA)).dot(m.normal);
+  };
+  const Real v = along(in.bodies.motion[a], in.bodies.motion[b]);
+  const Real arrival = in.arrival.empty() ? v : along(in.arrival[a], in.arrival[b]);
+  const Real e = in.features.restitution ? m.restitution : Real(0);
+  return contactTarget<D>(c.separation, v, arrival, e, in.restitutionThreshold, in.dt, in.position) - v;
+}
+
 template <int D>
 struct PointRows {
   Row<D> normal;

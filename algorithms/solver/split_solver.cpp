@@ -3,6 +3,7 @@
 #include <bit>
 #include <memory>
 
+#include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/free_motion.h"
 #include "algorithms/solver/impact.h"
 #include "framework/profiler.h"
@@ -13,7 +14,7 @@ namespace {
 
 using namespace solver;
 
-enum class Order { stored, reverse, random, bottomUp, coloured };
+enum class Order { stored, reverse, random, bottomUp, coloured, worstFirst };
 enum class Loop { solveMove, resolveThenForceMove };
 
 // Forces, velocities and positions by three methods of one's choice, one after the other.
@@ -31,8 +32,8 @@ class SplitSolver final : public Solver<D> {
       v.stage("velocity", velocity, StageKind::velocity, "makes contacts stop approaching");
       v.stage("position", position, StageKind::position, "removes penetration and joint errors");
       v.stage("integrator", integrator, StageKind::integrator, "free motion under forces");
-      v.choice("order", order, {"stored", "reverse", "random", "bottom_up", "coloured"},
-               "in which contacts are solved");
+      v.choice("order", order, {"stored", "reverse", "random", "bottom_up", "coloured", "worst_first"},
+               "in which contacts are solved; there and back is a matter of sweeps: catto{sweep=symmetric}");
       v.choice("loop", loop, {"solve_move", "resolve_then_force_move"},
                "contacts solved with this step's forces, or before them as in 2009");
       v.choice("impact", impact, {"newton", "poisson", "sequential"},
@@ -93,23 +94,47 @@ class SplitSolver final : public Solver<D> {
       Random random(static_cast<std::uint64_t>(m_params.seed) ^ std::bit_cast<std::uint64_t>(double(in.time)));
       for (std::size_t i = m_order.size(); i > 1; --i) std::swap(m_order[i - 1], m_order[random.below(i)]);
     }
-    if (m_params.order == Order::bottomUp) {
-      m_height.resize(in.manifolds.size());
-      for (int i : m_order) {
-        const auto k = static_cast<std::size_t>(i);
-        const Manifold<D>& m = in.manifolds[k];
-        m_height[k] = (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * m.points[0].localA)[1];
-        for (int p = 1; p < m.count; ++p) {
-          const Vec<D>& local = m.points[static_cast<std::size_t>(p)].localA;
-          m_height[k] = std::min(m_height[k], (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * local)[1]);
-        }
-        if (!(m_height[k] == m_height[k])) m_height[k] = 0;  // NaN has no place in an order
+    if (m_params.order == Order::bottomUp) sortBottomUp(in);
+  }
+
+  void sortBottomUp(const StepInput<D>& in) {
+    m_key.resize(in.manifolds.size());
+    for (int i : m_order) {
+      const auto k = static_cast<std::size_t>(i);
+      const Manifold<D>& m = in.manifolds[k];
+      m_key[k] = (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * m.points[0].localA)[1];
+      for (int p = 1; p < m.count; ++p) {
+        const Vec<D>& local = m.points[static_cast<std::size_t>(p)].localA;
+        m_key[k] = std::min(m_key[k], (in.bodies.pose[static_cast<std::size_t>(m.bodyA)] * local)[1]);
       }
-      std::sort(m_order.begin(), m_order.end(), [&](int a, int b) {
-        const Real x = m_height[static_cast<std::size_t>(a)], y = m_height[static_cast<std::size_t>(b)];
-        return x < y || (!(y < x) && a < b);
-      });
     }
+    sortByKey();
+  }
+
+  // Once per step, by what a resolver is about to make right: the largest change of normal velocity that a point of the
+  // contact asks for (contactTarget), this step's forces included, when nothing has been pushed yet.
+  void sortWorstFirst(const VelocityInput<D>& in) {
+    m_key.resize(in.manifolds.size());
+    for (int i : m_order) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
+      Real worst = velocityError<D>(in, m, m.points[0]);
+      for (int p = 1; p < m.count; ++p) {
+        worst = std::max(worst, velocityError<D>(in, m, m.points[static_cast<std::size_t>(p)]));
+      }
+      m_key[static_cast<std::size_t>(i)] = -worst;
+    }
+    sortByKey();
+  }
+
+  void sortByKey() {
+    for (int i : m_order) {
+      Real& key = m_key[static_cast<std::size_t>(i)];
+      if (!(key == key)) key = 0;  // NaN has no place in an order
+    }
+    std::sort(m_order.begin(), m_order.end(), [&](int a, int b) {
+      const Real x = m_key[static_cast<std::size_t>(a)], y = m_key[static_cast<std::size_t>(b)];
+      return x < y || (!(y < x) && a < b);
+    });
   }
 
   void integrate(const StepInput<D>& in) {
@@ -128,6 +153,7 @@ class SplitSolver final : public Solver<D> {
       m_impact.strike(m_params.impact, problem, in.graph, m_params.impactLimit);
       features.restitution = false;
     }
+    if (m_params.order == Order::worstFirst) sortWorstFirst(problem);
     if (in.watcher) in.watcher->see(problem);
     m_velocity->solve(problem);
   }
@@ -148,7 +174,7 @@ class SplitSolver final : public Solver<D> {
   std::unique_ptr<PositionResolver<D>> m_position;
   std::unique_ptr<Integrator<D>> m_integrator;
   std::vector<int> m_order, m_colours;
-  std::vector<Real> m_height;
+  std::vector<Real> m_key;  // by manifold: what the order follows, m or m/s
   std::vector<Motion<D>> m_drift, m_free, m_arrival;
   Impact<D> m_impact;
 };

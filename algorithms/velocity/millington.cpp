@@ -9,8 +9,10 @@ namespace {
 
 using namespace solver;
 
-// Always the contact whose velocity is most wrong, then look again. One contact is solved with friction as a block, and
-// for good: its impulse is not accumulated and cannot be taken back.
+enum class Order { worstFirst, given };
+
+// Always the contact whose velocity is most wrong, then look again; or one after the other, in the order given. One
+// contact is solved with friction as a block, and for good: its impulse is not accumulated and cannot be taken back.
 template <int D>
 class Millington final : public VelocityResolver<D> {
  public:
@@ -18,10 +20,13 @@ class Millington final : public VelocityResolver<D> {
     Real iterationFactor = 4;
     Real epsilon = Real(0.01);
     ExtremeSearch search = ExtremeSearch::tree;
+    Order order = Order::worstFirst;
     void visit(ParamVisitor& v) {
       v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of impulses, as a multiple of the contacts");
       v.real("epsilon", epsilon, 0, 10, "m/s", "a smaller error of velocity is left alone");
       v.choice("search", search, {"scan", "tree"}, "how the worst contact is found; the result is the same");
+      v.choice("order", order, {"worst_first", "given"},
+               "given: sweeps, so many as the factor says, or until all is well");
     }
   };
   explicit Millington(const Params& params) : m_params(params), m_errors(params.search) {}
@@ -64,10 +69,19 @@ class Millington final : public VelocityResolver<D> {
   };
 
   void solveContacts(const VelocityInput<D>& in) {
+    const auto limit = static_cast<long>(m_params.iterationFactor * static_cast<Real>(m_points.size()));
+    if (m_params.order == Order::worstFirst) {
+      solveWorstFirst(in, limit);
+    } else {
+      solveInTurn(in, limit);
+    }
+    solveJoints(in);
+  }
+
+  void solveWorstFirst(const VelocityInput<D>& in, long limit) {
     const std::size_t n = m_points.size();
     m_errors.reset(n);
     for (std::size_t k = 0; k < n; ++k) m_errors.set(k, error(in, m_points[k]));
-    const auto limit = static_cast<long>(m_params.iterationFactor * static_cast<Real>(n));
     for (long i = 0; i < limit; ++i) {
       const std::size_t k = m_errors.top();
       if (!(m_errors.value(k) > m_params.epsilon)) break;
@@ -77,7 +91,19 @@ class Millington final : public VelocityResolver<D> {
       }
       in.work[WorkCount::rowUpdates] += in.features.friction ? D : 1;
     }
-    solveJoints(in);
+  }
+
+  // The limit is one of visits here. Over when a whole sweep has found nothing to do.
+  void solveInTurn(const VelocityInput<D>& in, long limit) {
+    const auto n = static_cast<long>(m_points.size());
+    long quiet = 0;
+    for (long i = 0; i < limit && quiet < n; ++i, ++quiet) {
+      Point& p = m_points[static_cast<std::size_t>(i % n)];
+      if (!(error(in, p) > m_params.epsilon)) continue;
+      resolve(in, p);
+      quiet = -1;
+      in.work[WorkCount::rowUpdates] += in.features.friction ? D : 1;
+    }
   }
 
   void collect(const VelocityInput<D>& in) {
