@@ -13,6 +13,19 @@ namespace lpc::inline LPC_PRECISION::test {
 
 inline bool competes(const Registered& r) { return r.info.role == AlgorithmRole::competitor; }
 
+/// The manners of a velocity resolver besides its own: each other choice of a parameter that says in which order it
+/// goes, how it takes contacts together and what friction is. "friction=box".
+inline std::vector<std::string> otherManners(const Registered& r) {
+  std::vector<std::string> out;
+  for (const ParamInfo& p : r.params) {
+    if (p.name != "sweep" && p.name != "block" && p.name != "friction" && p.name != "order") continue;
+    for (const std::string& choice : p.choices) {
+      if (choice != p.defaultText) out.push_back(p.name + "=" + choice);
+    }
+  }
+  return out;
+}
+
 template <int D>
 std::vector<std::string> everySolver() {
   std::vector<std::string> specs;
@@ -30,7 +43,11 @@ std::vector<std::string> everySolver() {
     for (const ParamInfo& p : r->params) {
       if (!p.stage) continue;
       for (const Registered* part : Registry::instance().list(p.stage->kind, D)) {
-        if (competes(*part)) specs.push_back(r->info.name + "{" + p.name + "=" + part->info.name + "}");
+        if (!competes(*part)) continue;
+        const std::string with = r->info.name + "{" + p.name + "=" + part->info.name;
+        specs.push_back(with + "}");
+        if (p.stage->kind != StageKind::velocity) continue;
+        for (const std::string& manner : otherManners(*part)) specs.push_back(with + "{" + manner + "}}");
       }
     }
   }
@@ -69,19 +86,31 @@ std::vector<std::string> everyPipeline() {
   return pipelines;
 }
 
+/// Does the method say in its info().failures that it fails `property`? A failure whose `when` begins with one of
+/// otherManners() and a colon, "friction=box: a body that lands", is one of this manner alone.
+inline bool declares(const Registered& method, const Spec& spec, const std::string& property) {
+  const auto applies = [&](const FailureMode& f) {
+    for (const std::string& manner : otherManners(method)) {
+      if (!f.when.starts_with(manner + ":")) continue;
+      const std::size_t sign = manner.find('=');
+      const Spec* value = spec.find(manner.substr(0, sign));
+      return value && value->name == manner.substr(sign + 1);
+    }
+    return true;
+  };
+  return std::any_of(method.info.failures.begin(), method.info.failures.end(),
+                     [&](const FailureMode& f) { return f.test == property && applies(f); });
+}
+
 /// Does a solver or the part that is named in `spec` say in its info().failures that it fails `property`?
 template <int D>
 bool declares(const std::string& spec, const std::string& property) {
-  const auto says = [&](const Registered& r) {
-    return std::any_of(r.info.failures.begin(), r.info.failures.end(),
-                       [&](const FailureMode& f) { return f.test == property; });
-  };
   const Spec parsed = Spec::parse(spec);
   const Registered& solver = Registry::instance().find(StageKind::solver, D, parsed.name);
-  if (says(solver)) return true;
+  if (declares(solver, parsed, property)) return true;
   for (const ParamInfo& p : solver.params) {
     const Spec* part = p.stage ? parsed.find(p.name) : nullptr;
-    if (part && says(Registry::instance().find(p.stage->kind, D, part->name))) return true;
+    if (part && declares(Registry::instance().find(p.stage->kind, D, part->name), *part, property)) return true;
   }
   return false;
 }

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/solver/joint_rows.h"
+#include "algorithms/solver/sequential_impulse.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace solver;
+
+// Sequential impulses, and then the contacts once more from the ground upwards, level by level, with all bodies of
+// lower levels infinitely heavy: what stands on them comes to rest however many or heavy they are. What the pass pushes
+// is accumulated, too, so that the next step gives the lower bodies what they have not felt in this one.
+template <int D>
+class ShockPropagation final : public VelocityResolver<D> {
+ public:
+  struct Params {
+    int iterations = 10;
+    int passes = 1;
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts before the levels");
+      v.integer("passes", passes, 0, 1000, "sweeps over each level on the way up");
+    }
+  };
+  explicit ShockPropagation(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "shock_propagation",
+            .summary = "sequential impulses, then upwards by level, those below infinitely heavy",
+            .paper = "guendelman2003",
+            .complexity = "iterations x (contacts + joints) + passes x contacts",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"whatever stands on something that can move",
+                          "the lower body does not feel what pushes the upper one: momentum is made",
+                          "Impulse.GroundGivesTheMomentum"},
+                         {"a heavy body on a light one", "it rests, but the light one does not feel its weight at once",
+                          "Impulse.CarriesHeavyOnLight"},
+                         {"a body on a very heavy one that is not fixed", "has no ground under it, nor a level",
+                          "Symmetry.HeavyIsFixed"}},
+            .friction = FrictionLaw::coulomb};
+  }
+
+  void solve(const VelocityInput<D>& in) override {
+    {
+      Profiler::Scope scope(in.profiler, "solver.prepare");
+      m_contacts.prepare(in);
+      m_joints.clear();
+      if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
+      const Real growth = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+      warmStartContacts(in, growth, m_contacts);
+      m_joints.warmStart(in.dt, [&](std::int32_t joint, std::int32_t row) {
+        return growth * in.joints[static_cast<std::size_t>(joint)].impulse[static_cast<std::size_t>(row)];
+      });
+      m_joints.applyAccumulated(in.bodies.motion);
+    }
+    {
+      Profiler::Scope scope(in.profiler, "solver.iterate");
+      for (int i = 0; i < m_params.iterations; ++i) {
+        sweepJoints(in);
+        for (const ManifoldRows<D>& m : m_contacts.manifolds) sweep(m, in);
+      }
+    }
+    Profiler::Scope scope(in.profiler, "solver.shock");
+    if (m_params.passes > 0) propagate(in);
+    m_contacts.store(in.manifolds);
+    m_joints.store(in.joints);
+  }
+
+ private:
+  void sweepJoints(const VelocityInput<D>& in) {
+    in.work[WorkCount::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)});
+  }
+
+  void sweep(const ManifoldRows<D>& m, const VelocityInput<D>& in) {
+    Motion<D> a = in.bodies.motion[static_cast<std::size_t>(m.a)], b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+    PointRows<D>* const points = m_contacts.points.data() + m.first;
+    for (int i = 0; i < m.count; ++i) pushAt(m, points[i], Real(1), a, b, in.features.rotation);
+    for (int i = 0; i < m.count && m.friction > 0; ++i) rubAt(m, points[i], a, b, in.features.rotation);
+    in.bodies.motion[static_cast<std::size_t>(m.a)] = a, in.bodies.motion[static_cast<std::size_t>(m.b)] = b;
+    in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+  }
+
+  void propagate(const VelocityInput<D>& in) {
+    m_graph.reset(in.bodies, in.manifolds, in.joints, in.work);
+    const std::span<const std::int32_t> levels = m_graph.supportLevels();
+    const auto level = [&](int body) { return levels[static_cast<std::size_t>(body)]; };
+    // By the level of the upper body, counted, in the given order within each. What hangs in the air (-1) has none.
+    m_start.assign(2, 0);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const auto upper = static_cast<std::size_t>(std::max(level(m.a), level(m.b)) + 1);
+      if (m_start.size() < upper + 2) m_start.resize(upper + 2, 0);
+      ++m_start[upper + 1];
+    }
+    for (std::size_t l = 1; l < m_start.size(); ++l) m_start[l] += m_start[l - 1];
+    m_next.assign(m_start.begin(), m_start.end());
+    m_upwards.resize(m_contacts.manifolds.size());
+    for (std::size_t k = 0; k < m_upwards.size(); ++k) {
+      ManifoldRows<D>& m = m_contacts.manifolds[k];
+      const auto upper = static_cast<std::size_t>(std::max(level(m.a), level(m.b)) + 1);
+      m_upwards[m_next[upper]++] = k;
+      if (level(m.a) != level(m.b)) freeze(m, level(m.a) < level(m.b), in.features.rotation);
+    }
+    for (std::size_t l = 1; l + 1 < m_start.size(); ++l) {
+      for (int i = 0; i < m_params.passes; ++i) {
+        for (std::size_t k = m_start[l]; k < m_start[l + 1]; ++k) sweep(m_contacts.manifolds[m_upwards[k]], in);
+      }
+    }
+    if (!m_joints.rows.empty()) sweepJoints(in);  // that the levels have pulled at
+  }
+
+  // Makes A or B of a contact infinitely heavy.
+  void freeze(ManifoldRows<D>& m, bool isA, bool rotation) {
+    (isA ? m.invMassA : m.invMassB) = 0;
+    const auto freezeRow = [&](Row<D>& row) {
+      (isA ? row.turnA : row.turnB).setZero();
+      Real k = m.invMassA + m.invMassB;
+      if (rotation) k += row.armA.dot(row.turnA) + row.armB.dot(row.turnB);
+      row.mass = k > 0 ? 1 / k : Real(0);
+    };
+    for (int i = 0; i < m.count; ++i) {
+      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + i)];
+      freezeRow(row.normal);
+      if (!(m.friction > 0)) continue;
+      for (Row<D>& tangent : row.tangent) freezeRow(tangent);
+      prepareFriction(row);
+    }
+  }
+
+  Params m_params;
+  ContactRows<D> m_contacts;
+  JointSystem<D> m_joints;
+  ContactGraph<D> m_graph;
+  std::vector<std::size_t> m_start, m_next, m_upwards;
+};
+
+}  // namespace
+
+LPC_REGISTER(VelocityResolver, ShockPropagation, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
