@@ -192,9 +192,12 @@ set(worlds ${sweep})
 
 # few: promises that compile a file or none; witnesses: with the oracles, which this tree is spared otherwise;
 # everything: what everything includes. The last two with -DALL=ON only.
+# Then without precompiled headers: each file includes what it uses.
 set(rounds few)
+set(precompiled_off OFF)
 if(ALL)
   list(APPEND rounds witnesses everything)
+  set(precompiled_off ON)
 endif()
 foreach(current IN LISTS rounds)
   set(oracles OFF)
@@ -205,7 +208,7 @@ foreach(current IN LISTS rounds)
   endif()
   must_say("" ${CMAKE_COMMAND} -G Ninja -S ${tree} -B ${work}/build -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O0
            -DCMAKE_CXX_FLAGS_DEBUG= -DLPC_PRECISIONS=f64 -DLPC_BUILD_TESTS=ON -DLPC_BUILD_ORACLES=${oracles}
-           -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+           -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_DISABLE_PRECOMPILE_HEADERS=${precompiled_off})
   build(lpc)
   must_say("" ${bin}/lpc list)
   set(list_before "${output}")
