@@ -86,15 +86,16 @@ std::vector<std::string> everyPipeline() {
   return pipelines;
 }
 
-/// Does the method say in its info().failures that it fails `property`? A failure whose `when` begins with one of
-/// otherManners() and a colon, "friction=box: a body that lands", is one of this manner alone.
+/// Does the method say in its info().failures that it fails `property`? A failure whose `when` begins with a choice of
+/// one of its parameters and a colon, "friction=box: a body that lands", is one of this choice alone.
 inline bool declares(const Registered& method, const Spec& spec, const std::string& property) {
   const auto applies = [&](const FailureMode& f) {
-    for (const std::string& manner : otherManners(method)) {
-      if (!f.when.starts_with(manner + ":")) continue;
-      const std::size_t sign = manner.find('=');
-      const Spec* value = spec.find(manner.substr(0, sign));
-      return value && value->name == manner.substr(sign + 1);
+    for (const ParamInfo& p : method.params) {
+      for (const std::string& choice : p.choices) {
+        if (!f.when.starts_with(p.name + "=" + choice + ":")) continue;
+        const Spec* value = spec.find(p.name);
+        return (value ? value->name : p.defaultText) == choice;
+      }
     }
     return true;
   };
