@@ -54,8 +54,10 @@ class JointSystem {
   }
 
   void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}; }
-  void prepare(const Bodies<D>& bodies, std::span<const JointRecord<D>> joints) {
+  /// `compliance` is added to what each rigid row gives way by per impulse, 1/kg or 1/(kg m^2).
+  void prepare(const Bodies<D>& bodies, std::span<const JointRecord<D>> joints, Real compliance = 0) {
     clear();
+    m_compliance = compliance;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       if (joints[j].active()) add(bodies, joints[j], static_cast<std::int32_t>(j));
     }
@@ -142,7 +144,7 @@ class JointSystem {
       if (from.absent()) continue;
       rows.push_back({from, 0, 0, i});
       const Real k = response(block, rows.back(), rows.back());
-      rows.back().mass = k > 0 ? 1 / k : Real(0);
+      rows.back().mass = k > 0 ? 1 / (from.law == RowLaw::rigid ? k + m_compliance : k) : Real(0);
       trace += k;
       LPC_ASSERT(from.block == RowBlock::box ||
                  block.equalities + block.first + 1 == static_cast<std::int32_t>(rows.size()));
@@ -159,7 +161,8 @@ class JointSystem {
     block.mass.set(
         block.equalities,
         [&](int i, int j) {
-          return response(block, all[static_cast<std::size_t>(i)], all[static_cast<std::size_t>(j)]);
+          const Real k = response(block, all[static_cast<std::size_t>(i)], all[static_cast<std::size_t>(j)]);
+          return i == j ? k + m_compliance : k;
         },
         block.warm);
     blocks.push_back(block);
@@ -225,6 +228,7 @@ class JointSystem {
   }
 
   JointRows<D> m_rows;
+  Real m_compliance = 0;
   Motion<D> m_world;  // at rest, since its inverse mass is 0; but for an infinite impulse, and then for one solve
 };
 

@@ -100,7 +100,9 @@ void agreesUntilTheFirstImpact(const std::string& pipeline, const Change<D>& cha
     if (!(impulses(pair.here) > 0)) continue;
     RC_PRE(pair.here.manifolds()[0].count == 1);
     pair.step();
-    RC_PRE(pair.here.manifolds().empty() || pair.here.manifolds()[0].count == 1);
+    const auto& after = pair.here.manifolds();
+    const bool byOnePoint = after.empty() || after[0].count == 1;  // RC_PRE evaluates both sides
+    RC_PRE(byOnePoint);
     RC_LOG() << pipeline << " apart " << pair.apart() << " at step " << i << '\n';
     RC_ASSERT(pair.apart() <= limit);
     return;

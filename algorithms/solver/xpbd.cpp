@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+
+#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/free_motion.h"
+#include "algorithms/solver/joint_rows.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace solver;
+
+// Sub-steps of one iteration: bodies move freely, constraints move them back, and what they have moved by is their
+// velocity. Nothing is accumulated from sub-step to sub-step. A second pass over velocities adds sliding friction and
+// restitution, and takes back what was only there to undo overlap.
+//
+// A correction is written as the change of velocity that makes it in this sub-step, so that a velocity is never the
+// difference of two places: far from the origin that would have no digits. Errors and directions are those of the
+// predicted poses and linear from there on. Corrections fall with h^2, so what is left out falls with h^4.
+template <int D>
+class Xpbd final : public Solver<D> {
+ public:
+  struct Params {
+    int substeps = 8;
+    Real contactCompliance = 0, jointCompliance = 0, slop = Real(0.0005);
+    // All of it at once turns the rounding of a float's place, divided by h, into speed.
+    Real jointShare = Real(0.5);
+    void visit(ParamVisitor& v) {
+      v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each");
+      v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "of contacts; 0: rigid");
+      v.real("joint_compliance", jointCompliance, 0, 1, "m/N", "of joints, rad/(N m) where they hold an angle");
+      v.real("joint_share", jointShare, Real(0.01), 1, "1", "of a joint's old error that a sub-step undoes");
+      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
+    }
+  };
+  explicit Xpbd(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {
+        .name = "xpbd",
+        .summary = "extended position based dynamics: sub-steps of one iteration on positions, then velocities",
+        .paper = "mueller2020",
+        .complexity = "substeps x 2 x contacts + substeps x joints",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"boxes deep inside each other",
+                      "are thrown apart: in one sub-step depth becomes velocity, and one sweep does not take it back",
+                      "Overlap.ComesApartOrSaysThatItDoesNot"},
+                     {"a joint that is pulled together, a contact that is turned out of its depth",
+                      "moves on: what moves a body is its velocity", "PositionError.AddsNoVelocity"},
+                     {"a box on a slope below the critical angle",
+                      "creeps: friction holds it where the sub-step began, and nothing is remembered",
+                      "Slope.HoldsOrSaysThatItDoesNot"},
+                     {"cubes on each other", "tremble and creep, since each sub-step is one cold sweep",
+                      "Rest.StackStays"}},
+        .friction = FrictionLaw::coulomb};
+  }
+
+  void step(const StepInput<D>& in) override {
+    const bool rotation = in.features.rotation;
+    const Real h = in.dt / static_cast<Real>(m_params.substeps);
+    auto& pose = in.bodies.pose;
+    auto& motion = in.bodies.motion;
+    haltUnmoving(in.bodies, rotation);
+    m_contacts.points.clear();
+    m_jointImpulse.assign(in.joints.size(), {});
+    m_joints.clear();
+    m_start.assign(pose.begin(), pose.end());
+    m_way.assign(pose.size(), Vec<D>::Zero());
+    for (int i = 0; i < m_params.substeps; ++i) {
+      {
+        Profiler::Scope scope(in.profiler, "solver.integrate");
+        m_arrival.assign(motion.begin(), motion.end());
+        kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
+        m_from.assign(pose.begin(), pose.end());
+        move(in, h);  // a prediction
+      }
+      {
+        Profiler::Scope scope(in.profiler, "solver.prepare");
+        prepare(in, h);
+        if (i == 0) m_total.assign(m_contacts.points.size(), {});
+      }
+      {
+        Profiler::Scope scope(in.profiler, "solver.iterate");
+        in.work[WorkCount::rowUpdates] += m_joints.sweep(motion, h, {.rate = m_params.jointShare / h});
+        for (const ManifoldRows<D>& m : m_contacts.manifolds) push(m, in, h);
+      }
+      {
+        Profiler::Scope scope(in.profiler, "solver.move");
+        for (std::size_t k = 0; k < pose.size(); ++k) pose[k].q = m_from[k].q;
+        move(in, h);
+        for (std::size_t k = 0; k < pose.size(); ++k) m_way[k] += h * motion[k].v;
+      }
+      Profiler::Scope scope(in.profiler, "solver.velocities");
+      for (int k = 0; k < kSettle; ++k) {
+        for (const ManifoldRows<D>& m : m_contacts.manifolds) settle(m, in);
+      }
+      accumulate();
+    }
+    store(in);
+  }
+
+ private:
+  static constexpr int kSettle = 2;  // friction that is taken back changes the velocity along the normal
+
+  // Places are the start of the step plus one way, or thirty small ways would be rounded thirty times.
+  void move(const StepInput<D>& in, Real h) const {
+    for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
+      if (!travels(in.bodies, k)) continue;
+      moveBody(in.bodies.pose[k], in.bodies.motion[k], h, in.features.rotation);
+      in.bodies.pose[k].p = m_start[k].p + (m_way[k] + h * in.bodies.motion[k].v);
+    }
+  }
+
+  // Rows at the predicted poses. An error there less the way that the prediction has gone along its row is the error
+  // from which the velocity of this sub-step starts.
+  void prepare(const StepInput<D>& in, Real h) {
+    const bool rotation = in.features.rotation;
+    const auto& motion = in.bodies.motion;
+    const NoBias none;
+    m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.features, in.restitutionThreshold,
+                        in.work, in.profiler, m_arrival});
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Manifold<D>& of = in.manifolds[static_cast<std::size_t>(m.manifold)];
+      const auto a = static_cast<std::size_t>(m.a), b = static_cast<std::size_t>(m.b);
+      for (int k = 0; k < m.count; ++k) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        const ContactArms<D> arms(of.points[static_cast<std::size_t>(k)], m.n, in.bodies.pose[a], in.bodies.pose[b]);
+        const Real from = arms.separation - h * rowVelocity<D>(row.normal, m.n, motion[a], motion[b], rotation);
+        row.target = -(from + std::clamp(-from, Real(0), m_params.slop)) / h;
+      }
+    }
+    if (!in.features.joints) return;
+    m_joints.prepare(in.bodies, in.joints, m_params.jointCompliance / (h * h));
+    for (const JointBlock<D>& block : m_joints.blocks) {
+      const Motion<D> a = block.a < 0 ? Motion<D>{} : motion[static_cast<std::size_t>(block.a)];
+      const Motion<D>& b = motion[static_cast<std::size_t>(block.b)];
+      for (JointRow<D>& row : m_joints.of(block)) row.error -= h * rowSpeed<D>(row, a.v, a.w, b.v, b.w);
+    }
+  }
+
+  // On positions. Friction only where it holds the point to where it was: what slides is left to the velocities.
+  void push(const ManifoldRows<D>& m, const StepInput<D>& in, Real h) {
+    const bool rotation = in.features.rotation;
+    Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+    Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+    for (int k = 0; k < m.count; ++k) {
+      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+      const Real give = 1 / (1 + m_params.contactCompliance / (h * h) * row.normal.mass);
+      const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+      row.impulse[0] = std::max(give * row.normal.mass * (row.target - v), Real(0));
+      applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, rotation);
+    }
+    if (!(m.friction > 0)) return;
+    for (int k = 0; k < m.count; ++k) {
+      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+      RealMatrix<D - 1, 1> v;
+      for (int d = 0; d < D - 1; ++d) {
+        v[d] = rowVelocity<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), a, b, rotation);
+      }
+      const RealMatrix<D - 1, 1> impulse = -(row.stick * v);
+      if (!(impulse.norm() <= m.friction * row.impulse[0])) continue;
+      for (int d = 0; d < D - 1; ++d) {
+        row.impulse[static_cast<std::size_t>(d) + 1] = impulse[d];
+        applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB, impulse[d], a, b,
+                    rotation);
+      }
+    }
+    in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+  }
+
+  // On velocities: a point that was pushed stops or bounces, whatever the push was for. It may be pulled by no more
+  // than it was pushed.
+  void settle(const ManifoldRows<D>& m, const StepInput<D>& in) {
+    const bool rotation = in.features.rotation;
+    const auto a = static_cast<std::size_t>(m.a), b = static_cast<std::size_t>(m.b);
+    const Real e = in.features.restitution ? in.manifolds[static_cast<std::size_t>(m.manifold)].restitution : Real(0);
+    auto& motion = in.bodies.motion;
+    for (int k = 0; k < m.count; ++k) {
+      PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+      const Real old = row.impulse[0];
+      if (!(old > 0)) continue;
+      const Real arrival = rowVelocity<D>(row.normal, m.n, m_arrival[a], m_arrival[b], rotation);
+      const Real target = arrival < -in.restitutionThreshold ? -e * arrival : Real(0);
+      const Real v = rowVelocity<D>(row.normal, m.n, motion[a], motion[b], rotation);
+      row.impulse[0] = std::max(old + row.normal.mass * (target - v), Real(0));
+      applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, motion[a], motion[b], rotation);
+      ++in.work[WorkCount::rowUpdates];
+    }
+    if (!(m.friction > 0)) return;
+    for (int k = 0; k < m.count; ++k) {
+      rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], motion[a], motion[b], rotation);
+    }
+    in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (D - 1);
+  }
+
+  // Impulses are those of a whole step, as in every other solver.
+  void accumulate() {
+    for (std::size_t k = 0; k < m_total.size(); ++k) {
+      for (std::size_t d = 0; d < D; ++d) m_total[k][d] += m_contacts.points[k].impulse[d];
+    }
+    for (const JointBlock<D>& block : m_joints.blocks) {
+      auto& sum = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+      for (const JointRow<D>& row : m_joints.of(block)) sum[static_cast<std::size_t>(row.number)] += row.impulse;
+    }
+  }
+  void store(const StepInput<D>& in) {
+    for (std::size_t k = 0; k < m_total.size(); ++k) m_contacts.points[k].impulse = m_total[k];
+    m_contacts.store(in.manifolds);
+    const auto keep = [&](std::int32_t j) {
+      in.joints[static_cast<std::size_t>(j)].impulse = m_jointImpulse[static_cast<std::size_t>(j)];
+    };
+    for (const JointBlock<D>& block : m_joints.blocks) keep(block.joint);
+    for (const std::int32_t j : m_joints.rowless) keep(j);
+  }
+
+  struct NoBias final : PositionResolver<D> {};
+
+  Params m_params;
+  ContactRows<D> m_contacts;
+  JointSystem<D> m_joints;
+  std::vector<Pose<D>> m_start, m_from;  // before the step, before the move of this sub-step
+  std::vector<Vec<D>> m_way;             // since the start of the step, m
+  std::vector<Motion<D>> m_arrival;      // before its forces
+  std::vector<std::array<Real, D>> m_total;
+  std::vector<std::array<Real, kJointRows>> m_jointImpulse;  // by slot
+  std::vector<Wrench<D>> m_wrenches;
+};
+
+}  // namespace
+
+LPC_REGISTER(Solver, Xpbd, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
