@@ -95,7 +95,8 @@ void everySolverConverges() {
   for (const std::string& solver : everySolver<D>()) {
     const double order = solver.find("rk4") != solver.npos ? 4 : 1;
     EXPECT_NEAR(springOrder<D>(solver), order, 0.05) << solver << ' ' << D << 'D';
-    EXPECT_TRUE(pendulumConverges<D>(solver)) << solver << ' ' << D << 'D';
+    EXPECT_EQ(pendulumConverges<D>(solver), !declares<D>(solver, "Order.PendulumKeepsItsEnergy"))
+        << solver << ' ' << D << 'D';
   }
   const std::string bug = "planted_solver{bug=heats}", dimension = ' ' + std::to_string(D) + 'D';
   expectCaught("Order of a spring " + bug + dimension, std::abs(springOrder<D>(bug) - 1) < 0.05);

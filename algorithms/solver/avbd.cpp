@@ -1,0 +1,498 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+#include <limits>
+
+#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/free_motion.h"
+#include "algorithms/solver/ldl_solve.h"
+#include "framework/profiler.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace solver;
+
+// Each body in turn minimises its own inertia and the energy of all its constraints, while the others stand still: one
+// small linear system. A constraint is a spring that grows stiffer while it is violated, and a force that takes over
+// what the spring bears (augmented Lagrangian), both kept from step to step.
+//
+// Everything is written in velocities u, with which a body goes through the step, and impulses: a spring k is then
+// h^2 k, a mass, and is kept as a multiple of the row's effective mass. So nothing depends on the unit of mass, or on
+// how heavy a scene is, as absolute penalties do. A joint has one such multiple for its metres and one for its
+// radians, and a point one for both tangents: several would tell the directions of the world's axes apart.
+//
+// Contacts are linear from the start of the step, joints from the end of the last iteration.
+template <int D>
+class Avbd final : public Solver<D> {
+ public:
+  struct Params {
+    int iterations = 10;
+    Real ramp = 30, alpha = Real(0.99), gamma = Real(0.99);
+    Real minPenalty = 10, maxPenalty = Real(1e5), slop = Real(0.0005);
+    bool postStabilize = true;
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 1, 100000, "sweeps over all bodies");
+      v.real("ramp", ramp, 0, Real(1e9), "1/m", "growth of a penalty per sweep and violation (rad counts as m)");
+      v.real("alpha", alpha, 0, 1, "1", "share of an old error that a step leaves, if not post_stabilize");
+      v.real("gamma", gamma, 0, 1, "1", "share of a penalty that the next step starts from");
+      v.real("min_penalty", minPenalty, Real(1e-6), Real(1e6), "1", "least penalty, in masses of the row over dt^2");
+      v.real("max_penalty", maxPenalty, Real(1e-6), Real(1e9), "1", "largest penalty, in the same unit");
+      v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
+      v.flag("post_stabilize", postStabilize, "old errors are undone by a last sweep that leaves no velocity");
+    }
+  };
+  explicit Avbd(const Params& params) : m_params(params) {
+    if (params.minPenalty > params.maxPenalty) {
+      throw UserError("'avbd' has penalties that cross; valid: min_penalty <= max_penalty");
+    }
+  }
+
+  static AlgorithmInfo info() {
+    return {
+        .name = "avbd",
+        .summary = "augmented vertex block descent: body by body, penalties that grow, forces that remember",
+        .paper = "giles2025",
+        .complexity = "iterations x (bodies + contacts + joints)",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"bodies that meet", "push each other by what each sees of the other before or after its turn",
+                      "Solver.KeepsLinearMomentum"},
+                     {"the same, off the centre", "the same, in turns", "Solver.KeepsAngularMomentum"},
+                     {"a swing on a joint", "loses energy as by the implicit Euler method, three times catto's loss",
+                      "Order.PendulumKeepsItsEnergy"}},
+        .friction = FrictionLaw::coulomb};
+  }
+
+  void step(const StepInput<D>& in) override {
+    m_rotation = in.features.rotation, m_h = in.dt;
+    auto& motion = in.bodies.motion;
+    haltUnmoving(in.bodies, m_rotation);
+    {
+      Profiler::Scope scope(in.profiler, "solver.prepare");
+      prepareContacts(in);
+      prepareJoints(in);
+    }
+    {
+      Profiler::Scope scope(in.profiler, "solver.integrate");
+      guess(in);
+    }
+    {
+      Profiler::Scope scope(in.profiler, "solver.iterate");
+      m_alpha = m_params.postStabilize ? Real(1) : m_params.alpha;
+      linearize(in);
+      for (int i = 0; i < m_params.iterations; ++i) {
+        sweep(in);
+        raise(in);
+      }
+    }
+    {
+      Profiler::Scope scope(in.profiler, "solver.stabilize");
+      m_velocity.assign(motion.begin(), motion.end());
+      if (m_params.postStabilize) {
+        m_alpha = 0;
+        sweep(in);
+      }
+      move(in);
+      motion.assign(m_velocity.begin(), m_velocity.end());
+    }
+    if (in.features.restitution) bounce(in);
+    learn(in);
+    store(in);
+  }
+
+ private:
+  static constexpr int kTries = 3, kSize = D + kAngDim<D>;
+  using Column = RealMatrix<kSize, 1>;
+  using Block = RealMatrix<kSize, kSize>;
+  enum Kept : std::size_t { angularPenalty = kJointRows - 2, linearPenalty = kJointRows - 1 };
+
+  struct Point {
+    Real separation;       // at the start of the step, less what may stay, m
+    Real arrival;          // velocity along the normal before it, m/s
+    Real reachA, reachB;   // from the centres of mass, m
+    Real normal, tangent;  // penalties
+  };
+  struct Joint {
+    std::int32_t joint, a, b;  // a -1: the world
+    JointRows<D> rows;
+    std::array<Real, kJointRows> impulse, mass, start;  // start: the error at the start of the step that is left
+    Real linear, angular;                               // penalties
+    Real reachA, reachB;                                // from the centres of mass to the frames, m
+  };
+
+  Real kept(Real penalty) const {
+    return std::clamp(m_params.gamma * penalty, m_params.minPenalty, m_params.maxPenalty);
+  }
+  // A force is what stays the same when dt changes.
+  Real warmth(const StepInput<D>& in) const {
+    const Real scale = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    return m_params.postStabilize ? scale : m_params.alpha * m_params.gamma * scale;
+  }
+
+  void prepareContacts(const StepInput<D>& in) {
+    const NoBias none;
+    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
+                        in.restitutionThreshold, in.work, in.profiler});
+    m_points.resize(m_contacts.points.size());
+    m_at.assign(in.manifolds.size(), -1);
+    const Real warm = warmth(in);
+    for (std::size_t i = 0; i < m_contacts.manifolds.size(); ++i) {
+      const ManifoldRows<D>& m = m_contacts.manifolds[i];
+      m_at[static_cast<std::size_t>(m.manifold)] = static_cast<int>(i);
+      const auto a = static_cast<std::size_t>(m.a), b = static_cast<std::size_t>(m.b);
+      for (int k = 0; k < m.count; ++k) {
+        const auto at = static_cast<std::size_t>(m.first + k);
+        const ContactPoint<D>& c =
+            in.manifolds[static_cast<std::size_t>(m.manifold)].points[static_cast<std::size_t>(k)];
+        PointRows<D>& row = m_contacts.points[at];
+        const ContactArms<D> arms(c, m.n, in.bodies.pose[a], in.bodies.pose[b]);
+        m_points[at] = {arms.separation + std::clamp(-arms.separation, Real(0), m_params.slop),
+                        rowVelocity<D>(row.normal, m.n, in.bodies.motion[a], in.bodies.motion[b], m_rotation),
+                        arms.rA.norm(),
+                        arms.rB.norm(),
+                        kept(c.memory[0]),
+                        kept(c.memory[1])};
+        row.impulse[0] = std::max(warm * c.impulse[0], Real(0));
+        for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = warm * c.impulse[d];
+      }
+    }
+  }
+
+  void prepareJoints(const StepInput<D>& in) {
+    m_joints.clear();
+    m_jointAt.assign(in.joints.size(), -1);
+    if (!in.features.joints) return;
+    const Real warm = warmth(in);
+    for (std::size_t j = 0; j < in.joints.size(); ++j) {
+      const JointRecord<D>& record = in.joints[j];
+      if (!record.active() || !(moves(in, record.bodyA) || moves(in, record.bodyB))) continue;
+      m_jointAt[j] = static_cast<int>(m_joints.size());
+      Joint& joint = m_joints.emplace_back();
+      joint.joint = static_cast<std::int32_t>(j), joint.a = record.bodyA, joint.b = record.bodyB;
+      joint.linear = kept(record.memory[linearPenalty]), joint.angular = kept(record.memory[angularPenalty]);
+      joint.reachA = record.bodyA < 0 ? Real(0) : record.X_CaJ.p.norm(), joint.reachB = record.X_CbJ.p.norm();
+      jointRows(record, in.bodies, joint.rows);
+      joint.impulse.fill(0), joint.start.fill(0);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(joint.rows.count); ++i) {
+        const ConstraintRow<D>& row = joint.rows.row[i];
+        if (row.absent()) continue;
+        joint.impulse[i] = warm * record.impulse[i];
+        if (row.binds()) joint.start[i] = row.error;
+      }
+    }
+  }
+  bool moves(const StepInput<D>& in, std::int32_t body) const {
+    const auto i = static_cast<std::size_t>(body);
+    return body >= 0 && (in.bodies.invMass[i] > 0 || turns(in, i));
+  }
+  bool turns(const StepInput<D>& in, std::size_t i) const { return m_rotation && in.bodies.invInertia[i].trace() > 0; }
+
+  // Where bodies would go without constraints, and where they start from: as far that way as they went in the last
+  // step, so that what rests starts at rest.
+  void guess(const StepInput<D>& in) {
+    auto& motion = in.bodies.motion;
+    m_start.assign(motion.begin(), motion.end());
+    m_from.assign(in.bodies.pose.begin(), in.bodies.pose.end());
+    kick<D>({in.dt, in.time, in.bodies, in.forces, in.features, in.work}, m_wrenches);
+    m_free.assign(motion.begin(), motion.end());
+    m_inertia.resize(motion.size());
+    for (std::size_t i = 0; i < motion.size(); ++i) {
+      if (!in.bodies.active(static_cast<int>(i))) continue;
+      if (turns(in, i)) m_inertia[i] = in.bodies.invInertia[i].inverse();
+      motion[i].v -= in.bodies.solver[i][0] * (motion[i].v - m_start[i].v);
+    }
+  }
+  // For the next step: how much of what its forces asked for a body has not done in this one.
+  void learn(const StepInput<D>& in) const {
+    for (std::size_t i = 0; i < m_free.size(); ++i) {
+      if (!in.bodies.active(static_cast<int>(i))) continue;
+      const Vec<D> asked = m_free[i].v - m_start[i].v, done = in.bodies.motion[i].v - m_start[i].v;
+      const Real size = asked.squaredNorm();
+      in.bodies.solver[i][0] = size > 0 ? 1 - std::clamp(done.dot(asked) / size, Real(0), Real(1)) : Real(0);
+    }
+  }
+
+  void move(const StepInput<D>& in) const {
+    for (std::size_t k = 0; k < m_from.size(); ++k) {
+      if (!travels(in.bodies, k)) continue;
+      in.bodies.pose[k] = m_from[k];
+      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, m_rotation);
+    }
+  }
+
+  // Rows of joints where the bodies are now; their errors are then those at which u = 0 would be.
+  void linearize(const StepInput<D>& in) {
+    if (m_joints.empty()) return;
+    move(in);
+    for (Joint& joint : m_joints) {
+      jointRows(in.joints[static_cast<std::size_t>(joint.joint)], in.bodies, joint.rows);
+      Real linear = 0, angular = 0;
+      int linearRows = 0, angularRows = 0;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(joint.rows.count); ++i) {
+        ConstraintRow<D>& row = joint.rows.row[i];
+        if (row.absent()) continue;
+        const Real k = response(in, joint, row);
+        joint.mass[i] = k > 0 ? 1 / k : Real(0);
+        row.error -= m_h * speed(in, joint, row);
+        if (row.block != RowBlock::equality) continue;
+        (row.angular ? angular : linear) += k;
+        ++(row.angular ? angularRows : linearRows);
+      }
+      // Rows that are held together have one mass, so that it does not matter along which axes they lie.
+      for (std::size_t i = 0; i < static_cast<std::size_t>(joint.rows.count); ++i) {
+        const ConstraintRow<D>& row = joint.rows.row[i];
+        if (row.absent() || row.block != RowBlock::equality) continue;
+        const Real sum = row.angular ? angular : linear;
+        joint.mass[i] = sum > 0 ? static_cast<Real>(row.angular ? angularRows : linearRows) / sum : Real(0);
+      }
+    }
+    for (std::size_t k = 0; k < m_from.size(); ++k) in.bodies.pose[k] = m_from[k];
+  }
+  static Real response(const StepInput<D>& in, const Joint& joint, const ConstraintRow<D>& row) {
+    const auto one = [&](std::int32_t body, const Ang<D>& arm) {
+      if (body < 0) return Real(0);
+      const auto i = static_cast<std::size_t>(body);
+      return in.bodies.invMass[i] * row.d.squaredNorm() + arm.dot(in.bodies.invInertia[i] * arm);
+    };
+    return one(joint.a, row.armA) + one(joint.b, row.armB);
+  }
+  static Real speed(const StepInput<D>& in, const Joint& joint, const ConstraintRow<D>& row) {
+    const Motion<D> a = joint.a < 0 ? Motion<D>{} : in.bodies.motion[static_cast<std::size_t>(joint.a)];
+    const Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(joint.b)];
+    return rowSpeed<D>(row, a.v, a.w, b.v, b.w);
+  }
+
+  // What a row asks for at the present velocities, and what it adds to the masses of its bodies.
+  struct Ask {
+    Real impulse, stiffness;
+    Real violation;  // m or rad; 0 where the impulse is at a limit
+  };
+  Ask askNormal(const ManifoldRows<D>& m, std::size_t at, const Motion<D>& a, const Motion<D>& b) const {
+    const PointRows<D>& row = m_contacts.points[at];
+    const Real s = m_points[at].separation;
+    const Real error = (s > 0 ? s : (1 - m_alpha) * s) + m_h * rowVelocity<D>(row.normal, m.n, a, b, m_rotation);
+    const Real stiffness = m_points[at].normal * row.normal.mass;
+    const Real impulse = row.impulse[0] - stiffness / m_h * error;
+    return limited({impulse, stiffness, std::abs(error)}, 0, std::numeric_limits<Real>::infinity());
+  }
+  static Ask limited(const Ask& ask, Real lo, Real hi) {
+    if (ask.impulse < lo) return {lo, 0, 0};
+    if (ask.impulse > hi) return {hi, 0, 0};
+    return ask;
+  }
+  struct Rub {
+    RealMatrix<D - 1, 1> impulse;
+    Real stiffness, violation;
+  };
+  // A point that slides is as stiff as the line from no force to the limit: its own stiffness would hold it back.
+  Rub askFriction(const ManifoldRows<D>& m, std::size_t at, Real limit, const Motion<D>& a, const Motion<D>& b) const {
+    const PointRows<D>& row = m_contacts.points[at];
+    RealMatrix<D - 1, 1> v, wanted;
+    Rub rub;
+    rub.stiffness = m_points[at].tangent * row.slide;
+    for (int d = 0; d < D - 1; ++d) {
+      v[d] = rowVelocity<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), a, b, m_rotation);
+      wanted[d] = row.impulse[static_cast<std::size_t>(d) + 1] - rub.stiffness * v[d];
+    }
+    rub.impulse = clampFriction<D>(wanted, limit);
+    const Real asked = wanted.norm();
+    rub.violation = asked <= limit ? m_h * v.norm() : Real(0);
+    if (asked > limit) rub.stiffness *= limit / asked;
+    return rub;
+  }
+  Ask askJoint(const StepInput<D>& in, const Joint& joint, std::size_t i) const {
+    const ConstraintRow<D>& row = joint.rows.row[i];
+    const Real v = speed(in, joint, row), lo = row.lo * m_h, hi = row.hi * m_h;
+    Real stiffness = (row.angular ? joint.angular : joint.linear) * joint.mass[i], impulse = 0, error = 0;
+    switch (row.law) {
+      case RowLaw::rigid:
+        error = row.error + m_h * v - m_alpha * joint.start[i];
+        impulse = joint.impulse[i] - stiffness / m_h * error;
+        break;
+      case RowLaw::spring:
+        stiffness = m_h * (m_h * row.stiffness + row.damping);
+        impulse = -m_h * row.stiffness * row.error - stiffness * v;
+        break;
+      case RowLaw::motor:
+        impulse = joint.impulse[i] - stiffness * (v - row.speed);
+        break;
+    }
+    return limited({impulse, stiffness, std::abs(error)}, lo, hi);
+  }
+
+  void sweep(const StepInput<D>& in) {
+    for (std::size_t i = 0; i < m_from.size(); ++i) {
+      if (!in.bodies.active(static_cast<int>(i)) || !moves(in, static_cast<std::int32_t>(i))) continue;
+      // Until the rows that were at a limit are those that are: a body's minimum is one, a single step to it two, and
+      // a rounding would decide between them.
+      std::uint64_t before = 0, limits = descend(in, i, 0, 1);
+      for (int k = 0; k < kTries && before != limits; ++k) {
+        before = limits, limits = descend(in, i, limits, k == 0 ? Real(1) : Real(0.5));
+      }
+    }
+  }
+
+  // Returns which rows were within their limits; does nothing where these are the same as in `last`.
+  std::uint64_t descend(const StepInput<D>& in, std::size_t i, std::uint64_t last, Real share) {
+    const auto body = static_cast<std::int32_t>(i);
+    auto& motion = in.bodies.motion;
+    const bool shifts = in.bodies.invMass[i] > 0, rotates = turns(in, i);
+    Block a = Block::Identity();
+    Column g = Column::Zero();
+    if (shifts) {
+      const Real mass = 1 / in.bodies.invMass[i];
+      a.template topLeftCorner<D, D>().diagonal().setConstant(mass);
+      g.template head<D>() = mass * Vec<D>(m_free[i].v - motion[i].v);
+    }
+    if (rotates) {
+      a.template bottomRightCorner<kAngDim<D>, kAngDim<D>>() = m_inertia[i];
+      g.template tail<kAngDim<D>>() = m_inertia[i] * Ang<D>(m_free[i].w - motion[i].w);
+    }
+    std::uint64_t within = 1;
+    Real bends = 0;  // how a loaded lever resists turning, which no single row knows: a bound, so that it only brakes
+    const auto add = [&](const Vec<D>& d, const Ang<D>& arm, Real impulse, Real stiffness) {
+      Column j = Column::Zero();
+      if (shifts) j.template head<D>() = d;
+      if (rotates) j.template tail<kAngDim<D>>() = arm;
+      g += impulse * j;
+      within = 3 * within + (stiffness > 0);
+      if (stiffness > 0) a += (stiffness * j) * j.transpose();
+    };
+    for (const std::int32_t number : in.graph.manifoldsOf(body)) {
+      const int at = m_at[static_cast<std::size_t>(number)];
+      if (at < 0) continue;
+      const ManifoldRows<D>& m = m_contacts.manifolds[static_cast<std::size_t>(at)];
+      const bool isB = m.b == body;
+      const Real side = isB ? Real(1) : Real(-1);
+      const Motion<D>&ma = motion[static_cast<std::size_t>(m.a)], &mb = motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const auto p = static_cast<std::size_t>(m.first + k);
+        const PointRows<D>& row = m_contacts.points[p];
+        const Ask push = askNormal(m, p, ma, mb);
+        add(m.n, isB ? row.normal.armB : row.normal.armA, side * push.impulse, push.stiffness);
+        bends += push.impulse * (isB ? m_points[p].reachB : m_points[p].reachA);
+        if (!(m.friction > 0 && row.impulse[0] > 0)) continue;
+        const Rub rub = askFriction(m, p, m.friction * row.impulse[0], ma, mb);
+        for (int d = 0; d < D - 1; ++d) {
+          const Row<D>& tangent = row.tangent[static_cast<std::size_t>(d)];
+          add(m.t.col(d), isB ? tangent.armB : tangent.armA, side * rub.impulse[d], rub.stiffness);
+        }
+      }
+      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+    }
+    for (const std::int32_t number : in.graph.jointsOf(body)) {
+      const int at = m_jointAt[static_cast<std::size_t>(number)];
+      if (at < 0) continue;
+      const Joint& joint = m_joints[static_cast<std::size_t>(at)];
+      const bool isB = joint.b == body;
+      Real load = 0;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(joint.rows.count); ++k) {
+        const ConstraintRow<D>& row = joint.rows.row[k];
+        if (row.absent()) continue;
+        const Ask ask = askJoint(in, joint, k);
+        add(row.d, isB ? row.armB : row.armA, isB ? ask.impulse : -ask.impulse, ask.stiffness);
+        if (!row.angular) load += ask.impulse * ask.impulse;
+      }
+      bends += std::sqrt(load) * (isB ? joint.reachB : joint.reachA);
+      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(joint.rows.count);
+    }
+    if (rotates) a.template bottomRightCorner<kAngDim<D>, kAngDim<D>>().diagonal().array() += m_h * bends;
+    if (within == last) return last;
+    const Column change = share * ldlSolve<kSize>(a, g);
+    motion[i].v += change.template head<D>();
+    motion[i].w += change.template tail<kAngDim<D>>();
+    return within;
+  }
+
+  // Forces take over what the penalties have borne, and penalties grow where that was not enough.
+  void raise(const StepInput<D>& in) {
+    const auto& motion = in.bodies.motion;
+    const auto grown = [&](Real penalty, Real violation) {
+      return std::min(penalty + m_params.ramp * violation, m_params.maxPenalty);
+    };
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const auto p = static_cast<std::size_t>(m.first + k);
+        PointRows<D>& row = m_contacts.points[p];
+        const Ask push = askNormal(m, p, a, b);
+        row.impulse[0] = push.impulse;
+        if (m.friction > 0) {
+          const Rub rub = askFriction(m, p, m.friction * push.impulse, a, b);
+          for (int d = 0; d < D - 1; ++d) row.impulse[static_cast<std::size_t>(d) + 1] = rub.impulse[d];
+          m_points[p].tangent = grown(m_points[p].tangent, rub.violation);
+        }
+        m_points[p].normal = grown(m_points[p].normal, push.violation);
+      }
+    }
+    if (m_joints.empty()) return;
+    linearize(in);
+    for (Joint& joint : m_joints) {
+      Real linear = 0, angular = 0;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(joint.rows.count); ++i) {
+        if (joint.rows.row[i].absent()) continue;
+        const Ask ask = askJoint(in, joint, i);
+        joint.impulse[i] = ask.impulse;
+        (joint.rows.row[i].angular ? angular : linear) += ask.violation * ask.violation;
+      }
+      joint.linear = grown(joint.linear, std::sqrt(linear));
+      joint.angular = grown(joint.angular, std::sqrt(angular));
+    }
+  }
+
+  // The method knows no restitution: pairs bounce by impulses at the end, as in soft_step.
+  void bounce(const StepInput<D>& in) {
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
+      if (!(e > 0)) continue;
+      Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+      Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const auto p = static_cast<std::size_t>(m.first + k);
+        PointRows<D>& row = m_contacts.points[p];
+        if (!(m_points[p].arrival < -in.restitutionThreshold) || !(row.impulse[0] > 0)) continue;
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, m_rotation), old = row.impulse[0];
+        row.impulse[0] = std::max(old - row.normal.mass * (v + e * m_points[p].arrival), old);
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, m_rotation);
+        ++in.work[WorkCount::rowUpdates];
+      }
+    }
+  }
+
+  void store(const StepInput<D>& in) {
+    m_contacts.store(in.manifolds);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        const Point& p = m_points[static_cast<std::size_t>(m.first + k)];
+        auto& memory = in.manifolds[static_cast<std::size_t>(m.manifold)].points[static_cast<std::size_t>(k)].memory;
+        memory[0] = p.normal, memory[1] = p.tangent;
+      }
+    }
+    for (const Joint& joint : m_joints) {
+      JointRecord<D>& record = in.joints[static_cast<std::size_t>(joint.joint)];
+      record.impulse = joint.impulse;
+      record.memory[linearPenalty] = joint.linear, record.memory[angularPenalty] = joint.angular;
+    }
+  }
+
+  struct NoBias final : PositionResolver<D> {};
+
+  Params m_params;
+  bool m_rotation = true;
+  Real m_h = 0, m_alpha = 0;
+  ContactRows<D> m_contacts;
+  std::vector<Point> m_points;
+  std::vector<Joint> m_joints;
+  std::vector<int> m_at, m_jointAt;  // by manifold, by slot of a joint: place in the above, or -1
+  std::vector<Pose<D>> m_from;       // at the start of the step
+  std::vector<Motion<D>> m_start, m_free,
+      m_velocity;  // without constraints; what stays when the last sweep has moved bodies
+  std::vector<Inertia<D>> m_inertia;
+  std::vector<Wrench<D>> m_wrenches;
+};
+
+}  // namespace
+
+LPC_REGISTER(Solver, Avbd, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
