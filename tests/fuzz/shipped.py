@@ -44,7 +44,7 @@ shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], friction = "0.6 + 0.1 * k" }]
 
 def scenes(source):
     table = [line.split() for line in (source / "tests/experiments/scene_states.txt").read_text().splitlines() if line[0] != "#"]
-    large = {words[0] for words in table if int(words[2]) > 2000}  # they take long
+    large = {words[0] for words in table if int(words[2]) > 1000}  # they take long
     found = [p for p in sorted((source / "experiments/scenes").glob("*.toml")) if p.stem not in large]
     return [p.read_bytes() for p in found] + [SMALL_SCENE.encode()] * 5
 
