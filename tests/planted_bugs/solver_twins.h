@@ -16,7 +16,6 @@ enum class Bug {
   addsEnergy,         // bounces faster than it came
   pulls,              // contacts hold on to each other
   frictionUnbounded,  // sticks whatever the normal impulse is
-  frictionless,       // forgets friction
   frictionForward,    // pushes along the sliding instead of against it
   squareFriction,     // clamps world axes instead of a disc: turns with the axes, not with the scene
   keepsFirstImpulse,  // never takes an impulse back
@@ -87,7 +86,7 @@ class TwinResolver final : public VelocityResolver<D> {
       c.impulse[0] = m_bug == Bug::pulls ? old + wanted : std::max(old + wanted, Real(0));
     }
     apply(in.bodies, m.bodyA, m.bodyB, p, m.normal * (c.impulse[0] - old));
-    if (!(m.friction > 0) || !in.features.friction || m_bug == Bug::frictionless) return;
+    if (!(m.friction > 0) || !in.features.friction) return;
     RealMatrix<D, D - 1> t = tangents(m.normal);
     RealMatrix<D - 1, 1> before, after;
     const Real step = leastMass(in.bodies, m.bodyA, m.bodyB, p);
