@@ -24,8 +24,8 @@ enum class ImpactLaw { newton, poisson, sequential };
 template <int D>
 class Impact {
  public:
-  /// `limit`: of sweeps in each phase, and of blows per pair. What still approaches then is left to the resolver, which
-  /// stops it.
+  /// `limit`: of sweeps in each phase, and of blows per pair. What ends there is counted in WorkCount::impactLimits,
+  /// and what still approaches then is left to the resolver, which stops it.
   void strike(ImpactLaw law, const VelocityInput<D>& in, const ContactGraph<D>& graph, int limit) {
     m_limit = limit, m_slow = in.restitutionThreshold;
     if (!prepare(in, graph)) return;
@@ -192,7 +192,7 @@ class Impact {
       if (!(m_errors.value(i) > 0)) return;
       lookAt(islandOf(pairs[i].a, pairs[i].b));
       strikeAtOnce(in, std::span(&pairs[i], 1));
-      --m_blows[i];
+      if (--m_blows[i] == 0) ++in.work[WorkCount::impactLimits];
       for (const int body : {pairs[i].a, pairs[i].b}) {
         for (const std::uint32_t other : m_neighbours.of(body)) m_errors.set(other, error(in, other));
       }
@@ -230,6 +230,7 @@ class Impact {
       for (const ManifoldRows<D>& m : which) change = std::max(change, sweep(in, m, hold));
       if (!(change > m_still)) return;
     }
+    ++in.work[WorkCount::impactLimits];
   }
   // Returns the largest change of a velocity at a contact, m/s.
   Real sweep(const VelocityInput<D>& in, const ManifoldRows<D>& m, bool hold) {

@@ -200,5 +200,23 @@ TEST(ImpactLaws, EverySolver3) { testAll<3>(); }
 TEST(ImpactLaws, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(ImpactLaws, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
+// What is cut off is told. Two balls hit three that touch: the middle pair is hit twice.
+TEST(ImpactLaws, LimitsAreCounted) {
+  const auto limits = [](const std::string& text) {
+    ImpactScene<2> s;
+    for (int i = 0; i < 5; ++i) {
+      s.add(1, Ang<2>::Ones(), {static_cast<Real>(i) * Vec<2>::Unit(0), {}},
+            {Vec<2>(i < 2 ? 1 : 0, 0), Ang<2>::Zero()});
+      if (i > 0) s.touch(i - 1, i, Vec<2>::Unit(0), (static_cast<Real>(i) - Real(0.5)) * Vec<2>::Unit(0), 0, 0, 1);
+    }
+    s.step(*createStage<Solver<2>>(Spec::parse(text)));
+    return s.work[WorkCount::impactLimits];
+  };
+  EXPECT_EQ(limits("split_solver{impact=poisson}"), 0u);
+  EXPECT_GT(limits("split_solver{impact=poisson,impact_limit=5}"), 0u);
+  EXPECT_EQ(limits("split_solver{impact=sequential}"), 0u);
+  EXPECT_GT(limits("split_solver{impact=sequential,impact_limit=1}"), 0u);
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test
