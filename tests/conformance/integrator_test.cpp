@@ -105,6 +105,29 @@ bool freeTopKeepsAngularMomentum<3>(Integrator<3>& integrator) {
   return (s.angularMomentum() - before).norm() < kTurnRounding * 4000 * before.norm();
 }
 
+// A thin rod of moments 0.01, 1, 1 at 100 rad/s, 1.7 rad a step, at an angle to its axis: what adds energy drives it to
+// spin about that axis, up to a hundred times as fast.
+double fastRodEnergy(Integrator<3>& integrator) {  // the largest of a minute, of that at the start
+  ImpactScene<3> s;
+  s.add(1, Ang<3>(Real(0.01), 1, 1), {}, {Vec<3>::Zero(), Ang<3>(80, 60, 0)});
+  s.dt = Real(1) / 60;
+  const double start = double(s.energy());
+  double most = start;
+  for (int i = 0; i < 3600; ++i) {
+    fly(s, integrator, 1);
+    most = std::max(most, double(s.energy()));
+  }
+  return most / start;
+}
+template <int D>
+bool freeTopAddsNoEnergy(Integrator<D>&) {
+  return true;  // there is no gyroscopic term in a plane
+}
+template <>
+bool freeTopAddsNoEnergy<3>(Integrator<3>& integrator) {
+  return fastRodEnergy(integrator) < 1.01;
+}
+
 template <int D>
 struct Named {
   const char* name;
@@ -114,7 +137,10 @@ template <int D>
 std::vector<Named<D>> properties() {
   std::vector<Named<D>> list = {{"Oscillator.Bounded", oscillatorBounded<D>},
                                 {"Oscillator.KeepsEnergy", oscillatorKeepsEnergy<D>}};
-  if (D == 3) list.push_back({"FreeTop.KeepsAngularMomentum", freeTopKeepsAngularMomentum<D>});
+  if (D == 3) {
+    list.push_back({"FreeTop.KeepsAngularMomentum", freeTopKeepsAngularMomentum<D>});
+    list.push_back({"FreeTop.AddsNoEnergy", freeTopAddsNoEnergy<D>});
+  }
   return list;
 }
 
@@ -140,11 +166,14 @@ void testAll() {
   }
 }
 
-// Signed error g T dt / 2 of the Euler methods; RK4 has none.
+// Signed error g T dt / 2 of the Euler methods; RK4 and Verlet have none.
 template <int D>
 void ballistic() {
-  const std::map<std::string, Real> sign = {
-      {"explicit_euler", Real(1)}, {"semi_implicit_euler", Real(-1)}, {"rk4", Real(0)}};
+  const std::map<std::string, Real> sign = {{"explicit_euler", Real(1)},
+                                            {"semi_implicit_euler", Real(-1)},
+                                            {"implicit_gyroscopic", Real(-1)},
+                                            {"velocity_verlet", Real(0)},
+                                            {"rk4", Real(0)}};
   const Real tolerance = kDouble ? Real(1e-10) : Real(5e-3);
   for (const auto& [name, s] : sign) {
     const auto integrator = createStage<Integrator<D>>({name, {}});
@@ -158,10 +187,14 @@ void ballistic() {
 // Halving dt divides the error by 2^order.
 template <int D>
 void order() {
-  const std::map<std::string, int> orders = {{"explicit_euler", 1}, {"semi_implicit_euler", 1}, {"rk4", 4}};
+  const std::map<std::string, int> orders = {{"explicit_euler", 1},
+                                             {"semi_implicit_euler", 1},
+                                             {"implicit_gyroscopic", 1},
+                                             {"velocity_verlet", 2},
+                                             {"rk4", 4}};
   for (const auto& [name, expected] : orders) {
     const auto integrator = createStage<Integrator<D>>({name, {}});
-    const int steps = expected == 4 ? (kDouble ? 100 : 12) : 400;
+    const int steps = expected == 4 ? (kDouble ? 100 : 12) : expected == 2 ? 50 : 400;
     const double ratio = double(oscillatorError(*integrator, steps) / oscillatorError(*integrator, 2 * steps));
     EXPECT_NEAR(std::log2(ratio), expected, expected == 4 ? 0.4 : 0.15) << name;
   }
@@ -174,19 +207,27 @@ TEST(IntegratorConformance, Ballistic3) { ballistic<3>(); }
 TEST(IntegratorConformance, Order2) { order<2>(); }
 TEST(IntegratorConformance, Order3) { order<3>(); }
 
-// Semi-implicit Euler: stable up to w dt = 2, and v^2 + w^2 x^2 - w^2 dt x v does not change at all.
-TEST(IntegratorConformance, SemiImplicitLimitAndInvariant) {
-  const auto integrator = createStage<Integrator<2>>({"semi_implicit_euler", {}});
-  EXPECT_LT(oscillatorEnergy(*integrator, Real(1.99), 100), 500);
-  EXPECT_GT(oscillatorEnergy(*integrator, Real(2.01), 100), 500);
-  const Real w = Real(6.283185307179586);
-  ImpactScene<2> s;
-  s.add(2, Ang<2>::Ones(), {Vec<2>::Unit(0), {}});
-  s.field.spring = w * w, s.dt = Real(0.05);
-  for (int i = 0; i < 200; ++i) {
-    fly(s, *integrator, 1);
-    const Real x = s.pose(0).p[0], v = s.motion(0).v[0];
-    ASSERT_NEAR((v * v + w * w * x * x - w * w * s.dt * x * v) / (w * w), 1, kDouble ? 1e-12 : 1e-3) << i;
+// Both are stable up to w dt = 2. Of semi-implicit Euler v^2 + w^2 x^2 - w^2 dt x v does not change at all, of Verlet
+// v^2 + w^2 x^2 (1 - (w dt / 2)^2).
+TEST(IntegratorConformance, SymplecticLimitsAndInvariants) {
+  for (const char* name : {"semi_implicit_euler", "velocity_verlet"}) {
+    SCOPED_TRACE(name);
+    const bool verlet = name == std::string("velocity_verlet");
+    const auto integrator = createStage<Integrator<2>>({name, {}});
+    EXPECT_LT(oscillatorEnergy(*integrator, Real(1.99), 100), 500);
+    EXPECT_GT(oscillatorEnergy(*integrator, Real(2.01), 100), 500);
+    const Real w = Real(6.283185307179586);
+    ImpactScene<2> s;
+    s.add(2, Ang<2>::Ones(), {Vec<2>::Unit(0), {}});
+    s.field.spring = w * w, s.dt = Real(0.05);
+    const Real start = verlet ? 1 - (w * s.dt / 2) * (w * s.dt / 2) : Real(1);
+    for (int i = 0; i < 200; ++i) {
+      fly(s, *integrator, 1);
+      const Real x = s.pose(0).p[0], v = s.motion(0).v[0];
+      const Real kept =
+          verlet ? v * v / (w * w) + start * x * x : (v * v + w * w * x * x - w * w * s.dt * x * v) / (w * w);
+      ASSERT_NEAR(kept, start, kDouble ? 1e-12 : 1e-3) << i;
+    }
   }
 }
 
@@ -212,6 +253,49 @@ TEST(IntegratorConformance, DzhanibekovPeriod) {
   EXPECT_NEAR(w[1], 1, tolerance);
   EXPECT_NEAR(w[2], 0.01, tolerance);
   EXPECT_NEAR(s.energy(), energy, std::max(1e-8, double(kTurnRounding) * 4000 * double(energy)));
+}
+
+// In turns, too, and of a top that tumbles.
+TEST(IntegratorConformance, VerletIsOfOrderTwoInTurns) {
+  const auto integrator = createStage<Integrator<3>>({"velocity_verlet", {}});
+  const auto rk4 = createStage<Integrator<3>>({"rk4", {}});
+  const auto after = [](Integrator<3>& method, int steps) {
+    ImpactScene<3> s = top(Real(4) / static_cast<Real>(steps));
+    s.bodies.motion[0].w = Ang<3>(1, Real(0.7), Real(-0.4));
+    fly(s, method, steps);
+    return s;
+  };
+  const ImpactScene<3> exact = after(*rk4, kDouble ? 4000 : 200);
+  const auto error = [&](int steps) {
+    const ImpactScene<3> s = after(*integrator, steps);
+    return double((s.pose(0).q.matrix() - exact.pose(0).q.matrix()).norm() +
+                  (s.motion(0).w - exact.motion(0).w).norm());
+  };
+  EXPECT_NEAR(std::log2(error(25) / error(50)), 2, 0.15);
+}
+
+// Backward Euler's loss of energy is in proportion to the step; of angular momentum, too.
+TEST(IntegratorConformance, ImplicitGyroscopicOnlyLoses) {
+  for (const int iterations : {1, 20}) {
+    SCOPED_TRACE(iterations);
+    const auto integrator =
+        createStage<Integrator<3>>(Spec::parse("implicit_gyroscopic{iterations=" + std::to_string(iterations) + "}"));
+    double lost[2] = {0, 0};
+    for (int k = 0; k < 2; ++k) {
+      ImpactScene<3> s = top(Real(0.02) / static_cast<Real>(k + 1));
+      double energy = double(s.energy());
+      const double start = energy;
+      for (int i = 0; i < 1000 * (k + 1); ++i) {
+        fly(s, *integrator, 1);
+        // Twice the momentum's rounding, of either.
+        ASSERT_LE(double(s.energy()), energy * (1 + 4 * double(kTurnRounding))) << i;
+        energy = double(s.energy());
+      }
+      lost[k] = start - energy;
+    }
+    EXPECT_NEAR(lost[1] / lost[0], 0.5, 0.02);
+    EXPECT_GT(lost[0], 0.01);
+  }
 }
 
 // A thousandth too much force, a hundredth too much way, a little spin from nowhere.
