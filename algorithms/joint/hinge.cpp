@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/joint.h"
+#include "algorithms/solver/frame_rows.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
+
+using namespace solver;
 
 // The angle of B against A about the axis: 0 where their frames agree.
 Real hingeAngle(const Rot<2>& q_AB) { return static_cast<Real>(angleOf(q_AB.s, q_AB.c)); }
@@ -15,17 +17,17 @@ template <int D>
 class Hinge final : public JointKind<D> {
  public:
   struct Params {
-    Real lower = -kFar, upper = kFar;
+    Real lower = -kFarLimit, upper = kFarLimit;
     Real motorSpeed = 0, motorTorque = 0;
     Real stiffness = 0, damping = 0, rest = 0;
     void visit(ParamVisitor& v) {
-      v.real("lower", lower, -kFar, kFar, "rad", "least angle of B against A; counts whole turns");
-      v.real("upper", upper, -kFar, kFar, "rad", "largest angle");
+      v.real("lower", lower, -kFarLimit, kFarLimit, "rad", "least angle of B against A; counts whole turns");
+      v.real("upper", upper, -kFarLimit, kFarLimit, "rad", "largest angle");
       v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s", "that the motor tries to reach");
       v.real("motor_torque", motorTorque, 0, Real(1e12), "N m", "at most; 0: no motor");
       v.real("stiffness", stiffness, 0, Real(1e12), "N m/rad", "of a spring about the axis");
       v.real("damping", damping, 0, Real(1e12), "N m s/rad", "of that spring; also without stiffness");
-      v.real("rest", rest, -kFar, kFar, "rad", "angle without torque of the spring");
+      v.real("rest", rest, -kFarLimit, kFarLimit, "rad", "angle without torque of the spring");
     }
   };
   explicit Hinge(const Params& params) : m_params(params) {
@@ -57,7 +59,7 @@ class Hinge final : public JointKind<D> {
   void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
     const JointFrames<D> at(joint, X_WA, X_WB);
     for (int i = 0; i < D; ++i) out.point(Vec<D>::Unit(i), at.rA, at.rB, at.gap[i]);
-    const Ang<D> axis = align(at, out);
+    const Ang<D> axis = alignAxes(at, out);
     const Real angle = unwrapped(joint, at);
     limit(axis, angle, out);
     motor(axis, out);
@@ -70,24 +72,7 @@ class Hinge final : public JointKind<D> {
   }
 
  private:
-  static constexpr Real kFar = Real(1e6);  // rad: no limit
   static constexpr double kTurn = 6.283185307179586;
-
-  static Real alignment(const JointFrames<2>&) { return 1; }
-  static Real alignment(const JointFrames<3>& at) { return (at.qA * Vec<3>(0, 0, 1)).dot(at.qB * Vec<3>(0, 0, 1)); }
-  static Ang<2> align(const JointFrames<2>&, JointRows<2>&) { return Ang<2>(Real(1)); }
-  // Along A's own x and y, which turn with A: a basis made from the axis alone would jump somewhere.
-  static Ang<3> align(const JointFrames<3>& at, JointRows<3>& out) {
-    const Vec<3> zA = at.qA * Vec<3>(0, 0, 1), zB = at.qB * Vec<3>(0, 0, 1);
-    const Vec<3> bent = cross(zA, zB);
-    const Real sine = bent.norm();
-    // The length of the error is the angle between the axes and not its sine.
-    const Real scale = sine > 0 ? static_cast<Real>(angleOf(sine, zA.dot(zB)) / sine) : Real(1);
-    for (const Vec<3>& axis : {Vec<3>(at.qA * Vec<3>(1, 0, 0)), Vec<3>(at.qA * Vec<3>(0, 1, 0))}) {
-      out.turn(axis, scale * axis.dot(bent));
-    }
-    return zA;
-  }
 
   static Real unwrapped(const JointRecord<D>& joint, const JointFrames<D>& at) {
     const double angle = hingeAngle(at.qA.inverse() * at.qB);
@@ -95,34 +80,25 @@ class Hinge final : public JointKind<D> {
   }
 
   void limit(const Ang<D>& axis, Real angle, JointRows<D>& out) const {
-    if (m_params.lower == -kFar && m_params.upper == kFar) {
+    if (m_params.lower == -kFarLimit && m_params.upper == kFarLimit) {
       out.absent();
       return;
     }
-    const bool low = angle - m_params.lower < m_params.upper - angle;
-    ConstraintRow<D>& row = out.turn(axis, angle - (low ? m_params.lower : m_params.upper));
-    row.block = RowBlock::box;
-    if (m_params.lower == m_params.upper) return;  // no freedom is left: both ways
-    (low ? row.lo : row.hi) = 0;
+    keepBetween(out.turn(axis, angle), m_params.lower, m_params.upper);
   }
   void motor(const Ang<D>& axis, JointRows<D>& out) const {
     if (m_params.motorTorque == 0) {
       out.absent();
       return;
     }
-    ConstraintRow<D>& row = out.turn(axis, 0);
-    row.block = RowBlock::box, row.law = RowLaw::motor;
-    row.speed = m_params.motorSpeed;
-    row.lo = -m_params.motorTorque, row.hi = m_params.motorTorque;
+    drive(out.turn(axis, 0), m_params.motorSpeed, m_params.motorTorque);
   }
   void spring(const Ang<D>& axis, Real angle, JointRows<D>& out) const {
     if (m_params.stiffness == 0 && m_params.damping == 0) {
       out.absent();
       return;
     }
-    ConstraintRow<D>& row = out.turn(axis, angle - m_params.rest);
-    row.block = RowBlock::box, row.law = RowLaw::spring;
-    row.stiffness = m_params.stiffness, row.damping = m_params.damping;
+    makeSpring(out.turn(axis, angle - m_params.rest), m_params.stiffness, m_params.damping);
   }
 
   Params m_params;

@@ -20,7 +20,7 @@ Kind<D> kindOf(const std::string& spec) {
   return createStage<JointKind<D>>(Spec::parse(spec));
 }
 
-/// All kinds as they are, each with each of its choices, and what numbers make of a hinge.
+/// All kinds as they are, each with each of its choices, and what numbers make of some.
 template <int D>
 std::vector<std::string> everyKind() {
   std::vector<std::string> specs;
@@ -28,14 +28,26 @@ std::vector<std::string> everyKind() {
     if (!competes(*r)) continue;
     specs.push_back(r->info.name);
     for (const ParamInfo& p : r->params) {
-      for (const std::string& choice : p.choices) specs.push_back(r->info.name + "{" + p.name + "=" + choice + "}");
+      for (const std::string& choice : p.choices) {
+        if (choice != p.defaultText) specs.push_back(r->info.name + "{" + p.name + "=" + choice + "}");
+      }
     }
   }
   for (const char* more :
        {"hinge{lower=-0.1,upper=0.2}", "hinge{lower=0,upper=0}", "hinge{motor_speed=2,motor_torque=3}",
-        "hinge{stiffness=20,damping=1}", "distance{mode=spring,damping=3}"}) {
+        "hinge{stiffness=20,damping=1}", "distance{mode=spring,damping=3}", "prismatic{lower=-0.1,upper=0.2}",
+        "prismatic{motor_speed=2,motor_force=3,stiffness=20}", "wheel{lower=0,upper=0,stiffness=0,damping=0}",
+        "cone_twist{swing=0.1,twist=0.1,friction=2}"}) {
     specs.push_back(more);
   }
+  return specs;
+}
+
+/// Every solver, but for the orders in which contacts are solved: there are none.
+template <int D>
+std::vector<std::string> everySolverOfJoints() {
+  std::vector<std::string> specs = everySolver<D>();
+  std::erase_if(specs, [](const std::string& spec) { return spec.find("{order=") != spec.npos; });
   return specs;
 }
 
@@ -46,12 +58,13 @@ JointRows<D> someRows(const Kind<D>& kind) {
   kind->rows({}, {}, {Vec<D>::Unit(0), {}}, rows);
   return rows;
 }
-/// Does it stay as it is when nothing pushes: no motor?
+/// Does it stay as it is when nothing pushes: no motor, but for one that brakes?
 template <int D>
 bool passive(const Kind<D>& kind) {
   const JointRows<D> rows = someRows(kind);
-  return std::none_of(rows.all().begin(), rows.all().end(),
-                      [](const ConstraintRow<D>& row) { return row.law == RowLaw::motor && !row.absent(); });
+  return std::none_of(rows.all().begin(), rows.all().end(), [](const ConstraintRow<D>& row) {
+    return row.law == RowLaw::motor && !row.absent() && row.speed != 0;
+  });
 }
 /// Are all its rows rigid? What a spring or a motor does takes time, and no solve ends it.
 template <int D>
@@ -70,6 +83,14 @@ bool hasStop(const Kind<D>& kind) {
   });
 }
 
+/// Is something far from where it should be, or pulled there?
+template <int D>
+bool strained(const JointRows<D>& rows) {
+  return std::any_of(rows.all().begin(), rows.all().end(), [](const ConstraintRow<D>& row) {
+    return (row.binds() || (row.law == RowLaw::spring && !row.absent())) && std::abs(row.error) > Real(0.1);
+  });
+}
+
 /// Each frame is a point of its body, `apart` from each other where the kind has two ends. a -1: the world.
 template <int D>
 void join(ImpactScene<D>& s, const Kind<D>& kind, int a, int b, const Pose<D>& X_WJ, const Vec<D>& apart) {
@@ -83,7 +104,7 @@ void join(ImpactScene<D>& s, const Kind<D>& kind, int a, int b, const Pose<D>& X
     kind->begin(j, X_WA, s.pose(b));
   };
   place(apart);
-  if (s.jointError(j).linear > 0.1) place(Vec<D>::Zero());  // a kind whose ends are one point
+  if (strained(s.rows(j))) place(Vec<D>::Zero());  // a kind whose ends are one point
   s.joints.push_back(j);
 }
 

@@ -287,7 +287,7 @@ template <int D>
 void hinges() {
   const auto motor = kindOf<D>("hinge{motor_speed=5,motor_torque=4}");
   const auto turns = kindOf<D>("hinge{upper=12.566370614359172}"), stop = kindOf<D>("hinge{lower=0}");
-  for (const std::string& solver : everySolver<D>()) {
+  for (const std::string& solver : everySolverOfJoints<D>()) {
     EXPECT_TRUE(motorKeepsItsTorque<D>(motor, solver)) << solver;
     EXPECT_TRUE(countsTurns<D>(turns, solver)) << solver;
     EXPECT_TRUE(letsGo<D>(stop, solver)) << solver;
@@ -314,6 +314,19 @@ TEST(JointConformance, AHingeKeepsTheNearerStopAlone) {
   Flywheel<2> wheel(kindOf<2>("hinge{lower=-0.01,upper=0.011}"), "split_solver{position=none}", 10);
   wheel.step();
   EXPECT_GT(wheel.angle(), 0.1);
+}
+
+// The same of what slides, and of a cone, whose two sides are stops in 2D.
+TEST(JointConformance, OfTwoStopsTheNearerHoldsAlone) {
+  const auto solver = createStage<Solver<2>>(Spec::parse("split_solver{position=none}"));
+  for (const char* kind :
+       {"prismatic{lower=-0.01,upper=0.011}", "wheel{lower=-0.01,upper=0.011}", "cone_twist{swing=0.01}"}) {
+    ImpactScene<2> s;
+    s.add(1, Ang<2>::Ones(), {}, {Vec<2>(10, 0), Ang<2>(Real(-10))});
+    s.join(kind, -1, 0, {}, {});
+    s.step(*solver);
+    EXPECT_GT(s.pose(0).p[0] + std::abs(turnOf(s.pose(0).q)[0]), 0.1) << kind;
+  }
 }
 
 // Of a body that may not turn, an angular error is nobody's to mend: the others are mended all the same.
@@ -359,7 +372,7 @@ JointError errorAfter(const Kind<D>& kind, const std::string& text, Real apart) 
 template <int D>
 void errorsShrink() {
   for (const std::string& kind : everyKind<D>()) {
-    for (const std::string& solver : everySolver<D>()) {
+    for (const std::string& solver : everySolverOfJoints<D>()) {
       if (declares<D>(solver, "PositionError.Shrinks") || declares<D>(solver, "JointError.Shrinks")) continue;
       const JointError left = errorAfter<D>(kindOf<D>(kind), solver, Real(0.05));
       if (declares<D>(solver, "Joint.ErrorsShrink")) {  // at least the weld's

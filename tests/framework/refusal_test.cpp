@@ -96,6 +96,14 @@ std::vector<Refusal<D>> refusals() {
   joint("no spring", "distance{stiffness=5}");
   joint("no motor", "hinge{motor_speed=1}");
   joint("no spring", "hinge{rest=1}");
+  for (const std::string kind : {"prismatic", "wheel"}) {
+    joint("cross", kind + "{lower=1,upper=-1}");
+    joint("no motor", kind + "{motor_speed=1}");
+    joint("no spring", kind + "{rest=1,stiffness=0}");
+  }
+  joint("no width", "cone_twist{swing=0}");
+  joint("only brakes", "motor{mode=friction,x=1}");
+  joint("only brakes", "motor{mode=friction,angular_damping=1}");
   joint("no length", "distance");
   joint("negative length", "distance{length=-0.5}");
   joint("stiffness", "distance{mode=spring,stiffness=inf,damping=1}");

@@ -31,13 +31,13 @@ TEST(AnswerTable, HasATestForEachAnswer) {
   for (const auto& [key, bound] : answerTable()) EXPECT_TRUE(tests.contains(std::get<0>(key))) << std::get<0>(key);
 }
 
-const char* const kIntegrators[] = {"semi_implicit_euler", "explicit_euler", "rk4"};
+const char* const kIntegrators[] = {"semi_implicit_euler", "explicit_euler", "rk4", "velocity_verlet"};
 std::string splitWith(const std::string& integrator) { return "split_solver{integrator=" + integrator + "}"; }
 
-// Fall of 2 s from rest: g T dt / 2 too low by semi-implicit Euler, too high by explicit, right by RK4.
+// Fall of 2 s from rest: g T dt / 2 too low by semi-implicit Euler, too high by explicit, right by RK4 and Verlet.
 TEST_F(KnownAnswer, ballistic_integrators) {
-  const double error[] = {-1, 1, 0};
-  for (std::size_t i = 0; i < 3; ++i) {
+  const double error[] = {-1, 1, 0, 0};
+  for (std::size_t i = 0; i < 4; ++i) {
     World<3> world = worldOf<3>(splitWith(kIntegrators[i]));
     const Handle b = world.add(body<3>(Shape<3>::sphere(1), {0, 0, 0}));
     for (int k = 0; k < 120; ++k) world.step(Real(1) / 60);
@@ -67,19 +67,21 @@ struct Oscillator {
   double v() const { return double(world.motion(body).v[0]); }
 };
 
-// Semi-implicit Euler holds up to w dt = 2, with period pi dt / asin(w dt / 2); explicit Euler grows by
-// sqrt(1 + (w dt)^2) a step.
+// Semi-implicit Euler and Verlet hold up to w dt = 2, the former with period pi dt / asin(w dt / 2); explicit Euler
+// grows by sqrt(1 + (w dt)^2) a step.
 TEST_F(KnownAnswer, spring_stability) {
   const double w = 2 * kPi;
-  double stable = 1.9, blows = 2.1;
-  while (blows - stable > 1e-4) {
-    const double factor = (stable + blows) / 2;
-    Oscillator o("split_solver", 0.01, 0);
-    double far = 0;
-    for (int i = 0; i < 4000 && far < 5; ++i) o.world.step(Real(factor / w)), far = std::max(far, std::abs(o.x()));
-    (far < 5 ? stable : blows) = factor;
+  for (const char* integrator : {"semi_implicit_euler", "velocity_verlet"}) {
+    double stable = 1.9, blows = 2.1;
+    while (blows - stable > 1e-4) {
+      const double factor = (stable + blows) / 2;
+      Oscillator o(splitWith(integrator), 0.01, 0);
+      double far = 0;
+      for (int i = 0; i < 4000 && far < 5; ++i) o.world.step(Real(factor / w)), far = std::max(far, std::abs(o.x()));
+      (far < 5 ? stable : blows) = factor;
+    }
+    known("limit of w dt", integrator, 2, (stable + blows) / 2);
   }
-  known("limit of w dt", "semi_implicit_euler", 2, (stable + blows) / 2);
   for (double dt : {0.01, 0.05, 0.1}) {
     Oscillator o("split_solver", 0.1, 0);
     double previous = o.x(), first = 0, last = 0;
@@ -114,32 +116,55 @@ TEST_F(KnownAnswer, spring_damped) {
 // Spun about the middle axis, a body flips twice in 4 K(m) / r. Inertia 1 : 2 : 3 would be flat: 1.0004 : 2.0004 : 3 -
 // 0.0004 or so, taken as the world made it.
 TEST_F(KnownAnswer, dzhanibekov) {
-  World<3> world = worldOf<3>("split_solver{integrator=rk4}", {0, 0, 0});
-  // I = m (b^2 + c^2) / 12 and so on, extents squared.
-  const double a2 = 2, b2 = 1, c2 = 4e-4, mass = 12;
-  BodyDef<3> def =
-      body<3>(Shape<3>::box({Real(std::sqrt(a2) / 2), Real(std::sqrt(b2) / 2), Real(std::sqrt(c2) / 2)}), {0, 0, 0});
-  def.shapes[0].density = Real(mass / std::sqrt(a2 * b2 * c2));
-  def.angularVelocity = {Real(0.01), 1, Real(0.01)};
-  const Handle h = world.add(def);
-  const double i1 = b2 + c2, i2 = a2 + c2, i3 = a2 + b2, e = (i1 * 1e-4 + i2 + i3 * 1e-4) / 2;
-  const double l2 = i1 * i1 * 1e-4 + i2 * i2 + i3 * i3 * 1e-4;
-  ASSERT_GT(l2, 2 * e * i2);
-  const double r = std::sqrt((i3 - i2) * (l2 - 2 * e * i1) / (i1 * i2 * i3));
-  const double m = (i2 - i1) * (2 * e * i3 - l2) / ((i3 - i2) * (l2 - 2 * e * i1)), period = 4 * ellipticK(m) / r;
-  const Real dt = Real(1) / 200;
-  double crossings[2] = {0, 0}, previous = 1;
-  int found = 0;
-  while (found < 2 && world.time() < 100) {
-    world.step(dt);
-    const double w = double((world.pose(h).q.inverse() * Vec<3>(world.motion(h).w))[1]);
-    if (previous > 0 && w <= 0) crossings[found++] = double(world.time()) - double(dt) * w / (w - previous);
-    previous = w;
+  for (const char* integrator : {"rk4", "velocity_verlet", "implicit_gyroscopic"}) {
+    World<3> world = worldOf<3>(splitWith(integrator), {0, 0, 0});
+    // I = m (b^2 + c^2) / 12 and so on, extents squared.
+    const double a2 = 2, b2 = 1, c2 = 4e-4, mass = 12;
+    BodyDef<3> def =
+        body<3>(Shape<3>::box({Real(std::sqrt(a2) / 2), Real(std::sqrt(b2) / 2), Real(std::sqrt(c2) / 2)}), {0, 0, 0});
+    def.shapes[0].density = Real(mass / std::sqrt(a2 * b2 * c2));
+    def.angularVelocity = {Real(0.01), 1, Real(0.01)};
+    const Handle h = world.add(def);
+    const double i1 = b2 + c2, i2 = a2 + c2, i3 = a2 + b2, e = (i1 * 1e-4 + i2 + i3 * 1e-4) / 2;
+    const double l2 = i1 * i1 * 1e-4 + i2 * i2 + i3 * i3 * 1e-4;
+    ASSERT_GT(l2, 2 * e * i2);
+    const double r = std::sqrt((i3 - i2) * (l2 - 2 * e * i1) / (i1 * i2 * i3));
+    const double m = (i2 - i1) * (2 * e * i3 - l2) / ((i3 - i2) * (l2 - 2 * e * i1)), period = 4 * ellipticK(m) / r;
+    const Real dt = Real(1) / 200;
+    double crossings[2] = {0, 0}, previous = 1;
+    int found = 0;
+    while (found < 2 && world.time() < 100) {
+      world.step(dt);
+      const double w = double((world.pose(h).q.inverse() * Vec<3>(world.motion(h).w))[1]);
+      if (previous > 0 && w <= 0) crossings[found++] = double(world.time()) - double(dt) * w / (w - previous);
+      previous = w;
+    }
+    known("period, s", integrator, period, crossings[1] - crossings[0]);
+    const Ang<3> w = world.pose(h).q.inverse() * Vec<3>(world.motion(h).w);
+    const double after = (i1 * double(w[0] * w[0]) + i2 * double(w[1] * w[1]) + i3 * double(w[2] * w[2])) / 2;
+    known("energy after over before", integrator, 1, after / e);
   }
-  known("period, s", "rk4", period, crossings[1] - crossings[0]);
-  const Ang<3> w = world.pose(h).q.inverse() * Vec<3>(world.motion(h).w);
-  const double after = (i1 * double(w[0] * w[0]) + i2 * double(w[1] * w[1]) + i3 * double(w[2] * w[2])) / 2;
-  known("energy after over before", "rk4", 1, after / e);
+}
+
+// A thin rod of 100 rad/s, 1.7 rad a step, at an angle to its axis, for a second. Without the gyroscopic term it keeps
+// its energy and the size of its angular momentum, but not the direction; backward Euler loses both.
+TEST_F(KnownAnswer, fast_rod) {
+  for (const char* integrator : {"semi_implicit_euler", "implicit_gyroscopic"}) {
+    World<3> world = worldOf<3>(splitWith(integrator), {0, 0, 0});
+    BodyDef<3> def = body<3>(Shape<3>::box({Real(0.5), Real(0.05), Real(0.05)}), {0, 0, 0});
+    def.angularVelocity = {80, 60, 0};
+    world.add(def);
+    const StateInvariants<3> from = stateInvariants<3>(world);
+    double most = from.kinetic;
+    for (int i = 0; i < 60; ++i) {
+      world.step(Real(1) / 60);
+      most = std::max(most, stateInvariants<3>(world).kinetic);
+    }
+    const StateInvariants<3> now = stateInvariants<3>(world);
+    known("most energy over that at the start", integrator, 1, most / from.kinetic);
+    known("energy after over before", integrator, 1, now.kinetic / from.kinetic);
+    known("L after over before", integrator, 1, now.angularMomentum.norm() / from.angularMomentum.norm());
+  }
 }
 
 // A ball of radius 0.05 flies at a wall 0.02 thick: a step of v dt > w + 2 r may miss it. The share of start phases

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Hinges, welds and springs with a formula.
+// Hinges, welds, springs, slides, wheels, motors and cones with a formula.
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -125,6 +125,176 @@ void hangingSpring() {
 TEST_F(KnownAnswer, hanging_spring) {
   hangingSpring<2>();
   hangingSpring<3>();
+}
+
+const char* const kBoth[] = {"split_solver", "soft_step"};
+
+/// A cube of 1 kg and 0.2 m with its centre there.
+template <int D>
+BodyDef<D> cube(const Vec<D>& place) {
+  BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.1))), place);
+  def.shapes[0].density = Real(1 / std::pow(0.2, D));
+  return def;
+}
+/// Turned about z.
+template <int D>
+Rot<D> turned(double angle) {
+  if constexpr (D == 2) {
+    return Rot<2>::angle(angle);
+  } else {
+    return aboutZ(angle);
+  }
+}
+/// By how much b is turned against a, rad.
+template <int D>
+double between(const Rot<D>& a, const Rot<D>& b) {
+  return double(turnOf(a.inverse() * b).norm());
+}
+
+// A body that leads its point on a rail, which leans by 30 degrees, slides by g sin a; the rail bears its weight and
+// the moment of that.
+template <int D>
+void railSlider() {
+  const double lean = 30 * kDegree;
+  for (const char* solver : kBoth) {
+    World<D> world = worldOf<D>(solver);
+    const Rot<D> q = turned<D>(-lean);
+    const Handle car = world.add(cube<D>(q * at<D>(0.5, 0)));
+    world.add(JointDef<D>{.kind = "prismatic", .bodyB = car, .X_WJ = {Vec<D>::Zero(), q}});
+    while (world.stepCount() < 120) world.step(Real(1) / 60);
+    const Vec<D> p = q.inverse() * world.pose(car).p, v = q.inverse() * world.motion(car).v;
+    known(in<D>("speed, m/s"), solver, 2 * kG * std::sin(lean), double(v[0]));
+    known(in<D>("off the rail, m"), solver, 0, double(p[1]));
+    known(in<D>("moment, of m g cos times the arm"), solver, 1,
+          std::abs(double(world.joints()[0].impulse[D == 2 ? 1 : 4])) * 60 / (kG * std::cos(lean) * 0.5));
+  }
+}
+TEST_F(KnownAnswer, rail_slider) { railSlider<2>(), railSlider<3>(); }
+
+// A motor of one and a half times the weight lifts at g / 2, and is stopped by the limit.
+template <int D>
+void lift() {
+  for (const char* solver : kBoth) {
+    World<D> world = worldOf<D>(solver);
+    const Handle car = world.add(cube<D>(at<D>(0, 0)));
+    world.add(JointDef<D>{.kind = "prismatic{upper=3,motor_speed=1000,motor_force=" + std::to_string(1.5 * kG) + "}",
+                          .bodyB = car,
+                          .X_WJ = {Vec<D>::Zero(), turned<D>(kPi / 2)}});
+    while (world.stepCount() < 60) world.step(Real(1) / 60);
+    known(in<D>("speed after 1 s, m/s"), solver, kG / 2, double(world.motion(car).v[1]));
+    while (world.stepCount() < 240) world.step(Real(1) / 60);
+    known(in<D>("height at the stop, m"), solver, 3, double(world.pose(car).p[1]));
+  }
+}
+TEST_F(KnownAnswer, motor_lift) { lift<2>(), lift<3>(); }
+
+// A wheel under a fixed chassis swings on its suspension, and spins on as it did.
+template <int D>
+void suspension() {
+  const double k = 50, period = 2 * kPi / std::sqrt(k);
+  for (const char* solver : kBoth) {
+    World<D> world = worldOf<D>(solver);
+    BodyDef<D> def = cube<D>(at<D>(0, 0));
+    def.angularVelocity[kAngDim<D> - 1] = 3;
+    const Handle wheel = world.add(def);
+    world.add(JointDef<D>{
+        .kind = "wheel{stiffness=50,damping=0}", .bodyB = wheel, .X_WJ = {Vec<D>::Zero(), turned<D>(kPi / 2)}});
+    double first = 0, last = 0, previous = 1, lowest = 0;
+    int crossings = 0;
+    while (crossings < 4) {
+      world.step(Real(1) / 480);
+      const double y = double(world.pose(wheel).p[1]) + kG / k;
+      lowest = std::min(lowest, y);
+      if (previous > 0 && y <= 0) {
+        last = double(world.time()) - y / (y - previous) / 480;
+        if (crossings++ == 0) first = last;
+      }
+      previous = y;
+    }
+    known(in<D>("period, s"), solver, period, (last - first) / 3);
+    known(in<D>("lowest, of 2 m g / k"), solver, 1, (kG / k - lowest) / (2 * kG / k));
+    known(in<D>("spin, rad/s"), solver, 3, double(world.motion(wheel).w[kAngDim<D> - 1]));
+  }
+}
+TEST_F(KnownAnswer, wheel_suspension) { suspension<2>(), suspension<3>(); }
+
+// A critically damped drive from rest is at 1 - (1 + w t) e^(-w t) of its way, w = 5/s, at t = 0.4 s; one of too little
+// force gains F / m a second; a brake stops within m v^2 / 2 F. By the new velocities ways at constant force are half a
+// step's longer, and shorter.
+template <int D>
+void drives() {
+  const auto way = [](const char* solver, const std::string& kind, double speed, int steps) {
+    World<D> world = worldOf<D>(solver, Vec<D>::Zero());
+    BodyDef<D> def = cube<D>(at<D>(0, 0));
+    def.velocity = at<D>(speed, 0);
+    const Handle car = world.add(def);
+    world.add(JointDef<D>{.kind = kind, .bodyB = car});
+    while (world.stepCount() < steps) world.step(Real(1) / 480);
+    return std::pair(double(world.pose(car).p[0]), double(turnOf(world.pose(car).q)[kAngDim<D> - 1]));
+  };
+  for (const char* solver : kBoth) {
+    const double wt = 5 * 0.4, h = 1.0 / (std::string(solver) == "soft_step" ? 4 * 480 : 480);
+    known(in<D>("way of a critically damped drive, m"), solver, 1 - (1 + wt) * std::exp(-wt),
+          way(solver, "motor{x=1,stiffness=25,damping=10}", 0, 192).first);
+    known(in<D>("place at last, m"), solver, 1, way(solver, "motor{x=1,stiffness=25,damping=10}", 0, 4800).first);
+    known(in<D>("angle at last, rad"), solver, 0.5, way(solver, "motor{angle=0.5}", 0, 4800).second);
+    known(in<D>("way of one of 1 N in 1 s, m"), solver, 0.5 + h / 2,
+          way(solver, "motor{x=100,stiffness=1000,damping=1,max_force=1}", 0, 480).first);
+    known(in<D>("stops within, m"), solver, 0.5 - 2 * h / 2,
+          way(solver, "motor{mode=friction,max_force=4}", 2, 960).first);
+  }
+}
+TEST_F(KnownAnswer, motor_drive) { drives<2>(), drives<3>(); }
+
+// A rod on springs at one end sinks by m g / k and turns until the spring has the moment of its weight.
+template <int D>
+void softBeam() {
+  const double k = 100, turn = 20;
+  double angle = 0;
+  for (int i = 0; i < 100; ++i) angle = kG * 0.5 * std::cos(angle) / turn;
+  for (const char* solver : kBoth) {
+    World<D> world = worldOf<D>(solver);
+    BodyDef<D> def = rod<D>();
+    def.X_WB = {at<D>(0.5, 0), turned<D>(kPi / 2)};
+    const Handle beam = world.add(def);
+    world.add(
+        JointDef<D>{.kind = "spring{stiffness=100,damping=10,angular_stiffness=20,angular_damping=5}", .bodyB = beam});
+    while (world.stepCount() < 1200) world.step(Real(1) / 60);
+    const Pose<D>& X = world.pose(beam);
+    known(in<D>("sinks by, m"), solver, kG / k, -double((X * at<D>(0, 0.5))[1]));
+    known(in<D>("turns by, degrees"), solver, angle / kDegree, between<D>(turned<D>(kPi / 2), X.q) / kDegree);
+  }
+}
+TEST_F(KnownAnswer, soft_beam) { softBeam<2>(), softBeam<3>(); }
+
+// A rod out level on a cone of 30 degrees falls to its rim, and rests there: the rim bears the moment of the weight.
+// One beside the bone twists it to its limit.
+template <int D>
+void coneRim(double seconds) {
+  for (const char* solver : kBoth) {
+    World<D> world = worldOf<D>(solver);
+    BodyDef<D> def = rod<D>();
+    def.X_WB = {at<D>(0.5, 0), turned<D>(kPi / 2)};
+    const Handle arm = world.add(def);
+    world.add(JointDef<D>{.kind = "cone_twist{swing=0.5235987755982988}", .bodyB = arm});
+    while (world.time() < Real(seconds)) world.step(Real(1) / 60);
+    known(in<D>("swing, degrees"), solver, 30, between<D>(turned<D>(kPi / 2), world.pose(arm).q) / kDegree);
+    const double moment = kG * 0.5 * std::cos(30 * kDegree);
+    const auto& impulse = world.joints()[0].impulse;
+    known(in<D>("moment at the rim, of the weight's"), solver, 1, std::abs(double(impulse[D])) * 60 / moment);
+  }
+}
+TEST_F(KnownAnswer, cone_rim) {
+  coneRim<2>(5), coneRim<3>(5);
+  for (const char* solver : kBoth) {
+    World<3> world = worldOf<3>(solver);
+    const Handle arm = world.add(cube<3>({0, 0, Real(0.5)}));
+    world.add(JointDef<3>{.kind = "cone_twist{swing=0.1,twist=0.25}", .bodyB = arm});
+    while (world.time() < 5) world.step(Real(1) / 60);
+    known("twist, rad", solver, 0.25, double(turnOf(world.pose(arm).q)[0]));
+    known("moment of the twist, of the weight's", solver, 1,
+          std::abs(double(world.joints()[0].impulse[4])) * 60 / (kG * 0.5 * std::cos(0.25)));
+  }
 }
 
 }  // namespace

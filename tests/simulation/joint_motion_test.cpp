@@ -59,7 +59,7 @@ bool rests(const Unrest& u) { return u.way <= 1e-3 && u.energy <= 1e-5; }
 
 template <int D>
 void everyKindRests() {
-  for (const std::string& solver : everySolver<D>()) {
+  for (const std::string& solver : everySolverOfJoints<D>()) {
     // The order of 2009 ends each step with a fall of g dt^2.
     if (solver.find("resolve_then_force_move") != solver.npos) continue;
     int restless = 0;
@@ -110,7 +110,7 @@ bool converges(const Kind<D>& kind, const std::string& solver, double share = 0.
 
 template <int D>
 void everyKindConverges() {
-  for (const std::string& solver : everySolver<D>()) {
+  for (const std::string& solver : everySolverOfJoints<D>()) {
     const bool declared = declares<D>(solver, "JointMotion.Converges");
     for (const std::string& kind : everyKind<D>()) {
       const double share = declared ? 0.7 : 0.4;

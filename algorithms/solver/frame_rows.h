@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+// Rows of which several kinds of joints are made: along and about the axes of A's frame, between limits, by a motor,
+// against a spring.
+#pragma once
+
+#include "framework/joint.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+inline constexpr Real kFarLimit = Real(1e6);  // m or rad: no limit
+
+/// Of B's point along axis i of A's frame; the error is how far it is from A's point (m). Both bodies feel it at B's
+/// point, so that it turns nobody however far the points are apart, and its v is that of B's point as A sees it.
+template <int D>
+ConstraintRow<D>& slide(const JointFrames<D>& at, int i, JointRows<D>& out) {
+  const Vec<D> d = at.qA * Vec<D>(Vec<D>::Unit(i));
+  return out.point(d, Vec<D>(at.rA + at.gap), at.rB, at.gap.dot(d));
+}
+
+/// The shortest turn of B's frame against A's, about A's axes (rad).
+template <int D>
+Ang<D> turnInA(const JointFrames<D>& at) {
+  return turnOf(at.qA.inverse() * at.qB);
+}
+inline Ang<2> axisOfTurn(const JointFrames<2>&, int) { return Ang<2>(Real(1)); }
+inline Ang<3> axisOfTurn(const JointFrames<3>& at, int i) { return at.qA * Vec<3>(Vec<3>::Unit(i)); }
+
+/// Two rows in 3D that keep the z of both frames together, none in 2D. Returns that axis.
+inline Ang<2> alignAxes(const JointFrames<2>&, JointRows<2>&) { return Ang<2>(Real(1)); }
+// Along A's own x and y, which turn with A: a basis made from the axis alone would jump somewhere.
+inline Ang<3> alignAxes(const JointFrames<3>& at, JointRows<3>& out) {
+  const Vec<3> zA = at.qA * Vec<3>(0, 0, 1), zB = at.qB * Vec<3>(0, 0, 1);
+  const Vec<3> bent = cross(zA, zB);
+  const Real sine = bent.norm();
+  // The length of the error is the angle between the axes and not its sine.
+  const Real scale = sine > 0 ? static_cast<Real>(angleOf(sine, zA.dot(zB)) / sine) : Real(1);
+  for (const Vec<3>& axis : {Vec<3>(at.qA * Vec<3>(1, 0, 0)), Vec<3>(at.qA * Vec<3>(0, 1, 0))}) {
+    out.turn(axis, scale * axis.dot(bent));
+  }
+  return zA;
+}
+/// The cosine of the angle between the axes that alignAxes() keeps together.
+inline Real alignment(const JointFrames<2>&) { return 1; }
+inline Real alignment(const JointFrames<3>& at) { return (at.qA * Vec<3>(0, 0, 1)).dot(at.qB * Vec<3>(0, 0, 1)); }
+
+/// A row whose error is where B is becomes the nearer of two limits, both of them where they are one.
+template <int D>
+void keepBetween(ConstraintRow<D>& row, Real lower, Real upper) {
+  const bool low = row.error - lower < upper - row.error;
+  row.error -= low ? lower : upper;
+  row.block = RowBlock::box;
+  if (lower != upper) (low ? row.lo : row.hi) = 0;
+}
+/// A motor of at most so much force (N, N m).
+template <int D>
+void drive(ConstraintRow<D>& row, Real speed, Real most) {
+  row.block = RowBlock::box, row.law = RowLaw::motor;
+  row.error = 0, row.speed = speed, row.lo = -most, row.hi = most;
+}
+template <int D>
+void makeSpring(ConstraintRow<D>& row, Real stiffness, Real damping) {
+  row.block = RowBlock::box, row.law = RowLaw::spring;
+  row.stiffness = stiffness, row.damping = damping;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::solver
