@@ -16,10 +16,10 @@ class ShockPropagation final : public VelocityResolver<D> {
  public:
   struct Params {
     int iterations = 10;
-    int passes = 1;
+    int passes = 4;
     void visit(ParamVisitor& v) {
       v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts before the levels");
-      v.integer("passes", passes, 0, 1000, "sweeps over each level on the way up");
+      v.integer("passes", passes, 0, 1000, "sweeps over each level on the way up: a face has several points");
     }
   };
   explicit ShockPropagation(const Params& params) : m_params(params) {}
