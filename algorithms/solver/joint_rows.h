@@ -86,18 +86,19 @@ class JointSystem {
   /// One update of every row over h seconds. Stops that are not reached may be reached within h, no matter what
   /// `rigid` says; springs and motors follow their own law. Returns the number of rows.
   std::uint64_t sweep(std::vector<Motion<D>>& motion, Real h, const Feedback& rigid) {
-    for (JointBlock<D>& block : blocks) {
-      Motion<D>&a = at(motion, block.a), &b = at(motion, block.b);
-      const std::span<JointRow<D>> boxes = of(block).subspan(static_cast<std::size_t>(block.equalities));
-      for (JointRow<D>& row : boxes) {  // motors and springs first: a stop holds against them
-        if (row.law != RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
-      }
-      for (JointRow<D>& row : boxes) {
-        if (row.law == RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
-      }
-      if (block.equalities > 0) sweepEqualities(block, rigid, a, b);
-    }
+    for (JointBlock<D>& block : blocks) sweepBlock(block, at(motion, block.a), at(motion, block.b), h, rigid);
     return rows.size();
+  }
+  /// The same of one joint between bodies of these velocities.
+  void sweepBlock(JointBlock<D>& block, Motion<D>& a, Motion<D>& b, Real h, const Feedback& rigid) {
+    const std::span<JointRow<D>> boxes = of(block).subspan(static_cast<std::size_t>(block.equalities));
+    for (JointRow<D>& row : boxes) {  // motors and springs first: a stop holds against them
+      if (row.law != RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
+    }
+    for (JointRow<D>& row : boxes) {
+      if (row.law == RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
+    }
+    if (block.equalities > 0) sweepEqualities(block, rigid, a, b);
   }
   /// The same in displacements instead of velocities, `share` of each error at once. Springs and motors have no error.
   std::uint64_t sweepErrors(std::vector<Motion<D>>& moves, Real share) {

@@ -140,7 +140,13 @@ void testAll() {
         const std::string name =
             std::string(p.name) + " " + spec + " " + entry->info.name + " " + std::to_string(D) + "D";
         SCOPED_TRACE(name);
-        check(name, drawn(p, on), kRuns);
+        bool known = false;  // what a resolver says that it cannot, it cannot with a rod
+        for (const FailureMode& f : entry->info.failures) known = known || f.test == p.name;
+        if (!known) {
+          check(name, drawn(p, on), kRuns);
+        } else if (spec == "distance{mode=rod}") {
+          expectFalsified(name, drawn(p, on), kRuns);
+        }
       }
     }
   }

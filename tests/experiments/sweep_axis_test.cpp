@@ -106,7 +106,7 @@ TEST(SweepStar, MistakesAreOneLine) {
   const std::pair<std::string, std::vector<const char*>> cases[] = {
       {R"({ "all" = "solver=split_solver{velocity=*}" })", {"s.toml:1: ", "'all'", "$velocity"}},
       {R"({ "$velocity" = "solver=split_solver{velocity=*{sweeps=4}}" })", {"s.toml:1: ", "no velocity has 'sweeps'"}},
-      {R"({ "$velocity" = "solver=split_solver{velocity=*-cato}" })", {"s.toml:1: ", "'cato'", "valid: catto"}},
+      {R"({ "$velocity" = "solver=split_solver{velocity=*-cato}" })", {"s.toml:1: ", "'cato'", "valid: ", " catto,"}},
       {R"({ "$velocity" = "solver=split_solver{velocity=*all}" })", {"s.toml:1: ", "'*all'", "*witness"}},
       {R"({ "$velocity" = "solver=split_solver{velocity=*" })", {"s.toml:1: ", "'}' is missing"}},
       {R"({ "$solvers" = "solvers=*" })", {"s.toml:1: ", "unknown stage 'solvers'"}},
@@ -126,7 +126,7 @@ TEST(SweepStar, IsNobodysName) {
   const test::Outcome run = w.lpc("run box_drop --pipeline 'solver=split_solver{velocity=*}'");
   EXPECT_EQ(run.code, 2);
   EXPECT_NE(run.text.find("there is no velocity '*' in"), std::string::npos) << run.text;
-  EXPECT_NE(run.text.find("valid: catto"), std::string::npos) << run.text;
+  EXPECT_NE(run.text.find(" catto, "), std::string::npos) << run.text;
 }
 
 // Registered methods of the stages whose sweeps these are, in no cell of a plan.

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/joint_rows.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace solver;
+
+enum class Splitting { none, averaged, mass };
+
+// All pairs at once, each from the velocities of the last sweep; within a pair one after the other. What n pairs do to
+// one body is then n times too much, unless the body is shared out: by mass (Tonge 2012) each pair has an n-th of it,
+// and the body takes the mean velocity of its parts, which is the sum of what was pushed; averaged, each pair gets only
+// a part of what it asks for, one over the larger n of its two bodies, so that both still get the same impulse.
+template <int D>
+class Jacobi final : public VelocityResolver<D> {
+ public:
+  struct Params {
+    int iterations = 20;
+    bool warmStart = true;
+    Splitting splitting = Splitting::mass;
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts");
+      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+      v.choice("splitting", splitting, {"none", "averaged", "mass"}, "how a body is shared by those that push it");
+    }
+  };
+  explicit Jacobi(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    AlgorithmInfo info{
+        .name = "jacobi",
+        .summary = "all contacts at once, each with its share of the bodies' masses",
+        .paper = "tonge2012",
+        .complexity = "iterations x (contacts + joints)",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"a heavy body on a light one, a tall stack",
+                      "the light one's parts are lighter still: twenty sweeps are far from the weight",
+                      "Impulse.CarriesHeavyOnLight"},
+                     {"a heavy body on a light one in ever more iterations",
+                      "its error shrinks slower than that of sweeps one after the other", "Joint.ConvergesAsPredicted"},
+                     {"without splitting, a body with four contacts",
+                      "each takes the whole of it: it leaves three times as fast as it came",
+                      "Jacobi.SplittingKeepsEnergy"}},
+        .friction = FrictionLaw::coulomb};
+    if (D == 2 && sizeof(Real) == 8) {  // a ten-thousandth is rounding in f32
+      info.failures.push_back({"five contacts between three bodies",
+                               "shares are small: 2000 sweeps leave a ten-thousandth of the speed",
+                               "Accumulation.TakesBack"});
+    }
+    return info;
+  }
+
+  void solve(const VelocityInput<D>& in) override {
+    {
+      Profiler::Scope scope(in.profiler, "solver.prepare");
+      prepare(in);
+      if (m_params.warmStart) warmStart(in);
+    }
+    Profiler::Scope scope(in.profiler, "solver.iterate");
+    const Feedback feedback{.rate = in.position.jointBias(in.dt)};
+    for (int i = 0; i < m_params.iterations; ++i) sweep(in, feedback);
+    std::uint64_t rows = m_joints.rows.size();
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+    }
+    in.work[WorkCount::rowUpdates] += rows * static_cast<std::uint64_t>(m_params.iterations);
+    m_contacts.store(in.manifolds);
+    m_joints.store(in.joints);
+  }
+
+ private:
+  // Rows are those of the bodies' parts.
+  void prepare(const VelocityInput<D>& in) {
+    Bodies<D>& bodies = in.bodies;
+    m_pairs.assign(bodies.pose.size(), 0);
+    const auto count = [&](std::int32_t body) {
+      if (body >= 0) m_pairs[static_cast<std::size_t>(body)] += 1;
+    };
+    for (const int i : in.order) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
+      if (m.count > 0) count(m.bodyA), count(m.bodyB);
+    }
+    if (in.features.joints) {
+      for (const JointRecord<D>& j : in.joints) {
+        if (j.active()) count(j.bodyA), count(j.bodyB);
+      }
+    }
+    if (m_params.splitting == Splitting::mass) {
+      m_invMass = bodies.invMass, m_invInertia = bodies.invInertia;
+      for (std::size_t i = 0; i < m_pairs.size(); ++i) {
+        bodies.invMass[i] *= m_pairs[i], bodies.invInertia[i] *= m_pairs[i];
+      }
+    }
+    m_contacts.prepare(in);
+    m_joints.clear();
+    if (in.features.joints) m_joints.prepare(bodies, in.joints);
+    if (m_params.splitting == Splitting::mass) bodies.invMass = m_invMass, bodies.invInertia = m_invInertia;
+  }
+
+  // An impulse is a force times dt: when dt changes, the force is the better guess.
+  void warmStart(const VelocityInput<D>& in) {
+    const Real factor = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
+    m_change.assign(m_pairs.size(), {});
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Manifold<D>& old = in.manifolds[static_cast<std::size_t>(m.manifold)];
+      Motion<D>&a = change(m.a), &b = change(m.b);
+      for (int i = 0; i < m.count; ++i) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + i)];
+        const auto& impulse = old.points[static_cast<std::size_t>(i)].impulse;
+        for (std::size_t d = 0; d < (m.friction > 0 ? D : 1); ++d) {
+          row.impulse[d] = d == 0 ? std::max(factor * impulse[0], Real(0)) : factor * impulse[d];
+          applyRow<D>(d == 0 ? row.normal : row.tangent[d - 1], d == 0 ? m.n : Vec<D>(m.t.col(static_cast<int>(d) - 1)),
+                      m.invMassA, m.invMassB, row.impulse[d], a, b, in.features.rotation);
+        }
+      }
+    }
+    m_joints.warmStart(in.dt, [&](std::int32_t joint, std::int32_t row) {
+      return factor * in.joints[static_cast<std::size_t>(joint)].impulse[static_cast<std::size_t>(row)];
+    });
+    m_joints.applyAccumulated(m_change);
+    move(in);
+  }
+
+  void sweep(const VelocityInput<D>& in, const Feedback& feedback) {
+    m_change.assign(m_pairs.size(), {});
+    for (JointBlock<D>& block : m_joints.blocks) {
+      const std::span<JointRow<D>> rows = m_joints.of(block);
+      std::array<Real, kJointRows> old{};
+      for (std::size_t i = 0; i < rows.size(); ++i) old[i] = rows[i].impulse;
+      const Real share = push(in, block.a, block.b,
+                              [&](Motion<D>& a, Motion<D>& b) { m_joints.sweepBlock(block, a, b, in.dt, feedback); });
+      for (std::size_t i = 0; i < rows.size(); ++i) rows[i].impulse = old[i] + share * (rows[i].impulse - old[i]);
+    }
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const auto points =
+          std::span(m_contacts.points).subspan(static_cast<std::size_t>(m.first), static_cast<std::size_t>(m.count));
+      std::array<std::array<Real, D>, kManifoldPoints<D>> old{};
+      for (std::size_t i = 0; i < points.size(); ++i) old[i] = points[i].impulse;
+      const Real share =
+          push(in, m.a, m.b, [&](Motion<D>& a, Motion<D>& b) { sweepManifold(m, points, a, b, in.features.rotation); });
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t d = 0; d < D; ++d)
+          points[i].impulse[d] = old[i][d] + share * (points[i].impulse[d] - old[i][d]);
+      }
+    }
+    move(in);
+  }
+
+  // Answers which share of it counts.
+  template <class Body>
+  Real push(const VelocityInput<D>& in, std::int32_t bodyA, std::int32_t bodyB, const Body& body) {
+    const auto at = [&](std::int32_t i) { return i < 0 ? Motion<D>{} : in.bodies.motion[static_cast<std::size_t>(i)]; };
+    const Motion<D> fromA = at(bodyA), fromB = at(bodyB);
+    Motion<D> a = fromA, b = fromB;
+    body(a, b);
+    const Real share = m_params.splitting == Splitting::averaged
+                           ? 1 / std::max({pairs(in, bodyA), pairs(in, bodyB), Real(1)})
+                           : Real(1);
+    if (bodyA >= 0) change(bodyA).v += share * (a.v - fromA.v), change(bodyA).w += share * (a.w - fromA.w);
+    change(bodyB).v += share * (b.v - fromB.v), change(bodyB).w += share * (b.w - fromB.w);
+    return share;
+  }
+  // That push a body which can move.
+  Real pairs(const VelocityInput<D>& in, std::int32_t body) const {
+    const auto i = static_cast<std::size_t>(body);
+    return body >= 0 && (in.bodies.invMass[i] > 0 || in.bodies.invInertia[i].trace() > 0) ? m_pairs[i] : Real(0);
+  }
+  Motion<D>& change(std::int32_t body) { return m_change[static_cast<std::size_t>(body)]; }
+
+  void move(const VelocityInput<D>& in) {
+    for (std::size_t i = 0; i < m_change.size(); ++i) {
+      if (!(m_pairs[i] > 0)) continue;
+      const Real share = m_params.splitting == Splitting::mass ? 1 / m_pairs[i] : Real(1);
+      in.bodies.motion[i].v += share * m_change[i].v;
+      in.bodies.motion[i].w += share * m_change[i].w;
+    }
+  }
+
+  // Catto 2006: all normals of a manifold, then its friction.
+  static void sweepManifold(const ManifoldRows<D>& m, std::span<PointRows<D>> points, Motion<D>& a, Motion<D>& b,
+                            bool rotation) {
+    for (PointRows<D>& row : points) {
+      const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation), old = row.impulse[0];
+      row.impulse[0] = std::max(old + row.normal.mass * (row.target - v), Real(0));
+      applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+    }
+    if (!(m.friction > 0)) return;
+    for (PointRows<D>& row : points) rubAt(m, row, a, b, rotation);
+  }
+
+  Params m_params;
+  ContactRows<D> m_contacts;
+  JointSystem<D> m_joints;
+  std::vector<Real> m_pairs;  // by body: of contacts or joints that push it
+  std::vector<Real> m_invMass;
+  std::vector<Inertia<D>> m_invInertia;
+  std::vector<Motion<D>> m_change;
+};
+
+}  // namespace
+
+LPC_REGISTER(VelocityResolver, Jacobi, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

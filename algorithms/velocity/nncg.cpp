@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/solver/row_sweep.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace solver;
+
+// Nonsmooth nonlinear conjugate gradients: what a sweep of projected Gauss-Seidel changes is taken for the negative
+// gradient of some function, and the next step goes on along a conjugate direction (Fletcher and Reeves). A direction
+// that makes sweeps change more than before is dropped.
+template <int D>
+class Nncg final : public VelocityResolver<D> {
+ public:
+  struct Params {
+    int iterations = 10;
+    bool warmStart = true;
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts");
+      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+    }
+  };
+  explicit Nncg(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    AlgorithmInfo info{.name = "nncg",
+                       .summary = "projected Gauss-Seidel, accelerated by nonlinear conjugate gradients",
+                       .paper = "silcowitz2010",
+                       .complexity = "iterations x (contacts + joints)",
+                       .guarantee = Guarantee::approximate,
+                       .failures = {{"a heavy body on a light one, a tall stack",
+                                     "faster than plain sweeps, but ten carry two fifths of a ratio of 80",
+                                     "Impulse.CarriesHeavyOnLight"},
+                                    {"contacts elsewhere, that do not touch these",
+                                     "share the factor of the next direction", "Replay.DisjointScenesAreTwoWorlds"},
+                                    {"joints, by six iterations instead of three", "its error grows between restarts",
+                                     "Joint.MoreIsNoWorse"}},
+                       .friction = FrictionLaw::coulomb};
+    if (D == 2) {
+      info.failures.push_back({"a stop that is hit, in ever shorter steps",
+                               "ten iterations end with another error in each: directions from before the stop go on",
+                               "JointMotion.Converges"});
+    }
+    return info;
+  }
+
+  void solve(const VelocityInput<D>& in) override {
+    {
+      Profiler::Scope scope(in.profiler, "solver.prepare");
+      m_problem.set(in);
+      m_sweep.prepare(m_problem);
+      m_problem.freeVelocities(in, m_free);
+      m_problem.lastImpulses(in, m_params.warmStart ? 1 : 0, m_impulse);
+      m_problem.clearMotion();
+      for (int i = 0; i < m_problem.size(); ++i) m_problem.push(i, m_impulse[static_cast<std::size_t>(i)]);
+    }
+    Profiler::Scope scope(in.profiler, "solver.iterate");
+    m_before.resize(m_impulse.size()), m_direction.assign(m_impulse.size(), 0);
+    m_rows.resize(m_impulse.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) m_rows[i] = static_cast<std::int32_t>(i);
+    iterate(m_rows, in.work);
+    m_problem.apply(in, m_impulse);
+  }
+
+ private:
+  void iterate(std::span<const std::int32_t> rows, WorkDone& work) {
+    double last = 0;
+    for (int n = 0; n < m_params.iterations; ++n) {
+      for (const std::int32_t i : rows) m_before[at(i)] = m_impulse[at(i)];
+      m_sweep.sweep(m_problem, rows, m_free, m_impulse);
+      work[WorkCount::rowUpdates] += rows.size();
+      if (n + 1 == m_params.iterations) return;  // ends with a sweep: all limits hold
+      double change = 0;                         // in J, so that N s and N m s may be added
+      for (const std::int32_t i : rows) {
+        const double by = m_impulse[at(i)] - m_before[at(i)];
+        change += by * by / m_problem.row(i).unit;
+      }
+      const double beta = n > 0 && last > 0 && change <= last ? change / last : 0;
+      last = change;
+      for (const std::int32_t i : rows) {
+        const double step = beta * m_direction[at(i)];
+        m_direction[at(i)] = step + m_impulse[at(i)] - m_before[at(i)];
+        if (!(step != 0)) continue;
+        m_impulse[at(i)] += step;
+        m_problem.push(i, step);
+      }
+    }
+  }
+  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+  Params m_params;
+  ContactProblem<D> m_problem;
+  RowSweep<D> m_sweep;
+  std::vector<std::int32_t> m_rows;  // all
+  std::vector<double> m_free, m_impulse, m_before, m_direction;
+};
+
+}  // namespace
+
+LPC_REGISTER(VelocityResolver, Nncg, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

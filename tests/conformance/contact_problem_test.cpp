@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Zlib
+// The velocity problem as a whole: its matrix, what is left of it at impulses that are known to be right or wrong, and
+// what the methods make of it that see all of it.
+#include "framework/contact_problem.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/check_property.h"
+#include "tests/conformance/impact_scene.h"
+#include "tests/every_solver.h"
+#include "tests/expect_caught.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr bool kDouble = sizeof(Real) == 8;
+constexpr double kRounding = kDouble ? 1e-12 : 1e-5;  // of inertias that were turned
+
+struct Nothing2 final : PositionResolver<2> {};
+struct Nothing3 final : PositionResolver<3> {};
+template <int D>
+const PositionResolver<D>& nothing() {
+  static const std::conditional_t<D == 2, Nothing2, Nothing3> none;
+  return none;
+}
+template <int D>
+VelocityInput<D> inputOf(ImpactScene<D>& s) {
+  return {s.dt,   s.lastDt,  s.bodies, s.manifolds, s.active, s.joints, nothing<D>(), s.features, kRestitutionThreshold,
+          s.work, s.profiler};
+}
+
+template <int D>
+struct Whole {
+  ContactProblem<D> problem;
+  std::vector<double> freeVelocity;
+  explicit Whole(ImpactScene<D>& s) {
+    problem.set(inputOf(s));
+    problem.freeVelocities(inputOf(s), freeVelocity);
+  }
+  /// What is left of the problem of `before` by the impulses that `after` has.
+  static ProblemResidual left(ImpactScene<D> before, ImpactScene<D>& after, bool corrected = true) {
+    Whole whole(before);
+    std::vector<double> x;
+    after.lastDt = 0;
+    whole.problem.lastImpulses(inputOf(after), 1, x);
+    return whole.problem.naturalMap(x, whole.freeVelocity, corrected);
+  }
+};
+
+// W by its product, and put together.
+template <int D>
+void productIsTheMatrix(Draw& draw) {
+  auto s = drawImpact<D>(draw, {.fixed = draw.coin(), .friction = true, .gap = Real(0.1), .joints = 2});
+  Whole<D> whole(s);
+  const int n = whole.problem.size();
+  std::vector<std::int32_t> all(whole.problem.grouped().begin(), whole.problem.grouped().end());
+  std::vector<double> w, x(static_cast<std::size_t>(n)), y;
+  whole.problem.assemble(all, w);
+  for (double& value : x) value = double(draw.signedUnit());
+  whole.problem.multiply(x, y);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    double sum = 0;
+    for (std::size_t j = 0; j < all.size(); ++j) sum += w[i * all.size() + j] * x[static_cast<std::size_t>(all[j])];
+    RC_ASSERT(std::abs(sum - y[static_cast<std::size_t>(all[i])]) < kRounding * (1 + std::abs(sum)));
+    RC_ASSERT(std::abs(w[i * all.size() + i] * whole.problem.row(all[i]).mass - 1) < kRounding);
+  }
+}
+TEST(ContactProblem, ProductIsTheMatrix2) {
+  check("W x in 2D", [] {
+    RapidCheckDraw draw;
+    productIsTheMatrix<2>(draw);
+  });
+}
+TEST(ContactProblem, ProductIsTheMatrix3) {
+  check("W x in 3D", [] {
+    RapidCheckDraw draw;
+    productIsTheMatrix<3>(draw);
+  });
+}
+
+/// A body that cannot turn, on a slope, as gravity has just pushed it along; what it needs is known.
+template <int D>
+struct OnSlope {
+  static constexpr double kMass = 2, kSpeed = 9.81 / 60;
+  ImpactScene<D> scene;
+  double down, into;  // of what gravity gave
+  OnSlope(double angle, double mu, double before)
+      : down(kSpeed * std::sin(angle) + before), into(kSpeed * std::cos(angle)) {
+    scene.add(0, Ang<D>::Zero(), {});
+    Vec<D> v = Vec<D>::Zero();
+    v[0] = static_cast<Real>(down), v[1] = static_cast<Real>(-into);
+    scene.add(Real(kMass), Ang<D>::Zero(), {Vec<D>::Unit(1), {}}, {v, Ang<D>::Zero()});
+    scene.touch(0, 1, Vec<D>::Unit(1), Vec<D>::Zero(), 0, static_cast<Real>(mu), 0);
+  }
+  /// Impulses along the normal and against the sliding.
+  ProblemResidual left(double push, double rub, bool corrected = true) {
+    Whole<D> whole(scene);
+    std::vector<double> x(D, 0);
+    x[0] = push;
+    for (int k = 1; k < D; ++k) {
+      x[static_cast<std::size_t>(k)] = -rub * double(tangents(Vec<D>(Vec<D>::Unit(1)))(0, k - 1));
+    }
+    return whole.problem.naturalMap(x, whole.freeVelocity, corrected);
+  }
+};
+
+template <int D>
+void residualIsZeroAtTheAnswerAlone() {
+  const double rounding = kDouble ? 1e-15 : 1e-7;
+  OnSlope<D> sticks(0.5, 0.7, 0), slides(0.5, 0.3, 1);
+  const double m = OnSlope<D>::kMass, n = m * slides.into;
+  EXPECT_LT(sticks.left(n, m * sticks.down).natural, rounding);
+  EXPECT_LT(slides.left(n, 0.3 * n).natural, rounding);
+  // One per cent wrong is a hundredth of the velocity that the impulse makes.
+  for (const double wrong : {0.99, 1.01}) {
+    EXPECT_GT(sticks.left(wrong * n, m * sticks.down).natural, 0.004 * n / m);
+    EXPECT_GT(sticks.left(n, wrong * m * sticks.down).natural, 0.004 * sticks.down);
+    EXPECT_GT(slides.left(wrong * n, wrong * 0.3 * n).natural, 0.004 * n / m);
+    EXPECT_GT(slides.left(n, wrong * 0.3 * n).natural, 0.001 * n / m);
+  }
+  EXPECT_GT(slides.left(0, 0).natural, 0.5 * n / m);
+  EXPECT_LT(slides.left(n, 0.3 * n).cone, rounding);
+  EXPECT_GT(slides.left(n, 0.31 * n).cone, 0.004 * n / m);
+  EXPECT_GT(slides.left(-n, 0).cone, 0.5 * n / m);
+  // Planted: the law without the correction takes sliding along the ground for an error. Sticking is the same to both.
+  expectCaught("ContactProblem a natural map without De Saxce's correction " + std::to_string(D) + 'D',
+               slides.left(n, 0.3 * n, false).natural < rounding);
+  EXPECT_LT(sticks.left(n, m * sticks.down, false).natural, rounding);
+}
+TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone2) { residualIsZeroAtTheAnswerAlone<2>(); }
+TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone3) { residualIsZeroAtTheAnswerAlone<3>(); }
+
+// Who sees the whole problem comes to where nothing is left of it.
+template <int D>
+void nothingIsLeft(const std::string& spec, Draw& draw) {
+  auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = draw.below(2)});
+  for (Manifold<D>& m : before.manifolds) m.friction = std::min(m.friction, Real(0.3));
+  const auto resolver = createStage<VelocityResolver<D>>(Spec::parse(spec));
+  auto after = solved(before, *resolver);
+  const ProblemResidual left = Whole<D>::left(before, after);
+  if (!(left.natural < (kDouble ? 1e-6 : 1e-3) * double(before.speed())))
+    RC_LOG() << left.natural << '\n' << before << after;
+  RC_ASSERT(left.natural < (kDouble ? 1e-6 : 1e-3) * double(before.speed()));
+}
+TEST(ContactProblem, NothingIsLeft2) {
+  for (const char* spec : {"nncg{iterations=2000}"}) {
+    check(
+        std::string("2D ") + spec,
+        [&] {
+          RapidCheckDraw draw;
+          nothingIsLeft<2>(spec, draw);
+        },
+        30);
+  }
+}
+TEST(ContactProblem, NothingIsLeft3) {
+  for (const char* spec : {"nncg{iterations=2000}"}) {
+    check(
+        std::string("3D ") + spec,
+        [&] {
+          RapidCheckDraw draw;
+          nothingIsLeft<3>(spec, draw);
+        },
+        30);
+  }
+}
+
+// A plate falls on four posts, or is held by four rods: each of the four pushes back all of it, or its share.
+double kineticAfter(const std::string& splitting, int iterations, bool rods) {
+  ImpactScene<2> s;
+  s.add(4, Ang<2>::Constant(1000), {{0, 1}, {}}, {{0, -1}, Ang<2>::Zero()});
+  for (const double x : {-1.5, -0.5, 0.5, 1.5}) {
+    const int post = s.add(0, Ang<2>::Zero(), {{static_cast<Real>(x), 0}, {}});
+    const Vec<2> p(static_cast<Real>(x), 1);
+    if (rods) s.join(post, 0, p, Vec<2>::Zero());
+    if (!rods) s.touch(post, 0, {0, 1}, p, 0, 0, 0);
+  }
+  const auto jacobi = createStage<VelocityResolver<2>>(
+      Spec::parse("jacobi{splitting=" + splitting + ",iterations=" + std::to_string(iterations) + "}"));
+  return double(solved(s, *jacobi).energy());
+}
+bool keepsEnergy(const std::string& splitting, bool rods) {
+  for (const int iterations : {1, 5, 25}) {
+    if (kineticAfter(splitting, iterations, rods) > 2 * 1.000001) return false;  // what it came with
+  }
+  return true;
+}
+TEST(Jacobi, SplittingKeepsEnergy) {
+  for (const bool rods : {false, true}) {
+    EXPECT_TRUE(keepsEnergy("mass", rods));
+    EXPECT_TRUE(keepsEnergy("averaged", rods));
+    expectCaught(std::string("Jacobi.SplittingKeepsEnergy without splitting, ") + (rods ? "rods" : "posts"),
+                 keepsEnergy("none", rods));
+  }
+  EXPECT_GT(kineticAfter("none", 1, false), 2 * 8);  // nearly three times as fast
+  EXPECT_GT(kineticAfter("none", 25, true), 1e12);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
