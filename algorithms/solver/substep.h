@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Zlib
+// What solvers share that move bodies between one detection and the next: contacts whose separations follow from the
+// anchors, joints whose rows are made again, impulses of a sub-step as the first guess of the next one, restitution
+// at the end of the step.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/free_motion.h"
+#include "algorithms/solver/joint_rows.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// A contact or joint as a damped spring, solved implicitly: stable at any stiffness, in units that do not depend on
+/// mass.
+struct Softness : Feedback {
+  Softness() = default;
+  Softness(Real hertz, Real dampingRatio, Real h) {
+    if (!(hertz > 0)) return;
+    const Real w = Real(6.283185307179586) * hertz;
+    const Real c = 2 * dampingRatio + h * w;
+    rate = w / c;
+    impulseScale = 1 / (1 + h * w * c);
+    massScale = 1 - impulseScale;
+  }
+};
+
+/// What a sweep asks of what is wrong: by default nothing, so that it takes out what an earlier one has put in.
+struct Push {
+  Feedback contact, contactFixed, joint;  // contactFixed: nothing gives way on one side, so the other may be stiffer
+  Real slop = 0;                          // m, of contacts
+  Real maxSpeed = 0;                      // m/s, of contacts
+};
+
+/// The springs of sub-steps of h, those of joints twice as stiff as those of contacts.
+inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real maxSpeed, Real h) {
+  return {Softness(hertz, dampingRatio, h), Softness(2 * hertz, dampingRatio, h),
+          Softness(2 * hertz, jointDampingRatio, h), 0, maxSpeed};
+}
+
+/// The contacts and joints of a step that is cut into equal sub-steps. Directions and arms of contacts are those of the
+/// detection; their separations are those of the anchors, which move with the bodies.
+template <int D>
+class Substeps {
+ public:
+  /// The impulses of the last step are the first guess.
+  void prepare(const StepInput<D>& in, int count, bool warmStart) {
+    Profiler::Scope scope(in.profiler, "solver.prepare");
+    m_count = static_cast<Real>(count), m_h = in.dt / m_count;
+    haltUnmoving(in.bodies, in.features.rotation);
+    const Real scale = (in.lastDt > 0 ? in.dt / in.lastDt : Real(1)) / m_count;
+    const NoBias none;
+    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
+                        in.restitutionThreshold, in.work, in.profiler});
+    m_states.resize(m_contacts.points.size());
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Manifold<D>& from = in.manifolds[static_cast<std::size_t>(m.manifold)];
+      const Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+      const Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = from.points[static_cast<std::size_t>(k)];
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        m_states[static_cast<std::size_t>(m.first + k)] = {
+            c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation), 0, 0};
+        if (!warmStart) continue;
+        row.impulse[0] = std::max(scale * c.impulse[0], Real(0));
+        for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = scale * c.impulse[d];
+      }
+    }
+    m_jointImpulse.resize(in.joints.size());
+    for (std::size_t j = 0; j < in.joints.size(); ++j) {
+      m_jointImpulse[j] = {};
+      for (std::size_t i = 0; i < kJointRows && warmStart; ++i) {
+        m_jointImpulse[j].substep[i] = scale * in.joints[j].memory[i];
+      }
+    }
+    m_joints.clear();
+    measure(in);
+  }
+
+  Real h() const { return m_h; }  // s
+
+  /// Forces of sub-step i, and joints where they are now.
+  void begin(const StepInput<D>& in, int i) {
+    Profiler::Scope scope(in.profiler, "solver.integrate");
+    kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
+    if (!in.features.joints) return;
+    m_joints.prepare(in.bodies, in.joints);
+    m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) {
+      return m_jointImpulse[static_cast<std::size_t>(joint)].substep[static_cast<std::size_t>(row)];
+    });
+  }
+
+  /// From the impulses of the sub-step before.
+  void solve(const StepInput<D>& in, const Push& push, int iterations) {
+    Profiler::Scope scope(in.profiler, "solver.iterate");
+    applyAccumulated(in);
+    for (int i = 0; i < iterations; ++i) sweep(in, push);
+  }
+
+  void move(const StepInput<D>& in) {
+    Profiler::Scope scope(in.profiler, "solver.move");
+    for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
+      if (travels(in.bodies, k)) moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.features.rotation);
+    }
+    measure(in);
+  }
+
+  /// Poses were changed by others: where contacts are now.
+  void measure(const StepInput<D>& in) {
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Pose<D>& X_WA = in.bodies.pose[static_cast<std::size_t>(m.a)];
+      const Pose<D>& X_WB = in.bodies.pose[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        state.separation = ((X_WB.p - X_WA.p) + X_WB.q * state.localB - X_WA.q * state.localA).dot(m.n);
+      }
+    }
+  }
+
+  /// Takes out the velocity that pushing has put in.
+  void relax(const StepInput<D>& in, int iterations) {
+    Profiler::Scope scope(in.profiler, "solver.relax");
+    for (int i = 0; i < iterations; ++i) sweep(in, {});
+  }
+
+  /// What joints bore in this sub-step.
+  void end() {
+    for (const std::int32_t j : m_joints.rowless) m_jointImpulse[static_cast<std::size_t>(j)].substep.fill(0);
+    for (const JointBlock<D>& block : m_joints.blocks) {
+      JointImpulse& kept = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+      kept.substep.fill(0);
+      for (const JointRow<D>& row : m_joints.of(block)) {
+        const auto i = static_cast<std::size_t>(row.number);
+        kept.substep[i] = row.impulse;
+        kept.step[i] += row.impulse;
+      }
+    }
+  }
+
+  /// Restitution, then the impulses, which are those of a whole step as in every other solver. `rub` false: where a
+  /// bounce lowers a normal impulse, friction stays as it was, outside of its cone.
+  void finish(const StepInput<D>& in, bool rub = true) {
+    if (in.features.restitution) bounce(in, rub);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        for (Real& x : m_contacts.points[static_cast<std::size_t>(m.first + k)].impulse) x *= m_count;
+      }
+    }
+    m_contacts.store(in.manifolds);
+    const auto store = [&](std::int32_t j) {
+      JointRecord<D>& joint = in.joints[static_cast<std::size_t>(j)];
+      const JointImpulse& sum = m_jointImpulse[static_cast<std::size_t>(j)];
+      joint.impulse = sum.step;
+      for (std::size_t i = 0; i < kJointRows; ++i) joint.memory[i] = m_count * sum.substep[i];
+    };
+    for (const JointBlock<D>& block : m_joints.blocks) store(block.joint);
+    for (const std::int32_t j : m_joints.rowless) store(j);
+  }
+
+ private:
+  struct State {
+    Vec<D> localA, localB;
+    Real velocity;    // along the normal before the step, m/s
+    Real maxImpulse;  // of all sub-steps: did it hit at all?
+    Real separation;  // m, now
+  };
+  struct JointImpulse {                      // by row
+    std::array<Real, kJointRows> substep{};  // of the last sub-step: what the next one starts from
+    std::array<Real, kJointRows> step{};     // of all of them: what the joint bore
+  };
+  // What ContactRows asks for is overwritten in the sweeps.
+  struct NoBias final : PositionResolver<D> {};
+
+  void applyAccumulated(const StepInput<D>& in) {
+    auto& motion = in.bodies.motion;
+    m_joints.applyAccumulated(motion);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, in.features.rotation);
+        for (int d = 0; d < D - 1 && m.friction > 0; ++d) {
+          applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB,
+                      row.impulse[static_cast<std::size_t>(d) + 1], a, b, in.features.rotation);
+        }
+      }
+    }
+  }
+
+  void sweep(const StepInput<D>& in, const Push& push) {
+    auto& motion = in.bodies.motion;
+    const bool rotation = in.features.rotation;
+    in.work[WorkCount::rowUpdates] += m_joints.sweep(motion, m_h, push.joint);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
+      const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? push.contact : push.contactFixed;
+      for (int k = 0; k < m.count; ++k) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        const Real s = state.separation;
+        Real bias = 0, massScale = 1, impulseScale = 0;
+        if (s > 0) {
+          bias = s / m_h;
+        } else if (feedback.rate > 0) {
+          bias = std::max(feedback.rate * std::min(s + push.slop, Real(0)), -push.maxSpeed);
+          massScale = feedback.massScale, impulseScale = feedback.impulseScale;
+        }
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+        const Real old = row.impulse[0];
+        const Real wanted = old - massScale * row.normal.mass * (v + bias) - impulseScale * old;
+        row.impulse[0] = std::max(wanted, Real(0));
+        state.maxImpulse = std::max(state.maxImpulse, row.impulse[0]);
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+      }
+      if (m.friction > 0) {
+        for (int k = 0; k < m.count; ++k) {
+          rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], a, b, rotation);
+        }
+      }
+      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      motion[static_cast<std::size_t>(m.a)] = a, motion[static_cast<std::size_t>(m.b)] = b;
+    }
+  }
+
+  void bounce(const StepInput<D>& in, bool rub) {
+    const bool rotation = in.features.rotation;
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
+      if (!(e > 0)) continue;
+      Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+      Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        const State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        if (!(state.velocity < -in.restitutionThreshold) || !(state.maxImpulse > 0)) continue;
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+        const Real old = row.impulse[0];
+        row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+        if (rub && m.friction > 0 && row.impulse[0] < old) rubAt(m, row, a, b, rotation);
+        ++in.work[WorkCount::rowUpdates];
+      }
+    }
+  }
+
+  Real m_count = 1, m_h = 0;
+  ContactRows<D> m_contacts;
+  JointSystem<D> m_joints;
+  std::vector<State> m_states;               // by point
+  std::vector<JointImpulse> m_jointImpulse;  // by joint slot
+  std::vector<Wrench<D>> m_wrenches;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver
