@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/solver/ngs_sweep.h"
+#include "algorithms/solver/substep.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace solver;
+
+// Rigid sub-steps whose velocities know of no errors: each is followed by sweeps that mend the poses themselves.
+template <int D>
+class TgsNgs final : public Solver<D> {
+ public:
+  struct Params {
+    int substeps = 4, iterations = 1, positionIterations = 1;
+    NgsShare share;
+    bool warmStart = true;
+    void visit(ParamVisitor& v) {
+      v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
+      v.integer("iterations", iterations, 0, 100000, "sweeps over velocities in each sub-step");
+      v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over positions in each sub-step");
+      share.visit(v);
+      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+    }
+  };
+  explicit TgsNgs(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "tgs_ngs",
+            .summary = "rigid sub-steps that mend positions after each move, restitution at the end",
+            .paper = "catto2024",
+            .complexity = "substeps x (iterations + position_iterations) x (contacts + joints)",
+            .guarantee = Guarantee::approximate,
+            .failures = {},
+            .friction = FrictionLaw::coulomb};
+  }
+
+  void step(const StepInput<D>& in) override {
+    m_substeps.prepare(in, m_params.substeps, m_params.warmStart);
+    for (int i = 0; i < m_params.substeps; ++i) {
+      m_substeps.begin(in, i);
+      m_substeps.solve(in, {}, m_params.iterations);
+      m_substeps.end();
+      m_substeps.move(in);
+      Profiler::Scope scope(in.profiler, "solver.position");
+      for (int k = 0; k < m_params.positionIterations; ++k) {
+        if (!m_sweep.sweep(
+                {m_substeps.h(), in.bodies, in.manifolds, in.active, in.joints, in.features, in.work, in.profiler},
+                m_params.share)) {
+          break;
+        }
+      }
+      m_substeps.measure(in);
+    }
+    m_substeps.finish(in);
+  }
+
+ private:
+  Params m_params;
+  Substeps<D> m_substeps;
+  NgsSweep<D> m_sweep;
+};
+
+}  // namespace
+
+LPC_REGISTER(Solver, TgsNgs, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
