@@ -95,9 +95,15 @@ class ContactProblem {
   /// Impulses of the last step, scaled to this one's length, on the rows of this; inside their limits.
   void lastImpulses(const VelocityInput<D>& in, double factor, std::vector<double>& x) const {
     if (in.lastDt > 0) factor *= double(in.dt) / double(in.lastDt);
-    x.resize(m_rows.size());
-    for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = factor * double(stored(in, m_rows[i]));
+    impulses(in.manifolds, in.joints, x);
+    for (double& impulse : x) impulse *= factor;
     for (int i = 0; i < size(); ++i) project(i, x.data() + i);
+  }
+
+  /// Impulses that the manifolds and joints of set() have now: after a solve, its answer.
+  void impulses(std::span<Manifold<D>> manifolds, std::span<JointRecord<D>> joints, std::vector<double>& x) const {
+    x.resize(m_rows.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = double(stored(manifolds, joints, m_rows[i]));
   }
 
   /// Row velocities of now, less what is wanted: u without impulses.
@@ -168,7 +174,7 @@ class ContactProblem {
     for (const std::int32_t j : m_joints) in.joints[static_cast<std::size_t>(j)].impulse.fill(0);
     for (int i = 0; i < size(); ++i) {
       push(i, x[static_cast<std::size_t>(i)]);
-      stored(in, row(i)) = static_cast<Real>(x[static_cast<std::size_t>(i)]);
+      stored(in.manifolds, in.joints, row(i)) = static_cast<Real>(x[static_cast<std::size_t>(i)]);
     }
     for (std::size_t i = 0; i + 1 < m_motion.size(); ++i) {
       in.bodies.motion[i].v += m_motion[i].v.template cast<Real>();
@@ -235,10 +241,10 @@ class ContactProblem {
   static double along(const typename Row::Linear& d, const typename Row::Angular& arm, const Motion<D>& m) {
     return d.dot(m.v.template cast<double>()) + arm.dot(m.w.template cast<double>());
   }
-  static Real& stored(const VelocityInput<D>& in, const Row& r) {
+  static Real& stored(std::span<Manifold<D>> manifolds, std::span<JointRecord<D>> joints, const Row& r) {
     const auto owner = static_cast<std::size_t>(r.owner);
-    if (r.ofJoint) return in.joints[owner].impulse[static_cast<std::size_t>(r.number)];
-    return in.manifolds[owner]
+    if (r.ofJoint) return joints[owner].impulse[static_cast<std::size_t>(r.number)];
+    return manifolds[owner]
         .points[static_cast<std::size_t>(r.number / D)]
         .impulse[static_cast<std::size_t>(r.number % D)];
   }

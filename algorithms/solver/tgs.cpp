@@ -18,12 +18,12 @@ template <int D>
 class Tgs final : public Solver<D> {
  public:
   struct Params {
-    int substeps = 4, iterations = 1, relax = 2;
+    int substeps = 4, sweeps = 1, relax = 2;
     Real factor = Real(0.2), slop = kLinearSlop, pushSpeed = 4;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
-      v.integer("iterations", iterations, 0, 100000, "sweeps over all joints and contacts in each sub-step");
+      v.integer("sweeps", sweeps, 0, 100000, "sweeps over all joints and contacts in each sub-step");
       v.integer("relax", relax, 0, 100, "sweeps without a push after each move");
       v.real("factor", factor, 0, 1, "1", "share of an error to remove in one step; more throws chains about");
       v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
@@ -37,7 +37,7 @@ class Tgs final : public Solver<D> {
     return {.name = "tgs",
             .summary = "rigid sub-steps that undo errors by velocity, relaxed after each move, restitution at the end",
             .paper = "macklin2019",
-            .complexity = "substeps x (iterations + relax) x (contacts + joints)",
+            .complexity = "substeps x (sweeps + relax) x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = {{"a hinge that is beyond its stop",
                           "leaves it with a speed: one sweep takes too little out of stop and pivot, which are coupled",
@@ -51,7 +51,7 @@ class Tgs final : public Solver<D> {
     const Push push{rigid, rigid, rigid, m_params.slop, m_params.pushSpeed};
     for (int i = 0; i < m_params.substeps; ++i) {
       m_substeps.begin(in, i);
-      m_substeps.solve(in, push, m_params.iterations);
+      m_substeps.solve(in, push, m_params.sweeps);
       m_substeps.move(in);
       m_substeps.relax(in, m_params.relax);
       m_substeps.end();

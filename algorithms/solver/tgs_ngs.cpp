@@ -12,12 +12,12 @@ template <int D>
 class TgsNgs final : public Solver<D> {
  public:
   struct Params {
-    int substeps = 4, iterations = 1, positionIterations = 1;
+    int substeps = 4, sweeps = 1, positionIterations = 1;
     NgsShare share;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
-      v.integer("iterations", iterations, 0, 100000, "sweeps over velocities in each sub-step");
+      v.integer("sweeps", sweeps, 0, 100000, "sweeps over velocities in each sub-step");
       v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over positions in each sub-step");
       share.visit(v);
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
@@ -29,7 +29,7 @@ class TgsNgs final : public Solver<D> {
     return {.name = "tgs_ngs",
             .summary = "rigid sub-steps that mend positions after each move, restitution at the end",
             .paper = "catto2024",
-            .complexity = "substeps x (iterations + position_iterations) x (contacts + joints)",
+            .complexity = "substeps x (sweeps + position_iterations) x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = {},
             .friction = FrictionLaw::coulomb};
@@ -39,7 +39,7 @@ class TgsNgs final : public Solver<D> {
     m_substeps.prepare(in, m_params.substeps, m_params.warmStart);
     for (int i = 0; i < m_params.substeps; ++i) {
       m_substeps.begin(in, i);
-      m_substeps.solve(in, {}, m_params.iterations);
+      m_substeps.solve(in, {}, m_params.sweeps);
       m_substeps.end();
       m_substeps.move(in);
       Profiler::Scope scope(in.profiler, "solver.position");

@@ -26,11 +26,18 @@ double slopeError(const WorldSeen<D>& r) {
   return std::abs(r.slid - (pull > 1e-9 * g ? pull * t * t / 2 : 0));
 }
 
+/// What gravity gives a body in one step, m/s; NaN without gravity.
+template <int D>
+double speedOfStep(const WorldSeen<D>& r) {
+  const double speed = double(r.scene.settings.gravity.norm()) * r.scene.dt;
+  return speed > 0 ? speed : std::numeric_limits<double>::quiet_NaN();
+}
+
 /// What gravity gives all bodies in one step, as impulse times speed (J): what complementarity is compared with.
 template <int D>
 double energyOfStep(const WorldSeen<D>& r) {
-  const double speed = double(r.scene.settings.gravity.norm()) * r.scene.dt;
-  return speed > 0 && r.weight > 0 ? r.weight * speed * speed : std::numeric_limits<double>::quiet_NaN();
+  const double speed = speedOfStep(r);
+  return r.weight > 0 ? r.weight * speed * speed : std::numeric_limits<double>::quiet_NaN();
 }
 
 template <int D>
@@ -57,6 +64,12 @@ const std::vector<Measure<WorldSeen<D>>>& seriesEntries() {
         "worst normal impulse times closing speed, over m (g dt)^2 of all bodies: how far a step is from solved",
         kDetail, "contacts obey Signorini"},
        [](R r) { return r.now.complementarity / energyOfStep(r); }},
+      {{"natural_map", "natural map of contacts and joints", "1",
+        "residual of the step's velocity problem: largest error of a row by Coulomb's law with De Saxce's correction, "
+        "over "
+        "g dt; only of methods that solve velocities apart",
+        kDetail, "the problem of a step is solved"},
+       [](R r) { return r.naturalMap / speedOfStep(r); }},
       {{"cone_excess", "excess over the friction cone", "N s", "worst friction impulse beyond Coulomb's cone", kDetail,
         "friction obeys Coulomb"},
        [](R r) { return r.now.coneExcess; }},
@@ -168,6 +181,12 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
         "worst normal impulse times closing speed of a step over m (g dt)^2 of all bodies, median over steps", kDetail,
         "contacts obey Signorini"},
        [](R r) { return r.quantileOf("residual", 0.5); }},
+      {{"natural_map_median", "natural map of contacts and joints", "1",
+        "residual of a step's velocity problem: largest error of a row by Coulomb's law with De Saxce's correction, "
+        "over g "
+        "dt, median over steps; only of methods that solve velocities apart, and not in timed trials",
+        kDetail, "the problem of a step is solved"},
+       [](R r) { return r.quantileOf("natural_map", 0.5); }},
       {{"cone_excess_max", "largest excess over the friction cone", "N s",
         "worst friction impulse beyond Coulomb's cone", kDetail, "friction obeys Coulomb"},
        [](R r) { return r.largest("cone_excess"); }},

@@ -30,6 +30,7 @@ struct WorldSeen {
   double depth = 0;    // m, on poses; NaN where it was not asked after this step
   double drift = 0, topDrift = 0, slid = 0;
   Settling<D> settling;
+  double naturalMap = 0;       // m/s, of the last step's velocity problem; NaN: none was shown
   double supportsChanged = 0;  // NaN: not told
   double fellThrough = 0;
   double height = 0;  // m, of the highest body

@@ -5,11 +5,13 @@
 #include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/trial.h"
 #include "experiments/trial/world_metrics.h"
+#include "framework/contact_problem.h"
 #include "framework/director.h"
 #include "framework/pose_penetration.h"
 #include "framework/recording.h"
@@ -41,6 +43,31 @@ std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const WorldSettin
   return std::make_unique<World<D>>(Pipeline::parse(pipeline), settings);
 }
 
+// The velocity problem of a step, and what its answer leaves of it.
+template <int D>
+class Residual final : public VelocityWatcher<D> {
+ public:
+  void see(const VelocityInput<D>& in) override {
+    m_problem.set(in);
+    m_problem.freeVelocities(in, m_free);
+    m_manifolds = in.manifolds, m_joints = in.joints;
+    m_seen = true;
+  }
+  /// m/s, of the step just done; NaN where its solver showed no problem.
+  double take() {
+    if (!std::exchange(m_seen, false)) return kNan;
+    m_problem.impulses(m_manifolds, m_joints, m_impulses);
+    return m_problem.naturalMap(m_impulses, m_free).natural;
+  }
+
+ private:
+  ContactProblem<D> m_problem;
+  std::vector<double> m_free, m_impulses;
+  std::span<Manifold<D>> m_manifolds;
+  std::span<JointRecord<D>> m_joints;
+  bool m_seen = false;
+};
+
 template <int D>
 class WorldTrial {
  public:
@@ -56,6 +83,8 @@ class WorldTrial {
     const auto open = [&](const char* name, std::unique_ptr<OutputFile>& file) {
       if (request.contains(name)) file = std::make_unique<OutputFile>(request.at(name).template get<std::string>());
     };
+    // Not in timed trials: looking takes time within the step.
+    if (auto* world = dynamic_cast<World<D>*>(m_simulation.get()); world && !m_timed) world->watch(&m_residual);
     open("record", m_recording), open("profile", m_profile);
     m_world.profiler().keepFrames(m_profile != nullptr);
   }
@@ -147,6 +176,7 @@ class WorldTrial {
       if (b.used[i] && b.type[i] == BodyType::dynamic) m_seen.weight += double(b.mass[i]);
     }
     m_seen.topDrift = m_top < 0 ? kNan : moved(m_top);
+    m_seen.naturalMap = m_residual.take();
     m_seen.settling.observe(m_world, m_scene.dt);
     m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
     const double energy = m_seen.now.kinetic + m_seen.now.potential;
@@ -269,6 +299,7 @@ class WorldTrial {
   std::unique_ptr<Simulation<D>> m_simulation;
   Simulation<D>& m_world;
   PosePenetration<D> m_penetration;
+  Residual<D> m_residual;
   std::unique_ptr<OutputFile> m_recording, m_profile;
   TrialResult m_out;
   std::vector<int> m_dynamic;

@@ -111,6 +111,24 @@ shapes = [{ kind = "circle", radius = 0.1 }]
   EXPECT_EQ(m.at("fell_through"), 1);
 }
 
+// One sweep over three boxes leaves most of the problem, hundreds leave next to nothing. Who solves no velocity problem
+// has no residual of one.
+TEST(NaturalMap, IsWhatIsLeftOfAStep) {
+  const auto left = [](const std::string& solver) {
+    return run(kTable + R"(
+[[body]]
+repeat = { i = "3" }
+position = [0, "0.5 + i", 0]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5], friction = 0.5 }]
+)",
+               "solver=" + solver)
+        .metrics.at("natural_map_median");
+  };
+  EXPECT_GT(left("split_solver{velocity=catto{iterations=1,warm_start=false}}"), 0.1);
+  EXPECT_LT(left("split_solver{velocity=catto{iterations=500}}"), 1e-6);
+  EXPECT_TRUE(std::isnan(left("soft_step")));
+}
+
 // Soft contacts under a heavy load sink by more than the limit and hold; the same way down without a support is a fall.
 TEST(Settling, SaggingIsNoCollapse) {
   const std::string load = R"(
