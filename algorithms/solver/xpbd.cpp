@@ -52,7 +52,9 @@ class Xpbd final : public Solver<D> {
                       "creeps: friction holds it where the sub-step began, and nothing is remembered",
                       "Slope.HoldsOrSaysThatItDoesNot"},
                      {"cubes on each other", "tremble and creep, since each sub-step is one cold sweep",
-                      "Rest.StackStays"}},
+                      "Rest.StackStays"},
+                     {"brakes in a row that hold a weight", "slip for the same reason: nothing pulls back",
+                      "JointMotion.Rests"}},
         .friction = FrictionLaw::coulomb};
   }
 

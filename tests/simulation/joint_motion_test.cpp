@@ -63,7 +63,7 @@ void everyKindRests() {
     // The order of 2009 ends each step with a fall of g dt^2.
     if (solver.find("resolve_then_force_move") != solver.npos) continue;
     int restless = 0;
-    const bool declared = declares<D>(solver, "Rest.Stays");
+    const bool declared = declares<D>(solver, "Rest.Stays") || declares<D>(solver, "JointMotion.Rests");
     for (const std::string& kind : everyKind<D>()) {
       if (!passive(kindOf<D>(kind))) continue;
       const Unrest u = unrestOf<D>(kindOf<D>(kind), solver);
