@@ -33,7 +33,7 @@ void Settling<D>::observe(const Simulation<D>& world, double dt) {
   const double g = gravity.norm();
   const Vec<D> down = g > 0 ? Vec<D>(gravity / static_cast<Real>(g)) : Vec<D>(Vec<D>::Zero());
   double speed = 0;
-  sag = lateral = tilt = 0;
+  sag = rise = lateral = tilt = 0;
   std::vector<Vec<D>> positions;
   positions.reserve(m_bodies.size());
   for (const Body& body : m_bodies) {
@@ -43,7 +43,7 @@ void Settling<D>::observe(const Simulation<D>& world, double dt) {
     if (!here) continue;
     const Vec<D> way = b.pose[i].p - body.start.p;
     const Real along = way.dot(down);
-    sag = std::max(sag, double(along));
+    sag = std::max(sag, double(along)), rise = std::max(rise, -double(along));
     lateral = std::max(lateral, double((way - along * down).norm()));
     tilt = std::max(tilt, turnBetween(body.start.q, b.pose[i].q));
     speed = std::max(speed, double(b.motion[i].v.norm()));

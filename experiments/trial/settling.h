@@ -29,6 +29,7 @@ class Settling {
 
   // Over the bodies of start() that are still there. Metres against and across gravity; rad.
   double sag = 0;         // now: farthest along gravity
+  double rise = 0;        // now: farthest against it
   double lateral = 0;     // now: farthest across gravity; all of the way where there is none
   double lateralMax = 0;  // in any step
   double tilt = 0;        // now: largest turn

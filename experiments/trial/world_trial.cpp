@@ -221,7 +221,9 @@ class WorldTrial {
   }
 
   bool onlySags() const {
-    return m_seen.settling.lateral <= static_cast<double>(m_scene.limits.drift) && m_seen.settling.stands(m_world);
+    const auto limit = static_cast<double>(m_scene.limits.drift);
+    const Settling<D>& s = m_seen.settling;
+    return s.lateral <= limit && s.rise <= limit && s.stands(m_world);
   }
 
   // Centres of dynamic bodies inside the shapes of fixed ones.

@@ -144,6 +144,17 @@ drift = 0.1
   const auto sags = run(kTable + load, "solver=soft_step{hertz=6}");
   EXPECT_EQ(sags.outcome, "ok") << sags.reason;
   EXPECT_GT(sags.metrics.at("sag_end"), 0.1);
+  // Who is lifted has risen.
+  const auto lifted = run(R"(
+gravity = [0, -10, 0]
+[[body]]
+type = "kinematic"
+position = [0, -1, 0]
+velocity = [0, 0.5, 0]
+shapes = [{ kind = "box", half = [2, 1, 2] }]
+)" + load,
+                          "solver=split_solver");
+  EXPECT_EQ(lifted.outcome, "collapsed");
   EXPECT_EQ(run("gravity = [0, -10, 0]\n" + load, "solver=soft_step{hertz=6}").outcome, "collapsed");
 }
 
