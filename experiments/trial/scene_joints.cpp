@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "experiments/trial/scene_parsed.h"
 #include "framework/names.h"
@@ -8,23 +9,45 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-// z onto the axis, by the shortest turn.
-Rot<3> alongZ(const Vec<3>& axis) {
-  const Vec<3> z(0, 0, 1), a = axis.normalized();
-  const Real w = 1 + z.dot(a);
-  if (!(w > 8 * std::numeric_limits<Real>::epsilon())) return {0, 1, 0, 0};  // half a turn about x
-  const Vec<3> v = cross(z, a);
-  return Rot<3>{w, v[0], v[1], v[2]}.normalized();
+// Of unit length; in 2D what lies in the plane.
+template <int D>
+Vec<D> direction(TableReader& joint, SceneNumbers& numbers, const std::string& key, const toml::node& node) {
+  const Vec<D> v = numbers.vector<D>(node);
+  const std::string valid = "; valid: such as " + std::string(key == "axis" ? "[0, 0, 1]" : "[1, 0, 0]");
+  // Squares of what is shorter lose their digits.
+  if (!(v.squaredNorm() >= std::numeric_limits<Real>::min()))
+    joint.fail(node, "'" + key + "' has no length" + (D == 2 ? " in the plane" : ""));
+  if (!std::isfinite(v.norm())) joint.fail(node, "'" + key + "' is longer than numbers hold" + valid);
+  return v.normalized();
 }
 
-Rot<2> readAxis(TableReader&, SceneNumbers&, const Rot<2>& none) { return none; }
-Rot<3> readAxis(TableReader& joint, SceneNumbers& numbers, const Rot<3>& none) {
-  const toml::node* node = joint.find("axis");
-  if (!node) return none;
-  const Vec<3> axis = numbers.vector<3>(*node);
-  if (!(axis.norm() > 0)) joint.fail(*node, "'axis' has no length");
-  if (!std::isfinite(axis.norm())) joint.fail(*node, "'axis' is longer than numbers hold; valid: such as [0, 0, 1]");
-  return alongZ(axis);
+// By the shortest turn, both unit; half a turn is about `spare`.
+Rot<3> onto(const Vec<3>& from, const Vec<3>& to, const Vec<3>& spare) {
+  const Real w = 1 + from.dot(to);
+  const bool half = !(w > 8 * std::numeric_limits<Real>::epsilon());
+  const Vec<3> v = half ? spare : cross(from, to);
+  return half ? Rot<3>{0, v[0], v[1], v[2]} : Rot<3>{w, v[0], v[1], v[2]}.normalized();
+}
+
+// The frame's z is `axis`, its x is `along`; one that is not given is where the shortest turn of the other leaves it.
+Rot<2> readFrame(TableReader& joint, SceneNumbers& numbers, const Rot<2>& none) {
+  joint.find("axis");  // of 3D
+  const toml::node* along = joint.find("along");
+  if (!along) return none;
+  const Vec<2> x = direction<2>(joint, numbers, "along", *along);
+  return {x[0], x[1]};
+}
+Rot<3> readFrame(TableReader& joint, SceneNumbers& numbers, const Rot<3>& none) {
+  const Vec<3> ex(1, 0, 0), ez(0, 0, 1);
+  const toml::node *axis = joint.find("axis"), *along = joint.find("along");
+  const Rot<3> q = axis ? onto(ez, direction<3>(joint, numbers, "axis", *axis), ex) : none;
+  if (!along) return q;
+  Vec<3> x = q.inverse() * direction<3>(joint, numbers, "along", *along);
+  if (axis && !numbers.rehearsing()) {
+    if (std::abs(x[2]) > Real(1e-5)) joint.fail(*along, "'along' is not at a right angle to 'axis'; valid: across it");
+    x = Vec<3>(x[0], x[1], 0).normalized();
+  }
+  return q * onto(ex, x, ez);
 }
 
 // What is wrong with a kind or its parameters is told with the place of the block.
@@ -91,8 +114,7 @@ template <int D>
 JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::string& chosen) {
   JointDef<D> def;
   def.X_WJ.p = numbers.vector<D>(joint.require("anchor"));
-  joint.find("axis");  // of 3D
-  def.X_WJ.q = readAxis(joint, numbers, Rot<D>{});
+  def.X_WJ.q = readFrame(joint, numbers, Rot<D>{});
   if (const toml::node* node = joint.find("anchor_b")) def.X_WJb = Pose<D>{numbers.vector<D>(*node), def.X_WJ.q};
   def.collide = joint.flag("collide", false);
   if (const toml::node* node = joint.find("break_force")) def.breakForce = static_cast<Real>(numbers.number(*node));

@@ -250,6 +250,14 @@ TEST(SceneFile, badJointsAreRefused) {
       {"fixed", "a", "kind = \"pivot\"\nbreak_force = -1", {"breaks at -1", "> 0"}},
       {"fixed", "a", "kind = \"pivot\"\nbrake_force = 1", {"'brake_force'"}},
       {"fixed", "a", "kind = \"hinge\"\naxis = [0, 0, 0]", {"'axis'", "no length"}},
+      {"fixed", "a", "kind = \"wheel\"\nalong = [0, 0]", {"'along'", "no length"}},
+      {"fixed", "a", "kind = \"wheel\"\nalong = [1e-200, 0]", {"'along'", "no length"}},
+      {"fixed", "a", "kind = \"wheel\"\nalong = [1e200, 0]", {"'along'", "longer", "[1, 0, 0]"}},
+      {"fixed", "a", "kind = \"wheel\"\nalong = 1", {"numbers"}},
+      {"fixed",
+       "a",
+       "kind = \"wheel\"\naxis = [0, 0, 1]\nalong = [0, 1, 0.1]",
+       {"'along'", "right angle", "across it"}},
   };
   for (const Case& c : cases) {
     const std::string text = "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\nneeds = [\"joints\"]\n" + bodies +
@@ -304,6 +312,49 @@ parameters = { mode = "rope" }
   EXPECT_EQ(scene.joints[1].def.kind, "distance{mode=rope}");
   EXPECT_EQ(scene.joints[1].def.X_WJb->p, Vec<3>(0, 1, 0));
   EXPECT_EQ(file.build<2>({}, 1).joints[0].def.X_WJ.p, Vec<2>(1, 2));
+}
+
+// A frame's x is `along`, its z `axis`; what is not given turns as little as it can.
+TEST(SceneFile, jointsHaveDirections) {
+  const std::string head =
+      "name = \"t\"\nsummary = \"t\"\ndimensions = [2, 3]\nneeds = [\"joints\"]\n[[body]]\nname = \"a\"\n"
+      "shapes = [{ kind = \"circle\", radius = 1 }]\n[[joint]]\nkind = \"wheel\"\na = \"world\"\nb = \"a\"\n"
+      "anchor = [0, 0]\n";
+  const auto frame = [&](const std::string& keys) {
+    return SceneFile::parse(head + keys, "t.toml").build<3>({}, 1).joints.at(0).def.X_WJ.q.matrix();
+  };
+  const auto flat = [&](const std::string& keys) {
+    return SceneFile::parse(head + keys, "t.toml").build<2>({}, 1).joints.at(0).def.X_WJ.q.matrix();
+  };
+  using Columns = Eigen::Matrix<Real, 3, 3>;
+  const auto same = [&](const std::string& keys, const Vec<3>& x, const Vec<3>& z) {
+    Columns expected;
+    expected << x.normalized(), cross(z, x).normalized(), z.normalized();
+    EXPECT_LT((frame(keys) - expected).norm(), 1e-6) << keys << frame(keys);
+  };
+  same("", {1, 0, 0}, {0, 0, 1});
+  same("along = [0, 2, 0]\n", {0, 1, 0}, {0, 0, 1});
+  same("along = [-1, 0, 0]\n", {-1, 0, 0}, {0, 0, 1});
+  same("along = [3, -4, 0]\n", {3, -4, 0}, {0, 0, 1});
+  same("along = [0, 0, 1]\n", {0, 0, 1}, {-1, 0, 0});
+  same("axis = [1, 0, 0]\n", {0, 0, -1}, {1, 0, 0});
+  same("axis = [1, 0, 0]\nalong = [0, 1, 0]\n", {0, 1, 0}, {1, 0, 0});
+  same("axis = [0, 0, -1]\nalong = [0, -1, 0]\n", {0, -1, 0}, {0, 0, -1});
+  same("axis = [1, 2, 2]\nalong = [2, 1, -2]\n", {2, 1, -2}, {1, 2, 2});
+  Eigen::Matrix<Real, 2, 2> turned;
+  turned << Real(0.6), Real(0.8), Real(-0.8), Real(0.6);
+  EXPECT_LT((flat("along = [3, -4, 9]\naxis = [1, 0, 0]\n") - turned).norm(), 1e-6);
+  EXPECT_EQ(flat("axis = [1, 0, 0]\n"), (Eigen::Matrix<Real, 2, 2>::Identity()));
+  EXPECT_THROW(flat("along = [0, 0, 1]\n"), UserError);
+}
+
+// A block that makes no turn has no values: its directions may be any.
+TEST(SceneFile, directionsOfNoTurnAreNotMeasured) {
+  const std::string text =
+      "name = \"t\"\nsummary = \"t\"\ndimensions = [3]\nneeds = [\"joints\"]\n[[body]]\nname = \"a\"\n"
+      "shapes = [{ kind = \"circle\", radius = 1 }]\n[[joint]]\nrepeat = { i = 0 }\nkind = \"wheel\"\na = \"world\"\n"
+      "b = \"a\"\nanchor = [0, 0]\naxis = [\"cos(i)\", \"sin(i)\", 0]\nalong = [\"-sin(i)\", \"cos(i)\", 0]\n";
+  EXPECT_NO_THROW(SceneFile::parse(text, "t.toml").build<3>({}, 1));
 }
 
 TEST(SceneFile, featuresAreText) {
