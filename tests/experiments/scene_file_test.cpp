@@ -240,7 +240,7 @@ TEST(SceneFile, badJointsAreRefused) {
       {"a", "a", "kind = \"pivot\"", {"with itself", "world"}},
       {"world", "fixed", "kind = \"pivot\"", {"do not move"}},
       {"fixed", "world", "kind = \"pivot\"", {"'world'", "a, fixed"}},
-      {"fixed", "a", "kind = \"glue\"", {"'glue'", "distance, hinge, "}},
+      {"fixed", "a", "kind = \"glue\"", {"'glue'", "valid: ", "pivot"}},
       {"fixed", "a", "kind = \"hinge\"\nparameters = { lower = 1, upper = 0 }", {"cross", "lower <= upper"}},
       {"fixed", "a", "kind = \"hinge\"\nparameters = { speed = 1 }", {"'speed'", "motor_speed"}},
       {"fixed", "a", "kind = \"hinge\"\nparameters = { stiffness = 1e300 }", {"'stiffness'", "a number from 0"}},
