@@ -12,21 +12,44 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+template <int D>
+struct Play {
+  SceneSpec<D> scene;
+  World<D> world;
+  Director<D> director;
+
+  Play(const std::string& name, const ParameterValues& values, const std::string& pipeline = "")
+      : scene(built(name, values)), world(Pipeline::parse(pipeline), scene.settings), director(scene) {}
+  void step() { director.advance(world), world.step(scene.dt); }
+  void steps(long n) {
+    for (long i = 0; i < n; ++i) step();
+  }
+  Handle body(const std::string& bodyName) const {
+    for (std::size_t i = 0; i < scene.spawns.size(); ++i) {
+      if (scene.spawns[i].body.name == bodyName) return director.body(static_cast<int>(i));
+    }
+    return {};
+  }
+
+ private:
+  static SceneSpec<D> built(const std::string& name, const ParameterValues& values) {
+    const SceneFile file = SceneFile::load(findToml("scenes", name));
+    return file.build<D>(values, file.defaultSeed());
+  }
+};
+
 /// Where the bodies are in the end, and where they were.
 template <int D>
 struct Played {
   std::vector<Vec<D>> from, to;
 
   Played(const std::string& name, const ParameterValues& values, long steps, const std::string& pipeline = "") {
-    const SceneFile file = SceneFile::load(findToml("scenes", name));
-    const SceneSpec<D> scene = file.build<D>(values, file.defaultSeed());
-    World<D> world(Pipeline::parse(pipeline), scene.settings);
-    Director<D> director(scene);
-    for (long i = 0; i < steps; ++i) director.advance(world), world.step(scene.dt);
-    for (std::size_t i = 0; i < scene.spawns.size(); ++i) {
-      from.push_back(scene.spawns[i].body.X_WB.p);
-      const Handle body = director.body(static_cast<int>(i));
-      to.push_back(world.valid(body) ? world.pose(body).p : from.back());
+    Play<D> play(name, values, pipeline);
+    play.steps(steps);
+    for (std::size_t i = 0; i < play.scene.spawns.size(); ++i) {
+      from.push_back(play.scene.spawns[i].body.X_WB.p);
+      const Handle body = play.director.body(static_cast<int>(i));
+      to.push_back(play.world.valid(body) ? play.world.pose(body).p : from.back());
     }
   }
   Real moved(std::size_t i) const { return (to[i] - from[i]).norm(); }
@@ -92,6 +115,93 @@ TEST(FieldScenes, WarmStartEnergyDoesNotPop) {
   EXPECT_LT(after.to[2][1], 1.5 + 0.01);
   EXPECT_GT(after.to[2][1], before.to[2][1] - 0.01);
 }
+
+// The spin about the middle axis comes back after 4 K(m) / r, twice through nothing; without the gyroscopic term never.
+TEST(FieldScenes, TheHandleTurnsOverInItsTime) {
+  const auto passages = [](const std::string& integrator) {
+    std::vector<double> times;
+    Play<3> play("dzhanibekov", {}, "solver=split_solver{integrator=" + integrator + "}");
+    play.scene.dt /= 4;
+    double before = 7.5;
+    for (int i = 0; i < 4 * 300; ++i) {
+      play.step();
+      const Handle handle = play.body("handle");
+      const double now = (play.world.pose(handle).q.inverse() * Vec<3>(play.world.motion(handle).w))[0];
+      if (before * now <= 0) times.push_back((i + before / (before - now)) * double(play.scene.dt));
+      before = now;
+    }
+    return times;
+  };
+  // Two boxes: the bar along y, the stem along x.
+  const double bar = 1.0 / 12, stem = 0.2 / 12, center = stem * 0.1 / 0.1;
+  const double across = bar * center * center + stem * (0.1 - center) * (0.1 - center);
+  const double x = bar * 0.2525 / 3 + stem * 0.005 / 3, y = bar * 0.005 / 3 + stem * 0.0125 / 3 + across;
+  const double z = bar * 0.2525 / 3 + stem * 0.0125 / 3 + across;
+  const double energy2 = x * 7.5 * 7.5 + y * 5.025 * 5.025, l2 = x * x * 7.5 * 7.5 + y * y * 5.025 * 5.025;
+  const double rate = std::sqrt((x - y) * (energy2 * z - l2) / (x * y * z));
+  double a = 1, b = std::sqrt(1 - (z - x) * (l2 - energy2 * y) / ((x - y) * (energy2 * z - l2)));
+  for (int i = 0; i < 6; ++i) a = (a + b) / 2, b = std::sqrt((2 * a - b) * b);  // K(m) = pi / 2 a
+  const double half = 2 * 3.141592653589793 / (2 * a) / rate;
+  const std::vector<double> times = passages("rk4");
+  ASSERT_EQ(times.size(), static_cast<std::size_t>(5 / half + 0.5));  // the first after a quarter
+  EXPECT_NEAR((times.back() - times.front()) / static_cast<double>(times.size() - 1), half, 1e-4 * half);
+  EXPECT_EQ(passages("semi_implicit_euler"), std::vector<double>{});
+}
+
+// The slow root of I1 cos(tilt) W^2 - I3 spin W + m g l = 0, without nodding: a turn of it.
+TEST(FieldScenes, TheTopGoesRoundSteadily) {
+  Play<3> play("spinning_top", {});
+  double turned = 0, last = 0, low = 1, high = 0;
+  for (int i = 0; i < 7200; ++i) {
+    play.step();
+    const Vec<3> p = play.world.pose(play.body("top")).p;
+    const double heading = std::atan2(-p[2], p[0]), tilt = std::atan2(std::hypot(p[0], p[2]), p[1]);
+    turned += std::remainder(heading - last, 2 * 3.141592653589793), last = heading;
+    low = std::min(low, tilt), high = std::max(high, tilt);
+  }
+  EXPECT_NEAR(turned / 1.8, 3.50025873124901, 3.5 * 1e-3);
+  EXPECT_LT(high - low, 0.002);
+}
+
+// Its springs carry it from the start; motors of 100 N m and 0.4 m an axle pull by 500 N, until their wheels turn as
+// they are told. A wheel counts for m + I / r^2.
+template <int D>
+void drives(double inertia) {
+  Play<D> still("car", {{"speed", 0}, {"bump", 0}});
+  still.steps(120);
+  EXPECT_NEAR(still.world.pose(still.body("chassis")).p[1], 0.9, 0.002);
+  Play<D> level("car", {{"bump", 0}});
+  level.steps(60);
+  EXPECT_NEAR(level.world.motion(level.body("chassis")).v[0], 500 / (120 + 20 * inertia), 0.12);
+  level.steps(240);
+  EXPECT_NEAR(level.world.motion(level.body("chassis")).v[0], 12 * 0.4, 0.05);
+  Play<D> waves("car", {});
+  waves.steps(300);
+  const Pose<D>& X = waves.world.pose(waves.body("chassis"));
+  EXPECT_GT(X.p[0], 15);
+  EXPECT_GT((X.q * Vec<D>(Vec<D>::Unit(1)))[1], 0.9) << "it lies on its side, or its roof";
+}
+TEST(FieldScenes, TheCarDrives) { drives<2>(0.5), drives<3>(0.4); }
+
+// Down the stair, in one piece: joints and their limits hold.
+template <int D>
+void fallsInOnePiece() {
+  Play<D> play("ragdoll", {{"n", 2}});
+  JointError most;
+  for (int i = 0; i < 300; ++i) {
+    play.step();
+    for (const JointRecord<D>& joint : play.world.joints()) {
+      JointRows<D> rows;
+      jointRows(joint, play.world.bodies(), rows);
+      const JointError now = jointError<D>(rows.all());
+      most.linear = std::max(most.linear, now.linear), most.angular = std::max(most.angular, now.angular);
+    }
+  }
+  EXPECT_LT(most.linear, 0.03);
+  EXPECT_LT(most.angular, 0.3);
+  EXPECT_LT(play.world.pose(play.body("head")).p[1], 0.5);
+}
+TEST(FieldScenes, RagdollsFallInOnePiece) { fallsInOnePiece<2>(), fallsInOnePiece<3>(); }
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION
