@@ -100,11 +100,15 @@ def finding(context, where, groups, error, everyone):
         if best is None:
             said.append(f"{place}: every method fails under half of the {seeds} seeds or more")
             continue
-        value = si(float(np.median(noise.of_seeds(best, error))), unit)
+        worst = max(noise.of_seeds(best, error))
+        value = (f"{si(float(np.median(noise.of_seeds(best, error))), unit)}, worst "
+                 f"{si(worst, unit) if math.isfinite(worst) else 'a failure'}")
         text = f"{place}: {standing(part, best, equals, everyone, error, zero, what, value)}"
         fails = {}  # number of seeds -> who fails under so many
         for _, cell in part[part["failed_seeds"] > 0].iterrows():
-            fails.setdefault(f"{cell['failed_seeds']} of {len(cell['seeds'])} seeds", []).append(cell["method"])
+            low, high = noise.wilson(cell["failed_seeds"], len(cell["seeds"]))
+            count = f"{cell['failed_seeds']} of {len(cell['seeds'])} seeds (of all, {100 * low:.0f} to {100 * high:.0f} %)"
+            fails.setdefault(count, []).append(cell["method"])
         under = [f"{methods(who, everyone)} {'fails' if len(who) == 1 else 'fail'} under {count}" for count, who in fails.items()]
         said.append("; ".join([text, *under]) +
                     ("; the seeds change nothing: each method ends in one state" if noise.idle_seeds(part) else ""))
@@ -161,7 +165,9 @@ def _chart(context, cells, where, inner):
             for _, cell in part.iterrows():
                 look = {**looks(cell["method"]), "linestyle": "none"}
                 if error is None:
-                    ax.plot([100 * cell["failed_seeds"] / len(cell["seeds"])], [y], **look)
+                    ends = noise.wilson(cell["failed_seeds"], len(cell["seeds"]))
+                    ax.plot([100 * end for end in ends], [y, y], color=look["color"], lw=1.4, alpha=0.8)
+                    ax.plot([100 * cell["failed_seeds"] / len(cell["seeds"])], [y], **look, zorder=3)
                 else:
                     of_seeds = noise.of_seeds(cell, error)
                     ax.plot([scale.place(v) for v in of_seeds], [y] * len(of_seeds), ls="none", marker="|", ms=9,
@@ -182,14 +188,19 @@ def _chart(context, cells, where, inner):
                  f"On {where}, {finding(context, where, groups, errors[0], everyone)}", cells["sweep"].iloc[0], figure,
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
                  "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. "
-                 f"The bar holds the median with at least {certain} %, whatever the distribution. A rank that one seed turns "
-                 "round is a tie.",
+                 "The bar beside the share of failures is Wilson's interval: with 95 % it holds that of all places near the "
+                 "start, and it is no point where none failed. "
+                 f"The bar of an error holds its median with at least {certain} %, whatever the distribution. A rank that one "
+                 "seed turns round is a tie.",
                  headline=headline(context, where, groups, errors[0], everyone))
 
 
 def _table(context, cells, inner, errors):
     columns = {name: cells[name] for name in [*inner, "method", "outcome"]}
     columns |= {"seeds": cells["seeds"].map(len), "seeds that failed": cells["failed_seeds"]}
+    chances = [noise.wilson(failed, len(seeds)) for failed, seeds in zip(cells["failed_seeds"], cells["seeds"])]
+    for end, values in (("low end", [low for low, _ in chances]), ("high end", [high for _, high in chances])):
+        columns |= quantity(f"chance of a failure, {end}", "1", values)
     for error in errors:
         of_seeds = [noise.of_seeds(cell, error) for _, cell in cells.iterrows()]
         ends = [noise.interval(v) for v in of_seeds]

@@ -294,14 +294,27 @@ class OfStores(with_store.WithStore):
     def test_ranks_over_seeds(self):
         found = self.made(ensembles, self.ensemble(failing=(3, 4)))[0]
         self.assertIn("catto has the smallest penetration under each of 10 seeds", found.finding)
-        self.assertIn("; naive fails under 2 of 10 seeds", found.finding)
+        self.assertIn("; naive fails under 2 of 10 seeds (of all, 6 to 51 %)", found.finding)
+        self.assertIn(", worst 1.1 mm)", found.finding)
         self.assertIn("catto", found.headline.text)
+        chances = [list(found.table[f"chance of a failure, {end} [1]"].round(3)) for end in ("low end", "high end")]
+        self.assertEqual(chances, [[0, 0.057], [0.278, 0.510]], "of catto and naive")
         found = self.made(ensembles, self.ensemble(turned=True))[0]
         self.assertIn("catto and naive tie", found.finding)
         self.assertIsNone(found.headline, "a tie is no headline")
         with unittest.mock.patch.object(noise, "beats", lambda a, b, metric, zero: a[metric] < b[metric]):
             bad = self.made(ensembles, self.ensemble(turned=True))[0]
         self.assertNotIn("tie", bad.finding, "a rank by medians was not seen")
+
+    def test_the_interval_of_a_chance_of_failure_is_wilsons(self):
+        def seen(of):
+            # Wilson 1927, as other programs print them; it holds no less than 0 and no more than 1, and mirrors.
+            known = {(0, 20): (0, 0.1611), (1, 20): (0.0089, 0.2361), (10, 20): (0.2993, 0.7007), (20, 20): (0.8389, 1)}
+            return [case for case, ends in known.items() if not np.allclose(of(*case), ends, atol=5e-5)]
+        self.assertEqual(seen(noise.wilson), [])
+        half = lambda failed, count: 1.96 * math.sqrt(failed * (count - failed) / count**3)  # noqa: E731
+        self.assertEqual(seen(lambda failed, count: (failed / count - half(failed, count), failed / count + half(failed, count))),
+                         [(0, 20), (1, 20), (10, 20), (20, 20)], "the planted bug, a normal distribution, was not seen")
 
     def test_a_headline_of_seeds_tells_each_perturbation_and_equal_states_are_no_turn(self):
         def fill(maker):
