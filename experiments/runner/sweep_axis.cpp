@@ -317,4 +317,19 @@ bool addMethod(const std::string& given, const std::string& searched, std::vecto
   return true;
 }
 
+std::vector<std::string> commandOf(const std::string& name, const std::set<std::string>& only,
+                                   const std::set<std::string>& used, const std::vector<std::string>& with,
+                                   const std::vector<std::string>& set) {
+  std::vector<std::string> out = {"sweep", name};
+  std::string listed;
+  for (const std::string& label : only) listed += (listed.empty() ? "" : ",") + label;
+  if (!only.empty()) out.insert(out.end(), {"--only", listed});
+  for (const auto& [option, values] : {std::pair("--with", &with), std::pair("--set", &set)}) {
+    for (const std::string& value : *values) {
+      if (used.count(value)) out.insert(out.end(), {option, value});
+    }
+  }
+  return out;
+}
+
 }  // namespace lpc::inline LPC_PRECISION

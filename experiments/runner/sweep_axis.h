@@ -64,4 +64,10 @@ std::set<std::string> namedIn(const std::string& text, const nlohmann::json& axe
 /// for what is no such text, and for a label that is taken.
 bool addMethod(const std::string& given, const std::string& searched, std::vector<Axis>& axes);
 
+/// What plans one sweep again: of `only`, `with` and `set` what it takes, since it would refuse what is another's of
+/// its set.
+std::vector<std::string> commandOf(const std::string& name, const std::set<std::string>& only,
+                                   const std::set<std::string>& used, const std::vector<std::string>& with,
+                                   const std::vector<std::string>& set);
+
 }  // namespace lpc::inline LPC_PRECISION

@@ -128,6 +128,8 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     const toml::node* pipelineNode = nullptr;
     bool timed = false, untimed = true;
     long repeats = 1;
+    std::optional<double> posesEvery;
+    bool series = true;
     std::vector<double> budgets;
     std::set<std::string> named;  // axes that mean something because a value of another names them
   };
@@ -141,6 +143,13 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       s.untimed = t.flag("untimed", !s.timed);
     }
     s.untimed = t.flag("untimed", s.untimed);
+    for (const char* key : {"poses_every", "series"}) {
+      if (t.find(key) && m_kind != "world") {
+        t.fail(*t.find(key), "'" + std::string(key) + "' in a sweep of kind '" + m_kind + "'; valid: world");
+      }
+    }
+    if (t.find("poses_every")) s.posesEvery = limit(t, "poses_every", 0);
+    s.series = t.flag("series", s.series);
     s.repeats = t.integer("repeats", s.repeats);
     if (s.repeats < 1) t.fail(*t.find("repeats"), "'repeats' is " + std::to_string(s.repeats) + "; valid: 1 or more");
     if (const toml::node* budgets = t.find("budgets")) {
@@ -294,7 +303,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   PlannedTrial world(const Settings& s, const std::vector<std::size_t>& at, const json& axes, bool timed,
                      std::set<std::string>& names) {
     WorldCell cell;
-    cell.timed = timed;
+    cell.timed = timed, cell.posesEvery = s.posesEvery, cell.series = s.series;
     std::set<std::string> used = s.named;
     const std::string base = withValues(s.pipeline, axes, used);
     std::optional<Spec> engine = engineOf(base);  // of the last part that names one: it stands in place of all stages
@@ -423,22 +432,6 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   IdleSeeds m_seeds;
   PlannedSweep m_out;
 };
-
-// Of a set each sweep is told what it takes; the others would refuse the rest.
-std::vector<std::string> commandOf(const std::string& name, const std::set<std::string>& only,
-                                   const std::set<std::string>& used, const std::vector<std::string>& with,
-                                   const std::vector<std::string>& set) {
-  std::vector<std::string> out = {"sweep", name};
-  std::string listed;
-  for (const std::string& label : only) listed += (listed.empty() ? "" : ",") + label;
-  if (!only.empty()) out.insert(out.end(), {"--only", listed});
-  for (const auto& [option, values] : {std::pair("--with", &with), std::pair("--set", &set)}) {
-    for (const std::string& value : *values) {
-      if (used.count(value)) out.insert(out.end(), {option, value});
-    }
-  }
-  return out;
-}
 
 }  // namespace
 

@@ -220,6 +220,8 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
                    {"timed", cell.timed},
                    {"code", code}};
   if (engine) out.canonical["engine"] = engineData;
+  if (cell.posesEvery) out.canonical["poses_every"] = *cell.posesEvery;
+  if (!cell.series) out.canonical["series"] = false;
   seal(out);
   return out;
 }

@@ -36,6 +36,8 @@ struct WorldCell {
   std::optional<std::string> features;  // "cache,friction"; none: what the scene needs
   int repeat = 0;
   bool timed = false;
+  std::optional<double> posesEvery;  // s; none: every 60 steps
+  bool series = true;                // one value per step is kept
 };
 
 /// Scene files are read once, and scenes are built once per set of parameters: to find mistakes before anything runs.

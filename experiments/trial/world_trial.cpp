@@ -124,6 +124,9 @@ class WorldTrial {
  private:
   void start() {
     m_seen.timed = m_timed;
+    if (const double every = m_request.at("trial").value("poses_every", 0.0); every > 0) {
+      m_poseEvery = std::max(1L, std::lround(std::min(every / double(m_scene.dt), 1e15)));
+    }
     if (m_again) m_seen.deepest = m_seen.meanDepth = kNan;
     m_seen.start = stateInvariants(m_world);
     m_seen.energyMax = m_seen.start.kinetic + m_seen.start.potential;
@@ -286,7 +289,7 @@ class WorldTrial {
       list.resize(static_cast<std::size_t>(steps), 0.0);
       m["us_" + name.substr(4)] = 1e6 * m_seen.quantileOf(name, 0.5);
     }
-    if (!m_again) m_out.series = std::move(m_seen.series);
+    if (!m_again && m_request.at("trial").value("series", true)) m_out.series = std::move(m_seen.series);
     char text[20];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(m_world.hash()));
     m_out.hash = text;

@@ -106,6 +106,9 @@ TEST(SweepPlan, mistakesHaveFileAndLine) {
       {boxes("n = 8\nbroadphase = \"sort_and_sweep{axi=0}\"\n"), {"s.toml:", "'axi'", "axis"}},
       {boxes("broadphase = \"naive\"\n"), {"s.toml:", "'n'"}},
       {boxes("n = 8\nbroadphase = \"naive\"\n", "repeat = 2\n"), {"s.toml:3: ", "'repeat'", "repeats"}},
+      {boxes("n = 8\nbroadphase = \"naive\"\n", "poses_every = 1\n"), {"s.toml:3: ", "'poses_every'", "valid: world"}},
+      {boxes("n = 8\nbroadphase = \"naive\"\n", "series = false\n"), {"s.toml:3: ", "'series'", "valid: world"}},
+      {"summary = \"s\"\nkind = \"world\"\nposes_every = 0\n", {"s.toml:3: ", "'poses_every' is 0", "above 0"}},
       {"summary = \"s\"\nkind = \"world\"\n[axes]\nscene = [\"nowhere\"]\n", {"s.toml:4: ", "'nowhere'", "pyramid"}},
       {"summary = \"s\"\nsweeps = [\"nowhere\"]\n", {"s.toml:2: ", "'nowhere'", "quick"}},
   };

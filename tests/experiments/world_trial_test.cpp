@@ -223,6 +223,35 @@ TEST(WorldTrial, unsupportedIsAnOutcome) {
   EXPECT_NE(planner.world(w.write("flat.toml", flat), cell).unsupported.find("3D"), std::string::npos);
 }
 
+// Poses at the same moments whatever the step; a trial that asks for nothing has the key that it always had.
+TEST(WorldTrial, keepsPosesAndSeriesAsAsked) {
+  Workspace w;
+  Planner planner;
+  const auto trial = [&](double dt, long steps, std::optional<double> every, bool series) {
+    WorldCell cell;
+    cell.dt = dt, cell.steps = steps, cell.posesEvery = every, cell.series = series;
+    return planner.world(w.write("scene.toml", kThrow), cell);
+  };
+  const auto ran = [](const PlannedTrial& t) {
+    return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+  };
+  const auto kept = [](const TrialResult& r) {
+    std::vector<long> steps;
+    for (const auto& [step, data] : r.poses) steps.push_back(step);
+    return steps;
+  };
+  const PlannedTrial usual = trial(0.01, 100, {}, true), asked = trial(0.01, 100, 0.25, false);
+  const TrialResult a = ran(usual), b = ran(asked);
+  EXPECT_EQ(kept(a), (std::vector<long>{0, 60, 100}));
+  EXPECT_EQ(kept(b), (std::vector<long>{0, 25, 50, 75, 100}));
+  EXPECT_EQ(kept(ran(trial(0.0025, 400, 0.25, true))), (std::vector<long>{0, 100, 200, 300, 400}));
+  EXPECT_FALSE(a.series.empty());
+  EXPECT_TRUE(b.series.empty());
+  EXPECT_EQ(a.hash, b.hash) << "what is kept changes nothing";
+  EXPECT_NE(usual.key, asked.key);
+  EXPECT_FALSE(usual.canonical.contains("poses_every") || usual.canonical.contains("series"));
+}
+
 TEST(WorldSweep, axesMeanWhatTheManualSays) {
   Workspace w;
   w.write("throw.toml", kThrow);
