@@ -147,7 +147,7 @@ Names lacking(const PlannedSweep& sweep) {
 
 TEST(ShippedSweeps, HoldEveryResolver) {
   for (const char* name : {"resolvers", "resolvers_full", "breaking_points_stack", "breaking_points_stack_full",
-                           "breaking_points_mass_ratio", "breaking_points_dt"}) {
+                           "breaking_points_mass_ratio", "breaking_points_dt", "reference"}) {
     EXPECT_EQ(lacking(planSweeps(name, {}).at(0)), Names{}) << name;
   }
   Workspace w;
@@ -162,6 +162,20 @@ scene = "box_drop"
 "soft_step" = "solver=soft_step"
 )");
   test::expectCaught("a sweep that lists its resolvers by hand", lacking(planSweeps(byHand, {}).at(0)).empty());
+}
+
+// A column for each cache, a row for each solver and velocity resolver.
+TEST(ShippedSweeps, HoldEveryCache) {
+  const PlannedSweep sweep = planSweeps("cache_solver", {}).at(0);
+  Names caches, resolvers;
+  for (const CalibratedCell& cell : sweep.calibrated) {
+    caches.insert(cell.axes["cache"].get<std::string>()), resolvers.insert(cell.axes["resolver"].get<std::string>());
+  }
+  EXPECT_EQ(caches, registered(StageKind::cache));
+  Names all = registered(StageKind::velocity);
+  for (const std::string& n : registered(StageKind::solver)) all.insert(n);
+  all.erase("split_solver");
+  EXPECT_EQ(resolvers, all);
 }
 
 Names resolversOf(const PlannedSweep& sweep) {

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the distances from a converged reference: for how long it serves, and what is compared. Run by ctest, or
+python3 reports/tests/against_reference_test.py."""
+
+import sys
+import unittest
+import unittest.mock
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import with_store  # noqa: E402
+from charts import against_reference  # noqa: E402
+
+DT, FINE = 0.1, 0.025
+SECONDS = 3
+
+
+def place(time, off):
+    """Of a floor and two bodies, of which one is off by `off` and one by half of it."""
+    return [[0, 0.0, 0.0, 0.0], [1, time + off, 1.0, 0.0], [2, time + off / 2, 2.0, 0.0]]
+
+
+class AgainstReference(with_store.WithStore):
+    @staticmethod
+    def scene(beside=lambda time: 1e-6 * time, half=lambda time: 1e-5 * time, perturbed=True):
+        """Methods that go 10 mm and 40 mm in a second with 4 iterations, a quarter of it with 16; `beside` and `half`: how far
+        the reference's own runs are from it over time."""
+        def fill(maker):
+            maker.sweep("mine", baseline="reference", resolver="label", iterations="setting", perturb="parameter")
+
+            def run(axes, dt, off, work, outcome="ok", until=SECONDS):
+                axes = {"kind": "world", "scene": "chain", "dimension": 2, "precision": "f64", "timed": False, **axes}
+                key = maker.trial("mine", axes, {"work_row_updates": work}, outcome, "", None if outcome == "ok" else 5,
+                                  extra={"dt": dt})
+                for step in range(0, round(until / dt) + 1):
+                    maker.poses(key, step, place(step * dt, off(step * dt)))
+            for label, speed in (("catto", 1e-2), ("naive", 4e-2)):
+                for iterations in (4, 16):
+                    run({"resolver": label, "iterations": iterations}, DT, lambda t, v=speed * 4 / iterations: v * t,
+                        10 * iterations)
+            run({"resolver": "soft_step", "iterations": 4}, DT, lambda t: t, 40, "exploded", 0.5)
+            of = {"resolver": "reference", "iterations": 30}
+            run({**of, "dt": FINE, "perturb": 0}, FINE, lambda t: 0.0, 300)
+            run({**of, "dt": FINE / 2}, FINE / 2, half, 300)
+            if perturbed:
+                run({**of, "dt": FINE, "perturb": 1e-9}, FINE, beside, 300)
+        return fill
+
+    def test_where_the_reference_agrees_with_itself_methods_are_compared_at_equal_cost(self):
+        made = self.made(against_reference, self.scene())
+        self.assertEqual(len(made), 1)
+        self.assertTrue(made[0].finding.startswith(
+            "On chain, 2D the reference agrees with its runs at half the step and 1 nm beside it to 30 µm for all 3 s; by the "
+            "largest distance of a body, within 40 row updates per step catto is nearest (30 mm), naive farthest (120 mm)"),
+            made[0].finding)
+        self.assertTrue(made[0].finding.endswith("within 160 row updates per step catto is nearest (7.5 mm), naive farthest "
+                                                 "(30 mm); soft_step does not run so far."), made[0].finding)
+        self.assertIn("naive goes 4.0 times as far", made[0].headline.text)
+        first = made[0].table.iloc[0]
+        self.assertEqual((first["method"], first["iterations"]), ("catto", 4))
+        self.assertAlmostEqual(first["largest distance of a body from the reference [m]"], 0.03)
+        self.assertAlmostEqual(first["median over bodies [m]"], 0.0225, msg="of the two that move: the floor is no body of them")
+
+    def test_nothing_is_compared_after_the_step_in_which_its_own_runs_part(self):
+        parts = lambda time: 1e-6 if time < 1.49 else 1e-2  # noqa: E731
+        for runs in ({"beside": parts}, {"half": parts}):
+            made = self.made(against_reference, self.scene(**runs))[0]
+            self.assertIn("part at 1.5 s (10 mm apart); until then", made.finding)
+            self.assertAlmostEqual(made.table["largest distance of a body from the reference [m]"].max(), 4e-2 * 1.4)
+            with unittest.mock.patch.object(against_reference.Runs, "serves", lambda self, time: True):
+                bug = self.made(against_reference, self.scene(**runs))[0]
+            self.assertGreater(bug.table["largest distance of a body from the reference [m]"].max(), 0.1,
+                               "the planted bug, that all is compared, was not seen")
+
+    def test_a_reference_that_never_converged_compares_nothing(self):
+        made = self.made(against_reference, self.scene(half=lambda t: 1e-2))[0]
+        self.assertIn("there is nothing to compare", made.finding)
+        self.assertIsNone(made.headline)
+
+    def test_methods_nearer_to_one_another_than_the_reference_is_to_itself_are_not_told_apart(self):
+        self.assertEqual(against_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-4), (["a", "b"], 3e-3, "c", 5e-3))
+        self.assertEqual(against_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-5), (["a"], 3e-3, "c", 5e-3))
+
+    def test_a_baseline_without_its_own_runs_is_no_reference(self):
+        self.assertEqual(self.made(against_reference, self.scene(perturbed=False)), [against_reference.ABSENT])
+
+
+if __name__ == "__main__":
+    unittest.main()
