@@ -149,7 +149,8 @@ constexpr int kRuns = 25;  // cases of each property, and of each bug that it mu
 
 /// Is the law of impacts one of those that were made to be without the faults of the default?
 bool hasOtherLaw(const std::string& spec) {
-  const Spec* law = Spec::parse(spec).find("impact");
+  const Spec parsed = Spec::parse(spec);
+  const Spec* law = parsed.find("impact");
   return law && law->name != "newton";
 }
 template <int D>
