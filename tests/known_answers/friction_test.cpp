@@ -302,5 +302,45 @@ void topples() {
 }
 TEST_F(KnownAnswer, topple_slope) { topples<2>(), topples<3>(); }
 
+// Euler's disk in its steady spin: its centre rests, its point of contact goes round by W, and as nothing slips, w lies
+// along the line to that point. For half a thickness h: W^2 sin a (I1 cos a - I3 h / R sin a) = m g (R cos a - h sin
+// a).
+double diskRate(double radius, double half, double alpha) {
+  const double i1 = radius * radius / 4 + half * half / 3, i3 = radius * radius / 2;
+  const double s = std::sin(alpha), c = std::cos(alpha);
+  return std::sqrt(kG * (radius * c - half * s) / (s * (i1 * c - i3 * half / radius * s)));
+}
+
+TEST_F(KnownAnswer, euler_disk) {
+  const double radius = 0.04, half = 0.0005, alpha = 10 * kDegree, s = std::sin(alpha), c = std::cos(alpha);
+  EXPECT_NEAR(diskRate(radius, 0, alpha), 75.16218360295225, 1e-9);  // thin: W^2 sin a = 4 g / R
+  const double rate = diskRate(radius, half, alpha), turn = rate * s;
+  const auto spin = [&](const std::string& solver, int steps) {
+    World<3> world(Pipeline::parse("contacts=query_clip solver=" + solver));
+    BodyDef<3> table = body<3>(Shape<3>::plane(), at<3>(0, 0), BodyType::fixed);
+    const Real sizes[2] = {Real(half), Real(radius)};
+    BodyDef<3> def = body<3>(Shape<3>::curved(ShapeKind::cylinder, sizes), at<3>(0, radius * s + half * c));
+    table.shapes[0].friction = def.shapes[0].friction = 1;
+    def.X_WB.q = Rot<3>::vector({0, 0, Real(kPi / 2 - alpha)});  // its axis is its x; the lowest point is towards +x
+    def.angularVelocity = at<3>(turn * (c - half / radius * s), -turn * (s + half / radius * c));
+    world.add(table);
+    const Handle disk = world.add(def);
+    double turned = 0, last = 0;
+    Vec<3> axis;
+    for (int i = 0; i < steps; ++i) {
+      world.step(Real(1) / static_cast<Real>(steps));
+      axis = world.pose(disk).q * Vec<3>(1, 0, 0);
+      const double heading = std::atan2(-double(axis[2]), double(axis[0]));
+      turned += std::remainder(heading - last, 2 * kPi), last = heading;
+    }
+    const std::string dt = "dt = 1/" + std::to_string(steps) + ": ";
+    known(dt + "goes round, rad/s", solver, rate, std::abs(turned));
+    const double tilt = std::atan2(std::hypot(double(axis[0]), double(axis[2])), double(axis[1]));
+    known(dt + "angle after 1 s, degrees", solver, 10, tilt / kDegree);
+  };
+  spin("split_solver", 4000), spin("soft_step", 4000);
+  for (const int steps : {4000, 16000}) spin("split_solver{integrator=rk4}", steps);
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test

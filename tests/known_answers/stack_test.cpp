@@ -103,13 +103,15 @@ ImpactScene<2> column(const std::vector<double>& masses) {
   return s;
 }
 
+const char* const kJacobi = "jacobi{splitting=none}";
+
 // Error of the impulses after that many sweeps: those of rest are the weights above.
-double impulseError(const std::vector<double>& masses, int sweeps) {
+double impulseError(const std::vector<double>& masses, int sweeps, const char* method = "catto") {
   struct Unbiased final : PositionResolver<2> {};
   auto s = column(masses);
-  const auto catto = createStage<VelocityResolver<2>>(
-      Spec::parse("catto{warm_start=false,iterations=" + std::to_string(sweeps) + "}"));
-  s.solve(*catto, Unbiased{});
+  Spec spec = Spec::parse(method);
+  spec.set("warm_start", {"false", {}}), spec.set("iterations", {std::to_string(sweeps), {}});
+  s.solve(*createStage<VelocityResolver<2>>(spec), Unbiased{});
   double error = 0, above = 0;
   for (std::size_t i = masses.size(); i-- > 0;) {
     above += masses[i];
@@ -131,13 +133,18 @@ TEST_F(KnownAnswer, mass_ratio_pgs_rate) {
   }
 }
 
-// N equal boxes: the spectral radius of Gauss-Seidel on tridiag(-1, 2, -1) with first diagonal 1, cos^2(pi / 2 N).
+// N equal boxes: the spectral radius of Gauss-Seidel on tridiag(-1, 2, -1) with first diagonal 1, cos^2(pi / 2 N), and
+// of Jacobi its root; whose errors come in pairs of both signs, so that two sweeps tell it.
 TEST_F(KnownAnswer, stack_pgs_rate) {
   for (int n : {2, 5, 10, 20, 50}) {
     if (!kDouble && n > 5) continue;  // an error that a float's rounding drowns
     const double rho = std::pow(std::cos(kPi / (2 * n)), 2);
     known("N = " + std::to_string(n) + ": factor", "catto", rho,
           sweepFactor(std::vector<double>(static_cast<std::size_t>(n), 1.0), n == 2 ? 8 : 20 * n));
+    const std::vector<double> boxes(static_cast<std::size_t>(n), 1.0);
+    const int k = n == 2 ? 16 : 40 * n;
+    known("N = " + std::to_string(n) + ": factor", kJacobi, std::sqrt(rho),
+          std::sqrt(impulseError(boxes, k + 2, kJacobi) / impulseError(boxes, k, kJacobi)));
   }
 }
 
