@@ -24,7 +24,8 @@ TEST(CommandLine, helpHasAnExample) {
     EXPECT_EQ(out.code, 2) << told << out.text;
     EXPECT_TRUE(out.text.starts_with("lpc: standard output cannot be written")) << told << out.text;
   }
-  for (const char* command : {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs"}) {
+  for (const char* command :
+       {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs", "record"}) {
     const Outcome help = w.lpc(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_NE(help.text.find("Example: lpc " + std::string(command)), std::string::npos) << help.text;
