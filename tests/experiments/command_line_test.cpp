@@ -194,6 +194,7 @@ TEST(CommandLine, numbersAreNumbers) {
   ASSERT_EQ(w.lpc("run pyramid --param base=2 --steps 1 --record a.rec").code, 0);
   const std::map<std::string, std::string> rest = {{"run", "pyramid"},
                                                    {"replay", "a.rec --beside a.rec"},
+                                                   {"record", "pyramid --param base=2 --problems p.json"},
                                                    {"needs", "slope --store n.db"},
                                                    {"sweep", "broadphase_crossover --store s.db --dry-run"},
                                                    {"verify", "--store v.db"}};
