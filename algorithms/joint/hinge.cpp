@@ -16,29 +16,18 @@ Real hingeAngle(const Rot<3>& q_AB) { return static_cast<Real>(2 * angleOf(q_AB.
 template <int D>
 class Hinge final : public JointKind<D> {
  public:
-  struct Params {
-    Real lower = -kFarLimit, upper = kFarLimit;
-    Real motorSpeed = 0, motorTorque = 0;
-    Real stiffness = 0, damping = 0, rest = 0;
+  struct Params : Axis {
     void visit(ParamVisitor& v) {
       v.real("lower", lower, -kFarLimit, kFarLimit, "rad", "least angle of B against A; counts whole turns");
       v.real("upper", upper, -kFarLimit, kFarLimit, "rad", "largest angle");
       v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s", "that the motor tries to reach");
-      v.real("motor_torque", motorTorque, 0, Real(1e12), "N m", "at most; 0: no motor");
+      v.real("motor_torque", motorMost, 0, Real(1e12), "N m", "at most; 0: no motor");
       v.real("stiffness", stiffness, 0, Real(1e12), "N m/rad", "of a spring about the axis");
       v.real("damping", damping, 0, Real(1e12), "N m s/rad", "of that spring; also without stiffness");
       v.real("rest", rest, -kFarLimit, kFarLimit, "rad", "angle without torque of the spring");
     }
   };
-  explicit Hinge(const Params& params) : m_params(params) {
-    if (params.lower > params.upper) throw UserError("'hinge' has limits that cross; valid: lower <= upper");
-    if (params.motorSpeed != 0 && params.motorTorque == 0) {
-      throw UserError("'hinge' has a motor_speed, but no motor; valid: motor_torque > 0, or motor_speed=0");
-    }
-    if (params.rest != 0 && params.stiffness == 0) {
-      throw UserError("'hinge' has a rest, but no spring; valid: stiffness > 0, or rest=0");
-    }
-  }
+  explicit Hinge(const Params& params) : m_params(params) { params.check("hinge", "motor_torque"); }
 
   static AlgorithmInfo info() {
     return {.name = "hinge",
@@ -61,9 +50,10 @@ class Hinge final : public JointKind<D> {
     for (int i = 0; i < D; ++i) out.point(Vec<D>::Unit(i), at.rA, at.rB, at.gap[i]);
     const Ang<D> axis = alignAxes(at, out);
     const Real angle = unwrapped(joint, at);
-    limit(axis, angle, out);
-    motor(axis, out);
-    spring(axis, angle, out);
+    const auto make = [&]() -> ConstraintRow<D>& { return out.turn(axis, angle); };
+    m_params.addLimits(out, make);
+    m_params.addMotor(out, make);
+    m_params.addSpring(out, make);
   }
 
   // Whole turns are counted from step to step: less than half a turn each.
@@ -77,28 +67,6 @@ class Hinge final : public JointKind<D> {
   static Real unwrapped(const JointRecord<D>& joint, const JointFrames<D>& at) {
     const double angle = hingeAngle(at.qA.inverse() * at.qB);
     return static_cast<Real>(angle + kTurn * std::floor((joint.state[0] - angle) / kTurn + 0.5));
-  }
-
-  void limit(const Ang<D>& axis, Real angle, JointRows<D>& out) const {
-    if (m_params.lower == -kFarLimit && m_params.upper == kFarLimit) {
-      out.absent();
-      return;
-    }
-    keepBetween(out.turn(axis, angle), m_params.lower, m_params.upper);
-  }
-  void motor(const Ang<D>& axis, JointRows<D>& out) const {
-    if (m_params.motorTorque == 0) {
-      out.absent();
-      return;
-    }
-    drive(out.turn(axis, 0), m_params.motorSpeed, m_params.motorTorque);
-  }
-  void spring(const Ang<D>& axis, Real angle, JointRows<D>& out) const {
-    if (m_params.stiffness == 0 && m_params.damping == 0) {
-      out.absent();
-      return;
-    }
-    makeSpring(out.turn(axis, angle - m_params.rest), m_params.stiffness, m_params.damping);
   }
 
   Params m_params;

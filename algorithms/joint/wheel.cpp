@@ -11,10 +11,8 @@ using namespace solver;
 template <int D>
 class Wheel final : public JointKind<D> {
  public:
-  struct Params {
-    Real lower = -kFarLimit, upper = kFarLimit;
-    Real stiffness = 100, damping = 10, rest = 0;
-    Real motorSpeed = 0, motorTorque = 0;
+  struct Params : Axis {
+    Params() { stiffness = 100, damping = 10; }
     void visit(ParamVisitor& v) {
       v.real("lower", lower, -kFarLimit, kFarLimit, "m", "least way of the axle along the x of A's frame");
       v.real("upper", upper, -kFarLimit, kFarLimit, "m", "largest way");
@@ -22,18 +20,10 @@ class Wheel final : public JointKind<D> {
       v.real("damping", damping, 0, Real(1e12), "N s/m", "of the suspension; also without stiffness");
       v.real("rest", rest, -kFarLimit, kFarLimit, "m", "way without force of the suspension");
       v.real("motor_speed", motorSpeed, Real(-1e6), Real(1e6), "rad/s", "of the wheel against A, about z");
-      v.real("motor_torque", motorTorque, 0, Real(1e12), "N m", "at most; 0: it spins freely");
+      v.real("motor_torque", motorMost, 0, Real(1e12), "N m", "at most; 0: it spins freely");
     }
   };
-  explicit Wheel(const Params& params) : m_params(params) {
-    if (params.lower > params.upper) throw UserError("'wheel' has limits that cross; valid: lower <= upper");
-    if (params.motorSpeed != 0 && params.motorTorque == 0) {
-      throw UserError("'wheel' has a motor_speed, but no motor; valid: motor_torque > 0, or motor_speed=0");
-    }
-    if (params.rest != 0 && params.stiffness == 0) {
-      throw UserError("'wheel' has a rest, but no spring; valid: stiffness > 0, or rest=0");
-    }
-  }
+  explicit Wheel(const Params& params) : m_params(params) { params.check("wheel", "motor_torque"); }
 
   static AlgorithmInfo info() {
     return {.name = "wheel",
@@ -54,23 +44,10 @@ class Wheel final : public JointKind<D> {
     const JointFrames<D> at(joint, X_WA, X_WB);
     for (int i = 1; i < D; ++i) slide(at, i, out);
     const Ang<D> axle = alignAxes(at, out);
-    if (m_params.lower == -kFarLimit && m_params.upper == kFarLimit) {
-      out.absent();
-    } else {
-      keepBetween(slide(at, 0, out), m_params.lower, m_params.upper);
-    }
-    if (m_params.stiffness == 0 && m_params.damping == 0) {
-      out.absent();
-    } else {
-      ConstraintRow<D>& row = slide(at, 0, out);
-      row.error -= m_params.rest;
-      makeSpring(row, m_params.stiffness, m_params.damping);
-    }
-    if (m_params.motorTorque == 0) {
-      out.absent();
-    } else {
-      drive(out.turn(axle, 0), m_params.motorSpeed, m_params.motorTorque);
-    }
+    const auto along = [&]() -> ConstraintRow<D>& { return slide(at, 0, out); };
+    m_params.addLimits(out, along);
+    m_params.addSpring(out, along);
+    m_params.addMotor(out, [&]() -> ConstraintRow<D>& { return out.turn(axle, 0); });
   }
 
  private:

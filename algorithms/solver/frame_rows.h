@@ -3,6 +3,9 @@
 // against a spring.
 #pragma once
 
+#include <string>
+
+#include "framework/check.h"
 #include "framework/joint.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
@@ -62,5 +65,50 @@ void makeSpring(ConstraintRow<D>& row, Real stiffness, Real damping) {
   row.block = RowBlock::box, row.law = RowLaw::spring;
   row.stiffness = stiffness, row.damping = damping;
 }
+
+/// What several kinds have along or about one axis: limits, a motor, a spring, each a row or its number kept.
+struct Axis {
+  Real lower = -kFarLimit, upper = kFarLimit;  // m or rad
+  Real motorSpeed = 0, motorMost = 0;          // m/s and N, or rad/s and N m; motorMost 0: no motor
+  Real stiffness = 0, damping = 0, rest = 0;   // N/m or N m/rad; m or rad
+
+  /// Throws UserError. `most`: what the kind calls motorMost.
+  void check(const std::string& kind, const std::string& most) const {
+    if (lower > upper) throw UserError("'" + kind + "' has limits that cross; valid: lower <= upper");
+    if (motorSpeed != 0 && motorMost == 0) {
+      throw UserError("'" + kind + "' has a motor_speed, but no motor; valid: " + most + " > 0, or motor_speed=0");
+    }
+    if (rest != 0 && stiffness == 0) {
+      throw UserError("'" + kind + "' has a rest, but no spring; valid: stiffness > 0, or rest=0");
+    }
+  }
+  // `make()` appends a row whose error is where B is.
+  template <int D, class Make>
+  void addLimits(JointRows<D>& out, const Make& make) const {
+    if (lower == -kFarLimit && upper == kFarLimit) {
+      out.absent();
+    } else {
+      keepBetween<D>(make(), lower, upper);
+    }
+  }
+  template <int D, class Make>
+  void addMotor(JointRows<D>& out, const Make& make) const {
+    if (motorMost == 0) {
+      out.absent();
+    } else {
+      drive<D>(make(), motorSpeed, motorMost);
+    }
+  }
+  template <int D, class Make>
+  void addSpring(JointRows<D>& out, const Make& make) const {
+    if (stiffness == 0 && damping == 0) {
+      out.absent();
+    } else {
+      ConstraintRow<D>& row = make();
+      row.error -= rest;
+      makeSpring(row, stiffness, damping);
+    }
+  }
+};
 
 }  // namespace lpc::inline LPC_PRECISION::solver

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/joint_rows.h"
+#include "algorithms/solver/sequential_impulse.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -182,11 +182,7 @@ class Jacobi final : public VelocityResolver<D> {
   // Catto 2006: all normals of a manifold, then its friction.
   static void sweepManifold(const ManifoldRows<D>& m, std::span<PointRows<D>> points, Motion<D>& a, Motion<D>& b,
                             bool rotation) {
-    for (PointRows<D>& row : points) {
-      const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation), old = row.impulse[0];
-      row.impulse[0] = std::max(old + row.normal.mass * (row.target - v), Real(0));
-      applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
-    }
+    for (PointRows<D>& row : points) pushAt(m, row, Real(1), a, b, rotation);
     if (!(m.friction > 0)) return;
     for (PointRows<D>& row : points) rubAt(m, row, a, b, rotation);
   }

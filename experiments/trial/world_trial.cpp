@@ -232,18 +232,17 @@ class WorldTrial {
   // Centres of dynamic bodies inside the shapes of fixed ones.
   double fellThrough() const {
     const Bodies<D>& b = m_world.bodies();
+    std::vector<std::pair<ShapeView<D>, Pose<D>>> fixed;
+    for (const ShapeRecord<D>& s : m_world.shapes()) {
+      if (s.body < 0 || b.type[static_cast<std::size_t>(s.body)] != BodyType::fixed) continue;
+      forParts(s.shape, b.pose[static_cast<std::size_t>(s.body)] * s.X_CS,
+               [&](const ShapeView<D>& part, const Pose<D>& X_WP) { fixed.emplace_back(part, X_WP); });
+    }
     double count = 0;
     for (std::size_t i = 0; i < b.pose.size(); ++i) {
       if (!b.used[i] || b.type[i] != BodyType::dynamic || !b.pose[i].p.allFinite()) continue;
-      count += std::any_of(m_world.shapes().begin(), m_world.shapes().end(), [&](const ShapeRecord<D>& s) {
-        if (s.body < 0 || b.type[static_cast<std::size_t>(s.body)] != BodyType::fixed) return false;
-        bool inside = false;
-        forParts(s.shape, b.pose[static_cast<std::size_t>(s.body)] * s.X_CS,
-                 [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
-                   inside = inside || containsPoint(part, X_WP, b.pose[i].p);
-                 });
-        return inside;
-      });
+      count += std::any_of(fixed.begin(), fixed.end(),
+                           [&](const auto& f) { return containsPoint(f.first, f.second, b.pose[i].p); });
     }
     return count;
   }
