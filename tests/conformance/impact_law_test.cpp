@@ -3,10 +3,8 @@
 // without a world.
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "tests/check_property.h"
-#include "tests/conformance/impact_scene.h"
+#include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
@@ -14,15 +12,6 @@ namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
 constexpr bool kDouble = sizeof(Real) == 8;
-
-template <int D>
-using Step = std::function<void(ImpactScene<D>&)>;
-
-template <int D>
-void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
-  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
-  RC_ASSERT(holds);
-}
 
 // A rod that touches the floor with its lower end, to the right of its centre.
 template <int D>

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -270,5 +271,9 @@ ImpactScene<D> drawImpact(Draw& draw, const Drawn& wanted) {
   }
   return s;
 }
+
+/// One step of whoever is tested.
+template <int D>
+using Step = std::function<void(ImpactScene<D>&)>;
 
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "tests/check_property.h"
-#include "tests/conformance/impact_scene.h"
+#include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"
 #include "tests/planted_bugs/solver_twins.h"
 
@@ -14,16 +14,6 @@ namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
 constexpr int kSteps = 60;
-
-// What takes the bodies one step on: a solver with the position resolver under test, or a twin alone.
-template <int D>
-using Step = std::function<void(ImpactScene<D>&)>;
-
-template <int D>
-void require(bool holds, const ImpactScene<D>& before, const ImpactScene<D>& after, Real value) {
-  if (!holds) RC_LOG() << "value " << value << "\nbefore\n" << before << "after\n" << after;
-  RC_ASSERT(holds);
-}
 
 // Two resting bodies that overlap in one point.
 template <int D>
