@@ -23,12 +23,14 @@ enum class WorkCount {
   eventVisits,    // slots, shapes and contacts looked at for what users did between steps, and for sleep events
   graphVisits,    // bodies, manifolds and joints looked at by the contact graph
   impactLimits,   // phases of impacts, and pairs, that ended at their limit
+  fallbacks,      // rows that a direct method left to Gauss-Seidel
   kCount
 };
 
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(WorkCount::kCount)> kCountNames = {
-    "box_tests",      "node_visits", "sort_moves",  "part_tests", "pair_queries", "support_calls", "axis_tests",
-    "polytope_faces", "row_updates", "force_evals", "detections", "event_visits", "graph_visits",  "impact_limits"};
+    "box_tests",     "node_visits",  "sort_moves",     "part_tests",    "pair_queries",
+    "support_calls", "axis_tests",   "polytope_faces", "row_updates",   "force_evals",
+    "detections",    "event_visits", "graph_visits",   "impact_limits", "fallbacks"};
 
 struct WorkDone {
   std::array<std::uint64_t, static_cast<std::size_t>(WorkCount::kCount)> counts{};
