@@ -40,6 +40,16 @@ class RowSweep {
     }
   }
 
+  /// So many sweeps over an island that is left to them, from x.
+  void descend(ContactProblem<D>& p, std::span<const std::int32_t> which, std::span<const double> freeVelocity,
+               std::span<double> x, int sweeps, WorkDone& work) const {
+    p.clearMotion();
+    for (const std::int32_t i : which) p.push(i, x[static_cast<std::size_t>(i)]);
+    for (int n = 0; n < sweeps; ++n) sweep(p, which, freeVelocity, x);
+    work[WorkCount::fallbacks] += which.size();
+    work[WorkCount::rowUpdates] += which.size() * static_cast<std::uint64_t>(sweeps);
+  }
+
  private:
   struct Rub {
     std::array<std::array<double, 2>, 2> stick{};  // impulse that ends sliding, per velocity

@@ -5,6 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "algorithms/solver/dense.h"
+#include "algorithms/solver/lemke.h"
 #include "tests/check_property.h"
 #include "tests/conformance/impact_scene.h"
 #include "tests/every_solver.h"
@@ -12,6 +17,8 @@
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
+
+using solver::Lemke;
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr double kRounding = kDouble ? 1e-12 : 1e-5;  // of inertias that were turned
@@ -130,7 +137,8 @@ void residualIsZeroAtTheAnswerAlone() {
 TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone2) { residualIsZeroAtTheAnswerAlone<2>(); }
 TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone3) { residualIsZeroAtTheAnswerAlone<3>(); }
 
-// Who sees the whole problem comes to where nothing is left of it.
+// Who sees the whole problem comes to where nothing is left of it; a pyramid is a cone in a plane. Its
+// compliance in f32 is more, over the rounding of rows.
 template <int D>
 void nothingIsLeft(const std::string& spec, Draw& draw) {
   auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = draw.below(2)});
@@ -143,7 +151,7 @@ void nothingIsLeft(const std::string& spec, Draw& draw) {
   RC_ASSERT(left.natural < (kDouble ? 1e-6 : 1e-3) * double(before.speed()));
 }
 TEST(ContactProblem, NothingIsLeft2) {
-  for (const char* spec : {"nncg{iterations=2000}"}) {
+  for (const char* spec : {"nncg{iterations=2000}", "direct_lcp{cfm=1e-5}", "admm{iterations=1000}"}) {
     check(
         std::string("2D ") + spec,
         [&] {
@@ -154,7 +162,7 @@ TEST(ContactProblem, NothingIsLeft2) {
   }
 }
 TEST(ContactProblem, NothingIsLeft3) {
-  for (const char* spec : {"nncg{iterations=2000}"}) {
+  for (const char* spec : {"nncg{iterations=2000}", "admm{iterations=1000}"}) {
     check(
         std::string("3D ") + spec,
         [&] {
@@ -164,6 +172,23 @@ TEST(ContactProblem, NothingIsLeft3) {
         30);
   }
 }
+
+// Without its correction admm solves the convex law: what slides lifts by mu times its speed, and stays on the ground
+// with it.
+template <int D>
+void convexLifts() {
+  for (const bool corrected : {true, false}) {
+    OnSlope<D> before(0, 0.3, 2);
+    const auto admm = createStage<VelocityResolver<D>>(Spec::parse(corrected ? "admm" : "admm{correction=none}"));
+    auto after = solved(before.scene, *admm);
+    const double lift = double(after.motion(1).v[1]), speed = double(after.motion(1).v[0]);
+    EXPECT_NEAR(lift, corrected ? 0 : 0.3 * speed, 1e-6);
+    EXPECT_GT(speed, 1.5);
+    EXPECT_LT(Whole<D>::left(before.scene, after, corrected).natural, 1e-6);
+  }
+}
+TEST(Admm, WithoutCorrectionWhatSlidesLifts2) { convexLifts<2>(); }
+TEST(Admm, WithoutCorrectionWhatSlidesLifts3) { convexLifts<3>(); }
 
 // A plate falls on four posts, or is held by four rods: each of the four pushes back all of it, or its share.
 double kineticAfter(const std::string& splitting, int iterations, bool rods) {
@@ -194,6 +219,103 @@ TEST(Jacobi, SplittingKeepsEnergy) {
   }
   EXPECT_GT(kineticAfter("none", 1, false), 2 * 8);  // nearly three times as fast
   EXPECT_GT(kineticAfter("none", 25, true), 1e12);
+}
+
+// What is left to sweeps is counted: three rows are more than two.
+TEST(Fallback, IsCounted) {
+  OnSlope<3> before(0.5, 0.3, 1);
+  const auto left = [&](const char* spec) {
+    const auto resolver = createStage<VelocityResolver<3>>(Spec::parse(spec));
+    return solved(before.scene, *resolver).work[WorkCount::fallbacks];
+  };
+  for (const std::string name : {"direct_lcp", "admm"}) {
+    EXPECT_EQ(left(name.c_str()), 0u);
+    EXPECT_EQ(left((name + "{max_rows=3}").c_str()), 0u);
+    EXPECT_EQ(left((name + "{max_rows=2}").c_str()), 3u);
+  }
+}
+
+// Active sets that go round in circles are solved by Lemke's method, and without it left to sweeps.
+TEST(DirectLcp, LemkeSolvesWhatActiveSetsDoNot) {
+  PlainDraw draw(3);
+  const auto whole = createStage<VelocityResolver<2>>(Spec::parse("direct_lcp{cfm=1e-5}"));
+  const auto guesses = createStage<VelocityResolver<2>>(Spec::parse("direct_lcp{cfm=1e-5,max_pivots=0}"));
+  int reached = 0;
+  for (int run = 0; run < 3000 && reached < 5; ++run) {
+    auto before = drawImpact<2>(draw, {.fixed = true, .friction = true, .gap = Real(0.05)});
+    for (Manifold<2>& m : before.manifolds) m.friction = std::min(m.friction, Real(0.3));
+    if (solved(before, *guesses).work[WorkCount::fallbacks] == 0) continue;
+    ++reached;
+    auto after = solved(before, *whole);
+    EXPECT_EQ(after.work[WorkCount::fallbacks], 0u) << before;
+    EXPECT_LT(Whole<2>::left(before, after).natural, (kDouble ? 1e-6 : 1e-3) * double(before.speed())) << before;
+  }
+  EXPECT_EQ(reached, 5);
+}
+
+// Of full matrices and of narrow ones.
+TEST(Dense, FactorsAnswerAsEigensDo) {
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  PlainDraw draw(11);
+  solver::SymmetricFactor symmetric;
+  solver::GeneralFactor general;
+  const auto entries = [](const Matrix& m) { return std::vector<double>(m.data(), m.data() + m.size()); };
+  for (int run = 0; run < 100; ++run) {
+    const int n = 1 + draw.below(20), band = 1 + draw.below(n);
+    Matrix a = Matrix::Zero(n, n);
+    Eigen::VectorXd b(n);
+    for (int i = 0; i < n; ++i) {
+      b[i] = double(draw.signedUnit());
+      for (int j = std::max(0, i - band); j < std::min(n, i + band); ++j) a(i, j) = double(draw.signedUnit());
+    }
+    const Matrix w = a * a.transpose() + 1e-3 * Matrix::Identity(n, n);
+    Eigen::VectorXd x = b, y = b;
+    symmetric.factor(static_cast<std::size_t>(n), entries(w));
+    symmetric.solve(x.data());
+    const Eigen::VectorXd expected = w.ldlt().solve(b);
+    EXPECT_LT((x - expected).norm(), 1e-9 * (1 + expected.norm()));
+    ASSERT_TRUE(general.factor(static_cast<std::size_t>(n), entries(a)));
+    general.solve(y.data());
+    const Eigen::VectorXd other = a.partialPivLu().solve(b);
+    EXPECT_LT((y - other).norm(), 1e-9 * (1 + other.norm()));
+  }
+  // Two rows that are one: one of them does the work.
+  std::array<double, 2> x = {2, 2};
+  symmetric.factor(2, {1, 1, 1, 1});
+  symmetric.solve(x.data());
+  EXPECT_EQ(x, (std::array<double, 2>{2, 0}));
+  EXPECT_FALSE(general.factor(2, {1, 1, 1, 1}));
+}
+
+// w = M z + q with M = A A^T + a skew part, which has an answer.
+TEST(Lemke, SolvesWhatItSays) {
+  PlainDraw draw(7);
+  Lemke lemke;
+  for (int run = 0; run < 200; ++run) {
+    const auto n = static_cast<std::size_t>(1 + draw.below(12)), rank = static_cast<std::size_t>(1 + draw.below(12));
+    std::vector<double> a(n * rank), m(n * n), q(n), z;
+    for (double& value : a) value = double(draw.signedUnit());
+    for (std::size_t i = 0; i < n; ++i) {
+      q[i] = draw.coin() ? double(draw.signedUnit()) : 0;
+      for (std::size_t j = 0; j < n; ++j) {
+        for (std::size_t k = 0; k < rank; ++k) m[i * n + j] += a[i * rank + k] * a[j * rank + k];
+        const double skew = j < i ? double(draw.signedUnit()) : 0;
+        m[i * n + j] += skew, m[j * n + i] -= skew;
+      }
+      m[i * n + i] += 1e-3;
+    }
+    ASSERT_EQ(lemke.solve(n, m, q, 1000, z), Lemke::End::solved);
+    for (std::size_t i = 0; i < n; ++i) {
+      double w = q[i];
+      for (std::size_t j = 0; j < n; ++j) w += m[i * n + j] * z[j];
+      EXPECT_GE(z[i], 0);
+      EXPECT_GE(w, -1e-9);
+      EXPECT_LE(std::min(w, z[i]), 1e-9);
+    }
+  }
+  std::vector<double> z;
+  EXPECT_EQ(lemke.solve(1, {-1}, {-1}, 100, z), Lemke::End::noSolution);
+  EXPECT_EQ(lemke.solve(2, {1, 0, 0, 1}, {-1, -2}, 1, z), Lemke::End::outOfPivots);
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ iterations = [4, 10]
 TEST(SweepStar, MistakesAreOneLine) {
   const std::pair<std::string, std::vector<const char*>> cases[] = {
       {R"({ "all" = "solver=split_solver{velocity=*}" })", {"s.toml:1: ", "'all'", "$velocity"}},
-      {R"({ "$velocity" = "solver=split_solver{velocity=*{sweeps=4}}" })", {"s.toml:1: ", "no velocity has 'sweeps'"}},
+      {R"({ "$velocity" = "solver=split_solver{velocity=*{hurry=4}}" })", {"s.toml:1: ", "no velocity has 'hurry'"}},
       {R"({ "$velocity" = "solver=split_solver{velocity=*-cato}" })", {"s.toml:1: ", "'cato'", "valid: ", " catto,"}},
       {R"({ "$velocity" = "solver=split_solver{velocity=*all}" })", {"s.toml:1: ", "'*all'", "*witness"}},
       {R"({ "$velocity" = "solver=split_solver{velocity=*" })", {"s.toml:1: ", "'}' is missing"}},

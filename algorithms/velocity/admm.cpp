@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/solver/dense.h"
+#include "algorithms/solver/island.h"
+#include "algorithms/solver/row_sweep.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace solver;
+
+enum class Correction { deSaxce, none };
+
+// Proximal alternating directions of multipliers, island by island: x solves the linear system and nothing else, y
+// obeys the limits and nothing else, and a price z on their difference brings them together.
+//
+//     x = (W + eta + rho)^-1 (-u(0) + eta x + rho y - z),  y = nearest allowed to x + z / rho,  z += rho (x - y)
+//
+// so that u = -z in the end. De Saxce's correction is added to u(0) in each iteration, from the sliding of the last.
+// Each row is scaled by its own mass, so that rho is a number; rows without limits have none. Islands that are too
+// large for a matrix go to projected Gauss-Seidel, and are counted: WorkCount::fallbacks.
+template <int D>
+class Admm final : public VelocityResolver<D> {
+ public:
+  struct Params {
+    int iterations = 100;
+    Real tolerance = Real(1e-9);
+    Real proximal = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);
+    Correction correction = Correction::deSaxce;
+    bool warmStart = true;
+    int maxRows = 200;
+    int sweeps = 20;
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 1, 100000, "at most, per island");
+      v.real("tolerance", tolerance, 0, 1, "m/s", "stop when neither law nor limits are missed by more");
+      v.real("proximal", proximal, Real(1e-12), 1, "1", "weight of the last iterate, over W_ii: redundant contacts");
+      v.choice("correction", correction, {"de_saxce", "none"},
+               "Coulomb's law, or the convex one that lifts what slides");
+      v.flag("warm_start", warmStart, "start from the impulses of the last step");
+      v.integer("max_rows", maxRows, 0, 5000, "of an island that is solved so");
+      v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, over islands that are larger");
+    }
+  };
+  explicit Admm(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    AlgorithmInfo info = {
+        .name = "admm",
+        .summary = "proximal ADMM with De Saxce's correction, one factorisation per island and penalty",
+        .paper = "carpentier2024",
+        .complexity = "(rows of an island)^3 + iterations x (rows of an island)^2",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"a heavy body on a light one in ever more iterations",
+                      "it has no rate of sweeps: it is at the end at once", "Joint.ConvergesAsPredicted"}},
+        .friction = FrictionLaw::coulomb};
+    if (sizeof(Real) == 4) {
+      info.failures.push_back({"a motor of 1e6 N m at its stop, in f32",
+                               "each iteration gives no more than 1 / proximal, and none comes to the motor's limit",
+                               "Joint.StopHoldsAgainstItsMotor"});
+    }
+    return info;
+  }
+
+  void solve(const VelocityInput<D>& in) override {
+    {
+      Profiler::Scope scope(in.profiler, "solver.prepare");
+      m_problem.set(in);
+      m_sweep.prepare(m_problem);
+      m_problem.freeVelocities(in, m_free);
+      m_problem.lastImpulses(in, m_params.warmStart ? 1 : 0, m_impulse);
+    }
+    Profiler::Scope scope(in.profiler, "solver.iterate");
+    const auto islands = m_problem.islands();
+    for (std::size_t k = 0; k + 1 < islands.size(); ++k) {
+      const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
+      const auto rows = m_problem.grouped().subspan(first, last - first);
+      if (rows.size() > static_cast<std::size_t>(m_params.maxRows)) {
+        m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
+        continue;
+      }
+      m_island.set(m_problem, rows, m_free, m_impulse);
+      iterate(in.work);
+      m_island.store(m_impulse);
+    }
+    m_problem.apply(in, m_impulse);
+  }
+
+ private:
+  static constexpr double kPower = 0.05, kRatio = 10;  // of the update of rho: how far, and when
+  static constexpr int kFirstPower = 6, kLastPower = 12, kPatience = 5;
+  // Above this coefficient a cone is as good as a half-space, and the correction would overthrow the iteration.
+  static constexpr double kSteepest = 10;
+  static constexpr double kBetter = 0.9;    // of the least residual so far: less is rounding where nothing helps
+  static constexpr double kDiverged = 1e6;  // residual over the least so far, after which nothing will come
+
+  const ProblemRow<D>& row(std::size_t i) const { return m_island.row(i); }
+  bool bound(std::size_t i) const { return row(i).law != ProblemLaw::free; }
+
+  void begin() {
+    const std::size_t n = m_island.size();
+    for (auto* v : {&m_lifted, &m_x, &m_y, &m_z, &m_right}) v->resize(n);
+    m_largest = 0;
+    for (const double w : m_island.w) m_largest += w * w;
+    m_largest = std::sqrt(m_largest);
+    m_x = m_y = m_island.x;
+    m_island.velocities(m_slide);
+    lift();
+    for (std::size_t i = 0; i < n; ++i) m_z[i] = bound(i) ? m_island.u[i] - m_slide[i] - m_lifted[i] : 0;
+  }
+
+  static double squared(double x) { return x * x; }
+
+  /// u(0) as a contact's law sees it, with the sliding of the last iterate. Answers the largest change, in m/s.
+  double lift() {
+    double change = 0;
+    for (std::size_t i = 0; i < m_island.size(); ++i) {
+      double wanted = m_island.u[i];
+      if (m_params.correction == Correction::deSaxce && row(i).law == ProblemLaw::normal) {
+        double slide = 0;
+        for (std::size_t k = 1; k < D; ++k) slide += m_slide[i + k] * m_slide[i + k];
+        wanted += steepness(i) * std::sqrt(slide);
+      }
+      change = std::max(change, std::abs(wanted - m_lifted[i]) / m_island.root[i]);
+      m_lifted[i] = wanted;
+    }
+    return change;
+  }
+
+  double steepness(std::size_t i) const { return std::min(row(i).friction, kSteepest); }
+
+  void limit(std::size_t i) {
+    const ProblemRow<D>& r = row(i);
+    if (r.law == ProblemLaw::interval) m_y[i] = std::clamp(m_y[i], r.lo / m_island.root[i], r.hi / m_island.root[i]);
+    if (r.law == ProblemLaw::normal) projectOnCone<D>(steepness(i), m_y.data() + i);
+  }
+
+  void factor(double rho) {
+    const std::size_t n = m_island.size();
+    m_sum = m_island.w;
+    for (std::size_t i = 0; i < n; ++i) m_sum[i * n + i] += double(m_params.proximal) + (bound(i) ? rho : 0);
+    m_factor.factor(n, m_sum);
+  }
+
+  void iterate(WorkDone& work) {
+    begin();
+    const std::size_t n = m_island.size();
+    const double eta = double(m_params.proximal);
+    int power = kFirstPower;
+    // From the geometric mean of the least and the largest eigenvalue, by the residuals.
+    const auto penalty = [&] { return std::sqrt(eta * m_largest) * std::pow(m_largest / eta, kPower * power); };
+    double rho = penalty(), least = std::numeric_limits<double>::infinity();
+    factor(rho);
+    for (int it = 1; it <= m_params.iterations; ++it) {
+      for (std::size_t i = 0; i < n; ++i) {
+        m_right[i] = eta * m_x[i] - m_lifted[i] + (bound(i) ? rho * m_y[i] - m_z[i] : 0);
+      }
+      m_before = m_x, m_yBefore = m_y;
+      m_x = m_right;
+      m_factor.solve(m_x.data());
+      work[WorkCount::rowUpdates] += n;
+      for (std::size_t i = 0; i < n; ++i) m_y[i] = bound(i) ? m_x[i] + m_z[i] / rho : m_x[i];
+      for (std::size_t i = 0; i < n; ++i) limit(i);
+      double apart = 0, moved = 0, sum = 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        const double weight = bound(i) ? rho : 0, difference = m_x[i] - m_y[i];
+        m_z[i] += weight * difference, sum += m_y[i];
+        m_slide[i] = m_right[i] - (eta + weight) * m_x[i] + m_island.u[i];  // W x + u(0)
+        apart += squared(difference / m_island.root[i]);
+        moved += squared((eta * (m_before[i] - m_x[i]) + weight * (m_yBefore[i] - m_y[i])) / m_island.root[i]);
+      }
+      apart = std::sqrt(apart), moved = std::sqrt(moved);  // norms that do not turn with the frame
+      const double residual = std::max({apart, moved, lift()});
+      if (!(residual <= kDiverged * least) || !std::isfinite(sum)) break;
+      if (residual < kBetter * least || residual <= double(m_params.tolerance)) least = residual, m_island.x = m_y;
+      if (residual <= double(m_params.tolerance)) break;
+      if (it % kPatience != 0) continue;
+      const int step = apart > kRatio * moved ? 1 : moved > kRatio * apart ? -1 : 0;
+      if (step == 0 || power + step < 0 || power + step > kLastPower) continue;
+      power += step, rho = penalty();
+      factor(rho);
+    }
+  }
+
+  Params m_params;
+  ContactProblem<D> m_problem;
+  RowSweep<D> m_sweep;
+  SymmetricFactor m_factor;
+  Island<D> m_island;
+  double m_largest = 0;                   // bound on the eigenvalues of W
+  std::vector<double> m_free, m_impulse;  // of the problem
+  std::vector<double> m_sum, m_lifted, m_x, m_y, m_z, m_slide, m_right, m_before, m_yBefore;
+};
+
+}  // namespace
+
+LPC_REGISTER(VelocityResolver, Admm, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
