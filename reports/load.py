@@ -65,6 +65,7 @@ class Sweep:
     roles: dict = field(default_factory=dict)
     report: tuple = ()  # the charts that it is for; empty: whatever it has the data for
     calibrate: dict = field(default_factory=dict)  # equal, metric, setting, most: what the runner made equal; empty: nothing
+    questions: dict = field(default_factory=dict)  # of breaking points, by name: parameter, falling, limit, seeds, perturb, ratio
     commands: tuple = ()  # the arguments of `lpc`, but for the store, that planned it; a store of an older program has none
 
     def method_axes(self, planned):
@@ -78,12 +79,14 @@ class Sweep:
 
 
 def _sweep(name, kind, summary, baseline, roles):
-    """Among the roles, which are texts, may stand the lists of charts and of commands and the table of what is equal."""
+    """Among the roles, which are texts, may stand the lists of charts and of commands and the tables of what is equal and of what
+    breaks."""
     roles = json.loads(roles)
     charts = roles.pop("report") if isinstance(roles.get("report"), list) else ()
     equal = roles.pop("calibrate") if isinstance(roles.get("calibrate"), dict) else {}
+    questions = roles.pop("break") if isinstance(roles.get("break"), dict) else {}
     commands = roles.pop("commands") if isinstance(roles.get("commands"), list) else ()
-    return Sweep(name, kind, summary, baseline, roles, tuple(charts), equal, tuple(map(tuple, commands)))
+    return Sweep(name, kind, summary, baseline, roles, tuple(charts), equal, questions, tuple(map(tuple, commands)))
 
 
 def _plain(value):

@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: Zlib
+"""Where each method breaks, by question: the last value of a parameter that holds, with an interval, what it costs there, and
+the ladder of all values that were tried. `lpc break` and sweeps with `break` make the data; experiments/runner/breaking.cpp has
+the same rules."""
+
+import math
+import textwrap
+from dataclasses import dataclass
+
+import pandas as pd
+from matplotlib.patches import Patch, Rectangle
+
+import noise
+from chart import Chart, Headline, Needs, identifier, listing, methods, plural
+from load import split
+from style import WIDTH, figures, plt, si
+from table import quantity
+
+PLACE = 39
+SECTION = "When does each method fall?"
+NEEDS = Needs("world", also="questions of breaking points", calibrated=None)
+ABSENT = Chart("breaking_map", SECTION, "Breaking points, searched", "No search for breaking points is in this store.",
+               "breaking_map")
+MOST_COLUMNS = 6
+COLOURS = ["#8FC1E3", "#BBD9EE", "#DDEBF5", "#F3EFE6", "#F6D9B8", "#EDB48A"]  # by how many halves of the best: 0, 1/2, 1, ...
+STEPS = (0.05, 0.5, 1, 2, 4)
+HOLDS, SOME, FAILS = "#2E7D46", "#D9A400", "#C0392B"
+COLUMN = ["question", "scene", "dimension", "precision", "budget"]
+
+
+@dataclass
+class Rung:
+    value: float
+    failed: int
+    of: int
+    outcome: str
+
+    @property
+    def holds(self):
+        return 2 * self.failed < self.of
+
+
+@dataclass
+class Found:
+    """What a search found for one method. "Before" is nearer to the end where all hold."""
+    rungs: list  # in order of value
+    held: object = None  # the last Rung before the first that fails
+    fell: object = None  # that one
+    low: float = math.nan  # half of the seeds fail between these, by the intervals of the shares; NaN: open
+    high: float = math.nan
+    beyond: tuple = ()  # values that hold beyond one that fails
+    hole: str = ""  # why there is no rung
+    rows: float = math.nan  # row updates per step of what held, or of the first
+    ms: float = math.nan
+
+
+def of_sweep(context, cells):
+    questions = context.store.sweep(cells["sweep"].iloc[0]).questions
+    if "question" not in cells or not questions:
+        return []
+    return [_chart(context, cells, questions)]
+
+
+def failed_seeds(cell, limit):
+    """Seeds of a rung that fail: by their outcome, or by what they measured."""
+    if not limit:
+        return int(cell["failed_seeds"])
+    metric, below, bound = limited(limit)
+    values = cell[f"{metric} seeds"] if len(cell["seeds"]) > 1 else [cell.get(metric)]
+    if not isinstance(values, (list, tuple)):  # every seed failed, so that none has a value
+        return len(cell["seeds"])
+    return max(int(cell["failed_seeds"]), sum(v is None or not (v < bound if below else v > bound) for v in values))
+
+
+def limited(text):
+    at = next(i for i, c in enumerate(text) if c in "<>")
+    return text[:at], text[at] == "<", float(text[at + 1:])
+
+
+def judged(rungs, falling):
+    """As `judge` of experiments/runner/breaking.cpp."""
+    found, sure, to_hold, to_fail, beyond = Found(sorted(rungs, key=lambda r: r.value)), True, math.nan, math.nan, []
+    for rung in reversed(found.rungs) if falling else found.rungs:
+        low, high = noise.wilson(rung.failed, rung.of)
+        sure = sure and high < 0.5
+        if sure:
+            to_hold = rung.value
+        if found.fell is None:
+            if rung.holds:
+                found.held = rung
+            else:
+                found.fell = rung
+        elif rung.holds:
+            beyond.append(rung.value)
+        if found.fell is not None and math.isnan(to_fail) and low > 0.5:
+            to_fail = rung.value
+    found.low, found.high = (to_fail, to_hold) if falling else (to_hold, to_fail)
+    found.beyond = tuple(beyond)
+    return found
+
+
+def found_of(cells, about):
+    """The search of one method on one question, from the cells of its rungs."""
+    name, rungs, known = about["parameter"], [], []
+    for _, cell in cells.iterrows():
+        if any(key is None for key in cell["keys"]) or not cell["keys"]:
+            continue  # stopped before all its seeds were run
+        rungs.append(Rung(float(cell[name]), failed_seeds(cell, about["limit"]), len(cell["seeds"]), cell["outcome"]))
+        known.append((float(cell[name]), cell))
+    if not rungs:
+        return Found([], hole="not run")
+    found = judged(rungs, about["falling"])
+    if len(rungs) == 1 and rungs[0].outcome == "unsupported":
+        found.hole = "unsupported"
+    shown = found.held or found.fell
+    cell = next(cell for value, cell in known if value == shown.value)
+    found.rows, found.ms = (float(cell.get(metric, math.nan)) for metric in ("work_row_updates", "ms_per_step_median"))
+    return found
+
+
+def unit_of(name):
+    return "s" if name == "dt" else "1"
+
+
+def value_text(name, value):
+    return "" if math.isnan(value) else si(value, "s") if name == "dt" else figures(value)
+
+
+def best_of(column, falling):
+    values = [f.held.value for f in column.values() if f.held]
+    return (min(values) if falling else max(values)) if values else math.nan
+
+
+def far(found, best, falling):
+    """How many halves a method is from the best."""
+    return math.inf if not found.held else abs(math.log2(found.held.value / best)) if best > 0 else math.nan
+
+
+def finding(title, column, about, everyone):
+    name = about["parameter"]
+    known = {m: f for m, f in column.items() if not f.hole}
+    if not known:
+        return f"{title}: nothing was run"
+    best = best_of(known, about["falling"])
+    if math.isnan(best):
+        return f"{title}: no method holds at any {name} that was tried"
+    at = [m for m, f in known.items() if f.held and f.held.value == best]
+    beyond = all(known[m].fell is None for m in at)
+    text = f"{title}: {methods(at, everyone)} {'holds' if len(at) == 1 else 'hold'} to {name} = {value_text(name, best)}"
+    text += " (the last that was tried)" if beyond else ""
+    rest = {m: f for m, f in known.items() if m not in at}
+    none = [m for m, f in rest.items() if not f.held]
+    last = best_of({m: f for m, f in rest.items() if f.held}, not about["falling"])
+    if not math.isnan(last):
+        who = [m for m, f in rest.items() if f.held and f.held.value == last]
+        text += f", {methods(who, everyone)} to {value_text(name, last)}"
+    if none:
+        text += f", {methods(none, everyone)} {'holds' if len(none) == 1 else 'hold'} at none"
+    odd = [m for m, f in known.items() if f.beyond]
+    return text + (f"; {plural(len(odd), 'ladder is', 'ladders are')} not monotone" if odd else "")
+
+
+def _chart(context, cells, questions):
+    everyone = sorted(cells["method"].unique())
+    columns = []  # (title, about, {method: Found})
+    axes = [axis for axis in COLUMN if axis in cells and cells[axis].notna().any()]
+    for part in split(cells, axes):
+        first = part.iloc[0]
+        about = questions[first["question"]]
+        column = {method: found_of(own, about) for method, own in part.groupby("method", sort=True)}
+        columns.append((_title(cells, first, axes), about, column))
+    figure = _figure(context, columns, everyone)
+    told = [found for found in (headline(title, column, about, everyone) for title, about, column in columns) if found]
+    sweep = cells["sweep"].iloc[0]
+    limits = [f"{name}: {about['limit']}" for name, about in questions.items() if about["limit"]]
+    seeds, starts = (listing(dict.fromkeys(figures(about[key]) for about in questions.values())) for key in ("seeds", "perturb"))
+    note = ("A cell is one search. Its number is the last value with which fewer than half of the seeds fail, where all values "
+            f"before it that were tried hold, too ({seeds} seeds, started up to {starts} m and rad beside their places). In "
+            "brackets: half of the seeds fail somewhere between these; up to the first all shares of failures are below a half, "
+            "by their 95 % intervals (Wilson), that of the second is above; “?” where no value that was tried is so sure. The "
+            "dots are the values that were tried, the smallest on the left.")
+    if limits:
+        note += f" A run fails by its outcome, or by what it measures ({'; '.join(limits)})."
+    return Chart(identifier(f"{sweep} breaking map"), SECTION, "Where each method breaks",
+                 "; ".join(finding(title.replace("\n", ", "), column, about, everyone) for title, about, column in columns) + ".",
+                 sweep, figure, _table(columns), _holes(columns), note,
+                 headline=max(told, key=lambda h: h.effect, default=None))
+
+
+def _holes(columns):
+    said = []
+    for title, about, column in columns:
+        for method, found in column.items():
+            where = f"{title.replace(chr(10), ', ')}, {method}"
+            if found.hole:
+                said.append(f"{where}: {found.hole}")
+            if found.beyond:
+                values = listing(value_text(about["parameter"], value) for value in found.beyond)
+                said.append(f"{where}: not monotone, holds again at {values}")
+    return said
+
+
+def _title(cells, first, axes):
+    parts = []
+    for axis in axes:
+        value = first[axis]
+        if axis == "question":
+            parts.append(str(value))
+        elif value == value and value is not None and (axis == "scene" or cells[axis].nunique() > 1):
+            parts.append(f"{int(value)}D" if axis == "dimension" else f"{figures(float(value))} rows" if axis == "budget" else
+                         str(value))
+    return "\n".join(parts)
+
+
+def headline(title, column, about, everyone):
+    held = {m: f.held.value if f.held else math.nan for m, f in column.items() if not f.hole}
+    known = {m: v for m, v in held.items() if v == v}
+    if len(held) < 2 or not known or len(set(held.values())) < 2:
+        return None
+    best = best_of(column, about["falling"])
+    who = [m for m, v in known.items() if v == best]
+    name = about["parameter"]
+    words = f"{methods(who, everyone)} {'holds' if len(who) == 1 else 'hold'} to {name} = {value_text(name, best)}."
+    return Headline(f"{title.replace(chr(10), ', ')}: {words}", held, unit_of(name), f"last {name} that holds",
+                    larger=not about["falling"])
+
+
+def _figure(context, columns, everyone):
+    labels = ["\n".join(textwrap.wrap(context.name(m), 34)) for m in everyone]
+    left = min(3.0, 0.3 + 0.075 * max(len(line) for label in labels for line in label.split("\n")))
+    blocks = [columns[i:i + MOST_COLUMNS] for i in range(0, len(columns), MOST_COLUMNS)]
+    row, above, below = 0.62, 0.75, 0.55  # inches
+    height = sum(above + row * len(everyone) for _ in blocks) + below
+    figure = plt.figure(figsize=(WIDTH, height))
+    y = height
+    for block in blocks:
+        y -= above + row * len(everyone)
+        wide = (WIDTH - left - 0.15) * len(block) / min(MOST_COLUMNS, max(3, len(columns)))
+        ax = figure.add_axes((left / WIDTH, y / height, wide / WIDTH, row * len(everyone) / height))
+        _block(ax, block, everyone, labels)
+    words = ["as far as the best", "down to 0.7 of it", "a half", "a quarter", "a sixteenth", "less, or none"]
+    handles = [Patch(facecolor=colour, label=word) for colour, word in zip(COLOURS, words)]
+    handles += [plt.Line2D([], [], ls="none", marker="s", ms=5, color=colour, label=word) for colour, word in (
+        (HOLDS, "no seed fails"), (SOME, "some do"), (FAILS, "all do"))]
+    figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.01, 0.0), ncol=9, columnspacing=1.0, handlelength=1.0,
+                  handletextpad=0.4)
+    return figure
+
+
+def _block(ax, block, everyone, labels):
+    ax.set_xlim(0, len(block))
+    ax.set_ylim(len(everyone), 0)
+    for x, (title, about, column) in enumerate(block):
+        best = best_of(column, about["falling"])
+        values = [r.value for f in column.values() for r in f.rungs]
+        ends = (min(values), max(values)) if values else (1.0, 2.0)
+        for y, method in enumerate(everyone):
+            found = column.get(method)
+            if found is None:
+                continue
+            _cell(ax, x, y, found, about, best, ends)
+    ax.set_xticks([x + 0.5 for x in range(len(block))])
+    ax.set_xticklabels([title for title, _, _ in block], fontsize=8.5)
+    ax.xaxis.tick_top()
+    ax.set_yticks([y + 0.5 for y in range(len(everyone))])
+    ax.set_yticklabels(labels)
+    ax.tick_params(length=0)
+    ax.grid(False)
+    for side in ax.spines.values():
+        side.set_visible(False)
+
+
+def _cell(ax, x, y, found, about, best, ends):
+    name = about["parameter"]
+    halves = far(found, best, about["falling"])
+    colour = "#F2F2F2" if found.hole else COLOURS[sum(halves > step for step in STEPS)]
+    ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor=colour, lw=0))
+    if found.hole:
+        ax.text(x + 0.5, y + 0.5, found.hole, ha="center", va="center", fontsize=8, color="#777777")
+        return
+    sign = "≤ " if about["falling"] else "≥ "
+    main = "none" if not found.held else ("" if found.fell else sign) + value_text(name, found.held.value)
+    bracket = f"[{value_text(name, found.low) or '?'}, {value_text(name, found.high) or '?'}]"
+    ax.text(x + 0.06, y + 0.28, main, ha="left", va="center", fontsize=9.5, fontweight="bold")
+    ax.text(x + 0.94, y + 0.28, bracket, ha="right", va="center", fontsize=7.5, color="#444444")
+    cost = "" if math.isnan(found.rows) else f"{figures(found.rows)} rows"
+    cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"
+    ax.text(x + 0.06, y + 0.57, cost, ha="left", va="center", fontsize=7.5, color="#444444")
+    if found.beyond:
+        ax.text(x + 0.94, y + 0.57, f"+{len(found.beyond)} beyond", ha="right", va="center", fontsize=7.5, color=FAILS)
+    low, high = math.log(ends[0]), math.log(ends[1])
+    for rung in found.rungs:
+        at = (math.log(rung.value) - low) / (high - low) if high > low else 0.5
+        shade = HOLDS if not rung.failed else FAILS if rung.failed == rung.of else SOME
+        ax.plot([x + 0.07 + 0.86 * at], [y + 0.82], ls="none", marker="s", ms=3.2, color=shade, mew=0)
+
+
+def _table(columns):
+    parts = []
+    for title, about, column in columns:
+        name, unit = about["parameter"], unit_of(about["parameter"])
+        found = list(column.values())
+        rung = lambda which: [getattr(f, which).value if getattr(f, which) else math.nan for f in found]  # noqa: E731
+        part = {"question": title.replace("\n", ", "), "method": list(column), "parameter": name}
+        for words, values in (("last that holds", rung("held")), ("first that fails", rung("fell")),
+                              ("half fail from", [f.low for f in found]), ("half fail to", [f.high for f in found])):
+            part |= quantity(words, unit, values)
+        part |= {"seeds that fail there": [f.fell.failed if f.fell else 0 for f in found],
+                 "outcome there": [f.fell.outcome if f.fell else f.hole for f in found],
+                 "values tried": [len(f.rungs) for f in found], "hold beyond": [len(f.beyond) for f in found]}
+        part |= quantity("row updates per step", "1", [f.rows for f in found])
+        part |= quantity("time per step", "ms", [f.ms for f in found])
+        parts.append(pd.DataFrame(part))
+    return pd.concat(parts, ignore_index=True)

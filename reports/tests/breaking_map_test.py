@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the map of breaking points: numbers, intervals and sentences on searches that are known. Run by ctest, or python3
+reports/tests/breaking_map_test.py."""
+
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import chart  # noqa: E402
+import load  # noqa: E402
+import overlap  # noqa: E402
+import style  # noqa: E402
+import synthetic_store  # noqa: E402
+from charts import breaking_map  # noqa: E402
+
+ABOUT = {"parameter": "n", "falling": False, "seeds": 5, "perturb": 1e-3, "ratio": 1.05, "limit": ""}
+COLUMNS = ["last that holds [1]", "first that fails [1]", "half fail from [1]", "half fail to [1]"]
+
+
+class Map(unittest.TestCase):
+    def made(self, questions, asked, picture=None):
+        """`asked`: question -> method -> {value: seeds of five that fail, or the list of what they measured}."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(style.plt.close, "all")
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        roles = {about["parameter"]: "parameter" for about in questions.values()}
+        maker.sweep("mine", resolver="label", question="run", report=["breaking_map"], **roles, **{"break": questions})
+        for question, of_methods in asked.items():
+            name, limit = questions[question]["parameter"], questions[question]["limit"]
+            for method, rungs in of_methods.items():
+                for value, seeds in rungs.items():
+                    for seed in range(1, 6):
+                        axes = {"kind": "world", "precision": "f64", "scene": "stack", "dimension": 2, "question": question,
+                                "resolver": method, name: value, "seed": seed, "timed": False, "repeat": 0}
+                        if limit:
+                            maker.trial("mine", axes, {"joint_error_max": seeds[seed - 1], "work_row_updates": 9.0})
+                            continue
+                        fell = seed <= seeds
+                        maker.trial("mine", axes, {"work_row_updates": 10.0 * value}, "collapsed" if fell else "ok",
+                                    "drift" if fell else "", 50 if fell else None)
+        maker.close()
+        found = chart.made(breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        self.assertEqual(len(found), 1)
+        self.assertEqual(overlap.overlaps(found[0].figure), ([], []))
+        if picture:
+            found[0].figure.savefig(picture)
+        return found[0]
+
+    def test_numbers_intervals_and_what_is_not_monotone(self):
+        made = self.made({"tallest tower": ABOUT}, {"tallest tower": {
+            "catto": {1: 0, 2: 0, 3: 0, 4: 2, 5: 3, 6: 4, 8: 5},  # 5 is where half fail; sure from 3 to 8
+            "naive": {1: 0, 2: 5, 4: 0, 8: 5},  # holds again at 4
+            "soft_step": {1: 0, 2: 0, 4: 0, 8: 0},
+            "millington": {1: 5, 2: 5, 4: 5, 8: 5}}})
+        rows = {row["method"]: row for _, row in made.table.iterrows()}
+        self.assertEqual([rows["catto"][name] for name in COLUMNS], [4, 5, 3, 8])
+        self.assertEqual([rows["naive"][name] for name in COLUMNS], [1, 2, 1, 2])
+        self.assertEqual(rows["naive"]["hold beyond"], 1)
+        self.assertEqual(rows["soft_step"]["last that holds [1]"], 8)
+        self.assertTrue(math.isnan(rows["soft_step"]["first that fails [1]"]))
+        self.assertTrue(math.isnan(rows["millington"]["last that holds [1]"]))
+        self.assertEqual(rows["catto"]["row updates per step [1]"], 40)
+        self.assertEqual(made.finding, "tallest tower, stack: soft_step holds to n = 8 (the last that was tried), naive to 1, "
+                         "millington holds at none; 1 ladder is not monotone.")
+        self.assertIn("tallest tower, stack, naive: not monotone, holds again at 4", made.holes)
+        self.assertEqual(made.headline.text, "tallest tower, stack: soft_step holds to n = 8.")
+
+    def test_falling_and_by_what_is_measured(self):
+        about = {**ABOUT, "falling": True, "limit": "joint_error_max<0.01"}
+        good, bad, some = [0.001] * 5, [0.02] * 5, [0.02, 0.02, 0.001, 0.001, 0.001]
+        made = self.made({"smallest n": about}, {"smallest n": {"catto": {1: bad, 2: bad, 3: some, 4: good},
+                                                                "naive": {1: bad, 2: bad, 3: bad, 4: good}}})
+        rows = {row["method"]: row for _, row in made.table.iterrows()}
+        self.assertEqual([rows["catto"][name] for name in COLUMNS], [3, 2, 2, 4])
+        self.assertEqual([rows["naive"][name] for name in COLUMNS], [4, 3, 3, 4])
+        self.assertIn("joint_error_max<0.01", made.note)
+        self.assertFalse(made.headline.larger)
+
+    def test_many_questions_stand_in_rows_of_six(self):
+        names = ["tallest tower", "largest mass ratio", "largest dt", "longest chain", "smallest slope margin", "farthest origin",
+                 "one more"]
+        made = self.made({name: {**ABOUT, "parameter": "dt" if name == "largest dt" else "n"} for name in names},
+                         {name: {"catto+linear": {1: 0, 2: 0, 300: 5, 4000: 0}, "soft_step": {1: 0, 2: 5, 300: 5, 4000: 5}}
+                          for name in names}, picture=PICTURE)
+        first, second = (ax.get_position().width / len(ax.get_xticks()) for ax in made.figure.axes)
+        self.assertAlmostEqual(first, second)
+
+
+PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
+
+if __name__ == "__main__":
+    unittest.main()
