@@ -48,6 +48,10 @@ NOT_RUN = {
 INSTEAD = {
     "lpc needs pyramid --param base=6 --seeds 3 --store results/needs.db":
         "lpc needs box_drop --seeds 1 --store results/needs.db",
+    "lpc break vertical_stack --parameter n --from 2 --to 64 --param gap=0 --store results/break.db "
+    "--pipeline solver=split_solver --pipeline \"solver=soft_step{substeps=4}\"":
+        "lpc break vertical_stack --parameter n --from 2 --to 8 --param gap=0 --steps 60 --store results/break.db "
+        "--pipeline solver=split_solver",
     "lpc sweep choose --set n=5000 --set dimension=3 --store results/choose.db":
         "lpc sweep choose --set n=40 --set steps=20 --set seed=1 --store results/choose.db",
     "lpc sweep choose_together --set n=5000 --set dimension=3 --store results/choose.db --with "

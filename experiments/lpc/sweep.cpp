@@ -36,6 +36,13 @@ void printPlan(const PlannedSweep& s) {
                 s.calibration->setting.c_str(), s.calibration->metric.c_str(), s.calibrated.size(),
                 s.calibrated.size() == 1 ? "cell" : "cells", s.calibration->mostTried());
   }
+  if (!s.ladders.empty()) {
+    std::size_t most = 0;
+    for (const Ladder& ladder : s.ladders) {
+      most += static_cast<std::size_t>(ladder.question.mostTried()) * static_cast<std::size_t>(ladder.question.seeds);
+    }
+    std::printf(", after %zu searches for breaking points, of at most %zu trials in all", s.ladders.size(), most);
+  }
   std::printf("\n");
 }
 

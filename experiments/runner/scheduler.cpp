@@ -194,6 +194,9 @@ void checkWorkers(const std::vector<PlannedSweep>& sweeps) {
     for (const CalibratedCell& cell : sweep.calibrated) {
       for (const PlannedTrial& t : cell.plan(1)) add(t);
     }
+    for (const Ladder& ladder : sweep.ladders) {
+      for (const PlannedTrial& t : ladder.plan({ladder.question.from, 1, sweep.calibration ? 1 : 0, false})) add(t);
+    }
   }
   for (const auto& [precision, engine] : workers) checkWorker(precision, engine);
 }
@@ -203,7 +206,9 @@ RunSummary runSweeps(std::vector<PlannedSweep>& sweeps, Store& store, const RunO
   Scheduler scheduler(store, options);
   const auto run = [&](const PlannedSweep& round) { return !scheduler.run({round}).stopped; };
   for (PlannedSweep& sweep : sweeps) {
-    calibrate(sweep, store, run, [&](const std::string& key) { return scheduler.done(key); });
+    const auto done = [&](const std::string& key) { return scheduler.done(key); };
+    calibrate(sweep, store, run, done);
+    findBreaking(sweep, store, run, done);
     store.plan(sweep, !options.partial);
   }
   return scheduler.run(sweeps);

@@ -33,7 +33,8 @@ void checkWorkers(const std::vector<PlannedSweep>& sweeps);
 
 /// Runs what the store lacks: first all untimed trials, one worker per core, then timed ones, one at a time on a core
 /// of its own, in a shuffled order that is the same every time. Each trial is in the store when it has finished. Ctrl-C
-/// kills the workers and returns. Sweeps that are calibrated are so first, and get their trials by it.
+/// kills the workers and returns. Sweeps that are calibrated, or ask for breaking points, are searched first, and get
+/// their trials by it.
 RunSummary runSweeps(std::vector<PlannedSweep>& sweeps, Store& store, const RunOptions& options);
 
 }  // namespace lpc::inline LPC_PRECISION

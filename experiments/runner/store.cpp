@@ -200,8 +200,13 @@ json Store::commandsOf(const PlannedSweep& sweep, bool replace) {
 
 // Rows of an earlier search of the same cells: of one that was stopped, or that found another setting.
 void Store::forgetCells(const PlannedSweep& sweep) {
+  std::vector<std::string> searched;
+  if (sweep.calibration) searched.push_back(sweep.calibration->setting);
+  for (const Ladder& ladder : sweep.ladders) {
+    searched.insert(searched.end(), {ladder.question.parameter, "repeat", "seed", "timed"});
+  }
   const auto cellOf = [&](json axes) {
-    axes.erase(sweep.calibration->setting);
+    for (const std::string& name : searched) axes.erase(name);
     return axes.dump();
   };
   std::set<std::string> cells;
@@ -226,7 +231,7 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
     SQLite::Statement clear(m_db, "DELETE FROM planned WHERE sweep=?");
     clear.bind(1, sweep.name);
     clear.exec();
-  } else if (sweep.calibration) {
+  } else if (sweep.calibration || !sweep.ladders.empty()) {
     forgetCells(sweep);
   }
   const json commands = commandsOf(sweep, replace);
@@ -238,6 +243,12 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   if (!sweep.charts.empty()) roles["report"] = sweep.charts;
   if (const auto& c = sweep.calibration) {
     roles["calibrate"] = {{"equal", c->equal}, {"metric", c->metric}, {"setting", c->setting}, {"most", c->most}};
+  }
+  for (const Ladder& ladder : sweep.ladders) {
+    const BreakQuestion& q = ladder.question;
+    roles["break"][q.title()] = {{"parameter", q.parameter}, {"falling", q.falling},
+                                 {"seeds", q.seeds},         {"perturb", q.perturb},
+                                 {"ratio", q.ratio},         {"limit", q.limit ? q.limit->text : ""}};
   }
   about.bind(5, roles.dump());
   about.exec();

@@ -37,7 +37,7 @@ struct Axis {
 };
 
 /// What a store keeps of a sweep beside its axes (`roles` of the table `sweep`): no axis may have such a name.
-inline constexpr std::array<std::string_view, 3> kNoAxes = {"calibrate", "commands", "report"};
+inline constexpr std::array<std::string_view, 4> kNoAxes = {"break", "calibrate", "commands", "report"};
 
 /// A number, a text, a list of these, or a table of labelled parts of pipelines. A label whose text has stars says with
 /// `$velocity` where the name goes that `velocity=*` became. Throws UserError with file and line.

@@ -15,6 +15,7 @@
 #include "experiments/runner/message_place.h"
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/sweep_axis.h"
+#include "experiments/runner/sweep_cell.h"
 #include "experiments/runner/sweep_size.h"
 #include "framework/names.h"
 
@@ -22,11 +23,6 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using nlohmann::json;
-
-void collectNames(const Spec& spec, std::set<std::string>& out) {
-  out.insert(spec.name);
-  for (const auto& [key, value] : spec.fields) collectNames(value, out);
-}
 
 /// Kept alive by the cells that are to be calibrated: their trials are planned when a setting is tried.
 class Sweep : public std::enable_shared_from_this<Sweep> {
@@ -84,7 +80,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (!m_timed && !m_twice.empty()) top.fail(*top.find("twice"), "'twice' without times; valid: timed = true");
     m_out.notes = m_seeds.notes();
     refuseWhatIsThere(settings.axes);
-    if (m_out.trials.empty() && m_out.calibrated.empty() && m_only.empty())
+    if (m_out.trials.empty() && m_out.calibrated.empty() && m_out.ladders.empty() && m_only.empty())
       throw UserError(m_path + ": the sweep has no cell");
     return std::move(m_out);
   }
@@ -114,6 +110,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     };
     std::for_each(m_out.trials.begin(), m_out.trials.end(), add);
     std::for_each(m_out.calibrated.begin(), m_out.calibrated.end(), add);
+    std::for_each(m_out.ladders.begin(), m_out.ladders.end(), add);
     for (const Axis& axis : axes) {
       for (const AxisValue& v : axis.values) {
         if (v.by != WrittenBy::with || !m_only.empty() || planned.count(axis.name + "=" + v.label.dump())) continue;
@@ -131,6 +128,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     std::optional<double> posesEvery;
     bool series = true;
     std::vector<double> budgets;
+    std::optional<BreakQuestion> question;
     std::set<std::string> named;  // axes that mean something because a value of another names them
   };
   using Shared = std::shared_ptr<const Settings>;
@@ -156,6 +154,10 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       if (!m_calibration) t.fail(*budgets, "'budgets' without 'calibrate', which says of what");
       s.budgets = readBudgets(t);
     }
+    if (const toml::table* question = t.table("break")) {
+      if (m_kind != "world") t.fail(*question, "'break' in a sweep of kind '" + m_kind + "'; valid: world");
+      s.question = readBreak(*question, m_path, s.question);
+    }
     if (const toml::table* axes = t.table("axes")) {
       for (const auto& [name, node] : inFileOrder(*axes)) {
         Axis axis = readAxis(m_path, name, *node);
@@ -176,6 +178,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   void product(Settings settings, const toml::node& where) {
     if (m_calibration) refuseUncalibrated(settings, where);
+    if (settings.question) refuseSearched(settings, where);
     for (const Axis& axis : settings.axes) {
       if (axis.values.empty()) return;
     }
@@ -183,6 +186,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     json axes = json::object();
     for (const Axis& axis : settings.axes) axes[axis.name] = nullptr;
     if (m_calibration) axes[m_calibration->setting] = nullptr;
+    if (settings.question) axes[settings.question->parameter] = nullptr;
     for (const Axis& axis : settings.axes) {
       if (!axis.labelled && !stageByName(axis.name)) continue;  // its values are not looked at
       for (const AxisValue& value : axis.values) settings.named.merge(namedIn(value.written, axes));
@@ -199,6 +203,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   void addSize(const Settings& s, const toml::node& where) {
     const std::size_t budgets = m_calibration ? s.budgets.size() : 1;
+    if (const auto& q = s.question) {  // what is timed is one rung
+      return m_size->add({s.axes, budgets, 1, false, true, "", q->mostTried(), q->seeds}, m_path, where);
+    }
     m_size->add({s.axes, budgets, s.repeats, s.timed, s.untimed, m_twice}, m_path, where);
   }
 
@@ -214,11 +221,47 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
   }
 
+  void refuseSearched(const Settings& s, const toml::node& where) const {
+    s.question->check();
+    for (const Axis& axis : s.axes) {
+      if (axis.name != s.question->parameter && axis.name != "seed" && axis.name != "question") continue;
+      failAt(m_path, *axis.node, "axis '" + axis.name + "' is what 'break' searches; valid: another name");
+    }
+    if (m_calibration && m_calibration->isTime) {
+      failAt(m_path, where, "'break' at equal '" + m_calibration->metric + "', a time; valid: a count");
+    }
+  }
+
+  // One ladder, or one for each budget.
+  void ladder(const Shared& s, const std::vector<std::size_t>& at, const toml::node& where, const json& axes) {
+    const auto trialsAt = [self = shared_from_this(), s, at, &where, axes](const Ladder::Place& p,
+                                                                           std::set<std::string>& names) {
+      json cell = axes;
+      cell[s->question->parameter] = axisNumber(p.value), cell["seed"] = p.seed;
+      cell.emplace(kPerturbParameter, s->question->perturb);
+      if (self->m_calibration) cell[self->m_calibration->setting] = p.setting;
+      return self->trialsOf(*s, at, where, cell, names, !p.timed, p.timed);
+    };
+    std::set<std::string> names;
+    trialsAt({s->question->from, 1, 1, false}, names);
+    m_out.roles["question"] = "run";
+    if (m_calibration) m_out.roles["budget"] = "run";
+    if (!wanted(names)) return;
+    for (const double budget : m_calibration ? s->budgets : std::vector<double>{0}) {
+      Ladder made{*s->question, axes, budget, [trialsAt](const Ladder::Place& p) {
+                    std::set<std::string> unused;
+                    return trialsAt(p, unused);
+                  }};
+      made.timed = s->timed;
+      addLadder(m_out, std::move(made));
+    }
+  }
+
   void calibratedCell(const Shared& s, const std::vector<std::size_t>& at, const toml::node& where, const json& axes) {
     const auto trialsAt = [self = shared_from_this(), s, at, &where, axes](long setting, std::set<std::string>& names) {
       json cell = axes;
       cell[self->m_calibration->setting] = setting;
-      return self->trialsOf(*s, at, where, cell, names);
+      return self->trialsOf(*s, at, where, cell, names, s->untimed, s->timed);
     };
     std::set<std::string> names;
     trialsAt(1, names);
@@ -236,9 +279,10 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       const json& label = axes[s->axes[i].name] = s->axes[i].values[at[i]].label;
       if (label.is_string()) m_named.insert(label.get<std::string>());
     }
+    if (s->question) return ladder(s, at, where, axes);
     if (m_calibration) return calibratedCell(s, at, where, axes);
     std::set<std::string> names;
-    for (PlannedTrial& trial : trialsOf(*s, at, where, axes, names)) {
+    for (PlannedTrial& trial : trialsOf(*s, at, where, axes, names, s->untimed, s->timed)) {
       // Two groups may meet in one cell; it runs once.
       if (wanted(names) && m_seen.insert(trial.key).second) m_out.trials.push_back(std::move(trial));
     }
@@ -246,12 +290,13 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   // `names` gets the labels, algorithms and scenes that take part.
   std::vector<PlannedTrial> trialsOf(const Settings& s, const std::vector<std::size_t>& at, const toml::node& where,
-                                     const json& axes, std::set<std::string>& names) {
+                                     const json& axes, std::set<std::string>& names, bool untimed, bool timed) {
     std::vector<PlannedTrial> out;
-    const auto add = [&](bool timed, long repeats) {
+    const auto add = [&](bool clocked, long repeats) {
       PlannedTrial trial;
       try {
-        trial = m_kind == "world" ? world(s, at, axes, timed, names) : frozen(axes, timed, names);
+        trial = m_kind == "world" ? world(s, at, axes, clocked, names)
+                                  : frozenTrial(*m_planner, m_kind, axes, clocked, m_out.roles, names);
       } catch (const UserError& e) {
         if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
         failInCell(e.what(), s, at, where);
@@ -259,15 +304,15 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       trial.axes = axes;
       trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
       if (m_kind == "world") trial.axes["scene"] = trial.canonical["scene"];
-      trial.axes["timed"] = timed;
+      trial.axes["timed"] = clocked;
       for (long r = 0; r < repeats; ++r) {  // planned once: 65,536 repeats took 14 s
         trial.axes["repeat"] = trial.canonical["repeat"] = r;
         trial.key = trialKey(trial.canonical);
         out.push_back(trial);
       }
     };
-    if (s.untimed) add(false, s.timed ? 1 : s.repeats);
-    if (m_timed = m_timed || s.timed; s.timed) {
+    if (untimed) add(false, s.timed ? 1 : s.repeats);
+    if (m_timed = m_timed || s.timed; timed) {
       const bool twice = std::find(axes.begin(), axes.end(), json(m_twice)) != axes.end();
       add(true, (twice ? 2 : 1) * s.repeats);
     }
@@ -308,7 +353,6 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     const std::string base = withValues(s.pipeline, axes, used);
     std::optional<Spec> engine = engineOf(base);  // of the last part that names one: it stands in place of all stages
     Pipeline pipeline = Pipeline::parse(engine ? "" : base);
-    std::string model;
     for (std::size_t i = 0; i < at.size(); ++i) {
       const Axis& axis = s.axes[i];
       const AxisValue& value = axis.values[at[i]];
@@ -341,37 +385,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (const SceneParameter* p = file.parameter(kJointParameter); p && p->value.isText() && axes.contains(p->name)) {
       cell.params[p->name] = withValues(valueText(axes[p->name]), axes, used);
     }
-    for (const auto& [name, value] : axes.items()) {
-      m_out.roles.emplace(name, stageByName(name)      ? "stage"
-                                : file.parameter(name) ? "parameter"
-                                : used.count(name)     ? "setting"
-                                                       : "run");
-      if (name == "scene") {
-      } else if (name == "dimension") {
-        cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));
-      } else if (name == "precision") {
-        cell.precision = valueText(value);
-      } else if (name == "dt") {
-        cell.dt = number(name, value);
-      } else if (name == "steps") {
-        cell.steps = wholeNumber(axes, name, 0, std::numeric_limits<long>::max());
-      } else if (name == "seed") {
-        cell.seed = static_cast<std::uint64_t>(wholeNumber(axes, name, 0, std::numeric_limits<long>::max()));
-      } else if (name == "model") {
-        model = valueText(value);
-      } else if (cell.params.count(name)) {
-      } else if (file.parameter(name)) {
-        cell.params[name] = number(name, value);
-      } else if (!used.count(name)) {
-        std::vector<std::string> valid = {"scene", "dimension", "precision", "dt", "steps", "seed", "model"};
-        for (const SceneParameter& p : file.parameters()) valid.push_back(p.name);
-        for (const StageInfo& stage : kStages) {
-          if (isWorldStage(stage)) valid.emplace_back(stage.name);
-        }
-        throw UserError("axis '" + name + "' means nothing for scene '" + file.name() + "'" + validNames(valid, name) +
-                        ", a table of pipelines, or $" + name + " in a pipeline");
-      }
-    }
+    const std::string model = readWorldAxes(file, axes, used, cell, m_out.roles);
     if (!model.empty()) applyModel(file, model, cell);
     PlannedTrial trial = m_planner->world(scenePath, cell);
     if (trial.unsupported.empty()) {
@@ -386,11 +400,6 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     return trial;
   }
 
-  static double number(const std::string& axis, const json& value) {
-    if (!value.is_number()) throw UserError("axis '" + axis + "' is " + value.dump() + "; valid: numbers");
-    return value;
-  }
-
   // A scene file that lies beside the sweep file comes before the ones in experiments/scenes.
   std::string beside(const std::string& scene) const {
     const auto folder = std::filesystem::path(m_path).parent_path();
@@ -398,22 +407,6 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
     }
     return scene;
-  }
-
-  // boxes and pairs: the axes are the trial.
-  PlannedTrial frozen(const json& axes, bool timed, std::set<std::string>& names) {
-    json cell = axes;
-    cell["timed"] = timed, cell["repeat"] = 0;
-    const char* method = m_kind == "boxes" ? "broadphase" : "pair_query";
-    const std::set<std::string> known = {"dimension", "n",         "distribution", "drawing",    "frames",
-                                         "seed",      "precision", "broadphase",   "pair_query", "kind_a",
-                                         "kind_b",    "timed",     "repeat"};
-    for (const auto& [name, value] : cell.items()) {
-      if (!known.count(name)) throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + m_kind + "'");
-      if (axes.contains(name)) m_out.roles.emplace(name, name == method ? "stage" : "run");
-    }
-    if (axes.contains(method)) collectNames(Spec::parse(valueText(axes[method])), names);
-    return m_kind == "boxes" ? m_planner->boxes(std::move(cell)) : m_planner->pairs(std::move(cell));
   }
 
   std::string m_path, m_kind;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/runner/breaking.h"
 #include "experiments/runner/calibration.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -28,6 +29,8 @@ struct PlannedSweep {
   std::vector<PlannedTrial> trials;
   std::optional<Calibration> calibration;
   std::vector<CalibratedCell> calibrated;  // cells that `calibrate` turns into trials
+  std::vector<Ladder> ladders;             // cells that `findBreaking` turns into trials
+  std::vector<Broken> broken;              // what it has found, in their order
 };
 
 /// The sweeps of a file: itself, or those of a set (`sweeps = [...]`). Throws UserError with file and line, also for

@@ -25,7 +25,7 @@ TEST(CommandLine, helpHasAnExample) {
     EXPECT_TRUE(out.text.starts_with("lpc: standard output cannot be written")) << told << out.text;
   }
   for (const char* command :
-       {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs", "record"}) {
+       {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs", "record", "break"}) {
     const Outcome help = w.lpc(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_NE(help.text.find("Example: lpc " + std::string(command)), std::string::npos) << help.text;
@@ -196,6 +196,7 @@ TEST(CommandLine, numbersAreNumbers) {
                                                    {"replay", "a.rec --beside a.rec"},
                                                    {"record", "pyramid --param base=2 --problems p.json"},
                                                    {"needs", "slope --store n.db"},
+                                                   {"break", "slope --parameter friction --pipeline cache=none"},
                                                    {"sweep", "broadphase_crossover --store s.db --dry-run"},
                                                    {"verify", "--store v.db"}};
   const std::regex subcommand("\n  ([a-z][a-z-]*) "), number("\n +(?:-[a-z],)?(--[a-z]+) (?:INT|UINT|FLOAT)");

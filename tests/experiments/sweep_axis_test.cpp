@@ -142,12 +142,13 @@ Names lacking(const PlannedSweep& sweep) {
   };
   found(sweep.trials);
   for (const CalibratedCell& cell : sweep.calibrated) found(cell.plan(1));
+  for (const Ladder& ladder : sweep.ladders) found(ladder.plan({ladder.question.from, 1, 1, false}));
   return missing;
 }
 
 TEST(ShippedSweeps, HoldEveryResolver) {
   for (const char* name : {"resolvers", "resolvers_full", "breaking_points_stack", "breaking_points_stack_full",
-                           "breaking_points_mass_ratio", "breaking_points_dt", "reference"}) {
+                           "breaking_points_mass_ratio", "breaking_points_dt", "reference", "breaking_map"}) {
     EXPECT_EQ(lacking(planSweeps(name, {}).at(0)), Names{}) << name;
   }
   Workspace w;

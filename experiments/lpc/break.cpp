@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "experiments/lpc/command.h"
+#include "experiments/lpc/scene_options.h"
+#include "experiments/parse/toml_reader.h"
+#include "experiments/runner/breaking.h"
+#include "experiments/runner/catalogue.h"
+#include "experiments/runner/scheduler.h"
+#include "experiments/runner/sweep_axis.h"
+#include "experiments/runner/sweep_cell.h"
+#include "framework/names.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+struct Options {
+  BreakQuestion question;
+  std::string scene, limit, precision = "f64";
+  std::vector<std::string> pipelines, params;
+  std::optional<double> from, to, budget;
+  std::optional<int> dimension;
+  std::optional<long> steps;
+  std::string store = "results/break.db";
+  bool quiet = false, timed = false;
+};
+
+constexpr const char* kSetting = "iterations";  // what methods get at equal cost
+constexpr int kTimedRepeats = 5;
+
+// The range of a scene's parameter is known.
+void setEnds(Options& o, const SceneFile& file) {
+  BreakQuestion& q = o.question;
+  const SceneParameter* p = file.parameter(q.parameter);
+  if (p && p->value.isText()) throw UserError("parameter '" + q.parameter + "' is a text; valid: a number");
+  const bool ranged = p && p->lo > 0;
+  if ((!o.from && !ranged) || (!o.to && !p)) {
+    throw UserError(
+        "'" + q.parameter + "' needs " + (!o.from ? "--from" : "--to") +
+        (p ? ": its least value is " + asText(p->lo) : ": it is no parameter of scene '" + file.name() + "'"));
+  }
+  q.from = o.from ? *o.from : p->lo, q.to = o.to ? *o.to : p->hi;
+}
+
+std::vector<std::string> commandOf(const Options& o) {
+  const BreakQuestion& q = o.question;
+  std::vector<std::string> out = {"break", o.scene, "--parameter", q.parameter};
+  const auto add = [&](const char* option, const std::string& value) { out.insert(out.end(), {option, value}); };
+  for (const std::string& pipeline : o.pipelines) add("--pipeline", pipeline);
+  if (o.from) add("--from", asText(*o.from));
+  if (o.to) add("--to", asText(*o.to));
+  if (q.falling) out.emplace_back("--falling");
+  if (q.limit) add("--limit", q.limit->text);
+  if (q.seeds != BreakQuestion().seeds) add("--seeds", std::to_string(q.seeds));
+  if (q.perturb != BreakQuestion().perturb) add("--perturb", asText(q.perturb));
+  if (q.ratio != BreakQuestion().ratio) add("--ratio", asText(q.ratio));
+  if (o.dimension) add("--dimension", std::to_string(*o.dimension));
+  if (o.precision != "f64") add("--precision", o.precision);
+  for (const std::string& param : o.params) add("--param", param);
+  if (o.steps) add("--steps", std::to_string(*o.steps));
+  if (o.budget) add("--equal-cost", asText(*o.budget));
+  if (o.timed) out.emplace_back("--timed");
+  return out;
+}
+
+PlannedSweep plan(Options& o) {
+  BreakQuestion& q = o.question;
+  const auto planner = std::make_shared<Planner>();
+  const SceneFile& file = planner->scene(o.scene);
+  const ParameterValues params = readParameters(o.params);
+  file.values(params);
+  if (params.count(q.parameter)) throw UserError("--param " + q.parameter + " is what is searched; valid: another one");
+  setEnds(o, file);
+  if (!o.limit.empty()) q.limit.emplace(o.limit);
+  const int dimension = o.dimension.value_or(file.dimensions().at(0));
+  PlannedSweep out;
+  out.name = "break_" + file.name() + "_" + q.parameter, out.kind = "world";
+  out.summary = "breaking points: the " + q.title() + " of " + file.name() + " that holds";
+  out.charts = {"breaking_map"}, out.command = commandOf(o);
+  out.roles = {{"question", "run"}, {"pipeline", "label"}, {"scene", "run"}, {"seed", "run"}, {"dimension", "run"}};
+  if (o.budget) {
+    if (!(*o.budget > 0)) throw UserError("--equal-cost is " + asText(*o.budget) + "; valid: above 0");
+    out.calibration = Calibration{"cost", "work_row_updates", "--equal-cost", kSetting, 256, false};
+    out.roles["budget"] = "run";
+  }
+  const auto roles = std::make_shared<std::map<std::string, std::string>>();
+  for (const std::string& pipeline : o.pipelines) {
+    const auto trialsAt = [=, &file, &o](const Ladder::Place& p) {
+      nlohmann::json axes = {{o.question.parameter, axisNumber(p.value)}, {"seed", p.seed}};
+      if (o.question.parameter != kPerturbParameter) axes[kPerturbParameter] = o.question.perturb;
+      if (o.budget) axes[kSetting] = p.setting;
+      std::set<std::string> used;
+      WorldCell cell;
+      cell.pipeline = withValues(pipeline, axes, used);
+      if (o.budget && !used.count(kSetting)) {
+        throw UserError("--equal-cost and '" + pipeline + "', which has no $" + kSetting + "; valid: one that uses it");
+      }
+      cell.params = params, cell.dimension = dimension, cell.precision = o.precision, cell.steps = o.steps;
+      cell.timed = p.timed;
+      readWorldAxes(file, axes, used, cell, *roles);
+      std::vector<PlannedTrial> trials = {planner->world(o.scene, cell)};
+      axes.update({{"kind", "world"},
+                   {"scene", file.name()},
+                   {"dimension", dimension},
+                   {"precision", o.precision},
+                   {"pipeline", pipeline},
+                   {"timed", p.timed},
+                   {"repeat", 0}});
+      trials[0].axes = axes;
+      for (int repeat = 1; p.timed && repeat < kTimedRepeats; ++repeat) {
+        PlannedTrial again = trials[0];
+        again.axes["repeat"] = again.canonical["repeat"] = repeat;
+        again.key = trialKey(again.canonical);
+        trials.push_back(std::move(again));
+      }
+      return trials;
+    };
+    const nlohmann::json axes = {
+        {"scene", file.name()}, {"dimension", dimension}, {"precision", o.precision}, {"pipeline", pipeline}};
+    addLadder(out, {q, axes, o.budget.value_or(0), trialsAt, o.timed});
+  }
+  for (const auto& [name, role] : *roles) out.roles.emplace(name, role);
+  return out;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.5g", value);
+  return text;
+}
+
+// Where half of the seeds fail.
+std::string interval(const BreakQuestion& q, const Broken& b) {
+  if (q.seeds < kFewestSeeds) return "fewer than " + std::to_string(kFewestSeeds) + " seeds tell no interval";
+  return "half of the seeds fail between " + (b.low ? number(*b.low) : "below " + number(q.from)) + " and " +
+         (b.high ? number(*b.high) : "beyond " + number(q.to)) + " (95 %)";
+}
+
+void print(const BreakQuestion& q, const Broken& b) {
+  std::string line, then;
+  if (!b.unsupported.empty()) {
+    line = "unsupported: " + b.unsupported;
+  } else if (b.stopped) {
+    line = "stopped before it was found";
+  } else {
+    line =
+        !b.held ? "none that was tried holds" : number(b.held->value) + (b.fell ? "" : ", the last tried") + " holds";
+    line += "; " + interval(q, b);
+    if (b.fell) {
+      line += "; " + number(b.fell->value) + ": " + std::to_string(b.fell->failed) + " of " +
+              std::to_string(b.fell->of) + " fail, " + b.fell->failure;
+    }
+    if (b.held) line += "; " + number(b.held->rows) + " row updates per step";
+    for (const double value : b.passesBeyond) then += (then.empty() ? "" : ", ") + number(value);
+  }
+  std::printf("%s\n  %s\n", b.axes.at("pipeline").get<std::string>().c_str(), line.c_str());
+  if (!then.empty()) std::printf("  not monotone: %zu beyond hold again: %s\n", b.passesBeyond.size(), then.c_str());
+}
+
+void breakScene(Options& o, Session& session) {
+  std::vector<PlannedSweep> sweeps = {plan(o)};
+  addPlugins(sweeps[0].command, session);
+  RunOptions run;
+  run.plugins = session.plugins, run.quiet = o.quiet;
+  if (std::error_code none; !std::filesystem::exists(o.store, none)) checkWorkers(sweeps);  // before it is made
+  Store store(o.store, true);
+  store.claim();
+  describeProgram(store);
+  const bool stopped = runSweeps(sweeps, store, run).stopped;
+  const auto& axes = sweeps[0].ladders.at(0).axes;
+  std::printf("%s in %dD, %s: the %s with which fewer than half of %ld seeds fail%s%s\n",
+              axes["scene"].get<std::string>().c_str(), axes["dimension"].get<int>(), o.precision.c_str(),
+              o.question.title().c_str(), o.question.seeds, o.question.limit ? ", by outcome or " : "",
+              o.question.limit ? o.question.limit->text.c_str() : "");
+  for (const Broken& b : sweeps[0].broken) print(o.question, b);
+  if (stopped) {
+    std::printf("stopped; the same command continues\n");
+    session.exitCode = 130;
+    return;
+  }
+  std::printf("%s: lpc report %s draws it\n", o.store.c_str(), o.store.c_str());
+}
+
+void addBreak(CommandLine& app, Session& session) {
+  CommandLine command = app.subcommand(
+      "break", "Searches the value of a parameter at which each method breaks, over seeds, with an interval");
+  auto o = std::make_shared<Options>();
+  BreakQuestion& q = o->question;
+  command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
+  command.option("--parameter", q.parameter, "of the scene, dt, or $NAME in a pipeline").required();
+  command.option("--pipeline", o->pipelines, "algorithms, such as \"solver=soft_step{substeps=4}\" (may be repeated)")
+      .required();
+  command.option("--from", o->from, "least value, above 0; default: the least that the scene allows");
+  command.option("--to", o->to, "largest value; default: the largest that the scene allows");
+  command.flag("--falling", q.falling, "the smallest value that holds is searched, not the largest");
+  command.option("--limit", o->limit, "METRIC<NUMBER or METRIC>NUMBER, which a run must keep, too");
+  command.option("--seeds", q.seeds, "runs of each value, each with a seed of its own").showDefault().range(1L, 1000L);
+  command.option("--perturb", q.perturb, "how far from its place a seed starts a body (m and rad)")
+      .showDefault()
+      .range(0.0, kMostPerturbed);
+  command.option("--ratio", q.ratio, "of the two values between which it breaks, where they need not be whole")
+      .showDefault()
+      .range(1.001, 2.0);
+  command.option("--dimension", o->dimension, "2 or 3; default: the scene's first");
+  command.option("--precision", o->precision, "f64 or f32").showDefault();
+  command.option("--param", o->params, "another parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
+  command.option("--steps", o->steps, "number of steps; default: the scene's");
+  command.option("--equal-cost", o->budget, "row updates per step: each method has as many $iterations as that allows");
+  command.flag("--timed", o->timed, "times the last value that holds, too");
+  command.option("--store", o->store, "SQLite file, made if absent; what it has is not run again").showDefault();
+  command.flag("--quiet", o->quiet, "no progress line");
+  command.footer(
+      "Example: lpc break vertical_stack --parameter n --to 64 --pipeline solver=split_solver --pipeline "
+      "solver=soft_step\n"
+      "         lpc break bridge --parameter n --to 64 --limit \"joint_error_max<0.01\" --pipeline solver=soft_step");
+  command.callback([o, &session] { breakScene(*o, session); });
+}
+
+LPC_COMMAND("break", addBreak);
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

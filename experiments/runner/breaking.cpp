@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/breaking.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "experiments/runner/metric_name.h"
+#include "experiments/runner/sweep_file.h"
+#include "experiments/trial/metric.h"
+#include "framework/names.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr double kGrid = 2;         // from rung to rung before the search
+constexpr double kSure = 1.959964;  // standard deviations of 95 %
+constexpr double kHalf = 0.5;       // of the seeds
+constexpr long kMostSeeds = 1000;
+
+// Five digits: what a label shows is what was run.
+double tidy(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 4);
+  return std::stod(asText(std::round(value / unit) * unit));
+}
+
+bool isNarrow(const BreakQuestion& q, bool whole, double a, double b) { return whole ? b - a <= 1 : b / a <= q.ratio; }
+
+double between(bool whole, double a, double b) { return whole ? a + std::floor((b - a) / 2) : tidy(std::sqrt(a * b)); }
+
+}  // namespace
+
+MetricLimit::MetricLimit(const std::string& given) : text(given) {
+  const std::size_t at = given.find_first_of("<>");
+  metric = given.substr(0, at);
+  const char *begin = given.data() + std::min(at, given.size() - 1) + 1, *end = given.data() + given.size();
+  const auto [read, error] = std::from_chars(begin, end, bound);
+  if (given.empty() || at == given.npos || error != std::errc() || read != end || !std::isfinite(bound)) {
+    throw UserError("'limit' is '" + given + "'; valid: METRIC<NUMBER or METRIC>NUMBER, such as joint_error_max<0.01");
+  }
+  below = given[at] == '<';
+  std::vector<std::string> valid;
+  for (const DescribedMetric& m : describeMetrics()) {
+    if (m.what != "metric" || m.kind != "world" || m.info.need == TrialNeed::timing) continue;
+    if (isMetric(m.info, metric)) return;
+    for (const std::string& name : namesOf(m.info)) valid.push_back(name);
+  }
+  throw UserError("'limit' names the metric '" + metric + "'" + validNames(valid, metric));
+}
+
+void BreakQuestion::check() const {
+  const auto fail = [&](const std::string& what) { throw UserError((place.empty() ? "" : place + ": ") + what); };
+  if (parameter.empty()) fail("a breaking point needs the name of a parameter");
+  if (!(from > 0) || !(to > from)) {
+    fail("'from' is " + asText(from) + " and 'to' " + asText(to) + "; valid: numbers above 0, 'to' the larger one");
+  }
+  if (seeds < 1 || seeds > kMostSeeds) fail("'seeds' is " + std::to_string(seeds) + "; valid: 1 to 1000");
+  if (!(ratio >= 1.001 && ratio <= kGrid)) fail("'ratio' is " + asText(ratio) + "; valid: 1.001 to 2");
+  if (!(perturb >= 0 && perturb <= kMostPerturbed)) {
+    fail("'perturb' is " + asText(perturb) + "; valid: 0 to " + asText(kMostPerturbed) + " (m and rad)");
+  }
+}
+
+std::vector<double> BreakQuestion::grid() const {
+  std::vector<double> out;
+  for (double x = from; x < to; x *= kGrid) out.push_back(x);
+  out.push_back(to);
+  return out;
+}
+
+int BreakQuestion::mostTried() const {
+  const double halves = std::max(std::log2(to), std::log2(std::log(kGrid) / std::log(ratio)));
+  return static_cast<int>(grid().size()) + std::max(0, static_cast<int>(std::ceil(halves)));
+}
+
+BreakQuestion readBreak(const toml::table& table, const std::string& file, const std::optional<BreakQuestion>& base) {
+  TableReader t(table, file, "'break'");
+  BreakQuestion out = base.value_or(BreakQuestion());
+  out.place = file + ":" + std::to_string(table.source().begin.line);
+  out.name = t.string("question", out.name), out.parameter = t.string("parameter", out.parameter);
+  out.from = t.number("from", out.from), out.to = t.number("to", out.to);
+  out.seeds = t.integer("seeds", out.seeds);
+  out.perturb = t.number("perturb", out.perturb), out.ratio = t.number("ratio", out.ratio);
+  out.falling = t.flag("falling", out.falling);
+  if (const toml::node* node = t.find("limit")) {
+    try {
+      out.limit.emplace(t.requireString("limit"));
+    } catch (const PlacedError&) {
+      throw;
+    } catch (const UserError& e) {
+      t.fail(*node, e.what());
+    }
+  }
+  t.finish();
+  return out;
+}
+
+ShareInterval wilson(long failed, long of) {
+  if (of == 0) return {0, 1};
+  const double n = static_cast<double>(of), p = static_cast<double>(failed) / n, z = kSure * kSure;
+  const double middle = (p + z / (2 * n)) / (1 + z / n);
+  const double half = kSure * std::sqrt(p * (1 - p) / n + z / (4 * n * n)) / (1 + z / n);
+  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
+}
+
+Broken judge(const BreakQuestion& q, std::vector<Rung> rungs) {
+  std::sort(rungs.begin(), rungs.end(), [](const Rung& a, const Rung& b) { return a.value < b.value; });
+  Broken out;
+  out.rungs = rungs;
+  if (q.falling) std::reverse(rungs.begin(), rungs.end());
+  std::optional<double> sureToHold, sureToFail;
+  bool sure = true;
+  for (const Rung& r : rungs) {
+    const ShareInterval share = wilson(r.failed, r.of);
+    sure = sure && share.high < kHalf;
+    if (sure) sureToHold = r.value;
+    if (!out.fell) {
+      (r.holds() ? out.held : out.fell) = r;
+    } else if (r.holds()) {
+      out.passesBeyond.push_back(r.value);
+    }
+    if (out.fell && !sureToFail && share.low > kHalf) sureToFail = r.value;
+  }
+  out.low = q.falling ? sureToFail : sureToHold, out.high = q.falling ? sureToHold : sureToFail;
+  return out;
+}
+
+std::vector<double> nextRungs(const BreakQuestion& q, bool whole, const std::vector<Rung>& known) {
+  std::vector<double> missing;
+  for (const double value : q.grid()) {
+    if (std::none_of(known.begin(), known.end(), [&](const Rung& r) { return r.value == value; })) {
+      missing.push_back(value);
+    }
+  }
+  if (!missing.empty()) return missing;
+  const Broken found = judge(q, known);
+  if (!found.held || !found.fell) return {};
+  const auto [a, b] = std::minmax(found.held->value, found.fell->value);
+  if (isNarrow(q, whole, a, b)) return {};
+  const double next = between(whole, a, b);
+  return next > a && next < b ? std::vector{next} : std::vector<double>();
+}
+
+nlohmann::json axisNumber(double value) {
+  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<long>(value);
+  return value;
+}
+
+void addLadder(PlannedSweep& sweep, Ladder ladder) {
+  const BreakQuestion& q = ladder.question;
+  q.check();
+  const long setting = sweep.calibration ? 1 : 0;
+  for (const double end : {q.from, q.to}) {
+    for (const PlannedTrial& t : ladder.plan({end, 1, setting, false})) ladder.keys += t.key;
+  }
+  if (sweep.calibration) ladder.plan({q.from, 1, sweep.calibration->most, false});
+  // `repeat = { i = "n" }` and iterations take whole numbers only.
+  if (q.from == std::floor(q.from) && q.to == std::floor(q.to)) {
+    try {
+      ladder.plan({q.from + 0.5, 1, setting, false});
+    } catch (const UserError&) {
+      ladder.whole = true;
+    }
+  }
+  ladder.keys += " " + asText(ladder.budget) + " " + q.title() + (q.limit ? q.limit->text : "");
+  for (const Ladder& other : sweep.ladders) {
+    if (other.keys == ladder.keys) return;
+    const BreakQuestion& o = other.question;
+    const bool same = o.parameter == q.parameter && o.falling == q.falling && o.seeds == q.seeds &&
+                      (o.limit ? o.limit->text : "") == (q.limit ? q.limit->text : "");
+    if (o.title() == q.title() && !same) {
+      throw UserError(q.place + ": two questions are called '" + q.title() +
+                      "'; valid: a name of its own, question = \"...\"");
+    }
+  }
+  sweep.ladders.push_back(std::move(ladder));
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Zlib
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "experiments/runner/breaking.h"
+#include "experiments/runner/store.h"
+#include "experiments/runner/sweep_file.h"
+#include "experiments/runner/worker_pool.h"
+#include "experiments/trial/trial.h"
+#include "framework/names.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+using RunRound = std::function<bool(const PlannedSweep&)>;
+
+// One value of a ladder on its way to a rung.
+struct Tried {
+  std::optional<long> setting;  // where the sweep is calibrated; 0: none meets the budget
+  std::vector<PlannedTrial> trials;
+  std::optional<Rung> rung;
+};
+
+struct Climb {
+  const Ladder* ladder;
+  std::map<double, Tried> tried;
+  std::string unsupported;
+  bool found = false;
+
+  std::vector<Rung> rungs() const {
+    std::vector<Rung> out;
+    for (const auto& [value, t] : tried) {
+      if (t.rung) out.push_back(*t.rung);
+    }
+    return out;
+  }
+};
+
+class Breaker {
+ public:
+  Breaker(PlannedSweep& sweep, Store& store, const std::function<bool(const std::string&)>& done)
+      : m_sweep(sweep), m_store(store), m_done(done) {
+    for (const Ladder& ladder : sweep.ladders) {
+      Climb& climb = m_climbs.emplace_back(Climb{&ladder, {}, ""});
+      const auto [from, to] = std::minmax(ladder.question.from, ladder.question.to);
+      const double easy = ladder.question.falling ? to : from;
+      const PlannedTrial first = ladder.plan({easy, 1, calibrated() ? 1 : 0, false}).at(0);
+      climb.unsupported = first.unsupported;
+      if (!first.unsupported.empty()) climb.tried[easy].trials = {first};
+    }
+  }
+
+  void search(const RunRound& run) {
+    for (bool goOn = true; goOn;) {
+      PlannedSweep round = m_sweep;
+      round.trials.clear(), round.calibrated.clear(), round.ladders.clear();
+      std::vector<std::pair<Climb*, double>> unset;
+      for (Climb& climb : m_climbs) {
+        if (InterruptGuard::interrupted()) return;  // planning a round takes its time
+        if (climb.unsupported.empty() && !climb.found) advance(climb, round.trials, unset);
+      }
+      if (!unset.empty()) {
+        goOn = calibrateAt(unset, round, run);
+      } else if (!round.trials.empty()) {
+        goOn = run(round);
+      } else {
+        return refuseUnknown();
+      }
+    }
+  }
+
+  void addTrials() {
+    std::set<std::string> planned;
+    for (Climb& climb : m_climbs) {
+      const Ladder& ladder = *climb.ladder;
+      Broken broken = judge(ladder.question, climb.rungs());
+      broken.axes = ladder.axes, broken.axes["question"] = ladder.question.title();
+      broken.unsupported = climb.unsupported, broken.stopped = climb.unsupported.empty() && !climb.found;
+      if (calibrated()) broken.axes["budget"] = ladder.budget;
+      if (climb.tried.empty()) climb.tried[ladder.question.from];
+      for (auto& [value, tried] : climb.tried) {
+        // Of a search that was stopped before it had its setting: a row without a result.
+        if (tried.trials.empty()) tried.trials = ladder.plan({value, 1, calibrated() ? 1 : 0, false});
+        for (const PlannedTrial& t : tried.trials) add(t, ladder, planned);
+      }
+      if (ladder.timed && broken.held && climb.found) {
+        const Tried& held = climb.tried.at(broken.held->value);
+        for (const PlannedTrial& t : ladder.plan({broken.held->value, 1, held.setting.value_or(0), true})) {
+          add(t, ladder, planned);
+        }
+      }
+      m_sweep.broken.push_back(std::move(broken));
+    }
+  }
+
+ private:
+  bool calibrated() const { return m_sweep.calibration.has_value(); }
+
+  // As far as the store knows. What it lacks goes to `trials`; values without a setting to `unset`.
+  void advance(Climb& climb, std::vector<PlannedTrial>& trials, std::vector<std::pair<Climb*, double>>& unset) {
+    for (bool known = true; known;) {
+      const std::vector<double> wanted = nextRungs(climb.ladder->question, climb.ladder->whole, climb.rungs());
+      climb.found = wanted.empty();
+      known = !climb.found;
+      for (const double value : wanted) {
+        Tried& tried = climb.tried[value];
+        if (calibrated() && !tried.setting) {
+          unset.emplace_back(&climb, value);
+          known = false;
+          continue;
+        }
+        if (tried.trials.empty()) tried.trials = seedsAt(*climb.ladder, value, tried.setting.value_or(0));
+        if (!tried.rung) tried.rung = measure(climb.ladder->question, value, tried.trials);
+        if (tried.rung) continue;
+        known = false;
+        trials.insert(trials.end(), tried.trials.begin(), tried.trials.end());
+      }
+    }
+  }
+
+  static std::vector<PlannedTrial> seedsAt(const Ladder& ladder, double value, long setting) {
+    std::vector<PlannedTrial> out;
+    for (long seed = 1; seed <= ladder.question.seeds; ++seed) {
+      if (InterruptGuard::interrupted()) throw Interrupted();
+      out.push_back(ladder.plan({value, seed, setting, false}).at(0));
+    }
+    return out;
+  }
+
+  // The setting of a rung is that of its first seed.
+  bool calibrateAt(const std::vector<std::pair<Climb*, double>>& unset, PlannedSweep round, const RunRound& run) {
+    round.trials.clear();
+    for (const auto& [climb, value] : unset) {
+      round.calibrated.push_back(
+          {climb->ladder->axes, {climb->ladder->budget}, [ladder = climb->ladder, at = value](long s) {
+             return std::vector{ladder->plan({at, 1, s, false}).at(0)};
+           }});
+    }
+    bool goOn = true;
+    calibrate(
+        round, m_store, [&](const PlannedSweep& part) { return goOn = run(part); }, m_done);
+    if (!goOn || InterruptGuard::interrupted()) return false;
+    for (std::size_t i = 0; i < unset.size(); ++i) {
+      const PlannedTrial& t = round.trials.at(i);
+      Tried& tried = unset[i].first->tried[unset[i].second];
+      tried.setting = t.axes.value(m_sweep.calibration->setting, 0L);
+      if (*tried.setting > 0) continue;
+      for (long seed = 1; seed <= unset[i].first->ladder->question.seeds; ++seed) {
+        PlannedTrial none = t;
+        none.axes["seed"] = none.canonical["seed"] = seed;
+        none.key = trialKey(none.canonical);
+        tried.trials.push_back(std::move(none));
+      }
+    }
+    return true;
+  }
+
+  // None while a trial is not in the store.
+  std::optional<Rung> measure(const BreakQuestion& q, double value, const std::vector<PlannedTrial>& trials) {
+    Rung rung;
+    rung.value = value, rung.of = static_cast<long>(trials.size());
+    std::vector<double> rows, all;
+    for (const PlannedTrial& t : trials) {
+      Store::Row row{"unsupported", t.unsupported, {}};
+      if (t.unsupported.empty()) {
+        const auto found = m_done(t.key) ? m_store.measured(t.key) : std::nullopt;
+        if (!found) return std::nullopt;
+        row = *found;
+      }
+      const std::string failure = failureOf(q, row);
+      rung.failed += !failure.empty();
+      if (rung.failure.empty()) rung.failure = failure;
+      const auto cost = row.metrics.find("work_row_updates");
+      if (cost == row.metrics.end() || !std::isfinite(cost->second)) continue;
+      all.push_back(cost->second);
+      if (failure.empty()) rows.push_back(cost->second);
+    }
+    rung.rows = quantile(rows.empty() ? all : rows, 0.5);
+    return rung;
+  }
+
+  // Empty: the trial holds.
+  std::string failureOf(const BreakQuestion& q, const Store::Row& row) {
+    if (row.outcome != "ok") return row.outcome + (row.reason.empty() ? "" : ": " + row.reason);
+    if (!q.limit) return "";
+    const auto it = row.metrics.find(q.limit->metric);
+    if (it == row.metrics.end() || !std::isfinite(it->second)) {
+      m_without.emplace(q.place, q.limit->metric);
+      return "a trial without " + q.limit->metric;
+    }
+    m_with.emplace(q.place, q.limit->metric);
+    return q.limit->holds(it->second) ? "" : fmt::format("{} is {:.4g}", q.limit->metric, it->second);
+  }
+
+  // A scene that has not what is limited would fail everywhere.
+  void refuseUnknown() const {
+    for (const auto& [place, metric] : m_without) {
+      if (m_with.count({place, metric})) continue;
+      throw UserError((place.empty() ? "" : place + ": ") + "'limit' is of '" + metric +
+                      "', which no trial of the scene has; valid: a metric that it measures");
+    }
+  }
+
+  // A row of a store has one key: a trial of two questions is marked in the second.
+  void add(PlannedTrial t, const Ladder& ladder, std::set<std::string>& planned) {
+    t.axes["question"] = ladder.question.title();
+    if (calibrated()) t.axes["budget"] = ladder.budget;
+    if (!planned.insert(t.key).second) {
+      t.canonical["question"] = t.axes;
+      t.key = trialKey(t.canonical);
+      planned.insert(t.key);
+    }
+    m_sweep.trials.push_back(std::move(t));
+  }
+
+  PlannedSweep& m_sweep;
+  Store& m_store;
+  const std::function<bool(const std::string&)>& m_done;
+  std::vector<Climb> m_climbs;
+  std::set<std::pair<std::string, std::string>> m_with, m_without;  // place and metric of a limit
+};
+
+}  // namespace
+
+void findBreaking(PlannedSweep& sweep, Store& store, const RunRound& run,
+                  const std::function<bool(const std::string& key)>& done) {
+  if (sweep.ladders.empty()) return;
+  Breaker breaker(sweep, store, done);
+  breaker.search(run);
+  breaker.addTrials();
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/runner/sweep_cell.h"
+
+#include <limits>
+
+#include "experiments/runner/sweep_axis.h"
+#include "framework/names.h"
+#include "framework/stages.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+double number(const std::string& axis, const json& value) {
+  if (!value.is_number()) throw UserError("axis '" + axis + "' is " + value.dump() + "; valid: numbers");
+  return value;
+}
+
+}  // namespace
+
+void collectNames(const Spec& spec, std::set<std::string>& out) {
+  out.insert(spec.name);
+  for (const auto& [key, value] : spec.fields) collectNames(value, out);
+}
+
+std::string readWorldAxes(const SceneFile& file, const json& axes, const std::set<std::string>& used, WorldCell& cell,
+                          std::map<std::string, std::string>& roles) {
+  std::string model;
+  for (const auto& [name, value] : axes.items()) {
+    roles.emplace(name, stageByName(name)      ? "stage"
+                        : file.parameter(name) ? "parameter"
+                        : used.count(name)     ? "setting"
+                                               : "run");
+    if (name == "scene") {
+    } else if (name == "dimension") {
+      cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));
+    } else if (name == "precision") {
+      cell.precision = valueText(value);
+    } else if (name == "dt") {
+      cell.dt = number(name, value);
+    } else if (name == "steps") {
+      cell.steps = wholeNumber(axes, name, 0, std::numeric_limits<long>::max());
+    } else if (name == "seed") {
+      cell.seed = static_cast<std::uint64_t>(wholeNumber(axes, name, 0, std::numeric_limits<long>::max()));
+    } else if (name == "model") {
+      model = valueText(value);
+    } else if (cell.params.count(name)) {
+    } else if (file.parameter(name)) {
+      cell.params[name] = number(name, value);
+    } else if (!used.count(name)) {
+      std::vector<std::string> valid = {"scene", "dimension", "precision", "dt", "steps", "seed", "model"};
+      for (const SceneParameter& p : file.parameters()) valid.push_back(p.name);
+      for (const StageInfo& stage : kStages) {
+        if (isWorldStage(stage)) valid.emplace_back(stage.name);
+      }
+      throw UserError("axis '" + name + "' means nothing for scene '" + file.name() + "'" + validNames(valid, name) +
+                      ", a table of pipelines, or $" + name + " in a pipeline");
+    }
+  }
+  return model;
+}
+
+PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const json& axes, bool timed,
+                         std::map<std::string, std::string>& roles, std::set<std::string>& names) {
+  json cell = axes;
+  cell["timed"] = timed, cell["repeat"] = 0;
+  const char* method = kind == "boxes" ? "broadphase" : "pair_query";
+  const std::set<std::string> known = {"dimension", "n",         "distribution", "drawing",    "frames",
+                                       "seed",      "precision", "broadphase",   "pair_query", "kind_a",
+                                       "kind_b",    "timed",     "repeat"};
+  for (const auto& [name, value] : cell.items()) {
+    if (!known.count(name)) throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + kind + "'");
+    if (axes.contains(name)) roles.emplace(name, name == method ? "stage" : "run");
+  }
+  if (axes.contains(method)) collectNames(Spec::parse(valueText(axes[method])), names);
+  return kind == "boxes" ? planner.boxes(std::move(cell)) : planner.pairs(std::move(cell));
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+// What the values of axes mean to a trial.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "experiments/runner/trial_plan.h"
+#include "framework/spec.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// The algorithms that a text names.
+void collectNames(const Spec& spec, std::set<std::string>& out);
+
+/// Of a trial of a world: its dimension, precision, dt, steps and seed, and its scene's parameters. `used` are the axes
+/// that mean something already. Tells each axis its role, and returns the model. Throws UserError for an axis that
+/// means nothing.
+std::string readWorldAxes(const SceneFile& file, const nlohmann::json& axes, const std::set<std::string>& used,
+                          WorldCell& cell, std::map<std::string, std::string>& roles);
+
+/// Of boxes and pairs: the axes are the trial.
+PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const nlohmann::json& axes, bool timed,
+                         std::map<std::string, std::string>& roles, std::set<std::string>& names);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Zlib
+// The search for breaking points on laws that are known, and the command that asks for one.
+#include "experiments/runner/breaking.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "experiments/runner/sweep_file.h"
+#include "tests/expect_caught.h"
+#include "tests/experiments/refused.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+using test::ask;
+using test::Outcome;
+using test::refused;
+using test::Workspace;
+
+BreakQuestion question(double from, double to, bool falling = false) {
+  BreakQuestion q;
+  q.parameter = "n", q.from = from, q.to = to, q.falling = falling;
+  return q;
+}
+
+// Of each value so many of five seeds fail.
+using Law = std::function<long(double)>;
+Broken climb(const BreakQuestion& q, bool whole, const Law& law, int* tried = nullptr) {
+  std::vector<Rung> known;
+  for (std::vector<double> next; !(next = nextRungs(q, whole, known)).empty();) {
+    for (const double value : next) {
+      Rung r;
+      r.value = value, r.failed = law(value), r.of = 5;
+      known.push_back(r);
+    }
+    EXPECT_LE(static_cast<int>(known.size()), q.mostTried()) << "the search does not end";
+    if (static_cast<int>(known.size()) > q.mostTried()) break;
+  }
+  if (tried) *tried = static_cast<int>(known.size());
+  return judge(q, known);
+}
+
+TEST(Breaking, WholeNumbersEndAtNeighbours) {
+  const auto isRight = [](const std::function<long(double, double)>& law) {
+    for (double breaks = 2; breaks <= 60; ++breaks) {
+      const Broken b = climb(question(1, 60), true, [&](double n) { return law(n, breaks); });
+      if (!b.held || !b.fell || b.held->value != breaks - 1 || b.fell->value != breaks) return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(isRight([](double n, double breaks) { return n < breaks ? 0 : 5; }));
+  EXPECT_TRUE(isRight([](double n, double breaks) { return n < breaks ? 2 : 3; })) << "half of the seeds";
+  test::expectCaught("two of five seeds are a failure", isRight([](double n, double breaks) {
+                       return n + 1 < breaks ? 0 : n < breaks ? 3 : 5;
+                     }));
+  EXPECT_FALSE(climb(question(1, 60), true, [](double) { return 0; }).fell);
+  const Broken none = climb(question(1, 60), true, [](double) { return 5; });
+  EXPECT_FALSE(none.held);
+  EXPECT_EQ(none.fell->value, 1);
+}
+
+TEST(Breaking, FallingAsksForTheSmallestThatHolds) {
+  for (double holds = 2; holds <= 60; ++holds) {
+    const Broken b = climb(question(1, 60, true), true, [&](double n) { return n >= holds ? 0 : 5; });
+    ASSERT_TRUE(b.held && b.fell);
+    EXPECT_EQ(b.held->value, holds);
+    EXPECT_EQ(b.fell->value, holds - 1);
+    EXPECT_EQ(*b.low, holds - 1);
+    EXPECT_EQ(*b.high, holds);
+  }
+}
+
+TEST(Breaking, RealsEndAsNearAsAsked) {
+  BreakQuestion q = question(1e-3, 10);
+  for (const double ratio : {1.5, 1.05, 1.001}) {
+    q.ratio = ratio;
+    const Broken b = climb(q, false, [](double x) { return x < 0.2345 ? 0 : 5; });
+    ASSERT_TRUE(b.held && b.fell);
+    EXPECT_LT(b.held->value, 0.2345);
+    EXPECT_GE(b.fell->value, 0.2345);
+    EXPECT_LE(b.fell->value / b.held->value, ratio);
+  }
+}
+
+// What holds beyond a failure is told; the lowest bracket is what is searched.
+TEST(Breaking, WhatIsNotMonotoneIsListed) {
+  const Broken b =
+      climb(question(1, 64), true, [](double n) { return n == 8 || n == 64 || n >= 20 ? n == 32 ? 0 : 5 : 0; });
+  EXPECT_EQ(b.held->value, 7);
+  EXPECT_EQ(b.fell->value, 8);
+  EXPECT_EQ(b.passesBeyond, (std::vector<double>{16, 32}));
+}
+
+// Half of the seeds fail between the last value below which all surely hold, and the first that surely fails.
+TEST(Breaking, TheIntervalIsThatOfTheShares) {
+  const Broken b = climb(question(1, 16), true, [](double n) { return n < 5 ? 0 : n < 7 ? 2 : n < 16 ? 3 : 5; });
+  EXPECT_EQ(b.held->value, 6);
+  EXPECT_EQ(*b.low, 4);
+  EXPECT_EQ(*b.high, 16);
+  const Broken open = climb(question(1, 16), true, [](double n) { return n < 5 ? 1 : 4; });
+  EXPECT_FALSE(open.low) << "one of five may be more than half of all";
+  EXPECT_FALSE(open.high);
+  // 95 % of 0 of 5 and of 5 of 10.
+  EXPECT_LT(wilson(0, kFewestSeeds).high, 0.5);
+  EXPECT_GT(wilson(0, kFewestSeeds - 1).high, 0.5);
+  EXPECT_NEAR(wilson(0, 5).high, 0.43448, 1e-4);
+  EXPECT_EQ(wilson(0, 5).low, 0);
+  EXPECT_NEAR(wilson(5, 10).low, 0.23659, 1e-4);
+  EXPECT_NEAR(wilson(5, 10).high, 0.76341, 1e-4);
+  EXPECT_EQ(wilson(0, 0).high, 1);
+}
+
+// As `lpc sweep`, with rows that a law writes in place of runs; stopped after `rounds` rounds.
+struct Searched {
+  std::vector<Broken> broken;
+  long asked = 0;
+};
+Searched search(const std::string& path, Store& store, const Law& law, int rounds = 100) {
+  PlannedSweep sweep = planSweeps(path, {}).at(0);
+  Searched out;
+  const auto done = [&](const std::string& key) { return store.outcome(key).has_value(); };
+  findBreaking(
+      sweep, store,
+      [&](const PlannedSweep& round) {
+        if (rounds-- <= 0) return false;
+        for (const PlannedTrial& t : round.trials) {
+          if (done(t.key)) continue;
+          TrialResult result;
+          const auto n = t.axes.at("n").get<double>();
+          if (t.axes.at("seed") <= law(n)) result.fail("crash", "its worker died", -1);
+          // An iteration costs as much as there are boxes.
+          result.metrics["work_row_updates"] = n * t.axes.value("iterations", 1.0);
+          store.put(t, result, timeStamp(), 0), ++out.asked;
+        }
+        return true;
+      },
+      done);
+  store.plan(sweep, true);
+  out.broken = sweep.broken;
+  return out;
+}
+
+const std::string kTower = R"(
+summary = "s"
+kind = "world"
+pipeline = "solver=split_solver{velocity=catto{iterations=$iterations},position=none}"
+break = { parameter = "n", from = 1, to = 24 }
+[axes]
+scene = "vertical_stack"
+)";
+
+TEST(Breaking, StoppedAnywhereItEndsAsIfItHadNotBeen) {
+  Workspace w;
+  const std::string equal =
+      "calibrate = { equal = \"cost\", metric = \"work_row_updates\", setting = \"iterations\", most = 64 }\nbudgets = "
+      "[120]\n";
+  const auto law = [](double n) { return n < 11 ? 1 : 4; };
+  for (const std::string& text : {kTower + "iterations = 10\n", equal + kTower}) {
+    const std::string path = w.write("s.toml", text);
+    Store whole(w.path(std::to_string(text.size()) + ".db"), true);
+    const Searched straight = search(path, whole, law);
+    ASSERT_EQ(straight.broken.size(), 1u);
+    EXPECT_EQ(straight.broken[0].held->value, 10) << "a worker that dies is a failure";
+    EXPECT_EQ(straight.broken[0].fell->value, 11);
+    EXPECT_EQ(straight.broken[0].fell->failure, "crash: its worker died");
+    EXPECT_EQ(search(path, whole, law).asked, 0);
+    for (const int rounds : {0, 1, 2, 3, 5}) {
+      SCOPED_TRACE(rounds);
+      const std::string name = w.path(std::to_string(text.size()) + "_" + std::to_string(rounds) + ".db");
+      Store store(name, true);
+      const Searched stopped = search(path, store, law, rounds);
+      EXPECT_NE(ask(name, "SELECT count(*) FROM planned"), "0") << "what is missing is told";
+      const Searched resumed = search(path, store, law);
+      EXPECT_EQ(stopped.asked + resumed.asked, straight.asked);
+      EXPECT_EQ(resumed.broken[0].held->value, 10);
+      EXPECT_EQ(ask(name, "SELECT count(*) FROM planned"),
+                ask(w.path(std::to_string(text.size()) + ".db"), "SELECT count(*) FROM planned"));
+    }
+  }
+}
+
+// What not even one iteration can pay for fails: 16 boxes cost 16, and the budget is 15.
+TEST(Breaking, WhatTheBudgetCannotPayForFails) {
+  Workspace w;
+  const std::string path =
+      w.write("s.toml",
+              "calibrate = { equal = \"cost\", metric = \"work_row_updates\", setting = \"iterations\", most = 64 }\n"
+              "budgets = [15]\n" +
+                  kTower);
+  Store store(w.path("s.db"), true);
+  const Searched found = search(path, store, [](double) { return 0; });
+  EXPECT_EQ(found.broken.at(0).held->value, 15);
+  EXPECT_EQ(found.broken.at(0).held->rows, 15);
+  EXPECT_NE(found.broken.at(0).fell->failure.find("iterations=1 costs 16"), std::string::npos)
+      << found.broken.at(0).fell->failure;
+}
+
+// A block on a slope slides n (n + 1) / 2 dt^2 g (sin a - friction cos a) in n steps.
+const std::string kSlope =
+    "break slope --parameter friction --falling --from 0.2 --to 0.8 --limit \"slope_distance<1\" "
+    "--steps 60 --seeds 1 --perturb 0 --ratio 1.01 --quiet --store b.db ";
+
+TEST(Breaking, TheCommandFindsWhatTheFormulaSays) {
+  Workspace w;
+  const std::string pipeline = "--pipeline solver=split_solver";
+  const Outcome out = w.lpc(kSlope + pipeline);
+  ASSERT_EQ(out.code, 0) << out.text;
+  const double a = std::atan(0.5), slide = 2 * 60. * 60 / (60 * 61),
+               friction = (std::sin(a) - slide / 10) / std::cos(a);
+  const std::string line = out.text.substr(out.text.find("\n  ") + 3);
+  const double held = std::stod(line);
+  EXPECT_GE(held, friction) << out.text;
+  EXPECT_LT(held, 1.01 * friction) << out.text;
+  EXPECT_NE(line.find(" holds; fewer than 4 seeds tell no interval; "), std::string::npos) << out.text;
+  EXPECT_NE(line.find(" 1 of 1 fail, slope_distance is 1."), std::string::npos) << out.text;
+
+  const std::string trials = ask(w.path("b.db"), "SELECT count(*) FROM trial");
+  EXPECT_EQ(trials, ask(w.path("b.db"), "SELECT count(*) FROM planned"));
+  const Outcome again = w.lpc(kSlope + pipeline);
+  EXPECT_EQ(again.text, out.text);
+  EXPECT_EQ(ask(w.path("b.db"), "SELECT count(*) FROM trial"), trials) << "a second run costs nothing";
+  const json about = json::parse(ask(w.path("b.db"), "SELECT roles FROM sweep"));
+  EXPECT_EQ(about["break"]["smallest friction"]["parameter"], "friction");
+  EXPECT_EQ(about["break"]["smallest friction"]["limit"], "slope_distance<1");
+  EXPECT_EQ(about["commands"][0][0], "break");
+  EXPECT_EQ(ask(w.path("b.db"), "SELECT count(*) FROM planned WHERE axes LIKE '%\"question\":\"smallest friction\"%'"),
+            trials);
+
+  const Outcome missing = w.lpc(kSlope + "--limit \"joint_error_max<1\" " + pipeline);
+  EXPECT_EQ(missing.code, 2) << missing.text;
+}
+
+TEST(Breaking, MistakesAreOneLine) {
+  Workspace w;
+  const std::string good = "break slope --parameter friction --from 0.2 --to 0.8 --store never.db ",
+                    pipeline = "--pipeline solver=split_solver ";
+  refused(w, good, {"--pipeline"});
+  refused(w, "break slope " + pipeline, {"--parameter"});
+  refused(w, "break slop --parameter n " + pipeline, {"slop"});
+  refused(w, "break slope --parameter frict --from 1 --to 2 " + pipeline, {"'frict'", "friction"});
+  refused(w, "break slope --parameter friction " + pipeline, {"--from", "0"});
+  refused(w, "break slope --parameter dt --from 0.01 " + pipeline, {"--to", "no parameter of scene 'slope'"});
+  refused(w, "break bridge --parameter joint " + pipeline, {"is a text"});
+  refused(w, "break slope --parameter friction --from 2 --to 1 " + pipeline, {"'from' is 2", "above 0"});
+  refused(w, "break slope --parameter friction --from 1 --to 11 " + pipeline, {"is 11", "0 to 10"});
+  refused(w, good + pipeline + "--param friction=1", {"--param friction is what is searched"});
+  refused(w, good + pipeline + "--limit slope_distance", {"'limit' is 'slope_distance'", "METRIC<NUMBER"});
+  refused(w, good + pipeline + "--limit \"slope_distanc<1\"", {"slope_distanc", "did you mean 'slope_distance'"});
+  refused(w, good + pipeline + "--limit \"ms_per_step_median<1\"", {"'limit' names the metric"});
+  refused(w, good + pipeline + "--seeds 0", {"--seeds", "1 to 1000"});
+  refused(w, good + pipeline + "--ratio 1", {"--ratio", "1.001 to 2"});
+  refused(w, good + pipeline + "--equal-cost 100", {"no $iterations"});
+  refused(w, good + "--pipeline solver=split_solverr", {"split_solverr"});
+}
+
+const std::string kSweep = R"(
+summary = "s"
+kind = "world"
+pipeline = "solver=split_solver{velocity=catto{iterations=$iterations},position=none}"
+)";
+
+TEST(Breaking, ASweepOfQuestions) {
+  Workspace w;
+  // Row updates of a pendulum are its iterations times a constant: six of them are 1200 % of the budget of half of one.
+  w.write("s.toml", kSweep + R"(
+[break]
+seeds = 1
+perturb = 0
+[[group]]
+break = { question = "most iterations", parameter = "iterations", from = 1, to = 40, limit = "work_row_updates<20" }
+axes = { scene = "pendulum", steps = 5 }
+[[group]]
+break = { question = "least friction", parameter = "friction", from = 0.2, to = 0.8, falling = true, limit = "slope_distance<1" }
+axes = { scene = "slope", iterations = 5, steps = 60 }
+)");
+  const Outcome plan = w.lpc("sweep s.toml --store s.db --dry-run");
+  EXPECT_NE(plan.text.find("2 searches for breaking points"), std::string::npos) << plan.text;
+  const Outcome out = w.lpc("sweep s.toml --store s.db --quiet");
+  ASSERT_EQ(out.code, 0) << out.text;
+  const auto most = [&](const std::string& where) {
+    return ask(w.path("s.db"),
+               "SELECT max(CAST(json_extract(p.axes, '$.iterations') AS INTEGER)) FROM planned p JOIN trial t ON p.key "
+               "= t.key "
+               "WHERE p.axes LIKE '%most iterations%' AND " +
+                   where);
+  };
+  EXPECT_EQ(most("1"), "40");
+  const std::string held = most("json_extract(t.metrics, '$.work_row_updates') < 20");
+  const std::string each = ask(w.path("s.db"),
+                               "SELECT json_extract(t.metrics, '$.work_row_updates') FROM planned p JOIN "
+                               "trial t ON p.key = t.key WHERE json_extract(p.axes, '$.iterations') = 1");
+  EXPECT_EQ(std::stol(held), static_cast<long>(std::ceil(20 / std::stod(each))) - 1);
+  const Outcome again = w.lpc("sweep s.toml --store s.db --quiet");
+  EXPECT_NE(again.text.find(" 0 run,"), std::string::npos) << again.text;
+}
+
+// Twice the boxes need twice the row updates: at equal cost a method has fewer iterations on a higher rung.
+TEST(Breaking, AtEqualCostEveryRungHasItsOwnSetting) {
+  Workspace w;
+  const Outcome out = w.lpc(
+      "break bridge --parameter n --from 2 --to 8 --steps 20 --seeds 2 --equal-cost 60 --quiet --store e.db "
+      "--pipeline 'solver=split_solver{velocity=catto{iterations=$iterations},position=none}'");
+  ASSERT_EQ(out.code, 0) << out.text;
+  const auto at = [&](int n, const std::string& what) {
+    return std::stod("0" + ask(w.path("e.db"), "SELECT " + what +
+                                                   " FROM planned p JOIN trial t ON p.key = t.key WHERE "
+                                                   "json_extract(p.axes, '$.n') = " +
+                                                   std::to_string(n)));
+  };
+  const std::string iterations = "json_extract(p.axes, '$.iterations')",
+                    rows = "json_extract(t.metrics, '$.work_row_updates')";
+  for (const int n : {2, 4, 8}) EXPECT_LE(at(n, "max(" + rows + ")"), 60) << n;
+  EXPECT_GT(at(2, iterations), at(4, iterations));
+  EXPECT_GT(at(4, iterations), at(8, iterations));
+}
+
+TEST(Breaking, MistakesInASweepNameTheLine) {
+  Workspace w;
+  const std::string axes = "[axes]\nscene = \"slope\"\niterations = 5\n";
+  const auto with = [](const std::string& fields) {
+    return "break = { parameter = \"friction\", from = 0.2, to = 0.8" + fields + " }\n";
+  };
+  const std::pair<std::string, test::Parts> cases[] = {
+      {"break = { from = 1, to = 2 }\n" + axes, {"s.toml:5: ", "name of a parameter"}},
+      {"break = { parameter = \"friction\" }\n" + axes, {"s.toml:5: ", "'from' is 0"}},
+      {with(", limit = \"slope_distance=1\"") + axes, {"s.toml:5: ", "METRIC<NUMBER"}},
+      {with(", step = 1") + axes, {"s.toml:5: ", "step"}},
+      {with(", seeds = 0") + axes, {"s.toml:5: ", "'seeds' is 0", "1 to 1000"}},
+      {with(", ratio = 1") + axes, {"s.toml:5: ", "'ratio' is 1", "1.001 to 2"}},
+      {with("") + axes + "friction = 0.5\n", {"s.toml:9: ", "'friction' is what 'break' searches"}},
+      {with("") + axes + "seed = [1, 2]\n", {"s.toml:9: ", "'seed' is what 'break' searches"}},
+      {with("") +
+           "calibrate = { equal = \"cost\", metric = \"ms_per_step_median\", setting = \"iterations\" }\ntimed = true\n"
+           "budgets = [1]\n[axes]\nscene = \"slope\"\n",
+       {"s.toml:", "a time; valid: a count"}}};
+  for (const auto& [text, parts] : cases) {
+    w.write("s.toml", kSweep + text);
+    refused(w, "sweep s.toml --store never.db", parts);
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
