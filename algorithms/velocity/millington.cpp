@@ -45,7 +45,9 @@ class Millington final : public VelocityResolver<D> {
                          {"order=worst_first: contacts elsewhere, that do not touch these",
                           "share their limit of impulses", "Replay.DisjointScenesAreTwoWorlds"},
                          {"a box that slides on four points", "it turns and runs up to 13 % too fast",
-                          "Slope.SlidesOrSaysThatItDoesNot"}},
+                          "Slope.SlidesOrSaysThatItDoesNot"},
+                         {"the same in the plane, on two points", "it slides another way",
+                          "Extrusion.AgreesOrSaysThatItDoesNot"}},
             .friction = FrictionLaw::coulomb};
   }
 

@@ -33,7 +33,9 @@ class NaiveVelocity final : public VelocityResolver<D> {
                      {"a stack at rest", "it trembles until it falls", "Rest.Stays"},
                      {"a heavy body on a light one", "one pass is far from the weight", "Impulse.CarriesHeavyOnLight"},
                      {"a box that slides on four points", "it hops and turns by half a per cent",
-                      "Slope.SlidesOrSaysThatItDoesNot"}},
+                      "Slope.SlidesOrSaysThatItDoesNot"},
+                     {"the same in the plane, on two points", "it slides another way",
+                      "Extrusion.AgreesOrSaysThatItDoesNot"}},
         .friction = FrictionLaw::coulomb};
   }
 

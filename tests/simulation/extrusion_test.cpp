@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Zlib
+// What happens in the plane happens to its prisms, under every solver. A face of a prism has four contact points where
+// that of its base has two: impulses are shared out otherwise, and what counts per contact counts twice. So methods
+// that sweep get the sweeps to agree, and those whose sub-steps sweep once, or whose contacts give, have a wider bound.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+#include <map>
+
+#include "tests/every_solver.h"
+#include "tests/expect_caught.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+constexpr Real kHalfDepth = 1;  // m: twice as deep as wide
+constexpr int kSteps = 60, kSweeps = 50;
+
+// Boxes in the plane, or prisms of their mass, 2 m deep, on a ground of 8 m.
+template <int D>
+struct Prisms {
+  World<D> world;
+  std::vector<Handle> boxes;
+  bool spoiled;  // a fiftieth of each mass sits at the ends of its box: another inertia than the plane's
+
+  explicit Prisms(const Spec& solver, bool spoil = false) : world(pipelineOf(solver)), spoiled(spoil) {}
+
+  static Pipeline pipelineOf(const Spec& solver) {
+    Pipeline p;
+    p[StageKind::solver] = solver;
+    return p;
+  }
+  BodyDef<D> prism(double halfWidth, double halfHeight, double x, double y, double angle, double friction,
+                   Real halfDepth) const {
+    Vec<D> half = Vec<D>::Constant(halfDepth);
+    half[0] = Real(halfWidth), half[1] = Real(halfHeight);
+    BodyDef<D> def = body<D>(Shape<D>::box(half), at<D>(x, y));
+    if constexpr (D == 2) {
+      def.X_WB.q = Rot<2>::angle(Real(angle));
+    } else {
+      def.X_WB.q = Rot<3>::vector({0, 0, Real(angle)});
+      def.shapes[0].density = 1 / (2 * halfDepth);
+    }
+    def.shapes[0].friction = Real(friction);
+    return def;
+  }
+  Handle ground(double halfWidth, double x, double y, double angle = 0, double friction = 0.5) {
+    BodyDef<D> def = prism(halfWidth, 1, x, y, angle, friction, 4 * kHalfDepth);
+    def.type = BodyType::fixed;
+    return world.add(def);
+  }
+  Handle box(double halfWidth, double halfHeight, double x, double y, double angle = 0) {
+    BodyDef<D> def = prism(halfWidth, halfHeight, x, y, angle, 0.5, kHalfDepth);
+    if (spoiled) spoil(def, halfWidth, halfHeight);
+    boxes.push_back(world.add(def));
+    return boxes.back();
+  }
+  static void spoil(BodyDef<D>& def, double halfWidth, double halfHeight) {
+    const Real radius = Real(0.01), volume = D == 3 ? Real(4.0 / 3 * 3.14159265) * radius * radius * radius : 0;
+    for (int side : {-1, 1}) {
+      ShapeDef<D> ball{.shape = Shape<D>::sphere(radius)};
+      ball.X_BS.p = at<D>(side * halfWidth, 0);
+      ball.density = Real(0.04 * halfWidth * halfHeight) / volume, ball.mask = 0;
+      def.shapes.push_back(ball);
+    }
+    def.shapes[0].density *= Real(0.98);
+  }
+};
+
+template <int D>
+void stack(Prisms<D>& s) {
+  s.ground(20, 0, -1);
+  for (int i = 0; i < 4; ++i) s.box(0.5, 0.25, 0.05 * (i % 2), 0.25 + 0.501 * i);
+}
+template <int D>
+void slope(Prisms<D>& s) {  // of 30 degrees, mu 0.3
+  const double angle = 0.5235987755982988, mu = 0.3;
+  s.ground(20, -std::sin(angle), -std::cos(angle), -angle, mu * mu / 0.5);
+  s.box(0.5, 0.25, 0.25 * std::sin(angle), 0.25 * std::cos(angle), -angle);
+}
+template <int D>
+void edge(Prisms<D>& s) {  // its centre is beyond that of a table
+  s.ground(2, -2, -1);
+  s.box(0.5, 0.25, 0.1, 0.25);
+}
+template <int D>
+void hinges(Prisms<D>& s) {  // two in a row, let go level
+  const Handle post = s.ground(0.1, 0, 5), first = s.box(0.3, 0.1, 0.3, 3), second = s.box(0.3, 0.1, 0.9, 3);
+  s.world.add(JointDef<D>{.kind = "hinge", .bodyA = post, .bodyB = first, .X_WJ = {at<D>(0, 3), {}}});
+  s.world.add(JointDef<D>{.kind = "hinge", .bodyA = first, .bodyB = second, .X_WJ = {at<D>(0.6, 3), {}}});
+}
+
+struct Scene {
+  const char* name;
+  void (*flat)(Prisms<2>&);
+  void (*deep)(Prisms<3>&);
+  double swept, substepped;  // bounds of what prisms are apart from their bases, m
+};
+// Farthest of those that sweep, scene by scene: jacobi; admm, to rounding; catto's symmetric sweeps; avbd, whose
+// penalties are of the mean of D directions. Of the others tgs_ngs, xpbd and xpbd; their hinges agree to rounding.
+const Scene kScenes[] = {{"stack", stack<2>, stack<3>, 2e-3, 8e-3},
+                         {"slope", slope<2>, slope<3>, 1e-10, 8e-4},
+                         {"edge", edge<2>, edge<3>, 4e-4, 5e-2},
+                         {"hinges", hinges<2>, hinges<3>, 8e-6, 1e-12}};
+
+// Of the body that is farthest off: in metres, its turn as the way of a point half a metre from its centre.
+double apart(const Prisms<2>& flat, const Prisms<3>& deep) {
+  double most = 0;
+  for (std::size_t i = 0; i < flat.boxes.size(); ++i) {
+    const Pose<2> p = flat.world.pose(flat.boxes[i]);
+    const Pose<3> q = deep.world.pose(deep.boxes[i]);
+    Mat<3> turn = Mat<3>::Identity();
+    turn.topLeftCorner<2, 2>() = p.q.matrix();
+    const double way = (q.p - at<3>(p.p[0], p.p[1])).norm(), turned = (q.q.matrix() - turn).norm() / std::sqrt(2.0);
+    if (!std::isfinite(way + turned)) return std::numeric_limits<double>::infinity();
+    most = std::max(most, way + turned / 2);
+  }
+  return most;
+}
+double mostApart(const Spec& solver, const Scene& scene, bool spoil = false) {
+  Prisms<2> flat(solver);
+  Prisms<3> deep(solver, spoil);
+  scene.flat(flat), scene.deep(deep);
+  double most = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    flat.world.step(kDt), deep.world.step(kDt);
+    most = std::max(most, apart(flat, deep));
+  }
+  return most;
+}
+
+// With so many sweeps; also its parts. Contacts that share a limit of moves share it among twice as many in space.
+Spec often(StageKind stage, Spec spec) {
+  const Registered& method = Registry::instance().find(stage, 3, spec.name);
+  for (const ParamInfo& p : method.params) {
+    if (p.name == "iterations" || p.name == "iteration_factor") spec.set(p.name, {std::to_string(kSweeps), {}});
+    if (p.name == "epsilon") spec.set(p.name, {"0", {}});
+    if (!p.stage || (p.stage->kind != StageKind::velocity && p.stage->kind != StageKind::position)) continue;
+    const Spec* given = spec.find(p.name);
+    spec.set(p.name, often(p.stage->kind, given ? *given : Spec::parse(p.defaultText)));
+  }
+  return spec;
+}
+bool substeps(const Spec& solver) {
+  const auto& params = Registry::instance().find(StageKind::solver, 3, solver.name).params;
+  return std::any_of(params.begin(), params.end(), [](const ParamInfo& p) { return p.name == "substeps"; });
+}
+
+// Who declares that it does not agree must be seen to fail; and of each bound more than a quarter is used, but of those
+// that are rounding.
+TEST(Extrusion, AgreesOrSaysThatItDoesNot) {
+  std::map<std::pair<std::string, bool>, double> used;
+  for (const std::string& text : everySolver<3>()) {
+    const bool told = declares<3>(text, "Extrusion.AgreesOrSaysThatItDoesNot");
+    const Spec spec = Spec::parse(text);
+    const bool single = substeps(spec);
+    bool agrees = true;
+    std::string found;
+    for (const Scene& scene : kScenes) {
+      const double error = mostApart(single ? spec : often(StageKind::solver, spec), scene);
+      agrees = agrees && error <= (single ? scene.substepped : scene.swept);
+      found += std::string(scene.name) + ' ' + std::to_string(error * 1e6) + " um, ";
+      double& most = used[{scene.name, single}];
+      if (!told) most = std::max(most, error);
+      if (std::getenv("LPC_PRINT_ANSWERS")) std::printf("%s %s %.3g\n", text.c_str(), scene.name, error);
+    }
+    EXPECT_EQ(agrees, !told) << text << ": " << found;
+  }
+  for (const Scene& scene : kScenes) {
+    for (const bool single : {false, true}) {
+      const double bound = single ? scene.substepped : scene.swept;
+      EXPECT_TRUE((bound < 1e-9 || used[{scene.name, single}] > bound / 4)) << scene.name << single;
+    }
+  }
+}
+
+// Three hundredths more inertia than in the plane: seen where boxes turn.
+TEST(Extrusion, SeesAnotherInertia) {
+  for (const char* text : {"split_solver", "soft_step"}) {
+    const Spec spec = Spec::parse(text);
+    const Scene& turns = kScenes[3];
+    const double bound = substeps(spec) ? turns.substepped : turns.swept;
+    expectCaught("Extrusion inertia " + std::string(text),
+                 mostApart(substeps(spec) ? spec : often(StageKind::solver, spec), turns, true) <= bound);
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
