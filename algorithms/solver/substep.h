@@ -34,6 +34,7 @@ struct Push {
   Feedback contact, contactFixed, joint;  // contactFixed: nothing gives way on one side, so the other may be stiffer
   Real slop = 0;                          // m, of contacts
   Real maxSpeed = 0;                      // m/s, of contacts
+  bool softGaps = false;                  // springs also stop what closes a gap: a law without a jump at touch
 };
 
 /// The springs of sub-steps of h, those of joints twice as stiff as those of contacts.
@@ -208,8 +209,8 @@ class Substeps {
           bias = s / m_h;
         } else if (feedback.rate > 0) {
           bias = std::max(feedback.rate * std::min(s + push.slop, Real(0)), -push.maxSpeed);
-          massScale = feedback.massScale, impulseScale = feedback.impulseScale;
         }
+        if (!(s > 0) || push.softGaps) massScale = feedback.massScale, impulseScale = feedback.impulseScale;
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
         const Real old = row.impulse[0];
         const Real wanted = old - massScale * row.normal.mass * (v + bias) - impulseScale * old;
