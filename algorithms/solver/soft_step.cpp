@@ -57,7 +57,7 @@ class SoftStep final : public Solver<D> {
       m_substeps.relax(in, m_params.relax);
       m_substeps.end();
     }
-    m_substeps.finish(in, false);
+    m_substeps.finish(in);
   }
 
  private:

@@ -143,10 +143,9 @@ class Substeps {
     }
   }
 
-  /// Restitution, then the impulses, which are those of a whole step as in every other solver. `rub` false: where a
-  /// bounce lowers a normal impulse, friction stays as it was, outside of its cone.
-  void finish(const StepInput<D>& in, bool rub = true) {
-    if (in.features.restitution) bounce(in, rub);
+  /// Restitution, then the impulses, which are those of a whole step as in every other solver.
+  void finish(const StepInput<D>& in) {
+    if (in.features.restitution) bounce(in);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       for (int k = 0; k < m.count; ++k) {
         for (Real& x : m_contacts.points[static_cast<std::size_t>(m.first + k)].impulse) x *= m_count;
@@ -228,7 +227,7 @@ class Substeps {
     }
   }
 
-  void bounce(const StepInput<D>& in, bool rub) {
+  void bounce(const StepInput<D>& in) {
     const bool rotation = in.features.rotation;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
@@ -243,7 +242,7 @@ class Substeps {
         const Real old = row.impulse[0];
         row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
-        if (rub && m.friction > 0 && row.impulse[0] < old) rubAt(m, row, a, b, rotation);
+        if (m.friction > 0 && row.impulse[0] < old) rubAt(m, row, a, b, rotation);
         ++in.work[WorkCount::rowUpdates];
       }
     }

@@ -231,6 +231,7 @@ void softly(RowProblem<D>& p, const VelocityInput<D>& in, int substeps) {
     if (e > 0 && arrival[k] < -in.restitutionThreshold && largest[k] > 0) {
       c.impulse[0] = std::max(Real(0), old - (p.speed(c, 0) + e * arrival[k]) / p.response(c, 0, 0));
       p.apply(c, 0, c.impulse[0] - old);
+      if (c.impulse[0] < old) p.rub(c);
     }
   }
   for (RowContact<D>& c : p.contacts) {  // as of a whole step

@@ -224,6 +224,27 @@ void rests() {
 TEST(SolverConformance, RestingBoxRests2) { rests<2>(); }
 TEST(SolverConformance, RestingBoxRests3) { rests<3>(); }
 
+// Two contacts of one sliding body, of which the first bounces and lifts the second: where load goes, friction goes.
+template <int D>
+void bouncesKeepTheCone() {
+  for (const std::string& text : everySolver<D>()) {
+    const auto solver = createStage<Solver<D>>(Spec::parse(text));
+    ImpactScene<D> s;
+    s.add(0, Ang<D>::Zero(), {});
+    const Vec<D> x = Vec<D>::Unit(0), y = Vec<D>::Unit(1);
+    s.add(1, Ang<D>::Constant(Real(0.5)), {y / 2, {}}, {8 * x - 4 * y, Ang<D>::Zero()});
+    s.field.gravity = Real(-9.81) * y;
+    for (const Real side : {Real(0.4), Real(-0.4)}) s.touch(0, 1, y, side * x, 0, Real(0.5), side > 0 ? 1 : Real(0.05));
+    s.step(*solver);
+    for (const Manifold<D>& m : s.manifolds) {
+      const auto& impulse = m.points[0].impulse;
+      EXPECT_LE(std::abs(impulse[1]), Real(0.5) * impulse[0] + 100 * kEps) << text << ' ' << D << 'D';
+    }
+  }
+}
+TEST(SolverConformance, BouncesKeepTheCone2) { bouncesKeepTheCone<2>(); }
+TEST(SolverConformance, BouncesKeepTheCone3) { bouncesKeepTheCone<3>(); }
+
 // Features that are off cost nothing and do nothing.
 TEST(SolverConformance, FeaturesAreObeyed) {
   for (const char* text : {"split_solver", "soft_step", "split_solver{velocity=millington}"}) {
