@@ -43,6 +43,7 @@ NOT_RUN = {
     "python3 tests/fuzz/target.py build/sanitize/bin/scene_fuzz . build/sanitize/fuzz -max_total_time=7200":
         "two hours, of another build; its tests run the same",
     "lpc verify --cases results/verify.db.found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
+    "reports/claims.py --into docs/claims.md": "reports_claims runs the same",
 }
 # The same in a second or two.
 INSTEAD = {

@@ -108,6 +108,21 @@ TEST(FieldScenes, FrictionRampParts) {
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(p.moved(4 + i) < 0.05, i < 3) << i << ": " << p.moved(4 + i) << " m";
 }
 
+// M v^2 / (2 mu g (m + M)) on the plank, half a step's way aside, and together with m v / (m + M) from then on.
+template <int D>
+void stopsOnThePlank(Real heading) {
+  Play<D> play("plank", {{"heading", double(heading)}, {"mass", 2.0}});
+  play.steps(60);
+  const Handle plank = play.body("plank"), block = play.body("block");
+  Vec<D> ahead = Vec<D>::Unit(0);
+  if constexpr (D == 3) ahead = {std::cos(heading), 0, std::sin(heading)};
+  const Vec<D> way = play.world.pose(block).p - play.world.pose(plank).p - Vec<D>::Unit(1) * Real(0.625);
+  EXPECT_LT((way - 0.6 * ahead).norm(), 0.03);
+  EXPECT_LT((play.world.motion(plank).v - ahead).norm(), 1e-6);
+  EXPECT_LT((play.world.motion(block).v - ahead).norm(), 1e-6);
+}
+TEST(FieldScenes, ThePlankTakesTheBlocksMomentum) { stopsOnThePlank<2>(0), stopsOnThePlank<3>(0.4); }
+
 // When the heavy one is gone, the two below must not jump: not by more than the depth that its weight had pressed.
 TEST(FieldScenes, WarmStartEnergyDoesNotPop) {
   const Played<2> before("warm_start_energy", {{"remove", 1000}}, 120),
