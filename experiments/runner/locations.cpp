@@ -59,6 +59,21 @@ std::string findToml(const std::string& folder, const std::string& nameOrPath) {
                   validNames(names, nameOrPath));
 }
 
+std::string findProblems(const std::string& nameOrPath) {
+  std::error_code ignored;
+  if (fs::is_regular_file(nameOrPath, ignored)) return nameOrPath;
+  const fs::path folder = fs::path(homeDirectory()) / "experiments" / "problems";
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() != ".json") continue;
+    if (entry.path().stem() == nameOrPath) return entry.path().string();
+    names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  throw UserError("there is no file '" + nameOrPath + "' and nothing of that name in experiments/problems" +
+                  validNames(names, nameOrPath));
+}
+
 std::string workerPath(const std::string& precision, bool engine) {
   if (precision != "f64" && precision != "f32") {
     throw UserError("unknown precision '" + precision + "'; valid: f64, f32");

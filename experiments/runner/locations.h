@@ -17,6 +17,8 @@ std::vector<std::string> listToml(const std::string& folder);
 std::vector<std::string> chartsOfSweeps();
 /// A path that exists, or experiments/<folder>/NAME.toml. Throws UserError with the valid names.
 std::string findToml(const std::string& folder, const std::string& nameOrPath);
+/// A path that exists, or experiments/problems/*.json. Throws UserError with the valid names.
+std::string findProblems(const std::string& nameOrPath);
 /// lpc-worker-<precision> beside this program, or lpc-engine-worker-<precision>, which has engines and no witnesses.
 /// Throws UserError when it was not built.
 std::string workerPath(const std::string& precision, bool engine = false);

@@ -65,15 +65,14 @@ PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const json& 
                          std::map<std::string, std::string>& roles, std::set<std::string>& names) {
   json cell = axes;
   cell["timed"] = timed, cell["repeat"] = 0;
-  const char* method = kind == "boxes" ? "broadphase" : "pair_query";
-  const std::set<std::string> known = {"dimension", "n",         "distribution", "drawing",    "frames",
-                                       "seed",      "precision", "broadphase",   "pair_query", "kind_a",
-                                       "kind_b",    "timed",     "repeat"};
+  const char* method = kind == "boxes" ? "broadphase" : kind == "pairs" ? "pair_query" : "velocity";
   for (const auto& [name, value] : cell.items()) {
-    if (!known.count(name)) throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + kind + "'");
+    if (!isFrozenAxis(kind, name))
+      throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + kind + "'");
     if (axes.contains(name)) roles.emplace(name, name == method ? "stage" : "run");
   }
   if (axes.contains(method)) collectNames(Spec::parse(valueText(axes[method])), names);
+  if (kind == "problems") return planner.problems(std::move(cell));
   return kind == "boxes" ? planner.boxes(std::move(cell)) : planner.pairs(std::move(cell));
 }
 

@@ -20,7 +20,7 @@ void collectNames(const Spec& spec, std::set<std::string>& out);
 std::string readWorldAxes(const SceneFile& file, const nlohmann::json& axes, const std::set<std::string>& used,
                           WorldCell& cell, std::map<std::string, std::string>& roles);
 
-/// Of boxes and pairs: the axes are the trial.
+/// Of boxes, pairs and problems: the axes are the trial.
 PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const nlohmann::json& axes, bool timed,
                          std::map<std::string, std::string>& roles, std::set<std::string>& names);
 

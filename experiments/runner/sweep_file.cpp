@@ -46,8 +46,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     TableReader top(m_table, m_path, "the sweep");
     m_out.summary = top.requireString("summary"), m_out.baseline = top.string("baseline", "");
     m_kind = m_out.kind = top.requireString("kind");
-    if (m_kind != "world" && m_kind != "boxes" && m_kind != "pairs") {
-      top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'" + validNames({"world", "boxes", "pairs"}, m_kind));
+    const std::vector<std::string> kinds = {"world", "boxes", "pairs", "problems"};
+    if (std::find(kinds.begin(), kinds.end(), m_kind) == kinds.end()) {
+      top.fail(*top.find("kind"), "unknown kind '" + m_kind + "'" + validNames(kinds, m_kind));
     }
     m_twice = top.string("twice", "");
     m_out.wallLimit = limit(top, "wall_limit", m_out.wallLimit);
@@ -295,8 +296,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     const auto add = [&](bool clocked, long repeats) {
       PlannedTrial trial;
       try {
-        trial = m_kind == "world" ? world(s, at, axes, clocked, names)
-                                  : frozenTrial(*m_planner, m_kind, axes, clocked, m_out.roles, names);
+        trial = m_kind == "world" ? world(s, at, axes, clocked, names) : frozen(axes, clocked, names);
       } catch (const UserError& e) {
         if (std::string_view(e.what()).find(".toml:") != std::string_view::npos) throw;
         failInCell(e.what(), s, at, where);
@@ -304,6 +304,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       trial.axes = axes;
       trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
       if (m_kind == "world") trial.axes["scene"] = trial.canonical["scene"];
+      if (m_kind == "problems") trial.axes["dimension"] = trial.canonical["dimension"];
       trial.axes["timed"] = clocked;
       for (long r = 0; r < repeats; ++r) {  // planned once: 65,536 repeats took 14 s
         trial.axes["repeat"] = trial.canonical["repeat"] = r;
@@ -400,13 +401,20 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     return trial;
   }
 
-  // A scene file that lies beside the sweep file comes before the ones in experiments/scenes.
-  std::string beside(const std::string& scene) const {
+  PlannedTrial frozen(json axes, bool timed, std::set<std::string>& names) {
+    if (m_kind == "problems" && axes.contains("problems")) {
+      axes["problems"] = beside(valueText(axes["problems"]), ".json");
+    }
+    return frozenTrial(*m_planner, m_kind, axes, timed, m_out.roles, names);
+  }
+
+  // A file that lies beside the sweep file comes before the ones in experiments/.
+  std::string beside(const std::string& given, const char* ending = ".toml") const {
     const auto folder = std::filesystem::path(m_path).parent_path();
-    for (const std::string& name : {scene, scene + ".toml"}) {
+    for (const std::string& name : {given, given + ending}) {
       if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
     }
-    return scene;
+    return given;
   }
 
   std::string m_path, m_kind;

@@ -2,6 +2,7 @@
 #include "experiments/runner/trial_plan.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 
 #include "experiments/parse/toml_reader.h"
@@ -9,6 +10,8 @@
 #include "experiments/runner/locations.h"
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/pair_drawing.h"
+#include "experiments/trial/problems_metrics.h"
+#include "framework/names.h"
 #include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -18,6 +21,7 @@ using nlohmann::json;
 
 constexpr int kSchema = 1;
 constexpr long kMaxItems = 10000000;  // boxes, frames or pairs of one trial
+constexpr long kMaxCurve = 100000;    // iterations of a problem's trial, which solves it with each number up to there
 
 bool existsIn(StageKind stage, int dimension, const std::string& name) {
   return Registry::instance().all().count({stage, dimension, name}) > 0;
@@ -128,6 +132,15 @@ void canonicalEntry(json& cell, const char* axis, const std::vector<Entry>& tabl
 
 }  // namespace
 
+bool isFrozenAxis(const std::string& kind, const std::string& axis) {
+  static const std::map<std::string, std::set<std::string>> kAxes = {
+      {"boxes", {"dimension", "n", "distribution", "frames", "broadphase", "seed"}},
+      {"pairs", {"dimension", "n", "drawing", "pair_query", "kind_a", "kind_b", "seed"}},
+      {"problems", {"problems", "problem", "velocity", "start", "order", "friction", "iterations"}}};
+  static const std::set<std::string> kAll = {"precision", "timed", "repeat"};
+  return kAll.count(axis) || kAxes.at(kind).count(axis);
+}
+
 long wholeNumber(const json& axes, const std::string& name, long lo, long hi) {
   const json& value = axes.at(name);
   if (!value.is_number_integer() || value < lo || value > hi) {
@@ -235,6 +248,47 @@ PlannedTrial Planner::boxes(json cell) {
   json code = json::object();
   Spec spec = Spec::parse(text(cell, "broadphase"));
   cell["broadphase"] = canonicalStage(code, out.unsupported, StageKind::broadphase, spec, cell["dimension"]);
+  cell["code"] = code;
+  out.canonical = std::move(cell);
+  seal(out);
+  return out;
+}
+
+PlannedTrial Planner::problems(json cell) {
+  cell["kind"] = "problems";
+  require(cell, {"problems", "velocity"});
+  cell.emplace("problem", 0), cell.emplace("iterations", 50), cell.emplace("start", "warm");
+  cell.emplace("order", "recorded"), cell.emplace("friction", "on");
+  cell.emplace("repeat", 0), cell.emplace("timed", false), cell.emplace("precision", "f64");
+  requirePrecision(text(cell, "precision"));
+  wholeNumber(cell, "iterations", 0, kMaxCurve);
+  const std::pair<const char*, std::vector<std::string>> choices[] = {
+      {"start", {"warm", "cold"}}, {"order", {"recorded", "coloured"}}, {"friction", {"on", "off"}}};
+  for (const auto& [axis, valid] : choices) {
+    if (std::find(valid.begin(), valid.end(), text(cell, axis)) != valid.end()) continue;
+    throw UserError("axis '" + std::string(axis) + "' is " + cell[axis].dump() + validNames(valid, text(cell, axis)));
+  }
+  PlannedTrial out;
+  out.sceneFile = findProblems(text(cell, "problems"));
+  auto it = m_problems.find(out.sceneFile);
+  if (it == m_problems.end()) {
+    const std::string bytes = readFile(out.sceneFile);
+    it = m_problems.emplace(out.sceneFile, std::pair(hexHash(bytes), ProblemFile::parse(bytes, out.sceneFile))).first;
+  }
+  const ProblemFile& file = it->second.second;
+  wholeNumber(cell, "problem", 0, static_cast<long>(file.size()) - 1);
+  cell["problems"] = std::filesystem::path(out.sceneFile).stem().string(), cell["problems_hash"] = it->second.first;
+  cell["dimension"] = file.dimension;
+  json code = json::object();
+  Spec spec = Spec::parse(text(cell, "velocity"));
+  if (existsIn(StageKind::solver, file.dimension, spec.name)) {
+    out.unsupported = spec.name + " owns its loop: it integrates between its sweeps and has no velocity problem";
+  } else {
+    cell["velocity"] = canonicalStage(code, out.unsupported, StageKind::velocity, spec, file.dimension);
+    for (const char* reference : kReferenceResolvers) {
+      code.update(codeHashes(StageKind::velocity, Spec::parse(reference), file.dimension));
+    }
+  }
   cell["code"] = code;
   out.canonical = std::move(cell);
   seal(out);

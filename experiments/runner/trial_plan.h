@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/trial/problem_file.h"
 #include "experiments/trial/scene_file.h"
 #include "framework/registry.h"
 
@@ -49,6 +50,8 @@ class Planner {
   PlannedTrial world(const std::string& scene, const WorldCell& cell);
   PlannedTrial boxes(nlohmann::json cell);
   PlannedTrial pairs(nlohmann::json cell);
+  /// A velocity resolver on a problem of a file; the dimension is the file's.
+  PlannedTrial problems(nlohmann::json cell);
 
  private:
   struct Defaults {
@@ -62,7 +65,11 @@ class Planner {
                         std::string& unsupported);
   std::map<std::string, SceneFile> m_scenes;
   std::map<std::string, Defaults> m_built;
+  std::map<std::string, std::pair<std::string, ProblemFile>> m_problems;  // with the hash of the bytes
 };
+
+/// Whether a sweep of a kind without a world has such an axis.
+bool isFrozenAxis(const std::string& kind, const std::string& axis);
 
 /// The whole number that an axis holds. Throws UserError when it holds something else or is out of range.
 long wholeNumber(const nlohmann::json& axes, const std::string& name, long lo, long hi);

@@ -14,6 +14,7 @@ std::vector<DescribedMetric> describeMetrics() {
   describeWorldMetrics(out);
   describeBoxesMetrics(out);
   describePairsMetrics(out);
+  describeProblemsMetrics(out);
   out.push_back(kLoad);
   return out;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What trials measure describes itself: each metric and each series is one entry of its kind's table
-// (world_metrics.cpp, boxes_trial.cpp, pairs_metrics.cpp), which says what it is and computes it. The words travel with
-// the store.
+// (world_metrics.cpp, boxes_trial.cpp, pairs_metrics.cpp, problems_metrics.cpp), which says what it is and computes it.
+// The words travel with the store.
 #pragma once
 
 #include <limits>
@@ -71,5 +71,6 @@ std::string_view roleName(MetricRole role);
 void describeWorldMetrics(std::vector<DescribedMetric>& out);
 void describeBoxesMetrics(std::vector<DescribedMetric>& out);
 void describePairsMetrics(std::vector<DescribedMetric>& out);
+void describeProblemsMetrics(std::vector<DescribedMetric>& out);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -15,6 +15,7 @@ TrialResult runTrial(const json& request) {
   const std::string kind = request.at("trial").at("kind");
   if (kind == "world") return runWorldTrial(request);
   if (kind == "boxes") return runBoxesTrial(request);
+  if (kind == "problems") return runProblemsTrial(request);
   if (kind == "pairs") {
 #ifdef LPC_HAS_ORACLES
     return runPairsTrial(request);
@@ -24,7 +25,7 @@ TrialResult runTrial(const json& request) {
     return out;
 #endif
   }
-  throw UserError("unknown trial kind '" + kind + "'; valid: world, boxes, pairs");
+  throw UserError("unknown trial kind '" + kind + "'; valid: world, boxes, pairs, problems");
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -25,13 +25,15 @@ struct TrialResult {
   }
 };
 
-/// {"trial": {...what the key is made of...}, "scene_file": PATH, "plugins": [...], "profile": PATH, "record": PATH,
+/// {"trial": {...what the key is made of...}, "scene_file": PATH of scene or problems, "plugins": [...], "profile":
+/// PATH, "record": PATH,
 ///  "progress": bool}. Throws UserError for requests that make no sense.
 TrialResult runTrial(const nlohmann::json& request);
 
 TrialResult runWorldTrial(const nlohmann::json& request);
 TrialResult runBoxesTrial(const nlohmann::json& request);
 TrialResult runPairsTrial(const nlohmann::json& request);
+TrialResult runProblemsTrial(const nlohmann::json& request);
 
 nlohmann::json toJson(const TrialResult& result);
 TrialResult resultFromJson(const nlohmann::json& json);

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Zlib
+// A velocity resolver alone, on a frozen problem: what is left after each number of iterations, and what it costs.
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "experiments/trial/problem_file.h"
+#include "experiments/trial/problem_spectrum.h"
+#include "experiments/trial/problems_metrics.h"
+#include "experiments/trial/trial.h"
+#include "framework/contact_problem.h"
+#include "framework/profiler.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMostRows = 400;                                  // of a matrix whose eigenvalues are asked for
+constexpr int kSolves = 11;                                     // that are timed; the first warms the caches
+constexpr double kConverged = sizeof(Real) == 8 ? 1e-9 : 1e-4;  // of g dt: what may be left by a reference
+constexpr int kReferenceTries = 20;
+
+/// The law of friction that a method is measured by beside Coulomb's.
+enum class OwnLaw { coulomb, convex, tangents, lagged, unknown };
+
+// A method's law may be its parameter's. Where k facets lie is known to the method alone.
+OwnLaw ownLaw(const AlgorithmInfo& info, const Spec& spec, int dimension) {
+  const auto says = [&](const char* key, const char* value) {
+    const Spec* field = spec.find(key);
+    return field && field->name == value;
+  };
+  if (says("correction", "none") || info.friction == FrictionLaw::convex) return OwnLaw::convex;
+  if (says("friction", "pyramid")) return OwnLaw::tangents;
+  if (says("friction", "box")) return OwnLaw::lagged;
+  return info.friction == FrictionLaw::coulomb || dimension == 2 ? OwnLaw::coulomb : OwnLaw::unknown;
+}
+
+template <int D>
+class ProblemTrial {
+ public:
+  ProblemTrial(const json& t, FrozenProblem<D> problem)
+      : m_problem(std::move(problem)),
+        m_spec(Spec::parse(t.at("velocity").get<std::string>())),
+        m_timed(t.value("timed", false)),
+        m_iterations(t.at("iterations").get<int>()) {
+    const Registered& entry = Registry::instance().find(StageKind::velocity, D, m_spec.name);
+    m_law = ownLaw(entry.info, m_spec, D);
+    for (const ParamInfo& p : entry.params) {
+      if (p.name == "iterations") m_seen.counts = true, m_least = static_cast<int>(p.range.value().lo);
+    }
+    if (t.at("start") == "cold") forget(m_problem);
+    if (t.at("friction") == "off") m_problem.features.friction = false;
+    WorkDone work;
+    if (t.at("order") == "coloured") {
+      ContactGraph<D> graph;
+      graph.reset(m_problem.bodies, m_problem.manifolds, m_problem.joints, work);
+      const std::vector<int> given = m_problem.order;
+      graph.colour(given, m_problem.order, m_problem.colours);
+    }
+    const VelocityInput<D> in = m_problem.input(work, m_profiler);
+    m_rows.set(in), m_rows.freeVelocities(in, m_free), m_rows.lastImpulses(in, 1, m_last);
+    const double speed = double(m_problem.gravity.norm()) * double(m_problem.dt);
+    m_unit = speed > 0 ? speed : 1;
+  }
+
+  TrialResult run() {
+    TrialResult out;
+    m_seen.rows = m_rows.size();
+    findReference();
+    for (int n = 0; m_seen.counts && n <= m_iterations; ++n) {
+      m_spec.set("iterations", Spec::parse(std::to_string(std::max(n, m_least))));
+      m_seen.answers.push_back(n < m_least ? untouched() : solve());
+    }
+    if (!m_seen.counts) m_seen.answers.push_back(solve());
+    predict();
+    const auto applies = [&](TrialNeed need) { return need != TrialNeed::timing || m_timed; };
+    measure<ProblemsSeen>(problemsMetrics(), m_seen, applies, out.metrics);
+    for (const Measure<ProblemAnswer>& entry : problemsSeries()) {
+      if (!applies(entry.info.need)) continue;
+      auto& list = out.series[std::string(entry.info.name)];
+      for (const ProblemAnswer& a : m_seen.answers) list.push_back(entry.value(a));
+    }
+    const bool finite = std::isfinite(m_seen.last().residual);
+    if (!finite) out.fail("diverged", "nan", static_cast<long>(m_seen.answers.size()) - 1);
+    char text[20];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(m_hash));
+    out.hash = text;
+    return out;
+  }
+
+ private:
+  static void forget(FrozenProblem<D>& p) {
+    for (Manifold<D>& m : p.manifolds) {
+      for (ContactPoint<D>& c : m.points) c.impulse.fill(0);
+    }
+    for (JointRecord<D>& j : p.joints) j.impulse.fill(0);
+  }
+
+  ProblemAnswer solve() {
+    FrozenProblem<D> copy = m_problem;
+    WorkDone work;
+    createStage<VelocityResolver<D>>(m_spec)->solve(copy.input(work, m_profiler));
+    ProblemAnswer out = judged(copy);
+    out.rowUpdates = static_cast<double>(work[WorkCount::rowUpdates]);
+    if (m_timed) out.nanoseconds = time();
+    m_hash = XXH64(copy.bodies.motion.data(), copy.bodies.motion.size() * sizeof(Motion<D>), m_hash);
+    return out;
+  }
+
+  /// Before anything is done, for who does not begin at 0 iterations: the impulses of the last step, unless cold.
+  ProblemAnswer untouched() {
+    FrozenProblem<D> copy = m_problem;
+    WorkDone work;
+    const VelocityInput<D> in = copy.input(work, m_profiler);
+    m_rows.apply(in, m_last);
+    return judged(copy);
+  }
+
+  double time() {
+    std::vector<double> seconds;
+    for (int i = 0; i < kSolves; ++i) {
+      FrozenProblem<D> copy = m_problem;
+      const auto method = createStage<VelocityResolver<D>>(m_spec);
+      WorkDone work;
+      const VelocityInput<D> in = copy.input(work, m_profiler);
+      const double before = cpuSeconds();
+      method->solve(in);
+      if (i > 0) seconds.push_back(cpuSeconds() - before);
+    }
+    return 1e9 * quantile(seconds, 0.5);
+  }
+
+  ProblemAnswer judged(FrozenProblem<D>& solved) {
+    m_rows.impulses(solved.manifolds, solved.joints, m_impulse);
+    ProblemAnswer out;
+    const ProblemResidual left = m_rows.naturalMap(m_impulse, m_free);
+    out.residual = left.natural / m_unit, out.cone = left.cone / m_unit, out.own = ownResidual(left.natural) / m_unit;
+    out.velocity = m_reference.empty() ? ProblemsSeen::kNan : 0;
+    WorkDone work;
+    m_rows.freeVelocities(solved.input(work, m_profiler), m_velocity);
+    for (std::size_t i = 0; i < m_reference.size(); ++i) {
+      out.velocity = std::max(out.velocity, std::abs(m_velocity[i] - m_reference[i]) / m_unit);
+    }
+    FrozenProblem<D> pushed = m_problem;
+    m_rows.apply(pushed.input(work, m_profiler), m_impulse);
+    for (std::size_t i = 0; i < solved.bodies.motion.size(); ++i) {
+      const double off = double((solved.bodies.motion[i].v - pushed.bodies.motion[i].v).norm());
+      out.unexplained = std::max(out.unexplained, off / m_unit);
+    }
+    return out;
+  }
+
+  double ownResidual(double coulomb) {
+    if (m_law == OwnLaw::coulomb || !m_problem.features.friction) return coulomb;
+    if (m_law == OwnLaw::convex) return m_rows.naturalMap(m_impulse, m_free, false).natural;
+    if (m_law == OwnLaw::unknown) return ProblemsSeen::kNan;
+    // Each row by itself: a tangent's limits are those of its contact's normal, now or in the last step.
+    double worst = 0, limit = 0, squared = 0;
+    m_rows.multiply(m_impulse, m_velocity);
+    for (int i = 0; i < m_rows.size(); ++i) {
+      const ProblemRow<D>& row = m_rows.row(i);
+      const auto at = static_cast<std::size_t>(i);
+      double moved = m_impulse[at] - row.unit * (m_velocity[at] + m_free[at]);
+      if (row.law == ProblemLaw::normal) {
+        moved = std::max(moved, 0.0), limit = row.friction * (m_law == OwnLaw::lagged ? m_last : m_impulse)[at];
+      } else if (row.law == ProblemLaw::tangent) {
+        moved = std::clamp(moved, -std::max(limit, 0.0), std::max(limit, 0.0));
+      } else {
+        m_rows.project(i, &moved);
+      }
+      const double error = (m_impulse[at] - moved) / row.unit;
+      squared = error * error + (row.law == ProblemLaw::tangent ? squared : 0);
+      worst = std::max(worst, std::sqrt(squared));
+    }
+    return worst;
+  }
+
+  // Row velocities of a converged answer: one method goes on from the best of those before it. Impulses of redundant
+  // contacts are not unique, velocities are, but for friction's.
+  void findReference() {
+    FrozenProblem<D> best = m_problem;
+    best.lastDt = best.dt;
+    double least = std::numeric_limits<double>::infinity();
+    for (const char* resolver : kReferenceResolvers) {
+      const Spec spec = Spec::parse(resolver);
+      FrozenProblem<D> warm = best;
+      for (int i = 0; i < kReferenceTries && least > kConverged; ++i) {
+        FrozenProblem<D> copy = warm;
+        WorkDone work;
+        createStage<VelocityResolver<D>>(spec)->solve(copy.input(work, m_profiler));
+        m_rows.impulses(copy.manifolds, copy.joints, m_impulse);
+        const double left = m_rows.naturalMap(m_impulse, m_free).natural / m_unit;
+        if (!std::isfinite(left)) break;
+        warm.manifolds = copy.manifolds, warm.joints = copy.joints;
+        if (left >= least) continue;
+        least = left, best.manifolds = warm.manifolds, best.joints = warm.joints;
+        m_rows.freeVelocities(copy.input(work, m_profiler), m_reference);
+      }
+    }
+    if (least > kConverged) m_reference.clear();
+  }
+
+  // Without friction and joints a sweep is linear on the rows that push.
+  void predict() {
+    std::vector<std::int32_t> active;
+    const auto& rows = m_rows.rows();
+    if (m_rows.size() == 0 || m_rows.size() > kMostRows || m_reference.empty()) return;
+    for (std::int32_t i = 0; i < m_rows.size(); ++i) {
+      const ProblemRow<D>& row = rows[static_cast<std::size_t>(i)];
+      if (row.ofJoint || row.law != ProblemLaw::interval) return;
+      if (m_reference[static_cast<std::size_t>(i)] < 1e-6 * m_unit) active.push_back(i);
+    }
+    std::vector<double> w;
+    m_rows.assemble(active, w);
+    const Spectrum spectrum = spectrumOf(w, active.size());
+    m_seen.rank = spectrum.rank, m_seen.predicted = spectrum.gaussSeidel;
+  }
+
+  FrozenProblem<D> m_problem;
+  Spec m_spec;
+  bool m_timed;
+  int m_iterations, m_least = 0;
+  OwnLaw m_law = OwnLaw::unknown;
+  Profiler m_profiler;
+  ContactProblem<D> m_rows;
+  std::vector<double> m_free, m_last, m_impulse, m_velocity, m_reference;
+  double m_unit = 1;  // m/s
+  std::uint64_t m_hash = 0;
+  ProblemsSeen m_seen;
+};
+
+template <int D>
+TrialResult runProblem(const json& t, const ProblemFile& file) {
+  const auto& list = file.of<D>();
+  const auto number = t.at("problem").get<std::size_t>();
+  if (number >= list.size()) throw UserError("there is no problem " + std::to_string(number));
+  try {
+    return ProblemTrial<D>(t, list[number].problem).run();
+  } catch (const UserError& e) {  // a witness that does not know such a problem, or is absent
+    TrialResult out;
+    out.fail("unsupported", e.what(), 0);
+    return out;
+  }
+}
+
+}  // namespace
+
+TrialResult runProblemsTrial(const json& request) {
+  const ProblemFile file = ProblemFile::load(request.at("scene_file").get<std::string>());
+  return file.dimension == 2 ? runProblem<2>(request.at("trial"), file) : runProblem<3>(request.at("trial"), file);
+}
+
+}  // namespace lpc::inline LPC_PRECISION
