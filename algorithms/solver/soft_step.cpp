@@ -11,11 +11,13 @@ using namespace solver;
 template <int D>
 class SoftStep final : public Solver<D> {
  public:
+  enum class Arms { turning, asMade };
   struct Params {
     int substeps = 4;
     Real hertz = 30, dampingRatio = 10, pushSpeed = 3, jointDampingRatio = 2;
     int relax = 1;
     bool warmStart = true;
+    Arms arms = Arms::turning;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
       v.real("hertz", hertz, 0, 100000, "1/s", "stiffness of contacts; limited to a quarter of the sub-step rate");
@@ -24,6 +26,8 @@ class SoftStep final : public Solver<D> {
       v.real("joint_damping_ratio", jointDampingRatio, 0, 1000, "1", "of joints, which are twice as stiff as contacts");
       v.integer("relax", relax, 0, 100, "sweeps without springs after each move");
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
+      v.choice("arms", arms, {"turning", "as_made"},
+               "of points that a cache keeps: where they are, or, as in Box2D 3, where they were: a lean is not felt");
     }
   };
   explicit SoftStep(const Params& params) : m_params(params) {}
@@ -47,7 +51,7 @@ class SoftStep final : public Solver<D> {
   }
 
   void step(const StepInput<D>& in) override {
-    m_substeps.prepare(in, m_params.substeps, m_params.warmStart);
+    m_substeps.prepare(in, m_params.substeps, m_params.warmStart, m_params.arms == Arms::asMade);
     const Real h = m_substeps.h(), hertz = std::min(m_params.hertz, Real(0.25) / h);
     const Push push = springs(hertz, m_params.dampingRatio, m_params.jointDampingRatio, m_params.pushSpeed, h);
     for (int i = 0; i < m_params.substeps; ++i) {

@@ -49,7 +49,7 @@ template <int D>
 class Substeps {
  public:
   /// The impulses of the last step are the first guess.
-  void prepare(const StepInput<D>& in, int count, bool warmStart) {
+  void prepare(const StepInput<D>& in, int count, bool warmStart, bool armsAsMade = false) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     m_count = static_cast<Real>(count), m_h = in.dt / m_count;
     haltUnmoving(in.bodies, in.features.rotation);
@@ -57,6 +57,7 @@ class Substeps {
     const NoBias none;
     m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
                         in.restitutionThreshold, in.work, in.profiler});
+    if (armsAsMade) keepArms(in);
     m_states.resize(m_contacts.points.size());
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& from = in.manifolds[static_cast<std::size_t>(m.manifold)];
@@ -175,6 +176,37 @@ class Substeps {
   };
   // What ContactRows asks for is overwritten in the sweeps.
   struct NoBias final : PositionResolver<D> {};
+
+  // Arms of points that a cache has kept: each body's own, as they stood in the world when the points were made. How A
+  // was turned then is remembered with each point.
+  void keepArms(const StepInput<D>& in) {
+    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
+      Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
+      const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+      const Pose<D> X_AB = poseBetween(in.bodies.pose[a], in.bodies.pose[b]);
+      const bool fresh = X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
+      for (int k = 0; k < m.count; ++k) {
+        ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+        if (fresh) {
+          const Ang<D> turn = turnOf(in.bodies.pose[a].q);
+          std::copy(turn.begin(), turn.end(), c.memory.begin());
+          continue;
+        }
+        Ang<D> turn;
+        std::copy_n(c.memory.begin(), turn.size(), turn.begin());
+        const Rot<D> q = integrateRotation(Rot<D>{}, turn);
+        const Vec<D> rA = q * c.localA, rB = q * (m.X_AB.q * c.localB);
+        const auto make = [&](const Vec<D>& d) {
+          return makeRow<D>(d, rA, rB, rows.invMassA + rows.invMassB, in.bodies.invInertia[a], in.bodies.invInertia[b]);
+        };
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(rows.first + k)];
+        row.normal = make(rows.n);
+        if (!(rows.friction > 0)) continue;
+        for (int d = 0; d < D - 1; ++d) row.tangent[static_cast<std::size_t>(d)] = make(rows.t.col(d));
+        prepareFriction(row);
+      }
+    }
+  }
 
   void applyAccumulated(const StepInput<D>& in) {
     auto& motion = in.bodies.motion;

@@ -198,6 +198,7 @@ void everyPipelineReplays() {
     std::vector<std::string> pipelines = everyPipeline<D>();
     pipelines.push_back("sleep=split_average solver=soft_step");
     pipelines.push_back("sleep=split_average contacts=planted_children");
+    pipelines.push_back("cache=recycling solver=soft_step{arms=as_made}");
     for (const std::string& pipeline : pipelines) {
       // One draw per contact: another number of contacts, another order.
       if (p.holds == disjointScenesAreTwoWorlds<D> && pipeline.find("order=random") != pipeline.npos) continue;
@@ -212,6 +213,19 @@ void everyPipelineReplays() {
 }
 TEST(Replay, EveryPipeline2) { everyPipelineReplays<2>(); }
 TEST(Replay, EveryPipeline3) { everyPipelineReplays<3>(); }
+
+// Arms of before are those of points that a cache has kept: they change what recycling does, and nothing else.
+template <int D>
+bool armsOfBeforeMatter(const std::string& cache) {
+  Run<D> turning("cache=" + cache + " solver=soft_step"), asMade("cache=" + cache + " solver=soft_step{arms=as_made}");
+  addHeap(turning.world, 10, 3), addHeap(asMade.world, 10, 3);
+  turning.steps(), asMade.steps();
+  return !sameBodies(turning.world, 0, asMade.world, 0, turning.world.bodies().pose.size());
+}
+TEST(Recycling, ArmsOfBeforeAreThoseOfKeptPoints) {
+  EXPECT_TRUE(armsOfBeforeMatter<2>("recycling") && armsOfBeforeMatter<3>("recycling"));
+  EXPECT_FALSE(armsOfBeforeMatter<2>("by_feature") || armsOfBeforeMatter<3>("by_feature"));
+}
 
 // S10: pairs are found in any order and contacts are sorted, so every exact broadphase gives the same trajectory.
 template <int D>
