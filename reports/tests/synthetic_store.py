@@ -70,7 +70,14 @@ failed|pairs|failed|1|error|fewer without an answer|
 refused|pairs|refused|1|error|fewer without an answer|
 wrong_boolean|pairs|wrong yes or no|1|error|fewer wrong|
 wrong|pairs|wrong answers|1|error|fewer wrong|
-asked|pairs|asked|1|detail||""".splitlines()] + [("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
+asked|pairs|asked|1|detail||
+problem_residual|problems|natural map|1|error|nearer|
+row_updates|problems|row updates|1|cost|cheaper|
+updates_to_thousandth|problems|row updates to a thousandth|1|detail|faster|
+rate|problems|rate of convergence|1|detail|faster|
+predicted_rate|problems|predicted rate|1|detail|faster|""".splitlines()] + [
+    ("series", name, "problems", name, "1", "error", "", "") for name in ("problem_residual", "row_updates")] + [
+    ("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
     ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("max_penetration", ""),
     ("penetration_poses", ""), ("mean_penetration", ""), ("residual", ""), ("pairs", ""), ("bodies", ""), ("awake", ""),
     ("seconds", "timing"), ("sec_*", "timing"))]

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Zlib
+"""Frozen velocity problems: what is left over the rows solved, performance profiles (Dolan and More 2002), and the rate of
+convergence that the matrix predicts beside the measured one."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import metrics
+from chart import Chart, Needs, describe, holes, identifier, listing
+from load import split
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
+from table import quantity
+
+PLACE = 36
+SECTION = "Which method solves a step's problem?"
+RESIDUAL, UPDATES, TO = "problem_residual", "row_updates", "updates_to_thousandth"
+RATE, PREDICTED = "rate", "predicted_rate"
+NEEDS = Needs("problems", methods=(2, math.inf))  # a store of before this kind has none of its metrics
+ABSENT = Chart("problems", SECTION, "Residual over row updates", "No sweep of frozen problems is in this store.", "problems")
+FLOOR = 1e-12  # of g dt: below it all is rounding
+ROWS, COLUMNS = 3, 3  # of panels
+FAR = 100.0  # the profiles end where a method takes so many times as much as the best
+
+
+def of_sweep(context, cells):
+    rates = _rates(context, cells)
+    cells = cells[cells["outcome"] != "unsupported"]
+    starts = split(cells, ["start"], sort=True) if "start" in cells else [cells]
+    return [chart for chart in (*(_curves(context, part) for part in starts), _profile(context, cells), rates) if chart]
+
+
+def problems(context, cells):
+    """[(words, cells)] of one problem each, all settings equal; those that most methods were given, since a problem of a few
+    would count for them and against nobody else."""
+    names = [name for name in ("problems", "problem", "start", "friction", "order", "dimension")
+             if name in cells and (name == "problems" or cells[name].nunique(dropna=False) > 1)]
+    parts = [part.drop_duplicates("method") for part in split(cells, names)]
+    most = max((len(part) for part in parts), default=0)
+    kept = [part for part in parts if len(part) == most]
+    shown = [name for name in names if len({str(part[name].iloc[0]) for part in kept}) > 1]
+    return [(", ".join(str(part[name].iloc[0]) for name in shown) or str(part["problems"].iloc[0]), part) for part in kept]
+
+
+def profile(costs):
+    """{method: (ratios, share of problems solved within that many times the best cost)}. `costs`: method -> its cost of each
+    problem, infinite where it did not solve it. A problem that nobody solves counts for all, or one could choose easy ones."""
+    table = np.array([costs[method] for method in costs], dtype=float)
+    best = np.where(np.isfinite(table), table, math.inf).min(axis=0)
+    found = {}
+    for method, row in zip(costs, table):
+        ratio = np.sort([math.inf if not math.isfinite(b) else 1.0 if a == b else a / b if b > 0 else math.inf
+                         for a, b in zip(row, best)])
+        solved = ratio[np.isfinite(ratio)]
+        found[method] = solved, np.arange(1, len(solved) + 1) / len(row)
+    return found
+
+
+def costs_of(context, cells):
+    found, parts = {}, problems(context, cells)
+    for method in sorted(cells["method"].unique()):
+        mine = [part[part["method"] == method] for _, part in parts]
+        values = [float(row[TO].iloc[0]) if len(row) and row["outcome"].iloc[0] == "ok" else math.nan for row in mine]
+        found[method] = [value if math.isfinite(value) else math.inf for value in values]
+    return found
+
+
+def _handles(context, methods, looks):
+    return [Line2D([], [], label=context.name(m), **{**looks(m), "marker": None}) for m in methods]
+
+
+def _curves(context, cells):
+    start = str(cells["start"].iloc[0]) if "start" in cells else "warm"
+    parts, looks, methods = problems(context, cells), context.looks(cells), sorted(cells["method"].unique())
+    shown = parts[:ROWS * COLUMNS]
+    rows, columns = -(-len(shown) // COLUMNS), min(COLUMNS, len(shown))
+    width = legend_room(map(context.name, methods), 1.75)
+    figure, axes = grid_of_axes(rows, columns, 2.3, width, left=0.9, gap_x=0.5)
+    for ax in axes.flat[len(shown):]:
+        ax.set_visible(False)
+    tracks = {key: (context.store.series(key, UPDATES), context.store.series(key, RESIDUAL))
+              for _, part in shown for key in part["key"] if key is not None}
+    values = [v for track in tracks.values() if track[1] is not None for v in track[1] if math.isfinite(v)]
+    for ax, (where, part) in zip(axes.flat, shown):
+        scale = ZeroLog(ax, "y", values, failures=False, floor=FLOOR)
+        mine = [tracks[key] for key in part["key"] if key in tracks and tracks[key][0] is not None]
+        plain_log(ax, "x", [x for track in mine for x in track[0] if x > 0] or [1.0])
+        for method, row in zip(part["method"], part["key"]):
+            if row not in tracks or tracks[row][0] is None:
+                continue
+            x, y = tracks[row]
+            good = (x > 0) & np.isfinite(y)
+            point = len(set(x[good])) == 1  # of a method that is done at once, or has no number of iterations
+            look = looks(method) if point else {**looks(method), "marker": None}
+            ax.plot(x[good], [scale.place(v) for v in y[good]], **look)
+        ax.set_title(where, size=9)
+        ax.set_xlabel("row updates")
+    for row in axes:
+        row[0].set_ylabel("natural map / (g dt)")
+    legend_right(figure, _handles(context, methods, looks), width)
+    least = {}
+    for where, part in parts:
+        part = part[(part["outcome"] == "ok") & np.isfinite(metrics.column(part, RESIDUAL))]
+        if len(part):
+            best = part.loc[part[RESIDUAL].astype(float).idxmin()]
+            least[best["method"]] = least.get(best["method"], 0) + 1
+    said = [f"{method} of {count}" for method, count in sorted(least.items(), key=lambda item: (-item[1], item[0]))]
+    shown_names = [name for name in context.metrics("problems", "cost", "error") if name in cells]
+    numbers = {}
+    for name in shown_names:
+        numbers |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
+    table = pd.DataFrame({"problem": [describe(row, ["problems", "problem", "start", "order", "friction"])
+                                      for _, row in cells.iterrows()],
+                          "method": cells["method"].to_numpy(), "outcome": cells["outcome"].to_numpy(), **numbers})
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {start} curves"), SECTION,
+                 f"What is left over the rows solved, {start} start",
+                 f"Of {len(parts)} problems, with all iterations, who leaves least: {listing(said)}." if said else
+                 "No problem was solved.",
+                 cells["sweep"].iloc[0], figure, table,
+                 [f"{where}: not drawn, there is room for {ROWS * COLUMNS}" for where, _ in parts[ROWS * COLUMNS:]] +
+                 holes(cells, ["problems", "problem", "method"]),
+                 "Each method solves the same problem with 1, 2, 3, ... iterations. The natural map is the largest error of a "
+                 "row by Coulomb's law with De Saxcé's correction; 1 is what gravity gives in a step.")
+
+
+def _profile(context, cells):
+    costs, looks = costs_of(context, cells), context.looks(cells)
+    found = profile(costs)
+    if not any(len(solved) for solved, _ in found.values()):
+        return None
+    width = legend_room(map(context.name, costs), 1.75)
+    figure, axes = grid_of_axes(1, 1, 3.0, width, left=0.9)
+    ax, most = axes[0][0], 1.0
+    for method, (solved, share) in found.items():
+        if not len(solved):
+            continue
+        x, y = solved[solved <= FAR], share[solved <= FAR]
+        if not len(x):
+            continue
+        # Up from nothing where it first solves one; level to the end, where what takes longer must not be counted.
+        ax.step(np.concatenate([x[:1], x, [FAR]]), np.concatenate([[0.0], y, y[-1:]]), where="post",
+                **{**looks(method), "marker": None})
+        most = max(most, min(FAR, solved[-1]))
+    plain_log(ax, "x", [1.0, max(2.0, most)])
+    ax.set_ylim(0, 1.03)
+    ax.set_xlabel("row updates, as a multiple of the best method's")
+    ax.set_ylabel("share of problems solved")
+    legend_right(figure, _handles(context, costs, looks), width)
+    shares = {method: (share[-1] if len(share) else 0.0) for method, (_, share) in found.items()}
+    wins = {method: float(np.mean([c == min(all_) and math.isfinite(c) for c, all_ in zip(mine, zip(*costs.values()))]))
+            for method, mine in costs.items()}
+    first, surest = max(wins, key=wins.get), [m for m in shares if shares[m] == max(shares.values())]
+    count = len(next(iter(costs.values())))
+    table = pd.DataFrame([{"method": m, "share solved": shares[m], "share cheapest": wins[m],
+                           "median multiple": float(np.median(found[m][0])) if len(found[m][0]) else math.nan} for m in costs])
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SECTION, "Performance profile of row updates",
+                 f"Of {count} problems {listing(surest)} {'solves' if len(surest) == 1 else 'solve'} most, "
+                 f"{si(100 * max(shares.values()))} %; {first} is the cheapest for {si(100 * wins[first])} %.",
+                 cells["sweep"].iloc[0], figure, table, [],
+                 "Dolan and Moré: how many problems a method solves within so many times the row updates of the best. Solved is "
+                 "a natural map that stays below 0.001 g dt; where a line ends, more iterations than were run would be needed.")
+
+
+def _rates(context, cells):
+    good = cells[(cells["outcome"] == "ok") & np.isfinite(metrics.column(cells, RATE)) &
+                 np.isfinite(metrics.column(cells, PREDICTED))]
+    if not len(good):
+        return None
+    looks, methods = context.looks(cells), sorted(good["method"].unique())
+    width = legend_room(map(context.name, methods), 1.75)
+    figure, axes = grid_of_axes(1, 1, 3.0, width, left=0.9)
+    ax = axes[0][0]
+    for method, part in good.groupby("method", sort=True):
+        for order, mine in part.groupby("order", sort=True) if "order" in part else [("recorded", part)]:
+            look = {**looks(method), "ls": "none", "fillstyle": "full" if order == "recorded" else "none"}
+            ax.plot(mine[PREDICTED].astype(float), mine[RATE].astype(float), **look)
+    low = float(min(good[PREDICTED].astype(float).min(), good[RATE].astype(float).min()))
+    high = float(max(good[PREDICTED].astype(float).max(), good[RATE].astype(float).max()))
+    ax.plot([low, high], [low, high], color="#888888", lw=1, ls=":")
+    ax.set_xlabel("predicted: spectral radius")
+    ax.set_ylabel("measured, per iteration")
+    legend_right(figure, _handles(context, methods, looks), width)
+    # What counts is how far from 1 it is: that many iterations more or fewer are needed.
+    plain = good[good["method"] == "catto"]  # which is Gauss-Seidel; the others are held against it
+    if not len(plain):
+        return None
+    need = (1 - plain[PREDICTED].astype(float)) / (1 - plain[RATE].astype(float))
+    off = max(need.max(), 1 / need[need > 0].min()) if (need > 0).any() else math.inf
+    table = good[["problems", "method"]].assign(**{name: good[name] for name in ("problem", "order") if name in good},
+                                                predicted=good[PREDICTED].astype(float), measured=good[RATE].astype(float))
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} rates"), SECTION, "Predicted and measured convergence",
+                 f"On {len(plain)} frictionless cells the matrix tells catto's number of iterations to within "
+                 f"{times(off)} times.",
+                 cells["sweep"].iloc[0], figure, table, [],
+                 "The spectral radius of the Gauss-Seidel iteration, catto's, on the rows that push in the converged "
+                 "answer, in the order in which they are solved; hollow: coloured order. Only without friction and joints.")
