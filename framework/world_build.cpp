@@ -2,6 +2,8 @@
 // What a world is built of: bodies with their shapes, and joints. A definition is checked as a whole before anything
 // changes.
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -14,6 +16,17 @@ namespace {
 template <int D>
 bool isFinite(const MassProperties<D>& m) {
   return std::isfinite(m.mass) && m.center.allFinite() && m.inertia.allFinite();
+}
+
+// Scaled by a power of two, so that the determinant of the inertia of what is a millimetre or a
+// kilometre long is a float, too.
+template <int D>
+Inertia<D> inverted(const Inertia<D>& inertia) {
+  const int size = std::ilogb(inertia.trace());
+  const auto scaled = [size](const Inertia<D>& m) -> Inertia<D> {
+    return m.unaryExpr([size](Real x) { return std::ldexp(x, -size); });
+  };
+  return scaled(Inertia<D>(scaled(inertia).inverse()));
 }
 
 template <int D>
@@ -65,6 +78,15 @@ Handle World<D>::add(const BodyDef<D>& def) {
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
     throw UserError(who + ": a dynamic body needs mass; give it a shape with density > 0, or make it fixed");
   }
+  Inertia<D> invInertia = Inertia<D>::Zero();
+  if (def.type == BodyType::dynamic) {
+    if (def.rotatable && mass.inertia.trace() > 0) invInertia = inverted<D>(mass.inertia);
+    if (!std::isfinite(1 / mass.mass) || !invInertia.allFinite()) {
+      char kilograms[32];
+      std::snprintf(kilograms, sizeof kilograms, "%g", double(mass.mass));
+      throw UserError(who + ": its mass, " + kilograms + " kg, or its inertia has no inverse that numbers hold");
+    }
+  }
   for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || m_kindCount[k] > 0;
   requireContacts(stage<ContactGenerator>(), kinds, who + ": contacts=" + m_pipeline[StageKind::contacts].name);
 
@@ -77,8 +99,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
   b.pose[i] = {def.X_WB * mass.center, def.X_WB.q};
   b.motion[i] = def.type == BodyType::fixed ? Motion<D>{} : Motion<D>{def.velocity, def.angularVelocity};
   b.mass[i] = dynamic ? mass.mass : Real(0);
-  b.invInertiaBody[i] = Inertia<D>::Zero();
-  if (dynamic && def.rotatable && mass.inertia.trace() > 0) b.invInertiaBody[i] = mass.inertia.inverse();
+  b.invInertiaBody[i] = invInertia;
   b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = def.userData, m_userForces[i] = {};
   for (std::size_t s = 0; s < def.shapes.size(); ++s) {
     putShape(def.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));

@@ -156,6 +156,12 @@ void checkMass(const BodyDef<D>& def, const TableReader& body) {
     body.fail("a body whose mass, " + asText(all.mass) +
               " kg, or inertia is more than numbers hold; valid: smaller ones");
   }
+  if (def.type != BodyType::dynamic) return;
+  const Real least = all.inertia.diagonal().minCoeff();
+  if (!std::isfinite(1 / all.mass) || (def.rotatable && least > 0 && !std::isfinite(1 / least))) {
+    body.fail("a body whose mass, " + asText(all.mass) +
+              " kg, or inertia has no inverse that numbers hold; valid: larger ones");
+  }
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
       {shape("kind = \"circle\", radius = 1, density = -1"), {"t.toml:6: ", "'density' is -1", "0 or more"}},
       {shape("kind = \"circle\", radius = 1, density = nan"), {"t.toml:6: ", "nan", "finite"}},
       {shape("kind = \"circle\", radius = 1, density = 0"), {"t.toml:4: ", "mass of 0 kg", "above 0"}},
+      {shape("kind = \"circle\", radius = 1, density = 1e-310"), {"t.toml:4: ", "no inverse", "larger"}},
       {shape("kind = \"circle\", radius = 0"), {"t.toml:4: ", "mass of 0 kg", "above 0"}},
       {shape("kind = \"circle\", radius = 1, friction = -0.5"), {"t.toml:6: ", "'friction' is -0.5"}},
       {shape("kind = \"circle\", radius = 1, restitution = -1"), {"t.toml:6: ", "'restitution' is -1"}},

@@ -79,6 +79,8 @@ std::vector<Refusal<D>> refusals() {
   const Real most = std::numeric_limits<Real>::max();
   list.push_back(ball<D>("needs mass", [](BodyDef<D>& b) { b.shapes[0].density = 0; }));
   list.push_back(ball<D>("needs mass", [](BodyDef<D>& b) { b.shapes.clear(); }));
+  list.push_back(
+      ball<D>("no inverse", [](BodyDef<D>& b) { b.shapes[0].density = 8 * std::numeric_limits<Real>::denorm_min(); }));
   list.push_back(ball<D>("beyond", [=](BodyDef<D>& b) { b.shapes[0].density = most; }));
   list.push_back({"beyond", [=](W x) { x.add(body<D>(Shape<D>::box(most / 4 * Vec<D>::Ones()), at<D>(0, 0))); }});
   list.push_back(ball<D>("rotation", [](BodyDef<D>& b) { b.X_WB.q = scaled(b.X_WB.q, 2); }));
