@@ -67,6 +67,13 @@ TEST(FieldScenes, OverhangIsTheHarmonicSeries) {
   EXPECT_GT((Played<2>("overhang", {{"n", 6}, {"factor", 1.01}}, 300, many).farthest()), 0.1);
 }
 
+// Couplet's arch: 17 stones stand on their own at thickness / radius = 0.12, and fall at 0.1.
+TEST(FieldScenes, TheArchStandsByItsThickness) {
+  const std::string many = "solver=split_solver{velocity=catto{iterations=200}}";
+  EXPECT_LT((Played<2>("arch", {{"thickness", 0.12}, {"load", 0}}, 600, many).farthest()), 0.002);
+  EXPECT_GT((Played<2>("arch", {{"thickness", 0.1}, {"load", 0}}, 100, many).farthest()), 0.25);
+}
+
 // The plate has 0.7385 m/s^2 and each ball 0.211: half of it, after a second.
 TEST(FieldScenes, RollingIsTheClosedForm) {
   const Played<3> p("rolling", {}, 1000);
