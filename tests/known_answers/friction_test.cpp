@@ -258,6 +258,29 @@ TEST_F(KnownAnswer, roll_slope) {
   measure("thin shell, 3D", 2.0 / 3, hollow<3>(2.0 / 3));
 }
 
+// It rolls without slip if and only if mu >= tan k / (1 + k).
+TEST_F(KnownAnswer, roll_slip_threshold) {
+  const auto measure = [&]<int D>(const std::string& what, double k, const BodyDef<D>& def) {
+    const double expected = std::tan(30 * kDegree) * k / (1 + k);
+    for (const char* solver : {"split_solver", "soft_step", "tgs", "tgs_ngs", "xpbd", "avbd"}) {
+      double rolls = 1.2 * expected, slips = 0.8 * expected;
+      while (rolls - slips > 2e-3 * expected) {
+        const double mu = (rolls + slips) / 2;
+        Slide<D> s(solver, 30, 0, mu, def);
+        s.run(1);
+        const double before = s.slip(0.5);
+        s.run(1);
+        (s.slip(0.5) < before + 0.05 ? rolls : slips) = mu;
+      }
+      known(what + ": mu", solver, expected, (rolls + slips) / 2);
+    }
+  };
+  measure("disc, 2D", 0.5, body<2>(Shape<2>::sphere(Real(0.5)), at<2>(0, 0.5)));
+  measure("thin hoop, 2D", 1, hollow<2>(1));
+  measure("ball, 3D", 0.4, body<3>(Shape<3>::sphere(Real(0.5)), at<3>(0, 0.5)));
+  measure("thin shell, 3D", 2.0 / 3, hollow<3>(2.0 / 3));
+}
+
 // Below mu = tan k / (1 + k) a sphere slides while it rolls: a = g (sin - mu cos).
 TEST(Rolling, SlipsWhenFrictionIsTooSmall) {
   const double mu = 0.1;
@@ -277,6 +300,7 @@ void bowls() {
     s.world.setMotion(s.body, {at<D>(v, 0), Ang<D>::Zero()});
     while (s.slip(0.5) > 0.02 * v && s.world.stepCount() < 200) s.world.step(kDt);
     known(in<D>("time"), solver, time, double(s.world.time()));
+    known(in<D>("way, m"), solver, (v + last) / 2 * time, s.along(0));
     s.run(1);
     known(in<D>("speed"), solver, last, s.speed(0));
   }

@@ -62,6 +62,9 @@ TEST_F(KnownAnswer, mass_ratio_stack) {
     const double bottom = double(world.pose(boxes[0]).p[1]) - 0.5, second = double(world.pose(boxes[1]).p[1]) - 1.5;
     known("sinking of the lightest, m", solver, 0, bottom);
     known("sinking of the second, m", solver, 0, second);
+    double force = 0;
+    for (const Manifold<2>& m : world.manifolds()) force += m.bodyA == 0 ? normalImpulse(m) / double(kDt) : 0;
+    known("force on the ground over weight", solver, 1, force / (1111 * kG));
   }
 }
 
