@@ -225,5 +225,27 @@ void fallsInOnePiece() {
 }
 TEST(FieldScenes, RagdollsFallInOnePiece) { fallsInOnePiece<2>(), fallsInOnePiece<3>(); }
 
+// What ten sweeps drop in two seconds stands: the tower of 100 boxes without gaps, 10,000 times its mass on a box, five
+// levels of cards (in the plane) and the arch. Beside each, how far the farthest body may go: the boxes on the arch
+// come down by their gaps, the cards close the 4 mm between them.
+TEST(FieldScenes, ProximalNewtonHoldsWhatSweepsDrop) {
+  const std::string newton = "solver=split_solver{velocity=proximal_newton}";
+  const std::string sweeps = "solver=split_solver{velocity=catto{iterations=10}}";
+  struct Question {
+    const char* scene;
+    ParameterValues values;
+    long steps;
+    Real within;
+  };
+  const Question tower{"vertical_stack", {{"n", 100}, {"gap", 0}}, 300, Real(1e-3)};
+  const Question ratio{"mass_ratio", {{"ratio", 10000}}, 600, Real(1e-3)};
+  for (const Question& q : {tower, ratio, {"card_house", {}, 120, Real(0.02)}, {"arch", {}, 120, Real(0.07)}}) {
+    EXPECT_LT((Played<2>(q.scene, q.values, q.steps, newton).farthest()), q.within) << q.scene;
+    EXPECT_GT((Played<2>(q.scene, q.values, q.steps, sweeps).farthest()), 0.2) << q.scene;
+  }
+  EXPECT_LT((Played<3>(tower.scene, tower.values, 60, newton).farthest()), tower.within);
+  EXPECT_LT((Played<3>(ratio.scene, ratio.values, 60, newton).farthest()), ratio.within);
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION

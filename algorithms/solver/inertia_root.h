@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "framework/body.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+template <int D>
+using InertiaRoot = std::array<double, static_cast<std::size_t>(kAngDim<D>* kAngDim<D>)>;
+
+/// L of L L^T = a body's inverse inertia, row by row; of an axis about which it cannot turn, nothing.
+template <int D>
+InertiaRoot<D> rootOfInertia(const Bodies<D>& bodies, std::size_t body, bool rotation) {
+  InertiaRoot<D> l{};
+  constexpr int n = kAngDim<D>;
+  const auto at = [&](int i, int j) -> double& { return l[static_cast<std::size_t>(i * n + j)]; };
+  for (int i = 0; i < n && rotation; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = double(bodies.invInertia[body](i, j));
+      const double whole = sum;
+      for (int k = 0; k < j; ++k) sum -= at(i, k) * at(j, k);
+      const bool flat = !(sum > 1e-12 * whole);
+      if (i == j) at(i, i) = flat ? 0 : std::sqrt(sum);
+      if (i != j) at(i, j) = at(j, j) > 0 ? sum / at(j, j) : 0;
+    }
+  }
+  return l;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::solver
