@@ -50,11 +50,6 @@ class DirectLcp final : public VelocityResolver<D> {
                                "each pass gives no more than 1 / cfm, and three do not come to the motor's limit",
                                "Joint.StopHoldsAgainstItsMotor"});
     }
-    if (D == 3 && sizeof(Real) == 4) {
-      info.failures.push_back({"a body wedged within its cones, in another frame, in f32",
-                               "several answers obey Coulomb's law, held and let go; rounding chooses",
-                               "Symmetry.MovesWithTheFrame"});
-    }
     return info;
   }
 
