@@ -76,28 +76,31 @@ std::vector<double> headings() {
 
 // a = g (sin - mu cos) at 30 degrees and mu 0.3, straight down the slope whatever its heading.
 struct Sliding {
-  double speed, aside;
+  double speed, aside, way;
 };
 constexpr double kSlideMu = 0.3;
-const double kSlideSpeed = kG * (std::sin(30 * kDegree) - kSlideMu * std::cos(30 * kDegree));
+const double kSlideSpeed = kG * (std::sin(30 * kDegree) - kSlideMu * std::cos(30 * kDegree)),
+             kSlideWay = kSlideSpeed / 2;  // m/s and m, after 1 s
 template <int D>
 Sliding slide(const std::string& solver, double heading) {
   Slide<D> s(solver, 30, heading, kSlideMu, lowBox<D>(), 0.2);
   s.run(1);
-  return {s.speed(heading), s.aside(heading)};
+  return {s.speed(heading), s.aside(heading), s.along(heading)};
 }
 
 template <int D>
 void slides() {
   for (const Methods& methods : kAccumulating) {
-    Sliding worst{kSlideSpeed, 0};
+    Sliding worst{kSlideSpeed, 0, kSlideWay};
     for (const std::string& solver : methods.solvers) {
       for (double heading : headings<D>()) {
         const Sliding s = slide<D>(solver, heading);
-        worst = {worse(s.speed, worst.speed, kSlideSpeed), std::max(s.aside, worst.aside)};
+        worst = {worse(s.speed, worst.speed, kSlideSpeed), std::max(s.aside, worst.aside),
+                 worse(s.way, worst.way, kSlideWay)};
       }
     }
     known(in<D>("v after 1 s"), methods.name, kSlideSpeed, worst.speed);
+    known(in<D>("way in 1 s, m"), methods.name, kSlideWay, worst.way);
     if (D == 3) known("v off the heading, m/s", methods.name, 0, worst.aside);
   }
 }
@@ -307,21 +310,25 @@ void bowls() {
 }
 TEST_F(KnownAnswer, bowling_slide_to_roll) { bowls<2>(), bowls<3>(); }
 
-// A box of width 0.4 and height 1 topples from tan(angle) = 0.4 on.
+// A box of width 0.4 and height 1 topples from tan(angle) = 0.4 on; on a steeper slope, where it slides at any mu below
+// tan(angle), if and only if mu > 0.4.
 template <int D>
 void topples() {
-  const double expected = std::atan(0.4) / kDegree;
   Vec<D> half = Vec<D>::Constant(Real(0.2));
   half[1] = Real(0.5);
   for (const char* solver : kTwo) {
-    double stands = 20, falls = 24;
-    while (falls - stands > 0.02) {
-      const double degrees = (stands + falls) / 2;
-      Slide<D> s(solver, degrees, 0, 2, Shape<D>::box(half), 0.5);
+    const auto falls = [&](double degrees, double mu) {
+      Slide<D> s(solver, degrees, 0, mu, Shape<D>::box(half), 0.5);
       s.run(4);
-      (double(s.world.pose(s.body).q.matrix()(1, 1)) < 0.7 ? falls : stands) = degrees;
-    }
-    known(in<D>("angle, degrees"), solver, expected, (stands + falls) / 2);
+      return double(s.world.pose(s.body).q.matrix()(1, 1)) < 0.7;
+    };
+    const auto between = [](double stands, double tips, double width, const auto& fell) {
+      while (tips - stands > width) (fell((stands + tips) / 2) ? tips : stands) = (stands + tips) / 2;
+      return (stands + tips) / 2;
+    };
+    known(in<D>("angle, degrees"), solver, std::atan(0.4) / kDegree,
+          between(20, 24, 0.02, [&](double degrees) { return falls(degrees, 2); }));
+    known(in<D>("on 26 degrees: mu"), solver, 0.4, between(0.3, 0.45, 5e-4, [&](double mu) { return falls(26, mu); }));
   }
 }
 TEST_F(KnownAnswer, topple_slope) { topples<2>(), topples<3>(); }

@@ -112,9 +112,11 @@ void rests() {
 TEST_F(KnownAnswer, slope_forces) { rests<2>(), rests<3>(); }
 
 // A ladder at 55 degrees against a wall holds if and only if mu >= cot / 2 at the floor, where the wall is smooth;
-// where it is as rough, if and only if mu >= sqrt(1 + tan^2) - tan. Walls that lean on nothing: its ends are round.
+// where it is as rough, if and only if mu >= sqrt(1 + tan^2) - tan. With ends of radius r, on which friction has an
+// arm, mu >= c / 2 (s + k), k = r / L; and mu^2 (c + 2 k) + 2 mu (s + k) = c.
 TEST_F(KnownAnswer, ladder) {
-  const double angle = 55 * kDegree, half = 1, radius = 0.02, t = std::tan(angle);
+  const double angle = 55 * kDegree, half = 1, radius = 0.02, c = std::cos(angle), k = radius / (2 * half);
+  const double s = std::sin(angle) + k, least = (std::sqrt(s * s + c * (c + 2 * k)) - s) / (c + 2 * k);
   for (const char* solver : kSolvers) {
     for (const bool rough : {false, true}) {
       const auto stands = [&](double mu) {
@@ -129,9 +131,9 @@ TEST_F(KnownAnswer, ladder) {
         for (int i = 0; i < 300; ++i) world.step(kDt);
         return double(world.pose(rod).p[1]) > half * std::sin(angle) - 0.1;
       };
-      const double expected = rough ? std::sqrt(1 + t * t) - t : 1 / (2 * t);
+      const double expected = rough ? least : c / 2 / s;
       double yes = 1.4 * expected, no = 0.6 * expected;
-      while (yes - no > 2e-3 * expected) (stands((yes + no) / 2) ? yes : no) = (yes + no) / 2;
+      while (yes - no > 5e-4 * expected) (stands((yes + no) / 2) ? yes : no) = (yes + no) / 2;
       known(std::string(rough ? "rough" : "smooth") + " wall: mu", solver, expected, (yes + no) / 2);
     }
   }
