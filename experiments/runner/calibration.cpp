@@ -56,7 +56,8 @@ class Search {
   /// Why nothing was found.
   std::string reason(const std::string& failure) const {
     const bool cost = m_what.equal == "cost";
-    const std::string at = m_what.setting + "=" + std::to_string(cost ? 1 : m_most);
+    const bool has = m_what.most == 1 || m_most > 1;  // the setting
+    const std::string at = !has ? "it" : m_what.setting + "=" + std::to_string(cost ? 1 : m_most);
     const std::string does =
         !failure.empty() ? " ends in " + failure : (cost ? " costs " : ", the most, errs by ") + asText(m_last);
     return at + does + " (" + m_what.metric + "), the budget is " + asText(m_budget);

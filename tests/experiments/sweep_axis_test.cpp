@@ -14,6 +14,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+using nlohmann::json;
 using test::Workspace;
 using Names = std::set<std::string>;
 
@@ -146,10 +147,27 @@ Names lacking(const PlannedSweep& sweep) {
   return missing;
 }
 
+// Methods whose trials are the same whatever is calibrated.
+Names withoutSetting(const PlannedSweep& sweep) {
+  Names out;
+  const auto look = [&](const json& axes, const auto& planAt) {
+    const PlannedTrial one = planAt(1).at(0);
+    if (one.unsupported.empty() && one.key == planAt(2).at(0).key) out.insert(axes["resolver"].get<std::string>());
+  };
+  for (const CalibratedCell& cell : sweep.calibrated) look(cell.axes, cell.plan);
+  for (const Ladder& ladder : sweep.ladders) {
+    look(ladder.axes, [&](long setting) { return ladder.plan({ladder.question.from, 1, setting, false}); });
+  }
+  return out;
+}
+
 TEST(ShippedSweeps, HoldEveryResolver) {
   for (const char* name : {"resolvers", "resolvers_full", "breaking_points_stack", "breaking_points_stack_full",
                            "breaking_points_mass_ratio", "breaking_points_dt", "reference", "breaking_map"}) {
-    EXPECT_EQ(lacking(planSweeps(name, {}).at(0)), Names{}) << name;
+    const PlannedSweep sweep = planSweeps(name, {}).at(0);
+    EXPECT_EQ(lacking(sweep), Names{}) << name;
+    const Names without = name == std::string("breaking_map") ? Names{"direct_lcp"} : Names{};  // it has no sweeps
+    EXPECT_EQ(withoutSetting(sweep), without) << name;
   }
   Workspace w;
   const std::string byHand = w.write("s.toml", R"(
@@ -173,6 +191,7 @@ TEST(ShippedSweeps, HoldEveryCache) {
     caches.insert(cell.axes["cache"].get<std::string>()), resolvers.insert(cell.axes["resolver"].get<std::string>());
   }
   EXPECT_EQ(caches, registered(StageKind::cache));
+  EXPECT_EQ(withoutSetting(sweep), Names{});
   Names all = registered(StageKind::velocity);
   for (const std::string& n : registered(StageKind::solver)) all.insert(n);
   all.erase("split_solver");
