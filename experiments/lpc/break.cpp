@@ -74,8 +74,9 @@ PlannedSweep plan(Options& o) {
   const ParameterValues params = readParameters(o.params);
   file.values(params);
   if (params.count(q.parameter)) throw UserError("--param " + q.parameter + " is what is searched; valid: another one");
+  if (o.steps && q.parameter == "steps") throw UserError("--steps is what is searched; valid: without it");
+  q.checkParameter();
   setEnds(o, file);
-  if (!o.limit.empty()) q.limit.emplace(o.limit);
   const int dimension = o.dimension.value_or(file.dimensions().at(0));
   PlannedSweep out;
   out.name = "break_" + file.name() + "_" + q.parameter, out.kind = "world";
@@ -197,7 +198,8 @@ void addBreak(CommandLine& app, Session& session) {
   command.option("--from", o->from, "least value, above 0; default: the least that the scene allows");
   command.option("--to", o->to, "largest value; default: the largest that the scene allows");
   command.flag("--falling", q.falling, "the smallest value that holds is searched, not the largest");
-  command.option("--limit", o->limit, "METRIC<NUMBER or METRIC>NUMBER, which a run must keep, too");
+  const Option limit =
+      command.option("--limit", o->limit, "METRIC<NUMBER or METRIC>NUMBER, which a run must keep, too");
   command.option("--seeds", q.seeds, "runs of each value, each with a seed of its own").showDefault().range(1L, 1000L);
   command.option("--perturb", q.perturb, "how far from its place a seed starts a body (m and rad)")
       .showDefault()
@@ -217,7 +219,10 @@ void addBreak(CommandLine& app, Session& session) {
       "Example: lpc break vertical_stack --parameter n --to 64 --pipeline solver=split_solver --pipeline "
       "solver=soft_step\n"
       "         lpc break bridge --parameter n --to 64 --limit \"joint_error_max<0.01\" --pipeline solver=soft_step");
-  command.callback([o, &session] { breakScene(*o, session); });
+  command.callback([o, limit, &session] {
+    if (limit.given()) o->question.limit.emplace(o->limit);
+    breakScene(*o, session);
+  });
 }
 
 LPC_COMMAND("break", addBreak);

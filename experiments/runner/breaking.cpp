@@ -2,6 +2,7 @@
 #include "experiments/runner/breaking.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -18,6 +19,8 @@ constexpr double kGrid = 2;         // from rung to rung before the search
 constexpr double kSure = 1.959964;  // standard deviations of 95 %
 constexpr double kHalf = 0.5;       // of the seeds
 constexpr long kMostSeeds = 1000;
+// A number is none of these, or another value is another question.
+constexpr std::array kNoParameters = {"dimension", "model", "precision", "scene", "seed"};
 
 // Five digits: what a label shows is what was run.
 double tidy(double value) {
@@ -32,11 +35,11 @@ double between(bool whole, double a, double b) { return whole ? a + std::floor((
 }  // namespace
 
 MetricLimit::MetricLimit(const std::string& given) : text(given) {
-  const std::size_t at = given.find_first_of("<>");
+  const std::size_t at = std::min(given.find_first_of("<>"), given.size());
   metric = given.substr(0, at);
-  const char *begin = given.data() + std::min(at, given.size() - 1) + 1, *end = given.data() + given.size();
+  const char *begin = given.data() + std::min(at + 1, given.size()), *end = given.data() + given.size();
   const auto [read, error] = std::from_chars(begin, end, bound);
-  if (given.empty() || at == given.npos || error != std::errc() || read != end || !std::isfinite(bound)) {
+  if (at == given.size() || error != std::errc() || read != end || !std::isfinite(bound)) {
     throw UserError("'limit' is '" + given + "'; valid: METRIC<NUMBER or METRIC>NUMBER, such as joint_error_max<0.01");
   }
   below = given[at] == '<';
@@ -49,9 +52,16 @@ MetricLimit::MetricLimit(const std::string& given) : text(given) {
   throw UserError("'limit' names the metric '" + metric + "'" + validNames(valid, metric));
 }
 
-void BreakQuestion::check() const {
-  const auto fail = [&](const std::string& what) { throw UserError((place.empty() ? "" : place + ": ") + what); };
+void BreakQuestion::fail(const std::string& what) const { throw UserError((place.empty() ? "" : place + ": ") + what); }
+
+void BreakQuestion::checkParameter() const {
   if (parameter.empty()) fail("a breaking point needs the name of a parameter");
+  if (std::find(kNoParameters.begin(), kNoParameters.end(), parameter) == kNoParameters.end()) return;
+  fail("'" + parameter + "' cannot be searched; valid: a parameter of the scene, dt, steps, or $NAME in a pipeline");
+}
+
+void BreakQuestion::check() const {
+  checkParameter();
   if (!(from > 0) || !(to > from)) {
     fail("'from' is " + asText(from) + " and 'to' " + asText(to) + "; valid: numbers above 0, 'to' the larger one");
   }
@@ -150,6 +160,9 @@ nlohmann::json axisNumber(double value) {
 void addLadder(PlannedSweep& sweep, Ladder ladder) {
   const BreakQuestion& q = ladder.question;
   q.check();
+  if (sweep.calibration && q.parameter == sweep.calibration->setting) {
+    q.fail("'" + q.parameter + "' is what methods get at equal " + sweep.calibration->equal + "; valid: another name");
+  }
   const long setting = sweep.calibration ? 1 : 0;
   for (const double end : {q.from, q.to}) {
     for (const PlannedTrial& t : ladder.plan({end, 1, setting, false})) ladder.keys += t.key;

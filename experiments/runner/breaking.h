@@ -39,7 +39,11 @@ struct BreakQuestion {
   std::string place;  // what messages begin with
 
   std::string title() const { return !name.empty() ? name : (falling ? "smallest " : "largest ") + parameter; }
-  /// Throws UserError for ends, seeds, ... that cannot be.
+  /// Throws UserError, with the place.
+  [[noreturn]] void fail(const std::string& what) const;
+  /// Throws UserError for what every search says itself of its trials, such as the seed.
+  void checkParameter() const;
+  /// The same for ends, seeds, ... that cannot be.
   void check() const;
   /// From `from` on each twice the last, and `to`.
   std::vector<double> grid() const;

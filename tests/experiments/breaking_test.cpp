@@ -245,6 +245,17 @@ TEST(Breaking, MistakesAreOneLine) {
   refused(w, "break slope --parameter friction --from 2 --to 1 " + pipeline, {"'from' is 2", "above 0"});
   refused(w, "break slope --parameter friction --from 1 --to 11 " + pipeline, {"is 11", "0 to 10"});
   refused(w, good + pipeline + "--param friction=1", {"--param friction is what is searched"});
+  for (const char* name : {"dimension", "model", "precision", "scene", "seed"}) {
+    refused(w, std::string("break slope --parameter ") + name + " --from 2 --to 3 --store never.db " + pipeline,
+            {"'" + std::string(name) + "' cannot be searched", "$NAME"});
+  }
+  refused(w, "break slope --parameter seed " + pipeline, {"'seed' cannot be searched"});
+  refused(w, "break slope --parameter steps --from 2 --to 3 --steps 5 " + pipeline, {"--steps is what is searched"});
+  refused(w,
+          "break slope --parameter iterations --from 2 --to 3 --equal-cost 100 --pipeline "
+          "'solver=split_solver{velocity=catto{iterations=$iterations}}'",
+          {"'iterations' is what methods get at equal cost"});
+  refused(w, good + pipeline + "--limit ''", {"'limit' is ''", "METRIC<NUMBER"});
   refused(w, good + pipeline + "--limit slope_distance", {"'limit' is 'slope_distance'", "METRIC<NUMBER"});
   refused(w, good + pipeline + "--limit \"slope_distanc<1\"", {"slope_distanc", "did you mean 'slope_distance'"});
   refused(w, good + pipeline + "--limit \"ms_per_step_median<1\"", {"'limit' names the metric"});
@@ -325,6 +336,12 @@ TEST(Breaking, MistakesInASweepNameTheLine) {
       {"break = { from = 1, to = 2 }\n" + axes, {"s.toml:5: ", "name of a parameter"}},
       {"break = { parameter = \"friction\" }\n" + axes, {"s.toml:5: ", "'from' is 0"}},
       {with(", limit = \"slope_distance=1\"") + axes, {"s.toml:5: ", "METRIC<NUMBER"}},
+      {with(", limit = \"\"") + axes, {"s.toml:5: ", "'limit' is ''", "METRIC<NUMBER"}},
+      {"break = { parameter = \"seed\", from = 1, to = 2 }\n" + axes, {"s.toml:5: ", "'seed' cannot be searched"}},
+      {"break = { parameter = \"iterations\", from = 1, to = 2 }\n"
+       "calibrate = { equal = \"cost\", metric = \"work_row_updates\", setting = \"iterations\" }\nbudgets = [9]\n"
+       "[axes]\nscene = \"slope\"\n",
+       {"s.toml:5: ", "'iterations' is what methods get at equal cost"}},
       {with(", step = 1") + axes, {"s.toml:5: ", "step"}},
       {with(", seeds = 0") + axes, {"s.toml:5: ", "'seeds' is 0", "1 to 1000"}},
       {with(", ratio = 1") + axes, {"s.toml:5: ", "'ratio' is 1", "1.001 to 2"}},
