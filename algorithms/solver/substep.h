@@ -178,20 +178,26 @@ class Substeps {
   struct NoBias final : PositionResolver<D> {};
 
   // Arms of points that a cache has kept: each body's own, as they stood in the world when the points were made. How A
-  // was turned then is remembered with each point.
+  // was turned then is remembered with each point, of what a listener forbids, too: it may be allowed while it is kept.
   void keepArms(const StepInput<D>& in) {
-    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
-      Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
-      const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
-      const Pose<D> X_AB = poseBetween(in.bodies.pose[a], in.bodies.pose[b]);
-      const bool fresh = X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
+    const auto made = [&](const Manifold<D>& m) {  // now
+      const Pose<D> X_AB = poseBetween(in.bodies.pose[static_cast<std::size_t>(m.bodyA)],
+                                       in.bodies.pose[static_cast<std::size_t>(m.bodyB)]);
+      return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
+    };
+    for (Manifold<D>& m : in.manifolds) {
+      if (!made(m)) continue;
+      const Ang<D> turn = turnOf(in.bodies.pose[static_cast<std::size_t>(m.bodyA)].q);
       for (int k = 0; k < m.count; ++k) {
-        ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
-        if (fresh) {
-          const Ang<D> turn = turnOf(in.bodies.pose[a].q);
-          std::copy(turn.begin(), turn.end(), c.memory.begin());
-          continue;
-        }
+        std::copy(turn.begin(), turn.end(), m.points[static_cast<std::size_t>(k)].memory.begin());
+      }
+    }
+    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
+      if (made(m)) continue;
+      const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+      for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
         Ang<D> turn;
         std::copy_n(c.memory.begin(), turn.size(), turn.begin());
         const Rot<D> q = integrateRotation(Rot<D>{}, turn);

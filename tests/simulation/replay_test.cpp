@@ -227,6 +227,34 @@ TEST(Recycling, ArmsOfBeforeAreThoseOfKeptPoints) {
   EXPECT_FALSE(armsOfBeforeMatter<2>("by_feature") || armsOfBeforeMatter<3>("by_feature"));
 }
 
+// Points that were made while a listener forbade them have arms like all others once it allows them. The ground lies on
+// its side, so that arms of a body that never turned would be wrong by a quarter of a turn.
+template <int D>
+struct ForbidsTheFirst final : ContactListener<D> {
+  bool begin(const World<D>&, const Manifold<D>&) override { return false; }
+};
+template <int D>
+Real spinOfWhatWasForbidden(const std::string& arms) {
+  Run<D> run("cache=recycling solver=soft_step{arms=" + arms + "}");
+  ForbidsTheFirst<D> listener;
+  run.world.addListener(&listener);
+  BodyDef<D> ground = body<D>(Shape<D>::box(Vec<D>::Constant(2)), at<D>(0, -2), BodyType::fixed);
+  Ang<D> turn = Ang<D>::Zero();
+  turn[kAngDim<D> - 1] = Real(1.5707963);
+  ground.X_WB.q = integrateRotation(Rot<D>{}, turn);
+  run.world.add(ground);
+  run.world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(1, 0.5)));
+  Real most = 0;
+  for (int i = 0; i < 20; ++i) most = std::max(most, run.steps(1).world.bodies().motion[1].w.norm());
+  return most;
+}
+TEST(Recycling, ArmsAreRememberedOfForbiddenPointsToo) {
+  for (const char* arms : {"as_made", "turning"}) {
+    EXPECT_LT(spinOfWhatWasForbidden<2>(arms), Real(0.01)) << arms;
+    EXPECT_LT(spinOfWhatWasForbidden<3>(arms), Real(0.01)) << arms;
+  }
+}
+
 // S10: pairs are found in any order and contacts are sorted, so every exact broadphase gives the same trajectory.
 template <int D>
 void sameForAllBroadphases() {
