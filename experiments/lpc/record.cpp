@@ -12,6 +12,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/runner/worker_pool.h"
+#include "experiments/trial/fclib_file.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/problem_file.h"
 #include "framework/contact_problem.h"
@@ -30,6 +31,8 @@ struct Options {
   std::optional<long> last;
   std::optional<std::uint64_t> seed;
 };
+
+bool isFclib(const std::string& path) { return path.ends_with(".hdf5"); }
 
 // Keeps the problem of a step until it is known what its answer leaves of it. The last of those that a step shows.
 template <int D>
@@ -115,7 +118,11 @@ void record(const Options& o, const PlannedTrial& trial) {
                 : std::printf("%.3g m/s\n", k.residual);
     stored.push_back(std::move(k.stored));
   }
-  writeProblems<D>(out.stream(), stored);
+  if (isFclib(o.problems)) {
+    out.stream() << fclibBytes<D>(stored.front().problem, o.problems);
+  } else {
+    writeProblems<D>(out.stream(), stored);
+  }
   out.finish();
   std::printf("problems  %s\n", o.problems.c_str());
 }
@@ -127,6 +134,9 @@ void recordScene(const Options& o, const Session& session) {
   for (const int step : o.steps) {
     if (step >= 0) continue;
     throw UserError("--steps: " + std::to_string(step) + " is no step; valid: numbers from 0");
+  }
+  if (isFclib(o.problems) && (o.hardest ? *o.hardest != 1 : o.steps.size() != 1)) {
+    throw UserError(o.problems + ": a file of FCLIB holds one problem; valid: one step, --hardest 1, or a .json file");
   }
   NamedFiles inputs = {{"the scene", findToml("scenes", o.scene)}};
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
@@ -147,7 +157,9 @@ void addRecord(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("record", "Writes the velocity problems of some steps of a scene into a file");
   auto o = std::make_shared<Options>();
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
-  command.option("--problems", o->problems, "where to; docs/problems.md describes the file").required().file();
+  command.option("--problems", o->problems, "where to; docs/problems.md describes the file. NAME.hdf5: FCLIB's format")
+      .required()
+      .file();
   Option steps = command.option("--steps", o->steps, "those of these steps, the first being 0");
   steps.commaSeparated();
   Option hardest = command.option("--hardest", o->hardest,

@@ -9,6 +9,7 @@
 #include <ostream>
 
 #include "experiments/parse/toml_reader.h"
+#include "experiments/trial/fclib_file.h"
 #include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -326,6 +327,7 @@ template void writeProblems(std::ostream&, const std::vector<StoredProblem<3>>&)
 ProblemFile ProblemFile::load(const std::string& path) { return parse(readFile(path), path); }
 
 ProblemFile ProblemFile::parse(const std::string& bytes, const std::string& path) {
+  if (isHdf5(bytes)) return parse(fclibAsProblems(path), path);
   const json whole = json::parse(bytes, nullptr, false);
   if (whole.is_discarded() || !whole.is_object() || whole.value("format", json()) != kFormat) {
     throw UserError(path + ": is no file of problems; valid: what lpc record writes");

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Zlib
+// Velocity problems in the format of FCLIB (Acary, Bremond, Huber: a collection of frictional contact problems), HDF5,
+// in its global form. What it holds: bodies, contacts with Coulomb friction, equality rows. What it does not: limits,
+// motors, springs, the last step's impulses, dt and gravity.
+#pragma once
+
+#include <string>
+
+#include "framework/frozen_problem.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Whether the bytes begin as HDF5's do.
+bool isHdf5(const std::string& bytes);
+
+/// The bytes of a file, made beside `path` and taken away again. Throws UserError for what FCLIB does not hold, and
+/// where this build is without it.
+template <int D>
+std::string fclibBytes(const FrozenProblem<D>& problem, const std::string& path);
+
+/// A file of it as one of our own. Throws UserError for a file that it cannot read, and for a problem that is none of
+/// rigid bodies.
+std::string fclibAsProblems(const std::string& path);
+
+}  // namespace lpc::inline LPC_PRECISION

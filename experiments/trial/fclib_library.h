@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Zlib
+// libfclib behind a wall. It is loaded when it is needed, by a process that does nothing else: it and HDF5 below it
+// print what they please, trust the sizes that a file names, and end the process that meets a damaged one.
+#pragma once
+
+#include <Eigen/Sparse>
+#include <functional>
+#include <string>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// FCLIB's global form: M v = H r + G l + f, u = H^T v + w, G^T v + b = 0, and r in the cones of mu.
+struct FclibProblem {
+  int dimension = 0;  // of a contact
+  Eigen::SparseMatrix<double> m, h, g;
+  Eigen::VectorXd f, w, b, mu;  // G of no columns: no equality rows
+};
+
+/// Both are called inside of inItsProcess(), and throw UserError.
+FclibProblem readFclibHere(const std::string& path);
+void writeFclibHere(const std::string& path, FclibProblem& problem);
+
+/// What `work` returns, from a process of its own. Throws UserError with the path and what `work` threw, or that FCLIB
+/// has failed: it crashed, or took longer than any file needs.
+std::string inItsProcess(const std::string& path, const std::function<std::string()>& work);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Zlib
+// Velocity problems through FCLIB's files: the same W, q, mu and equalities, and so the same velocities; what is
+// damaged or foreign is refused in one line.
+#include "experiments/trial/fclib_file.h"
+
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "experiments/parse/toml_reader.h"
+#include "experiments/trial/problem_file.h"
+#include "framework/contact_problem.h"
+#include "framework/profiler.h"
+#include "tests/expect_caught.h"
+#include "tests/experiments/refused.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using test::expectParts;
+using test::refused;
+using test::Workspace;
+
+template <int D>
+struct Freezer final : VelocityWatcher<D> {
+  FrozenProblem<D> frozen;
+  void see(const VelocityInput<D>& in) override { frozen = freeze(in, defaultGravity<D>()); }
+};
+
+/// A heap that falls on a ground that moves, with a pendulum: contacts that slide, stick, open and bounce.
+template <int D>
+FrozenProblem<D> heapProblem() {
+  World<D> world(Pipeline::parse("solver=split_solver{position=baumgarte}"));
+  test::addHeap(world, 8, 3);
+  Freezer<D> freezer;
+  world.watch(&freezer);
+  for (int i = 0; i < 60; ++i) world.step(Real(1) / 60);
+  for (std::int32_t i = 0; i < freezer.frozen.bodies.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (freezer.frozen.bodies.type[k] != BodyType::fixed) continue;
+    freezer.frozen.bodies.type[k] = BodyType::kinematic;
+    freezer.frozen.bodies.motion[k].v = Vec<D>::Unit(0) / 4;
+  }
+  return freezer.frozen;
+}
+
+std::string messageOf(const std::string& bytes, const std::string& path) {
+  std::ofstream(path, std::ios::binary) << bytes;
+  try {
+    ProblemFile::load(path);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+/// False: this build is without FCLIB.
+bool isThere(const FrozenProblem<2>& problem, const Workspace& w) {
+  try {
+    return !fclibBytes<2>(problem, w.path("probe")).empty();
+  } catch (const UserError& e) {
+    EXPECT_NE(std::string(e.what()).find("without FCLIB; valid: one with libfclib-dev"), std::string::npos) << e.what();
+    return false;
+  }
+}
+
+/// What a problem is about: normals and equality rows, which no choice of tangents turns, and the answer.
+struct Essence {
+  std::vector<double> w, q, mu, velocity;
+
+  double differs(const Essence& other) const {
+    double most = 0;
+    const auto compare = [&](const std::vector<double>& a, const std::vector<double>& b) {
+      if (a.size() != b.size()) most = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+    };
+    compare(w, other.w), compare(q, other.q), compare(mu, other.mu), compare(velocity, other.velocity);
+    return most;
+  }
+};
+
+template <int D>
+Essence essenceOf(FrozenProblem<D> problem) {
+  for (Manifold<D>& m : problem.manifolds) {
+    for (ContactPoint<D>& c : m.points) c.impulse.fill(0);
+  }
+  for (JointRecord<D>& j : problem.joints) j.impulse.fill(0);
+  WorkDone work;
+  Profiler profiler;
+  ContactProblem<D> rows;
+  const VelocityInput<D> in = problem.input(work, profiler);
+  rows.set(in);
+  std::vector<double> u;
+  rows.freeVelocities(in, u);
+  std::vector<std::int32_t> which;
+  Essence out;
+  for (std::int32_t i = 0; i < rows.size(); ++i) {
+    if (rows.row(i).law == ProblemLaw::tangent) continue;
+    which.push_back(i), out.q.push_back(u[static_cast<std::size_t>(i)]), out.mu.push_back(rows.row(i).friction);
+  }
+  rows.assemble(which, out.w);
+  createStage<VelocityResolver<D>>(Spec::parse("proximal_newton{tolerance=1e-13}"))->solve(in);
+  for (std::size_t i = 0; i < problem.bodies.motion.size(); ++i) {
+    if (problem.bodies.type[i] != BodyType::dynamic) continue;
+    for (int k = 0; k < D; ++k) out.velocity.push_back(double(problem.bodies.motion[i].v[k]));
+  }
+  return out;
+}
+
+template <int D>
+void roundTrip() {
+  const FrozenProblem<D> problem = heapProblem<D>();
+  ASSERT_GT(problem.points(), 5);
+  ASSERT_EQ(problem.joints.size(), 1u);
+  Workspace w;
+  if (!isThere(heapProblem<2>(), w)) GTEST_SKIP() << "FCLIB is absent";
+  std::ofstream(w.path("heap.hdf5"), std::ios::binary) << fclibBytes<D>(problem, w.path("heap.hdf5"));
+  const ProblemFile file = ProblemFile::load(w.path("heap.hdf5"));
+  ASSERT_EQ(file.dimension, D);
+  ASSERT_EQ(file.size(), 1u);
+  const FrozenProblem<D>& read = file.of<D>()[0].problem;
+  const Essence expected = essenceOf(problem);
+  EXPECT_LT(essenceOf(read).differs(expected), 1e-7);
+  const auto plant = [&](const char* what, const auto& change) {
+    FrozenProblem<D> planted = read;
+    change(planted);
+    test::expectCaught(std::string("FCLIB loses ") + what, essenceOf(planted).differs(expected) < 1e-7);
+  };
+  plant("friction", [](auto& p) { p.manifolds[0].friction += Real(0.01); });
+  plant("a joint", [](auto& p) { p.joints.clear(); });
+  plant("what is wanted", [](auto& p) { p.position = {}; });
+  plant("the ground's velocity", [](auto& p) {
+    for (std::size_t i = 0; i < p.bodies.motion.size(); ++i) {
+      if (p.bodies.type[i] == BodyType::kinematic) p.bodies.motion[i] = {};
+    }
+  });
+}
+TEST(FclibFile, HoldsTheSameProblem2) { roundTrip<2>(); }
+TEST(FclibFile, HoldsTheSameProblem3) { roundTrip<3>(); }
+
+TEST(FclibFile, RefusesInOneLine) {
+  FrozenProblem<2> problem = heapProblem<2>();
+  problem.manifolds[0].friction = Real(0.37251);  // a number that stands nowhere else
+  Workspace w;
+  if (!isThere(problem, w)) GTEST_SKIP() << "FCLIB is absent";
+  const std::string path = w.path("p.hdf5"), good = fclibBytes<2>(problem, path);
+  EXPECT_EQ(messageOf(good, path), "");
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string out = good;
+    const std::size_t at = out.find(from);
+    EXPECT_NE(at, out.npos) << from;
+    return out.replace(at, from.size(), to);
+  };
+  const auto bytesOf = [](auto x) {
+    std::string out(sizeof x, '\0');
+    std::memcpy(out.data(), &x, sizeof x);
+    return out;
+  };
+  const double mu = double(problem.manifolds[0].friction), nan = std::numeric_limits<double>::quiet_NaN();
+  const auto points = static_cast<std::uint64_t>(problem.points());
+  const struct {
+    std::string bytes;
+    test::Parts parts;
+  } cases[] = {
+      {"", {"no file of problems"}},
+      {"mass,velocity\n1,2\n", {"no file of problems"}},
+      {good.substr(0, 8), {"it is damaged", "FCLIB's global form"}},
+      {good.substr(0, good.size() / 2), {"it is damaged"}},
+      {changed("fclib_global", "other_global"), {"it holds no problem of FCLIB", "valid: "}},
+      {changed("fclib_global", std::string("fclib_local\0", 12)), {"W, q and mu without bodies"}},
+      {changed(bytesOf(mu), bytesOf(nan)), {"mu is not finite"}},
+      {changed(bytesOf(mu), bytesOf(-mu)), {"friction is negative"}},
+  };
+  for (const auto& c : cases) {
+    const std::string said = messageOf(c.bytes, path);
+    expectParts(said, c.parts, std::to_string(c.bytes.size()) + " bytes");
+    expectParts(said, {path}, said);
+    EXPECT_EQ(said.find('\n'), said.npos) << said;
+  }
+  // The length of a list, wherever it stands: libfclib would read what is not there.
+  const std::string length = bytesOf(points), shorter = bytesOf(points - 1);
+  bool refusedForIt = false;
+  for (std::size_t at = good.find(length); at != good.npos; at = good.find(length, at + 1)) {
+    const std::string said = messageOf(std::string(good).replace(at, length.size(), shorter), path);
+    refusedForIt = refusedForIt || said.find("its vectors/mu has " + std::to_string(points - 1)) != said.npos;
+  }
+  EXPECT_TRUE(refusedForIt);
+  // Any byte of another value: refused in one line, or a problem still.
+  int wrong = 0;
+  for (std::size_t at = 8; at < good.size(); at += good.size() / 40) {
+    std::string flipped = good;
+    flipped[at] = static_cast<char>(~flipped[at]);
+    const std::string said = messageOf(flipped, path);
+    EXPECT_EQ(said.find('\n'), said.npos) << said;
+    wrong += !said.empty();
+  }
+  EXPECT_GT(wrong, 5);
+}
+
+TEST(FclibFile, SaysWhatItDoesNotHold) {
+  const FrozenProblem<2> problem = heapProblem<2>();
+  Workspace w;
+  if (!isThere(problem, w)) GTEST_SKIP() << "FCLIB is absent";
+  const auto said = [&](const char* what, const auto& change) {
+    FrozenProblem<2> other = problem;
+    change(other);
+    try {
+      fclibBytes<2>(other, w.path("p.hdf5"));
+      ADD_FAILURE() << what;
+    } catch (const UserError& e) {
+      expectParts(e.what(), {"p.hdf5: FCLIB holds no ", what, "; valid: a file that ends in .json"}, what);
+    }
+  };
+  const auto row = [](auto& p, const auto& change) {
+    JointRows<2> rows = dynamic_cast<const FrozenRows<2>&>(*p.joints[0].kind).stored();
+    change(rows.row[0]);
+    p.joints[0].kind = std::make_shared<FrozenRows<2>>(rows);
+  };
+  said("limits", [&](auto& p) { row(p, [](auto& r) { r.lo = -1, r.hi = 1; }); });
+  said("springs", [&](auto& p) { row(p, [](auto& r) { r.law = RowLaw::spring, r.stiffness = 10, r.damping = 1; }); });
+  said("may not turn", [](auto& p) { p.features.rotation = false; });
+  said("pinned", [](auto& p) {
+    for (std::size_t i = 0; i < p.bodies.invMass.size(); ++i) {
+      if (p.bodies.type[i] == BodyType::dynamic) p.bodies.invMass[i] = 0;
+    }
+  });
+}
+
+TEST(FclibFile, IsRecordedAndSwept) {
+  Workspace w;
+  if (!isThere(heapProblem<2>(), w)) GTEST_SKIP() << "FCLIB is absent";
+  const std::string scene = "record vertical_stack --param n=3 --param gap=0 --problems t.hdf5";
+  refused(w, scene + " --steps 3,20", {"t.hdf5: a file of FCLIB holds one problem; valid: one step"});
+  refused(w, scene + " --hardest 2", {"t.hdf5: a file of FCLIB holds one problem"});
+  refused(w, "record vertical_stack --steps 3 --problems none/t.hdf5", {"none/t.hdf5: cannot be written"});
+  const auto before = test::filesIn(w);
+  const test::Outcome recorded = w.lpc(scene + " --steps 20");
+  ASSERT_EQ(recorded.code, 0) << recorded.text;
+  EXPECT_EQ(test::filesIn(w).size(), before.size() + 1);
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"problems\"\n[axes]\nproblems = \"t.hdf5\"\nvelocity = [\"catto\", \"admm\"]\n"
+          "start = \"cold\"\niterations = 3\n");
+  const test::Outcome swept = w.lpc("sweep s.toml --store s.db");
+  EXPECT_EQ(swept.code, 0) << swept.text;
+  EXPECT_EQ(test::ask(w.path("s.db"), "SELECT COUNT(*) FROM trial WHERE outcome='ok'"), "2");
+  const std::string cut = readFile(w.path("t.hdf5")).substr(0, 3000);
+  std::ofstream(w.path("t.hdf5"), std::ios::binary) << cut;
+  refused(w, "sweep s.toml --store none.db", {"t.hdf5: it is damaged; valid: "});
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
