@@ -104,8 +104,9 @@ def _curves(context, cells):
     for where, part in parts:
         part = part[(part["outcome"] == "ok") & np.isfinite(metrics.column(part, RESIDUAL))]
         if len(part):
-            best = part.loc[part[RESIDUAL].astype(float).idxmin()]
-            least[best["method"]] = least.get(best["method"], 0) + 1
+            values = part[RESIDUAL].astype(float)
+            for method in part[values <= max(values.min(), FLOOR)]["method"]:
+                least[method] = least.get(method, 0) + 1
     said = [f"{method} of {count}" for method, count in sorted(least.items(), key=lambda item: (-item[1], item[0]))]
     shown_names = [name for name in context.metrics("problems", "cost", "error") if name in cells]
     numbers = {}
@@ -122,7 +123,8 @@ def _curves(context, cells):
                  [f"{where}: not drawn, there is room for {ROWS * COLUMNS}" for where, _ in parts[ROWS * COLUMNS:]] +
                  holes(cells, ["problems", "problem", "method"]),
                  "Each method solves the same problem with 1, 2, 3, ... iterations. The natural map is the largest error of a "
-                 "row by Coulomb's law with De Saxcé's correction; 1 is what gravity gives in a step.")
+                 "row by Coulomb's law with De Saxcé's correction; 1 is what gravity gives in a step. Methods that leave less "
+                 f"than {FLOOR:g} of it leave alike.")
 
 
 def _profile(context, cells):
@@ -158,9 +160,18 @@ def _profile(context, cells):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SECTION, "Performance profile of row updates",
                  f"Of {count} problems {listing(surest)} {'solves' if len(surest) == 1 else 'solve'} most, "
                  f"{si(100 * max(shares.values()))} %; {first} is the cheapest for {si(100 * wins[first])} %.",
-                 cells["sweep"].iloc[0], figure, table, [],
+                 cells["sweep"].iloc[0], figure, table,
+                 [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],
                  "Dolan and Moré: how many problems a method solves within so many times the row updates of the best. Solved is "
-                 "a natural map that stays below 0.001 g dt; where a line ends, more iterations than were run would be needed.")
+                 "a natural map that stays below 0.001 g dt. What a line does not reach takes more iterations than were run, or "
+                 f"is named below: at more than {FAR:g} times.")
+
+
+def _beyond(found, count):
+    """{method: how many more problems it solves than are drawn}."""
+    more = {method: solved[solved > FAR] for method, (solved, _) in found.items()}
+    return {method: f"{len(far)} more of {count} problems at {times(far.min())} times the best"
+            f"{f' to {times(far.max())}' if len(far) > 1 else ''}" for method, far in more.items() if len(far)}
 
 
 def _rates(context, cells):
