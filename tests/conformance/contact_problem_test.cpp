@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "algorithms/solver/anderson.h"
 #include "algorithms/solver/dense.h"
 #include "algorithms/solver/lemke.h"
 #include "tests/check_property.h"
@@ -251,6 +252,64 @@ TEST(DirectLcp, LemkeSolvesWhatActiveSetsDoNot) {
     EXPECT_LT(Whole<2>::left(before, after).natural, (kDouble ? 1e-6 : 1e-3) * double(before.speed())) << before;
   }
   EXPECT_EQ(reached, 5);
+}
+
+// A velocity that is no number has no answer, and none is told for one: the rows are left to sweeps, and counted.
+template <int D>
+void noNumberIsNoAnswer() {
+  for (int axis = 0; axis < 2; ++axis) {
+    OnSlope<D> before(0.5, 0.3, 1);
+    const auto newton = createStage<VelocityResolver<D>>(Spec::parse("proximal_newton"));
+    EXPECT_EQ(solved(before.scene, *newton).work[WorkCount::fallbacks], 0u);
+    before.scene.bodies.motion[1].v[axis] = std::numeric_limits<Real>::quiet_NaN();
+    EXPECT_EQ(solved(before.scene, *newton).work[WorkCount::fallbacks], std::uint64_t(D));
+  }
+}
+TEST(ProximalNewton, NoNumberIsNoAnswer) { noNumberIsNoAnswer<2>(), noNumberIsNoAnswer<3>(); }
+
+// Bodies between others, with friction: of a few hundred drawn problems there are some that contradict themselves, or
+// in which the passes wander; in the others nothing is left.
+template <int D>
+int solvedOf(int problems) {
+  PlainDraw draw(D);
+  const auto newton = createStage<VelocityResolver<D>>(Spec::parse("proximal_newton"));
+  int right = 0;
+  for (int run = 0; run < problems; ++run) {
+    const auto before =
+        drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = draw.below(2)});
+    auto after = solved(before, *newton);
+    right += Whole<D>::left(before, after).natural < (kDouble ? 1e-8 : 1e-5) * double(before.speed());
+  }
+  return right;
+}
+TEST(ProximalNewton, SolvesMostOfWhatIsWedged) {
+  EXPECT_GT(solvedOf<2>(300), 278);
+  EXPECT_GT(solvedOf<3>(300), 259);
+}
+
+// s = A s + b, a wide way from a contraction: solved when there is a guess more than there are unknowns.
+TEST(Anderson, SolvesWhatIsLinear) {
+  PlainDraw draw(5);
+  solver::Anderson anderson;
+  for (int run = 0; run < 100; ++run) {
+    const int n = 1 + draw.below(5);
+    Eigen::MatrixXd a(n, n);
+    Eigen::VectorXd b(n);
+    for (int i = 0; i < n; ++i) {
+      b[i] = double(draw.signedUnit());
+      for (int j = 0; j < n; ++j) a(i, j) = 2 * double(draw.signedUnit());
+    }
+    const Eigen::VectorXd answer = (Eigen::MatrixXd::Identity(n, n) - a).partialPivLu().solve(b);
+    if (answer.norm() > 10) continue;
+    std::vector<double> s(static_cast<std::size_t>(n)), to(s.size());
+    anderson.begin();
+    for (int guess = 0; guess < 2 * n + 6; ++guess) {
+      const Eigen::VectorXd now = Eigen::Map<Eigen::VectorXd>(s.data(), n), next = a * now + b;
+      std::copy(next.begin(), next.end(), to.begin());
+      anderson.next(s, to);
+    }
+    EXPECT_LT((Eigen::Map<Eigen::VectorXd>(s.data(), n) - answer).norm(), 1e-9) << a << '\n' << b.transpose();
+  }
 }
 
 // Of full matrices and of narrow ones.
