@@ -194,7 +194,7 @@ void run(const std::string& name, const Named<D>& p, Solver<D>& solver, bool mus
 // What is fixed takes no colour and joins no islands, what is heavy does: to these another order, or another step size
 // or end of an unfinished iteration.
 bool joinsByMass(const std::string& spec) {
-  for (const char* part : {"order=coloured", "velocity=admm", "impact=poisson"}) {
+  for (const char* part : {"order=coloured", "velocity=admm", "velocity=proximal_newton", "impact=poisson"}) {
     if (spec.find(part) != spec.npos) return true;
   }
   return false;
