@@ -8,7 +8,7 @@ Both return charts; ABSENT is shown when there are none.
 
 import importlib
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Optional
 
@@ -77,6 +77,7 @@ def modules():
 
 def made(module, context):
     """The charts of one file."""
+    elsewhere = []  # sweeps that are for other charts
     if hasattr(module, "of_store"):
         found = module.of_store(context)
     else:
@@ -85,7 +86,12 @@ def made(module, context):
                  for chart in module.of_sweep(context, context.cells(sweep, module.NEEDS.metrics))]
         found += [_asked_for(module, sweep, context) for sweep in context.store.sweeps()
                   if name_of(module) in context.store.sweep(sweep).report and sweep not in {c.sweep for c in found}]
-    return found or [module.ABSENT]
+        elsewhere = [name for name in context.store.sweeps() if (about := context.store.sweep(name)).kind == module.NEEDS.kind
+                     and about.report and name_of(module) not in about.report]
+    if found or not elsewhere:
+        return found or [module.ABSENT]
+    return [replace(module.ABSENT, finding=f"{module.ABSENT.finding} That is without {listing(elsewhere)}, which "
+                    f"{'names' if len(elsewhere) == 1 else 'name'} other charts.")]
 
 
 def name_of(module):

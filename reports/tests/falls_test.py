@@ -139,6 +139,19 @@ class Falls(unittest.TestCase):
         made, = made_of(THREE[1:2], gone=(250,))
         self.assertEqual(words(made.figure).count("out of sight"), 1)
 
+    def test_runs_of_a_sweep_for_other_charts_are_not_said_not_to_be(self):
+        with tempfile.TemporaryDirectory() as folder:
+            maker = synthetic_store.Maker(Path(folder) / "store.db")
+            maker.sweep("equal", "world", "naive", resolver="stage", report=["equal_cost"])
+            maker.trial("equal", {"kind": "world", "scene": "tower", "resolver": "naive", "timed": False, "repeat": 0}, {},
+                        "collapsed", "body 2 is 1.2 m away", 90)
+            maker.close()
+            store = load.Store(Path(folder) / "store.db")
+            found = chart.made(falls, chart.Context(store))
+            store.db.close()
+        self.assertEqual([c.id for c in found], ["falls"])
+        self.assertTrue(found[0].finding.endswith("That is without equal, which names other charts."), found[0].finding)
+
 
 if __name__ == "__main__":
     unittest.main()
