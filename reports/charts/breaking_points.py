@@ -166,8 +166,9 @@ def equal_words(about):
     if not about:
         return " What the title of a panel names is the same for all methods, and need not cost the same."
     how = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than the budget"
+    left = about["equal"] == "cost" and about.get("most")
     return (f" At every rung each method has {how} ({about['setting']}, found by the runner): so methods are compared at equal "
-            f"{about['equal']}.")
+            f"{about['equal']}{f', but for those with budget left at {left:g}, the most that is searched' if left else ''}.")
 
 
 def _strips(context, ax, ladder, name, rows_of, table, labelled):

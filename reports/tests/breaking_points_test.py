@@ -63,7 +63,7 @@ class Ladders(unittest.TestCase):
                          ["800 row updates per step", "2,400 row updates per step"])
         self.assertEqual(len(made.table), 4, "no rung is lost because the iterations differ")
         self.assertEqual(list(made.table["largest that held"]), [10, 5, 20, 10])
-        self.assertIn("compared at equal cost", made.note)
+        self.assertIn("compared at equal cost, but for those with budget left at 256, the most", made.note)
 
     def test_where_all_fall_at_one_rung_nobody_is_first_or_last(self):
         made = self.made({"catto": (10,), "naive": (10,)})
