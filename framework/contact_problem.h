@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "framework/contact_rows.h"
+#include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -215,8 +216,8 @@ class ContactProblem {
         error += (here[k] - moved[k]) * (here[k] - moved[k]);
         outside += (here[k] - inside[k]) * (here[k] - inside[k]);
       }
-      worst.natural = std::max(worst.natural, std::sqrt(error) / mass);
-      worst.cone = std::max(worst.cone, std::sqrt(outside) / mass);
+      worst.natural = worse(worst.natural, std::sqrt(error) / mass);
+      worst.cone = worse(worst.cone, std::sqrt(outside) / mass);
     }
     return worst;
   }

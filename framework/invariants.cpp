@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/worse.h"
+
 namespace lpc::inline LPC_PRECISION {
 
 template <int D>
@@ -33,14 +35,23 @@ StateInvariants<D> stateInvariants(const Simulation<D>& world) {
       out.kinetic += 0.5 * w.dot(spin);
       out.angularMomentum += spin;
     }
-    out.maxSpeed = std::max(out.maxSpeed, v.norm());
+    out.maxSpeed = worse(out.maxSpeed, v.norm());
   }
   JointRows<D> rows;
   for (const JointRecord<D>& j : world.joints()) {
     jointRows(j, b, rows);
     const JointError error = jointError(rows.all());
-    out.jointError = std::max(out.jointError, error.linear);
-    out.jointTurn = std::max(out.jointTurn, error.angular);
+    out.jointError = worse(out.jointError, error.linear);
+    out.jointTurn = worse(out.jointTurn, error.angular);
+    out.finite = out.finite && std::isfinite(error.linear) && std::isfinite(error.angular);
+    for (const Real impulse : j.impulse) out.finite = out.finite && std::isfinite(impulse);
+  }
+  for (const Manifold<D>& m : world.contacts().value_or(std::span<const Manifold<D>>())) {
+    for (int k = 0; k < m.count; ++k) {
+      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+      out.finite = out.finite && std::isfinite(c.separation);
+      for (const Real impulse : c.impulse) out.finite = out.finite && std::isfinite(impulse);
+    }
   }
   return out;
 }
@@ -60,8 +71,8 @@ ContactInvariants contactInvariants(const Simulation<D>& world) {
     const auto i = static_cast<std::size_t>(m.bodyA), j = static_cast<std::size_t>(m.bodyB);
     for (int k = 0; k < m.count; ++k) {
       const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
-      const double depth = std::max<double>(0, -separationNow(m, c, b.pose[i], b.pose[j]));
-      out.maxPenetration = std::max(out.maxPenetration, depth);
+      const double depth = worse(0, -separationNow(m, c, b.pose[i], b.pose[j]));
+      out.maxPenetration = worse(out.maxPenetration, depth);
       sum += depth;
       ++points;
       const Vec<D> vA = b.motion[i].v + cross(b.motion[i].w, b.pose[i].q * c.localA);
@@ -69,10 +80,10 @@ ContactInvariants contactInvariants(const Simulation<D>& world) {
       const double normal = c.impulse[0];
       double tangent = 0;
       for (std::size_t d = 1; d < D; ++d) tangent += double(c.impulse[d]) * double(c.impulse[d]);
-      out.coneExcess = std::max(out.coneExcess, std::sqrt(tangent) - m.friction * normal);
+      out.coneExcess = worse(out.coneExcess, std::sqrt(tangent) - m.friction * normal);
       if (m.restitution == 0) {  // a bounce is right to leave with an impulse
-        const double closing = (vB - vA).dot(m.normal) + std::max<double>(0, c.separation) / dt;
-        out.complementarity = std::max(out.complementarity, std::abs(closing * normal));
+        const double closing = (vB - vA).dot(m.normal) + worse(0, c.separation) / dt;
+        out.complementarity = worse(out.complementarity, std::abs(closing * normal));
       }
     }
   }

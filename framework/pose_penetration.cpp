@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "framework/worse.h"
+
 namespace lpc::inline LPC_PRECISION {
 
 // The one competitor that takes every kind of shape.
@@ -68,8 +70,8 @@ typename PosePenetration<D>::Depths PosePenetration<D>::of(const Simulation<D>& 
       m_query->query(*m_batch, QueryNeed::distance, *m_answers, {}, work);
       for (int k = 0; k < m_batch->count; ++k) {
         const double depth = -static_cast<double>(m_answers->distance[static_cast<std::size_t>(k)]);
-        if (!(depth > 0)) continue;
-        out.max = std::max(out.max, depth);
+        if (depth <= 0) continue;
+        out.max = worse(out.max, depth);
         sum += depth, ++out.pairs;
       }
     }

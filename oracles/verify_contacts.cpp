@@ -224,10 +224,12 @@ std::string_view faultOf(const Placed<D>& k, const Manifold<D>& m, double& deepe
   deepest = std::numeric_limits<double>::infinity();
   if (m.count < 1 || m.count > kManifoldPoints<D>) return "wrong_count";
   for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
-    if (i > 0 && m.points[i].feature <= m.points[i - 1].feature) return "wrong_features";
-    deepest = std::min(deepest, static_cast<double>(m.points[i].separation));
+    const ContactPoint<D>& c = m.points[i];
+    if (!std::isfinite(c.separation) || !c.localA.allFinite() || !c.localB.allFinite()) return "not_finite";
+    if (i > 0 && c.feature <= m.points[i - 1].feature) return "wrong_features";
+    deepest = std::min(deepest, static_cast<double>(c.separation));
   }
-  if (!m.normal.allFinite() || !std::isfinite(deepest)) return "not_finite";
+  if (!m.normal.allFinite()) return "not_finite";
   const Vecd<D> n = m.normal.template cast<double>();
   if (!(std::abs(n.norm() - 1) <= static_cast<double>(kUnitTolerance))) return "wrong_normal";
   const HardPair<D>& p = k.pair;

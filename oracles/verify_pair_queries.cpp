@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "framework/tolerances.h"
+#include "framework/worse.h"
 #include "oracles/regime.h"
 #include "oracles/verdict.h"
 #include "oracles/verify.h"
@@ -69,7 +70,7 @@ double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<
   const double length = std::abs(n.norm() - 1);
   if (role == AlgorithmRole::competitor && length > static_cast<double>(kUnitTolerance)) return length * known.s;
   const Interval along = separationAlong<D>(pair.a, {}, pair.b, pair.X_AB, n);
-  return std::max(0.0, truth.lo - along.hi);
+  return worse(0, truth.lo - along.hi);
 }
 
 }  // namespace

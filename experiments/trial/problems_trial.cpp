@@ -14,6 +14,7 @@
 #include "experiments/trial/trial.h"
 #include "framework/contact_problem.h"
 #include "framework/profiler.h"
+#include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -85,8 +86,10 @@ class ProblemTrial {
       auto& list = out.series[std::string(entry.info.name)];
       for (const ProblemAnswer& a : m_seen.answers) list.push_back(entry.value(a));
     }
-    const bool finite = std::isfinite(m_seen.last().residual);
-    if (!finite) out.fail("diverged", "nan", static_cast<long>(m_seen.answers.size()) - 1);
+    const auto broken = std::find_if(m_seen.answers.begin(), m_seen.answers.end(), [](const ProblemAnswer& a) {
+      return !std::isfinite(a.residual) || !std::isfinite(a.unexplained);
+    });
+    if (broken != m_seen.answers.end()) out.fail("diverged", "nan", broken - m_seen.answers.begin());
     char text[20];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(m_hash));
     out.hash = text;
@@ -144,13 +147,14 @@ class ProblemTrial {
     WorkDone work;
     m_rows.freeVelocities(solved.input(work, m_profiler), m_velocity);
     for (std::size_t i = 0; i < m_reference.size(); ++i) {
-      out.velocity = std::max(out.velocity, std::abs(m_velocity[i] - m_reference[i]) / m_unit);
+      out.velocity = worse(out.velocity, std::abs(m_velocity[i] - m_reference[i]) / m_unit);
     }
     FrozenProblem<D> pushed = m_problem;
     m_rows.apply(pushed.input(work, m_profiler), m_impulse);
     for (std::size_t i = 0; i < solved.bodies.motion.size(); ++i) {
-      const double off = double((solved.bodies.motion[i].v - pushed.bodies.motion[i].v).norm());
-      out.unexplained = std::max(out.unexplained, off / m_unit);
+      const Motion<D>& now = solved.bodies.motion[i];
+      const double off = double((now.v - pushed.bodies.motion[i].v).norm());
+      out.unexplained = worse(out.unexplained, now.w.allFinite() ? off / m_unit : ProblemsSeen::kNan);
     }
     return out;
   }
@@ -175,7 +179,7 @@ class ProblemTrial {
       }
       const double error = (m_impulse[at] - moved) / row.unit;
       squared = error * error + (row.law == ProblemLaw::tangent ? squared : 0);
-      worst = std::max(worst, std::sqrt(squared));
+      worst = worse(worst, std::sqrt(squared));
     }
     return worst;
   }
@@ -195,7 +199,10 @@ class ProblemTrial {
         createStage<VelocityResolver<D>>(spec)->solve(copy.input(work, m_profiler));
         m_rows.impulses(copy.manifolds, copy.joints, m_impulse);
         const double left = m_rows.naturalMap(m_impulse, m_free).natural / m_unit;
-        if (!std::isfinite(left)) break;
+        const auto& motion = copy.bodies.motion;
+        const bool finite = std::all_of(motion.begin(), motion.end(),
+                                        [](const Motion<D>& m) { return m.v.allFinite() && m.w.allFinite(); });
+        if (!std::isfinite(left) || !finite) break;
         warm.manifolds = copy.manifolds, warm.joints = copy.joints;
         if (left >= least) continue;
         least = left, best.manifolds = warm.manifolds, best.joints = warm.joints;

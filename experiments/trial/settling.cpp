@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiments/trial/trial.h"
+#include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -43,18 +44,18 @@ void Settling<D>::observe(const Simulation<D>& world, double dt) {
     if (!here) continue;
     const Vec<D> way = b.pose[i].p - body.start.p;
     const Real along = way.dot(down);
-    sag = std::max(sag, double(along)), rise = std::max(rise, -double(along));
-    lateral = std::max(lateral, double((way - along * down).norm()));
-    tilt = std::max(tilt, turnBetween(body.start.q, b.pose[i].q));
-    speed = std::max(speed, double(b.motion[i].v.norm()));
+    sag = worse(sag, along), rise = worse(rise, -along);
+    lateral = worse(lateral, (way - along * down).norm());
+    tilt = worse(tilt, turnBetween(body.start.q, b.pose[i].q));
+    speed = worse(speed, b.motion[i].v.norm());
   }
-  lateralMax = std::max(lateralMax, lateral);
+  lateralMax = worse(lateralMax, lateral);
   if (m_window == 0) m_window = static_cast<std::size_t>(std::max(1.0, std::round(kLast / dt)));
   if (m_positions.size() < m_window + 1) m_positions.resize(m_window + 1), m_speeds.resize(m_window + 1);
   m_positions[m_steps % m_positions.size()] = std::move(positions);
   m_speeds[m_steps % m_speeds.size()] = speed;
   ++m_steps, m_time += dt;
-  m_fast = speed > kRestSpeed;
+  m_fast = !(speed <= kRestSpeed);
   if (m_fast) m_restSince = m_time;
   if (!m_supports && m_time >= kSettled - dt / 2) m_supports = touching(world);
 }

@@ -38,7 +38,8 @@ TrialResult resultFromJson(const json& j) {
 }
 
 double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const bool some = std::any_of(values.begin(), values.end(), [](double x) { return std::isnan(x); });
+  if (values.empty() || some) return std::numeric_limits<double>::quiet_NaN();  // NaN has no place in an order
   std::sort(values.begin(), values.end());
   const double at = q * static_cast<double>(values.size() - 1);
   const auto i = static_cast<std::size_t>(at);

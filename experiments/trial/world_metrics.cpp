@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "experiments/trial/trial.h"
+#include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -271,7 +272,7 @@ bool WorldSeen<D>::has(TrialNeed need) const {
 template <int D>
 double WorldSeen<D>::largest(const char* name) const {
   double x = 0;
-  for (double v : find(*this, name)) x = std::isnan(v) ? v : std::max(x, v);
+  for (double v : find(*this, name)) x = worse(x, v);
   return x;
 }
 template <int D>

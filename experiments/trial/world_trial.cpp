@@ -17,6 +17,7 @@
 #include "framework/recording.h"
 #include "framework/stage_engine.h"
 #include "framework/world.h"
+#include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -169,8 +170,9 @@ class WorldTrial {
     m_seen.drift = 0, m_seen.height = kNan;
     int farthest = -1;
     for (int i : m_dynamic) {
+      if (!m_world.valid(m_director.body(i))) continue;
       const double way = moved(i);
-      if (way > m_seen.drift) m_seen.drift = way, farthest = i;
+      if (way > m_seen.drift || std::isnan(way)) m_seen.drift = way, farthest = i;
       if (!std::isnan(way)) m_seen.height = std::fmax(m_seen.height, m_world.pose(m_director.body(i)).p[1]);
     }
     m_seen.weight = 0;
@@ -183,12 +185,12 @@ class WorldTrial {
     m_seen.settling.observe(m_world, m_scene.dt);
     m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
     const double energy = m_seen.now.kinetic + m_seen.now.potential;
-    m_seen.energyMax = std::max(m_seen.energyMax, energy);
+    m_seen.energyMax = worse(m_seen.energyMax, energy);
     m_seen.depth = kNan;
     if (!m_again && m_seen.now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
       const auto depths = m_penetration.of(m_world);
       m_seen.depth = depths.max, m_seen.meanDepth = depths.mean;
-      m_seen.deepest = std::max(m_seen.deepest, depths.max);
+      m_seen.deepest = worse(m_seen.deepest, depths.max);
     }
     putSeries(m_seen);
     if (m_timed) {

@@ -138,6 +138,25 @@ void residualIsZeroAtTheAnswerAlone() {
 TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone2) { residualIsZeroAtTheAnswerAlone<2>(); }
 TEST(ContactProblem, ResidualIsZeroAtTheAnswerAlone3) { residualIsZeroAtTheAnswerAlone<3>(); }
 
+// An impulse or a velocity that is none is no answer, in whichever row.
+template <int D>
+void whatIsNoNumberIsNoAnswer() {
+  OnSlope<D> two(0.5, 0.3, 1);
+  two.scene.add(Real(1), Ang<D>::Zero(), {Vec<D>::Unit(1), {}});
+  two.scene.touch(0, 2, Vec<D>::Unit(1), Vec<D>::Zero(), 0, Real(0.3), 0);
+  Whole<D> whole(two.scene);
+  for (std::size_t i = 0; i < whole.freeVelocity.size(); ++i) {
+    std::vector<double> x(whole.freeVelocity.size(), 0), u = whole.freeVelocity;
+    x[i] = std::nan("");
+    const ProblemResidual pushed = whole.problem.naturalMap(x, u);
+    EXPECT_TRUE(std::isnan(pushed.natural) && std::isnan(pushed.cone)) << i;
+    x[i] = 0, u[i] = std::nan("");
+    EXPECT_TRUE(std::isnan(whole.problem.naturalMap(x, u).natural)) << i;
+  }
+}
+TEST(ContactProblem, WhatIsNoNumberIsNoAnswer2) { whatIsNoNumberIsNoAnswer<2>(); }
+TEST(ContactProblem, WhatIsNoNumberIsNoAnswer3) { whatIsNoNumberIsNoAnswer<3>(); }
+
 // Who sees the whole problem comes to where nothing is left of it; a pyramid is a cone in a plane. Its
 // compliance in f32 is more, over the rounding of rows.
 template <int D>

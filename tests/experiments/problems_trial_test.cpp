@@ -31,6 +31,44 @@ TEST(Spectrum, IsThatOfTheIteration) {
   EXPECT_NEAR(twice.gaussSeidel, 0, 1e-12);
 }
 
+/// catto, which in its second iteration gives what is no number.
+template <int D>
+class NotANumber final : public VelocityResolver<D> {
+ public:
+  enum class Where { nowhere, impulse, velocity, turn };
+  struct Params {
+    Where where = Where::nowhere;
+    int iterations = 1;
+    void visit(ParamVisitor& v) {
+      v.choice("where", where, {"nowhere", "impulse", "velocity", "turn"}, "what is spoiled");
+      v.integer("iterations", iterations, 0, 100, "sweeps");
+    }
+  };
+  explicit NotANumber(const Params& params) : m_params(params) {}
+  static AlgorithmInfo info() {
+    return {.name = "planted_nan",
+            .summary = "planted bug",
+            .paper = "",
+            .complexity = "that of catto",
+            .friction = FrictionLaw::coulomb,
+            .role = AlgorithmRole::witness};
+  }
+  void solve(const VelocityInput<D>& in) override {
+    Spec right{"catto", {}};
+    right.set("iterations", {std::to_string(m_params.iterations), {}});
+    createStage<VelocityResolver<D>>(right)->solve(in);
+    if (m_params.iterations != 2) return;
+    const Real nan = std::numeric_limits<Real>::quiet_NaN();
+    if (m_params.where == Where::impulse) in.manifolds.back().points[0].impulse[0] = nan;
+    if (m_params.where == Where::velocity) in.bodies.motion.back().v[0] = nan;
+    if (m_params.where == Where::turn) in.bodies.motion.back().w[0] = nan;
+  }
+
+ private:
+  Params m_params;
+};
+LPC_REGISTER(VelocityResolver, NotANumber, 2);
+
 template <int D>
 struct LastProblem final : VelocityWatcher<D> {
   FrozenProblem<D> frozen;
@@ -148,6 +186,27 @@ TEST(ProblemsTrial, CurvesBeginAtNoIteration) {
     ASSERT_EQ(admm.series.at("problem_residual").size(), 4u);
     EXPECT_NEAR(admm.series.at("problem_residual")[0], catto.series.at("problem_residual")[0], 1e-9);
     EXPECT_EQ(admm.series.at("row_updates")[0], 0);
+  }
+}
+
+TEST(ProblemsTrial, WhatIsNoNumberIsARowWithAReason) {
+  Workspace w;
+  const std::string file = stackFile(w, 3);
+  EXPECT_EQ(trialOf(file, "planted_nan", 4).outcome, "ok");
+  for (const char* where : {"impulse", "velocity", "turn"}) {
+    for (const int iterations : {2, 4}) {  // at the end, and on the way there
+      const TrialResult r = trialOf(file, std::string("planted_nan{where=") + where + "}", iterations);
+      EXPECT_EQ(r.outcome, "diverged") << where;
+      EXPECT_EQ(r.reason, "nan");
+      EXPECT_EQ(r.step, 2);
+      const bool pushed = std::string(where) == "impulse";
+      for (const char* name : {"problem_residual", "own_residual"}) {
+        EXPECT_EQ(std::isnan(r.series.at(name)[2]), pushed) << where << ' ' << name;
+        EXPECT_TRUE(std::isfinite(r.series.at(name)[1])) << where << ' ' << name;
+      }
+      EXPECT_EQ(std::isnan(r.metrics.at("cone_error")), pushed && iterations == 2) << where;
+      EXPECT_EQ(std::isnan(r.metrics.at("unexplained_velocity")), iterations == 2) << where;
+    }
   }
 }
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // How a scene has settled: what is told of flights, slides, falls and rest that have a closed form.
+#include "experiments/trial/settling.h"
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/trial.h"
 #include "tests/experiments/workspace.h"
+#include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -72,6 +75,26 @@ type = "fixed"
 position = [0, -1, 0]
 shapes = [{ kind = "box", half = [2, 1, 2], friction = 0 }]
 )";
+
+struct Blow final : ForceGenerator<2> {
+  void apply(const ForceState<2>&, Real, std::span<Wrench<2>> out) const override {
+    out[0].force[0] = std::numeric_limits<Real>::quiet_NaN();
+  }
+};
+
+// Nor has it sunk by nothing, and it is not at rest.
+TEST(Settling, WhoIsNowhereHasNotSettled) {
+  World<2> world;
+  for (const double x : {0.0, 9.0}) world.add(test::body<2>(Shape<2>::sphere(1), test::at<2>(x, 0)));
+  world.add(std::make_shared<const Blow>());
+  Settling<2> seen;
+  seen.start(world, {0, 1});
+  for (int i = 0; i < 70; ++i) world.step(Real(1) / 60), seen.observe(world, 1.0 / 60);
+  for (const double x : {seen.sag, seen.rise, seen.lateral, seen.lateralMax}) EXPECT_TRUE(std::isnan(x));
+  EXPECT_TRUE(std::isnan(seen.jitter()));
+  EXPECT_TRUE(std::isnan(seen.restSince()));
+  EXPECT_TRUE(std::isnan(quantile({1, std::nan(""), 2}, 0.5)));
+}
 
 TEST(Settling, RestIsToldFromItsBeginning) {
   const auto m = run(kTable + R"(

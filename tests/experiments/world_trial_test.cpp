@@ -198,6 +198,58 @@ TEST(WorldTrial, timedTrialsHoldTimesAndTheSameHistory) {
   EXPECT_TRUE(std::isnan(back.metrics.at("momentum_error"))) << "NaN is kept, not dropped";
 }
 
+/// The default solver, which in its third step has not pushed with any number, and moves all as it should.
+template <int D>
+class PushesNaN final : public Solver<D> {
+ public:
+  struct Params {
+    bool joints = false;
+    void visit(ParamVisitor& v) { v.flag("joints", joints, "through a joint, else a contact"); }
+  };
+  explicit PushesNaN(const Params& params)
+      : m_joints(params.joints), m_right(createStage<Solver<D>>({"split_solver", {}})) {}
+  static AlgorithmInfo info() {
+    return {.name = "planted_push",
+            .summary = "planted bug",
+            .paper = "",
+            .complexity = "that of split_solver",
+            .role = AlgorithmRole::witness};
+  }
+  void step(const StepInput<D>& in) override {
+    m_right->step(in);
+    const Real nan = std::numeric_limits<Real>::quiet_NaN();
+    if (++m_steps != 3) return;
+    (m_joints ? in.joints[0].impulse[0] : in.manifolds.at(0).points[0].impulse[0]) = nan;
+  }
+
+ private:
+  bool m_joints;
+  std::unique_ptr<Solver<D>> m_right;
+  int m_steps = 0;
+};
+LPC_REGISTER(Solver, PushesNaN, 2);
+
+TEST(WorldTrial, anImpulseThatIsNoNumberEndsTheRun) {
+  Workspace w;
+  std::string scene = kHill + "[[joint]]\nkind = \"pivot\"\na = \"world\"\nb = \"block\"\nanchor = [0, 0]\n";
+  scene.replace(scene.find("[\"cache\", "), 10, "[\"joints\", \"cache\", ");
+  Planner planner;
+  for (const char* solver : {"planted_push", "planted_push{joints=true}"}) {
+    for (const long steps : {3, 60}) {
+      WorldCell cell;
+      cell.pipeline = std::string("solver=") + solver, cell.steps = steps;
+      const PlannedTrial t = planner.world(w.write("scene.toml", scene), cell);
+      const TrialResult r = runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+      EXPECT_EQ(r.outcome, "diverged") << solver;
+      EXPECT_EQ(r.reason, "nan") << solver;
+      EXPECT_EQ(r.step, 3) << solver;
+      if (std::string(solver) == "planted_push") {
+        EXPECT_TRUE(std::isnan(r.metrics.at("cone_excess_max")));
+      }
+    }
+  }
+}
+
 TEST(WorldTrial, limitsHaveOutcomes) {
   Workspace w;
   const TrialResult fast = run(w, kThrow, {{"speed_limit", 5.05}});

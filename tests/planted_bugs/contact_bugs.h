@@ -56,6 +56,21 @@ struct DuplicateFeatures final : SpoiledContacts<D> {
   }
 };
 
+/// The last of several points.
+template <int D>
+struct PointNowhere final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override {
+    if (m.count > 1) m.points[static_cast<std::size_t>(m.count - 1)].localA[0] = std::numeric_limits<Real>::quiet_NaN();
+  }
+};
+template <int D>
+struct DepthIsNoNumber final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>&, Manifold<D>& m) override {
+    if (m.count > 1)
+      m.points[static_cast<std::size_t>(m.count - 1)].separation = std::numeric_limits<Real>::quiet_NaN();
+  }
+};
+
 template <int D>
 struct OnlyOnePoint final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override { m.count = 1; }
