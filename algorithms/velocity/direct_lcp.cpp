@@ -24,13 +24,13 @@ class DirectLcp final : public VelocityResolver<D> {
     Real cfm = sizeof(Real) == 8 ? Real(1e-4) : Real(1e-3);  // far above the rounding of rows
     int maxRows = 120;
     int maxPivots = 2000;
-    int iterations = 20;
+    int sweeps = 20;
     void visit(ParamVisitor& v) {
       v.integer("facets", facets, 4, 16, "of the pyramid in 3D; in 2D there are two");
       v.real("cfm", cfm, 0, Real(0.1), "1", "compliance of each row in a solve, of W_ii: redundant contacts share");
       v.integer("max_rows", maxRows, 0, 2000, "of an island that is solved directly");
       v.integer("max_pivots", maxPivots, 0, 1000000, "of Lemke's method");
-      v.integer("iterations", iterations, 0, 100000, "sweeps of projected Gauss-Seidel, where nothing else helps");
+      v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, where nothing else helps");
     }
   };
   explicit DirectLcp(const Params& params) : m_params(params) {}
@@ -67,7 +67,7 @@ class DirectLcp final : public VelocityResolver<D> {
       const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
       const auto rows = m_problem.grouped().subspan(first, last - first);
       if (last - first <= static_cast<std::size_t>(m_params.maxRows) && direct(rows, in.work)) continue;
-      m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.iterations, in.work);
+      m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
     }
     m_problem.apply(in, m_impulse);
   }

@@ -146,9 +146,11 @@ TEST(ProblemsTrial, MeasuresWhatIsLeft) {
   EXPECT_GT(trialOf(file, "catto", 5, "cold", "on", "recorded", true).metrics.at("ns_per_solve"), 0);
   // Who makes momentum is seen to; his impulses alone would look better than his velocities are.
   EXPECT_GT(trialOf(file, "shock_propagation", 3).metrics.at("unexplained_velocity"), 1e-3);
-  const TrialResult once = trialOf(file, "millington", 100);
-  EXPECT_EQ(once.series.at("problem_residual").size(), 1u) << "it has no number of iterations";
-  EXPECT_TRUE(std::isnan(once.metrics.at("iterations_to_thousandth")));
+  for (const char* method : {"millington", "direct_lcp"}) {
+    const TrialResult once = trialOf(file, method, 100);
+    EXPECT_EQ(once.series.at("problem_residual").size(), 1u) << method << " has no number of iterations";
+    EXPECT_TRUE(std::isnan(once.metrics.at("iterations_to_thousandth"))) << method;
+  }
 }
 
 // A box that slides askew, in 3D, where laws of friction differ: each method leaves nothing of its own.
