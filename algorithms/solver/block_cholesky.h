@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// A = L L^T of a sparse symmetric matrix of S x S blocks, one node per body: linear in a tower. Nodes are eliminated in
-// the order of the fewest neighbours left, so that neighbours become neighbours of each other as seldom as they can.
-// Every sum has one order, and arrays keep their capacity.
+// A = L L^T of a sparse symmetric matrix of S x S blocks, one node per body: factor() and solve() are linear in a tower.
+// Nodes are eliminated in the order of the fewest neighbours left, so that neighbours become neighbours of each other as
+// seldom as they can; analyse() looks for each among all that are left, n^2 comparisons, and keeps n^2 bits. Every sum
+// has one order, and arrays keep their capacity.
 #pragma once
 
 #include <algorithm>
