@@ -63,8 +63,10 @@ class Judged:
 def read(path=CLAIMS):
     try:
         claims = tomllib.loads(Path(path).read_text(encoding="utf-8")).get("claim", [])
-    except (OSError, tomllib.TOMLDecodeError) as error:
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise UserError(f"{path}: {error}") from error
+    if not isinstance(claims, list) or not all(isinstance(claim, dict) for claim in claims):
+        raise UserError(f"{path}: 'claim' is no list of tables; valid: [[claim]]")
     papers = set(re.findall(r"(?m)^@\w+\{(\w+),", PAPERS.read_text(encoding="utf-8")))
     for claim in claims:
         where = f"{path}: '{claim.get('title', '?')}'"
@@ -72,6 +74,16 @@ def read(path=CLAIMS):
         if wrong:
             raise UserError(f"{where}: {'lacks' if wrong[0] in NEEDED else 'has no key'} {wrong[0]}; valid: "
                             f"{', '.join((*NEEDED, *OPTIONAL))}")
+        for key, value in claim.items():
+            if key != "runs" and not isinstance(value, str):
+                raise UserError(f"{where}: {key} is {value}; valid: text")
+        if not isinstance(claim["runs"], dict) or not all(isinstance(command, str) for command in claim["runs"].values()):
+            raise UserError(f"{where}: runs is {claim['runs']}; valid: a table of commands, runs.NAME = \"SCENE ...\"")
+        for name, command in claim["runs"].items():
+            try:
+                shlex.split(command)
+            except ValueError as error:
+                raise UserError(f"{where}: runs.{name}: {command}: {str(error).lower()}; valid: what `lpc run` takes") from error
         if claim["verdict"] not in VERDICTS:
             raise UserError(f"{where}: verdict {claim['verdict']}; valid: {', '.join(VERDICTS)}")
         if claim["source"].split(",")[0] not in papers:
@@ -91,7 +103,7 @@ def holds(where, text, runs):
     """What a predicate says of the runs. Names are those of the runs and four functions; there are no others."""
     try:
         return bool(eval(" ".join(text.split()), {"__builtins__": {}, "abs": abs, "all": all, "max": max, "min": min, **runs}))
-    except (NameError, SyntaxError, TypeError, ZeroDivisionError) as error:
+    except (NameError, SyntaxError, TypeError, AttributeError, ValueError, ArithmeticError) as error:
         raise UserError(f"'{where}': {text}: {error}") from error
 
 

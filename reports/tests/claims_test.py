@@ -89,10 +89,16 @@ class OneClaim(unittest.TestCase):
                 ("lpc2009", "nobody2009", "has no nobody2009"), ("says", "sayz", "lacks says"),
                 ("because", "colour = 'red'\nbecause", "has no key colour"), ('"confirmed"', '"perhaps"', "verdict perhaps"),
                 ("single_box", "double_box", "double_box"), ("two.max_speed", "two.max_speeds", "has no max_speeds"),
+                ("two.max_speed", "two.max_speed.fast", "no attribute 'fast'"),
                 ("two.max_speed", "three.max_speed", "name 'three' is not defined"),
                 ("two.max_speed", "two.joint_error_max", "has no joint_error_max"),
                 ("one.max_speed <", "open('x') and one.max_speed <", "name 'open' is not defined"),
-                ("[[claim]]", "[[claim]", "line 1")):
+                ("[[claim]]", "[[claim]", "line 1"), ("[[claim]]", "[claim]", "valid: [[claim]]"),
+                ("--steps 2", "--pipeline \"solver=tgs", "runs.one: single_box --pipeline \"solver=tgs: no closing quotation"),
+                ("runs.two = 'single_box --steps 4'", "runs.two = 4", "valid: a table of commands"),
+                ("runs.one = 'single_box --steps 2'\nruns.two = 'single_box --steps 4'", "runs = 'single_box'",
+                 "runs is single_box"),
+                ('"lpc2009, somewhere"', "2009", "source is 2009; valid: text")):
             code, told = self.told(CLAIM.replace(wrong, right), "--into", str(self.page))
             self.assertEqual((code, told.count("\n")), (2, 1), told)
             self.assertIn(telling, told)
