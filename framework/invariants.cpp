@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/inverse_inertia.h"
 #include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -30,8 +31,9 @@ StateInvariants<D> stateInvariants(const Simulation<D>& world) {
       out.angularMomentum += mass * p.cross(v);
     }
     if (b.invInertiaBody[i].trace() > 0) {
-      const Inertia<D> inverse = rotateInertia(b.pose[i].q, b.invInertiaBody[i]);
-      const Eigen::Matrix<double, kAngDim<D>, 1> spin = inverse.template cast<double>().inverse() * w;
+      using Turn = Eigen::Matrix<double, kAngDim<D>, kAngDim<D>>;
+      const Turn inverse = rotateInertia(b.pose[i].q, b.invInertiaBody[i]).template cast<double>();
+      const Eigen::Matrix<double, kAngDim<D>, 1> spin = inverseAtItsScale(inverse) * w;
       out.kinetic += 0.5 * w.dot(spin);
       out.angularMomentum += spin;
     }

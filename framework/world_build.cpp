@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "framework/inverse_inertia.h"
 #include "framework/user_numbers.h"
 #include "framework/world.h"
 
@@ -16,17 +17,6 @@ namespace {
 template <int D>
 bool isFinite(const MassProperties<D>& m) {
   return std::isfinite(m.mass) && m.center.allFinite() && m.inertia.allFinite();
-}
-
-// Scaled by a power of two, so that the determinant of the inertia of what is a millimetre or a
-// kilometre long is a float, too.
-template <int D>
-Inertia<D> inverted(const Inertia<D>& inertia) {
-  const int size = std::ilogb(inertia.trace());
-  const auto scaled = [size](const Inertia<D>& m) -> Inertia<D> {
-    return m.unaryExpr([size](Real x) { return std::ldexp(x, -size); });
-  };
-  return scaled(Inertia<D>(scaled(inertia).inverse()));
 }
 
 template <int D>
@@ -67,7 +57,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
     mass = combined(mass, part);
     if (!isFinite(part) || !isFinite(mass)) {
       throw UserError(who + ": its mass, " + std::to_string(part.mass) +
-                      " kg, or its inertia is beyond what numbers hold");
+                      " kg, or its inertia is beyond what numbers hold; valid: smaller ones");
     }
     if (s.shape.isPlane() && def.type != BodyType::fixed) {
       throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
@@ -78,13 +68,14 @@ Handle World<D>::add(const BodyDef<D>& def) {
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
     throw UserError(who + ": a dynamic body needs mass; give it a shape with density > 0, or make it fixed");
   }
-  Inertia<D> invInertia = Inertia<D>::Zero();
+  std::optional<Inertia<D>> invInertia = Inertia<D>(Inertia<D>::Zero());
   if (def.type == BodyType::dynamic) {
-    if (def.rotatable && mass.inertia.trace() > 0) invInertia = inverted<D>(mass.inertia);
-    if (!std::isfinite(1 / mass.mass) || !invInertia.allFinite()) {
+    if (def.rotatable && mass.inertia.trace() > 0) invInertia = inverseInertia<D>(mass.inertia);
+    if (!std::isfinite(1 / mass.mass) || !invInertia) {
       char kilograms[32];
       std::snprintf(kilograms, sizeof kilograms, "%g", double(mass.mass));
-      throw UserError(who + ": its mass, " + kilograms + " kg, or its inertia has no inverse that numbers hold");
+      throw UserError(who + ": its mass, " + kilograms +
+                      " kg, or its inertia has no inverse that numbers hold; valid: larger ones");
     }
   }
   for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || m_kindCount[k] > 0;
@@ -99,7 +90,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
   b.pose[i] = {def.X_WB * mass.center, def.X_WB.q};
   b.motion[i] = def.type == BodyType::fixed ? Motion<D>{} : Motion<D>{def.velocity, def.angularVelocity};
   b.mass[i] = dynamic ? mass.mass : Real(0);
-  b.invInertiaBody[i] = invInertia;
+  b.invInertiaBody[i] = *invInertia;
   b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = def.userData, m_userForces[i] = {};
   for (std::size_t s = 0; s < def.shapes.size(); ++s) {
     putShape(def.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));

@@ -4,6 +4,7 @@
 
 #include "experiments/trial/scene_parsed.h"
 #include "framework/curved_core.h"
+#include "framework/inverse_inertia.h"
 #include "framework/mass.h"
 #include "framework/names.h"
 
@@ -157,8 +158,8 @@ void checkMass(const BodyDef<D>& def, const TableReader& body) {
               " kg, or inertia is more than numbers hold; valid: smaller ones");
   }
   if (def.type != BodyType::dynamic) return;
-  const Real least = all.inertia.diagonal().minCoeff();
-  if (!std::isfinite(1 / all.mass) || (def.rotatable && least > 0 && !std::isfinite(1 / least))) {
+  const bool turns = def.rotatable && all.inertia.trace() > 0;
+  if (!std::isfinite(1 / all.mass) || (turns && !inverseInertia<D>(all.inertia))) {
     body.fail("a body whose mass, " + asText(all.mass) +
               " kg, or inertia has no inverse that numbers hold; valid: larger ones");
   }

@@ -99,6 +99,11 @@ TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
       EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     }
   }
+  for (const char* angle : {"0.3", "pi / 4", "1.2"}) {  // a needle across the axes
+    const std::string needle = shape("kind = \"box\", half = [1, 1e-12, 1e-12], density = 1e24, angle = [0, 0, \"" +
+                                     std::string(angle) + "\"]");
+    expectParts(sceneMessage<3>(kHead + needle), {"t.toml:4: ", "inertia has no inverse", "valid: larger"}, needle);
+  }
   expectParts(sceneMessage<2>("name = \"t\"\nsummary = \"s\"\ndimensions = []\n"), {"t.toml:3: ", "[2, 3]"}, "none");
 }
 

@@ -396,5 +396,18 @@ TYPED_TEST(WorldTest, InvariantsOfAFreeBodyAreClosedForms) {
   EXPECT_NEAR(inv.maxSpeed, std::sqrt(5), 1e-5);
 }
 
+// Of what is so small that the determinant of its inertia is no double.
+TEST(Invariants, OfASpeckAreNumbers) {
+  World<3> world;
+  auto def = body<3>(Shape<3>::sphere(Real(1e-100)), at<3>(0, 0));
+  def.shapes[0].density = Real(1e300);
+  def.angularVelocity = {0, 0, 2};
+  world.add(def);
+  const Invariants<3> inv = invariants(world);
+  const double mass = 4.18879020478639;
+  EXPECT_NEAR(inv.kinetic / (0.5 * 0.4 * mass * 1e-200 * 4), 1, 1e-12);
+  EXPECT_NEAR(inv.angularMomentum[2] / (0.4 * mass * 1e-200 * 2), 1, 1e-12);
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION
