@@ -50,8 +50,9 @@ void Settling<D>::observe(const Simulation<D>& world, double dt) {
     speed = worse(speed, b.motion[i].v.norm());
   }
   lateralMax = worse(lateralMax, lateral);
-  if (m_window == 0) m_window = static_cast<std::size_t>(std::max(1.0, std::round(kLast / dt)));
-  if (m_positions.size() < m_window + 1) m_positions.resize(m_window + 1), m_speeds.resize(m_window + 1);
+  if (m_window == 0) m_window = static_cast<std::size_t>(std::clamp(std::round(kLast / dt), 1.0, 1e15));
+  // A short run of tiny steps never fills the window.
+  if (m_positions.size() < m_window + 1) m_positions.emplace_back(), m_speeds.emplace_back();
   m_positions[m_steps % m_positions.size()] = std::move(positions);
   m_speeds[m_steps % m_speeds.size()] = speed;
   ++m_steps, m_time += dt;

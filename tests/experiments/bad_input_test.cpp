@@ -38,6 +38,14 @@ std::string sceneMessage(const std::string& text) {
 
 std::string shape(const std::string& fields) { return "[[body]]\nshapes = [\n{ " + fields + " }]\n"; }
 
+std::string joint(const std::string& parameter) {
+  return "needs = [\"joints\"]\n[[body]]\nname = \"a\"\n" + kBall +
+         "[[joint]]\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\nanchor_b = [1, 0]\nkind = \"distance\"\nparameters = { "
+         "mode = "
+         "\"spring\", " +
+         parameter + " }\n";
+}
+
 TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
   const std::vector<Case> cases = {
       {"dt = 0\n", {"t.toml:4: ", "'dt' is 0 s", "above 0"}},
@@ -92,6 +100,9 @@ TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
        {"t.toml:10: ", "nan", "finite"}},
       {"[[body]]\nname = \"a\"\n" + kBall + "[[spring]]\na = \"world\"\nb = \"a\"\nstiffness = 1\ndamping = -1\n",
        {"t.toml:11: ", "'damping' is -1"}},
+      {joint("stiffness = inf"), {"t.toml:", "inf", "finite"}},
+      {joint("stiffness = -1"), {"t.toml:8: ", "'stiffness' of 'distance' is '-1'", "from 0 to 1e+12"}},
+      {joint("stiffness = 1e300"), {"t.toml:8: ", "'1e+300'", "from 0 to 1e+12"}},
   };
   for (const Case& c : cases) {
     for (const std::string& message : {sceneMessage<2>(kHead + c.text), sceneMessage<3>(kHead + c.text)}) {
@@ -228,6 +239,9 @@ TEST(BadInput, SweepsWithoutCellsOrWithWrongValues) {
       {world("dt = \"fast\"\n"), {"s.toml:", "'dt'", "fast", "numbers"}},
       {world("dt = -1\n"), {"s.toml:", "dt is -1 s", "above 0"}},
       {world("steps = -1\n"), {"s.toml:", "'steps' is -1"}},
+      {world("iterations = -1\n[axes.resolver]\n\"c\" = "
+             "\"solver=split_solver{velocity=catto{iterations=$iterations}}\"\n"),
+       {"s.toml:", "'iterations' of 'catto' is '-1'", "from 0 to 100000"}},
       {world("base = \"ten\"\n"), {"s.toml:", "'base'", "ten", "numbers"}},
       {world("base = 1e9\n"), {"s.toml:", "'base'", "1e+09", "1 to 200"}},
   };

@@ -96,6 +96,18 @@ TEST(Settling, WhoIsNowhereHasNotSettled) {
   EXPECT_TRUE(std::isnan(quantile({1, std::nan(""), 2}, 0.5)));
 }
 
+// The last second is no number of steps to keep room for.
+TEST(Settling, TinyStepsAreKeptOneByOne) {
+  World<2> world;
+  world.add(test::body<2>(Shape<2>::sphere(1), test::at<2>(0, 0)));
+  Settling<2> seen;
+  seen.start(world, {0});
+  for (const double dt : {1e-9, 1e-300}) {
+    for (int i = 0; i < 5; ++i) seen.observe(world, dt);
+  }
+  EXPECT_TRUE(std::isnan(seen.creep()) && std::isnan(seen.jitter()));
+}
+
 TEST(Settling, RestIsToldFromItsBeginning) {
   const auto m = run(kTable + R"(
 [[body]]
