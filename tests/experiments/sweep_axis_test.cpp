@@ -166,7 +166,8 @@ TEST(ShippedSweeps, HoldEveryResolver) {
                            "breaking_points_mass_ratio", "breaking_points_dt", "reference", "breaking_map"}) {
     const PlannedSweep sweep = planSweeps(name, {}).at(0);
     EXPECT_EQ(lacking(sweep), Names{}) << name;
-    const Names without = name == std::string("breaking_map") ? Names{"direct_lcp"} : Names{};  // it has no sweeps
+    const bool map = name == std::string("breaking_map");
+    const Names without = map ? Names{"direct_lcp", "proximal_newton"} : Names{};  // they have no sweeps
     EXPECT_EQ(withoutSetting(sweep), without) << name;
   }
   Workspace w;
