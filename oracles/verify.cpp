@@ -40,8 +40,11 @@ Verified verifyIn(const VerifyTask& task) {
     case StageKind::broadphase:
       verifyBroadphases<D>(task.range, candidates<Broadphase<D>>(task.methods), out);
       return out;
+    case StageKind::velocity:
+      verifyVelocities<D>(task.range, candidates<VelocityResolver<D>>(task.methods), out);
+      return out;
     default:
-      throw UserError("verify: no such stage; valid: pair_query, contacts, broadphase");
+      throw UserError("verify: no such stage; valid: pair_query, contacts, broadphase, velocity");
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // `lpc verify`: pair queries, contact generators and broadphases on seeded inputs before the referee. A method is wrong
-// when the referee's proof says so; methods that merely differ from each other are not compared.
+// when the referee's proof says so; methods that merely differ from each other are not compared. Velocity resolvers
+// are, and what each leaves of the problem decides.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "framework/frozen_problem.h"
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
 #include "oracles/box_script.h"
@@ -79,6 +81,26 @@ void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broad
 /// One set of boxes by the same check, as a file of cases holds it.
 template <int D>
 Verdict verifyScript(const BoxScript<D>& script, const Candidate<Broadphase<D>>& method);
+
+/// Drawn problems (drawProblem) through resolvers that are to converge: velocities before those of the answer that
+/// leaves least. Others are a `tie` where they leave as little, `wrong` where they leave more, and all are `undecided`
+/// where nobody solves the problem. Nothing is kept: a problem is its seed and number.
+template <int D>
+void verifyVelocities(const VerifyRange& range, std::span<const Candidate<VelocityResolver<D>>> methods, Verified& out);
+
+/// The verdicts of the methods on one problem by the same check; the time of each is added to `nanoseconds`.
+template <int D>
+std::vector<Verdict> verifyProblem(const FrozenProblem<D>& problem,
+                                   std::span<const Candidate<VelocityResolver<D>>> methods,
+                                   std::vector<double>* nanoseconds = nullptr);
+
+/// Ours that are to converge, as they are asked; whoever else is, is compared with them.
+inline std::vector<Spec> convergedResolvers(int dimension) {
+  std::vector<Spec> out = {Spec::parse("admm{iterations=20000,tolerance=1e-13,proximal=1e-6}"),
+                           Spec::parse("proximal_newton{tolerance=1e-13,passes=1000,iterations=100000}")};
+  if (dimension == 2) out.push_back(Spec::parse("direct_lcp{cfm=0}"));  // in 3D its law is that of facets
+  return out;
+}
 
 /// One stage by name, on methods of the registry: what a worker does. The kinds are ignored by broadphases. Throws
 /// UserError for names that do not exist. A failure that it keeps is asked again, alone and from its text: what does

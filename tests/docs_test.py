@@ -62,6 +62,7 @@ INSTEAD = {
     "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
+    "lpc verify --stage velocity": "lpc verify --stage velocity --dimension 2 --methods siconos",
     "lpc verify --minutes 10": "lpc verify --minutes 0.02 --stage broadphase",
     "lpc verify --minutes 10 --precision f64,f32": "lpc verify --minutes 0.02 --precision f64,f32 --stage broadphase",
     "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*'":

@@ -27,10 +27,12 @@ struct Arguments {
 };
 
 StageKind verifiedStage(const std::string& name) {
-  for (const StageKind stage : VerificationOptions{}.stages) {
+  std::vector<std::string> names;
+  for (const StageKind stage : kVerifiedStages) {
     if (name == stageName(stage)) return stage;
+    names.emplace_back(stageName(stage));
   }
-  throw UserError("unknown stage '" + name + "'" + validNames({"pair_query", "contacts", "broadphase"}, name));
+  throw UserError("unknown stage '" + name + "'" + validNames(names, name));
 }
 
 void readChoices(Arguments& a) {
@@ -116,12 +118,12 @@ void addVerify(CommandLine& app, Session& session) {
   const auto seeded = [&](const char* name, auto& value, const char* meaning) -> Option& {
     return ofSeeded.emplace_back(command.option(name, value, meaning));
   };
-  seeded("--pairs", o.pairs, "pairs per two kinds of shape and sets of boxes, in blocks of 200")
+  seeded("--pairs", o.pairs, "pairs per two kinds of shape, sets of boxes, velocity problems, in blocks of 200")
       .showDefault()
       .range(1L, 1000000000L);
   seeded("--minutes", o.minutes, "goes on with further blocks until then").range(0.01, 1e5);
   seeded("--seed", o.seed, "of the inputs").showDefault().range(0L, std::numeric_limits<long>::max());
-  seeded("--stage", a->stages, "pair_query, contacts, broadphase; default: all").commaSeparated();
+  seeded("--stage", a->stages, "pair_query, contacts, broadphase (default: these), velocity").commaSeparated();
   seeded("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
   seeded("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
   seeded("--role", a->role, "competitor, witness or all (default)");
@@ -142,6 +144,7 @@ void addVerify(CommandLine& app, Session& session) {
       "  lpc verify --pairs 1000 --seed 7\n"
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"
       "  lpc verify --dimension 3 --stage pair_query --methods sat gjk_epa{iterations=20} fcl_libccd\n"
+      "  lpc verify --stage velocity --pairs 1000\n"
       "  lpc verify --cases tests/regressions/hard_cases.json --csv verdicts.csv");
   command.callback([a, store, &session] {
     a->storeNamed = store.given();

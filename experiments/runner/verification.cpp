@@ -20,6 +20,7 @@
 #include "framework/check.h"
 #include "framework/names.h"
 #include "framework/stage_narrowphase.h"
+#include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -114,6 +115,9 @@ class Plan {
     r.create(whole);  // throws what is a mistake
     json code = codeHashes(r.stage, whole, r.dimension);
     code["core"] = coreHash(), code["oracles"] = oraclesHash();
+    if (r.stage == StageKind::velocity) {  // they are compared with
+      for (const Spec& other : convergedResolvers(r.dimension)) code.update(codeHashes(r.stage, other, r.dimension));
+    }
     for (const std::string& precision : m_options.precisions) {
       const LedgerMethod ledger{std::string(stageName(r.stage)), precision, r.dimension, spec.text()};
       m_methods.push_back({ledger, whole, hexHash(code.dump()), r.info.role});
@@ -137,7 +141,7 @@ class Plan {
     }
   }
   void addSubjects(const std::string& precision, StageKind stage, int dimension) {
-    if (stage == StageKind::broadphase) {
+    if (stage == StageKind::broadphase || stage == StageKind::velocity) {
       addSubject(precision, dimension, {stage, std::nullopt, {}});
       return;
     }
@@ -353,6 +357,12 @@ bool contains(const auto& list, const auto& value) { return std::find(list.begin
 
 std::vector<Spec> specsToVerify(const Registered& method) {
   std::vector<Spec> out = {{method.info.name, {}}};
+  if (method.stage == StageKind::velocity) {
+    if (method.info.role == AlgorithmRole::witness) return out;
+    out = convergedResolvers(method.dimension);
+    std::erase_if(out, [&](const Spec& spec) { return spec.name != method.info.name; });
+    return out;
+  }
   if (method.info.role != AlgorithmRole::witness) return out;
   for (const ParamInfo& p : method.params) {
     if (p.name != "tolerance" || !p.range) continue;

@@ -16,6 +16,10 @@ namespace lpc::inline LPC_PRECISION {
 /// Inputs are booked in blocks of this many.
 inline constexpr int kVerifyBlock = 200;
 
+/// Of these the last is not asked unless it is named.
+inline constexpr StageKind kVerifiedStages[] = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase,
+                                                StageKind::velocity};
+
 struct VerificationOptions {
   std::vector<StageKind> stages = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase};
   std::vector<int> dimensions = {2, 3};
@@ -23,7 +27,7 @@ struct VerificationOptions {
   std::vector<std::string> methods = {};   // specs; empty: all that are registered
   std::optional<AlgorithmRole> role = {};  // of the methods; none: all
   std::uint64_t seed = 1;
-  long pairs = kVerifyBlock;  // per two kinds of shape (or sets of boxes), rounded up to whole blocks
+  long pairs = kVerifyBlock;  // per two kinds of shape (or sets of boxes, or problems), rounded up to whole blocks
   double minutes = 0;         // above 0: go on until then, whatever `pairs` says
   int jobs = 0;               // workers at once; 0: one per core
   bool quiet = false;
@@ -44,7 +48,8 @@ VerificationSummary runVerification(const VerificationOptions& options, Store& s
 Ledger ledgerOf(const VerificationOptions& options, Store& store);
 
 /// Who is asked when no methods are named: the method with its defaults, and a witness also at the tightest tolerance
-/// that its library offers, the lower end of its parameter `tolerance`. (Bullet's are constants of its build.)
+/// that its library offers, the lower end of its parameter `tolerance`. (Bullet's are constants of its build.) Of
+/// velocity resolvers those that are to converge.
 std::vector<Spec> specsToVerify(const Registered& method);
 
 /// Writes the simplest pair of each failure and the worst of each method as one file each into the folder

@@ -134,6 +134,7 @@ std::vector<Named<D>> properties() {
 template <int D>
 void testAll() {
   for (const Registered* entry : Registry::instance().list(StageKind::velocity, D)) {
+    if (!competes(*entry)) continue;
     for (const std::string& spec : everyKind<D>()) {
       const Subject<D> on{kindOf<D>(spec), registered<D>(*entry), registered<D>(*entry)};
       for (const Named<D>& p : properties<D>()) {

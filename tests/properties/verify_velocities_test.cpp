@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Zlib
+// Velocity resolvers that are to converge, and the witness of them, on drawn problems: who is wrong is told by what he
+// leaves.
+#include <gtest/gtest.h>
+
+#include "framework/profiler.h"
+#include "oracles/drawn_problem.h"
+#include "oracles/verify.h"
+#include "tests/expect_caught.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <int D>
+using Method = Candidate<VelocityResolver<D>>;
+
+/// The first of ours, asked another problem than it says.
+template <int D>
+class Planted final : public VelocityResolver<D> {
+ public:
+  using Change = void (*)(Manifold<D>&);
+  explicit Planted(Change change) : m_change(change) {}
+  void solve(const VelocityInput<D>& in) override {
+    for (Manifold<D>& m : in.manifolds) m_change(m);
+    createStage<VelocityResolver<D>>(convergedResolvers(D)[0])->solve(in);
+  }
+
+ private:
+  Change m_change;
+};
+
+template <int D>
+Method<D> registered(const Spec& spec) {
+  return {spec.text(), Registry::instance().find(StageKind::velocity, D, spec.name).info,
+          [spec] { return createStage<VelocityResolver<D>>(spec); }};
+}
+
+template <int D>
+LedgerEntry rowOf(const Verified& v, const std::string& method, const std::string& family = "") {
+  LedgerKey key;
+  key.stage = "velocity", key.precision = sizeof(Real) == 8 ? "f64" : "f32", key.dimension = D;
+  key.axis = family.empty() ? "all" : "family", key.value = family, key.method = method;
+  return v.ledger.at(key);
+}
+
+template <int D>
+Verified asked(const std::vector<Method<D>>& methods, int count) {
+  Verified out;
+  verifyVelocities<D>({.seed = 1, .first = 0, .count = count}, methods, out);
+  return out;
+}
+
+constexpr int kProblems = 40;
+
+// Of 40 problems most are solved by all, to the same velocities; those whose impulses are not unique, too. Admm and
+// Siconos come to the end of nearly all; what the others do not come to the end of is booked as wrong.
+template <int D>
+void agree() {
+  std::vector<Method<D>> methods = {registered<D>({"siconos", {}})};
+  for (const Spec& spec : convergedResolvers(D)) methods.push_back(registered<D>(spec));
+  if (rowOf<D>(asked<D>({methods[0]}, 1), "siconos")[Tally::refused] > 0) GTEST_SKIP() << "Siconos is absent";
+  const Verified v = asked<D>(methods, kProblems);
+  for (const Method<D>& m : methods) {
+    const LedgerEntry row = rowOf<D>(v, m.name);
+    std::printf("%-75s agree %ld, tie %ld, wrong %ld, undecided %ld, largest error %.1e\n", m.name.c_str(),
+                row[Tally::agree], row[Tally::tie], row[Tally::wrong], row[Tally::undecided], row.maxError);
+    EXPECT_EQ(row[Tally::asked], kProblems) << m.name;
+    EXPECT_LE(row[Tally::undecided], 2) << m.name;
+    EXPECT_EQ(row[Tally::agree] + row[Tally::tie] + row[Tally::wrong] + row[Tally::undecided], kProblems) << m.name;
+    const bool exact = m.name.starts_with("admm") || m.name == "siconos";
+    EXPECT_LE(row[Tally::wrong], exact ? 2 : kProblems / 4) << m.name;
+    EXPECT_GT(rowOf<D>(v, m.name, "hyperstatic")[Tally::agree], 2) << m.name;
+    EXPECT_EQ(m.info.role == AlgorithmRole::witness, row.role == AlgorithmRole::witness);
+  }
+}
+TEST(VerifyVelocities, OursAndSiconosAgree2) { agree<2>(); }
+TEST(VerifyVelocities, OursAndSiconosAgree3) { agree<3>(); }
+
+template <int D>
+Method<D> witness(std::function<std::unique_ptr<VelocityResolver<D>>()> create) {
+  AlgorithmInfo info;
+  info.role = AlgorithmRole::witness;
+  return {"planted", info, std::move(create)};
+}
+
+// A witness that is wrong in one thing is found to be.
+template <int D>
+void finds(const char* what, typename Planted<D>::Change change) {
+  const Method<D> planted = witness<D>([change] { return std::make_unique<Planted<D>>(change); });
+  test::expectCaught(std::string("VerifyVelocities a witness that takes ") + what,
+                     rowOf<D>(asked<D>({planted}, kProblems), "planted")[Tally::wrong] < 5);
+}
+TEST(VerifyVelocities, FindsAWitnessThatIsWrong) {
+  finds<2>("friction for twice as large", [](Manifold<2>& m) { m.friction *= 2; });
+  finds<3>("friction for a hundredth larger", [](Manifold<3>& m) { m.friction *= Real(1.01); });
+  finds<3>("gaps for contacts", [](Manifold<3>& m) {
+    for (ContactPoint<3>& c : m.points) c.separation = std::min(c.separation, Real(0));
+  });
+}
+
+/// Says what is right and does another thing.
+class Elsewhere final : public VelocityResolver<3> {
+ public:
+  void solve(const VelocityInput<3>& in) override {
+    createStage<VelocityResolver<3>>(convergedResolvers(3)[0])->solve(in);
+    in.bodies.motion.back().v[0] += Real(0.01);
+  }
+};
+TEST(VerifyVelocities, LooksAtVelocitiesNotAtImpulses) {
+  const Method<3> planted = witness<3>([] { return std::make_unique<Elsewhere>(); });
+  test::expectCaught("VerifyVelocities right impulses and another velocity",
+                     rowOf<3>(asked<3>({planted}, kProblems), "planted")[Tally::wrong] < kProblems / 2);
+}
+
+// The problem of a number is the same whoever asks, and has rows to solve.
+TEST(VerifyVelocities, DrawsTheSameAgain) {
+  std::map<std::string, int> families;
+  for (int i = 0; i < 100; ++i) {
+    const DrawnProblem<3> once = drawProblem<3>(7, i), again = drawProblem<3>(7, i);
+    ++families[once.family];
+    ASSERT_GT(once.problem.points(), 0);
+    ASSERT_EQ(once.problem.points(), again.problem.points());
+    ASSERT_EQ(once.problem.bodies.motion.back().v, again.problem.bodies.motion.back().v);
+  }
+  EXPECT_EQ(families.size(), 6u);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION
