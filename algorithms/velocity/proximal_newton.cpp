@@ -9,10 +9,12 @@ namespace {
 
 using namespace solver;
 
-// Each row is a spring, as stiff as double can bear: a convex problem, which Newton's method solves with a
-// factorisation that is linear in a tower. From where it comes the springs begin anew (the method of multipliers), so
-// that nothing gives way; De Saxce's correction, from the sliding so far, makes Coulomb's law of the convex one, and
-// where it goes is foreseen (Anderson), or bodies that are nearly wedged would take hundreds of passes.
+// Each row is a spring: a convex problem, which Newton's method solves with a factorisation that is linear in a tower.
+// From where it comes the springs begin anew (the method of multipliers), so that nothing gives way; De Saxce's
+// correction, from the sliding so far, makes Coulomb's law of the convex one, and where it goes is foreseen (Anderson),
+// or bodies that are nearly wedged would take hundreds of passes. A tower needs springs as stiff as double can bear,
+// and then two passes; where contacts are many more than bodies need, softer ones from the last impulses are at the end
+// at once when nothing moves.
 template <int D>
 class ProximalNewton final : public VelocityResolver<D> {
  public:
@@ -78,9 +80,9 @@ class ProximalNewton final : public VelocityResolver<D> {
   static constexpr double kSlow = 0.5;
   static constexpr int kPatience = 3;  // passes that are no better
   static constexpr double kMoves = 1e-6, kContradiction = 1e-6;
-  static constexpr double kUseful = 1e-3;  // of the scale: a residual that sweeps would not better
-  static constexpr int kTrials = 3;        // of who pushes, by full steps
-  static constexpr int kTries = 8;         // and with a line search
+  static constexpr double kUseful = 1e-3;            // of the scale: a residual that sweeps would not better
+  static constexpr int kTrials = 2, kFewPasses = 3;  // of who pushes, by full steps
+  static constexpr int kTries = 8;                   // and with a line search
   // What rows give way, of W_ii: on the way, where these fail, and in the end, where they contradict each other.
   static constexpr double kSoftest = 1e-2, kHarder = 10, kSofter = 1e-3;
   static constexpr int kSoftPasses = 3, kLast = 30;  // iterations that are kept for them
@@ -89,20 +91,28 @@ class ProximalNewton final : public VelocityResolver<D> {
   bool descend(WorkDone& work) {
     const int kept = std::min(kLast, m_params.iterations / 3);
     m_island.budget = m_params.iterations - kept;
+    m_least = std::numeric_limits<double>::infinity(), m_best = m_island.last;
+    // As stiff as can be, from nothing. Who pushes, by the last impulses and what they leave: a guess that holds for
+    // most steps of a tower.
     begin(double(m_params.cfm));
-    // Who pushes, by the last impulses and what they leave: a guess that holds for most steps.
     for (std::size_t i = 0; i < m_island.size(); ++i) {
       m_guess[i] = m_island.last[i] - m_island.row(i).unit * (m_island.u[i] + m_island.shift[i]);
     }
-    bool right = m_island.tryFrom(m_guess, kTrials, work) || m_island.newton(kTries, work);
-    if (!right) {  // through softer problems, which tell each other who pushes
-      begin(kSoftest);
-      right = m_island.newton(m_island.budget, work);
+    bool right = m_island.tryFrom(m_guess, kTrials, work);
+    if (right) right = refine(right, kFewPasses, work);
+    if (!(m_least <= double(m_params.tolerance) * m_island.scale)) {  // from the last impulses: what stays is there
+      begin(kSofter);
+      m_island.centre = m_island.last;
+      right = m_island.newton(kTries, work);
+      if (!right) {  // through softer problems, which tell each other who pushes
+        begin(kSoftest);
+        right = m_island.newton(m_island.budget, work);
+      }
+      right = refine(right, m_params.passes, work);
     }
-    right = refine(right, work);
     m_island.budget += kept;
     if (m_least > kContradiction * m_island.scale) contradicted(right, work);
-    return !std::isnan(m_least) && (right || m_least <= kUseful * m_island.scale);
+    return std::isfinite(m_least) && (right || m_least <= kUseful * m_island.scale);
   }
 
   // Rows that contradict each other pull as hard as they are stiff, and would be all rounding: a few passes of softer
@@ -118,12 +128,12 @@ class ProximalNewton final : public VelocityResolver<D> {
       m_island.centre = m_island.x;
     }
     const double left = residual();
-    if ((right && soft) || left < m_least) m_least = left, m_best = m_island.x;
+    if (left < m_least || (right && soft)) m_least = left, m_best = m_island.x;
   }
 
   // Passes from where the last has come, stiffer where they gain little; or, while De Saxce's correction moves, from
   // nothing: what a wrong correction has clamped would stay. Leaves the best impulses so far. Was the last pass right?
-  bool refine(bool right, WorkDone& work) {
+  bool refine(bool right, int passes, WorkDone& work) {
     double before = std::numeric_limits<double>::infinity();
     bool moves = true;
     m_anderson.begin();
@@ -134,9 +144,10 @@ class ProximalNewton final : public VelocityResolver<D> {
       if (!stiff || moves != moved) m_anderson.begin();
       const double left = residual();
       ++worse;
-      if (pass == 1 || left < kBetter * m_least) m_least = left, m_best = m_island.x, worse = 0;
+      if (left < kBetter * m_least) m_least = left, m_best = m_island.x, worse = 0;
       const bool done = left <= double(m_params.tolerance) * m_island.scale;
-      if (done || (stiff && worse > kPatience) || pass >= m_params.passes || m_island.budget <= 0) return right;
+      if (done || (stiff && worse > kPatience) || pass >= std::min(passes, m_params.passes) || m_island.budget <= 0)
+        return right;
       m_island.centre = m_island.x;
       if (stiff && moves) m_island.centre.assign(m_island.size(), 0);
       if (left > kSlow * before) soften(m_cfm / kHarder);

@@ -247,5 +247,14 @@ TEST(FieldScenes, ProximalNewtonHoldsWhatSweepsDrop) {
   EXPECT_LT((Played<3>(ratio.scene, ratio.values, 60, newton).farthest()), ratio.within);
 }
 
+// What stands is soon told to stand, where contacts are many more than bodies need: so many updates of rows in a step.
+TEST(FieldScenes, ProximalNewtonIsQuickWhereNothingMoves) {
+  for (const auto& [scene, most] : {std::pair("card_house", 100000u), {"arch", 4000u}}) {
+    Play<3> play(scene, {}, "solver=split_solver{velocity=proximal_newton}");
+    play.steps(70);
+    EXPECT_LT(play.world.profiler().frame().work[WorkCount::rowUpdates], most) << scene;
+  }
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION
