@@ -84,18 +84,10 @@ def lean(trial):
 
 @metric("restlessness (speed)", "m/s", "speed of the fastest body, root mean square of the last quarter", "calmer",
         ("drift_limit", "max_speed"), "error")
-def jitter(trial):
+def restlessness(trial):
     """Root mean square of the fastest body's speed in the last quarter: how restless a scene at rest is."""
     speed = _last_quarter(trial.series("max_speed"))
     return math.nan if speed is None else float(np.sqrt(np.mean(np.square(speed))))
-
-
-@metric("creep", "m/s", "growth of the largest drift in the last quarter", "calmer", ("drift_limit", "drift"))
-def creep(trial):
-    drift, dt = _last_quarter(trial.series("drift")), trial.parameter("dt")
-    if drift is None or math.isnan(dt):
-        return math.nan
-    return float(drift[-1] - drift[0]) / (dt * (len(drift) - 1))
 
 
 def exchanged(kinetic, potential):
@@ -122,19 +114,6 @@ def contact_flicker(trial):
     return math.nan if points is None else float(np.mean(np.abs(np.diff(points))))
 
 
-@metric("time to settle", "s", "time until no body is faster than 5 cm/s for good", "sooner at rest",
-        ("drift_limit", "max_speed"))
-def settle_time(trial, still=0.05):
-    """The first moment after which no body is faster than `still` (m/s); infinite when that never comes."""
-    speed, dt = trial.series("max_speed"), trial.parameter("dt")
-    if speed is None or math.isnan(dt):
-        return math.nan
-    moving = np.flatnonzero(~(speed < still))
-    if not len(moving):
-        return 0.0
-    return math.inf if moving[-1] == len(speed) - 1 else float((moving[-1] + 1) * dt)
-
-
 @metric("mean penetration at rest", "m", "mean overlap over the last quarter", "less overlap",
         ("drift_limit", "mean_penetration"))
 def mean_penetration_rest(trial):
@@ -142,32 +121,11 @@ def mean_penetration_rest(trial):
     return math.nan if values is None else float(np.mean(values))
 
 
-@metric("tilt at the end", "rad", "largest turn of a body between the first and the last stored pose", "less drift",
-        ("drift_limit",))
-def tilt_end(trial):
-    """Largest angle by which any body is turned against its first stored pose; from the stored poses."""
-    dimension = trial.parameter("dimension")
-    if dimension not in (2, 3):
-        return math.nan
-    poses = trial.store.poses(trial.key, int(dimension))
-    if len(poses) < 2:
-        return math.nan
-    first, last = poses[min(poses)], poses[max(poses)]
-    start = {row[0]: row[1 + int(dimension):] for row in first}
-    tilts = [0.0]
-    for row in last:
-        before, now = start.get(row[0]), row[1 + int(dimension):]
-        if before is None:
-            continue
-        if dimension == 2:
-            tilts.append(abs(math.remainder(now[0] - before[0], 2 * math.pi)))
-        else:
-            tilts.append(2 * math.acos(min(1.0, abs(float(np.dot(now, before))))))
-    return float(np.max(tilts)) if np.isfinite(tilts).all() else math.nan
-
-
 def known(store):
-    """Every metric by name: those that trials measure, then those that are worked out here."""
+    """Every metric by name: those that trials measure, then those that are worked out here, under names of their own."""
+    twice = sorted(store.metrics.keys() & DERIVED.keys())
+    if twice:
+        raise UserError(f"reports/metrics.py: trials measure {', '.join(twice)}, too; one name is one metric")
     return {**store.metrics, **DERIVED}
 
 

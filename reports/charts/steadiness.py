@@ -14,7 +14,7 @@ from style import ZeroLog, caption_of_lines, one_line, same, si
 
 PLACE = 30
 SECTION = "How restless is a scene that should be at rest?"
-NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("drift_limit", "jitter"),
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("drift_limit", "restlessness"),
               series=("max_speed", "points"), also=f"{over_steps.ONE_COURSE}, on a scene that says how far its bodies may drift")
 ABSENT = Chart("steadiness", SECTION, "The fastest body and the contacts over time",
                "No sweep of several methods on a scene that should be at rest is in this store.", "resolvers")
@@ -99,7 +99,7 @@ def _chart(context, resting, left_out, setting):
         axes[0][column].set_xlabel("")
         axes[1][column].set_ylim(bottom=0)
         rows += [{"scene": scene, "method": cell["method"], "outcome": cell["outcome"],
-                  "restlessness": math.nan if cell["key"] is None else cell.get("jitter"),
+                  "restlessness": math.nan if cell["key"] is None else cell.get("restlessness"),
                   "contact points at the end": points[cell["method"]][-1] if len(points.get(cell["method"], [])) else math.nan}
                  for _, cell in part.iterrows()]
     axes[0][0].set_ylabel("fastest body")

@@ -225,7 +225,7 @@ class Words(unittest.TestCase):
     def test_a_metric_is_named_as_charts_name_it(self):
         page = self.page(lambda maker: None)
         self.assertIn("<th>metric</th><th>in charts</th>", page)
-        self.assertIn("<td>jitter</td><td>restlessness (speed)</td>", page)
+        self.assertIn("<td>restlessness</td><td>restlessness (speed)</td>", page)
 
     def test_seeds_are_in_the_order_of_numbers(self):
         def fill(maker):

@@ -211,12 +211,12 @@ class Loading(WithStore):
         self.assertTrue(bad["max_penetration"].isna().all())
 
     def test_a_metric_is_where_its_needs_are(self):
-        cells = metrics.add(self.store, self.store.cells("resolvers"), ["jitter", "lean", "energy_gain"])
+        cells = metrics.add(self.store, self.store.cells("resolvers"), ["restlessness", "lean", "energy_gain"])
         slope = cells[(cells["scene"] == "slope") & (cells["outcome"] == "ok")]
         pyramid = cells[cells["scene"] == "pyramid"]
         self.assertTrue(slope["slope_error"].notna().all() and pyramid["slope_error"].isna().all())
-        self.assertTrue(slope["jitter"].isna().all(), "its bodies shall slide, so nothing shall rest")
-        self.assertTrue(pyramid["jitter"].notna().all() and slope["energy_gain"].notna().all())
+        self.assertTrue(slope["restlessness"].isna().all(), "its bodies shall slide, so nothing shall rest")
+        self.assertTrue(pyramid["restlessness"].notna().all() and slope["energy_gain"].notna().all())
 
     def test_a_misspelt_metric_or_series_is_refused(self):
         cells = self.store.cells("resolvers")
@@ -243,22 +243,13 @@ class Loading(WithStore):
             self.assertIn("1 older plan of the same cells", made.finding)
             style.plt.close(made.figure)
 
-    def test_tilt_comes_from_the_stored_poses(self):
+    def test_one_name_is_one_metric(self):
         with tempfile.TemporaryDirectory() as folder:
-            made = synthetic_store.Maker(Path(folder) / "poses.db")
-            half = math.pi / 4
-            turned = {2: ([0, 0, 0, 0.1], [0, 5, 5, 0.4 + 2 * math.pi]),
-                      3: ([3, 0, 0, 0, 1, 0, 0, 0], [3, 1, 1, 1, -math.cos(half), 0, 0, -math.sin(half)])}
-            keys = {}
-            for dimension, (first, last) in turned.items():
-                axes = {"scene": "pyramid", "dimension": dimension}
-                keys[dimension] = made.trial("resolvers", axes, {}, extra={"dimension": dimension})
-                made.poses(keys[dimension], 0, [first])
-                made.poses(keys[dimension], 60, [last])
-            made.close()
-            store = load.Store(Path(folder) / "poses.db")
-            self.assertAlmostEqual(metrics.tilt_end(metrics.Trial(store, keys[2])), 0.3)
-            self.assertAlmostEqual(metrics.tilt_end(metrics.Trial(store, keys[3])), math.pi / 2)
+            synthetic_store.Maker(Path(folder) / "s.db").close()
+            store = load.Store(Path(folder) / "s.db")
+            store.metrics["restlessness"] = store.metrics["max_speed_end"]
+            with self.assertRaises(load.UserError):
+                metrics.known(store)
 
     def test_times_of_two_machines_are_not_compared(self):
         with tempfile.TemporaryDirectory() as folder:
