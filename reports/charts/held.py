@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Zlib
+"""Scenes that are hard to hold, and who holds them: how far bodies have gone sideways and sunk by the end of a long run, and how
+many times the baseline's time a step takes. For sweeps that ask for it: `report = ["held"]`."""
+
+import math
+
+import pandas as pd
+from matplotlib.patches import Rectangle
+
+import metrics
+from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
+from load import one_machine, split, varying
+from style import OUTCOMES, WIDTH, plt, si, times
+from table import quantity
+
+PLACE = 42
+SECTION = "When does each method fall?"
+NEEDS = Needs("world", methods=(2, math.inf), also="a sweep that asks for this chart")
+ABSENT = Chart("held", SECTION, "Who holds what is hard to hold", "No sweep that asks who holds its scenes is in this store.",
+               "beyond")
+TIME = "ms_per_step_median"
+MOST_COLUMNS = 7
+
+
+def of_sweep(context, cells):
+    about = context.store.sweep(cells["sweep"].iloc[0])
+    if "held" not in about.report:
+        return []
+    cells, refused = one_machine(context.store, metrics.add(context.store, cells, ["lateral_max", "sag_end"]))
+    axes = [axis for axis in ("scene", *varying(context.store, cells, ("scene", "dimension"))) if axis in cells]
+    made = []
+    for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        columns = {describe(own.iloc[0], axes): own.drop_duplicates("method").set_index("method") for own in split(part, axes)}
+        made.append(_chart(part, columns, about.baseline, refused))
+    return made
+
+
+def slower(column, method, baseline):
+    """How many times the baseline's time a step takes; NaN where one of the two was not timed."""
+    if TIME not in column or baseline not in column.index:
+        return math.nan
+    base = float(column[TIME][baseline])
+    return float(column[TIME][method]) / base if base > 0 else math.nan
+
+
+def holders(column):
+    return sorted(column.index[column["outcome"] == "ok"])
+
+
+def finding(where, column, baseline, everyone):
+    who = holders(column)
+    if not who:
+        return f"{where} is held by nobody"
+    text = f"{where} is held by {'all' if len(who) == len(column) else methods(who, everyone)}"
+    known = {m: slower(column, m, baseline) for m in who}
+    known = {m: ratio for m, ratio in known.items() if math.isfinite(ratio) and m != baseline}
+    if not known:
+        return text
+    least, straight = min(known, key=known.get), column["lateral_max"].astype(float)
+    return (f"{text}; the cheapest of them but {baseline} is {least}, {times(known[least])} times the time of {baseline}, "
+            f"{si(float(straight[least]), 'm')} sideways")
+
+
+def headline(columns, baseline, dimension):
+    """The scene that fewest hold, if somebody does."""
+    held = {where: holders(column) for where, column in columns.items() if holders(column)}
+    where = min(held, key=lambda name: len(held[name]), default=None)
+    if where is None or len(held[where]) == len(columns[where]):
+        return None
+    column, who = columns[where], held[where]
+    text = f"{where} in {dimension}D is held by {methods(who, list(column.index))} alone."
+    values = {m: float(column["lateral_max"][m]) if m in who else math.nan for m in column.index}
+    return Headline(text, values, "m", "sideways drift")
+
+
+def _chart(part, columns, baseline, refused):
+    everyone, dimension = sorted(part["method"].unique()), int(part["dimension"].iloc[0]) if "dimension" in part else 2
+    said = [finding(where, column, baseline, everyone) for where, column in columns.items()]
+    sweep = part["sweep"].iloc[0]
+    return Chart(identifier(f"{sweep} held {dimension}d"), SECTION, f"Who holds what is hard to hold, {dimension}D",
+                 f"In {dimension}D " + "; ".join(said) + ".", sweep, _figure(columns, everyone, baseline),
+                 _table(columns, everyone, baseline), refused + holes(part, ["scene", "method"]),
+                 "A cell is one run: sideways, how far a body ever went across gravity; sag, how far one has sunk by the end; "
+                 f"and the median time of a step over that of {baseline} in the same scene, whether it stands there or falls. "
+                 "What fell has its letter, and the step in which it did.", headline=headline(columns, baseline, dimension))
+
+
+def _figure(columns, everyone, baseline):
+    names = list(columns)
+    blocks = [names[i:i + MOST_COLUMNS] for i in range(0, len(names), MOST_COLUMNS)]
+    left, row, above, below = 0.3 + 0.078 * max(map(len, everyone)), 0.56, 0.6, 0.4  # inches
+    height = sum(above + row * len(everyone) for _ in blocks) + below
+    figure, y = plt.figure(figsize=(WIDTH, height)), height
+    for block in blocks:
+        y -= above + row * len(everyone)
+        wide = (WIDTH - left - 0.15) * len(block) / min(MOST_COLUMNS, max(4, len(names)))
+        ax = figure.add_axes((left / WIDTH, y / height, wide / WIDTH, row * len(everyone) / height))
+        ax.set_xlim(0, len(block))
+        ax.set_ylim(len(everyone), 0)
+        for x, where in enumerate(block):
+            for place, method in enumerate(everyone):
+                _cell(ax, x, place, columns[where], method, baseline)
+        ax.set_xticks([x + 0.5 for x in range(len(block))])
+        ax.set_xticklabels([where.replace(", ", "\n") for where in block], fontsize=8.5)
+        ax.xaxis.tick_top()
+        ax.set_yticks([place + 0.5 for place in range(len(everyone))])
+        ax.set_yticklabels(everyone)
+        ax.tick_params(length=0)
+        ax.grid(False)
+        for side in ax.spines.values():
+            side.set_visible(False)
+    seen = [o for o in OUTCOMES if any((column["outcome"] == o).any() for column in columns.values())]
+    handles = [Rectangle((0, 0), 1, 1, facecolor=OUTCOMES[o][0], label="held" if o == "ok" else f"{OUTCOMES[o][1]} {o}")
+               for o in seen]
+    figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.01, 0.0), ncol=len(handles), handlelength=1.0)
+    return figure
+
+
+def _cell(ax, x, y, column, method, baseline):
+    if method not in column.index:
+        return
+    cell, ratio = column.loc[method], slower(column, method, baseline)
+    face, mark = OUTCOMES.get(cell["outcome"], ("#FFFFFF", "?"))
+    ink = "white" if cell["outcome"] in ("diverged", "timeout", "crash") else "black"
+    ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor=face, lw=0))
+    if cell["outcome"] == "ok":
+        lines = [f"{si(float(cell['lateral_max']), 'm')} sideways", f"{si(float(cell['sag_end']), 'm')} sag"]
+    else:
+        lines = [mark + (f" at step {int(cell['step'])}" if cell["step"] == cell["step"] else "")]
+    lines += [f"{times(ratio)} x the time"] if math.isfinite(ratio) and method != baseline else []
+    for k, line in enumerate(lines):
+        ax.text(x + 0.07, y + (k + 0.75) / (len(lines) + 0.5), line, ha="left", va="center", fontsize=7.5, color=ink)
+
+
+def _table(columns, everyone, baseline):
+    parts = []
+    for where, column in columns.items():
+        own = [m for m in everyone if m in column.index]
+        part = {"scene": where, "method": own, "outcome": [column["outcome"][m] for m in own],
+                "step": [column["step"][m] for m in own]}
+        part |= quantity("sideways drift", "m", [column["lateral_max"][m] for m in own])
+        part |= quantity("sag at the end", "m", [column["sag_end"][m] for m in own])
+        part |= quantity(f"time over that of {baseline}", "1", [slower(column, m, baseline) for m in own])
+        parts.append(pd.DataFrame(part))
+    return pd.concat(parts, ignore_index=True)
