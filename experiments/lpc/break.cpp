@@ -57,6 +57,7 @@ std::vector<std::string> commandOf(const Options& o) {
   if (q.limit) add("--limit", q.limit->text);
   if (q.seeds != BreakQuestion().seeds) add("--seeds", std::to_string(q.seeds));
   if (q.perturb != BreakQuestion().perturb) add("--perturb", asText(q.perturb));
+  if (q.step != BreakQuestion().step) add("--grid", asText(q.step));
   if (q.ratio != BreakQuestion().ratio) add("--ratio", asText(q.ratio));
   if (o.dimension) add("--dimension", std::to_string(*o.dimension));
   if (o.precision != "f64") add("--precision", o.precision);
@@ -204,6 +205,9 @@ void addBreak(CommandLine& app, Session& session) {
   command.option("--perturb", q.perturb, "how far from its place a seed starts a body (m and rad)")
       .showDefault()
       .range(0.0, kMostPerturbed);
+  command.option("--grid", q.step, "factor from value to value, before the search")
+      .showDefault()
+      .range(1.001, 2.0);
   command.option("--ratio", q.ratio, "of the two values between which it breaks, where they need not be whole")
       .showDefault()
       .range(1.001, 2.0);

@@ -15,10 +15,12 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr double kGrid = 2;         // from rung to rung before the search
+constexpr double kWidest = 2;       // step of a grid: a method may fail between two values and hold at both
 constexpr double kSure = 1.959964;  // standard deviations of 95 %
 constexpr double kHalf = 0.5;       // of the seeds
 constexpr long kMostSeeds = 1000;
+constexpr double kNarrowest = 1.001;
+constexpr double kMostValues = 100;  // of a grid
 // A number is none of these, or another value is another question.
 constexpr std::array kNoParameters = {"dimension", "model", "precision", "scene", "seed"};
 
@@ -66,22 +68,30 @@ void BreakQuestion::check() const {
     fail("'from' is " + asText(from) + " and 'to' " + asText(to) + "; valid: numbers above 0, 'to' the larger one");
   }
   if (seeds < 1 || seeds > kMostSeeds) fail("'seeds' is " + std::to_string(seeds) + "; valid: 1 to 1000");
-  if (!(ratio >= 1.001 && ratio <= kGrid)) fail("'ratio' is " + asText(ratio) + "; valid: 1.001 to 2");
+  if (!(step >= kNarrowest && step <= kWidest)) fail("'grid' is " + asText(step) + "; valid: 1.001 to 2");
+  if (!(ratio >= kNarrowest && ratio <= kWidest)) fail("'ratio' is " + asText(ratio) + "; valid: 1.001 to 2");
+  if (std::log(to / from) > kMostValues * std::log(step)) {
+    fail("a 'grid' of " + asText(step) + " has more than " + asText(kMostValues) + " values; valid: a larger one");
+  }
   if (!(perturb >= 0 && perturb <= kMostPerturbed)) {
     fail("'perturb' is " + asText(perturb) + "; valid: 0 to " + asText(kMostPerturbed) + " (m and rad)");
   }
 }
 
-std::vector<double> BreakQuestion::grid() const {
-  std::vector<double> out;
-  for (double x = from; x < to; x *= kGrid) out.push_back(x);
+std::vector<double> BreakQuestion::grid(bool whole) const {
+  std::vector<double> out = {from};
+  for (int k = 1;; ++k) {
+    const double exact = from * std::pow(step, k), x = whole ? std::round(exact) : tidy(exact);
+    if (!(x < to)) break;
+    if (x > out.back()) out.push_back(x);
+  }
   out.push_back(to);
   return out;
 }
 
 int BreakQuestion::mostTried() const {
-  const double halves = std::max(std::log2(to), std::log2(std::log(kGrid) / std::log(ratio)));
-  return static_cast<int>(grid().size()) + std::max(0, static_cast<int>(std::ceil(halves)));
+  const double halves = std::max(std::log2(to), std::log2(std::log(step) / std::log(ratio)));
+  return static_cast<int>(grid(false).size()) + std::max(0, static_cast<int>(std::ceil(halves)));
 }
 
 BreakQuestion readBreak(const toml::table& table, const std::string& file, const std::optional<BreakQuestion>& base) {
@@ -92,6 +102,7 @@ BreakQuestion readBreak(const toml::table& table, const std::string& file, const
   out.from = t.number("from", out.from), out.to = t.number("to", out.to);
   out.seeds = t.integer("seeds", out.seeds);
   out.perturb = t.number("perturb", out.perturb), out.ratio = t.number("ratio", out.ratio);
+  out.step = t.number("grid", out.step);
   out.falling = t.flag("falling", out.falling);
   if (const toml::node* node = t.find("limit")) {
     try {
@@ -138,7 +149,7 @@ Broken judge(const BreakQuestion& q, std::vector<Rung> rungs) {
 
 std::vector<double> nextRungs(const BreakQuestion& q, bool whole, const std::vector<Rung>& known) {
   std::vector<double> missing;
-  for (const double value : q.grid()) {
+  for (const double value : q.grid(whole)) {
     if (std::none_of(known.begin(), known.end(), [&](const Rung& r) { return r.value == value; })) {
       missing.push_back(value);
     }

@@ -33,6 +33,7 @@ struct BreakQuestion {
   double from = 0, to = 0;
   long seeds = 5;
   double perturb = 1e-3;  // m and rad: how far a seed starts bodies from their places, unless an axis says so
+  double step = 2;        // from value to value of the grid, a factor
   double ratio = 1.05;    // of neighbours, where values need not be whole
   bool falling = false;
   std::optional<MetricLimit> limit;
@@ -45,8 +46,8 @@ struct BreakQuestion {
   void checkParameter() const;
   /// The same for ends, seeds, ... that cannot be.
   void check() const;
-  /// From `from` on each twice the last, and `to`.
-  std::vector<double> grid() const;
+  /// From `from` on each `step` times the last, and `to`; rounded where only whole numbers count.
+  std::vector<double> grid(bool whole) const;
   /// How many values a search tries at most.
   int mostTried() const;
 };

@@ -248,7 +248,8 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
     const BreakQuestion& q = ladder.question;
     roles["break"][q.title()] = {{"parameter", q.parameter}, {"falling", q.falling},
                                  {"seeds", q.seeds},         {"perturb", q.perturb},
-                                 {"ratio", q.ratio},         {"limit", q.limit ? q.limit->text : ""}};
+                                 {"ratio", q.ratio},         {"grid", q.step},
+                                 {"limit", q.limit ? q.limit->text : ""}};
   }
   about.bind(5, roles.dump());
   about.exec();

@@ -83,6 +83,22 @@ TEST(Breaking, RealsEndAsNearAsAsked) {
   }
 }
 
+// A finer grid sees what a coarse one steps over, in whole numbers and in others.
+TEST(Breaking, AFinerGridSeesMore) {
+  for (const bool whole : {true, false}) {
+    BreakQuestion q = question(1, 64);
+    const auto fails = [](double n) { return n > 10 && n < 14 ? 5 : 0; };
+    EXPECT_FALSE(climb(q, whole, fails).fell);
+    q.step = 1.25;
+    const Broken b = climb(q, whole, fails);
+    ASSERT_TRUE(b.held && b.fell);
+    EXPECT_NEAR(b.held->value, 10, 0.5);
+    EXPECT_FALSE(b.passesBeyond.empty());
+    if (!whole) continue;
+    for (const Rung& r : b.rungs) EXPECT_EQ(r.value, std::round(r.value));
+  }
+}
+
 // What holds beyond a failure is told; the lowest bracket is what is searched.
 TEST(Breaking, WhatIsNotMonotoneIsListed) {
   const Broken b =
@@ -261,6 +277,7 @@ TEST(Breaking, MistakesAreOneLine) {
   refused(w, good + pipeline + "--limit \"ms_per_step_median<1\"", {"'limit' names the metric"});
   refused(w, good + pipeline + "--seeds 0", {"--seeds", "1 to 1000"});
   refused(w, good + pipeline + "--ratio 1", {"--ratio", "1.001 to 2"});
+  refused(w, good + pipeline + "--grid 3", {"--grid", "1.001 to 2"});
   refused(w, good + pipeline + "--equal-cost 100", {"no $iterations"});
   refused(w, good + "--pipeline solver=split_solverr", {"split_solverr"});
 }
@@ -344,6 +361,8 @@ TEST(Breaking, MistakesInASweepNameTheLine) {
        {"s.toml:5: ", "'iterations' is what methods get at equal cost"}},
       {with(", step = 1") + axes, {"s.toml:5: ", "step"}},
       {with(", seeds = 0") + axes, {"s.toml:5: ", "'seeds' is 0", "1 to 1000"}},
+      {with(", grid = 1") + axes, {"s.toml:5: ", "'grid' is 1", "1.001 to 2"}},
+      {with(", ratio = 1.001, grid = 1.001") + axes, {"s.toml:5: ", "more than 100 values"}},
       {with(", ratio = 1") + axes, {"s.toml:5: ", "'ratio' is 1", "1.001 to 2"}},
       {with("") + axes + "friction = 0.5\n", {"s.toml:9: ", "'friction' is what 'break' searches"}},
       {with("") + axes + "seed = [1, 2]\n", {"s.toml:9: ", "'seed' is what 'break' searches"}},
