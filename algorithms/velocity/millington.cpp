@@ -42,6 +42,8 @@ class Millington final : public VelocityResolver<D> {
                          {"a heavy body on a light one", "the limit of impulses is met far from the weight",
                           "Impulse.CarriesHeavyOnLight"},
                          {"a stack at rest", "it trembles and wanders", "Rest.Stays"},
+                         {"order=given: the same contacts, stored in another order",
+                          "what the first have pushed stays: another end", "Impulse.OrderDoesNotMatter"},
                          {"order=worst_first: contacts elsewhere, that do not touch these",
                           "share their limit of impulses", "Replay.DisjointScenesAreTwoWorlds"},
                          {"a box that slides on four points", "it turns and runs up to 13 % too fast",

@@ -30,6 +30,8 @@ class NaiveVelocity final : public VelocityResolver<D> {
         .guarantee = Guarantee::approximate,
         .failures = {{"several contacts that push each other", "impulses too large stay: the bodies fly apart",
                       "Accumulation.TakesBack"},
+                     {"the same contacts, stored in another order", "what the first have pushed stays: another end",
+                      "Impulse.OrderDoesNotMatter"},
                      {"a stack at rest", "it trembles until it falls", "Rest.Stays"},
                      {"a heavy body on a light one", "one pass is far from the weight", "Impulse.CarriesHeavyOnLight"},
                      {"a box that slides on four points", "it hops and turns by half a per cent",

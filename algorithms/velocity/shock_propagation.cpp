@@ -33,6 +33,8 @@ class ShockPropagation final : public VelocityResolver<D> {
             .failures = {{"whatever stands on something that can move",
                           "the lower body does not feel what pushes the upper one: momentum is made",
                           "Impulse.GroundGivesTheMomentum"},
+                         {"the same, by twice as many iterations before the levels",
+                          "the levels push on from another motion, and no nearer to the end", "Impulse.MoreIsNoWorse"},
                          {"a heavy body on a light one", "it rests, but the light one does not feel its weight at once",
                           "Impulse.CarriesHeavyOnLight"},
                          {"a body on a very heavy one that is not fixed", "has no ground under it, nor a level",

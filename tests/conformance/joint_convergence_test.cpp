@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 #include "tests/check_property.h"
+#include "tests/conformance/by_iterations.h"
 #include "tests/conformance/joined_bodies.h"
-#include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace {
@@ -16,22 +15,6 @@ namespace {
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
 constexpr int kRuns = 20, kFew = 3, kMany = 3000;
-
-/// Somebody who solves, by how often.
-template <int D>
-using Solves = std::function<std::unique_ptr<VelocityResolver<D>>(int iterations)>;
-
-/// A registered one.
-template <int D>
-Solves<D> registered(const Registered& entry) {
-  return [&entry](int iterations) {
-    return createStage<VelocityResolver<D>>(withIterations(entry, iterations, iterations));
-  };
-}
-template <int D>
-Solves<D> twin(Bug bug) {
-  return [bug](int iterations) { return std::make_unique<TwinResolver<D>>(bug, iterations); };
-}
 
 /// What a property is given: a kind, who solves, and somebody who is known to come to the end.
 template <int D>

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Zlib
+// What iterations over contacts come to, for every registered velocity resolver and each of its manners: the same
+// whatever the order, and nearer with more of them. Joints: joint_convergence_test.cpp.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <numeric>
+
+#include "framework/contact_problem.h"
+#include "tests/check_property.h"
+#include "tests/conformance/by_iterations.h"
+#include "tests/conformance/scene_change.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr bool kDouble = sizeof(Real) == 8;
+constexpr Real kRounding = kDouble ? Real(1e-11) : Real(2e-4);
+constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
+constexpr int kRuns = 60, kMany = 2000;
+
+/// Who solves, and somebody who is known to come to the end.
+template <int D>
+struct Subject {
+  Solves<D> solves, right;
+};
+
+/// Do sweeps come to the end here in a tenth of those that are made? Contacts that are nearly one, or nearly contradict
+/// each other, take any number.
+template <int D>
+bool endIsNear(const ImpactScene<D>& s, const Subject<D>& on) {
+  return difference(solved(s, *on.right(kMany / 20)), solved(s, *on.right(kMany / 10))) <= kConverged * s.speed();
+}
+
+/// Friction that leaves one answer. With De Saxce's correction the problem is to find impulses x in their cones with
+/// F(x) = W x + v + mu |u_t| n in the dual ones, and (F(x) - F(y)) . (x - y) >= (least - mu largest) |x - y|^2 by the
+/// eigenvalues of W: of two answers the left side is never positive. A pyramid's |u_t| is up to sqrt(2) of it.
+template <int D>
+Real frictionOfOneAnswer(ImpactScene<D> s) {
+  const struct : PositionResolver<D> {
+  } none;
+  ContactProblem<D> problem;
+  problem.set({s.dt, s.lastDt, s.bodies, s.manifolds, s.active, s.joints, none, s.features, kRestitutionThreshold,
+               s.work, s.profiler});
+  const int n = problem.size();
+  std::vector<std::int32_t> all(static_cast<std::size_t>(n));
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<double> w;
+  problem.assemble(all, w);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of(Eigen::Map<const Eigen::MatrixXd>(w.data(), n, n));
+  return Real(std::max(0.5 * of.eigenvalues()[0] / of.eigenvalues()[n - 1], 0.0));
+}
+
+std::vector<int> drawOrder(int n, Draw& draw) {
+  std::vector<int> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    std::swap(order[i], order[i - static_cast<std::size_t>(draw.below(static_cast<int>(i) + 1))]);
+  }
+  return order;
+}
+
+/// Body i becomes body[i], contact k contact[k].
+template <int D>
+ImpactScene<D> reordered(const ImpactScene<D>& s, const std::vector<int>& body, const std::vector<int>& contact) {
+  ImpactScene<D> out = s;
+  for (std::size_t i = 0; i < body.size(); ++i) {
+    const auto to = static_cast<std::size_t>(body[i]);
+    Bodies<D>& b = out.bodies;
+    b.pose[to] = s.bodies.pose[i], b.motion[to] = s.bodies.motion[i], b.type[to] = s.bodies.type[i];
+    b.mass[to] = s.bodies.mass[i], b.invMass[to] = s.bodies.invMass[i];
+    b.invInertiaBody[to] = s.bodies.invInertiaBody[i], b.invInertia[to] = s.bodies.invInertia[i];
+  }
+  for (std::size_t k = 0; k < contact.size(); ++k) {
+    Manifold<D>& m = out.manifolds[static_cast<std::size_t>(contact[k])];
+    m = s.manifolds[k];
+    m.bodyA = m.shapeA = body[static_cast<std::size_t>(m.bodyA)];
+    m.bodyB = m.shapeB = body[static_cast<std::size_t>(m.bodyB)];
+  }
+  return out;
+}
+
+// R9: bodies and contacts that are stored in another order come to the same end.
+template <int D>
+void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
+  auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .friction = draw.coin(), .gap = Real(0.02)});
+  const Real mu = frictionOfOneAnswer(before);
+  for (Manifold<D>& m : before.manifolds) m.friction = std::min(m.friction, mu);
+  RC_PRE(endIsNear(before, on));
+  const std::vector<int> body = drawOrder(before.bodies.size(), draw);
+  const std::vector<int> contact = drawOrder(static_cast<int>(before.manifolds.size()), draw);
+  const auto a = solved(before, *on.solves(kMany)), b = solved(reordered(before, body, contact), *on.solves(kMany));
+  require<D>(difference(reordered(a, body, contact), b), kConverged * 100 * before.speed(), a, b);
+}
+
+// R10: twice as many iterations are no further from the end. Where nothing bounces or rubs, the end is the motion of
+// least kinetic energy of all that pushing can make, and a step of Gauss and Seidel goes down in it (Hildreth 1957). It
+// is half the squared distance to the end in the norm of the energy, and what is still pushed times the speed with
+// which it parts in the end; the distance alone may grow where an impulse is taken back.
+template <int D>
+void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
+  const auto before = drawImpact<D>(draw, {.fixed = draw.coin()});
+  RC_PRE(endIsNear(before, on));
+  const int few = 1 + draw.below(8);
+  const auto once = solved(before, *on.solves(few)), twice = solved(before, *on.solves(2 * few)),
+             end = solved(before, *on.right(kMany));
+  require<D>(twice.energy() - once.energy(), kRounding * (1 + before.energy()), once, twice);
+  require<D>(end.energy() - twice.energy(), kConverged * (1 + before.energy()), end, twice);
+}
+
+template <int D>
+struct Named {
+  const char* name;
+  void (*property)(const Subject<D>&, Draw&);
+  std::vector<Bug> bugs;  // that it must catch
+};
+
+template <int D>
+std::vector<Named<D>> properties() {
+  return {{"Impulse.OrderDoesNotMatter", orderDoesNotMatter<D>, {Bug::givesUp, Bug::keepsFirstImpulse}},
+          {"Impulse.MoreIsNoWorse", moreIsNoWorse<D>, {Bug::armsOfTheWorld, Bug::pulls}}};
+}
+
+template <int D>
+auto drawn(const Named<D>& p, const Subject<D>& on) {
+  return [&p, on] {
+    RapidCheckDraw draw;
+    p.property(on, draw);
+  };
+}
+
+template <int D>
+void testOne(const Registered& entry, const Spec& spec) {
+  for (const Named<D>& p : properties<D>()) {
+    const std::string name = std::string(p.name) + " " + spec.text() + " " + std::to_string(D) + "D";
+    SCOPED_TRACE(name);
+    const auto property = drawn<D>(p, {registered<D>(entry, spec), twin<D>(Bug::none)});
+    if (declares(entry, spec, p.name)) {
+      expectFalsified(name, property, 10 * kRuns);  // some are rare; the first ends the search
+    } else {
+      check(name, property, kRuns);
+    }
+  }
+}
+
+template <int D>
+void testAll() {
+  for (const Registered* entry : Registry::instance().list(StageKind::velocity, D)) {
+    if (!competes(*entry)) continue;
+    testOne<D>(*entry, {entry->info.name, {}});
+    for (const std::string& manner : otherManners(*entry)) {
+      testOne<D>(*entry, Spec::parse(entry->info.name + "{" + manner + "}"));
+    }
+  }
+}
+
+template <int D>
+void plantedBugs() {
+  for (const Named<D>& p : properties<D>()) {
+    SCOPED_TRACE(p.name);
+    check(std::string(p.name) + " twin", drawn<D>(p, {twin<D>(Bug::none), twin<D>(Bug::none)}), kRuns);
+    for (std::size_t i = 0; i < p.bugs.size(); ++i) {
+      expectFalsified(std::string(p.name) + " planted bug " + std::to_string(i + 1) + ' ' + std::to_string(D) + 'D',
+                      drawn<D>(p, {twin<D>(p.bugs[i]), twin<D>(Bug::none)}), kRuns);
+    }
+  }
+}
+
+TEST(Convergence, EveryResolver2) { testAll<2>(); }
+TEST(Convergence, EveryResolver3) { testAll<3>(); }
+TEST(Convergence, PlantedBugsAreCaught2) { plantedBugs<2>(); }
+TEST(Convergence, PlantedBugsAreCaught3) { plantedBugs<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
