@@ -37,6 +37,8 @@ class ShockPropagation final : public VelocityResolver<D> {
                           "the levels push on from another motion, and no nearer to the end", "Impulse.MoreIsNoWorse"},
                          {"a heavy body on a light one", "it rests, but the light one does not feel its weight at once",
                           "Impulse.CarriesHeavyOnLight"},
+                         {"the same in ever more iterations", "the levels stop both at once: it has no rate of sweeps",
+                          "Impulse.ConvergesAsPredicted"},
                          {"a body on a very heavy one that is not fixed", "has no ground under it, nor a level",
                           "Symmetry.HeavyIsFixed"}},
             .friction = FrictionLaw::coulomb};

@@ -108,17 +108,42 @@ void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   require<D>(end.energy() - twice.energy(), kConverged * (1 + before.energy()), end, twice);
 }
 
+// R12: on the ground a light body and a heavy one on it, both falling. After a sweep the light one falls with M/(M+m)
+// of what it did after the one before. Some resolvers sweep several times for one iteration.
+template <int D>
+void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
+  const Real light = draw.real(1, 2), heavy = light * draw.real(1, 50);
+  ImpactScene<D> before;
+  const Vec<D> up = Vec<D>::Unit(1);
+  for (const Real mass : {Real(0), light, heavy}) {
+    const Real height = Real(before.bodies.size()), v = mass > 0 ? Real(1) : Real(0);
+    before.add(mass, Ang<D>::Constant(mass), {height * up, {}}, {-v * up, Ang<D>::Zero()});
+    const int last = before.bodies.size() - 1;
+    if (last > 0) before.touch(last - 1, last, up, (height - Real(0.5)) * up, 0, 0, 0);
+  }
+  const auto speed = [&](int iterations) { return solved(before, *on.solves(iterations)).motion(1).v[1]; };
+  const Real sweeps = std::log(speed(3) / speed(2)) / std::log(heavy / (heavy + light));
+  RC_LOG() << "an iteration is " << sweeps << " sweeps\n" << before;
+  RC_ASSERT(std::abs(sweeps - std::round(sweeps)) <= (kDouble ? Real(1e-9) : Real(1e-3)));
+  RC_ASSERT(sweeps > Real(0.5));
+}
+
 template <int D>
 struct Named {
   const char* name;
+  const char* ofJoints;  // what joints call the same
   void (*property)(const Subject<D>&, Draw&);
   std::vector<Bug> bugs;  // that it must catch
 };
 
 template <int D>
 std::vector<Named<D>> properties() {
-  return {{"Impulse.OrderDoesNotMatter", orderDoesNotMatter<D>, {Bug::givesUp, Bug::keepsFirstImpulse}},
-          {"Impulse.MoreIsNoWorse", moreIsNoWorse<D>, {Bug::armsOfTheWorld, Bug::pulls}}};
+  return {{"Impulse.OrderDoesNotMatter",
+           "Joint.OrderDoesNotMatter",
+           orderDoesNotMatter<D>,
+           {Bug::givesUp, Bug::keepsFirstImpulse}},
+          {"Impulse.MoreIsNoWorse", "Joint.MoreIsNoWorse", moreIsNoWorse<D>, {Bug::armsOfTheWorld, Bug::pulls}},
+          {"Impulse.ConvergesAsPredicted", "Joint.ConvergesAsPredicted", convergesAsPredicted<D>, {Bug::yields}}};
 }
 
 template <int D>
