@@ -26,7 +26,10 @@ class ExplicitEuler final : public Integrator<D> {
                 {"any oscillator", "the amplitude grows by sqrt(1 + (w dt)^2) a step", "Oscillator.Bounded"},
                 {"any oscillator", "its energy doubles again and again", "Oscillator.KeepsEnergy"},
                 {"a body at rest", "it hops: contacts stop the new velocity, it travels by the old one", "Rest.Stays"},
-                {"a spinning body in 3D", "angular momentum is not kept", "FreeTop.KeepsAngularMomentum"}}};
+                {"a spinning body in 3D", "angular momentum is not kept", "FreeTop.KeepsAngularMomentum"},
+                {"bodies that press on each other and turn together",
+                 "gain angular momentum: they travel without what their forces give them in this step",
+                 "Solver.TurningKeepsAngularMomentum"}}};
   }
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {

@@ -33,7 +33,10 @@ class Rk4 final : public Integrator<D> {
                       "Oscillator.KeepsEnergy"},
                      {"a thin rod that turns by 1.7 rad a step",
                       "its attitude drifts about the angular momentum, until its energy is a hundred times as large",
-                      "FreeTop.AddsNoEnergy"}}};
+                      "FreeTop.AddsNoEnergy"},
+                     {"bodies that press on each other and turn together",
+                      "do not keep their angular momentum: forces are those of where they would be without contacts",
+                      "Solver.TurningKeepsAngularMomentum"}}};
   }
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {

@@ -29,7 +29,10 @@ class VelocityVerlet final : public Integrator<D> {
             {"a body at rest", "it hops: contacts stop the new velocity, it travels by the one between", "Rest.Stays"},
             {"a thin rod that turns by 1.7 rad a step",
              "its attitude drifts about the angular momentum, until its energy is 45 times as large",
-             "FreeTop.AddsNoEnergy"}}};
+             "FreeTop.AddsNoEnergy"},
+            {"bodies that press on each other and turn together",
+             "do not keep their angular momentum: forces are those of where they would be without contacts",
+             "Solver.TurningKeepsAngularMomentum"}}};
   }
 
   void integrate(const IntegrateInput<D>& in, std::span<Motion<D>> drift) override {

@@ -58,6 +58,9 @@ class Avbd final : public Solver<D> {
         .failures = {{"bodies that meet", "push each other by what each sees of the other before or after its turn",
                       "Solver.KeepsLinearMomentum"},
                      {"the same, off the centre", "the same, in turns", "Solver.KeepsAngularMomentum"},
+                     {"bodies that press on each other and turn together",
+                      "turn each other by what each sees of the other before or after its turn",
+                      "Solver.TurningKeepsAngularMomentum"},
                      {"a swing on a joint", "loses energy as by the implicit Euler method, three times catto's loss",
                       "Order.PendulumKeepsItsEnergy"}},
         .friction = FrictionLaw::coulomb};

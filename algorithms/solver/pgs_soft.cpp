@@ -44,7 +44,10 @@ class PgsSoft final : public Solver<D> {
                           "sinks in deeper than on a fixed one, whose springs are stiffer", "Symmetry.HeavyIsFixed"},
                          {"a hinge that is beyond its stop",
                           "leaves it with a speed: two sweeps take too little out of stop and pivot, which are coupled",
-                          "JointStep.LeavesNoSpeed"}},
+                          "JointStep.LeavesNoSpeed"},
+                         {"bodies that press on each other and turn together",
+                          "lose angular momentum: they are relaxed after the move by arms of before it",
+                          "Solver.TurningKeepsAngularMomentum"}},
             .friction = FrictionLaw::coulomb};
   }
 

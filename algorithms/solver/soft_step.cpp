@@ -46,7 +46,10 @@ class SoftStep final : public Solver<D> {
                           "JointStep.LeavesNoSpeed"},
                          {"a stop that is hit, or a weld that is bent, in ever shorter steps",
                           "gives way by what falls slower than the step: relaxing takes out what its spring has put in",
-                          "JointMotion.Converges"}},
+                          "JointMotion.Converges"},
+                         {"bodies that press on each other and turn together",
+                          "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
+                          "Solver.TurningKeepsAngularMomentum"}},
             .friction = FrictionLaw::coulomb};
   }
 

@@ -52,7 +52,10 @@ class Tgs final : public Solver<D> {
             .guarantee = Guarantee::approximate,
             .failures = {{"a hinge that is beyond its stop",
                           "leaves it with a speed: one sweep takes too little out of stop and pivot, which are coupled",
-                          "JointStep.LeavesNoSpeed"}},
+                          "JointStep.LeavesNoSpeed"},
+                         {"bodies that press on each other and turn together",
+                          "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
+                          "Solver.TurningKeepsAngularMomentum"}},
             .friction = FrictionLaw::coulomb};
   }
 

@@ -31,7 +31,9 @@ class TgsNgs final : public Solver<D> {
             .paper = "catto2024",
             .complexity = "substeps x (sweeps + position_iterations) x (contacts + joints)",
             .guarantee = Guarantee::approximate,
-            .failures = {},
+            .failures = {{"bodies that press on each other and turn together",
+                          "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
+                          "Solver.TurningKeepsAngularMomentum"}},
             .friction = FrictionLaw::coulomb};
   }
 

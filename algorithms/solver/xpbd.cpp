@@ -54,7 +54,10 @@ class Xpbd final : public Solver<D> {
                      {"cubes on each other", "tremble and creep, since each sub-step is one cold sweep",
                       "Rest.StackStays"},
                      {"brakes in a row that hold a weight", "slip for the same reason: nothing pulls back",
-                      "JointMotion.Rests"}},
+                      "JointMotion.Rests"},
+                     {"bodies that press on each other and turn together",
+                      "gain angular momentum: arms are those of the predicted poses, by a sub-step ahead",
+                      "Solver.TurningKeepsAngularMomentum"}},
         .friction = FrictionLaw::coulomb};
   }
 

@@ -16,15 +16,21 @@
 
 namespace lpc::inline LPC_PRECISION::test {
 
-/// A constant acceleration, and a spring to the origin, on every body that has mass.
+/// A constant acceleration, a spring to the origin, and what draws all together, on every body that has mass.
 template <int D>
 struct Field final : Forces<D> {
   Vec<D> gravity = Vec<D>::Zero();  // m/s^2
   Real spring = 0;                  // 1/s^2
+  Real pull = 0;  // 1/s^2, to the common centre of mass: between each two bodies equal, opposite and along their line
   void eval(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
+    const std::vector<Real>& mass = state.bodies.mass;
+    Vec<D> moment = Vec<D>::Zero();
+    Real sum = 0;
+    for (std::size_t i = 0; i < out.size() && pull > 0; ++i) moment += mass[i] * state.pose[i].p, sum += mass[i];
     for (std::size_t i = 0; i < out.size(); ++i) {
       out[i] = {};
-      out[i].force = state.bodies.mass[i] * (gravity - spring * state.pose[i].p);
+      out[i].force = mass[i] * (gravity - spring * state.pose[i].p);
+      if (pull > 0) out[i].force += pull * mass[i] * (moment / sum - state.pose[i].p);
     }
   }
 };

@@ -33,6 +33,57 @@ void keepsAngularMomentum(const Step<D>& step, Draw& draw) {
   require<D>(error <= Real(4e-3) * before.speed(), before, after, error);
 }
 
+/// Two to four bodies in a row, face on face, that draw each other together and turn as one about an axis across it.
+/// The inertias are those of spheres: of another body in space an Euler step does not keep the momentum (see FreeTop).
+template <int D>
+ImpactScene<D> drawTurningRow(Draw& draw) {
+  ImpactScene<D> s;
+  const Pose<D> X = drawPose<D>(draw, 2);
+  const Vec<D> along = X.q * Vec<D>(Vec<D>::Unit(0)), drift = drawVector<D>(draw);
+  Ang<D> spin = draw.real(0.3, 1.5) * Ang<D>::Unit(kAngDim<D> - 1);
+  if constexpr (D == 3) spin = X.q * spin;
+  const int n = 2 + draw.below(3);
+  std::vector<Real> at = {0};
+  for (int i = 1; i < n; ++i) at.push_back(at.back() + draw.real(0.5, 1));
+  for (const Real x : at) {
+    const Vec<D> arm = (x - at.back() / 2) * along;
+    s.add(draw.real(1, 5), Ang<D>::Constant(draw.real(0.2, 2)), {X.p + arm, X.q}, {drift + cross(spin, arm), spin});
+  }
+  const Real friction = draw.real(0, 1);
+  for (int i = 0; i + 1 < n; ++i) {
+    for (int corner = 0; corner < kManifoldPoints<D>; ++corner) {
+      Vec<D> p = Vec<D>::Zero();
+      p[0] = (at[static_cast<std::size_t>(i)] + at[static_cast<std::size_t>(i) + 1] - at.back()) / 2;
+      p[1] = Real(corner % 2 ? 0.3 : -0.3);
+      if constexpr (D == 3) p[2] = Real(corner / 2 ? 0.3 : -0.3);
+      corner == 0 ? s.touch(i, i + 1, along, X * p, 0, friction, 0) : s.addPoint(s.manifolds.back(), X * p, 0);
+    }
+  }
+  s.field.pull = draw.real(2, 20) * spin.squaredNorm();  // more than what would take them apart
+  return s;
+}
+
+// R2 over a second: what bodies that turn together press on each other with, acts on both along one line.
+template <int D>
+void turningKeepsAngularMomentum(const Step<D>& step, Draw& draw) {
+  const auto before = drawTurningRow<D>(draw);
+  Real scale = 0;
+  for (int i = 0; i < before.bodies.size(); ++i) {
+    scale += before.bodies.mass[static_cast<std::size_t>(i)] * before.pose(i).p.norm() * before.motion(i).v.norm() +
+             (before.inertia(i) * before.motion(i).w).norm();
+  }
+  auto after = before;
+  for (int k = 0; k < 60; ++k) {
+    step(after);
+    for (Manifold<D>& m : after.manifolds) {  // faces turn with their bodies
+      const auto& then = before.manifolds[static_cast<std::size_t>(&m - after.manifolds.data())];
+      m.normal = after.pose(m.bodyA).q * (before.pose(m.bodyA).q.inverse() * then.normal);
+    }
+  }
+  const Real error = (after.angularMomentum() - before.angularMomentum()).norm();
+  require<D>(error <= 1000 * kEps * scale, before, after, error / scale);
+}
+
 template <int D>
 void fixedBodiesStay(const Step<D>& step, Draw& draw) {
   auto before = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = 1});
@@ -127,6 +178,7 @@ struct Named {
 template <int D>
 std::vector<Named<D>> properties() {
   std::vector<Named<D>> list = {{"Solver.KeepsLinearMomentum", keepsLinearMomentum<D>, Bug::oneBodyOnly},
+                                {"Solver.TurningKeepsAngularMomentum", turningKeepsAngularMomentum<D>, Bug::twoPoints},
                                 {"Solver.FixedBodiesStay", fixedBodiesStay<D>, Bug::movesFixed},
                                 {"Solver.KinematicObeys", kinematicObeys<D>, Bug::movesFixed},
                                 {"Solver.AddsNoEnergy", addsNoEnergy<D>, Bug::addsEnergy},
