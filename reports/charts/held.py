@@ -57,7 +57,8 @@ def finding(where, column, baseline, everyone):
     if not known:
         return text
     least, straight = min(known, key=known.get), column["lateral_max"].astype(float)
-    return (f"{text}; the cheapest of them but {baseline} is {least}, {times(known[least])} times the time of {baseline}, "
+    beside = f" but {baseline}" if baseline in who else ""
+    return (f"{text}; the cheapest of them{beside} is {least}, {times(known[least])} times the time of {baseline}, "
             f"{si(float(straight[least]), 'm')} sideways")
 
 
