@@ -178,6 +178,16 @@ class Store:
             found.setdefault(self.method_of(entry.sweep, entry.axes), set()).update(filter(None, roles))
         return {label: theirs(roles) for label, roles in found.items() if roles}
 
+    def declared(self, key):
+        """The properties that a trial's methods say they fail (info().failures). A failure whose `when` begins with a choice
+        and a colon, "friction=box: ...", is one of this choice alone."""
+        named = set(_named(self.trials.at[key, "canonical"]))
+        def applies(failure):
+            choice = re.match(r"(\w+)=(\w+):", failure["when"])
+            return choice is None or choice.groups() in named
+        return {failure["test"] for entry in self.algorithms if (entry["stage"], entry["name"]) in named
+                for failure in entry.get("failures", ()) if applies(failure)}
+
     def sweeps(self):
         return list(dict.fromkeys(self.planned["sweep"]))
 

@@ -107,6 +107,25 @@ def energy_gain(trial):
     return 0.0 if scale == 0 else max(0.0, float(np.max(energy) - energy[0])) / scale
 
 
+def _share(trial, of):
+    """An error of a momentum over that which the scene's parameter of the same name says there is."""
+    total = trial.parameter(of)
+    return trial.metrics[f"{of}_error"] / total if total > 0 else math.nan
+
+
+@metric("change of momentum over what there is", "1", "change of momentum from start to end, over the scene's `momentum`",
+        "momentum is kept", ("momentum_error",))
+def momentum_share(trial):
+    return _share(trial, "momentum")
+
+
+@metric("change of angular momentum over what there is", "1",
+        "change of angular momentum from start to end, over the scene's `angular_momentum`", "angular momentum is kept",
+        ("angular_momentum_error",))
+def angular_momentum_share(trial):
+    return _share(trial, "angular_momentum")
+
+
 @metric("contacts that flicker", "1", "contact points gained or lost per step in the last quarter", "calmer",
         ("drift_limit", "points"))
 def contact_flicker(trial):

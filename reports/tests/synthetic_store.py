@@ -52,6 +52,8 @@ max_speed_end|world|largest speed at the end|m/s|detail|calmer|
 bodies|world|bodies|1|detail||
 steps_done|world|steps|1|detail||
 residual_median|world|normalised complementarity|1|detail|contacts obey|
+momentum_error|world|change of momentum|kg m/s|detail|momentum is kept|isolation
+angular_momentum_error|world|change of angular momentum|kg m^2/s|detail|angular momentum is kept|isolation
 ms_per_step_p99|world|99th|ms|detail|cheaper|timing
 ms_per_step_worst|world|slowest|ms|detail|cheaper|timing
 load|any|load average|1|detail|a quieter machine|timing

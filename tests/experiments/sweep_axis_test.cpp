@@ -164,8 +164,9 @@ Names withoutSetting(const PlannedSweep& sweep) {
 }
 
 TEST(ShippedSweeps, HoldEveryResolver) {
-  for (const char* name : {"resolvers", "resolvers_full", "breaking_points_stack", "breaking_points_stack_full",
-                           "breaking_points_mass_ratio", "breaking_points_dt", "reference", "breaking_map"}) {
+  for (const char* name :
+       {"resolvers", "resolvers_full", "breaking_points_stack", "breaking_points_stack_full",
+        "breaking_points_mass_ratio", "breaking_points_dt", "reference", "breaking_map", "momenta"}) {
     const PlannedSweep sweep = planSweeps(name, {}).at(0);
     EXPECT_EQ(lacking(sweep), Names{}) << name;
     EXPECT_EQ(without(withoutSetting(sweep), kWithoutSweeps), Names{}) << name;

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Zlib
+"""What each method changes of the momenta of bodies that nothing pushes from outside, and whether it says so."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import metrics
+import over_steps
+from chart import Chart, Headline, Needs, holes, identifier, listing, methods, plural
+from load import split
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
+from table import quantity
+
+PLACE = 37
+SECTION = "Do momenta stay?"
+SHARES = ("momentum_share", "angular_momentum_share")
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"),
+              metrics=("momentum_error", "angular_momentum_error", *SHARES), also="a scene that says what momenta it has")
+ABSENT = Chart("momenta", SECTION, "Momenta", "No sweep of several methods on a scene that says what momenta it has is in this "
+               "store.", "momenta")
+# Of what there is, by the arithmetic: some roundings in each of some hundred steps.
+ROUNDING = {"f64": 1e-12, "f32": 1e-4}
+# What a method declares that it fails, by the share that shows it; the properties are of whole steps of free bodies.
+PROPERTIES = {"momentum_share": ("Solver.KeepsLinearMomentum",),
+              "angular_momentum_share": ("Solver.KeepsAngularMomentum", "Solver.TurningKeepsAngularMomentum")}
+TOLD = 3  # methods in a sentence
+SHORT = {"momentum_share": "linear", "angular_momentum_share": "angular"}
+
+
+def of_sweep(context, cells):
+    cells = cells[cells["outcome"].ne("ok") | cells[list(SHARES)].notna().all(axis=1)]
+    if not cells[list(SHARES)].notna().any(axis=None):
+        return []
+    made = []
+    for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        shown, left_out, setting = over_steps.scenes(context, part)
+        made.append(_chart(context, [(where, over_steps.at_middle(mine, setting)) for where, mine in shown], left_out, setting))
+    return made
+
+
+def declares(context, cell, share):
+    """Whether a part of the cell's pipeline says that it fails to keep this momentum."""
+    return cell["key"] is not None and not context.store.declared(cell["key"]).isdisjoint(PROPERTIES[share])
+
+
+def lost(cells, share, rounding):
+    """{method: the largest share in any scene} of those that finish and change more than rounding."""
+    good = cells[cells["outcome"] == "ok"]
+    most = good.groupby("method")[share].max()
+    return most[most > rounding].sort_values(ascending=False).to_dict()
+
+
+def finding(cells, said, rounding, at):
+    """`said`: {share: methods that declare that they do not keep it}."""
+    everyone = sorted(cells["method"].unique())
+    failed = sorted(cells[cells["outcome"] != "ok"]["method"].unique())
+    of = {share: lost(cells, share, rounding) for share in SHARES}
+    keep = [m for m in everyone if m not in failed and not any(m in found for found in of.values())]
+    parts = [f"{len(keep)} of {len(everyone)} methods keep both momenta to rounding ({rounding:g} of what there is)"]
+    for share, found in of.items():
+        most = listing(f"{m} ({si(100 * v)} %)" for m, v in list(found.items())[:TOLD])
+        parts.append(f"{plural(len(found), 'method changes', 'methods change')} {SHORT[share]} momentum: "
+                     f"{'most ' if len(found) > 1 else ''}{most}" if found else f"nobody changes {SHORT[share]} momentum")
+    silent = sorted({m for share, found in of.items() for m in found if m not in said[share]})
+    if any(of.values()):
+        told = methods(silent, everyone) if len(silent) <= TOLD else f"{len(silent)} of these"
+        parts.append(f"{told} {'does' if len(silent) == 1 else 'do'} not declare it" if silent else "all of these declare it")
+    if failed:
+        parts.append(f"{methods(failed, everyone)} {'fails' if len(failed) == 1 else 'fail'}")
+    return f"{at}{'; '.join(parts)}."
+
+
+def headline(cells, rounding, at):
+    """Who changes the angular momentum most, beside those that keep it."""
+    share = SHARES[1]
+    found = lost(cells, share, rounding)
+    good = cells[cells["outcome"] == "ok"].groupby("method")[share].max()
+    keep = [m for m, v in good.items() if v <= rounding]
+    if not found or not keep:
+        return None
+    worst = next(iter(found))
+    return Headline(f"{at}nothing turns free bodies from outside: {len(keep)} methods keep their angular momentum to rounding, "
+                    f"{worst} changes {si(100 * found[worst])} % of it.",
+                    {m: 0.0 if v <= rounding else v for m, v in good.items()}, "1",
+                    "change of angular momentum over what there is")
+
+
+def _chart(context, shown, left_out, setting):
+    shown = [(where, part.drop_duplicates("method")) for where, part in shown]
+    cells = pd.concat([part.assign(where=where) for where, part in shown])
+    dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
+    known = [found for found in cells.get("arithmetic", pd.Series(dtype=object)) if isinstance(found, tuple)]
+    rounding = ROUNDING.get(known[0][1] if known else "f64", ROUNDING["f32"])
+    said = {share: {cell["method"] for _, cell in cells.iterrows() if declares(context, cell, share)} for share in SHARES}
+    good = cells[cells["outcome"] == "ok"]
+    worst = good.groupby("method")[list(SHARES)].max().max(axis=1)
+    order = sorted(cells["method"].unique(), key=lambda m: (-max(worst.get(m, math.inf), rounding), m))
+    names, looks = [context.name(m) for m in order], context.looks(cells)
+    figure, axes = grid_of_axes(1, 2 * len(shown), 0.2 * len(order) + 0.1, legend_room([RINGED], 1.5), left=0.3 + 0.074 * max(
+        map(len, names)), gap_x=0.2, top=0.6, bottom=0.55)
+    for column, (where, part) in enumerate(shown):
+        for i, share in enumerate(SHARES):
+            ax = axes[0][2 * column + i]
+            values = metrics.column(part, share)
+            bad = bool((part["outcome"] != "ok").any())
+            scale = ZeroLog(ax, "x", [v for v in values if np.isfinite(v)] + [0.0], failures=bad, floor=rounding)
+            for _, cell in part.iterrows():
+                y = order.index(cell["method"])
+                x = scale.place(float(cell[share]) if cell["outcome"] == "ok" else math.nan)
+                ax.plot([x], [y], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
+                if cell["method"] in said[share]:
+                    ax.plot([x], [y], ls="none", marker="o", ms=11, mfc="none", mec="#333333", mew=1.0, zorder=4)
+            ax.set_ylim(len(order) - 0.4, -0.6)
+            ax.set_yticks(range(len(order)))
+            ax.set_yticklabels(names if column == i == 0 else [])
+            ax.tick_params(axis="y", length=0)
+            ax.set_title(f"{where}:\n{SHORT[share]} momentum")
+    legend_right(figure, [Line2D([], [], ls="none", marker="o", ms=11, mfc="none", mec="#333333", label=RINGED)],
+                 legend_room([RINGED], 1.5))
+    at = f"In {dimension}D{over_steps.setting_of(cells, setting)} "
+    table = pd.DataFrame({"scene": cells["where"], "method": cells["method"], "outcome": cells["outcome"],
+                          **{k: v for share in SHARES for k, v in quantity(context.title(share), "1",
+                                                                          metrics.column(cells, share)).items()},
+                          **{f"declares that it changes {SHORT[share]} momentum": cells["method"].isin(said[share])
+                             for share in SHARES}})
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} momenta {dimension}d"), SECTION, f"Momenta of what is free, {dimension}D",
+                 finding(cells, said, rounding, at), cells["sweep"].iloc[0], figure, table,
+                 left_out + holes(cells, ["where", "method"]),
+                 "How far the momentum at the end of the run is from that at its start, over that of the start; the angular one "
+                 f"about the world's origin. Up to {rounding:g} is rounding, and stands at the left. A ring is around what a "
+                 "method says of itself (info().failures): that it fails a property of this momentum, which is tested.",
+                 headline=headline(cells, rounding, at))
+
+
+RINGED = "declared failure"

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the chart of momenta: who keeps them, by how much others do not, and who says so. Run by ctest, or
+python3 reports/tests/momenta_test.py."""
+
+import json
+import math
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import with_store  # noqa: E402
+from charts import momenta  # noqa: E402
+
+# (of p, of L) that a method changes; p is 50 kg m/s and L 5 kg m^2/s.
+CHANGED = {"catto": (0.0, 1e-15), "naive": (1e-16, 0.0), "soft_step": (2e-14, 0.25), "avbd": (0.03, 0.05)}
+DECLARED = {"soft_step": ["Solver.TurningKeepsAngularMomentum", "Symmetry.HeavyIsFixed"],
+            "avbd": ["Solver.KeepsLinearMomentum", "Solver.KeepsAngularMomentum"]}
+KEPT = "2 of 4 methods keep both momenta to rounding (1e-12 of what there is)"
+
+
+class Momenta(with_store.WithStore):
+    @staticmethod
+    def free(changed=None, declared=None, fell=(), momentum=50, precision="f64"):
+        """`fell`: methods whose runs explode; `momentum`: what the scene says it has."""
+        def fill(maker):
+            maker.sweep("mine", resolver="label")
+            entries = [{"stage": "solver", "group": "solver", "name": name, "role": "competitor",
+                        "failures": [{"when": "two that turn", "symptom": "s", "test": test} for test in
+                                     (DECLARED if declared is None else declared).get(name, ())]} for name in CHANGED]
+            maker.db.execute("UPDATE meta SET value=? WHERE key='registry'", (json.dumps({"algorithms": entries}),))
+            for name, (p, angular) in (changed or CHANGED).items():
+                maker.trial("mine", {"kind": "world", "precision": precision, "scene": "pair", "dimension": 2, "resolver": name},
+                            {"momentum_error": 50 * p, "angular_momentum_error": 5 * angular},
+                            *(("exploded", "speed", 7) if name in fell else ()),
+                            extra={"pipeline": f"solver={name}", "params": {"momentum": momentum, "angular_momentum": 5}})
+        return fill
+
+    def test_who_changes_momenta_by_how_much_and_who_declares_it(self):
+        made = self.made(momenta, self.free())
+        self.assertEqual(len(made), 1)
+        self.assertEqual(made[0].finding, f"In 2D {KEPT}; 1 method changes linear momentum: avbd (3 %); 2 methods change angular "
+                         "momentum: most soft_step (25 %) and avbd (5 %); all of these declare it.")
+        self.assertEqual(made[0].headline.text, "In 2D nothing turns free bodies from outside: 2 methods keep their angular "
+                         "momentum to rounding, soft_step changes 25 % of it.")
+        self.assertEqual(made[0].headline.values["catto"], 0)
+        table = made[0].table.set_index("method")
+        self.assertAlmostEqual(table.at["avbd", "change of momentum over what there is [1]"], 0.03)
+        self.assertEqual(list(table["declares that it changes linear momentum"]), [m == "avbd" for m in table.index])
+
+    def test_rings_are_around_what_is_declared(self):
+        made = self.made(momenta, self.free())[0]
+        rings = [sum(line.get_markerfacecolor() == "none" for line in ax.get_lines()) for ax in made.figure.axes]
+        self.assertEqual(rings, [1, 2], "avbd; soft_step and avbd")
+
+    def test_the_planted_bug_a_method_that_is_silent_is_seen(self):
+        said = {**DECLARED, "soft_step": ["Symmetry.HeavyIsFixed"]}
+        made = self.made(momenta, self.free(declared=said))[0]
+        self.assertIn("soft_step does not declare it", made.finding)
+        self.assertNotIn("all of these declare it", made.finding)
+
+    def test_a_declaration_of_one_choice_is_that_of_no_other(self):
+        context = self.context(self.free())
+        key = context.store.trials.index[2]
+        self.assertIn("Symmetry.HeavyIsFixed", context.store.declared(key))
+        failures = next(e for e in context.store.algorithms if e["name"] == "soft_step")["failures"]
+        failures[0]["when"] = "arms=as_made: two that turn"
+        self.assertEqual(context.store.declared(key), {"Symmetry.HeavyIsFixed"})
+        context.store.trials.at[key, "canonical"]["pipeline"] = "solver=soft_step{arms=as_made}"
+        self.assertIn("Solver.TurningKeepsAngularMomentum", context.store.declared(key))
+
+    def test_what_failed_has_no_momentum_and_is_told(self):
+        made = self.made(momenta, self.free(fell=("avbd",)))[0]
+        self.assertIn("nobody changes linear momentum", made.finding)
+        self.assertTrue(made.finding.endswith("all of these declare it; avbd fails."), made.finding)
+        self.assertNotIn("avbd", made.headline.values)
+        self.assertIn("exploded at step 7", made.holes[0])
+
+    def test_rounding_is_that_of_the_arithmetic(self):
+        small = {"catto": (0.0, 1e-6), "naive": (0.0, 1e-7), "soft_step": (0.0, 0.25), "avbd": (0.03, 0.05)}
+        self.assertIn("0 of 4 methods", self.made(momenta, self.free({m: (p, max(v, 1e-6)) for m, (p, v) in small.items()}))[0]
+                      .finding)
+        self.assertIn("2 of 4 methods keep both momenta to rounding (0.0001 of what there is)",
+                      self.made(momenta, self.free(small, precision="f32"))[0].finding)
+
+    def test_where_all_keep_them_nothing_is_ranked_and_without_a_total_there_is_no_chart(self):
+        made = self.made(momenta, self.free(dict.fromkeys(CHANGED, (0.0, 0.0))))[0]
+        self.assertEqual(made.finding, "In 2D 4 of 4 methods keep both momenta to rounding (1e-12 of what there is); nobody "
+                         "changes linear momentum; nobody changes angular momentum.")
+        self.assertIsNone(made.headline)
+        self.assertEqual(self.made(momenta, self.free(momentum=0)), [momenta.ABSENT])
+        self.assertTrue(math.isnan(self.context(self.free(momentum=0)).cells("mine", momenta.SHARES)["momentum_share"].iloc[0]))
+
+
+if __name__ == "__main__":
+    unittest.main()
