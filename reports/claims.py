@@ -29,9 +29,15 @@ class UserError(Exception):
     """A mistake of the user's: told in one line, exit code 2."""
 
 
+def series_of(name):
+    """The step and the series that a name is about: last_SERIES has no step, and a metric neither."""
+    found = re.fullmatch(r"last_(?P<last>\w+)|after_(?P<step>\d+)_(?P<after>\w+)", name)
+    return (found["step"] and int(found["step"]), found["last"] or found["after"]) if found else (None, None)
+
+
 @dataclass
 class Run:
-    """One `lpc run`: its outcome, step and metrics, and last_SERIES, as attributes. `seen` are those that somebody asked for."""
+    """One `lpc run`: its outcome, step and metrics, last_SERIES and after_STEP_SERIES as attributes. `seen` were asked for."""
     command: str
     result: dict
     seen: list = field(default_factory=list)
@@ -45,8 +51,9 @@ class Run:
     def value(self, name):
         if name in ("outcome", "step"):
             return self.result[name]
-        series = self.result["series"].get(name.removeprefix("last_")) if name.startswith("last_") else None
-        value = series[-1] if series else self.result["metrics"].get(name)
+        step, series = series_of(name)
+        values = self.result["series"].get(series, [])[step or 0:] if series else []
+        value = (values[-1] if step is None else max(values)) if values else self.result["metrics"].get(name)
         if value is None:
             raise UserError(f"`{self.command}` has no {name}")
         return value
@@ -145,7 +152,7 @@ def page(judged, unit):
                   "| | command | measured |", "| --- | --- | --- |"]
         for name, one in j.runs.items():
             outcome = one.value("outcome") + ("" if one.value("outcome") == "ok" else f" at step {one.value('step')}")
-            figures = [figure(m, one.value(m), unit.get(m.removeprefix("last_"), ""))
+            figures = [figure(m, one.value(m), unit.get(series_of(m)[1] or m, ""))
                        for m in one.seen if m not in ("outcome", "step")]
             lines.append(f"| {name} | `lpc run {one.command}` | {', '.join([outcome, *figures])} |")
         lines += ["", f"**{j.verdict.capitalize()}.** {j.claim['because']}"]
