@@ -35,7 +35,21 @@ const std::map<std::string, Census> kExpected = {
     {"director_1", {{"fixed", 4}, {"fixed box", 4}, {"dynamic", 236}, {"dynamic sphere", 236}, {"scripted", 190 + 36}}},
     {"director_2", {{"fixed", 4}, {"fixed box", 4}, {"dynamic", 1500}, {"dynamic sphere", 1500}, {"scripted", 1499}}},
     {"high_mass_ratio_1", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 165}, {"dynamic box", 165}}},
+    {"bullet_ragdolls",
+     {{"fixed", 1},
+      {"fixed box", 1},
+      {"dynamic", 136 * 11},
+      {"dynamic capsule", 136 * 11},
+      {"hinge", 136 * 5},
+      {"cone_twist", 136 * 5}}},
+    {"bullet_stacks", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1076}, {"dynamic box", 1076}}},
+    {"card_house_peel", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 40}, {"dynamic box", 40}}},
+    {"ccd_walls", {{"fixed", 5}, {"fixed plane", 1}, {"fixed box", 4}, {"dynamic", 10}, {"dynamic box", 10}}},
+    {"keva", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 5320}, {"dynamic box", 5320}}},
     {"large_pyramid", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 5050}, {"dynamic box", 5050}}},
+    {"large_pyramid_3d", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 5050}, {"dynamic box", 5050}}},
+    {"large_world",
+     {{"fixed", 10000}, {"fixed box", 10000}, {"dynamic", 100}, {"dynamic sphere", 100}, {"scripted", 100}}},
     {"mass_ratio", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 2}, {"dynamic box", 2}}},
     {"overlap_recovery", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 10}, {"dynamic box", 10}}},
     {"pendulum", {{"fixed", 1}, {"fixed sphere", 1}, {"dynamic", 1}, {"dynamic sphere", 1}, {"pivot", 1}}},
@@ -43,6 +57,8 @@ const std::map<std::string, Census> kExpected = {
     {"pyramid_15", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 120}, {"dynamic box", 120}}},
     {"pyramid_25", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 325}, {"dynamic box", 325}}},
     {"slope", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 1}, {"dynamic box", 1}}},
+    {"stress_joint_ball",
+     {{"fixed", 26}, {"fixed sphere", 26}, {"dynamic", 9974}, {"dynamic sphere", 9974}, {"pivot", 19800}}},
     {"towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 20}, {"dynamic sphere", 10}, {"dynamic box", 10}}},
     {"vertical_stack", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 15}, {"dynamic box", 15}}},
 };
@@ -121,6 +137,40 @@ TEST(Scenes, largePyramidIsBox2Ds) {
       ASSERT_NEAR(scene.spawns[at].body.X_WB.p[1], 0.5 * (2 * i + 1), 1e-9);
     }
   }
+}
+
+// Its 17 stones fill the arch, each beside the next: between the two curves of its points, 0.25 times the source's.
+TEST(Scenes, archIsSolver2ds) {
+  const SceneSpec<2> scene = build<2>("arch_solver2d");
+  std::vector<std::vector<Vec<2>>> stones;
+  for (const auto& spawn : scene.spawns) {
+    if (spawn.body.name != "stone") continue;
+    stones.emplace_back();
+    for (const Vec<2>& p : spawn.body.shapes.at(0).shape.view().hull->vertices) {
+      stones.back().push_back(spawn.body.X_WB * p);
+    }
+    EXPECT_EQ(stones.back().size(), 4u);
+  }
+  ASSERT_EQ(stones.size(), 17u);
+  const auto shared = [&](std::size_t i, std::size_t j) {
+    int count = 0;
+    for (const Vec<2>& p : stones[i]) {
+      for (const Vec<2>& q : stones[j]) count += (p - q).norm() < 1e-12;
+    }
+    return count;
+  };
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(shared(i, i + 1), 2) << "right, " << i;
+  for (std::size_t i = 8; i < 15; ++i) EXPECT_EQ(shared(i, i + 1), 2) << "left, " << i;
+  EXPECT_EQ(shared(7, 16), 2) << "the keystone";
+  EXPECT_EQ(shared(15, 16), 2) << "the keystone";
+  Real left = 0, right = 0, top = 0;
+  for (const auto& stone : stones) {
+    for (const Vec<2>& p : stone) left = std::min(left, p[0]), right = std::max(right, p[0]), top = std::max(top, p[1]);
+  }
+  EXPECT_NEAR(left, -24 / 4, 1e-12);
+  EXPECT_NEAR(right, 24 / 4, 1e-12);
+  EXPECT_NEAR(top, 44.28891593799322 / 4, 1e-12);
+  EXPECT_NEAR(scene.spawns.back().body.X_WB.p[1], top + 3.5, 1e-12) << "the highest of four boxes";
 }
 
 TEST(Scenes, highMassRatioHasHeavyTops) {
