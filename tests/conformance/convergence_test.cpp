@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // What iterations over contacts come to, for every registered velocity resolver and each of its manners: the same
-// whatever the order, and nearer with more of them. Joints: joint_convergence_test.cpp.
+// whatever the order, nearer with more of them, and as fast as theory says. Joints: joint_convergence_test.cpp.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <string>
 
 #include "framework/contact_problem.h"
 #include "tests/check_property.h"
@@ -15,7 +18,7 @@ namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
 constexpr bool kDouble = sizeof(Real) == 8;
-constexpr Real kRounding = kDouble ? Real(1e-11) : Real(2e-4);
+constexpr Real kRounding = kDouble ? Real(1e-11) : Real(1e-5);  // of the energy, over a few sweeps
 constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
 constexpr int kRuns = 60, kMany = 2000;
 
@@ -23,13 +26,22 @@ constexpr int kRuns = 60, kMany = 2000;
 template <int D>
 struct Subject {
   Solves<D> solves, right;
+  int atMost =
+      0;  // iterations of who ends by a tolerance, as they are by default; 0: who sweeps so often as he is told
 };
 
-/// Do sweeps come to the end here in a tenth of those that are made? Contacts that are nearly one, or nearly contradict
-/// each other, take any number.
+int atMost(const Registered& entry) {
+  const auto param = [&](const char* name) {
+    return std::find_if(entry.params.begin(), entry.params.end(), [&](const ParamInfo& p) { return p.name == name; });
+  };
+  return param("tolerance") == entry.params.end() ? 0 : std::stoi(param("iterations")->defaultText);
+}
+
+/// Do sweeps come to the end here long before they stop? Contacts that are nearly one, or nearly contradict each other,
+/// take any number.
 template <int D>
-bool endIsNear(const ImpactScene<D>& s, const Subject<D>& on) {
-  return difference(solved(s, *on.right(kMany / 20)), solved(s, *on.right(kMany / 10))) <= kConverged * s.speed();
+bool endIsNear(const ImpactScene<D>& before, const ImpactScene<D>& end, const Subject<D>& on) {
+  return difference(solved(before, *on.right(kMany / 20)), end) <= kConverged * before.speed();
 }
 
 /// Friction that leaves one answer. With De Saxce's correction the problem is to find impulses x in their cones with
@@ -86,29 +98,31 @@ void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
   auto before = drawImpact<D>(draw, {.fixed = draw.coin(), .friction = draw.coin(), .gap = Real(0.02)});
   const Real mu = frictionOfOneAnswer(before);
   for (Manifold<D>& m : before.manifolds) m.friction = std::min(m.friction, mu);
-  RC_PRE(endIsNear(before, on));
+  RC_PRE(endIsNear(before, solved(before, *on.right(kMany)), on));
   const std::vector<int> body = drawOrder(before.bodies.size(), draw);
   const std::vector<int> contact = drawOrder(static_cast<int>(before.manifolds.size()), draw);
   const auto a = solved(before, *on.solves(kMany)), b = solved(reordered(before, body, contact), *on.solves(kMany));
-  require<D>(difference(reordered(a, body, contact), b), kConverged * 100 * before.speed(), a, b);
+  require<D>(difference(reordered(a, body, contact), b), (kDouble ? Real(1e-4) : Real(2e-2)) * before.speed(), a, b);
 }
 
 // R10: twice as many iterations are no further from the end. Where nothing bounces or rubs, the end is the motion of
 // least kinetic energy of all that pushing can make, and a step of Gauss and Seidel goes down in it (Hildreth 1957). It
 // is half the squared distance to the end in the norm of the energy, and what is still pushed times the speed with
-// which it parts in the end; the distance alone may grow where an impulse is taken back.
+// which it parts in the end; the distance alone may grow where an impulse is taken back. Who ends by a tolerance may
+// make twice as many as by default, and is no nearer than to it.
 template <int D>
 void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   const auto before = drawImpact<D>(draw, {.fixed = draw.coin()});
-  RC_PRE(endIsNear(before, on));
-  const int few = 1 + draw.below(8);
-  const auto once = solved(before, *on.solves(few)), twice = solved(before, *on.solves(2 * few)),
-             end = solved(before, *on.right(kMany));
-  require<D>(twice.energy() - once.energy(), kRounding * (1 + before.energy()), once, twice);
+  const auto end = solved(before, *on.right(kMany));
+  RC_PRE(endIsNear(before, end, on));
+  const int sweeps = 1 + draw.below(8), few = on.atMost > 0 ? on.atMost : sweeps;
+  const Real slack = on.atMost > 0 ? kConverged : kRounding;
+  const auto once = solved(before, *on.solves(few)), twice = solved(before, *on.solves(2 * few));
+  require<D>(twice.energy() - once.energy(), slack * (1 + before.energy()), once, twice);
   require<D>(end.energy() - twice.energy(), kConverged * (1 + before.energy()), end, twice);
 }
 
-// R12: on the ground a light body and a heavy one on it, both falling. After a sweep the light one falls with M/(M+m)
+// R12: on the ground a light body and a heavy one on it, both falling. After a sweep the heavy one falls with M/(M+m)
 // of what it did after the one before. Some resolvers sweep several times for one iteration.
 template <int D>
 void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
@@ -121,7 +135,7 @@ void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
     const int last = before.bodies.size() - 1;
     if (last > 0) before.touch(last - 1, last, up, (height - Real(0.5)) * up, 0, 0, 0);
   }
-  const auto speed = [&](int iterations) { return solved(before, *on.solves(iterations)).motion(1).v[1]; };
+  const auto speed = [&](int iterations) { return solved(before, *on.solves(iterations)).motion(2).v[1]; };
   const Real sweeps = std::log(speed(3) / speed(2)) / std::log(heavy / (heavy + light));
   RC_LOG() << "an iteration is " << sweeps << " sweeps\n" << before;
   RC_ASSERT(std::abs(sweeps - std::round(sweeps)) <= (kDouble ? Real(1e-9) : Real(1e-3)));
@@ -131,7 +145,7 @@ void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
 template <int D>
 struct Named {
   const char* name;
-  const char* ofJoints;  // what joints call the same
+  const char* ofJoints;  // the same of joints: what a method declares of one it declares of the other
   void (*property)(const Subject<D>&, Draw&);
   std::vector<Bug> bugs;  // that it must catch
 };
@@ -159,8 +173,8 @@ void testOne(const Registered& entry, const Spec& spec) {
   for (const Named<D>& p : properties<D>()) {
     const std::string name = std::string(p.name) + " " + spec.text() + " " + std::to_string(D) + "D";
     SCOPED_TRACE(name);
-    const auto property = drawn<D>(p, {registered<D>(entry, spec), twin<D>(Bug::none)});
-    if (declares(entry, spec, p.name)) {
+    const auto property = drawn<D>(p, {registered<D>(entry, spec), twin<D>(Bug::none), atMost(entry)});
+    if (declares(entry, spec, p.name) || declares(entry, spec, p.ofJoints)) {
       expectFalsified(name, property, 10 * kRuns);  // some are rare; the first ends the search
     } else {
       check(name, property, kRuns);
