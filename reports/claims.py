@@ -53,7 +53,9 @@ class Run:
             return self.result[name]
         step, series = series_of(name)
         values = self.result["series"].get(series, [])[step or 0:] if series else []
-        value = (values[-1] if step is None else max(values)) if values else self.result["metrics"].get(name)
+        value = self.result["metrics"].get(name)
+        if values:  # of values that are not all numbers there is no largest
+            value = values[-1] if step is None else None if None in values else max(values)
         if value is None:
             raise UserError(f"`{self.command}` has no {name}")
         return value
