@@ -82,9 +82,10 @@ void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broad
 template <int D>
 Verdict verifyScript(const BoxScript<D>& script, const Candidate<Broadphase<D>>& method);
 
-/// Drawn problems (drawProblem) through resolvers that are to converge: velocities before those of the answer that
-/// leaves least. Others are a `tie` where they leave as little, `wrong` where they leave more, and all are `undecided`
-/// where nobody solves the problem. Nothing is kept: a problem is its seed and number.
+/// Drawn problems (drawProblem) through resolvers that are to converge: velocities before those of the reference, the
+/// answer of convergedResolvers() that leaves least, whoever else is asked. Others are a `tie` where they leave as
+/// little as a solution may, `wrong` where they leave more, and `undecided` where neither they nor the reference solve
+/// the problem. Nothing is kept: a problem is its seed and number.
 template <int D>
 void verifyVelocities(const VerifyRange& range, std::span<const Candidate<VelocityResolver<D>>> methods, Verified& out);
 
@@ -94,7 +95,7 @@ std::vector<Verdict> verifyProblem(const FrozenProblem<D>& problem,
                                    std::span<const Candidate<VelocityResolver<D>>> methods,
                                    std::vector<double>* nanoseconds = nullptr);
 
-/// Ours that are to converge, as they are asked; whoever else is, is compared with them.
+/// Ours that are to converge, as they are asked: the reference is one of them, and always sought among all.
 inline std::vector<Spec> convergedResolvers(int dimension) {
   std::vector<Spec> out = {Spec::parse("admm{iterations=20000,tolerance=1e-13,proximal=1e-6}"),
                            Spec::parse("proximal_newton{tolerance=1e-13,passes=1000,iterations=100000}")};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Velocity resolvers that are to converge, on drawn problems. There is no proof of an answer as there is of a distance:
-// whoever leaves least is the reference, and what others leave says whether they are wrong or merely elsewhere. What is
-// left is computed in long double, from the impulses and from the velocities alike.
+// whoever of ours that are to converge leaves least is the reference, and what others leave says whether they are wrong
+// or merely elsewhere. What is left is computed in long double, from the impulses and from the velocities alike.
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -142,19 +142,21 @@ class Judge {
   double m_scale = std::numeric_limits<double>::min();
 };
 
+// A best that has no answer leaves an infinity.
 template <int D>
 Verdict judged(const Answer<D>& answer, const Answer<D>& best, double scale) {
   if (answer.end != Tally::agree) return withoutAnswer(answer.end);
   Verdict out;
-  if (!(best.left <= kSolved * scale)) {
-    out.end = Tally::undecided;
+  const bool solved = answer.left <= kSolved * scale;
+  if (!(best.left <= kSolved * scale)) {  // who has solved it needs no reference, but agrees with nobody
+    out.end = solved ? Tally::tie : Tally::undecided;
     return out;
   }
   double differs = 0;
   for (std::size_t i = 0; i < best.u.size(); ++i) differs = std::max(differs, std::abs(answer.u[i] - best.u[i]));
   out.error = differs / scale, out.value = static_cast<double>(answer.left);
   if (differs <= kAlike * scale) return out;
-  out.end = answer.left <= kSolved * scale ? Tally::tie : Tally::wrong;
+  out.end = solved ? Tally::tie : Tally::wrong;
   if (out.end == Tally::wrong) out.failure = "wrong_velocities";
   return out;
 }
@@ -168,21 +170,22 @@ std::vector<Verdict> verifyProblem(const FrozenProblem<D>& problem,
   Judge<D> judge(problem);
   std::vector<Answer<D>> answers;
   for (const Candidate<VelocityResolver<D>>& m : methods) answers.push_back(judge.ask(m));
-  const std::size_t asked = answers.size();
+  // The same are asked for the reference, whoever else is: no verdict depends on the company.
+  Answer<D> best;
+  best.left = std::numeric_limits<Wide>::infinity();
   for (const Spec& spec : convergedResolvers(D)) {
-    const std::string name = spec.text();
-    const auto same = [&](const auto& m) { return m.name == name; };
-    if (std::any_of(methods.begin(), methods.end(), same)) continue;
-    answers.push_back(judge.ask({name, {}, [spec] { return createStage<VelocityResolver<D>>(spec); }}));
-  }
-  const Answer<D>* best = nullptr;
-  for (const Answer<D>& a : answers) {
-    if (a.end == Tally::agree && (!best || a.left < best->left)) best = &a;
+    const auto asked =
+        std::find_if(methods.begin(), methods.end(), [&](const auto& m) { return m.name == spec.text(); });
+    const Answer<D> answer =
+        asked != methods.end()
+            ? answers[static_cast<std::size_t>(asked - methods.begin())]
+            : judge.ask({spec.text(), {}, [spec] { return createStage<VelocityResolver<D>>(spec); }});
+    if (answer.end == Tally::agree && answer.left < best.left) best = answer;
   }
   std::vector<Verdict> out;
-  for (std::size_t i = 0; i < asked; ++i) {
-    out.push_back(judged(answers[i], best ? *best : answers[i], judge.scale()));
-    if (nanoseconds) nanoseconds->push_back(answers[i].nanoseconds);
+  for (const Answer<D>& answer : answers) {
+    out.push_back(judged(answer, best, judge.scale()));
+    if (nanoseconds) nanoseconds->push_back(answer.nanoseconds);
   }
   return out;
 }

@@ -112,6 +112,36 @@ TEST(VerifyVelocities, LooksAtVelocitiesNotAtImpulses) {
                      rowOf<3>(asked<3>({planted}, kProblems), "planted")[Tally::wrong] < kProblems / 2);
 }
 
+/// How many verdicts of these methods are others when one is asked alone than among all, to the last bit.
+template <int D>
+int differing(const std::vector<Method<D>>& methods) {
+  int out = 0;
+  for (int i = 0; i < kProblems / 2; ++i) {
+    const FrozenProblem<D> problem = drawProblem<D>(1, i).problem;
+    const std::vector<Verdict> among = verifyProblem<D>(problem, methods);
+    for (std::size_t k = 0; k < methods.size(); ++k) {
+      const Verdict alone = verifyProblem<D>(problem, std::span(&methods[k], 1))[0];
+      out += alone.end != among[k].end || alone.error != among[k].error || alone.value != among[k].value;
+    }
+  }
+  return out;
+}
+
+// A verdict is the method's own, right or wrong, in the company of Siconos, which may leave less than any of ours.
+template <int D>
+void alike() {
+  const auto twice = [](Manifold<D>& m) { m.friction *= 2; };
+  std::vector<Method<D>> methods = {registered<D>({"siconos", {}}),
+                                    witness<D>([twice] { return std::make_unique<Planted<D>>(twice); })};
+  for (const Spec& spec : convergedResolvers(D)) methods.push_back(registered<D>(spec));
+  EXPECT_EQ(differing<D>(methods), 0);
+  // A reference that comes from those that are asked: under the names of ours that are to converge, one that is wrong.
+  for (std::size_t k = 2; k < methods.size(); ++k) methods[k].create = methods[1].create;
+  test::expectCaught("VerifyVelocities a reference of those that are asked", differing<D>(methods) == 0);
+}
+TEST(VerifyVelocities, VerdictIsThatOfAMethodAlone2) { alike<2>(); }
+TEST(VerifyVelocities, VerdictIsThatOfAMethodAlone3) { alike<3>(); }
+
 // The problem of a number is the same whoever asks, and has rows to solve.
 TEST(VerifyVelocities, DrawsTheSameAgain) {
   std::map<std::string, int> families;
