@@ -21,6 +21,8 @@
 #include <vector>
 
 #include "framework/contact_problem.h"
+#include "oracles/verdict.h"
+#include "oracles/witness_resolver.h"
 
 #ifdef LPC_SICONOS
 #include <siconos/numerics/FrictionContactProblem.h>
@@ -45,6 +47,7 @@ struct Question {
   Vector q, mu;
   double tolerance;
   int sweeps;
+  double nanoseconds = 0;  // of the driver
 };
 
 #ifdef LPC_SICONOS
@@ -66,15 +69,14 @@ void answer(Question& of, double* r) {
   const int method = of.dimension == 2 ? SICONOS_FRICTION_2D_NSGS : SICONOS_FRICTION_3D_NSGS;
   SolverOptions* const options = LPC_OF_SICONOS(solver_options_create)(method);
   options->dparam[SICONOS_DPARAM_TOL] = of.tolerance, options->iparam[SICONOS_IPARAM_MAX_ITER] = of.sweeps;
-  if (of.dimension == 2) {
-    LPC_OF_SICONOS(fc2d_driver)(&problem, r, u.data(), options);
-  } else {
-    LPC_OF_SICONOS(fc3d_driver)(&problem, r, u.data(), options);
-  }
+  auto* const driver = of.dimension == 2 ? LPC_OF_SICONOS(fc2d_driver) : LPC_OF_SICONOS(fc3d_driver);
+  const double before = threadNanoseconds();
+  driver(&problem, r, u.data(), options);
+  of.nanoseconds = threadNanoseconds() - before;
 }
 
 Vector ask(Question& of) {
-  const auto bytes = static_cast<std::size_t>(of.q.size()) * sizeof(double);
+  const auto bytes = static_cast<std::size_t>(of.q.size() + 1) * sizeof(double);  // the last is how long it took
   void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "Siconos cannot be given memory");
   auto* const r = static_cast<double*>(memory);
@@ -90,12 +92,14 @@ Vector ask(Question& of) {
     setenv("OPENBLAS_NUM_THREADS", "1", 1);
     alarm(kMostSeconds);
     answer(of, r);
+    r[of.q.size()] = of.nanoseconds;
     _exit(0);
   }
   int status = -1;
   while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   const Vector out = Eigen::Map<const Vector>(r, of.q.size());
+  of.nanoseconds = r[of.q.size()];
   munmap(memory, bytes);
   const bool ended = child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (!ended) throw std::runtime_error("Siconos has not come back");
@@ -107,7 +111,7 @@ Vector ask(Question&) { throw UserError("Siconos is absent from this build; vali
 #endif
 
 template <int D>
-class Siconos final : public VelocityResolver<D> {
+class Siconos final : public WitnessResolver<D> {
  public:
   struct Params {
     Real tolerance = Real(1e-12);
@@ -129,7 +133,10 @@ class Siconos final : public VelocityResolver<D> {
             .role = AlgorithmRole::witness};
   }
 
+  double nanoseconds() const override { return m_nanoseconds; }
+
   void solve(const VelocityInput<D>& in) override {
+    m_nanoseconds = -threadNanoseconds();
     m_problem.set(in);
     std::vector<double> free, x(static_cast<std::size_t>(m_problem.size()), 0.0);
     m_problem.freeVelocities(in, free);
@@ -144,6 +151,7 @@ class Siconos final : public VelocityResolver<D> {
     }
     if (!x.empty()) solveFor(contacts, equalities, free, x);
     m_problem.apply(in, x);
+    m_nanoseconds += threadNanoseconds();
   }
 
  private:
@@ -189,7 +197,9 @@ class Siconos final : public VelocityResolver<D> {
     Eigen::CompleteOrthogonalDecomposition<Matrix> inverse;
     if (m > 0) inverse.compute(wee);
     if (m > 0 && n > 0) of.w -= wce * inverse.solve(wce.transpose()), of.q -= wce * inverse.solve(qe);
+    const double before = threadNanoseconds();
     const Vector r = n > 0 ? ask(of) : Vector(0);
+    m_nanoseconds += of.nanoseconds - (threadNanoseconds() - before);
     for (Eigen::Index i = 0; i < n; ++i) {
       const std::int32_t row = rows[static_cast<std::size_t>(i)];
       if (row >= 0) x[static_cast<std::size_t>(row)] = r[i];
@@ -203,6 +213,7 @@ class Siconos final : public VelocityResolver<D> {
 
   Params m_params;
   ContactProblem<D> m_problem;
+  double m_nanoseconds = 0;
 };
 
 }  // namespace

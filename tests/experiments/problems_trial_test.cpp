@@ -7,6 +7,7 @@
 #include "experiments/trial/problem_spectrum.h"
 #include "experiments/trial/trial.h"
 #include "framework/profiler.h"
+#include "oracles/witness_resolver.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
@@ -68,6 +69,27 @@ class NotANumber final : public VelocityResolver<D> {
   Params m_params;
 };
 LPC_REGISTER(VelocityResolver, NotANumber, 2);
+
+/// A witness that might work in a process of its own, and says how long it took.
+template <int D>
+class WithAClock final : public WitnessResolver<D> {
+ public:
+  struct Params {
+    void visit(ParamVisitor&) {}
+  };
+  explicit WithAClock(const Params&) {}
+  static AlgorithmInfo info() {
+    return {.name = "planted_clock",
+            .summary = "a clock of its own",
+            .paper = "",
+            .complexity = "1",
+            .friction = FrictionLaw::coulomb,
+            .role = AlgorithmRole::witness};
+  }
+  void solve(const VelocityInput<D>&) override {}
+  double nanoseconds() const override { return 3e9; }
+};
+LPC_REGISTER(VelocityResolver, WithAClock, 2);
 
 template <int D>
 struct LastProblem final : VelocityWatcher<D> {
@@ -151,6 +173,12 @@ TEST(ProblemsTrial, MeasuresWhatIsLeft) {
     EXPECT_EQ(once.series.at("problem_residual").size(), 1u) << method << " has no number of iterations";
     EXPECT_TRUE(std::isnan(once.metrics.at("iterations_to_thousandth"))) << method;
   }
+}
+
+TEST(ProblemsTrial, AWitnessTellsItsTimeItself) {
+  Workspace w;
+  const std::string file = stackFile(w, 2);
+  EXPECT_NEAR(trialOf(file, "planted_clock", 1, "cold", "on", "recorded", true).metrics.at("ns_per_solve"), 3e9, 1);
 }
 
 // A box that slides askew, in 3D, where laws of friction differ: each method leaves nothing of its own.
