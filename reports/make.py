@@ -10,7 +10,8 @@ EXAMPLE = """example:
   reports/make.py --store results/quick.db --out reports/out/quick
   reports/make.py --store results/quick.db --out reports/out/quick --only broadphase_crossover_2d
   reports/make.py --store results/quick.db --chart resolvers_pyramid__2d --to chart.svg
-  reports/make.py --store results/quick.db --readme README.md"""
+  reports/make.py --store results/quick.db --readme README.md
+  reports/make.py --store results/evidence.db --page docs/evidence.md"""
 
 
 def parse(arguments):
@@ -24,6 +25,8 @@ def parse(arguments):
     parser.add_argument("--to", metavar="FILE", help="with --chart: where to write it (.svg, .png or .pdf)")
     parser.add_argument("--readme", metavar="FILE",
                         help="the README: writes its figure, numbers and caption anew from this store")
+    parser.add_argument("--page", metavar="FILE", help="a page of docs/: writes each chart that it has marks for, '<!-- chart ID "
+                        "-->' and '<!-- end -->', with finding and numbers anew from this store")
     parser.add_argument("--check", action="store_true", help="measure the pictures: print the texts that overlap or are cut off "
                         "and end with 1 where there are any; write nothing")
     parser.add_argument("--list", action="store_true",
@@ -31,9 +34,10 @@ def parse(arguments):
     parser.add_argument("--taken", action="store_true", help="print the pipeline that the sweeps of choose take together, where "
                         "nothing has run it as a whole; write nothing")
     options = parser.parse_args(arguments)
-    one_of = (options.out, options.list, options.check, options.readme, options.taken, options.chart and options.to)
+    one_of = (options.out, options.list, options.check, options.readme, options.page, options.taken, options.chart and options.to)
     if not any(one_of):
-        parser.error("give --out DIR, or --chart ID --to FILE, or --readme FILE, or --list, or --check, or --taken")
+        parser.error("give --out DIR, or --chart ID --to FILE, or --readme FILE, or --page FILE, or --list, or --check, "
+                     "or --taken")
     return options
 
 
@@ -99,6 +103,10 @@ def run(options):
     if options.readme:
         import readme
         print(f"{options.readme}: {readme.write(context, charts, Path(options.readme))}")
+        return 0
+    if options.page:
+        import docs_page
+        print(f"{options.page}: {', '.join(docs_page.write(context, charts, Path(options.page)))}")
         return 0
     if options.chart:
         found = most_telling(charts) if options.chart == "best" else next((c for c in charts if c.id == options.chart), None)

@@ -44,6 +44,8 @@ NOT_RUN = {
         "two hours, of another build; its tests run the same",
     "lpc verify --cases results/verify.db.found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
     "reports/claims.py --into docs/claims.md": "reports_claims runs the same",
+    "reports/make.py --store results/evidence.db --page docs/evidence.md":
+        "of sweeps that take half an hour; reports_docs_page does it with a small store",
 }
 # The same in a second or two.
 INSTEAD = {
@@ -60,6 +62,8 @@ INSTEAD = {
         "t=$(lpc report results/choose.db --taken) && { [ -z \"$t\" ] || lpc sweep choose_together --set n=40 --set steps=20 "
         "--set seed=1 --store results/choose.db --with \"taken=$t\"; }",
     "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
+    **{f"lpc sweep {name} --store results/evidence.db": f"lpc sweep {name} --store results/evidence.db --dry-run"
+       for name in ("beyond", "equal_cost", "problems")},
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
     "lpc verify --stage velocity": "lpc verify --stage velocity --dimension 2 --methods siconos",

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Zlib
+"""Charts on pages of docs/: picture, finding and numbers are of the same data, written by one command, compared here."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import docs_page  # noqa: E402
+import make  # noqa: E402
+import synthetic_store  # noqa: E402
+
+ROOT = HERE.parent.parent
+CHART = "resolvers_pyramid__2d"
+MARKS = f"# Title\n\n<!-- chart {CHART} -->\n<!-- end -->\n\nthe rest\n"
+
+
+class DocsPage(unittest.TestCase):
+    def test_pictures_findings_and_numbers_agree(self):
+        pages = [page for page in sorted((ROOT / "docs").glob("*.md"))
+                 if docs_page.MARKS.search(page.read_text(encoding="utf-8"))]
+        self.assertIn("evidence.md", [page.name for page in pages])
+        for page in pages:
+            self.assertEqual(docs_page.faults(page), [], page.name)
+        used = {f"{found[1]}.{ending}" for page in pages for found in docs_page.MARKS.finditer(page.read_text(encoding="utf-8"))
+                for ending in ("png", "json")}
+        self.assertEqual({path.name for path in (ROOT / "docs" / "figures").iterdir()}, used)
+
+    def test_a_page_of_other_data_is_seen(self):
+        with tempfile.TemporaryDirectory() as folder:
+            store, page = Path(folder) / "s.db", Path(folder) / "page.md"
+            synthetic_store.write(store, themes=(synthetic_store.resolvers,))
+            page.write_text(MARKS, encoding="utf-8")
+            self.assertEqual(docs_page.faults(page), [f"{CHART}: there are no {CHART}.png and {CHART}.json"])
+            self.assertEqual(make.main(["--store", str(store), "--page", str(page)]), 0)
+            written = page.read_text(encoding="utf-8")
+            self.assertTrue(written.startswith("# Title") and written.endswith("the rest\n"))
+            self.assertIn("`build/release/bin/lpc sweep resolvers --store results/s.db`", written)
+            self.assertEqual(docs_page.faults(page), [])
+            self.assertEqual(make.main(["--store", str(store), "--page", str(page)]), 0)  # it finds its marks again
+            self.assertEqual(page.read_text(encoding="utf-8"), written)
+            page.write_text(written.replace("naive", "catto"), encoding="utf-8")
+            self.assertEqual(docs_page.faults(page), [f"{CHART}: what the page says is not what {CHART}.json does"])
+            numbers = page.parent / "figures" / f"{CHART}.json"
+            page.write_text(written.replace("naive", "catto"), encoding="utf-8")
+            numbers.write_text(numbers.read_text(encoding="utf-8").replace("naive", "catto"), encoding="utf-8")
+            self.assertEqual(docs_page.faults(page), [f"{CHART}: the picture is of other data than {CHART}.json"])
+
+    def test_mistakes_are_told_in_one_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            store, page = Path(folder) / "s.db", Path(folder) / "page.md"
+            synthetic_store.write(store, themes=())
+            for text in ("no marks\n", MARKS):
+                page.write_text(text, encoding="utf-8")
+                self.assertEqual(make.main(["--store", str(store), "--page", str(page)]), 2)
+            self.assertEqual(sorted(p.name for p in Path(folder).iterdir()), ["page.md", "s.db"])
+
+
+if __name__ == "__main__":
+    unittest.main()
