@@ -101,12 +101,13 @@ def _chart(context, shown, left_out, setting):
     names, looks = [context.name(m) for m in order], context.looks(cells)
     figure, axes = grid_of_axes(1, 2 * len(shown), 0.2 * len(order) + 0.1, legend_room([RINGED], 1.5), left=0.3 + 0.074 * max(
         map(len, names)), gap_x=0.2, top=0.6, bottom=0.55)
+    # One axis for all panels, up to all that there is: shares of both momenta compare.
+    everything = [0.0, 1.0, *(v for share in SHARES for v in metrics.column(good, share) if np.isfinite(v))]
+    bad = bool((cells["outcome"] != "ok").any())
     for column, (where, part) in enumerate(shown):
         for i, share in enumerate(SHARES):
             ax = axes[0][2 * column + i]
-            values = metrics.column(part, share)
-            bad = bool((part["outcome"] != "ok").any())
-            scale = ZeroLog(ax, "x", [v for v in values if np.isfinite(v)] + [0.0], failures=bad, floor=rounding)
+            scale = ZeroLog(ax, "x", everything, failures=bad, floor=rounding)
             for _, cell in part.iterrows():
                 y = order.index(cell["method"])
                 x = scale.place(float(cell[share]) if cell["outcome"] == "ok" else math.nan)
@@ -117,6 +118,7 @@ def _chart(context, shown, left_out, setting):
             ax.set_yticks(range(len(order)))
             ax.set_yticklabels(names if column == i == 0 else [])
             ax.tick_params(axis="y", length=0)
+            ax.set_xlabel("of what there is")
             ax.set_title(f"{where}:\n{SHORT[share]} momentum")
     legend_right(figure, [Line2D([], [], ls="none", marker="o", ms=11, mfc="none", mec="#333333", label=RINGED)],
                  legend_room([RINGED], 1.5))
