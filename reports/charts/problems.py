@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
-"""Frozen velocity problems: what is left over the rows solved, performance profiles (Dolan and More 2002), and the rate of
-convergence that the matrix predicts beside the measured one."""
+"""Frozen velocity problems: what is left over the rows solved and over time, performance profiles (Dolan and More 2002), and
+the rate of convergence that the matrix predicts beside the measured one."""
 
 import math
 
@@ -10,26 +10,30 @@ from matplotlib.lines import Line2D
 
 import metrics
 from chart import Chart, Needs, describe, holes, identifier, listing
-from load import split
+from load import one_machine, split
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
 from table import quantity
 
 PLACE = 36
 SECTION = "Which method solves a step's problem?"
 RESIDUAL, UPDATES, TO = "problem_residual", "row_updates", "updates_to_thousandth"
+TIME = "ns_per_solve"
 RATE, PREDICTED = "rate", "predicted_rate"
 NEEDS = Needs("problems", methods=(2, math.inf))  # a store of before this kind has none of its metrics
 ABSENT = Chart("problems", SECTION, "Residual over row updates", "No sweep of frozen problems is in this store.", "problems")
 FLOOR = 1e-12  # of g dt: below it all is rounding
 ROWS, COLUMNS = 3, 3  # of panels
 FAR = 100.0  # the profiles end where a method takes so many times as much as the best
+SOLVED = 1e-3  # of g dt: what may be left, as in the metric TO
+ALIKE = 2.0  # times that were measured once, in less than such a ratio, are not told apart
 
 
 def of_sweep(context, cells):
     rates = _rates(context, cells)
     cells = cells[cells["outcome"] != "unsupported"]
     starts = split(cells, ["start"], sort=True) if "start" in cells else [cells]
-    return [chart for chart in (*(_curves(context, part) for part in starts), _profile(context, cells), rates) if chart]
+    curves = [made(context, part) for part in starts for made in (_over_updates, _over_time)]
+    return [chart for chart in (*curves, _profile(context, cells), rates) if chart]
 
 
 def problems(context, cells):
@@ -71,60 +75,121 @@ def _handles(context, methods, looks):
     return [Line2D([], [], label=context.name(m), **{**looks(m), "marker": None}) for m in methods]
 
 
-def _curves(context, cells):
-    start = str(cells["start"].iloc[0]) if "start" in cells else "warm"
-    parts, looks, methods = problems(context, cells), context.looks(cells), sorted(cells["method"].unique())
+def _start(cells):
+    return str(cells["start"].iloc[0]) if "start" in cells else "warm"
+
+
+def _drawn(context, parts, key, cost):
+    """(figure of what each method leaves of each problem over a series of costs, {trial: (costs, residuals)} of all that have
+    it). `key`: the column of the trials."""
+    everyone = pd.concat([part for _, part in parts])
+    looks, methods = context.looks(everyone), sorted(everyone["method"].unique())
     shown = parts[:ROWS * COLUMNS]
     rows, columns = -(-len(shown) // COLUMNS), min(COLUMNS, len(shown))
     width = legend_room(map(context.name, methods), 1.75)
     figure, axes = grid_of_axes(rows, columns, 2.3, width, left=0.9, gap_x=0.5)
     for ax in axes.flat[len(shown):]:
         ax.set_visible(False)
-    tracks = {key: (context.store.series(key, UPDATES), context.store.series(key, RESIDUAL))
-              for _, part in shown for key in part["key"] if key is not None}
-    values = [v for track in tracks.values() if track[1] is not None for v in track[1] if math.isfinite(v)]
+    tracks = {trial: (context.store.series(trial, cost), context.store.series(trial, RESIDUAL))
+              for trial in everyone[key].dropna()}
+    tracks = {trial: track for trial, track in tracks.items() if track[0] is not None and track[1] is not None}
+    values = [v for _, part in shown for trial in part[key] if trial in tracks for v in tracks[trial][1] if math.isfinite(v)]
+    described = context.store.described_series[cost]
     for ax, (where, part) in zip(axes.flat, shown):
         scale = ZeroLog(ax, "y", values, failures=False, floor=FLOOR)
-        mine = [tracks[key] for key in part["key"] if key in tracks and tracks[key][0] is not None]
-        plain_log(ax, "x", [x for track in mine for x in track[0] if x > 0] or [1.0])
-        for method, row in zip(part["method"], part["key"]):
-            if row not in tracks or tracks[row][0] is None:
+        mine = [tracks[trial] for trial in part[key] if trial in tracks]
+        plain_log(ax, "x", [x for track in mine for x in track[0] if x > 0] or [1.0], described.unit)
+        for method, trial in zip(part["method"], part[key]):
+            if trial not in tracks:
                 continue
-            x, y = tracks[row]
+            x, y = tracks[trial]
             good = (x > 0) & np.isfinite(y)
             point = len(set(x[good])) == 1  # of a method that is done at once, or has no number of iterations
             look = looks(method) if point else {**looks(method), "marker": None}
             ax.plot(x[good], [scale.place(v) for v in y[good]], **look)
         ax.set_title(where, size=9)
-        ax.set_xlabel("row updates")
+        ax.set_xlabel(described.title)
     for row in axes:
         row[0].set_ylabel("natural map / (g dt)")
     legend_right(figure, _handles(context, methods, looks), width)
-    least = {}
-    for where, part in parts:
+    return figure, tracks
+
+
+def _holes(parts, cells):
+    return [f"{where}: not drawn, there is room for {ROWS * COLUMNS}" for where, _ in parts[ROWS * COLUMNS:]] + holes(
+        cells, ["problems", "problem", "method"])
+
+
+def _table(cells, numbers):
+    return pd.DataFrame({"problem": [describe(row, ["problems", "problem", "start", "order", "friction"])
+                                     for _, row in cells.iterrows()],
+                         "method": cells["method"].to_numpy(), "outcome": cells["outcome"].to_numpy(), **numbers})
+
+
+def _counted(of_problems):
+    """["a of 3", "b of 1"]: of how many problems who is named; most first."""
+    count = {}
+    for method in (method for found in of_problems for method in found):
+        count[method] = count.get(method, 0) + 1
+    return [f"{method} of {n}" for method, n in sorted(count.items(), key=lambda item: (-item[1], item[0]))]
+
+
+def _over_updates(context, cells):
+    parts = problems(context, cells)
+    figure, _ = _drawn(context, parts, "key", UPDATES)
+    least = []
+    for _, part in parts:
         part = part[(part["outcome"] == "ok") & np.isfinite(metrics.column(part, RESIDUAL))]
-        if len(part):
-            values = part[RESIDUAL].astype(float)
-            for method in part[values <= max(values.min(), FLOOR)]["method"]:
-                least[method] = least.get(method, 0) + 1
-    said = [f"{method} of {count}" for method, count in sorted(least.items(), key=lambda item: (-item[1], item[0]))]
-    shown_names = [name for name in context.metrics("problems", "cost", "error") if name in cells]
-    numbers = {}
-    for name in shown_names:
+        values = part[RESIDUAL].astype(float)
+        least.append(list(part[values <= max(values.min(), FLOOR)]["method"]) if len(part) else [])
+    said, numbers = _counted(least), {}
+    for name in (name for name in context.metrics("problems", "cost", "error") if name in cells):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
-    table = pd.DataFrame({"problem": [describe(row, ["problems", "problem", "start", "order", "friction"])
-                                      for _, row in cells.iterrows()],
-                          "method": cells["method"].to_numpy(), "outcome": cells["outcome"].to_numpy(), **numbers})
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} {start} curves"), SECTION,
-                 f"What is left over the rows solved, {start} start",
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} curves"), SECTION,
+                 f"What is left over the rows solved, {_start(cells)} start",
                  f"Of {len(parts)} problems, with all iterations, who leaves least: {listing(said)}." if said else
                  "No problem was solved.",
-                 cells["sweep"].iloc[0], figure, table,
-                 [f"{where}: not drawn, there is room for {ROWS * COLUMNS}" for where, _ in parts[ROWS * COLUMNS:]] +
-                 holes(cells, ["problems", "problem", "method"]),
+                 cells["sweep"].iloc[0], figure, _table(cells, numbers), _holes(parts, cells),
                  "Each method solves the same problem with 1, 2, 3, ... iterations. The natural map is the largest error of a "
                  "row by Coulomb's law with De Saxcé's correction; 1 is what gravity gives in a step. Methods that leave less "
                  f"than {FLOOR:g} of it leave alike.")
+
+
+def time_to(residual, nanoseconds, residuals):
+    """The time of the first number of iterations from which on no more than `residual` is left; infinite where there is none.
+    Who cannot run with no iterations has no time for them, only for one."""
+    above = [i for i, left in enumerate(residuals) if not left <= residual]
+    rest = nanoseconds[above[-1] + 1 if above else 0:]
+    return next((float(time) for time in rest if math.isfinite(time)), math.inf)
+
+
+def _over_time(context, cells):
+    """None where nothing was timed."""
+    if TIME not in cells:
+        return None
+    cells, said = one_machine(context.store, cells)
+    cells = cells.assign(key_timed=cells["key_timed"].where(np.isfinite(metrics.column(cells, TIME))))
+    parts = [(where, part) for where, part in problems(context, cells) if part["key_timed"].notna().any()]
+    if not parts:
+        return None
+    figure, tracks = _drawn(context, parts, "key_timed", TIME)
+    took = {trial: time_to(SOLVED, *track) for trial, track in tracks.items()}
+    quickest = []
+    for _, part in parts:
+        mine = {method: took.get(trial, math.inf) for method, trial in zip(part["method"], part["key_timed"])}
+        best = min(mine.values())
+        quickest.append([method for method, time in mine.items() if math.isfinite(best) and time < ALIKE * best])
+    counted, title = _counted(quickest), f"{context.title(TIME)}, to {SOLVED:g} g dt"
+    numbers = quantity(context.title(TIME), context.unit(TIME), metrics.column(cells, TIME)) | quantity(
+        title, context.unit(TIME), [took.get(trial, math.nan) for trial in cells["key_timed"]])
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} times"), SECTION,
+                 f"What is left over time, {_start(cells)} start",
+                 f"Of {len(parts)} problems, who leaves less than {SOLVED:g} g dt in less than {ALIKE:g} times the time of the "
+                 f"first: {listing(counted)}." if counted else f"Nobody leaves less than {SOLVED:g} g dt of a problem.",
+                 cells["sweep"].iloc[0], figure, _table(cells, numbers), said + _holes(parts, cells),
+                 "The same curves over the processor time of a solve with so many iterations, which begins each time from the "
+                 "start; the median of ten. Where a line goes back, more iterations took less time. A witness's time is that of "
+                 "the library in its own process and of what is prepared for it here.")
 
 
 def _profile(context, cells):
