@@ -11,7 +11,7 @@ import metrics
 import over_steps
 from chart import Chart, Headline, Needs, holes, identifier, listing, methods, plural
 from load import split
-from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
+from style import ZeroLog, grid_of_axes, si
 from table import quantity
 
 PLACE = 37
@@ -99,8 +99,8 @@ def _chart(context, shown, left_out, setting):
     worst = good.groupby("method")[list(SHARES)].max().max(axis=1)
     order = sorted(cells["method"].unique(), key=lambda m: (-max(worst.get(m, math.inf), rounding), m))
     names, looks = [context.name(m) for m in order], context.looks(cells)
-    figure, axes = grid_of_axes(1, 2 * len(shown), 0.2 * len(order) + 0.1, legend_room([RINGED], 1.5), left=0.3 + 0.074 * max(
-        map(len, names)), gap_x=0.2, top=0.6, bottom=0.55)
+    figure, axes = grid_of_axes(1, 2 * len(shown), 0.2 * len(order) + 0.1, left=max(1.6, 0.3 + 0.074 * max(map(len, names))),
+                                gap_x=0.2, top=0.6, bottom=0.55)
     # One axis for all panels, up to all that there is: shares of both momenta compare.
     everything = [0.0, 1.0, *(v for share in SHARES for v in metrics.column(good, share) if np.isfinite(v))]
     bad = bool((cells["outcome"] != "ok").any())
@@ -120,8 +120,8 @@ def _chart(context, shown, left_out, setting):
             ax.tick_params(axis="y", length=0)
             ax.set_xlabel("of what there is")
             ax.set_title(f"{where}:\n{SHORT[share]} momentum")
-    legend_right(figure, [Line2D([], [], ls="none", marker="o", ms=11, mfc="none", mec="#333333", label=RINGED)],
-                 legend_room([RINGED], 1.5))
+    figure.legend(handles=[Line2D([], [], ls="none", marker="o", ms=11, mfc="none", mec="#333333", label="declared failure")],
+                  loc="lower left", bbox_to_anchor=(0, 0), borderaxespad=0.3, handlelength=1.2)  # under the names there is room
     at = f"In {dimension}D{over_steps.setting_of(cells, setting)} "
     table = pd.DataFrame({"scene": cells["where"], "method": cells["method"], "outcome": cells["outcome"],
                           **{k: v for share in SHARES for k, v in quantity(context.title(share), "1",
@@ -135,6 +135,3 @@ def _chart(context, shown, left_out, setting):
                  f"about the world's origin. Up to {rounding:g} is rounding, and stands at the left. A ring is around what a "
                  "method says of itself (info().failures): that it fails a property of this momentum, which is tested.",
                  headline=headline(cells, rounding, at))
-
-
-RINGED = "declared failure"
