@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Zlib
-"""Statements of the field on trial: runs what experiments/claims.toml says, judges, and fails where a verdict is another."""
+"""Statements of the field on trial: runs what experiments/claims says, judges, and fails where a verdict is another."""
 
 import argparse
 import json
@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-CLAIMS, PAPERS = ROOT / "experiments" / "claims.toml", ROOT / "docs" / "references.bib"
+CLAIMS, PAPERS = ROOT / "experiments" / "claims", ROOT / "docs" / "references.bib"
 BEGIN, END = "<!-- claims -->", "<!-- end -->"
 VERDICTS = ("confirmed", "refuted", "depends")
 NEEDED = ("title", "statement", "source", "runs", "says", "verdict", "because")
@@ -70,6 +70,9 @@ class Judged:
 
 
 def read(path=CLAIMS):
+    """Of one file, or of a folder's, in the order of their names."""
+    if Path(path).is_dir():
+        return [claim for file in sorted(Path(path).glob("*.toml")) for claim in read(file)]
     try:
         claims = tomllib.loads(Path(path).read_text(encoding="utf-8")).get("claim", [])
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
@@ -177,7 +180,7 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(prog="reports/claims.py", description=__doc__, epilog=EXAMPLE,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--lpc", metavar="FILE", default=str(ROOT / "build" / "release" / "bin" / "lpc"), help="the program")
-    parser.add_argument("--claims", metavar="FILE", default=str(CLAIMS), help="default: experiments/claims.toml")
+    parser.add_argument("--claims", metavar="FILE", default=str(CLAIMS), help="or a folder of such; default: experiments/claims")
     parser.add_argument("--only", metavar="TITLE", help="one claim")
     parser.add_argument("--into", metavar="FILE", help="the page: writes what stands there between the marks anew")
     options = parser.parse_args(arguments)

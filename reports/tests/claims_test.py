@@ -85,7 +85,8 @@ class OneClaim(unittest.TestCase):
         self.assertEqual(self.judged(refuted + 'differs = "two.outcome != \'ok\'"\n'), "refuted")
 
     def test_a_series_is_asked_for_its_end_and_for_what_came_after_a_step(self):
-        one = claims.Run("", {"series": {"max_speed": [9, 1, 3, 2], "depth": [1, None, 2]}, "metrics": {"last_of_all": 7, "max_speed": 9}})
+        one = claims.Run("", {"series": {"max_speed": [9, 1, 3, 2], "depth": [1, None, 2]},
+                              "metrics": {"last_of_all": 7, "max_speed": 9}})
         self.assertEqual([one.last_max_speed, one.after_0_max_speed, one.after_1_max_speed, one.after_3_max_speed], [2, 9, 3, 2])
         self.assertEqual([one.max_speed, one.last_of_all], [9, 7])
         self.assertEqual((one.last_depth, one.after_2_depth), (2, 2))
