@@ -45,7 +45,7 @@ NOT_RUN = {
     "lpc verify --cases results/verify.db.found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
     "reports/claims.py --into docs/claims.md": "reports_claims runs the same",
     "reports/make.py --store results/evidence.db --page docs/evidence.md":
-        "of sweeps that take half an hour; reports_docs_page does it with a small store",
+        "of sweeps that take minutes; reports_docs_page does it with a small store",
 }
 # The same in a second or two.
 INSTEAD = {

@@ -205,9 +205,7 @@ void addBreak(CommandLine& app, Session& session) {
   command.option("--perturb", q.perturb, "how far from its place a seed starts a body (m and rad)")
       .showDefault()
       .range(0.0, kMostPerturbed);
-  command.option("--grid", q.step, "factor from value to value, before the search")
-      .showDefault()
-      .range(1.001, 2.0);
+  command.option("--grid", q.step, "factor from value to value, before the search").showDefault().range(1.001, 2.0);
   command.option("--ratio", q.ratio, "of the two values between which it breaks, where they need not be whole")
       .showDefault()
       .range(1.001, 2.0);

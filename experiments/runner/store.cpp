@@ -246,9 +246,12 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   }
   for (const Ladder& ladder : sweep.ladders) {
     const BreakQuestion& q = ladder.question;
-    roles["break"][q.title()] = {{"parameter", q.parameter}, {"falling", q.falling},
-                                 {"seeds", q.seeds},         {"perturb", q.perturb},
-                                 {"ratio", q.ratio},         {"grid", q.step},
+    roles["break"][q.title()] = {{"parameter", q.parameter},
+                                 {"falling", q.falling},
+                                 {"seeds", q.seeds},
+                                 {"perturb", q.perturb},
+                                 {"ratio", q.ratio},
+                                 {"grid", q.step},
                                  {"limit", q.limit ? q.limit->text : ""}};
   }
   about.bind(5, roles.dump());
