@@ -219,14 +219,22 @@ std::string_view frictionLawName(FrictionLaw law) {
       return "convex";
     case FrictionLaw::pyramid:
       return "pyramid";
+    case FrictionLaw::facets:
+      return "facets";
     case FrictionLaw::lagged:
       return "lagged";
-    case FrictionLaw::regularised:
-      return "regularised";
     case FrictionLaw::ofItsParts:
       return "of its parts";
   }
   return "";
+}
+
+FrictionLaw frictionLaw(const AlgorithmInfo& info, const Spec& spec) {
+  for (const FrictionChoice& other : info.otherFriction) {
+    const Spec* value = spec.find(other.parameter);
+    if (value && value->name == other.choice) return other.law;
+  }
+  return info.friction;
 }
 
 std::string canonicalText(const Pipeline& pipeline, int dimension) {

@@ -24,19 +24,25 @@ enum class AlgorithmRole { competitor, witness, referee, engine };
 
 /// What friction a resolver aims at. Two methods are compared by their own law, and by `coulomb` as the common one.
 enum class FrictionLaw {
-  unstated,     // the algorithm solves no contacts
-  coulomb,      // |f| <= mu n, against the sliding velocity (maximum dissipation); contacts do not part by sliding
-  convex,       // the same cone without De Saxce's correction: what slides also lifts
-  pyramid,      // each tangent within mu n by itself, or k facets
-  lagged,       // limits from the normal impulse of an earlier sweep or step
-  regularised,  // friction grows with the sliding velocity or distance: what should stick creeps
-  ofItsParts    // that of the stage which its parameters name
+  unstated,   // the algorithm solves no contacts
+  coulomb,    // |f| <= mu n, against the sliding velocity (maximum dissipation); contacts do not part by sliding
+  convex,     // the same cone without De Saxce's correction: what slides also lifts
+  pyramid,    // each tangent within mu n by itself
+  facets,     // a cone of k facets, which lie where the method says
+  lagged,     // each tangent by itself, within mu n of the last step
+  ofItsParts  // that of the stage which its parameters name
 };
 std::string_view frictionLawName(FrictionLaw law);
 
 /// A way in which a method is known to fail. The test named here is run and must fail.
 struct FailureMode {
   std::string when, symptom, test;
+};
+
+/// A choice of a parameter that changes the law: {"friction", "box", FrictionLaw::lagged}.
+struct FrictionChoice {
+  std::string parameter, choice;
+  FrictionLaw law;
 };
 
 struct AlgorithmInfo {
@@ -46,9 +52,13 @@ struct AlgorithmInfo {
   std::string complexity;
   Guarantee guarantee = Guarantee::exact;
   std::vector<FailureMode> failures = {};
-  FrictionLaw friction = FrictionLaw::unstated;  // of every solver and velocity resolver
+  FrictionLaw friction = FrictionLaw::unstated;  // of every solver and velocity resolver, by its defaults
+  std::vector<FrictionChoice> otherFriction = {};
   AlgorithmRole role = AlgorithmRole::competitor;
 };
+
+/// The law of a method with these parameters.
+FrictionLaw frictionLaw(const AlgorithmInfo& info, const Spec& spec);
 
 /// Base of all stages, so that the registry can hold any of them.
 class Stage {

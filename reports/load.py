@@ -180,9 +180,12 @@ class Store:
 
     def declared(self, key):
         """The properties that a trial's methods say they fail (info().failures). A failure whose `when` begins with a choice
-        and a colon, "friction=box: ...", is one of this choice alone."""
-        named = set(_named(self.trials.at[key, "canonical"]))
+        and a colon, "friction=box: ...", is one of this choice alone; each is one of the dimensions that it names."""
+        canonical = self.trials.at[key, "canonical"]
+        named, dimension = set(_named(canonical)), canonical.get("dimension")
         def applies(failure):
+            if dimension not in failure.get("dimensions", (dimension,)):  # older stores do not say
+                return False
             choice = re.match(r"(\w+)=(\w+):", failure["when"])
             return choice is None or choice.groups() in named
         return {failure["test"] for entry in self.algorithms if (entry["stage"], entry["name"]) in named

@@ -65,7 +65,8 @@ class Catto final : public VelocityResolver<D> {
             .complexity = "iterations x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = failures,
-            .friction = FrictionLaw::coulomb};
+            .friction = FrictionLaw::coulomb,
+            .otherFriction = {{"friction", "pyramid", FrictionLaw::pyramid}, {"friction", "box", FrictionLaw::lagged}}};
   }
 
   void solve(const VelocityInput<D>& in) override {

@@ -119,7 +119,10 @@ void printAlgorithms(const json& algorithms) {
       stage = a["stage"];
       std::printf("%s%s\n", &a == &algorithms[0] ? "" : "\n", stage.c_str());
     }
-    const std::string law = a["friction"] == "" ? "" : "; friction: " + a["friction"].get<std::string>();
+    std::string law = a["friction"] == "" ? "" : "; friction: " + a["friction"].get<std::string>();
+    for (const auto& [choice, other] : a["other_friction"].items()) {
+      law += ", by " + choice + ' ' + other.get<std::string>();
+    }
     const std::string role = a["role"] == "competitor" ? "" : " (" + a["role"].get<std::string>() + ")";
     std::printf("  %-22s %-6s %s%s%s\n", a["name"].get<std::string>().c_str(), dimensionsText(a["dimensions"]).c_str(),
                 a["summary"].get<std::string>().c_str(), law.c_str(), role.c_str());

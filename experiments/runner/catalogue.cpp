@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/catalogue.h"
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -45,6 +46,20 @@ json describeParams(const std::vector<ParamInfo>& params) {
   return out;
 }
 
+/// What a method says that it fails, each with the dimensions in which it does.
+void declare(json& failures, const Registered& entry) {
+  for (const FailureMode& f : entry.info.failures) {
+    const auto same = [&](const json& known) { return known["when"] == f.when && known["test"] == f.test; };
+    const auto known = std::find_if(failures.begin(), failures.end(), same);
+    if (known == failures.end()) {
+      failures.push_back(
+          {{"when", f.when}, {"symptom", f.symptom}, {"test", f.test}, {"dimensions", {entry.dimension}}});
+    } else {
+      (*known)["dimensions"].push_back(entry.dimension);
+    }
+  }
+}
+
 json describeAlgorithms() {
   json out = json::array();
   for (const auto& [key, entry] : Registry::instance().all()) {
@@ -55,11 +70,14 @@ json describeAlgorithms() {
     }
     if (known) {
       (*known)["dimensions"].push_back(entry.dimension);
+      declare((*known)["failures"], entry);
       continue;
     }
     json failures = json::array();
-    for (const FailureMode& f : entry.info.failures) {
-      failures.push_back({{"when", f.when}, {"symptom", f.symptom}, {"test", f.test}});
+    declare(failures, entry);
+    json otherFriction = json::object();
+    for (const FrictionChoice& other : entry.info.otherFriction) {
+      otherFriction[other.parameter + '=' + other.choice] = frictionLawName(other.law);
     }
     out.push_back({{"stage", stage},
                    {"group", stageInfo(entry.stage).group},
@@ -69,6 +87,7 @@ json describeAlgorithms() {
                    {"complexity", entry.info.complexity},
                    {"guarantee", guaranteeName(entry.info.guarantee)},
                    {"friction", frictionLawName(entry.info.friction)},
+                   {"other_friction", otherFriction},
                    {"role", roleName(entry.info.role)},
                    {"dimensions", {entry.dimension}},
                    {"params", describeParams(entry.params)},

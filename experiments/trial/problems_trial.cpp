@@ -27,21 +27,6 @@ constexpr int kSolves = 11;                                     // that are time
 constexpr double kConverged = sizeof(Real) == 8 ? 1e-9 : 1e-4;  // of g dt: what may be left by a reference
 constexpr int kReferenceTries = 20;
 
-/// The law of friction that a method is measured by beside Coulomb's.
-enum class OwnLaw { coulomb, convex, tangents, lagged, unknown };
-
-// A method's law may be its parameter's. Where k facets lie is known to the method alone.
-OwnLaw ownLaw(const AlgorithmInfo& info, const Spec& spec, int dimension) {
-  const auto says = [&](const char* key, const char* value) {
-    const Spec* field = spec.find(key);
-    return field && field->name == value;
-  };
-  if (says("correction", "none") || info.friction == FrictionLaw::convex) return OwnLaw::convex;
-  if (says("friction", "pyramid")) return OwnLaw::tangents;
-  if (says("friction", "box")) return OwnLaw::lagged;
-  return info.friction == FrictionLaw::coulomb || dimension == 2 ? OwnLaw::coulomb : OwnLaw::unknown;
-}
-
 template <int D>
 class ProblemTrial {
  public:
@@ -51,7 +36,7 @@ class ProblemTrial {
         m_timed(t.value("timed", false)),
         m_iterations(t.at("iterations").get<int>()) {
     const Registered& entry = Registry::instance().find(StageKind::velocity, D, m_spec.name);
-    m_law = ownLaw(entry.info, m_spec, D);
+    m_law = frictionLaw(entry.info, m_spec);
     for (const ParamInfo& p : entry.params) {
       if (p.name == "iterations") m_seen.counts = true, m_least = static_cast<int>(p.range.value().lo);
     }
@@ -163,9 +148,11 @@ class ProblemTrial {
   }
 
   double ownResidual(double coulomb) {
-    if (m_law == OwnLaw::coulomb || !m_problem.features.friction) return coulomb;
-    if (m_law == OwnLaw::convex) return m_rows.naturalMap(m_impulse, m_free, false).natural;
-    if (m_law == OwnLaw::unknown) return ProblemsSeen::kNan;
+    const bool facets = m_law == FrictionLaw::facets;  // in the plane the two sides of Coulomb's cone
+    if (m_law == FrictionLaw::coulomb || (facets && D == 2) || !m_problem.features.friction) return coulomb;
+    if (m_law == FrictionLaw::convex) return m_rows.naturalMap(m_impulse, m_free, false).natural;
+    const bool byTangents = m_law == FrictionLaw::pyramid || m_law == FrictionLaw::lagged;
+    if (!byTangents) return ProblemsSeen::kNan;  // where facets lie is known to the method alone
     // Each row by itself: a tangent's limits are those of its contact's normal, now or in the last step.
     double worst = 0, limit = 0, squared = 0;
     m_rows.multiply(m_impulse, m_velocity);
@@ -174,7 +161,7 @@ class ProblemTrial {
       const auto at = static_cast<std::size_t>(i);
       double moved = m_impulse[at] - row.unit * (m_velocity[at] + m_free[at]);
       if (row.law == ProblemLaw::normal) {
-        moved = std::max(moved, 0.0), limit = row.friction * (m_law == OwnLaw::lagged ? m_last : m_impulse)[at];
+        moved = std::max(moved, 0.0), limit = row.friction * (m_law == FrictionLaw::lagged ? m_last : m_impulse)[at];
       } else if (row.law == ProblemLaw::tangent) {
         moved = std::clamp(moved, -std::max(limit, 0.0), std::max(limit, 0.0));
       } else {
@@ -235,7 +222,7 @@ class ProblemTrial {
   Spec m_spec;
   bool m_timed;
   int m_iterations, m_least = 0;
-  OwnLaw m_law = OwnLaw::unknown;
+  FrictionLaw m_law = FrictionLaw::unstated;
   Profiler m_profiler;
   ContactProblem<D> m_rows;
   std::vector<double> m_free, m_last, m_impulse, m_velocity, m_reference;

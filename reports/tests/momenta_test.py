@@ -71,6 +71,16 @@ class Momenta(with_store.WithStore):
         context.store.trials.at[key, "canonical"]["pipeline"] = "solver=soft_step{arms=as_made}"
         self.assertIn("Solver.TurningKeepsAngularMomentum", context.store.declared(key))
 
+    def test_a_declaration_in_space_is_none_in_the_plane(self):
+        context = self.context(self.free())
+        key = context.store.trials.index[2]
+        failures = next(e for e in context.store.algorithms if e["name"] == "soft_step")["failures"]
+        for failure in failures:
+            failure["dimensions"] = [3]
+        self.assertEqual(context.store.declared(key), set())
+        failures[0]["dimensions"] = [2, 3]
+        self.assertEqual(context.store.declared(key), {failures[0]["test"]})
+
     def test_what_failed_has_no_momentum_and_is_told(self):
         made = self.made(momenta, self.free(fell=("avbd",)))[0]
         self.assertIn("nobody changes linear momentum", made.finding)

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <sstream>
 
 namespace lpc::inline LPC_PRECISION {
@@ -67,9 +69,41 @@ TEST(RegistryRules, EveryAlgorithmDescribesItself) {
     for (const ParamInfo& p : r.params) EXPECT_FALSE(p.meaning.empty() || p.unit.empty()) << p.name;
     const bool rubs = r.stage == StageKind::solver || r.stage == StageKind::velocity;
     EXPECT_EQ(r.info.friction != FrictionLaw::unstated, rubs) << "solvers and velocity resolvers have a friction law";
+    for (const FrictionChoice& other : r.info.otherFriction) {
+      const auto p = std::find_if(r.params.begin(), r.params.end(),
+                                  [&](const ParamInfo& param) { return param.name == other.parameter; });
+      ASSERT_NE(p, r.params.end()) << other.parameter;
+      EXPECT_NE(std::find(p->choices.begin(), p->choices.end(), other.choice), p->choices.end()) << other.choice;
+      EXPECT_NE(p->defaultText, other.choice) << "the default's law is `friction`";
+      EXPECT_NE(other.law, r.info.friction) << other.choice << " changes nothing";
+    }
     if (r.info.role != AlgorithmRole::competitor) continue;
     const std::string folder = "algorithms/" + std::string(stageName(r.stage)) + "/" + r.info.name + ".cpp";
     EXPECT_TRUE(r.file.ends_with(folder)) << r.file << " should be " << folder;
+  }
+}
+
+// A spec's law is that of what it chooses, each choice called `friction` is another one, and no law is without a
+// method.
+TEST(RegistryRules, EveryFrictionLawIsSomebodys) {
+  std::set<std::string_view> used;
+  for (const auto& [key, r] : Registry::instance().all()) {
+    used.insert(frictionLawName(frictionLaw(r.info, Spec{r.info.name, {}})));
+    for (const ParamInfo& p : r.params) {
+      for (const std::string& choice : p.choices) {
+        Spec spec{r.info.name, {}};
+        spec.set(p.name, Spec{choice, {}});
+        const FrictionLaw law = frictionLaw(r.info, spec);
+        used.insert(frictionLawName(law));
+        if (p.name == "friction" && !p.stage) {
+          EXPECT_EQ(law == r.info.friction, choice == p.defaultText) << r.info.name << ' ' << choice;
+        }
+      }
+    }
+  }
+  for (int i = 0; i <= static_cast<int>(FrictionLaw::ofItsParts); ++i) {
+    const std::string_view law = frictionLawName(static_cast<FrictionLaw>(i));
+    EXPECT_TRUE(used.contains(law)) << law << " is the law of no method";
   }
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // The `lpc` program as a user meets it.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 
 #include "experiments/parse/toml_reader.h"
 #include "framework/plugin.h"
@@ -276,6 +278,24 @@ TEST(CommandLine, listsEverything) {
   EXPECT_GE(all["sweeps"].size(), 9u);
   ASSERT_EQ(all["shapes"].size(), 8u);
   EXPECT_EQ(all["shapes"][5]["sizes"], (nlohmann::json{"half_length", "radius"}));
+}
+
+// What a method fails in space only stands there, and as that of space.
+TEST(CommandLine, tellsInWhichDimensionsAMethodFails) {
+  Workspace w;
+  const auto all = nlohmann::json::parse(w.lpc("list --json").text);
+  for (const auto& [key, entry] : Registry::instance().all()) {
+    for (const auto& a : all["algorithms"]) {
+      if (a["stage"] != std::string(stageName(entry.stage)) || a["name"] != entry.info.name) continue;
+      std::multiset<std::string> said, mine;
+      for (const auto& f : a["failures"]) {
+        const auto& where = f["dimensions"];
+        if (std::count(where.begin(), where.end(), entry.dimension) > 0) said.insert(f["test"].get<std::string>());
+      }
+      for (const FailureMode& f : entry.info.failures) mine.insert(f.test);
+      EXPECT_EQ(said, mine) << entry.info.name << ' ' << entry.dimension << 'D';
+    }
+  }
 }
 
 TEST(CommandLine, refusesAPluginOfAnotherBuild) {
