@@ -10,10 +10,11 @@
 namespace lpc::inline LPC_PRECISION {
 
 /// Scaled by a power of two, so that the determinant of the inertia of what is a millimetre or a kilometre long is a
-/// float, too. Precondition: the trace is above 0.
+/// float, too. Of what is no number neither is the inverse. Precondition: the trace is not below or at 0.
 template <class Matrix>
 Matrix inverseAtItsScale(const Matrix& inertia) {
-  const int size = std::ilogb(inertia.trace());
+  const auto trace = inertia.trace();
+  const int size = std::isfinite(trace) ? std::ilogb(trace) : 0;
   const auto scaled = [size](const Matrix& m) -> Matrix {
     return m.unaryExpr([size](auto x) { return std::ldexp(x, -size); });
   };
