@@ -33,8 +33,9 @@ struct WorldSeen {
   double naturalMap = 0;       // m/s, of the last step's velocity problem; NaN: none was shown
   double supportsChanged = 0;  // NaN: not told
   double fellThrough = 0;
-  double height = 0;  // m, of the highest body
-  double weight = 0;  // kg, of all dynamic bodies
+  double tunnelled = 0;  // NaN: not looked at
+  double height = 0;     // m, of the highest body
+  double weight = 0;     // kg, of all dynamic bodies
   // Over all steps:
   double energyMax = 0;               // J
   double deepest = 0, meanDepth = 0;  // m, on poses; the mean of the last time it was asked

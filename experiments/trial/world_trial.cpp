@@ -10,6 +10,7 @@
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/trial.h"
+#include "experiments/trial/tunnelling.h"
 #include "experiments/trial/world_metrics.h"
 #include "framework/contact_problem.h"
 #include "framework/director.h"
@@ -103,6 +104,7 @@ class WorldTrial {
     long step = 0;
     for (; step < m_scene.steps && m_out.outcome == "ok"; ++step) {
       if (step > 0) m_director.advance(m_world);
+      if (!m_again) m_tunnelling.place(m_world);
       const double before = cpuSeconds();
       m_world.step(m_scene.dt);
       const double seconds = cpuSeconds() - before;
@@ -186,6 +188,7 @@ class WorldTrial {
     m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
     const double energy = m_seen.now.kinetic + m_seen.now.potential;
     m_seen.energyMax = worse(m_seen.energyMax, energy);
+    if (!m_again) m_tunnelling.observe(m_world);
     m_seen.depth = kNan;
     if (!m_again && m_seen.now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
       const auto depths = m_penetration.of(m_world);
@@ -270,6 +273,8 @@ class WorldTrial {
     m_seen.supportsChanged = static_cast<double>(m_seen.settling.supportsChanged(m_world).value_or(-1));
     if (m_seen.supportsChanged < 0) m_seen.supportsChanged = kNan;
     m_seen.fellThrough = fellThrough();
+    m_tunnelling.finish(m_world);
+    m_seen.tunnelled = m_again ? kNan : m_tunnelling.count();
     if (const double limit = m_scene.limits.creep;
         limit > 0 && m_out.outcome == "ok" && m_seen.settling.creep() > limit) {
       char why[160];
@@ -305,6 +310,7 @@ class WorldTrial {
   std::unique_ptr<Simulation<D>> m_simulation;
   Simulation<D>& m_world;
   PosePenetration<D> m_penetration;
+  Tunnelling<D> m_tunnelling;
   Residual<D> m_residual;
   std::unique_ptr<OutputFile> m_recording, m_profile;
   TrialResult m_out;
