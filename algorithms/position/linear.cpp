@@ -32,7 +32,9 @@ class Linear final : public PositionResolver<D> {
             .complexity = "iterations x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = {{"two pinned bodies", "cannot be moved at all", "PositionError.TurnsPinnedBodies"},
-                         {"a joint that is wrong by an angle", "keeps it", "Joint.ErrorsShrink"}}};
+                         {"a joint that is wrong by an angle", "keeps it", "Joint.ErrorsShrink"},
+                         {"bodies that fly past each other", "what moves them changes their angular momentum",
+                          "PositionError.KeepsAngularMomentum"}}};
   }
 
   void correct(const PositionInput<D>& in) override {

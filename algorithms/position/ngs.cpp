@@ -26,7 +26,8 @@ class Ngs final : public PositionResolver<D> {
             .paper = "catto2024",
             .complexity = "iterations x (contacts + joints); once where nothing is wrong",
             .guarantee = Guarantee::approximate,
-            .failures = {}};
+            .failures = {{"bodies that fly past each other", "what moves them changes their angular momentum",
+                          "PositionError.KeepsAngularMomentum"}}};
   }
 
   void correct(const PositionInput<D>& in) override {

@@ -39,7 +39,9 @@ class Nonlinear final : public PositionResolver<D> {
             .complexity = "iterations x (log contacts + neighbours); scan: iterations x contacts",
             .guarantee = Guarantee::approximate,
             .failures = {{"contacts elsewhere, that do not touch these", "share their limit of moves",
-                          "Replay.DisjointScenesAreTwoWorlds"}}};
+                          "Replay.DisjointScenesAreTwoWorlds"},
+                         {"bodies that fly past each other", "what moves them changes their angular momentum",
+                          "PositionError.KeepsAngularMomentum"}}};
   }
 
   void correct(const PositionInput<D>& in) override {

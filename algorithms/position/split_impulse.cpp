@@ -35,7 +35,8 @@ class SplitImpulse final : public PositionResolver<D> {
             .complexity =
                 "iterations x (contacts + joints); nothing without joints where no contact is deeper than the slop",
             .guarantee = Guarantee::approximate,
-            .failures = {}};
+            .failures = {{"bodies that fly past each other", "what moves them changes their angular momentum",
+                          "PositionError.KeepsAngularMomentum"}}};
   }
 
   void correct(const PositionInput<D>& in) override {

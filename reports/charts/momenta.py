@@ -23,9 +23,11 @@ ABSENT = Chart("momenta", SECTION, "Momenta", "No sweep of several methods on a 
                "store.", "momenta")
 # Of what there is, by the arithmetic: some roundings in each of some hundred steps.
 ROUNDING = {"f64": 1e-12, "f32": 1e-4}
-# What a method declares that it fails, by the share that shows it; the properties are of whole steps of free bodies.
+# What a method declares that it fails, by the share that shows it; the properties are of whole steps of free bodies, and of what
+# moves them apart.
 PROPERTIES = {"momentum_share": ("Solver.KeepsLinearMomentum",),
-              "angular_momentum_share": ("Solver.KeepsAngularMomentum", "Solver.TurningKeepsAngularMomentum")}
+              "angular_momentum_share": ("Solver.KeepsAngularMomentum", "Solver.TurningKeepsAngularMomentum",
+                                         "PositionError.KeepsAngularMomentum")}
 TOLD = 3  # methods in a sentence
 SHORT = {"momentum_share": "linear", "angular_momentum_share": "angular"}
 

@@ -3,6 +3,7 @@
 // speed is left behind (R15), nothing fixed moves. What info().failures names must be seen to fail.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "tests/check_property.h"
@@ -14,6 +15,7 @@ namespace lpc::inline LPC_PRECISION::test {
 namespace {
 
 constexpr int kSteps = 60;
+constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-13) : Real(1e-4);  // kg m^2/s, of some 10
 
 // Two resting bodies that overlap in one point.
 template <int D>
@@ -94,6 +96,17 @@ void jointErrorShrinks(const Step<D>& step, Draw& draw) {
   require<D>(error < Real(0.002), before, after, error);
 }
 
+// Who moves bodies while they fly past each other moves what their momenta turn about.
+template <int D>
+void keepsAngularMomentum(const Step<D>& step, Draw& draw) {
+  auto before = overlap<D>(draw, false);
+  for (Motion<D>& motion : before.bodies.motion) motion.v = drawVector<D>(draw);
+  auto after = before;
+  step(after);
+  const Real change = (after.angularMomentum() - before.angularMomentum()).norm();
+  require<D>(change <= kRounding, before, after, change);
+}
+
 template <int D>
 struct Named {
   const char* name;
@@ -148,6 +161,28 @@ Step<D> alone(PositionResolver<D>& twin) {
   };
 }
 
+// Resolvers alone: what a whole step does to momenta, solver_test.cpp asks.
+template <int D>
+void momentaStay() {
+  for (const Registered* entry : Registry::instance().list(StageKind::position, D)) {
+    if (!competes(*entry)) continue;
+    const auto resolver = createStage<PositionResolver<D>>({entry->info.name, {}});
+    const std::string property = "PositionError.KeepsAngularMomentum";
+    const std::string name = property + " " + entry->info.name + " " + std::to_string(D) + "D";
+    const Step<D> step = alone<D>(*resolver);
+    const auto run = [&] {
+      RapidCheckDraw draw;
+      keepsAngularMomentum<D>(step, draw);
+    };
+    const auto& failures = entry->info.failures;
+    if (std::any_of(failures.begin(), failures.end(), [&](const FailureMode& f) { return f.test == property; })) {
+      expectFalsified(name, run, kRuns);
+    } else {
+      check(name, run, kRuns);
+    }
+  }
+}
+
 template <int D>
 void plantedBugs() {
   PushesTheWrongBody<D> wrongBody;
@@ -166,11 +201,14 @@ void plantedBugs() {
   caught("joint shrinks, wrong sign", jointErrorShrinks<D>, wrongSign);
   caught("fixed stays, wrong body", fixedBodiesStay<D>, wrongBody);
   caught("pinned turns, wrong body", turnsPinnedBodies<D>, wrongBody);
-  // Velocity left behind: what Baumgarte does is the planted bug of this property, declared by the method itself.
+  // Velocity left behind is what Baumgarte does, and changed angular momentum what all do that move bodies: they are the
+  // planted bugs of these properties, declared by the methods themselves.
 }
 
 TEST(PositionConformance, EveryResolver2) { testAll<2>(); }
 TEST(PositionConformance, EveryResolver3) { testAll<3>(); }
+TEST(PositionConformance, MomentaStay2) { momentaStay<2>(); }
+TEST(PositionConformance, MomentaStay3) { momentaStay<3>(); }
 TEST(PositionConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(PositionConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
