@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Slopes, sliding and rolling against the formulas of a first physics course. The slope is made by turning gravity, so
 // that its heading can be turned against the axes: a friction pyramid would show.
-#include "tests/every_solver.h"
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -10,14 +9,11 @@ namespace {
 constexpr Real kDt = Real(1) / 60;
 
 // What rests on contacts may differ by method; these accumulate and hold to Coulomb's law.
-const Methods kAccumulating[] = {
-    {"split_solver, any position resolver",
-     {"split_solver", "split_solver{position=none}", "split_solver{position=linear}",
-      "split_solver{position=nonlinear}", "split_solver{position=baumgarte}", "split_solver{order=random}"}},
-    {"soft_step", {"soft_step"}}};
-const Methods kAny[] = {{"split_solver, any velocity resolver",
-                         {"split_solver", "split_solver{velocity=millington}", "split_solver{velocity=naive}"}},
-                        {"soft_step", {"soft_step"}}};
+const std::vector<Methods> kAccumulating =
+    andOthers({{"split_solver, any position resolver",
+                {"split_solver", "split_solver{position=none}", "split_solver{position=linear}",
+                 "split_solver{position=nonlinear}", "split_solver{position=baumgarte}", "split_solver{order=random}"}},
+               {"soft_step", {"soft_step"}}});
 const char* const kTwo[] = {"split_solver", "soft_step"};
 
 template <int D>
@@ -174,7 +170,8 @@ TEST(Slope, HoldsOrSaysThatItDoesNot) { everySolverHolds<2>(), everySolverHolds<
 template <int D>
 void slips() {
   const double expected = std::tan(30 * kDegree);
-  for (const char* solver : kTwo) {
+  for (const auto& [name, solvers] : allMethods()) {
+    const std::string& solver = solvers[0];
     double found = expected;
     for (double heading : headings<D>()) {
       double stays = 0.6, slips = 0.55;
@@ -188,7 +185,7 @@ void slips() {
       }
       found = worse((stays + slips) / 2, found, expected);
     }
-    known(in<D>("mu"), solver, expected, found);
+    known(in<D>("mu"), name, expected, found);
   }
 }
 TEST_F(KnownAnswer, slope_slip_threshold) { slips<2>(), slips<3>(); }
@@ -197,7 +194,8 @@ TEST_F(KnownAnswer, slope_slip_threshold) { slips<2>(), slips<3>(); }
 template <int D>
 void stops() {
   const double speed = 5, mu = 0.5, distance = speed * speed / (2 * mu * kG), time = speed / (mu * kG);
-  for (const char* solver : kTwo) {
+  for (const auto& [name, solvers] : allMethods()) {
+    const std::string& solver = solvers[0];
     double way = distance, stopped = time, aside = 0;
     for (double heading : headings<D>()) {
       Slide<D> s(solver, 0, heading, mu, lowBox<D>(), 0.2);
@@ -210,9 +208,9 @@ void stops() {
       }
       way = worse(s.along(heading), way, distance), stopped = worse(last, stopped, time);
     }
-    known(in<D>("distance"), solver, distance, way);
-    known(in<D>("time"), solver, time, stopped);
-    if (D == 3) known("v off the heading, m/s", solver, 0, aside);
+    known(in<D>("distance"), name, distance, way);
+    known(in<D>("time"), name, time, stopped);
+    if (D == 3) known("v off the heading, m/s", name, 0, aside);
   }
 }
 TEST_F(KnownAnswer, flat_stop) { stops<2>(), stops<3>(); }
@@ -243,7 +241,8 @@ BodyDef<D> hollow(double k) {
 TEST_F(KnownAnswer, roll_slope) {
   const auto measure = [&]<int D>(const std::string& what, double k, const BodyDef<D>& def) {
     const double expected = kG * std::sin(30 * kDegree) / (1 + k);
-    for (const Methods& methods : kAny) {
+    for (const Methods& methods :
+         andSolvers({{"split_solver, any velocity resolver", everyVelocity()}, {"soft_step", {"soft_step"}}})) {
       double speed = expected, slip = 0;
       for (const std::string& solver : methods.solvers) {
         for (double heading : headings<D>()) {
@@ -299,14 +298,14 @@ template <int D>
 void bowls() {
   const double v = 7, mu = 0.2, time = D == 2 ? v / (3 * mu * kG) : 2 * v / (7 * mu * kG);
   const double last = D == 2 ? v * 2 / 3 : v * 5 / 7;
-  for (const char* solver : kTwo) {
-    Slide<D> s(solver, 0, 0, mu, Shape<D>::sphere(Real(0.5)), 0.5);
+  for (const auto& [name, solvers] : allMethods()) {
+    Slide<D> s(solvers[0], 0, 0, mu, Shape<D>::sphere(Real(0.5)), 0.5);
     s.world.setMotion(s.body, {at<D>(v, 0), Ang<D>::Zero()});
     while (s.slip(0.5) > 0.02 * v && s.world.stepCount() < 200) s.world.step(kDt);
-    known(in<D>("time"), solver, time, double(s.world.time()));
-    known(in<D>("way, m"), solver, (v + last) / 2 * time, s.along(0));
+    known(in<D>("time"), name, time, double(s.world.time()));
+    known(in<D>("way, m"), name, (v + last) / 2 * time, s.along(0));
     s.run(1);
-    known(in<D>("speed"), solver, last, s.speed(0));
+    known(in<D>("speed"), name, last, s.speed(0));
   }
 }
 TEST_F(KnownAnswer, bowling_slide_to_roll) { bowls<2>(), bowls<3>(); }

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "framework/mass.h"
-#include "tests/every_solver.h"
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -11,15 +10,6 @@ namespace {
 
 constexpr Real kDt = Real(1) / 60;
 using Velocities = std::vector<double>;
-
-/// Three laws under every velocity resolver, which is left with what the laws leave over.
-std::vector<std::string> withLaw(const std::string& law) {
-  std::vector<std::string> solvers;
-  for (const Registered* r : Registry::instance().list(StageKind::velocity, 2)) {
-    if (competes(*r)) solvers.push_back("split_solver{impact=" + law + ",velocity=" + r->info.name + "}");
-  }
-  return solvers;
-}
 
 /// Balls of 1 m and 1 kg in a row, `gap` apart, of which the first `arriving` have 1 m/s, after `time`.
 template <int D>
@@ -54,7 +44,7 @@ TEST_F(KnownAnswer, newton_cradle_touching) {
     double worst = 0;
     Velocities leave(5, 0);
     for (int i = 5 - k; i < 5; ++i) leave[static_cast<std::size_t>(i)] = 1;
-    for (const std::string& solver : withLaw("sequential")) {
+    for (const std::string& solver : everyVelocity("impact=sequential,")) {
       worst = std::max(worst, distance(row<2>(solver, elastic, k, 0, kDt, 0.1), leave));
       worst = std::max(worst, distance(row<3>(solver, elastic, k, 0, kDt, 0.1), leave));
     }
@@ -62,7 +52,7 @@ TEST_F(KnownAnswer, newton_cradle_touching) {
   }
   const Velocities atOnce = {-0.6, 0.4, 0.4, 0.4, 0.4};
   double worst = 0;
-  for (const std::string& solver : withLaw("poisson")) {
+  for (const std::string& solver : everyVelocity("impact=poisson,")) {
     worst = std::max(worst, distance(row<2>(solver, elastic, 1, 0, kDt, 0.1), atOnce));
     worst = std::max(worst, distance(row<3>(solver, elastic, 1, 0, kDt, 0.1), atOnce));
   }
@@ -79,12 +69,14 @@ TEST_F(KnownAnswer, newton_cradle_gaps) {
   for (const int k : {1, 2, 3}) {
     Velocities leave(5, 0);
     for (int i = 5 - k; i < 5; ++i) leave[static_cast<std::size_t>(i)] = 1;
+    const auto measure = [&](const std::string& method, const std::string& solver) {
+      const auto balls = row<2>(solver, Velocities(5, 1), k, 1e-3, Real(1) / 16000, 0.02);
+      known("k = " + std::to_string(k) + ": norm of the error over v", method, 0, distance(balls, leave));
+    };
     for (const char* law : {"newton", "poisson", "sequential"}) {
-      const auto balls =
-          row<2>(std::string("split_solver{impact=") + law + "}", Velocities(5, 1), k, 1e-3, Real(1) / 16000, 0.02);
-      known("k = " + std::to_string(k) + ": norm of the error over v", std::string("impact=") + law, 0,
-            distance(balls, leave));
+      measure(std::string("impact=") + law, std::string("split_solver{impact=") + law + "}");
     }
+    for (const Methods& methods : andSolvers({{"soft_step", {"soft_step"}}})) measure(methods.name, methods.name);
   }
 }
 

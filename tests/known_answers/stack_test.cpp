@@ -43,8 +43,11 @@ double worstForce(const std::string& solver, const std::vector<double>& masses, 
 
 template <int D>
 void stackForces() {
-  for (const char* solver : {"split_solver", "split_solver{order=reverse}", "soft_step"}) {
-    known(in<D>("worst force over weight"), solver, 1, worstForce<D>(solver, std::vector<double>(10, 1.0), 10));
+  for (const auto& [name, solvers] : andOthers({{"split_solver", {"split_solver"}},
+                                                {"split_solver{order=reverse}", {"split_solver{order=reverse}"}},
+                                                {"soft_step", {"soft_step"}}})) {
+    if (name == "xpbd") continue;  // its tower does not stand so long
+    known(in<D>("worst force over weight"), name, 1, worstForce<D>(solvers[0], std::vector<double>(10, 1.0), 10));
   }
 }
 TEST_F(KnownAnswer, stack_forces) { stackForces<2>(), stackForces<3>(); }
