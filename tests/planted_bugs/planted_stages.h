@@ -36,19 +36,22 @@ class PlantedSolver final : public Solver<D> {
     shares,         // everybody feels a little of everybody's speed
     creeps,         // each step moves everybody a hundredth of a millimetre
     hops,           // every hundredth step lifts everybody
+    divides,        // by a parameter that may be 0
     writesDown      // no bug: it remembers, in what is saved for solvers
   };
   struct Params {
     Bug bug = Bug::none;
+    Real divisor = 1;
     void visit(ParamVisitor& v) {
       v.choice("bug", bug,
                {"none", "remembers", "remembers_runs", "counts_bodies", "watches", "far_is_coarse", "heats", "shares",
-                "creeps", "hops", "writes_down"},
+                "creeps", "hops", "divides", "writes_down"},
                "what is wrong");
+      v.real("divisor", divisor, 0, 1, "1", "of bug=divides");
     }
   };
   explicit PlantedSolver(const Params& params)
-      : m_bug(params.bug), m_right(createStage<Solver<D>>({"split_solver", {}})) {}
+      : m_bug(params.bug), m_divisor(params.divisor), m_right(createStage<Solver<D>>({"split_solver", {}})) {}
   static AlgorithmInfo info() { return planted("solver"); }
 
   void step(const StepInput<D>& in) override {
@@ -95,6 +98,9 @@ class PlantedSolver final : public Solver<D> {
       case Bug::hops:
         if (m_steps % 100 == 0) motion.v[1] += Real(0.01);
         break;
+      case Bug::divides:
+        motion.v[0] += little / m_divisor;
+        break;
       case Bug::writesDown:
         break;
     }
@@ -111,6 +117,7 @@ class PlantedSolver final : public Solver<D> {
   }
 
   Bug m_bug;
+  Real m_divisor;
   std::unique_ptr<Solver<D>> m_right;
   long m_steps = 0;
 };

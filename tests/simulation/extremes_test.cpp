@@ -2,8 +2,12 @@
 // What nobody would call physics and a scene may still say: every solver comes through it with numbers.
 #include <gtest/gtest.h>
 
+#include <iomanip>
+#include <sstream>
+
 #include "framework/invariants.h"
 #include "tests/every_solver.h"
+#include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -63,15 +67,104 @@ bool survivesStiffness(const std::string& solver, bool stiff) {
 }
 
 template <int D>
+void survives(const std::string& solver) {
+  EXPECT_TRUE(survivesOverlap<D>(solver)) << solver;
+  for (const double dt : {10.0, 1e-9}) EXPECT_TRUE(survivesStep<D>(solver, dt)) << solver << ' ' << dt;
+  for (const bool stiff : {false, true}) EXPECT_TRUE(survivesStiffness<D>(solver, stiff)) << solver << ' ' << stiff;
+}
+
+template <int D>
 void everySolverSurvives() {
-  for (const std::string& solver : everySolver<D>()) {
-    EXPECT_TRUE(survivesOverlap<D>(solver)) << solver;
-    for (const double dt : {10.0, 1e-9}) EXPECT_TRUE(survivesStep<D>(solver, dt)) << solver << ' ' << dt;
-    for (const bool stiff : {false, true}) EXPECT_TRUE(survivesStiffness<D>(solver, stiff)) << solver << ' ' << stiff;
-  }
+  for (const std::string& solver : everySolver<D>()) survives<D>(solver);
 }
 TEST(Extremes, EverySolverSurvives2) { everySolverSurvives<2>(); }
 TEST(Extremes, EverySolverSurvives3) { everySolverSurvives<3>(); }
+
+std::string text(double x) {
+  std::ostringstream out;
+  out << std::setprecision(17) << x;
+  return out.str();
+}
+
+/// The method with its real numbers at the ends of their ranges: one of them, and all of them in every way. Each with
+/// the defaults of the rest, with each other choice, and with the least of each number of iterations; the largest of
+/// those is time, and no edge.
+std::vector<Spec> edges(const Registered& method, const Spec& plain) {
+  std::vector<const ParamInfo*> reals;
+  std::vector<Spec> beside = {plain}, out;
+  for (const ParamInfo& p : method.params) {
+    if (plain.find(p.name)) continue;
+    const bool counts = p.type == "integer" || p.name == "iteration_factor";
+    if (p.type == "real" && !counts) reals.push_back(&p);
+    std::vector<std::string> others = p.choices;
+    if (counts) others = {text(p.range->lo)};
+    for (const std::string& other : others) {
+      if (p.stage || other == p.defaultText) continue;
+      beside.push_back(plain);
+      beside.back().set(p.name, {other, {}});
+    }
+  }
+  const auto end = [](const ParamInfo& p, bool largest) { return Spec{text(largest ? p.range->hi : p.range->lo), {}}; };
+  for (const Spec& spec : beside) {
+    for (const ParamInfo* p : reals) {
+      for (const bool largest : {false, true}) out.push_back(spec), out.back().set(p->name, end(*p, largest));
+    }
+    if (reals.size() < 2) continue;
+    for (std::size_t way = 0; way < std::size_t{1} << reals.size(); ++way) {
+      out.push_back(spec);
+      for (std::size_t k = 0; k < reals.size(); ++k) out.back().set(reals[k]->name, end(*reals[k], way >> k & 1));
+    }
+  }
+  return out;
+}
+
+/// Every solver, and split_solver with every part, at the edges of their parameters.
+template <int D>
+std::vector<Spec> everyEdge() {
+  std::vector<Spec> out;
+  for (const Registered* solver : Registry::instance().list(StageKind::solver, D)) {
+    if (!competes(*solver)) continue;
+    for (Spec& spec : edges(*solver, {solver->info.name, {}})) out.push_back(std::move(spec));
+    for (const ParamInfo& p : solver->params) {
+      if (!p.stage) continue;
+      for (const Registered* part : Registry::instance().list(p.stage->kind, D)) {
+        if (!competes(*part)) continue;
+        for (Spec& spec : edges(*part, {part->info.name, {}})) {
+          out.push_back({solver->info.name, {}});
+          out.back().set(p.name, std::move(spec));
+        }
+      }
+    }
+  }
+  return out;
+}
+
+// What numbers contradict each other (penalties that cross) is refused in a line; with all others there are numbers.
+template <int D>
+void everyParameterSurvives() {
+  int refused = 0;
+  const std::vector<Spec> specs = everyEdge<D>();
+  for (const Spec& spec : specs) {
+    try {
+      createStage<Solver<D>>(spec);
+    } catch (const UserError& e) {
+      const std::string why = e.what();
+      EXPECT_TRUE(!why.empty() && why.find('\n') == why.npos) << spec.text() << ": " << why;
+      ++refused;
+      continue;
+    }
+    survives<D>(spec.text());
+  }
+  EXPECT_LT(refused, static_cast<int>(specs.size()) / 4);
+  bool all = true;
+  const Registered& planted = Registry::instance().find(StageKind::solver, D, "planted_solver");
+  for (const Spec& spec : edges(planted, Spec::parse("planted_solver{bug=divides}"))) {
+    all = all && survivesOverlap<D>(spec.text());
+  }
+  expectCaught("Extremes divides by a parameter " + std::to_string(D) + 'D', all);
+}
+TEST(Extremes, EveryParameterSurvives2) { everyParameterSurvives<2>(); }
+TEST(Extremes, EveryParameterSurvives3) { everyParameterSurvives<3>(); }
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test

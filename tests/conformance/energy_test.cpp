@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Zlib
+// R3 over several steps, of whole worlds: what falls, bounces and rubs has no more energy in the end than it began
+// with, beyond what docs/properties.md says of its method. LPC_PRINT_ENERGY=1000 prints the worst gains of so many
+// seeds.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "framework/invariants.h"
+#include "framework/worse.h"
+#include "tests/check_property.h"
+#include "tests/draw.h"
+#include "tests/every_solver.h"
+#include "tests/planted_bugs/planted_stages.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr double kDt = 1.0 / 60;
+constexpr int kSteps = 20;
+constexpr int kRuns = 25;                                      // cases of each property, and of each bug it must catch
+constexpr double kRounding = sizeof(Real) == 8 ? 1e-9 : 1e-3;  // of the energy at the start
+
+enum class Kind { smooth, rubbing, jointed };  // columns of the table
+constexpr Kind kKinds[] = {Kind::smooth, Kind::rubbing, Kind::jointed};
+std::string nameOf(Kind kind) {
+  constexpr const char* kNames[] = {"smooth", "rubbing", "jointed"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+template <int D>
+struct Bouncing {
+  std::vector<BodyDef<D>> bodies;
+  bool joined = false;  // the first two that move, by a pivot
+  WorldSettings<D> settings;
+};
+
+// One to four balls or cubes over a floor, on or beside each other, touching or not, each with a velocity and a spin.
+// Their inertia is the same about all axes: others gain energy by turning alone, without a gyroscopic term
+// (FreeTop.AddsNoEnergy). All bounce alike.
+template <int D>
+Bouncing<D> drawBouncing(Draw& draw, Kind kind) {
+  Bouncing<D> out;
+  out.joined = kind == Kind::jointed;
+  out.settings.features.sleeping = false;
+  if (draw.coin()) out.settings.gravity.setZero();
+  const Real e = draw.real(0.05, 1), mu = kind == Kind::smooth ? Real(0) : draw.real(0, 1);
+  const bool cubes = draw.coin(), apart = draw.coin();
+  out.bodies.push_back(body<D>(Shape<D>::box(Vec<D>::Constant(20)), at<D>(0, -20), BodyType::fixed));
+  Real x = 0, bottom = 0, top = 0, last = 0;
+  for (int n = (out.joined ? 2 : 1) + draw.below(3); n > 0; --n) {
+    const Real half = draw.real(0.3, 0.6), gap = apart ? draw.real(0, 0.3) : Real(0);
+    if (last > 0 && draw.coin()) {
+      x += last + half + gap;
+    } else {
+      x = Real(0.2) * draw.signedUnit(), bottom = top + gap;
+    }
+    top = std::max(top, bottom + 2 * half), last = half;
+    const Vec<D> p = at<D>(x, bottom + half);
+    BodyDef<D> b = body<D>(cubes ? Shape<D>::box(Vec<D>::Constant(half)) : Shape<D>::sphere(half), p);
+    b.shapes[0].density = draw.real(0.5, 3);
+    b.velocity = 3 * drawVector<D>(draw);
+    for (int k = 0; k < kAngDim<D>; ++k) b.angularVelocity[k] = 3 * draw.signedUnit();
+    out.bodies.push_back(b);
+  }
+  for (BodyDef<D>& b : out.bodies) b.shapes[0].restitution = e, b.shapes[0].friction = mu;
+  return out;
+}
+
+// What a step of Euler's makes of a bounce: m g dt v / 2 at the start and m g dt v / 2 now. Semi-implicit steps keep
+// E - m g dt v / 2 where E is kept in time, v upwards, and a bounce turns v round without an error of its own.
+template <int D>
+double ofEuler(const World<D>& world) {
+  const Bodies<D>& b = world.bodies();
+  double sum = 0;
+  for (std::size_t i = 0; i < b.pose.size(); ++i) {
+    sum += double(b.mass[i]) * double(world.settings().gravity.norm()) * kDt / 2 * double(b.motion[i].v.norm());
+  }
+  return sum;
+}
+
+/// The largest gain of energy, kinetic and of height over the floor, after any step, beyond Euler's: as a share of the
+/// energy at the start.
+template <int D>
+double worstGain(const std::string& solver, const Bouncing<D>& scene) {
+  World<D> world(Pipeline::parse("solver=" + solver), scene.settings);
+  std::vector<Handle> handles;
+  for (const BodyDef<D>& b : scene.bodies) handles.push_back(world.add(b));
+  if (scene.joined) {
+    const Vec<D> middle = (scene.bodies[1].X_WB.p + scene.bodies[2].X_WB.p) / 2;
+    world.add(pivot<D>(handles[1], handles[2], middle));
+  }
+  const auto energy = [&] {
+    const StateInvariants<D> now = stateInvariants(world);
+    return now.kinetic + now.potential;
+  };
+  const double before = energy(), euler = ofEuler(world);
+  double worst = -1;
+  for (int i = 0; i < kSteps; ++i) {
+    world.step(static_cast<Real>(kDt));
+    worst = worse(worst, (energy() - before - euler - ofEuler(world)) / before);
+  }
+  return worst;
+}
+
+/// What docs/properties.md allows: the first row of its table whose method stands in the name of the solver.
+struct Bounds {
+  std::string method;
+  double share[3];  // by Kind
+
+  static std::vector<Bounds> table() {
+    std::vector<Bounds> rows;
+    std::ifstream in(LPC_SOURCE_DIR "/docs/properties.md");
+    bool inside = false;
+    for (std::string line; std::getline(in, line);) {
+      if (line == "<!-- energy -->" || line == "<!-- end -->") inside = line == "<!-- energy -->";
+      char method[200];
+      double x[3];
+      if (!inside || std::sscanf(line.c_str(), "| %199[^|]| %lf | %lf | %lf |", method, x, x + 1, x + 2) != 4) continue;
+      std::string name = method;
+      std::erase_if(name, [](char c) { return c == ' ' || c == '`'; });
+      rows.push_back({name, {x[0], x[1], x[2]}});
+    }
+    return rows;
+  }
+  static const Bounds& of(const std::string& solver) {
+    static const std::vector<Bounds> rows = table();
+    for (const Bounds& row : rows) {
+      if (row.method == "others" || solver.find(row.method) != solver.npos) return row;
+    }
+    throw std::runtime_error("docs/properties.md has no row for " + solver);
+  }
+};
+
+template <int D>
+void addsNoEnergy(const std::string& solver, const std::string& judgedAs, Kind kind) {
+  RapidCheckDraw draw;
+  const Bouncing<D> scene = drawBouncing<D>(draw, kind);
+  const double gain = worstGain<D>(solver, scene);
+  const double limit = Bounds::of(judgedAs).share[static_cast<std::size_t>(kind)] + kRounding;
+  if (!(gain <= limit)) {
+    RC_LOG() << solver << " gains " << gain << " of its energy; gravity " << scene.settings.gravity[1]
+             << (scene.joined ? ", the first two on a pivot" : "") << '\n';
+    for (const BodyDef<D>& b : scene.bodies) {
+      RC_LOG() << b.X_WB.p.transpose() << " m, " << b.velocity.transpose() << " m/s, " << b.angularVelocity.transpose()
+               << " rad/s, e " << b.shapes[0].restitution << ", mu " << b.shapes[0].friction << ", "
+               << b.shapes[0].density << " kg/m^D\n";
+    }
+  }
+  RC_ASSERT(gain <= limit);
+}
+
+template <int D>
+void everySolverAddsNoEnergy() {
+  const std::string dimension = std::to_string(D) + 'D';
+  for (const Kind kind : kKinds) {
+    for (const std::string& solver : everySolver<D>()) {
+      const std::string name = "Solver.BouncesAddNoEnergy " + nameOf(kind) + ' ' + solver + ' ' + dimension;
+      SCOPED_TRACE(name);
+      check(
+          name, [&] { addsNoEnergy<D>(solver, solver, kind); }, kRuns);
+    }
+    const std::string bug = "planted_solver{bug=heats}", right = "split_solver{impact=poisson}";
+    expectFalsified(
+        "Solver.BouncesAddNoEnergy " + nameOf(kind) + ' ' + bug + ' ' + dimension,
+        [&] { addsNoEnergy<D>(bug, right, kind); }, kRuns);
+  }
+}
+TEST(EnergyConformance, EverySolver2) { everySolverAddsNoEnergy<2>(); }
+TEST(EnergyConformance, EverySolver3) { everySolverAddsNoEnergy<3>(); }
+
+// For the table: the worst of many seeds, of each kind.
+template <int D>
+void print(int seeds) {
+  for (const std::string& solver : everySolver<D>()) {
+    std::printf("%dD | %s", D, solver.c_str());
+    for (const Kind kind : kKinds) {
+      double worst = -1;
+      for (int seed = 0; seed < seeds; ++seed) {
+        PlainDraw draw(static_cast<std::uint64_t>(seed));
+        worst = worse(worst, worstGain<D>(solver, drawBouncing<D>(draw, kind)));
+      }
+      std::printf(" | %.2g", worst);
+    }
+    std::printf("\n"), std::fflush(stdout);
+  }
+}
+TEST(EnergyConformance, PrintsWorstGains) {
+  const char* seeds = std::getenv("LPC_PRINT_ENERGY");
+  if (!seeds) GTEST_SKIP() << "LPC_PRINT_ENERGY=1000 prints the worst of 1000 seeds";
+  print<2>(std::atoi(seeds)), print<3>(std::atoi(seeds));
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
