@@ -14,7 +14,8 @@ MEANINGS = {
     "unsupported": "a method, an engine or a scene has not what the cell asks for, or no setting meets the budget",
     "nondeterministic": "a repeat ended in another state than the first",
     "wrong": "an answer that the referee proves wrong, or, of boxes, a pair that is missing or too many",
-    "collapsed": "a body went farther from where it came than the scene's limit of drift",
+    "collapsed": "a body went farther from where it came than the scene's limit of drift, not by sagging alone, or still "
+                 "creeps at the end",
     "exploded": "a body went faster than the scene's limit of speed, or than light",
     "diverged": "a number of the state is not finite, or the energy is over the scene's limit of energy",
     "timeout": "it took longer than the sweep's wall_limit",
