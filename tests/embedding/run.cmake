@@ -1,5 +1,5 @@
 # Installs LPC into an empty folder and builds what a user would build against it: the programs of the manual, the plugin of the
-# guide, and what stands beside this file: cmake -DSOURCE_DIR=... -DBINARY_DIR=... -DWORK_DIR=... -DCXX=... -DCXX_FLAGS=... -P
+# guide, and what stands beside this file: cmake -DSOURCE_DIR=... -DBINARY_DIR=... -DWORK_DIR=... -DCXX=... -P
 cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
 include(${CMAKE_CURRENT_LIST_DIR}/../guide.cmake)
 
@@ -36,7 +36,6 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK_DIR})
 set(ENV{CXX} ${CXX})
-set(ENV{CXXFLAGS} ${CXX_FLAGS})
 set(ENV{CMAKE_BUILD_TYPE} Release)
 set(manual ${SOURCE_DIR}/docs/manual.md)
 set(guide ${SOURCE_DIR}/docs/adding_an_algorithm.md)

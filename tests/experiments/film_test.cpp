@@ -179,6 +179,9 @@ TEST(Film, StoppedLeavesNothing) {
 
 // Of a long run a film shows a part, and says so; what is not written on PNG files is told, too.
 TEST(Film, TellsWhatItLeavesOut) {
+#if defined(LPC_SANITIZED)
+  GTEST_SKIP() << "600 pictures by what other tests draw under sanitizers";
+#endif
   Workspace w;
   // What flies far to the side is drawn in low pictures, of which 600 are soon made.
   w.write("fly.toml",

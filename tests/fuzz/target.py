@@ -39,7 +39,7 @@ def main():
         if done.returncode:
             return 1
     seed = os.environ.get("LPC_TEST_SEED", "1")
-    options = sys.argv[4:] or [f"-runs={int(os.environ.get('LPC_FUZZ_RUNS', '20000'))}", f"-seed={int(seed) % 2**32}"]
+    options = sys.argv[4:] or [f"-runs={int(os.environ.get('LPC_FUZZ_RUNS', '8000'))}", f"-seed={int(seed) % 2**32}"]
     return subprocess.run([program, *limits, f"-max_len={MOST_BYTES[program.name]}", *options, work / "corpus"],
                           check=False).returncode
 
