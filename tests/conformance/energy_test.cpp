@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // R3 over several steps, of whole worlds: what falls, bounces and rubs has no more energy in the end than it began
-// with, beyond what docs/properties.md says of its method. LPC_PRINT_ENERGY=1000 prints the worst gains of so many
-// seeds.
+// with, beyond what docs/properties.md says of its method.
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -174,7 +172,7 @@ void everySolverAddsNoEnergy() {
 TEST(EnergyConformance, EverySolver2) { everySolverAddsNoEnergy<2>(); }
 TEST(EnergyConformance, EverySolver3) { everySolverAddsNoEnergy<3>(); }
 
-// For the table: the worst of many seeds, of each kind.
+// For the table in docs/properties.md: the worst of many seeds, of each kind.
 template <int D>
 void print(int seeds) {
   for (const std::string& solver : everySolver<D>()) {
@@ -190,11 +188,7 @@ void print(int seeds) {
     std::printf("\n"), std::fflush(stdout);
   }
 }
-TEST(EnergyConformance, PrintsWorstGains) {
-  const char* seeds = std::getenv("LPC_PRINT_ENERGY");
-  if (!seeds) GTEST_SKIP() << "LPC_PRINT_ENERGY=1000 prints the worst of 1000 seeds";
-  print<2>(std::atoi(seeds)), print<3>(std::atoi(seeds));
-}
+TEST(EnergyConformance, DISABLED_print) { print<2>(1500), print<3>(1500); }
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test
