@@ -54,7 +54,7 @@ class Cylinder final : public CurvedBase<D, Cylinder<D>> {
   std::array<Real, 2> m_sizes;
 };
 
-const CurvedRegistrar<Cylinder, 3> registrar{ShapeKind::cylinder, {{"half_length", "radius"}}};
+const CurvedRegistrar<Cylinder, 3> cylinderRegistrar{ShapeKind::cylinder, {{"half_length", "radius"}}};
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION

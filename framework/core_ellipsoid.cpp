@@ -50,7 +50,7 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
   std::array<Real, static_cast<std::size_t>(D)> m_sizes;
 };
 
-const CurvedRegistrar<Ellipsoid, 2, 3> registrar{ShapeKind::ellipsoid,
+const CurvedRegistrar<Ellipsoid, 2, 3> ellipsoidRegistrar{ShapeKind::ellipsoid,
                                                  {{"half_x", "half_y"}, {"half_x", "half_y", "half_z"}}};
 
 }  // namespace

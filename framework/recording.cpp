@@ -11,7 +11,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCREC1";
+constexpr char kRecordingMagic[] = "LPCREC1";
 
 template <class T>
 void put(std::ostream& out, T value) {
@@ -113,10 +113,10 @@ bool getFrame(const Reading& reading, typename Recording<D>::Frame& f) {
 }
 
 std::int32_t readHeader(std::istream& in) {
-  char magic[sizeof kMagic] = {};
+  char magic[sizeof kRecordingMagic] = {};
   std::int32_t dimension = 0;
   in.read(magic, sizeof magic);
-  if (std::memcmp(magic, kMagic, sizeof kMagic) != 0) throw UserError("this is not a recording of a world");
+  if (std::memcmp(magic, kRecordingMagic, sizeof kRecordingMagic) != 0) throw UserError("this is not a recording of a world");
   if (!get(in, dimension)) throw UserError("the recording ends early");
   return dimension;
 }
@@ -125,7 +125,7 @@ std::int32_t readHeader(std::istream& in) {
 
 template <int D>
 Recorder<D>::Recorder(std::ostream& out) : m_out(out) {
-  m_out.write(kMagic, sizeof kMagic);
+  m_out.write(kRecordingMagic, sizeof kRecordingMagic);
   put(m_out, static_cast<std::int32_t>(D));
 }
 

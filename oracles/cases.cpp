@@ -282,7 +282,7 @@ CaseFinding readFinding(const Place& at, const Json& found, CaseQuery query) {
 }
 
 // `lpc verify` draws 121 and 6; the judge looks at every two slots in every step.
-constexpr int kMostSlots = 2000, kMostSteps = 100;
+constexpr int kMostSlots = 2000, kMostCaseSteps = 100;
 
 // Of a slot while a script is read: is a box in it, and did this step add or move it?
 struct SlotRead {
@@ -330,8 +330,8 @@ BoxScript<D> readScript(const Place& at, const Json& c) {
   BoxScript<D> out{.family = "", .slots = static_cast<int>(at.whole(c, "slots", kMostSlots, 1)), .steps = {}};
   std::vector<SlotRead> slots(static_cast<std::size_t>(out.slots));
   const Json& steps = at.field(c, "steps");
-  if (steps.size() > kMostSteps) {
-    at.fail("field 'steps' has " + std::to_string(steps.size()) + "; valid: at most " + std::to_string(kMostSteps));
+  if (steps.size() > kMostCaseSteps) {
+    at.fail("field 'steps' has " + std::to_string(steps.size()) + "; valid: at most " + std::to_string(kMostCaseSteps));
   }
   for (const Json& step : steps) {
     std::vector<BoxChange<D>>& changes = out.steps.emplace_back();

@@ -9,15 +9,15 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-enum class Family { heap, frictionless, massRatio, hyperstatic, sliding, jointed };
-constexpr const char* kFamilies[] = {"heap", "frictionless", "mass_ratio", "hyperstatic", "sliding", "jointed"};
+enum class ProblemFamily { heap, frictionless, massRatio, hyperstatic, sliding, jointed };
+constexpr const char* kProblemFamilies[] = {"heap", "frictionless", "mass_ratio", "hyperstatic", "sliding", "jointed"};
 
 template <int D>
 class ProblemDrawer {
  public:
   ProblemDrawer(std::uint64_t seed, int number) : m_random(seed * 1000003 + static_cast<std::uint64_t>(number)) {
     m_random = Random(m_random.next());
-    m_family = static_cast<Family>(m_random.below(std::size(kFamilies)));
+    m_family = static_cast<ProblemFamily>(m_random.below(std::size(kProblemFamilies)));
   }
 
   DrawnProblem<D> draw() {
@@ -29,7 +29,7 @@ class ProblemDrawer {
     const auto bodies = static_cast<std::int32_t>(1 + m_random.below(6));
     for (std::int32_t i = 1; i <= bodies; ++i) addBody(i);
     for (std::int32_t i = 1; i <= bodies; ++i) {
-      if (m_family == Family::jointed) {
+      if (m_family == ProblemFamily::jointed) {
         if (i > 1) hang(i);
         if (i == 1 || m_random.below(2) == 0) touch(0, i);
         continue;
@@ -37,7 +37,7 @@ class ProblemDrawer {
       touch(below(i), i);
       if (m_random.below(2) == 0) touch(below(i), i);
     }
-    return {kFamilies[static_cast<std::size_t>(m_family)], std::move(m_problem)};
+    return {kProblemFamilies[static_cast<std::size_t>(m_family)], std::move(m_problem)};
   }
 
  private:
@@ -53,13 +53,13 @@ class ProblemDrawer {
   }
 
   void addBody(std::int32_t i) {
-    const double decades = m_family == Family::massRatio ? 3 : 0.5;
+    const double decades = m_family == ProblemFamily::massRatio ? 3 : 0.5;
     const double mass = std::pow(10, m_random.uniform(-decades, decades));
     Inertia<D> inverse = Inertia<D>::Zero();
     for (int k = 0; k < kAngDim<D>; ++k) inverse(k, k) = static_cast<Real>(1 / (mass * m_random.uniform(0.05, 0.4)));
     Motion<D> motion;
     motion.v = anywhere(0.1) + m_problem.gravity * m_problem.dt;
-    if (m_family == Family::sliding) motion.v[0] += within(-5, 5);
+    if (m_family == ProblemFamily::sliding) motion.v[0] += within(-5, 5);
     for (int k = 0; k < kAngDim<D>; ++k) motion.w[k] = within(-0.2, 0.2);
     const Vec<D> at = anywhere(0.3) + Vec<D>::Unit(1) * static_cast<Real>(i);
     m_problem.addBody(BodyType::dynamic, true, at, static_cast<Real>(1 / mass), inverse, motion);
@@ -70,8 +70,8 @@ class ProblemDrawer {
     Manifold<D>& m = m_problem.manifolds.emplace_back();
     m.bodyA = a, m.bodyB = b;
     m.normal = (Vec<D>::Unit(1) + anywhere(0.3)).normalized();
-    m.friction = m_family == Family::frictionless ? Real(0) : within(0.1, 1);
-    m.count = m_family == Family::hyperstatic ? kManifoldPoints<D> : 1;
+    m.friction = m_family == ProblemFamily::frictionless ? Real(0) : within(0.1, 1);
+    m.count = m_family == ProblemFamily::hyperstatic ? kManifoldPoints<D> : 1;
     const Vec<D> middle = placeOf(b) - Vec<D>::Unit(1) / 2 + anywhere(0.2);
     const RealMatrix<D, D - 1> t = tangents(m.normal);
     const Real separation = m_random.below(4) == 0 ? within(0, 1e-3) : within(-5e-3, 0);
@@ -97,7 +97,7 @@ class ProblemDrawer {
   }
 
   Random m_random;
-  Family m_family = Family::heap;
+  ProblemFamily m_family = ProblemFamily::heap;
   FrozenProblem<D> m_problem;
 };
 

@@ -77,7 +77,7 @@ Dyadic operator-(const Dyadic& a, const Dyadic& b) { return a + Dyadic(-b.m, b.e
 Dyadic operator*(const Dyadic& a, const Dyadic& b) { return {a.m * b.m, a.e + b.e}; }
 
 // The largest double <= x * 2^e.
-double roundDown(const mpz_class& x, long e) {
+double scaledDown(const mpz_class& x, long e) {
   if (x == 0) return 0;
   long exponent = 0;
   const double head = mpz_get_d_2exp(&exponent, x.get_mpz_t());  // truncated towards zero
@@ -89,7 +89,7 @@ double roundDown(const mpz_class& x, long e) {
   if (kept && (whole || head > 0)) return d;
   return std::nextafter(d, -std::numeric_limits<double>::infinity());
 }
-double roundUp(const mpz_class& x, long e) { return -roundDown(mpz_class(-x), e); }
+double scaledUp(const mpz_class& x, long e) { return -scaledDown(mpz_class(-x), e); }
 
 template <int D>
 bool isFinite(const ShapeView<D>& shape, const Pose<D>& X_WS, const std::vector<Vec<D>>& core) {
@@ -128,7 +128,7 @@ Interval subtractRadii(const CoreDistance& core, const Dyadic& radii) {
     // An irrational root differs from the radii, so this ends; two ends of 60 bits also agree on the sign.
     if (exact || (bits(lo) >= 60 && bits(hi) >= 60)) break;
   }
-  return {roundDown(lo, core.e - k), roundUp(hi, core.e - k)};
+  return {scaledDown(lo, core.e - k), scaledUp(hi, core.e - k)};
 }
 
 template <int D>

@@ -28,7 +28,7 @@ Geometry convex(const Polytope<3>& hull) {
 
 // A shape in FCL's terms. FCL knows no rounding of boxes and polytopes: their cores are asked, and `rounding` is
 // taken off the distance, which is exact.
-struct Placed {
+struct FclPlaced {
   Geometry geometry;
   Transform X_WS = Transform::Identity();
   double rounding = 0;
@@ -128,7 +128,7 @@ class FclWitness : public IsolatedWitness {
 
  private:
   Params m_params;
-  Placed m_a, m_b;
+  FclPlaced m_a, m_b;
 };
 
 template <int D>

@@ -18,7 +18,7 @@ class Drawer;
 
 /// A family: how its shapes are, how it lays B beside A, and how far from a plane. `random` is the first.
 template <int D>
-struct Family {
+struct PairFamily {
   std::string_view name;
   /// Lays out X_AB. n: a direction that often tells; size: both radii together, smaller: the smaller of them (m).
   void (Drawer<D>::*layOut)(HardPair<D>&, const Vec<D>& n, Real size, Real smaller);
@@ -305,13 +305,13 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
   }
 
   Random m_random;
-  const Family<D>* m_family = nullptr;
+  const PairFamily<D>* m_family = nullptr;
   double m_scale = 1;
   Real m_height = 0;  // of both shapes of a `level` family
 };
 
 template <int D>
-constexpr std::array<Family<D>, 12> kFamilies = {{
+constexpr std::array<PairFamily<D>, 12> kPairFamilies = {{
     {.name = "random", .layOut = &Drawer<D>::anyhow, .gap = &Drawer<D>::anyGap},
     {.name = "kissing_faces", .layOut = &Drawer<D>::faceOnFace, .gap = &Drawer<D>::gapOfRounding, .tilted = true},
     {.name = "near_parallel", .layOut = &Drawer<D>::almostParallel, .gap = &Drawer<D>::anyGap, .tilted = true},
@@ -334,7 +334,7 @@ template <int D>
 HardPair<D> Drawer<D>::draw(ShapeKind kindA, ShapeKind kindB) {
   const bool polytope = kindA == ShapeKind::polytope || kindB == ShapeKind::polytope;
   const std::size_t drawn = 1 + m_random.below(16);  // a third are of no family: `random`
-  m_family = &kFamilies<D>[drawn < kFamilies<D>.size() ? drawn : 0];
+  m_family = &kPairFamilies<D>[drawn < kPairFamilies<D>.size() ? drawn : 0];
   if (m_family->nasty && !polytope) --m_family;  // the one before: below_tolerance
   m_scale = number({1e-3, 1, 1e3});
   m_height = length();
@@ -370,8 +370,8 @@ std::uint64_t numberOf(ShapeKind a, ShapeKind b) {
 
 std::span<const std::string_view> hardPairFamilies() {
   static const auto names = [] {
-    std::array<std::string_view, kFamilies<3>.size()> out;
-    std::transform(kFamilies<3>.begin(), kFamilies<3>.end(), out.begin(), [](const auto& f) { return f.name; });
+    std::array<std::string_view, kPairFamilies<3>.size()> out;
+    std::transform(kPairFamilies<3>.begin(), kPairFamilies<3>.end(), out.begin(), [](const auto& f) { return f.name; });
     return out;
   }();
   return names;

@@ -9,7 +9,7 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 // A whole shape, rounding included, as libccd sees it: a support function in the frame of the pair's first shape.
-struct Placed {
+struct CcdPlaced {
   ShapeView<3> shape;
   Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -19,7 +19,7 @@ void setVector(ccd_vec3_t* out, const Eigen::Vector3d& v) { ccdVec3Set(out, v[0]
 Eigen::Vector3d vectorOf(const ccd_vec3_t* v) { return {ccdVec3X(v), ccdVec3Y(v), ccdVec3Z(v)}; }
 
 void support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* out) {
-  const auto& placed = *static_cast<const Placed*>(object);
+  const auto& placed = *static_cast<const CcdPlaced*>(object);
   const Eigen::Vector3d d = vectorOf(direction), local = placed.r.transpose() * d;
   Eigen::Vector3d v = placed.r * coreSupport(placed.shape, Vec<3>(local.cast<Real>())).cast<double>() + placed.p;
   if (const double length = d.norm(); length > 0) v += double(placed.shape.radius) / length * d;
@@ -27,7 +27,7 @@ void support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* out) {
 }
 
 void center(const void* object, ccd_vec3_t* out) {
-  const auto& placed = *static_cast<const Placed*>(object);
+  const auto& placed = *static_cast<const CcdPlaced*>(object);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   if (placed.shape.hull) {
     for (const auto& v : placed.shape.hull->vertices) middle += v.cast<double>();
@@ -56,7 +56,7 @@ class LibccdWitness : public IsolatedWitness {
   }
 
  private:
-  Placed m_a, m_b;
+  CcdPlaced m_a, m_b;
 };
 
 template <int D>

@@ -12,11 +12,11 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 /// A family of boxes: what it makes of a box that was scattered, per axis.
-struct Family {
+struct BoxFamily {
   std::string_view name;
   void (*shape)(Random& random, int dimension, bool large, double& at, double& size);  // m; `large`: one box in six
 };
-constexpr Family kFamilies[] = {
+constexpr BoxFamily kBoxFamilies[] = {
     {"scattered", [](Random&, int, bool, double&, double&) {}},
     {"touching",  // whole numbers: most neighbours touch exactly
      [](Random& random, int, bool, double& at, double& size) {
@@ -42,8 +42,8 @@ class BoxDrawer {
  public:
   BoxDrawer(std::uint64_t seed, int index) : m_random(seed * 1000003 + static_cast<std::uint64_t>(index)), m_boxes(0) {
     m_random = Random(m_random.next());
-    const auto family = m_random.below(std::size(kFamilies) + 1);
-    m_family = family < std::size(kFamilies) ? &kFamilies[family] : nullptr;
+    const auto family = m_random.below(std::size(kBoxFamilies) + 1);
+    m_family = family < std::size(kBoxFamilies) ? &kBoxFamilies[family] : nullptr;
     m_slots = static_cast<int>(2 + m_random.below(120));
     m_boxes = BoxSet<D>(m_slots);
   }
@@ -75,7 +75,7 @@ class BoxDrawer {
 
   Aabb<D> drawBox() {
     Aabb<D> box;
-    const Family& family = m_family ? *m_family : kFamilies[m_random.below(std::size(kFamilies))];
+    const BoxFamily& family = m_family ? *m_family : kBoxFamilies[m_random.below(std::size(kBoxFamilies))];
     const bool large = m_random.below(6) == 0;
     for (int d = 0; d < D; ++d) {
       double at = m_random.uniform(-12, 12), size = m_random.uniform(0.1, 3);
@@ -100,7 +100,7 @@ class BoxDrawer {
   }
 
   Random m_random;
-  const Family* m_family = nullptr;  // none: mixed
+  const BoxFamily* m_family = nullptr;  // none: mixed
   int m_slots = 0;
   BoxSet<D> m_boxes;
 };

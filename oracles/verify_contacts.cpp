@@ -26,7 +26,7 @@ constexpr int kMostChanges = 8;
 constexpr std::string_view kPatchTest = "Contacts.FaceContactsSpanThePatch";
 
 template <int D>
-struct Placed {
+struct PlacedHard {
   HardPair<D> pair;
   RefereeAnswer<D> truth = {};
   double s = 0;
@@ -138,8 +138,8 @@ HardPair<D> drawnPair(ShapeKind a, ShapeKind b, std::uint64_t seed, int index) {
 }
 
 template <int D>
-Placed<D> placedPair(HardPair<D> pair) {
-  Placed<D> placed{.pair = std::move(pair)};
+PlacedHard<D> placedPair(HardPair<D> pair) {
+  PlacedHard<D> placed{.pair = std::move(pair)};
   const HardPair<D>& p = placed.pair;
   placed.vertices = coreVertexCount<D>(p.a.view()) + coreVertexCount<D>(p.b.view());
   placed.truth = referee<D>(p.a.view(), p.X_WA, p.b.view(), p.X_WB);
@@ -159,11 +159,11 @@ using Manifolds = std::map<std::int32_t, std::vector<Manifold<D>>>;  // by shape
 
 // All pairs in one call, as in a world.
 template <int D>
-Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<Placed<D>>& placed, bool nudge, double& spent) {
+Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<PlacedHard<D>>& placed, bool nudge, double& spent) {
   std::vector<ShapeRecord<D>> shapes;
   std::vector<Pose<D>> pose;
   std::vector<ShapePair> pairs;
-  for (const Placed<D>& p : placed) {
+  for (const PlacedHard<D>& p : placed) {
     const auto slot = static_cast<std::int32_t>(shapes.size());
     if (!nudge || p.resting()) pairs.push_back({slot, slot + 1});
     shapes.push_back({.shape = p.pair.a, .body = slot});
@@ -191,7 +191,7 @@ double pointDistance(const Vec<D>& p_W, const ShapeView<D>& shape, const Pose<D>
 
 // How far the contact points are off what they should lie on (m): within a shape, of a core's witness on its surface.
 template <int D>
-double besideSurfaces(const Placed<D>& k, const Manifold<D>& m) {
+double besideSurfaces(const PlacedHard<D>& k, const Manifold<D>& m) {
   const HardPair<D>& p = k.pair;
   double most = 0;
   for (int i = 0; i < m.count; ++i) {
@@ -219,7 +219,7 @@ bool sameFeatures(const std::vector<Manifold<D>>& a, const std::vector<Manifold<
 
 // What is wrong with the manifold of a pair, empty when nothing is, and by how much (m), where that is a length.
 template <int D>
-std::string_view faultOf(const Placed<D>& k, const Manifold<D>& m, double& deepest, double& off) {
+std::string_view faultOf(const PlacedHard<D>& k, const Manifold<D>& m, double& deepest, double& off) {
   const double phi = k.truth.interval().middle(), allowed = 2 * k.allowed;
   deepest = std::numeric_limits<double>::infinity();
   if (m.count < 1 || m.count > kManifoldPoints<D>) return "wrong_count";
@@ -252,9 +252,9 @@ const std::vector<Manifold<D>>* manifoldsOf(const Manifolds<D>& all, std::size_t
 // How often features change on a way beside, under the small motion at each place and from place to place; counting
 // ends above kMostChanges. A manifold that is not there is a change.
 template <int D>
-int changesBeside(const Placed<D>& k, ContactGenerator<D>& generator) {
+int changesBeside(const PlacedHard<D>& k, ContactGenerator<D>& generator) {
   int changes = 0;
-  std::vector<Placed<D>> at(1, k);
+  std::vector<PlacedHard<D>> at(1, k);
   std::vector<Manifold<D>> last;
   for (int i = 0; i < kPlacesBeside && changes <= kMostChanges; ++i) {
     at[0].pair = movedBeside<D>(k.pair, k.truth.normal, kBeside * (1 + static_cast<double>(i) / kPlacesBeside));
@@ -274,7 +274,7 @@ int changesBeside(const Placed<D>& k, ContactGenerator<D>& generator) {
 // way from there to here names change in some place, whoever gives them, and a pair that was drawn at such a place
 // proves nothing; it is a tie. But such places are few and far between.
 template <int D>
-std::string_view faultOfMotion(const Placed<D>& k, const std::vector<Manifold<D>>& found,
+std::string_view faultOfMotion(const PlacedHard<D>& k, const std::vector<Manifold<D>>& found,
                                const std::vector<Manifold<D>>* nudged, ContactGenerator<D>& generator, Verdict& v) {
   v.wrongSide = !nudged;
   if (!nudged) return "wrong_side";
@@ -286,7 +286,7 @@ std::string_view faultOfMotion(const Placed<D>& k, const std::vector<Manifold<D>
 }
 
 template <int D>
-Verdict judge(const Placed<D>& k, const std::vector<Manifold<D>>* found, const std::vector<Manifold<D>>* nudged,
+Verdict judge(const PlacedHard<D>& k, const std::vector<Manifold<D>>* found, const std::vector<Manifold<D>>* nudged,
               bool onePoint, ContactGenerator<D>& generator) {
   Verdict v;
   const auto wrong = [&](std::string_view failure) {
@@ -320,7 +320,7 @@ bool keepsOnePoint(const AlgorithmInfo& info) {
 
 template <int D>
 Verdict verifyPair(const HardPair<D>& pair, const Candidate<ContactGenerator<D>>& method) {
-  const std::vector<Placed<D>> placed{placedPair(pair)};
+  const std::vector<PlacedHard<D>> placed{placedPair(pair)};
   const auto generator = method.create();
   double spent = 0;
   const Manifolds<D> fresh = generate(*generator, placed, false, spent),
@@ -334,7 +334,7 @@ template Verdict verifyPair(const HardPair<3>&, const Candidate<ContactGenerator
 template <int D>
 void verifyContacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                     std::span<const Candidate<ContactGenerator<D>>> methods, Verified& out) {
-  std::vector<Placed<D>> placed;
+  std::vector<PlacedHard<D>> placed;
   for (int i = 0; i < range.count; ++i) {
     placed.push_back(placedPair(drawnPair<D>(kindA, kindB, range.seed, range.first + i)));
   }

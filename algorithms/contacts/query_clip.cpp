@@ -10,13 +10,13 @@ namespace {
 using namespace contacts;
 
 template <int D>
-struct ScratchOf;
+struct QueryScratch;
 template <>
-struct ScratchOf<2> {
+struct QueryScratch<2> {
   using type = QueryClipScratch2;
 };
 template <>
-struct ScratchOf<3> {
+struct QueryScratch<3> {
   using type = QueryClipScratch3;
 };
 
@@ -61,7 +61,7 @@ class QueryClip final : public ContactGenerator<D> {
  private:
   Params m_params;
   QueryBatches<D> m_batches;
-  typename ScratchOf<D>::type m_scratch;
+  typename QueryScratch<D>::type m_scratch;
   PlaneScratch<D> m_plane;
 };
 

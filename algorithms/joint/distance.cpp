@@ -6,7 +6,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-enum class Mode { rod, spring, rope };
+enum class DistanceMode { rod, spring, rope };
 
 // One row along the line between two points. Where the points meet there is no line: a rope and a spring of no length
 // ask for nothing there, a rod of no length is a pivot and is refused.
@@ -14,7 +14,7 @@ template <int D>
 class Distance final : public JointKind<D> {
  public:
   struct Params {
-    Mode mode = Mode::rod;
+    DistanceMode mode = DistanceMode::rod;
     Real length = -1, stiffness = 100, damping = 0;
     void visit(ParamVisitor& v) {
       v.choice("mode", mode, {"rod", "spring", "rope"}, "keeps the length, is pulled towards it, or never exceeds it");
@@ -25,7 +25,7 @@ class Distance final : public JointKind<D> {
   };
   explicit Distance(const Params& params) : m_params(params) {
     if (params.length < 0 && params.length != -1) throw UserError("'distance' has a negative length; valid: -1, >= 0");
-    if (params.mode == Mode::spring) return;
+    if (params.mode == DistanceMode::spring) return;
     if (params.damping != 0) throw UserError("'distance' has damping, but is no spring; valid: mode=spring");
     if (params.stiffness != Params().stiffness) {
       throw UserError("'distance' has stiffness, but is no spring; valid: mode=spring");
@@ -43,7 +43,7 @@ class Distance final : public JointKind<D> {
     joint.state[0] = m_params.length < 0 ? JointFrames<D>(joint, X_WA, X_WB).gap.norm() : m_params.length;
     // Two frames given at one point differ by the rounding of their bodies' poses.
     const Real reach = joint.X_CaJ.p.norm() + joint.X_CbJ.p.norm() + X_WA.p.norm() + X_WB.p.norm();
-    if (m_params.mode == Mode::rod && !(joint.state[0] > 16 * std::numeric_limits<Real>::epsilon() * reach)) {
+    if (m_params.mode == DistanceMode::rod && !(joint.state[0] > 16 * std::numeric_limits<Real>::epsilon() * reach)) {
       throw UserError("'distance' is a rod of no length; valid: two points apart, or a pivot");
     }
   }
@@ -52,19 +52,19 @@ class Distance final : public JointKind<D> {
     const JointFrames<D> at(joint, X_WA, X_WB);
     const Real distance = at.gap.norm();
     const Vec<D> d = distance > 0 ? Vec<D>(at.gap / distance) : Vec<D>(Vec<D>::Unit(0));
-    if (!(distance > 0) && m_params.mode != Mode::rod) {
+    if (!(distance > 0) && m_params.mode != DistanceMode::rod) {
       out.absent();
       return;
     }
     ConstraintRow<D>& row = out.point(d, at.rA, at.rB, distance - joint.state[0]);
     switch (m_params.mode) {
-      case Mode::rod:
+      case DistanceMode::rod:
         break;
-      case Mode::spring:
+      case DistanceMode::spring:
         row.block = RowBlock::box, row.law = RowLaw::spring;
         row.stiffness = m_params.stiffness, row.damping = m_params.damping;
         break;
-      case Mode::rope:
+      case DistanceMode::rope:
         row.block = RowBlock::box;
         row.hi = 0;  // it pulls, towards A
         break;

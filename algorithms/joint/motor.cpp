@@ -6,7 +6,7 @@ namespace {
 
 using namespace solver;
 
-enum class Mode { target, friction };
+enum class MotorMode { target, friction };
 
 // Damped springs to a target, of limited force: implicit ones, so that any gain is stable at any step, which a speed in
 // proportion to the error is not. Without a target a brake: dry friction between two bodies that need not touch.
@@ -14,7 +14,7 @@ template <int D>
 class Motor final : public JointKind<D> {
  public:
   struct Params {
-    Mode mode = Mode::target;
+    MotorMode mode = MotorMode::target;
     Vec<D> offset = Vec<D>::Zero();
     Real angle = 0;
     Real stiffness = 100, damping = 20, maxForce = 1000;
@@ -35,7 +35,7 @@ class Motor final : public JointKind<D> {
     }
   };
   explicit Motor(const Params& params) : m_params(params) {
-    if (params.mode == Mode::target) return;
+    if (params.mode == MotorMode::target) return;
     const Params usual;
     if (params.offset != usual.offset || params.angle != usual.angle) {
       throw UserError("'motor' has a target, but only brakes; valid: mode=target");
@@ -76,7 +76,7 @@ class Motor final : public JointKind<D> {
     }
   }
   void act(ConstraintRow<D>& row, Real stiffness, Real damping, Real most) const {
-    if (m_params.mode == Mode::friction) return drive(row, 0, most);
+    if (m_params.mode == MotorMode::friction) return drive(row, 0, most);
     makeSpring(row, stiffness, damping);
     row.lo = -most, row.hi = most;
   }

@@ -9,7 +9,7 @@ namespace {
 
 using namespace solver;
 
-enum class Order { worstFirst, given };
+enum class ImpulseOrder { worstFirst, given };
 
 // Always the contact whose velocity is most wrong, then look again; or one after the other, in the order given. One
 // contact is solved with friction as a block, and for good: its impulse is not accumulated and cannot be taken back.
@@ -20,7 +20,7 @@ class Millington final : public VelocityResolver<D> {
     Real iterationFactor = 4;
     Real epsilon = Real(0.01);
     ExtremeSearch search = ExtremeSearch::tree;
-    Order order = Order::worstFirst;
+    ImpulseOrder order = ImpulseOrder::worstFirst;
     void visit(ParamVisitor& v) {
       v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of impulses, as a multiple of the contacts");
       v.real("epsilon", epsilon, 0, 10, "m/s", "a smaller error of velocity is left alone");
@@ -74,7 +74,7 @@ class Millington final : public VelocityResolver<D> {
 
   void solveContacts(const VelocityInput<D>& in) {
     const auto limit = static_cast<long>(m_params.iterationFactor * static_cast<Real>(m_points.size()));
-    if (m_params.order == Order::worstFirst) {
+    if (m_params.order == ImpulseOrder::worstFirst) {
       solveWorstFirst(in, limit);
     } else {
       solveInTurn(in, limit);

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMostFalls = 6, kMoments = 5;
+constexpr std::size_t kMostFalls = 6, kMomentsOfFall = 5;
 // What a page can hold of one strip, and a disk of one recording.
 constexpr double kMostBodies = 300, kMostPoses = 1e6;
 constexpr double kWidth = 320;  // px, of one picture
@@ -100,9 +100,9 @@ std::set<std::size_t> momentsOf(const std::vector<typename Recording<D>::Frame>&
   for (const double share : {0.6, 0.3, 0.1}) {
     std::size_t i = seen;
     while (i > 0 && ways[i] < share * farthest) --i;
-    if (out.size() < kMoments) out.insert(i);
+    if (out.size() < kMomentsOfFall) out.insert(i);
   }
-  while (out.size() < std::min(kMoments, frames.size())) {  // two at once: half way in the longest gap instead
+  while (out.size() < std::min(kMomentsOfFall, frames.size())) {  // two at once: half way in the longest gap instead
     std::size_t longest = 0, middle = 0;
     for (auto a = out.begin(), b = std::next(a); b != out.end(); ++a, ++b) {
       if (*b - *a > longest) longest = *b - *a, middle = (*a + *b) / 2;

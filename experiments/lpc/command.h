@@ -77,6 +77,6 @@ struct CommandRegistrar {
   CommandRegistrar(const char* name, AddCommand add);
 };
 
-#define LPC_COMMAND(name, add) static const ::lpc::CommandRegistrar commandRegistrar(name, add)
+#define LPC_COMMAND(name, add) static const ::lpc::CommandRegistrar add##Registrar(name, add)
 
 }  // namespace lpc::inline LPC_PRECISION

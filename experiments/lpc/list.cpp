@@ -202,11 +202,11 @@ void printWhole(const json& all) {
 
 // A heading and names behind it, over as many lines as they need.
 void printNames(const std::string& heading, const std::vector<std::string>& names) {
-  constexpr std::size_t kIndent = 24, kWidth = 110;
+  constexpr std::size_t kIndent = 24, kColumns = 110;
   std::string line = heading;
   line.resize(kIndent, ' ');
   for (const std::string& name : names) {
-    if (line.size() > kIndent && line.size() + name.size() >= kWidth) {
+    if (line.size() > kIndent && line.size() + name.size() >= kColumns) {
       std::printf("%s\n", line.c_str());
       line.assign(kIndent, ' ');
     }
@@ -279,12 +279,12 @@ void writeNames(const std::string& page) {
   out.finish();
 }
 
-struct Options {
+struct ListCommand {
   bool asJson = false, all = false;
   std::string page, stage, name;
 };
 
-void list(const Options& o) {
+void list(const ListCommand& o) {
   if (!o.page.empty()) return writeNames(o.page);
   if (!o.stage.empty()) requireStage(o.stage);
   json chosen = o.stage.empty() ? everything() : json{{"algorithms", ofStage(describeAlgorithms(), o.stage)}};
@@ -301,7 +301,7 @@ void list(const Options& o) {
 void addList(CommandLine& app, Session&) {
   CommandLine command = app.subcommand(
       "list", "Names of all algorithms, kinds of shape, metrics, scenes and sweeps; on request all about them");
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ListCommand>();
   const Option stage =
       command.option("--stage", o->stage, "the algorithms of one stage, with parameters, ranges and meanings");
   const Option name = command.option("--name", o->name, "whatever has this name: an algorithm, a scene, a metric, ...");

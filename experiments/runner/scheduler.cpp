@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-struct Job {
+struct TrialJob {
   const PlannedTrial* trial;
   WorkerLimits limits;
   double turn = 0;  // of a timed one: the share of its cell's repeats that come before it
@@ -31,7 +31,7 @@ class Scheduler {
       : m_store(store), m_options(options), m_pool(options.plugins), m_tty(isatty(STDERR_FILENO) == 1) {}
 
   RunSummary run(const std::vector<PlannedSweep>& sweeps) {
-    std::vector<Job> untimed, timed;
+    std::vector<TrialJob> untimed, timed;
     for (const PlannedSweep& sweep : sweeps) {
       m_summary.planned += static_cast<long>(sweep.trials.size());
       for (const PlannedTrial& t : sweep.trials) {
@@ -75,25 +75,25 @@ class Scheduler {
  private:
   // In rounds: every cell once before any cell again, in each round in another order, so that a slow spell of the
   // machine meets all alike. A cell with twice the repeats of the others is in two places of each round.
-  static void interleave(std::vector<Job>& jobs) {
+  static void interleave(std::vector<TrialJob>& jobs) {
     Random random(2009);
     for (std::size_t i = jobs.size(); i > 1; --i) std::swap(jobs[i - 1], jobs[random.below(i)]);
-    const auto ofCell = [](const Job& job) {
+    const auto ofCell = [](const TrialJob& job) {
       json cell = job.trial->canonical;
       cell.erase("repeat");
       return cell.dump();
     };
     std::map<std::string, double> last;
-    for (const Job& job : jobs) {
+    for (const TrialJob& job : jobs) {
       if (InterruptGuard::interrupted()) return;  // with 100,000 it takes seconds
       double& most = last[ofCell(job)];
       most = std::max(most, job.trial->canonical.at("repeat").get<double>());
     }
-    for (Job& job : jobs) job.turn = job.trial->canonical.at("repeat").get<double>() / (last.at(ofCell(job)) + 1);
-    std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.turn < b.turn; });
+    for (TrialJob& job : jobs) job.turn = job.trial->canonical.at("repeat").get<double>() / (last.at(ofCell(job)) + 1);
+    std::stable_sort(jobs.begin(), jobs.end(), [](const TrialJob& a, const TrialJob& b) { return a.turn < b.turn; });
   }
 
-  void phase(const char* name, const std::vector<Job>& jobs, int parallel, int core) {
+  void phase(const char* name, const std::vector<TrialJob>& jobs, int parallel, int core) {
     m_phase = name, m_total = jobs.size(), m_finished = 0, m_phaseStart = Clock::now();
     std::size_t next = 0;
     while (!InterruptGuard::interrupted() && (next < jobs.size() || m_pool.running() > 0)) {

@@ -336,11 +336,11 @@ bool Store::hasFilm(const std::string& key) try {
   failStore(m_db.getFilename(), e);
 }
 
-void Store::putFilm(const std::string& key, const std::string& json) try {
+void Store::putFilm(const std::string& key, const std::string& film) try {
   SQLite::Transaction transaction(m_db);
   m_db.exec(kFilmTable);
   SQLite::Statement s(m_db, "INSERT OR REPLACE INTO film VALUES (?,?)");
-  s.bind(1, key), s.bind(2, json);
+  s.bind(1, key), s.bind(2, film);
   s.exec();
   transaction.commit();
 } catch (const SQLite::Exception& e) {

@@ -50,7 +50,7 @@ struct Subject {
 
 /// Consecutive blocks that the same methods lack. Its inputs go to one worker, and to several when one does not come
 /// back; it is booked when all have answered.
-struct Job {
+struct VerifyJob {
   const Subject* subject = nullptr;
   std::vector<const Method*> methods;
   std::vector<VerifiedBlock> blocks;
@@ -245,7 +245,7 @@ class Verification {
       const long all = m_options.minutes > 0 ? std::numeric_limits<long>::max() : blocks;
       const long end = std::min(m_round + m_blocksPerJob, all);
       const Subject& s = m_subjects[m_subject];
-      Job job{.subject = &s, .methods = {}, .blocks = {}};
+      VerifyJob job{.subject = &s, .methods = {}, .blocks = {}};
       const long first = m_block;
       for (; m_block < end; ++m_block) {
         std::vector<const Method*> missing;
@@ -276,7 +276,7 @@ class Verification {
   void collect(WorkerEnd end) {
     const Part part = m_parts.at(end.job);
     m_parts.erase(end.job);
-    Job& job = m_jobs.at(part.job);
+    VerifyJob& job = m_jobs.at(part.job);
     if (end.outcome == "unsupported") throw UserError(end.reason);
     Verified verified;
     try {
@@ -297,7 +297,7 @@ class Verification {
   }
 
   // Which method, then which input does it? The others are asked again without them.
-  void split(const Part& part, Job& job, const std::string& how) {
+  void split(const Part& part, VerifyJob& job, const std::string& how) {
     if (part.methods.size() > 1) {
       for (const Method* m : part.methods) m_again.push_back({part.job, part.first, part.count, {m}, {}});
       job.open += static_cast<int>(part.methods.size()) - 1;
@@ -342,7 +342,7 @@ class Verification {
   bool m_tty;
   std::size_t m_subject = 0;
   long m_blocksPerJob = kBlocksPerJob, m_round = 0, m_block = 0;
-  std::map<std::size_t, Job> m_jobs;
+  std::map<std::size_t, VerifyJob> m_jobs;
   std::map<std::size_t, Part> m_parts;  // at work, by their number in the pool
   std::vector<Part> m_again;            // to be started
   std::size_t m_nextJob = 0, m_started = 0;

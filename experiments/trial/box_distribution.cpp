@@ -101,14 +101,15 @@ Flock<D> make(const Spec& spec, int n, std::uint64_t seed) {
   return readEntry<E>(spec).template make<D>(n, random);
 }
 template <class E>
-BoxDistribution entry() {
+BoxDistribution distributionEntry() {
   return {entryInfo<E>(), make<E, 2>, make<E, 3>};
 }
 
 }  // namespace
 
 const std::vector<BoxDistribution>& boxDistributions() {
-  static const std::vector<BoxDistribution> all = {entry<Uniform>(), entry<Cluster>(), entry<Director2>()};
+  static const std::vector<BoxDistribution> all = {distributionEntry<Uniform>(), distributionEntry<Cluster>(),
+                                                   distributionEntry<Director2>()};
   return all;
 }
 

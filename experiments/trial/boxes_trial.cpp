@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kWarmUp = 10;  // frames that are not timed
+constexpr int kWarmUpFrames = 10;  // frames that are not timed
 constexpr double kFrameDt = 1.0 / 60;
 
 /// What is counted and timed, per frame.
@@ -112,7 +112,7 @@ TrialResult runBoxes(const json& t) {
     method->update(proxies, changes);
     method->findPairs(proxies, pairs, work);
     const double after = cpuSeconds();
-    if (frame >= kWarmUp) seen.nanoseconds.push_back(1e9 * (after - before));
+    if (frame >= kWarmUpFrames) seen.nanoseconds.push_back(1e9 * (after - before));
     seen.found.push_back(static_cast<double>(pairs.size()));
     seen.tests.push_back(static_cast<double>(work[WorkCount::boxTests]));
     seen.visits.push_back(static_cast<double>(work[WorkCount::nodeVisits]));

@@ -20,12 +20,12 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Vector = Eigen::VectorXd;
-using Entries = std::vector<Eigen::Triplet<double>>;
+using Triplets = std::vector<Eigen::Triplet<double>>;
 
 constexpr double kSame = 1e-8;   // relative: rounding of whoever wrote the file
 constexpr double kMeets = 1e-6;  // of a contact's distance from the centres: where two bodies meet
 
-Sparse matrixOf(int rows, std::size_t columns, const Entries& entries) {
+Sparse matrixOf(int rows, std::size_t columns, const Triplets& entries) {
   Sparse out(rows, static_cast<Eigen::Index>(columns));
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
@@ -53,7 +53,7 @@ FclibProblem globalOf(FrozenProblem<D> problem) {
   rows.set(in);
   const Bodies<D>& bodies = problem.bodies;
   std::vector<int> first(bodies.pose.size() + 1, -1);  // the world's and those that nothing moves have none
-  Entries m, h, g;
+  Triplets m, h, g;
   std::vector<double> v;
   for (std::size_t i = 0; i < bodies.pose.size(); ++i) {
     if (!(bodies.invMass[i] > 0) && bodies.invInertia[i].isZero(0)) continue;

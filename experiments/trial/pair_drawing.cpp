@@ -154,16 +154,16 @@ DrawnPair<D> draw(const Spec& spec, const PairRequest<D>& request, Random& rando
   return readEntry<E>(spec).template draw<D>(request, random);
 }
 template <class E>
-PairDrawing entry() {
+PairDrawing drawingEntry() {
   return {entryInfo<E>(), draw<E, 2>, draw<E, 3>};
 }
 
 }  // namespace
 
 const std::vector<PairDrawing>& pairDrawings() {
-  static const std::vector<PairDrawing> all = {entry<InTurn>(),       entry<Apart>(),       entry<Near>(),
-                                               entry<Touching>(),     entry<Overlapping>(), entry<Centred>(),
-                                               entry<ParallelFaces>()};
+  static const std::vector<PairDrawing> all = {drawingEntry<InTurn>(),       drawingEntry<Apart>(),       drawingEntry<Near>(),
+                                               drawingEntry<Touching>(),     drawingEntry<Overlapping>(), drawingEntry<Centred>(),
+                                               drawingEntry<ParallelFaces>()};
   return all;
 }
 

@@ -6,42 +6,42 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-using S = const PairsSeen&;
-const Measure<PairsSeen> kMetrics[] = {
+using PairsRow = const PairsSeen&;
+const Measure<PairsSeen> kPairsMetrics[] = {
     {{"ns_per_query", "time per query", "ns", "processor time of one pair of shapes, in batches", MetricRole::cost,
       "cheaper", TrialNeed::timing},
-     [](S s) { return quantile(s.nanoseconds, 0.5); }},
+     [](PairsRow s) { return quantile(s.nanoseconds, 0.5); }},
     {{"max_error", "worst error", "1", "worst error of the distance or depth, over the size of the query",
       MetricRole::error, "more exact"},
-     [](S s) { return quantile(s.errors, 1); }},
+     [](PairsRow s) { return quantile(s.errors, 1); }},
     {{"p99_error", "error of 99 of 100", "1", "99 of 100 queries stay below it, over the size of the query",
       MetricRole::error, "more exact"},
-     [](S s) { return quantile(s.errors, 0.99); }},
+     [](PairsRow s) { return quantile(s.errors, 0.99); }},
     {{"median_error", "median error", "1", "of the distance or depth, over the size of the query", MetricRole::error,
       "more exact"},
-     [](S s) { return quantile(s.errors, 0.5); }},
+     [](PairsRow s) { return quantile(s.errors, 0.5); }},
     {{"failed", "without an answer", "1", "queries that ended without an answer", MetricRole::error,
       "fewer without an answer"},
-     [](S s) { return s.failed; }},
+     [](PairsRow s) { return s.failed; }},
     {{"wrong_boolean", "wrong yes or no", "1", "queries whose yes or no is certainly wrong", MetricRole::error,
       "fewer wrong answers"},
-     [](S s) { return s.wrongSide; }},
+     [](PairsRow s) { return s.wrongSide; }},
     {{"wrong", "wrong answers", "1",
       "answers that the referee proves wrong: on the wrong side, or off by more than 1e-12 (f32: 1e-5) of the size",
       MetricRole::error, "fewer wrong answers"},
-     [](S s) { return s.wrong; }},
+     [](PairsRow s) { return s.wrong; }},
     {{"refused", "refused", "1", "queries of declared shapes that were refused", MetricRole::error,
       "fewer without an answer"},
-     [](S s) { return s.refused; }},
-    {{"asked", "queries", "1", "queries asked", MetricRole::detail, ""}, [](S s) { return s.asked; }},
+     [](PairsRow s) { return s.refused; }},
+    {{"asked", "queries", "1", "queries asked", MetricRole::detail, ""}, [](PairsRow s) { return s.asked; }},
 };
 
 }  // namespace
 
-std::span<const Measure<PairsSeen>> pairsMetrics() { return kMetrics; }
+std::span<const Measure<PairsSeen>> pairsMetrics() { return kPairsMetrics; }
 
 void describePairsMetrics(std::vector<DescribedMetric>& out) {
-  for (const auto& entry : kMetrics) out.push_back({"metric", "pairs", entry.info});
+  for (const auto& entry : kPairsMetrics) out.push_back({"metric", "pairs", entry.info});
 }
 
 }  // namespace lpc::inline LPC_PRECISION

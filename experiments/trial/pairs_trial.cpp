@@ -42,12 +42,12 @@ TrialResult runPairs(const json& t) {
     return out;
   }
   Random random(t.at("seed").get<std::uint64_t>());
-  const Spec drawing = Spec::parse(t.value("drawing", std::string("in_turn")));
+  const Spec way = Spec::parse(t.value("drawing", std::string("in_turn")));
   const auto trueDistance = [](const DrawnPair<D>& pair) {
     return referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB).interval().middle();
   };
   std::vector<DrawnPair<D>> pairs;
-  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(drawing, {kindA, kindB, i, trueDistance}, random));
+  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(way, {kindA, kindB, i, trueDistance}, random));
 
   PairsSeen seen;
   seen.timed = t.value("timed", false), seen.asked = n;

@@ -30,50 +30,50 @@ double ProblemsSeen::rate() const {
 
 namespace {
 
-using S = const ProblemsSeen&;
-const Measure<ProblemsSeen> kMetrics[] = {
+using ProblemsRow = const ProblemsSeen&;
+const Measure<ProblemsSeen> kProblemsMetrics[] = {
     {{"row_updates", "row updates", "1", "rows solved, each time one is", MetricRole::cost, "cheaper"},
-     [](S s) { return s.last().rowUpdates; }},
+     [](ProblemsRow s) { return s.last().rowUpdates; }},
     {{"ns_per_solve", "time per solve", "ns", "processor time of one solve with all iterations, median",
       MetricRole::cost, "cheaper", TrialNeed::timing},
-     [](S s) { return s.last().nanoseconds; }},
+     [](ProblemsRow s) { return s.last().nanoseconds; }},
     {{"problem_residual", "natural map", "1",
       "largest error of a row by Coulomb's law with De Saxce's correction, over g dt (m/s without gravity)",
       MetricRole::error, "nearer to the solution"},
-     [](S s) { return s.last().residual; }},
+     [](ProblemsRow s) { return s.last().residual; }},
     {{"own_residual", "natural map of its own law", "1",
       "the same by the method's own law of friction; undefined for k facets in 3D, which only it knows",
       MetricRole::error, "nearer to its own solution"},
-     [](S s) { return s.last().own; }},
+     [](ProblemsRow s) { return s.last().own; }},
     {{"velocity_error", "error of velocity", "1",
       "largest error of a row's velocity before the converged answer, over g dt", MetricRole::error,
       "velocities nearer to the solution"},
-     [](S s) { return s.last().velocity; }},
+     [](ProblemsRow s) { return s.last().velocity; }},
     {{"cone_error", "beyond the cone", "1", "impulse beyond friction's cone or a limit, as velocity over g dt",
       MetricRole::detail, "impulses obey their limits"},
-     [](S s) { return s.last().cone; }},
+     [](ProblemsRow s) { return s.last().cone; }},
     {{"unexplained_velocity", "velocity without an impulse", "1",
       "largest velocity of a body that the impulses have not made, over g dt: momentum from nowhere",
       MetricRole::detail, "momentum is conserved"},
-     [](S s) { return s.last().unexplained; }},
+     [](ProblemsRow s) { return s.last().unexplained; }},
     {{"iterations_to_thousandth", "iterations to a thousandth", "1",
       "from which on the natural map stays below 0.001 g dt", MetricRole::detail, "faster"},
-     [](S s) { return s.iterationsTo(1e-3); }},
+     [](ProblemsRow s) { return s.iterationsTo(1e-3); }},
     {{"updates_to_thousandth", "row updates to a thousandth", "1", "until the natural map stays below 0.001 g dt",
       MetricRole::detail, "faster"},
-     [](S s) { return s.updatesTo(1e-3); }},
+     [](ProblemsRow s) { return s.updatesTo(1e-3); }},
     {{"rate", "rate of convergence", "1", "factor of the natural map per iteration, in the tail of the curve",
       MetricRole::detail, "faster"},
-     [](S s) { return s.rate(); }},
+     [](ProblemsRow s) { return s.rate(); }},
     {{"predicted_rate", "predicted rate", "1",
       "spectral radius of the Gauss-Seidel iteration on the rows that push, whatever the method; without friction and "
       "joints",
       MetricRole::detail, "faster"},
-     [](S s) { return s.predicted; }},
-    {{"rows", "rows", "1", "of contacts and joints", MetricRole::detail, ""}, [](S s) { return s.rows; }},
+     [](ProblemsRow s) { return s.predicted; }},
+    {{"rows", "rows", "1", "of contacts and joints", MetricRole::detail, ""}, [](ProblemsRow s) { return s.rows; }},
     {{"rank", "rank", "1", "of the matrix of those rows; fewer than rows: impulses are not unique", MetricRole::detail,
       ""},
-     [](S s) { return s.rank; }},
+     [](ProblemsRow s) { return s.rank; }},
 };
 
 using A = const ProblemAnswer&;
@@ -96,11 +96,11 @@ const Measure<ProblemAnswer> kSeries[] = {
 
 }  // namespace
 
-std::span<const Measure<ProblemsSeen>> problemsMetrics() { return kMetrics; }
+std::span<const Measure<ProblemsSeen>> problemsMetrics() { return kProblemsMetrics; }
 std::span<const Measure<ProblemAnswer>> problemsSeries() { return kSeries; }
 
 void describeProblemsMetrics(std::vector<DescribedMetric>& out) {
-  for (const auto& entry : kMetrics) out.push_back({"metric", "problems", entry.info});
+  for (const auto& entry : kProblemsMetrics) out.push_back({"metric", "problems", entry.info});
   for (const auto& entry : kSeries) out.push_back({"series", "problems", entry.info});
 }
 

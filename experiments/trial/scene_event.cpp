@@ -163,7 +163,7 @@ struct Joint {
 };
 
 template <class E, int D>
-constexpr EventKind<D> entry() {
+constexpr EventKind<D> eventEntry() {
   return {E::kName, E::kMeaning, E::kNames, E::template read<D>};
 }
 
@@ -171,8 +171,8 @@ constexpr EventKind<D> entry() {
 
 template <int D>
 std::span<const EventKind<D>> eventKinds() {
-  static constexpr EventKind<D> kKinds[] = {entry<Add, D>(),  entry<Force, D>(),  entry<Joint, D>(),
-                                            entry<Push, D>(), entry<Remove, D>(), entry<Set, D>()};
+  static constexpr EventKind<D> kKinds[] = {eventEntry<Add, D>(),  eventEntry<Force, D>(),  eventEntry<Joint, D>(),
+                                            eventEntry<Push, D>(), eventEntry<Remove, D>(), eventEntry<Set, D>()};
   return kKinds;
 }
 

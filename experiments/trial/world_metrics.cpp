@@ -13,7 +13,7 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 // Not counted in times: caches are cold and vectors grow.
-constexpr long kWarmUp = 10;
+constexpr long kWarmUpSteps = 10;
 
 constexpr MetricRole kCost = MetricRole::cost, kError = MetricRole::error, kDetail = MetricRole::detail;
 
@@ -292,7 +292,7 @@ double WorldSeen<D>::end(const char* name) const {
 template <int D>
 double WorldSeen<D>::quantileOf(const std::string& name, double q) const {
   const auto& list = find(*this, name);
-  std::vector<double> values(list.begin() + std::min<long>(kWarmUp, static_cast<long>(list.size())), list.end());
+  std::vector<double> values(list.begin() + std::min<long>(kWarmUpSteps, static_cast<long>(list.size())), list.end());
   std::erase_if(values, [](double x) { return std::isnan(x); });  // not told, or not defined
   return quantile(std::move(values), q);
 }

@@ -6,7 +6,7 @@
 #include "framework/check.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::bad_input_test {
 namespace {
 
 using test::ask;
@@ -434,4 +434,4 @@ TEST(BadInput, AReportWithoutItsPackages) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::bad_input_test

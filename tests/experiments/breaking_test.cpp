@@ -9,7 +9,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::breaking_test {
 namespace {
 
 using nlohmann::json;
@@ -377,4 +377,4 @@ TEST(Breaking, MistakesInASweepNameTheLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::breaking_test

@@ -6,7 +6,7 @@
 #include "framework/registry.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::broadphase_witness_test {
 namespace {
 
 using test::ask;
@@ -74,4 +74,4 @@ broadphase = ["naive", "*witness"]
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::broadphase_witness_test

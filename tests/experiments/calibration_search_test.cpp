@@ -10,7 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::calibration_search_test {
 namespace {
 
 using nlohmann::json;
@@ -277,4 +277,4 @@ TEST(CalibrationSearch, TakesAMethodAndAValueOfTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::calibration_search_test

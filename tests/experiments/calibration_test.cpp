@@ -10,7 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::calibration_test {
 namespace {
 
 using nlohmann::json;
@@ -204,4 +204,4 @@ TEST(Calibration, MistakesAreOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::calibration_test

@@ -13,7 +13,7 @@
 #include "framework/check.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::child_test {
 namespace {
 
 using test::Workspace;
@@ -156,4 +156,4 @@ TEST(Child, EndsWithItsOwn) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::child_test

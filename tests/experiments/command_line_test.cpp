@@ -12,7 +12,7 @@
 #include "framework/registry.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::command_line_test {
 namespace {
 
 using test::Outcome;
@@ -323,4 +323,4 @@ TEST(CommandLine, versionIsTheProjects) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::command_line_test

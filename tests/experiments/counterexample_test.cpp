@@ -7,7 +7,7 @@
 #include "experiments/trial/scene_file.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::counterexample_test {
 namespace {
 
 template <int D>
@@ -46,4 +46,4 @@ TEST(Counterexample, IsASceneFile2) { readsBack<2>(); }
 TEST(Counterexample, IsASceneFile3) { readsBack<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::counterexample_test

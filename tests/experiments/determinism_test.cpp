@@ -11,7 +11,7 @@
 #include "framework/world.h"
 #include "tests/experiments/scene_states.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::determinism_test {
 namespace {
 
 #if defined(LPC_SANITIZED)
@@ -88,4 +88,4 @@ TEST(Determinism, OneBitOfDifferenceIsSeen) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::determinism_test

@@ -6,7 +6,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::engine_trial_test {
 namespace {
 
 using nlohmann::json;
@@ -241,4 +241,4 @@ TEST(EngineTrial, TowersOfOursFallLater) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::engine_trial_test

@@ -15,7 +15,7 @@
 #include "oracles/referee.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::entry_test {
 namespace {
 
 // FNV-1a of the bits of numbers.
@@ -148,4 +148,4 @@ TEST(Entries, DescribeThemselves) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::entry_test

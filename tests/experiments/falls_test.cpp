@@ -9,7 +9,7 @@
 #include "experiments/film/camera.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::falls_test {
 namespace {
 
 using nlohmann::json;
@@ -274,4 +274,4 @@ TEST(Falls, WhoStandsIsNotDrawnNorWhoIsTooMany) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::falls_test

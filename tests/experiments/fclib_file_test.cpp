@@ -15,7 +15,7 @@
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::fclib_file_test {
 namespace {
 
 using test::expectParts;
@@ -250,4 +250,4 @@ TEST(FclibFile, IsRecordedAndSwept) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::fclib_file_test

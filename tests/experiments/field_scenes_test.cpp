@@ -10,7 +10,7 @@
 #include "framework/director.h"
 #include "framework/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::field_scenes_test {
 namespace {
 
 template <int D>
@@ -286,4 +286,4 @@ TEST(FieldScenes, ProximalNewtonIsQuickWhereNothingMoves) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::field_scenes_test

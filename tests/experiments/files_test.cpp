@@ -5,7 +5,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::files_test {
 namespace {
 
 using test::filesIn;
@@ -175,4 +175,4 @@ TEST(Files, NamesAreUtf8) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::files_test

@@ -8,7 +8,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::film_beside_test {
 namespace {
 
 using test::Outcome;
@@ -255,4 +255,4 @@ TEST(FilmBeside, TwinsAreTheSameBody) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::film_beside_test

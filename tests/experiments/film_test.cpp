@@ -5,7 +5,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::film_test {
 namespace {
 
 using test::Outcome;
@@ -216,4 +216,4 @@ TEST(Film, WhatFliesFarIsStillWritten) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::film_test

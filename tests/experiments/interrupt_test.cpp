@@ -3,7 +3,7 @@
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::interrupt_test {
 namespace {
 
 using test::ask;
@@ -65,4 +65,4 @@ TEST(Interrupt, EndsCases) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::interrupt_test

@@ -8,7 +8,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::joint_axis_test {
 namespace {
 
 using test::Outcome;
@@ -278,4 +278,4 @@ TEST(ShippedSweeps, HoldEveryKindOfJoint) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::joint_axis_test

@@ -8,7 +8,7 @@
 #include "experiments/runner/scene_model.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::needs_test {
 namespace {
 
 using test::Outcome;
@@ -110,4 +110,4 @@ TEST(Needs, GoesOnAfterCtrlC) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::needs_test

@@ -13,7 +13,7 @@
 #include "experiments/trial/trial.h"
 #include "oracles/verify.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pairs_trial_test {
 namespace {
 
 // Wrong by a part of the size, now and then along a wrong normal, and sometimes silent.
@@ -125,4 +125,4 @@ TEST(PairsTrial, ALibrarysVersionIsPartOfTheKeyOfItsWitness) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pairs_trial_test

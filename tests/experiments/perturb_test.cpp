@@ -13,7 +13,7 @@
 #include "tests/experiments/scene_states.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::perturb_test {
 namespace {
 
 using test::ask;
@@ -190,4 +190,4 @@ TEST(Perturb, aSeedThatDecidesNothingIsTold) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::perturb_test

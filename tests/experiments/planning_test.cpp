@@ -5,7 +5,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::planning_test {
 namespace {
 
 using test::expectParts;
@@ -117,4 +117,4 @@ TEST(Planning, IsStoppedAtOnce) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::planning_test

@@ -10,7 +10,7 @@
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::problem_file_test {
 namespace {
 
 using test::expectParts;
@@ -225,4 +225,4 @@ TEST(Record, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::problem_file_test

@@ -12,7 +12,7 @@
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::problems_trial_test {
 namespace {
 
 using nlohmann::json;
@@ -279,4 +279,4 @@ TEST(ProblemsTrial, SweepsNameProblemsBesideThem) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::problems_trial_test

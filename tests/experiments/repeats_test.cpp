@@ -4,7 +4,7 @@
 
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::repeats_test {
 namespace {
 
 using test::ask;
@@ -90,4 +90,4 @@ TEST(Repeats, afterTheFirstTellTimesAlone) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::repeats_test

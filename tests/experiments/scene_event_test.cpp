@@ -10,7 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::scene_event_test {
 namespace {
 
 using test::expectCaught;
@@ -267,4 +267,4 @@ TEST(SceneEvent, MistakesAreOneLine) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::scene_event_test

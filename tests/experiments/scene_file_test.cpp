@@ -9,7 +9,7 @@
 #include "framework/director.h"
 #include "framework/world.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::scene_file_test {
 namespace {
 
 const std::string kHead = "name = \"t\"\nsummary = \"s\"\ndimensions = [2, 3]\n";  // lines 1 to 3
@@ -399,4 +399,4 @@ shapes = [{ kind = "circle", radius = 1, friction = 0.1, restitution = 0.8 }]
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::scene_file_test

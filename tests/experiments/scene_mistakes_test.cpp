@@ -7,7 +7,7 @@
 #include "tests/experiments/scene_text.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::scene_mistakes_test {
 namespace {
 
 using namespace test;
@@ -368,4 +368,4 @@ TEST(SceneMistakes, MessagesAreOneLineWhateverTheyQuote) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::scene_mistakes_test

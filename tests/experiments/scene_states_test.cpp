@@ -12,7 +12,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/trial/scene_file.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::scene_states_test {
 namespace {
 
 #if defined(LPC_SANITIZED)
@@ -159,4 +159,4 @@ void print() {
 TEST(SceneStates, DISABLED_print) { print<2>(), print<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::scene_states_test

@@ -3,7 +3,7 @@
 #include "framework/joint.h"
 #include "tests/experiments/scene_text.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::scene_turns_test {
 namespace {
 
 using namespace test;
@@ -160,4 +160,4 @@ TEST(SceneMistakes, AsManyTurnsAsMayBe) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::scene_turns_test

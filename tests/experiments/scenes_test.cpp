@@ -6,7 +6,7 @@
 #include "experiments/trial/scene_file.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::scenes_test {
 namespace {
 
 using Census = std::map<std::string, int>;
@@ -228,4 +228,4 @@ TEST(Scenes, directorTwoDrawsTheSameInBothDimensions) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::scenes_test

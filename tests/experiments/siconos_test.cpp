@@ -9,7 +9,7 @@
 #include "oracles/witness_resolver.h"
 #include "tests/experiments/refused.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::siconos_test {
 namespace {
 
 using test::Workspace;
@@ -105,4 +105,4 @@ TEST(Siconos, StageOfTheLedger) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::siconos_test

@@ -11,7 +11,7 @@
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::sweep_axis_test {
 namespace {
 
 using nlohmann::json;
@@ -421,4 +421,4 @@ TEST(SweepReport, TheChartsThatASweepIsForAreInTheStore) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::sweep_axis_test

@@ -15,7 +15,7 @@
 #include "tests/experiments/workspace.h"
 #include "tests/planted_bugs/store_twins.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::sweep_rules_test {
 namespace {
 
 using nlohmann::json;
@@ -192,4 +192,4 @@ TEST(SweepRules, SurviveFiftyKills) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::sweep_rules_test

@@ -7,7 +7,7 @@
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::sweep_test {
 namespace {
 
 using test::ask;
@@ -248,12 +248,14 @@ TEST(SweepRun, interruptKeepsWhatWasFinished) {
   EXPECT_EQ(w.lpc("--plugin " + kPlugin + " sweep s.toml --store s.db").code, 2);
   w.write("s.toml",
           "summary = \"s\"\nkind = \"boxes\"\n[axes]\ndimension = 2\ndistribution = \"uniform\"\n"
-          "frames = 100\nn = [8, 16, 24, 32, 40, 48]\nbroadphase = \"planted_slow\"\n");
-  const Outcome run = w.lpc("--plugin " + kPlugin +
-                            " sweep s.toml --quiet --jobs 1 --store s.db & p=$!; "
-                            "sleep 0.7; kill -INT $p; wait $p; exit $?");
-  EXPECT_EQ(run.code, 130) << run.text;
-  EXPECT_NE(run.text.find("the same command continues"), std::string::npos) << run.text;
+          "frames = 250\nn = [8, 16, 24, 32, 40, 48]\nbroadphase = \"planted_slow\"\n");
+  // Once the first trial is in the store there are five left, of which each sleeps for half a second.
+  test::Process run(w, "--plugin " + kPlugin + " sweep s.toml --quiet --jobs 1 --store s.db");
+  ASSERT_TRUE(run.isBusy(w.path("s.db"))) << run.said();
+  while (!run.ended() && ask(w.path("s.db"), "SELECT count(*) FROM trial") == "0") usleep(1000);
+  run.signal(SIGINT);
+  EXPECT_EQ(run.wait(), 130) << run.said();
+  EXPECT_NE(run.said().find("the same command continues"), std::string::npos) << run.said();
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome != 'ok'"), "0");
   const Outcome rest = w.lpc("--plugin " + kPlugin + " sweep s.toml --quiet --store s.db");
   EXPECT_EQ(rest.code, 0) << rest.text;
@@ -316,4 +318,4 @@ TEST(Store, refusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::sweep_test

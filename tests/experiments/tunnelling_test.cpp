@@ -13,7 +13,7 @@
 #include "tests/experiments/workspace.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::tunnelling_test {
 namespace {
 
 using test::at;
@@ -238,4 +238,4 @@ TEST(Tunnelling, IsMeasuredAlikeForEngines) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::tunnelling_test

@@ -15,7 +15,7 @@
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::verification_test {
 namespace {
 
 using test::ask;
@@ -299,4 +299,4 @@ TEST(Verification, StoresMergeByMethod) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::verification_test

@@ -11,7 +11,7 @@
 #include "framework/stage_solver.h"
 #include "tests/experiments/workspace.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::world_trial_test {
 namespace {
 
 using nlohmann::json;
@@ -419,4 +419,4 @@ TEST(CommandRun, printsProfilesAndRecords) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::world_trial_test

@@ -9,7 +9,7 @@
 
 #include "tests/run_property.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::check_property_test {
 namespace {
 
 std::string read(const std::filesystem::path& path) {
@@ -132,4 +132,4 @@ TEST_F(CheckProperty, ListsPlantedBugs) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::check_property_test

@@ -9,7 +9,7 @@
 #include "tests/generators.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::compound_test {
 namespace {
 
 template <int D>
@@ -162,4 +162,4 @@ void culled() {
 TEST(Compound, OnlyNearPartsArePaired) { culled<2>(), culled<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::compound_test

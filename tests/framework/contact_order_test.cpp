@@ -8,7 +8,7 @@
 #include "framework/random.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::contact_order_test {
 namespace {
 
 // Few bodies with many manifolds each, many bodies, and numbers that differ in their highest bytes only.
@@ -69,4 +69,4 @@ void sortsInBoth() {
 TEST(ContactOrder, IsThatOfTheStandardLibrary) { sortsInBoth<2>(), sortsInBoth<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::contact_order_test

@@ -8,7 +8,7 @@
 #include "framework/random.h"
 #include "framework/support_map.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::curved_core_test {
 namespace {
 
 constexpr Real kEps = std::numeric_limits<Real>::epsilon();
@@ -226,4 +226,4 @@ TEST(CurvedCore, WrongSizesAreRefused) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::curved_core_test

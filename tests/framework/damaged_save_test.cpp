@@ -12,7 +12,7 @@
 #include "tests/check_property.h"
 #include "tests/fuzz/damaged_world.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::damaged_save_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -291,4 +291,4 @@ void explode() {
 TEST(DamagedSave, AnExplodedWorldIsNone) { explode<2>(), explode<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::damaged_save_test

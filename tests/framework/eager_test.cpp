@@ -9,7 +9,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::eager_test {
 namespace {
 
 template <int R, int C = 1>
@@ -60,4 +60,4 @@ TEST(Eager, PlainMatricesAsEigenSays) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::eager_test

@@ -6,7 +6,7 @@
 #include "tests/draw.h"
 #include "tests/planted_bugs/force_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::force_test {
 namespace {
 
 // The angular momentum of a turned body is the turned angular momentum.
@@ -102,4 +102,4 @@ TEST(Force, Drag) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::force_test

@@ -10,7 +10,7 @@
 #include "tests/direction_search.h"
 #include "tests/run_property.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::generators_test {
 namespace {
 
 // The separation along d (unit, from A to B): no direction can show more than the true distance.
@@ -96,4 +96,4 @@ TEST(Generators, CounterexamplesShrink) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::generators_test

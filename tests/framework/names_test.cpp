@@ -6,7 +6,7 @@
 
 #include "framework/registry.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::names_test {
 namespace {
 
 const std::vector<std::string> kNames = {"naive", "naive_sphere", "region_tree", "sort_and_sweep", "uniform_grid"};
@@ -73,4 +73,4 @@ TEST(Names, APartOfAStageIsPutInItsPlace) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::names_test

@@ -11,7 +11,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::polytope_test {
 namespace {
 
 template <int D>
@@ -372,4 +372,4 @@ TEST(Hull, ManyPoints) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::polytope_test

@@ -7,7 +7,7 @@
 #include "tests/generators.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::ray_test {
 namespace {
 
 constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
@@ -234,4 +234,4 @@ void compoundNormals() {
 TEST(Ray, OfACompoundItsPartGivesTheNormal) { compoundNormals<2>(), compoundNormals<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::ray_test

@@ -7,7 +7,7 @@
 
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::refusal_test {
 namespace {
 
 constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN(), kInf = std::numeric_limits<Real>::infinity();
@@ -161,4 +161,4 @@ TEST(Refusal, NothingChanges2) { refuses<2>(); }
 TEST(Refusal, NothingChanges3) { refuses<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::refusal_test

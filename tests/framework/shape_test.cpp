@@ -11,7 +11,7 @@
 #include "tests/direction_search.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::shape_test {
 namespace {
 
 template <int D>
@@ -302,4 +302,4 @@ TEST(Shape, RayAnswersInClosedForm) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::shape_test

@@ -8,7 +8,7 @@
 #include "framework/random.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::slots_test {
 namespace {
 
 // Takes and gives at random: always the lowest slot that is free, also after reading a table with holes.
@@ -63,4 +63,4 @@ TEST(SlotTable, TheLowestFreeOneIsNext) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::slots_test

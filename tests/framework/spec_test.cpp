@@ -9,7 +9,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::spec_test {
 namespace {
 
 template <class F>
@@ -259,4 +259,4 @@ TEST(RegistryDeathTest, ASecondOfTheSameNameAborts) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::spec_test

@@ -10,7 +10,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::stages_test {
 namespace {
 
 // --- broadphase
@@ -230,4 +230,4 @@ TEST(PairBatch, GivesBackWhatWasAdded) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::stages_test

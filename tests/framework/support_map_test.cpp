@@ -7,7 +7,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::support_map_test {
 namespace {
 
 // Points of the shape's core that span it.
@@ -140,4 +140,4 @@ TEST(SupportMap, HintIsTheVertex) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::support_map_test

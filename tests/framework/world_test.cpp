@@ -8,7 +8,7 @@
 #include "framework/recording.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::world_test {
 namespace {
 
 using test::addGround;
@@ -410,4 +410,4 @@ TEST(Invariants, OfASpeckAreNumbers) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::world_test

@@ -5,7 +5,7 @@
 #include "framework/mass.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::impact_laws_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -175,4 +175,4 @@ void kane() {
 TEST_F(KnownAnswer, kane_rod) { kane<2>(), kane<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::impact_laws_test

@@ -6,7 +6,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::impact_test {
 namespace {
 
 const Methods kLaws{"split_solver, any law of restitution",
@@ -195,4 +195,4 @@ TEST_F(KnownAnswer, bounce_elastic_energy) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::impact_test

@@ -6,7 +6,7 @@
 #include "framework/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::integrator_test {
 namespace {
 
 TEST(AnswerTable, HoldsFromBothSides) {
@@ -307,4 +307,4 @@ void momenta() {
 TEST_F(KnownAnswer, two_body_spring_momentum) { momenta<2>(), momenta<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::integrator_test

@@ -2,7 +2,7 @@
 // Hinges, welds, springs, slides, wheels, motors and cones with a formula.
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::joint_kinds_test {
 namespace {
 
 const char* const kSolvers[] = {"split_solver", "split_solver{position=baumgarte}", "split_solver{velocity=millington}",
@@ -298,4 +298,4 @@ TEST_F(KnownAnswer, cone_rim) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::joint_kinds_test

@@ -6,7 +6,7 @@
 #include "framework/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::joint_test {
 namespace {
 
 const std::vector<std::string> kSolvers = [] {
@@ -277,4 +277,4 @@ void goesRound(bool fast) {
 TEST_F(KnownAnswer, top_steady_precession) { goesRound(false), goesRound(true); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::joint_test

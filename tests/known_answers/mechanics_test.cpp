@@ -5,7 +5,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::mechanics_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 240;
@@ -296,4 +296,4 @@ TEST_F(KnownAnswer, ball_on_turntable) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::mechanics_test

@@ -4,7 +4,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::stability_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -235,4 +235,4 @@ TEST_F(KnownAnswer, painleve_rod) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::stability_test

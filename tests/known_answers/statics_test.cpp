@@ -4,7 +4,7 @@
 
 #include "tests/known_answers/known_answer.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::statics_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -184,4 +184,4 @@ TEST_F(KnownAnswer, sleeping_top) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::statics_test

@@ -13,7 +13,7 @@
 #include "oracles/verify.h"
 #include "tests/check_property.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::curved_referee_test {
 namespace {
 
 // f(kindA, kindB) for every two bounded kinds of which one is curved.
@@ -192,4 +192,4 @@ TEST(CurvedPairs, ContactsAreRight2) { methodsAreRight<2>(StageKind::contacts, 6
 TEST(CurvedPairs, ContactsAreRight3) { methodsAreRight<3>(StageKind::contacts, 30); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::curved_referee_test

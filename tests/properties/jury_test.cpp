@@ -11,7 +11,7 @@
 #include "tests/pair_query_properties.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::jury_test {
 namespace {
 
 using namespace wrong_queries;
@@ -159,4 +159,4 @@ TEST(Jury, FindsWrongCandidates2) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::jury_test

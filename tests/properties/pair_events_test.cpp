@@ -8,7 +8,7 @@
 #include "tests/draw.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::pair_events_test {
 namespace {
 
 /// What a listener was told, and the first thing that it should not have been told.
@@ -100,4 +100,4 @@ TEST(PairEvents, Alternate2) { events<2>(); }
 TEST(PairEvents, Alternate3) { events<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::pair_events_test

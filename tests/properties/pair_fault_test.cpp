@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::pair_fault_test {
 namespace {
 
 template <int D>
@@ -39,4 +39,4 @@ TEST(PairFault, WrongAnswersAreSeen2) { wrongAnswersAreSeen<2>(); }
 TEST(PairFault, WrongAnswersAreSeen3) { wrongAnswersAreSeen<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::pair_fault_test

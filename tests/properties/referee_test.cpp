@@ -15,7 +15,7 @@
 #include "tests/check_property.h"
 #include "tests/generators.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::referee_test {
 namespace {
 
 constexpr double kUnit = std::numeric_limits<double>::epsilon();
@@ -344,4 +344,4 @@ TEST(Referee, PlantedWrongRefereesAreCaught) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::referee_test

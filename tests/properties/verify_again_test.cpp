@@ -4,7 +4,7 @@
 
 #include "oracles/verify.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::verify_again_test {
 namespace {
 
 // Always wrong, and counts how often it is asked.
@@ -43,4 +43,4 @@ TEST(Verify, AKeptFailureIsAskedAgainOnce) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::verify_again_test

@@ -17,7 +17,7 @@
 #include "tests/planted_bugs/contact_bugs.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::verify_test {
 namespace {
 
 // Every two kinds up to `last`.
@@ -493,4 +493,4 @@ TEST(Verify, WrongDimensionIsTheUsersMistake) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::verify_test

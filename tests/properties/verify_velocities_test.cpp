@@ -8,7 +8,7 @@
 #include "oracles/verify.h"
 #include "tests/expect_caught.h"
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::verify_velocities_test {
 namespace {
 
 template <int D>
@@ -156,4 +156,4 @@ TEST(VerifyVelocities, DrawsTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::verify_velocities_test

@@ -16,7 +16,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc::inline LPC_PRECISION::witness_process_test {
 namespace {
 
 enum class Fault { throws, throwsInPlace, aborts, segfaults, exits, spins, sleeps, nan, infiniteNormal, prints };
@@ -309,4 +309,4 @@ TEST(WitnessProcess, WhatItPrintsGoesNowhere) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc::inline LPC_PRECISION::witness_process_test

@@ -12,7 +12,7 @@
 #include "tests/check_property.h"
 #include "tests/draw.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::witness_test {
 namespace {
 
 template <int D>
@@ -291,4 +291,4 @@ TEST(Witnesses, BulletBoxBoxPrefersFaces) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::witness_test

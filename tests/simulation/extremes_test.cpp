@@ -10,7 +10,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::extremes_test {
 namespace {
 
 /// Every body finite, and what contacts and joints push.
@@ -167,4 +167,4 @@ TEST(Extremes, EveryParameterSurvives2) { everyParameterSurvives<2>(); }
 TEST(Extremes, EveryParameterSurvives3) { everyParameterSurvives<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::extremes_test

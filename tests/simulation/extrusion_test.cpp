@@ -12,7 +12,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::extrusion_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -190,4 +190,4 @@ TEST(Extrusion, SeesAnotherInertia) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::extrusion_test

@@ -5,7 +5,7 @@
 #include "framework/invariants.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::joints_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -174,4 +174,4 @@ TEST(Joints, ErrorsInMetresAndRadiansAreApart) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::joints_test

@@ -12,7 +12,7 @@
 #include "tests/planted_bugs/planted_stages.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::replay_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -296,4 +296,4 @@ TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::replay_test

@@ -7,7 +7,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::rest_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -108,4 +108,4 @@ TEST(Rest, NonlinearEndsBeforeItsLimit) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::rest_test
