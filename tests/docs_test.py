@@ -63,7 +63,7 @@ INSTEAD = {
         "--set seed=1 --store results/choose.db --with \"taken=$t\"; }",
     "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
     **{f"lpc sweep {name} --store results/evidence.db": f"lpc sweep {name} --store results/evidence.db --dry-run"
-       for name in ("beyond", "equal_cost", "problems")},
+       for name in ("beyond", "breaking_map", "cache_solver", "ensembles", "equal_cost", "orders", "problems", "reference")},
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
     "lpc verify --stage velocity": "lpc verify --stage velocity --dimension 2 --methods siconos",

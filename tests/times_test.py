@@ -39,6 +39,10 @@ class Times(unittest.TestCase):
                 "experiments/CMakeFiles/lpc.dir/lpc/list.cpp.o": "experiments/lpc",
                 "oracles/CMakeFiles/lpc_oracles_f64.dir/fcl.cpp.o": "oracles f64",
                 "lpc/CMakeFiles/lpc_framework_f64.dir/framework/world.cpp.o": "framework f64",
+                "tests/CMakeFiles/test_known_answers_f32.dir/Unity/unity_0_cxx.cxx.o": "tests/known_answers f32",
+                "oracles/CMakeFiles/lpc_oracles_f64.dir/Unity/unity_2_cxx.cxx.o": "oracles f64",
+                "experiments/CMakeFiles/lpc.dir/Unity/unity_0_cxx.cxx.o": "experiments/lpc",
+                "CMakeFiles/lpc_algorithms_f64.dir/Unity/unity_0_cxx.cxx.o": "algorithms f64",
                 "CMakeFiles/lpc_pinned_f64.dir/trace.cpp.o": "tests/determinism f64",
                 "CMakeFiles/lpc_framework_f64.dir/cmake_pch.hxx.gch": "precompiled headers"}.items():
             self.assertEqual(times.folder_of(output), folder, output)
