@@ -63,8 +63,10 @@ class Looks:
         for label in everyone:
             slot, member = self.families[family(label)], self._member(label)
             marker = 7 * slot + (self.shifts.get(member, zlib.crc32(member.encode())) if member else 0)
-            colour = (PALETTE + SHADES)[slot % (len(PALETTE) + len(SHADES))]
-            tried = [(colour, MARKERS[(marker + step) % len(MARKERS)]) for step in range(len(MARKERS))]
+            colours = PALETTE + SHADES
+            # A family of more members than there are markers goes on in the other shade of its colour.
+            tried = [(colours[place % len(colours)], MARKERS[(marker + step) % len(MARKERS)])
+                     for place in (slot, slot + len(PALETTE)) for step in range(len(MARKERS))]
             self.looks[label] = next((look for look in tried if look not in taken), tried[0])
             taken.add(self.looks[label])
 

@@ -63,6 +63,12 @@ class LooksOfMethods(unittest.TestCase):
         labels = [f"method_{i}" for i in range(40)]
         self.assertEqual(check_looks(style.Looks(self.store(()), [], labels), labels), "")
 
+    def test_more_members_than_markers(self):
+        labels = [f"catto member {i}" for i in range(2 * len(style.MARKERS) - 1)]  # and the family itself
+        looks = style.Looks(self.store(()), [], labels)
+        self.assertEqual(len({(looks(label)["color"], looks(label)["marker"]) for label in labels}), len(labels))
+        self.assertEqual(len({looks(label)["color"] for label in labels}), 2)
+
     def test_a_look_does_not_depend_on_the_others_in_the_store(self):
         algorithms = synthetic_store.forty_algorithms()
         everyone = style.Looks(self.store(()), algorithms, synthetic_store.FORTY)
