@@ -51,7 +51,7 @@ class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
 };
 
 const CurvedRegistrar<Ellipsoid, 2, 3> ellipsoidRegistrar{ShapeKind::ellipsoid,
-                                                 {{"half_x", "half_y"}, {"half_x", "half_y", "half_z"}}};
+                                                          {{"half_x", "half_y"}, {"half_x", "half_y", "half_z"}}};
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION

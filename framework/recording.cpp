@@ -116,7 +116,8 @@ std::int32_t readHeader(std::istream& in) {
   char magic[sizeof kRecordingMagic] = {};
   std::int32_t dimension = 0;
   in.read(magic, sizeof magic);
-  if (std::memcmp(magic, kRecordingMagic, sizeof kRecordingMagic) != 0) throw UserError("this is not a recording of a world");
+  if (std::memcmp(magic, kRecordingMagic, sizeof kRecordingMagic) != 0)
+    throw UserError("this is not a recording of a world");
   if (!get(in, dimension)) throw UserError("the recording ends early");
   return dimension;
 }

@@ -159,7 +159,8 @@ using Manifolds = std::map<std::int32_t, std::vector<Manifold<D>>>;  // by shape
 
 // All pairs in one call, as in a world.
 template <int D>
-Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<PlacedHard<D>>& placed, bool nudge, double& spent) {
+Manifolds<D> generate(ContactGenerator<D>& generator, const std::vector<PlacedHard<D>>& placed, bool nudge,
+                      double& spent) {
   std::vector<ShapeRecord<D>> shapes;
   std::vector<Pose<D>> pose;
   std::vector<ShapePair> pairs;

@@ -16,8 +16,10 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr double kSolved = sizeof(Real) == 8 ? 1e-8 : 1e-3;  // of the largest velocity of a row: what a solution may leave
-constexpr double kAlike = sizeof(Real) == 8 ? 1e-6 : 1e-2;   // the same: by how much velocities of two of them may differ
+constexpr double kSolved =
+    sizeof(Real) == 8 ? 1e-8 : 1e-3;  // of the largest velocity of a row: what a solution may leave
+constexpr double kAlike =
+    sizeof(Real) == 8 ? 1e-6 : 1e-2;  // the same: by how much velocities of two of them may differ
 
 using Wide = long double;
 

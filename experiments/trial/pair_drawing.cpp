@@ -161,9 +161,9 @@ PairDrawing drawingEntry() {
 }  // namespace
 
 const std::vector<PairDrawing>& pairDrawings() {
-  static const std::vector<PairDrawing> all = {drawingEntry<InTurn>(),       drawingEntry<Apart>(),       drawingEntry<Near>(),
-                                               drawingEntry<Touching>(),     drawingEntry<Overlapping>(), drawingEntry<Centred>(),
-                                               drawingEntry<ParallelFaces>()};
+  static const std::vector<PairDrawing> all = {
+      drawingEntry<InTurn>(),      drawingEntry<Apart>(),   drawingEntry<Near>(),         drawingEntry<Touching>(),
+      drawingEntry<Overlapping>(), drawingEntry<Centred>(), drawingEntry<ParallelFaces>()};
   return all;
 }
 
