@@ -7,7 +7,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr Real kEndless = std::numeric_limits<Real>::infinity();
+constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
 
 // When `box` moved by t * displacement first meets `target`, 0 <= t <= maxT; negative when it does not. The bounds are
 // compared before they are subtracted, so that t = 0 says the same as Aabb::overlaps.
@@ -26,7 +26,7 @@ Real sweepBox(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const A
     if (d > 0) leave = std::min(leave, (target.hi[k] - box.lo[k]) / d);
     if (d < 0) leave = std::min(leave, (target.lo[k] - box.hi[k]) / d);
   }
-  return enter <= leave && enter < kEndless ? enter : Real(-1);
+  return enter <= leave && enter < kInfinite ? enter : Real(-1);
 }
 
 }  // namespace
@@ -37,8 +37,8 @@ void Proxies<D>::resize(int slots) {
   // Shrinking to the slots first makes all that is left of old tenants free.
   const auto kept = static_cast<std::size_t>(std::min(slots, count));
   for (std::size_t k = 0; k < static_cast<std::size_t>(D); ++k) {
-    lo[k].resize(kept), lo[k].resize(padded, kEndless);
-    hi[k].resize(kept), hi[k].resize(padded, -kEndless);
+    lo[k].resize(kept), lo[k].resize(padded, kInfinite);
+    hi[k].resize(kept), hi[k].resize(padded, -kInfinite);
   }
   active.resize(kept), active.resize(padded, 0);
   category.resize(kept), category.resize(padded, 0);
@@ -80,7 +80,7 @@ void Broadphase<D>::at(const Proxies<D>& proxies, const Vec<D>& point, std::vect
 template <int D>
 void Broadphase<D>::ray(const Proxies<D>& proxies, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
                         std::vector<RayHit<D>>& out) const {
-  RayHit<D> first{-1, kEndless};
+  RayHit<D> first{-1, kInfinite};
   for (ProxyId i = 0; i < proxies.size(); ++i) {
     if (proxies.isFree(i)) continue;
     const Real t = castRay(proxies.box(i), p, direction, maxT);

@@ -18,7 +18,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-struct BreakCommand {
+struct BreakOptions {
   BreakQuestion question;
   std::string scene, limit, precision = "f64";
   std::vector<std::string> pipelines, params;
@@ -33,7 +33,7 @@ constexpr const char* kSetting = "iterations";  // what methods get at equal cos
 constexpr int kTimedRepeats = 5;
 
 // The range of a scene's parameter is known.
-void setEnds(BreakCommand& o, const SceneFile& file) {
+void setEnds(BreakOptions& o, const SceneFile& file) {
   BreakQuestion& q = o.question;
   const SceneParameter* p = file.parameter(q.parameter);
   if (p && p->value.isText()) throw UserError("parameter '" + q.parameter + "' is a text; valid: a number");
@@ -46,7 +46,7 @@ void setEnds(BreakCommand& o, const SceneFile& file) {
   q.from = o.from ? *o.from : p->lo, q.to = o.to ? *o.to : p->hi;
 }
 
-std::vector<std::string> commandOf(const BreakCommand& o) {
+std::vector<std::string> commandOf(const BreakOptions& o) {
   const BreakQuestion& q = o.question;
   std::vector<std::string> out = {"break", o.scene, "--parameter", q.parameter};
   const auto add = [&](const char* option, const std::string& value) { out.insert(out.end(), {option, value}); };
@@ -68,7 +68,7 @@ std::vector<std::string> commandOf(const BreakCommand& o) {
   return out;
 }
 
-PlannedSweep plan(BreakCommand& o) {
+PlannedSweep plan(BreakOptions& o) {
   BreakQuestion& q = o.question;
   const auto planner = std::make_shared<Planner>();
   const SceneFile& file = planner->scene(o.scene);
@@ -163,7 +163,7 @@ void print(const BreakQuestion& q, const Broken& b) {
   if (!then.empty()) std::printf("  not monotone: %zu beyond hold again: %s\n", b.passesBeyond.size(), then.c_str());
 }
 
-void breakScene(BreakCommand& o, Session& session) {
+void breakScene(BreakOptions& o, Session& session) {
   std::vector<PlannedSweep> sweeps = {plan(o)};
   addPlugins(sweeps[0].command, session);
   RunOptions run;
@@ -190,7 +190,7 @@ void breakScene(BreakCommand& o, Session& session) {
 void addBreak(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand(
       "break", "Searches the value of a parameter at which each method breaks, over seeds, with an interval");
-  auto o = std::make_shared<BreakCommand>();
+  auto o = std::make_shared<BreakOptions>();
   BreakQuestion& q = o->question;
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
   command.option("--parameter", q.parameter, "of the scene, dt, or $NAME in a pipeline").required();

@@ -279,12 +279,12 @@ void writeNames(const std::string& page) {
   out.finish();
 }
 
-struct ListCommand {
+struct ListOptions {
   bool asJson = false, all = false;
   std::string page, stage, name;
 };
 
-void list(const ListCommand& o) {
+void list(const ListOptions& o) {
   if (!o.page.empty()) return writeNames(o.page);
   if (!o.stage.empty()) requireStage(o.stage);
   json chosen = o.stage.empty() ? everything() : json{{"algorithms", ofStage(describeAlgorithms(), o.stage)}};
@@ -301,7 +301,7 @@ void list(const ListCommand& o) {
 void addList(CommandLine& app, Session&) {
   CommandLine command = app.subcommand(
       "list", "Names of all algorithms, kinds of shape, metrics, scenes and sweeps; on request all about them");
-  auto o = std::make_shared<ListCommand>();
+  auto o = std::make_shared<ListOptions>();
   const Option stage =
       command.option("--stage", o->stage, "the algorithms of one stage, with parameters, ranges and meanings");
   const Option name = command.option("--name", o->name, "whatever has this name: an algorithm, a scene, a metric, ...");

@@ -18,7 +18,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-struct NeedsCommand {
+struct NeedsOptions {
   NeedsQuestion question;
   std::vector<std::string> params;
   std::string store = "results/needs.db";
@@ -81,7 +81,7 @@ void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
   for (const ModelSeen& m : seen.models) printModel(m, *again);
 }
 
-std::vector<std::string> commandOf(const NeedsCommand& o) {
+std::vector<std::string> commandOf(const NeedsOptions& o) {
   const NeedsQuestion& q = o.question;
   std::vector<std::string> out = {"needs", q.scene, "--seeds", std::to_string(q.seeds)};
   const auto add = [&](const char* option, const std::string& value) { out.insert(out.end(), {option, value}); };
@@ -93,7 +93,7 @@ std::vector<std::string> commandOf(const NeedsCommand& o) {
   return out;
 }
 
-void needs(NeedsCommand& o, Session& session) {
+void needs(NeedsOptions& o, Session& session) {
   o.question.params = readParameters(o.params);
   std::vector<PlannedSweep> sweeps = {planNeeds(o.question)};
   sweeps[0].command = commandOf(o);
@@ -118,7 +118,7 @@ void needs(NeedsCommand& o, Session& session) {
 void addNeeds(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand(
       "needs", "Turns each switch of a scene's model in turn, and tells what that saves and what it changes");
-  auto o = std::make_shared<NeedsCommand>();
+  auto o = std::make_shared<NeedsOptions>();
   NeedsQuestion& q = o->question;
   command.option("scene", q.scene, "name in experiments/scenes, or a TOML file").required();
   command.option("--seeds", q.seeds, "runs of each model, each with a seed of its own").showDefault().range(1L, 10000L);

@@ -22,7 +22,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-struct RecordCommand {
+struct RecordOptions {
   std::string scene, pipeline, problems;
   std::vector<std::string> params;
   std::vector<int> steps;
@@ -61,7 +61,7 @@ class ProblemWatcher final : public VelocityWatcher<D> {
 };
 
 template <int D>
-void record(const RecordCommand& o, const PlannedTrial& trial) {
+void record(const RecordOptions& o, const PlannedTrial& trial) {
   const auto& t = trial.canonical;
   const SceneFile file = SceneFile::load(trial.sceneFile);
   SceneSpec<D> scene = file.build<D>(t.at("params").get<ParameterValues>(), t.at("seed").get<std::uint64_t>());
@@ -127,7 +127,7 @@ void record(const RecordCommand& o, const PlannedTrial& trial) {
   std::printf("problems  %s\n", o.problems.c_str());
 }
 
-void recordScene(const RecordCommand& o, const Session& session) {
+void recordScene(const RecordOptions& o, const Session& session) {
   if (o.hardest.has_value() == !o.steps.empty()) {
     throw UserError("lpc record keeps the problems of some steps; valid: either --steps 100,200 or --hardest 3");
   }
@@ -155,7 +155,7 @@ void recordScene(const RecordCommand& o, const Session& session) {
 
 void addRecord(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("record", "Writes the velocity problems of some steps of a scene into a file");
-  auto o = std::make_shared<RecordCommand>();
+  auto o = std::make_shared<RecordOptions>();
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
   command.option("--problems", o->problems, "where to; docs/problems.md describes the file. NAME.hdf5: FCLIB's format")
       .required()

@@ -11,12 +11,12 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-struct ReplayCommand {
+struct ReplayOptions {
   std::string recording, film, beside;
   double tolerance = 1e-6;
 };
 
-void replay(const ReplayCommand& o) {
+void replay(const ReplayOptions& o) {
   keepApart({{"the recording", o.recording}, {"the recording", o.beside}}, {{"--film", o.film}});
   std::optional<InterruptGuard> interrupts;  // a film leaves nothing half-written
   if (!o.film.empty()) interrupts.emplace();
@@ -32,7 +32,7 @@ void replay(const ReplayCommand& o) {
 void addReplay(CommandLine& app, Session&) {
   CommandLine command =
       app.subcommand("replay", "Draws a recording, or two beside one another from the step in which they part");
-  auto o = std::make_shared<ReplayCommand>();
+  auto o = std::make_shared<ReplayOptions>();
   command.option("recording", o->recording, "what lpc run --record wrote").required();
   command.option("--film", o->film,
                  "NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, a folder of PNG files");

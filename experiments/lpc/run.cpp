@@ -30,7 +30,7 @@ namespace {
 
 using nlohmann::json;
 
-struct RunCommand {
+struct RunSceneOptions {
   std::string scene, pipeline, precision = "f64", profile, record, plot, film;
   std::vector<std::string> params;
   std::optional<int> dimension;
@@ -66,7 +66,7 @@ void requireSeries(const std::string& name) {
 }
 
 // All series in a line each, or the one that was asked for.
-void printPlots(const RunCommand& o, const TrialResult& result) {
+void printPlots(const RunSceneOptions& o, const TrialResult& result) {
   const std::vector<DescribedMetric> known = describeMetrics();
   std::printf("\n");
   for (const auto& [name, series] : result.series) {
@@ -109,7 +109,7 @@ std::optional<std::string> answerOf(const std::string& program, const json& requ
   return worker.output();
 }
 
-void runScene(const RunCommand& o, Session& session) {
+void runScene(const RunSceneOptions& o, Session& session) {
   if (!o.plot.empty()) requireSeries(o.plot);
   NamedFiles inputs = {{"the scene", findToml("scenes", o.scene)}};
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
@@ -178,7 +178,7 @@ void runScene(const RunCommand& o, Session& session) {
 
 void addRun(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("run", "Runs one scene and prints its metrics; exit code 1 when it fails");
-  auto o = std::make_shared<RunCommand>();
+  auto o = std::make_shared<RunSceneOptions>();
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
   command.option("--pipeline", o->pipeline,
                  "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"");

@@ -12,7 +12,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-struct SweepCommand {
+struct SweepOptions {
   std::string sweep, store;
   std::vector<std::string> only, with, set;
   bool dryRun = false;
@@ -59,7 +59,7 @@ void printEnd(const std::string& store, const RunSummary& done) {
   std::printf("\n");
 }
 
-void sweep(SweepCommand& o, Session& session) {
+void sweep(SweepOptions& o, Session& session) {
   std::vector<PlannedSweep> sweeps = planSweeps(o.sweep, o.only, o.with, o.set);
   for (const PlannedSweep& s : sweeps) {
     for (const std::string& note : s.notes) std::fprintf(stderr, "lpc: sweep %s: %s\n", s.name.c_str(), note.c_str());
@@ -87,7 +87,7 @@ void sweep(SweepCommand& o, Session& session) {
 
 void addSweep(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("sweep", "Runs the trials of a sweep that its store lacks");
-  auto o = std::make_shared<SweepCommand>();
+  auto o = std::make_shared<SweepOptions>();
   o->store = "results/lpc.db";
   command.option("sweep", o->sweep, "name in experiments/sweeps, or a TOML file; a set such as quick runs several")
       .required();

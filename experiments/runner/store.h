@@ -56,7 +56,7 @@ class Store {
   void put(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall);
   /// The strip of a run that fell (experiments/film/falls.h), which reports draw.
   bool hasFilm(const std::string& key);
-  void putFilm(const std::string& key, const std::string& json);
+  void putFilm(const std::string& key, const std::string& film);
   void setMeta(const std::string& key, const std::string& value);
   /// What metrics and series are; replaces what the store holds of the same names.
   void describe(const std::vector<DescribedMetric>& metrics);

@@ -6,34 +6,34 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-using PairsRow = const PairsSeen&;
+using SeenPairs = const PairsSeen&;
 const Measure<PairsSeen> kPairsMetrics[] = {
     {{"ns_per_query", "time per query", "ns", "processor time of one pair of shapes, in batches", MetricRole::cost,
       "cheaper", TrialNeed::timing},
-     [](PairsRow s) { return quantile(s.nanoseconds, 0.5); }},
+     [](SeenPairs s) { return quantile(s.nanoseconds, 0.5); }},
     {{"max_error", "worst error", "1", "worst error of the distance or depth, over the size of the query",
       MetricRole::error, "more exact"},
-     [](PairsRow s) { return quantile(s.errors, 1); }},
+     [](SeenPairs s) { return quantile(s.errors, 1); }},
     {{"p99_error", "error of 99 of 100", "1", "99 of 100 queries stay below it, over the size of the query",
       MetricRole::error, "more exact"},
-     [](PairsRow s) { return quantile(s.errors, 0.99); }},
+     [](SeenPairs s) { return quantile(s.errors, 0.99); }},
     {{"median_error", "median error", "1", "of the distance or depth, over the size of the query", MetricRole::error,
       "more exact"},
-     [](PairsRow s) { return quantile(s.errors, 0.5); }},
+     [](SeenPairs s) { return quantile(s.errors, 0.5); }},
     {{"failed", "without an answer", "1", "queries that ended without an answer", MetricRole::error,
       "fewer without an answer"},
-     [](PairsRow s) { return s.failed; }},
+     [](SeenPairs s) { return s.failed; }},
     {{"wrong_boolean", "wrong yes or no", "1", "queries whose yes or no is certainly wrong", MetricRole::error,
       "fewer wrong answers"},
-     [](PairsRow s) { return s.wrongSide; }},
+     [](SeenPairs s) { return s.wrongSide; }},
     {{"wrong", "wrong answers", "1",
       "answers that the referee proves wrong: on the wrong side, or off by more than 1e-12 (f32: 1e-5) of the size",
       MetricRole::error, "fewer wrong answers"},
-     [](PairsRow s) { return s.wrong; }},
+     [](SeenPairs s) { return s.wrong; }},
     {{"refused", "refused", "1", "queries of declared shapes that were refused", MetricRole::error,
       "fewer without an answer"},
-     [](PairsRow s) { return s.refused; }},
-    {{"asked", "queries", "1", "queries asked", MetricRole::detail, ""}, [](PairsRow s) { return s.asked; }},
+     [](SeenPairs s) { return s.refused; }},
+    {{"asked", "queries", "1", "queries asked", MetricRole::detail, ""}, [](SeenPairs s) { return s.asked; }},
 };
 
 }  // namespace
