@@ -37,11 +37,16 @@ void printPlan(const PlannedSweep& s) {
                 s.calibrated.size() == 1 ? "cell" : "cells", s.calibration->mostTried());
   }
   if (!s.ladders.empty()) {
+    // At each value its seeds and, of a calibrated sweep, the search of its setting; what holds is timed.
     std::size_t most = 0;
     for (const Ladder& ladder : s.ladders) {
-      most += static_cast<std::size_t>(ladder.question.mostTried()) * static_cast<std::size_t>(ladder.question.seeds);
+      const BreakQuestion& q = ladder.question;
+      const auto settings = static_cast<std::size_t>(s.calibration ? s.calibration->mostTried() : 0);
+      most += static_cast<std::size_t>(q.mostTried()) * (static_cast<std::size_t>(q.seeds) + settings);
+      if (ladder.timed) most += ladder.plan({q.from, 1, settings > 0 ? 1 : 0, true}).size();
     }
     std::printf(", after %zu searches for breaking points, of at most %zu trials in all", s.ladders.size(), most);
+    if (s.calibration) std::printf(", those that find the %s of each value among them", s.calibration->setting.c_str());
   }
   std::printf("\n");
 }

@@ -229,7 +229,7 @@ def _figure(context, columns, everyone):
     labels = ["\n".join(textwrap.wrap(context.name(m), 34)) for m in everyone]
     left = min(3.0, 0.3 + 0.075 * max(len(line) for label in labels for line in label.split("\n")))
     blocks = [columns[i:i + MOST_COLUMNS] for i in range(0, len(columns), MOST_COLUMNS)]
-    row, above, below = 0.62, 0.75, 0.55  # inches
+    row, above, below = 0.74, 0.75, 0.55  # inches
     height = sum(above + row * len(everyone) for _ in blocks) + below
     figure = plt.figure(figsize=(WIDTH, height))
     y = height
@@ -281,18 +281,18 @@ def _cell(ax, x, y, found, about, best, ends):
     sign = "≤ " if about["falling"] else "≥ "
     main = "none" if not found.held else ("" if found.fell else sign) + value_text(name, found.held.value)
     bracket = f"[{value_text(name, found.low) or '?'}, {value_text(name, found.high) or '?'}]"
-    ax.text(x + 0.06, y + 0.28, main, ha="left", va="center", fontsize=9.5, fontweight="bold")
-    ax.text(x + 0.94, y + 0.28, bracket, ha="right", va="center", fontsize=7.5, color="#444444")
+    ax.text(x + 0.06, y + 0.22, main, ha="left", va="center", fontsize=9.5, fontweight="bold")
+    if found.beyond:
+        ax.text(x + 0.94, y + 0.22, f"+{len(found.beyond)} beyond", ha="right", va="center", fontsize=7.5, color=FAILS)
+    ax.text(x + 0.06, y + 0.45, bracket, ha="left", va="center", fontsize=7.5, color="#444444")
     cost = "" if math.isnan(found.rows) else f"{figures(found.rows)} rows"
     cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"
-    ax.text(x + 0.06, y + 0.57, cost, ha="left", va="center", fontsize=7.5, color="#444444")
-    if found.beyond:
-        ax.text(x + 0.94, y + 0.57, f"+{len(found.beyond)} beyond", ha="right", va="center", fontsize=7.5, color=FAILS)
+    ax.text(x + 0.06, y + 0.65, cost, ha="left", va="center", fontsize=7.5, color="#444444")
     low, high = math.log(ends[0]), math.log(ends[1])
     for rung in found.rungs:
         at = (math.log(rung.value) - low) / (high - low) if high > low else 0.5
         shade = HOLDS if not rung.failed else FAILS if rung.failed == rung.of else SOME
-        ax.plot([x + 0.07 + 0.86 * at], [y + 0.82], ls="none", marker="s", ms=3.2, color=shade, mew=0)
+        ax.plot([x + 0.07 + 0.86 * at], [y + 0.86], ls="none", marker="s", ms=3.2, color=shade, mew=0)
 
 
 def _table(columns):

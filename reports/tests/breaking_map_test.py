@@ -91,6 +91,12 @@ class Map(unittest.TestCase):
         first, second = (ax.get_position().width / len(ax.get_xticks()) for ax in made.figure.axes)
         self.assertAlmostEqual(first, second)
 
+    def test_long_values_beside_their_interval(self):
+        steps, places = {0.0166667: 0, 0.0235702: 5, 0.0333333: 0}, {4.194304e6: 0, 8.388608e6: 5, 1.6777216e7: 0}
+        names = ["largest step", "farthest origin", "a third", "a fourth", "a fifth", "a sixth"]
+        self.made({name: {**ABOUT, "parameter": "y" if name == "farthest origin" else "dt"} for name in names},
+                  {name: {"catto+split_impulse": places if name == "farthest origin" else steps} for name in names})
+
 
 PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
 

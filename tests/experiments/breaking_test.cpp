@@ -343,6 +343,25 @@ TEST(Breaking, AtEqualCostEveryRungHasItsOwnSetting) {
   EXPECT_GT(at(4, iterations), at(8, iterations));
 }
 
+// The trials that find the iterations of each value are planned, too.
+TEST(Breaking, ADryRunBoundsWhatIsRun) {
+  Workspace w;
+  w.write("s.toml", kSweep + R"(
+calibrate = { equal = "cost", metric = "work_row_updates", setting = "iterations", most = 64 }
+budgets = [60]
+break = { parameter = "n", from = 2, to = 8, seeds = 1, perturb = 0 }
+[axes]
+scene = "bridge"
+steps = 20
+)");
+  const std::string plan = w.lpc("sweep s.toml --store s.db --dry-run").text, before = "of at most ";
+  ASSERT_NE(plan.find(before), std::string::npos) << plan;
+  ASSERT_EQ(w.lpc("sweep s.toml --store s.db --quiet").code, 0);
+  const long run = std::stol(ask(w.path("s.db"), "SELECT count(*) FROM trial"));
+  EXPECT_LE(run, std::stol(plan.substr(plan.find(before) + before.size()))) << plan;
+  EXPECT_GT(run, 3) << "each of three values has several settings";
+}
+
 TEST(Breaking, MistakesInASweepNameTheLine) {
   Workspace w;
   const std::string axes = "[axes]\nscene = \"slope\"\niterations = 5\n";
