@@ -61,7 +61,12 @@ class Avbd final : public Solver<D> {
                      {"bodies that press on each other and turn together", "the same, in turns",
                       "Solver.TurningKeepsAngularMomentum"},
                      {"a swing on a joint", "loses energy as by the implicit Euler method, three times catto's loss",
-                      "Order.PendulumKeepsItsEnergy"}},
+                      "Order.PendulumKeepsItsEnergy"},
+                     {"a heavy body that falls on a light one",
+                      "is thrown up a little: multipliers overshoot before they settle", "Solver.HeavyIsNotThrownUp"},
+                     {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"},
+                     {"bodies that meet, under more sweeps", "have more energy than after fewer for the same reason",
+                      "Solver.MoreIsNoWorse"}},
         .friction = FrictionLaw::coulomb};
   }
 

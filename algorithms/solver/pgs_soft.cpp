@@ -28,7 +28,7 @@ class PgsSoft final : public Solver<D> {
       v.real("damping_ratio", dampingRatio, 0, 1000, "1", "of contacts; large: they do not bounce");
       v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");
       v.real("joint_factor", jointFactor, 0, 1, "1", "share of a joint's error to remove in one step");
-      v.integer("relax", relax, 0, 100, "sweeps without springs and push after the move");
+      v.integer("relax", relax, 0, 100000, "sweeps without springs and push after the move");
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
     }
   };
@@ -47,7 +47,9 @@ class PgsSoft final : public Solver<D> {
                           "JointStep.LeavesNoSpeed"},
                          {"bodies that press on each other and turn together",
                           "lose angular momentum: they are relaxed after the move by arms of before it",
-                          "Solver.TurningKeepsAngularMomentum"}},
+                          "Solver.TurningKeepsAngularMomentum"},
+                         {"a heavy body that falls on a light one",
+                          "is braked by springs and by relaxing, not as sweeps do", "Solver.ConvergesAsPredicted"}},
             .friction = FrictionLaw::coulomb};
   }
 

@@ -57,7 +57,14 @@ class Xpbd final : public Solver<D> {
                       "JointMotion.Rests"},
                      {"bodies that press on each other and turn together",
                       "gain angular momentum: arms are those of the predicted poses, by a sub-step ahead",
-                      "Solver.TurningKeepsAngularMomentum"}},
+                      "Solver.TurningKeepsAngularMomentum"},
+                     {"bodies that part within the step",
+                      "what a sub-step has moved apart keeps its impulse, so that the order of contacts tells",
+                      "Solver.OrderDoesNotMatter"},
+                     {"a heavy body that falls on a light one",
+                      "is thrown up: what one sub-step leaves sunk, a later one pushes out, which is velocity",
+                      "Solver.HeavyIsNotThrownUp"},
+                     {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"}},
         .friction = FrictionLaw::coulomb};
   }
 
