@@ -65,7 +65,8 @@ class Avbd final : public Solver<D> {
                      {"a heavy body that falls on a light one",
                       "is thrown up a little: multipliers overshoot before they settle", "Solver.HeavyIsNotThrownUp"},
                      {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"},
-                     {"bodies that meet, under more sweeps", "have more energy than after fewer for the same reason",
+                     {"bodies that meet, under more sweeps",
+                      "have more energy than after fewer: multipliers overshoot before they settle",
                       "Solver.MoreIsNoWorse"}},
         .friction = FrictionLaw::coulomb};
   }

@@ -59,7 +59,7 @@ class Xpbd final : public Solver<D> {
                       "gain angular momentum: arms are those of the predicted poses, by a sub-step ahead",
                       "Solver.TurningKeepsAngularMomentum"},
                      {"bodies that part within the step",
-                      "what a sub-step has moved apart keeps its impulse, so that the order of contacts tells",
+                      "what one sub-step has pushed apart no later one takes back, so that the order of contacts tells",
                       "Solver.OrderDoesNotMatter"},
                      {"a heavy body that falls on a light one",
                       "is thrown up: what one sub-step leaves sunk, a later one pushes out, which is velocity",

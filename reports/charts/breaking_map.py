@@ -50,6 +50,7 @@ class Found:
     high: float = math.nan
     beyond: tuple = ()  # values that hold beyond one that fails
     hole: str = ""  # why there is no rung
+    dear: str = ""  # what a rung that is unsupported is
     rows: float = math.nan  # row updates per step of what held, or of the first
     ms: float = math.nan
 
@@ -114,8 +115,14 @@ def found_of(cells, about):
         found.hole = "unsupported"
     shown = found.held or found.fell
     cell = next(cell for value, cell in known if value == shown.value)
+    found.dear = "over budget" if cell.get("budget", math.nan) == cell.get("budget", math.nan) else "unsupported"
     found.rows, found.ms = (float(cell.get(metric, math.nan)) for metric in ("work_row_updates", "ms_per_step_median"))
     return found
+
+
+def ended_by_cost(found):
+    """Was the first value that fails not run, since it costs more than the budget?"""
+    return found.fell is not None and found.fell.outcome == "unsupported"
 
 
 def unit_of(name):
@@ -147,15 +154,20 @@ def finding(title, column, about, everyone):
     at = [m for m, f in known.items() if f.held and f.held.value == best]
     beyond = all(known[m].fell is None for m in at)
     text = f"{title}: {methods(at, everyone)} {'holds' if len(at) == 1 else 'hold'} to {name} = {value_text(name, best)}"
-    text += " (the last that was tried)" if beyond else ""
+    stopped = all(ended_by_cost(known[m]) for m in at)
+    text += " (the last that was tried)" if beyond else f" (then {known[at[0]].dear})" if stopped else ""
     rest = {m: f for m, f in known.items() if m not in at}
-    none = [m for m, f in rest.items() if not f.held]
+    dear = [m for m, f in rest.items() if not f.held and ended_by_cost(f)]
+    none = [m for m, f in rest.items() if not f.held and m not in dear]
     last = best_of({m: f for m, f in rest.items() if f.held}, not about["falling"])
     if not math.isnan(last):
         who = [m for m, f in rest.items() if f.held and f.held.value == last]
         text += f", {methods(who, everyone)} to {value_text(name, last)}"
     if none:
         text += f", {methods(none, everyone)} {'holds' if len(none) == 1 else 'hold'} at none"
+    for word in sorted({known[m].dear for m in dear}):
+        who = [m for m in dear if known[m].dear == word]
+        text += f", {methods(who, everyone)} {'is' if len(who) == 1 else 'are'} {word} from the first"
     odd = [m for m, f in known.items() if f.beyond]
     return text + (f"; {plural(len(odd), 'ladder is', 'ladders are')} not monotone" if odd else "")
 
@@ -179,6 +191,8 @@ def _chart(context, cells, questions):
             "brackets: half of the seeds fail somewhere between these; up to the first all shares of failures are below a half, "
             "by their 95 % intervals (Wilson), that of the second is above; “?” where no value that was tried is so sure. The "
             "dots are the values that were tried, the smallest on the left.")
+    if any(ended_by_cost(found) for _, _, column in columns for found in column.values()):
+        note += " Over budget: with a single iteration the method costs more than the budget allows."
     if limits:
         note += f" A run fails by its outcome, or by what it measures ({'; '.join(limits)})."
     return Chart(identifier(f"{sweep} breaking map"), SECTION, "Where each method breaks",
@@ -279,11 +293,14 @@ def _cell(ax, x, y, found, about, best, ends):
         ax.text(x + 0.5, y + 0.5, found.hole, ha="center", va="center", fontsize=8, color="#777777")
         return
     sign = "≤ " if about["falling"] else "≥ "
-    main = "none" if not found.held else ("" if found.fell else sign) + value_text(name, found.held.value)
+    dear = found.dear if ended_by_cost(found) else ""
+    main = dear or "none" if not found.held else ("" if found.fell else sign) + value_text(name, found.held.value)
     bracket = f"[{value_text(name, found.low) or '?'}, {value_text(name, found.high) or '?'}]"
     ax.text(x + 0.06, y + 0.22, main, ha="left", va="center", fontsize=9.5, fontweight="bold")
-    if found.beyond:
-        ax.text(x + 0.94, y + 0.22, f"+{len(found.beyond)} beyond", ha="right", va="center", fontsize=7.5, color=FAILS)
+    aside = [f"then {dear}"] if dear and found.held else []
+    aside += [f"+{len(found.beyond)} beyond"] if found.beyond else []
+    for line, words in enumerate(aside):
+        ax.text(x + 0.94, y + 0.22 + 0.23 * line, words, ha="right", va="center", fontsize=7.5, color=FAILS)
     ax.text(x + 0.06, y + 0.45, bracket, ha="left", va="center", fontsize=7.5, color="#444444")
     cost = "" if math.isnan(found.rows) else f"{figures(found.rows)} rows"
     cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"

@@ -23,8 +23,8 @@ COLUMNS = ["last that holds [1]", "first that fails [1]", "half fail from [1]", 
 
 
 class Map(unittest.TestCase):
-    def made(self, questions, asked, picture=None):
-        """`asked`: question -> method -> {value: seeds of five that fail, or the list of what they measured}."""
+    def made(self, questions, asked, picture=None, budget=None):
+        """`asked`: question -> method -> {value: seeds of five that fail, the list of what they measured, or "dear"}."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.addCleanup(style.plt.close, "all")
@@ -38,6 +38,11 @@ class Map(unittest.TestCase):
                     for seed in range(1, 6):
                         axes = {"kind": "world", "precision": "f64", "scene": "stack", "dimension": 2, "question": question,
                                 "resolver": method, name: value, "seed": seed, "timed": False, "repeat": 0}
+                        if budget:
+                            axes["budget"] = budget
+                        if seeds == "dear":
+                            maker.trial("mine", axes, {}, "unsupported", "it costs 500, the budget is 400")
+                            continue
                         if limit:
                             maker.trial("mine", axes, {"joint_error_max": seeds[seed - 1], "work_row_updates": 9.0})
                             continue
@@ -81,6 +86,16 @@ class Map(unittest.TestCase):
         self.assertEqual([rows["naive"][name] for name in COLUMNS], [4, 3, 3, 4])
         self.assertIn("joint_error_max<0.01", made.note)
         self.assertFalse(made.headline.larger)
+
+    def test_who_ends_by_his_cost_does_not_fall(self):
+        made = self.made({"tallest tower": ABOUT}, {"tallest tower": {
+            "proximal_newton": {1: 0, 2: 0, 4: "dear", 8: "dear"}, "direct_lcp": {1: "dear", 2: "dear", 4: "dear", 8: 0},
+            "catto": {1: 0, 2: 5, 4: 5, 8: 5}, "naive": {1: 5, 2: 5, 4: 5, 8: 5}}}, budget=400.0)
+        self.assertEqual(made.finding, "tallest tower, stack: proximal_newton holds to n = 2 (then over budget), catto to 1, naive "
+                         "holds at none, direct_lcp is over budget from the first; 1 ladder is not monotone.")
+        words = [text.get_text() for text in made.figure.axes[0].texts]
+        self.assertEqual((words.count("over budget"), words.count("then over budget"), words.count("none")), (1, 1, 1))
+        self.assertIn("costs more than the budget allows", made.note)
 
     def test_many_questions_stand_in_rows_of_six(self):
         names = ["tallest tower", "largest mass ratio", "largest dt", "longest chain", "smallest slope margin", "farthest origin",

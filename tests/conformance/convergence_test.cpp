@@ -39,7 +39,7 @@ struct Subject {
   int atMost =
       0;  // iterations of who ends by a tolerance, as they are by default; 0: who sweeps so often as he is told
   int many = kMany;
-  Real dt = 0;  // s, of a whole step, in which bodies turn and contacts move; 0: of velocities alone
+  Real dt = 0;  // s, of a whole step of a drawn scene, in which bodies turn and contacts move; 0: of velocities alone
   ImpactScene<D> draw(Draw& draw, const Drawn& wanted) const {
     auto s = drawImpact<D>(draw, wanted);
     if (dt > 0) s.dt = dt;
@@ -138,9 +138,9 @@ void orderDoesNotMatter(const Subject<D>& on, Draw& draw) {
 
 // R10: twice as many iterations leave no more energy, and no less than the end has. Where nothing bounces or rubs, the
 // end is the motion of least kinetic energy of all that pushing can make, and a step of Gauss and Seidel goes down in
-// it (Hildreth 1957). It is half the squared distance to the end in the norm of the energy, and what is still pushed
-// times the speed with which it parts in the end; the distance alone may grow where an impulse is taken back. Who ends
-// by a tolerance may make twice as many as by default, and is no nearer than to it.
+// it (Hildreth 1957). What is above the end's is half the squared distance to the end in the norm of the energy, and
+// what is still pushed times the speed with which it parts in the end; the distance alone may grow where an impulse is
+// taken back. Who ends by a tolerance may make twice as many as by default, and is no nearer than to it.
 template <int D>
 void moreIsNoWorse(const Subject<D>& on, Draw& draw) {
   const auto before = on.draw(draw, {.fixed = draw.coin()});
@@ -176,6 +176,7 @@ void convergesAsPredicted(const Subject<D>& on, Draw& draw) {
   const Real light = draw.real(1, 2), heavy = light * draw.real(1, 50);
   const auto before = heavyOnLight<D>(heavy, light);
   const auto speed = [&](int iterations) { return on.comes(before, iterations).motion(2).v[1]; };
+  RC_PRE(speed(2) < 0 && speed(3) < 0);  // thrown up: see below
   const Real sweeps = std::log(speed(3) / speed(2)) / std::log(heavy / (heavy + light));
   RC_LOG() << "an iteration is " << sweeps << " sweeps\n" << before;
   RC_ASSERT(std::abs(sweeps - std::round(sweeps)) <= (kDouble && on.dt == 0 ? Real(1e-9) : Real(1e-3)));
@@ -190,14 +191,18 @@ void heavyIsNotThrownUp(const Subject<D>& on, Draw& draw) {
   require<D>(after.motion(2).v[1], Real(1e-3), before, after);
 }
 
-// R6 of whole steps: where the first one has left nothing that closes, the second changes no velocity.
+// R6 of whole steps: where the first one has left nothing that closes, the second changes no velocity, from nothing or
+// from the impulses of the first. What turns within 10 us does change, by up to `turning`.
 template <int D>
 void secondStepChangesNothing(const Subject<D>& on, Draw& draw) {
   const auto before = on.draw(draw, {.fixed = draw.coin(), .contacts = 3});
+  const bool cold = draw.coin();
   RC_PRE(endIsNear(before, on.right(before, kMany), on));
   auto once = on.comes(before, on.many);
   RC_PRE(nothingOpenCloses(once));
-  for (Manifold<D>& m : once.manifolds) m.points[0].impulse.fill(0);
+  for (Manifold<D>& m : once.manifolds) {
+    if (cold) m.points[0].impulse.fill(0);
+  }
   const auto twice = on.comes(once, on.many);
   Real change = 0;
   for (int i = 0; i < once.bodies.size(); ++i) {
@@ -280,15 +285,16 @@ TEST(Convergence, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 // --- Whole steps ---
 // In f64 only: what moves positions has velocities by division by a part of this step.
 constexpr Real kShort = Real(1e-5);
-constexpr int kSubsteps = 400, kSweeps = 4000;  // what the bodies' turning opens may leave a problem that takes more
+// Sweeps that start from what springs have left, or from a problem that turning has changed, take more than kMany.
+constexpr int kSubsteps = 400, kSweeps = 4000;
 
-/// A solver with so many sub-steps, or iterations, and then as many sweeps that relax.
+/// A solver with so many sub-steps, or iterations; with the most of these it relaxes as often.
 Spec withEffort(const Registered& entry, int n) {
   Spec spec{entry.info.name, {}};
   for (const ParamInfo& p : entry.params) {
     if (p.name == "substeps" || p.name == "iterations") spec.set(p.name, {std::to_string(n), {}});
   }
-  if (spec.find("iterations") && !spec.find("substeps")) {
+  if (n == kSweeps) {
     for (const ParamInfo& p : entry.params) {
       if (p.name == "relax") spec.set(p.name, {std::to_string(n), {}});
     }
@@ -348,8 +354,9 @@ void plantedBugsInSteps() {
   for (const Named<D>& p : stepProperties<D>()) {
     SCOPED_TRACE(p.name);
     check(std::string(p.name) + " twin", drawn<D>(p, ofSteps<D>(twinStep<D>(Bug::none), kSweeps)), kRuns);
-    for (const Bug bug : p.bugs) {
-      expectFalsified(std::string(p.name) + " planted bug", drawn<D>(p, ofSteps<D>(twinStep<D>(bug), kSweeps)), kRuns);
+    for (std::size_t i = 0; i < p.bugs.size(); ++i) {
+      expectFalsified(std::string(p.name) + " planted bug " + std::to_string(i + 1) + ' ' + std::to_string(D) + 'D',
+                      drawn<D>(p, ofSteps<D>(twinStep<D>(p.bugs[i]), kSweeps)), kRuns);
     }
   }
 }
