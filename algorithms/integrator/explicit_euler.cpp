@@ -26,6 +26,8 @@ class ExplicitEuler final : public Integrator<D> {
                 {"any oscillator", "the amplitude grows by sqrt(1 + (w dt)^2) a step", "Oscillator.Bounded"},
                 {"any oscillator", "its energy doubles again and again", "Oscillator.KeepsEnergy"},
                 {"a body at rest", "it hops: contacts stop the new velocity, it travels by the old one", "Rest.Stays"},
+                {"a box on a slope that holds it", "climbs by g dt^2 sin(angle) a step for the same reason",
+                 "Slope.HoldsOrSaysThatItDoesNot"},
                 {"a spinning body in 3D", "angular momentum is not kept", "FreeTop.KeepsAngularMomentum"},
                 {"bodies that press on each other and turn together",
                  "gain angular momentum: they travel without what their forces give them in this step",

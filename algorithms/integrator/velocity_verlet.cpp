@@ -27,6 +27,8 @@ class VelocityVerlet final : public Integrator<D> {
         .guarantee = Guarantee::approximate,
         .failures = {
             {"a body at rest", "it hops: contacts stop the new velocity, it travels by the one between", "Rest.Stays"},
+            {"a box on a slope that holds it", "climbs by half of g dt^2 sin(angle) a step for the same reason",
+             "Slope.HoldsOrSaysThatItDoesNot"},
             {"a thin rod that turns by 1.7 rad a step",
              "its attitude drifts about the angular momentum, until its energy is 45 times as large",
              "FreeTop.AddsNoEnergy"},

@@ -91,8 +91,8 @@ class Map(unittest.TestCase):
         made = self.made({"tallest tower": ABOUT}, {"tallest tower": {
             "proximal_newton": {1: 0, 2: 0, 4: "dear", 8: "dear"}, "direct_lcp": {1: "dear", 2: "dear", 4: "dear", 8: 0},
             "catto": {1: 0, 2: 5, 4: 5, 8: 5}, "naive": {1: 5, 2: 5, 4: 5, 8: 5}}}, budget=400.0)
-        self.assertEqual(made.finding, "tallest tower, stack: proximal_newton holds to n = 2 (then over budget), catto to 1, naive "
-                         "holds at none, direct_lcp is over budget from the first; 1 ladder is not monotone.")
+        self.assertEqual(made.finding, "tallest tower, stack: proximal_newton holds to n = 2 (then over budget), catto to 1, "
+                         "naive holds at none, direct_lcp is over budget from the first; 1 ladder is not monotone.")
         words = [text.get_text() for text in made.figure.axes[0].texts]
         self.assertEqual((words.count("over budget"), words.count("then over budget"), words.count("none")), (1, 1, 1))
         self.assertIn("costs more than the budget allows", made.note)
