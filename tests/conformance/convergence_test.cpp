@@ -288,16 +288,14 @@ constexpr Real kShort = Real(1e-5);
 // Sweeps that start from what springs have left, or from a problem that turning has changed, take more than kMany.
 constexpr int kSubsteps = 400, kSweeps = 4000;
 
-/// A solver with so many sub-steps, or iterations; with the most of these it relaxes as often.
+/// A solver with so many sub-steps, or with so many iterations and, if it relaxes after them, as many sweeps that do.
 Spec withEffort(const Registered& entry, int n) {
   Spec spec{entry.info.name, {}};
   for (const ParamInfo& p : entry.params) {
     if (p.name == "substeps" || p.name == "iterations") spec.set(p.name, {std::to_string(n), {}});
   }
-  if (n == kSweeps) {
-    for (const ParamInfo& p : entry.params) {
-      if (p.name == "relax") spec.set(p.name, {std::to_string(n), {}});
-    }
+  for (const ParamInfo& p : entry.params) {
+    if (p.name == "relax" && !spec.find("substeps")) spec.set(p.name, {std::to_string(n), {}});
   }
   return spec;
 }
