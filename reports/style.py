@@ -167,7 +167,8 @@ def one_line(ax, firsts, words):
     told, unnamed = "; ".join(f"{words(group)} are one line" for group in groups), ""
     lines = textwrap.wrap("; ".join(f"{words(group)} are one line here" for group in groups), room)
     if len(lines) > 1:
-        lines = textwrap.wrap("; ".join(f"{len(group)} methods are one line here" for group in groups), room)
+        lined = "one line" if len(groups) == 1 else f"{len(groups)} lines"
+        lines = textwrap.wrap(f"{sum(map(len, groups))} methods are {lined} here", room)
         unnamed = told
     if lines:
         ax.text(0, 1.02, "\n".join(lines), transform=ax.transAxes, va="bottom", fontsize=8, color="#555555")

@@ -87,7 +87,7 @@ def headline(cells, rounding, at):
     return Headline(f"{at}nothing turns free bodies from outside: {len(keep)} methods keep their angular momentum to rounding, "
                     f"{worst} changes {si(100 * found[worst])} % of it.",
                     {m: 0.0 if v <= rounding else v for m, v in good.items()}, "1",
-                    "change of angular momentum over what there is")
+                    "share of angular momentum that changes")
 
 
 def _chart(context, shown, left_out, setting):

@@ -162,6 +162,13 @@ class Pictures(unittest.TestCase):
                                                  for t in ax.texts))), ([], []))
         self.assertEqual(said, ["a and c are one line here"])
 
+    def test_many_lines_on_one_another_are_counted_in_one_line(self):
+        alike = {f"a method with a long name {i}": [float(i // 3)] for i in range(9)}
+        said = []
+        self.figure(lambda ax: (style.one_line(ax, style.same(alike), chart.listing),
+                                said.extend(t.get_text() for t in ax.texts)))
+        self.assertEqual(said, ["9 methods are 3 lines here"])
+
     def test_lines_without_room_for_their_names_are_named_in_the_caption(self):
         alike = {f"a method with a long name {i}": [1.0, 2.0] for i in range(9)}
         told, names = [], chart.listing(alike)
