@@ -138,7 +138,7 @@ def fallen(ax, spots, **kwargs):
                     color=colour, zorder=4, **{"clip_on": False, **kwargs})
         else:
             ax.text(*ax.transData.inverted().transform(middle), text, ha="center", va="center", fontsize=8, fontweight="bold",
-                    color=colour, zorder=4)
+                    color=colour, zorder=4, path_effects=kwargs.get("path_effects"))
 
 
 def _counted(spots, members):
@@ -346,9 +346,10 @@ def grid_of_axes(rows, columns, row_height, legend_width=0.0, width=WIDTH, top=0
                  gap_y=0.75, **kwargs):
     """Axes at sizes in inches, with room kept at the right for a legend or direct labels."""
     height = top + bottom + rows * row_height + (rows - 1) * gap_y
-    cell = (width - left - legend_width - 0.15 - (columns - 1) * gap_x) / columns
+    edge = 0.35 if legend_width else 0.15  # half of the last label of an axis goes beyond its end
+    cell = (width - left - legend_width - edge - (columns - 1) * gap_x) / columns
     figure, axes = plt.subplots(rows, columns, figsize=(width, height), squeeze=False, **kwargs)
-    figure.subplots_adjust(left=left / width, right=1 - (legend_width + 0.15) / width, top=1 - top / height,
+    figure.subplots_adjust(left=left / width, right=1 - (legend_width + edge) / width, top=1 - top / height,
                            bottom=bottom / height, wspace=gap_x / cell, hspace=gap_y / row_height)
     return figure, axes
 

@@ -89,6 +89,7 @@ def _chart(context, resting, left_out, setting):
         high = [v for track in speeds.values() for v in over_steps.stretches(np.asarray(track, float), np.max)[1]
                 if math.isfinite(v)]
         axes[0][column].set_title(f"{scene}, {dimension}D")
+        axes[1][column].set_ylim(0, 1.05 * max([1, *(v for track in points.values() for v in track if math.isfinite(v))]))
         scale = ZeroLog(axes[0][column], "y", high, "m/s", failures=False, floor=REST)
         for ax, tracks, place, what in ((axes[0][column], speeds, scale.place, "fastest body"),
                                         (axes[1][column], points, float, "contact points")):
@@ -97,7 +98,6 @@ def _chart(context, resting, left_out, setting):
                              np.max, drawn=set(firsts.values()))
             shared.append((f"On {scene}, {what}", one_line(ax, firsts, lambda group: methods(group, labels))))
         axes[0][column].set_xlabel("")
-        axes[1][column].set_ylim(bottom=0)
         rows += [{"scene": scene, "method": cell["method"], "outcome": cell["outcome"],
                   "restlessness": math.nan if cell["key"] is None else cell.get("restlessness"),
                   "contact points at the end": points[cell["method"]][-1] if len(points.get(cell["method"], [])) else math.nan}
