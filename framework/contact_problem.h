@@ -16,10 +16,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "framework/contact_rows.h"
+#include "framework/given_problem.h"
 #include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -81,10 +83,12 @@ class ContactProblem {
 
   /// Rows that nothing can move are left out. Arrays keep their capacity.
   void set(const VelocityInput<D>& in) {
-    m_bodies = in.bodies.size();
+    m_given = in.given;
+    m_bodies = m_given ? m_given->size() : in.bodies.size();
     m_rows.clear(), m_joints.clear();
-    for (std::size_t j = 0; in.features.joints && j < in.joints.size(); ++j) addJoint(in, j);
-    for (const int i : in.order) addContacts(in, i);
+    if (m_given) addGiven(in.features.friction);
+    for (std::size_t j = 0; !m_given && in.features.joints && j < in.joints.size(); ++j) addJoint(in, j);
+    for (std::size_t k = 0; !m_given && k < in.order.size(); ++k) addContacts(in, in.order[k]);
     for (std::size_t i = 0, end = 0; i < m_rows.size(); i = end) {
       double response = 0;
       for (end = i; end < m_rows.size() && together(i, end); ++end) response += 1 / m_rows[end].mass;
@@ -96,12 +100,17 @@ class ContactProblem {
   /// Impulses of the last step, scaled to this one's length, on the rows of this; inside their limits.
   void lastImpulses(const VelocityInput<D>& in, double factor, std::vector<double>& x) const {
     if (in.lastDt > 0) factor *= double(in.dt) / double(in.lastDt);
-    impulses(in.manifolds, in.joints, x);
+    impulses(in, x);
     for (double& impulse : x) impulse *= factor;
     for (int i = 0; i < size(); ++i) project(i, x.data() + i);
   }
 
-  /// Impulses that the manifolds and joints of set() have now: after a solve, its answer.
+  /// Impulses that the manifolds and joints of set(), or what is given, have now: after a solve, its answer.
+  void impulses(const VelocityInput<D>& in, std::vector<double>& x) const {
+    if (!in.given) return impulses(in.manifolds, in.joints, x);
+    x.resize(m_rows.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = in.given->impulse[numberOf(m_rows[i])];
+  }
   void impulses(std::span<Manifold<D>> manifolds, std::span<JointRecord<D>> joints, std::vector<double>& x) const {
     x.resize(m_rows.size());
     for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = double(stored(manifolds, joints, m_rows[i]));
@@ -112,6 +121,10 @@ class ContactProblem {
     u.resize(m_rows.size());
     for (std::size_t i = 0; i < m_rows.size(); ++i) {
       const Row& r = m_rows[i];
+      if (in.given) {
+        u[i] = in.given->velocity[numberOf(r)];
+        continue;
+      }
       double v = -r.target;
       if (r.b < m_bodies) v += along(r.d, r.armB, in.bodies.motion[static_cast<std::size_t>(r.b)]);
       if (r.a < m_bodies) v -= along(r.d, r.armA, in.bodies.motion[static_cast<std::size_t>(r.a)]);
@@ -121,6 +134,7 @@ class ContactProblem {
 
   /// W_ij, without compliance.
   double response(const Row& r, const Row& s) const {
+    if (m_given) return m_given->at(r.number, s.number);
     double w = 0;
     if (r.a == s.a) w += r.d.dot(s.pushA) + r.armA.dot(s.turnA);
     if (r.b == s.b) w += r.d.dot(s.pushB) + r.armB.dot(s.turnB);
@@ -151,15 +165,23 @@ class ContactProblem {
   }
 
   /// Velocities that impulses have made since clearMotion(): what a sweep needs.
-  void clearMotion() { m_motion.assign(static_cast<std::size_t>(m_bodies) + 1, {}); }
+  void clearMotion() {
+    if (m_given) return m_moved.assign(static_cast<std::size_t>(m_bodies), 0);
+    m_motion.assign(static_cast<std::size_t>(m_bodies) + 1, {});
+  }
   void push(int i, double impulse) {
     const Row& r = row(i);
+    if (m_given) {
+      m_given->eachOf(r.number, [&](std::int32_t k, double w) { m_moved[static_cast<std::size_t>(k)] += w * impulse; });
+      return;
+    }
     Moved &a = m_motion[static_cast<std::size_t>(r.a)], &b = m_motion[static_cast<std::size_t>(r.b)];
     a.v -= impulse * r.pushA, a.w -= impulse * r.turnA;
     b.v += impulse * r.pushB, b.w += impulse * r.turnB;
   }
   double pushed(int i) const {
     const Row& r = row(i);
+    if (m_given) return m_moved[numberOf(r)];
     const Moved &a = m_motion[static_cast<std::size_t>(r.a)], &b = m_motion[static_cast<std::size_t>(r.b)];
     return r.d.dot(b.v - a.v) + r.armB.dot(b.w) - r.armA.dot(a.w);
   }
@@ -168,6 +190,15 @@ class ContactProblem {
   /// cannot move keeps what it had; a row that is absent now has none.
   void apply(const VelocityInput<D>& in, std::span<const double> x) {
     clearMotion();
+    if (in.given) {
+      std::fill(in.given->impulse.begin(), in.given->impulse.end(), 0.0);
+      for (int i = 0; i < size(); ++i) {
+        push(i, x[static_cast<std::size_t>(i)]);
+        in.given->impulse[numberOf(row(i))] = x[static_cast<std::size_t>(i)];
+      }
+      for (std::size_t k = 0; k < m_moved.size(); ++k) in.given->velocity[k] += m_moved[k];
+      return;
+    }
     for (const int i : in.order) {
       Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
       for (int k = 0; k < m.count; ++k) m.points[static_cast<std::size_t>(k)].impulse.fill(0);
@@ -239,6 +270,7 @@ class ContactProblem {
     if (r.law == ProblemLaw::normal) return s.law == ProblemLaw::tangent && k < i + D;
     return r.holds() && s.holds() && r.owner == s.owner && r.d.isZero(0) == s.d.isZero(0);
   }
+  static std::size_t numberOf(const Row& r) { return static_cast<std::size_t>(r.number); }
   static double along(const typename Row::Linear& d, const typename Row::Angular& arm, const Motion<D>& m) {
     return d.dot(m.v.template cast<double>()) + arm.dot(m.w.template cast<double>());
   }
@@ -268,6 +300,36 @@ class ContactProblem {
     const double w = response(r, r);
     r.mass = w > 0 ? 1 / w : 0.0;
     return r;
+  }
+
+  // Rows whose W_ii is 0 nothing moves; where friction's is, the contact slides for nothing.
+  void addGiven(bool friction) {
+    const auto add = [&](std::int32_t number, ProblemLaw law) {
+      Row& r = m_rows.emplace_back();
+      r.a = r.b = r.number = r.owner = number, r.law = law, r.movable = true;
+      r.mass = m_given->at(number, number) > 0 ? 1 / m_given->at(number, number) : 0.0;
+      return r.mass > 0;
+    };
+    const auto contacts = static_cast<std::int32_t>(m_given->friction.size());
+    for (std::int32_t c = 0; c < contacts; ++c) {
+      const double mu = friction ? m_given->friction[static_cast<std::size_t>(c)] : 0.0;
+      const std::size_t first = m_rows.size();
+      bool rubs = mu > 0;
+      if (!add(D * c, ProblemLaw::interval)) {
+        m_rows.pop_back();
+        continue;
+      }
+      for (int k = 1; k < D && rubs; ++k) rubs = add(D * c + k, ProblemLaw::tangent);
+      if (!rubs) m_rows.resize(first + 1);
+      m_rows[first].hi = std::numeric_limits<double>::infinity();
+      if (rubs) m_rows[first].law = ProblemLaw::normal, m_rows[first].friction = mu;
+    }
+    for (std::int32_t i = D * contacts; i < m_given->size(); ++i) {
+      if (!add(i, ProblemLaw::free))
+        m_rows.pop_back();
+      else
+        m_rows.back().ofJoint = true;
+    }
   }
 
   void addJoint(const VelocityInput<D>& in, std::size_t j) {
@@ -334,10 +396,18 @@ class ContactProblem {
     };
     const auto moves = [&](std::int32_t i) {
       const auto k = static_cast<std::size_t>(i);
-      return i < m_bodies && (bodies.invMass[k] > 0 || bodies.invInertia[k].trace() > 0);
+      return i < m_bodies && (m_given || bodies.invMass[k] > 0 || bodies.invInertia[k].trace() > 0);
     };
+    const auto join = [&](std::int32_t a, std::int32_t b) { m_parent[static_cast<std::size_t>(root(a))] = root(b); };
+    std::int32_t normal = 0;
     for (const Row& r : m_rows) {
-      if (moves(r.a) && moves(r.b)) m_parent[static_cast<std::size_t>(root(r.a))] = root(r.b);
+      if (moves(r.a) && moves(r.b)) join(r.a, r.b);
+      if (!m_given) continue;
+      m_given->eachOf(r.number, [&](std::int32_t k, double w) {
+        if (w != 0) join(r.number, k);
+      });
+      if (r.law == ProblemLaw::tangent) join(r.number, normal);
+      if (r.law == ProblemLaw::normal) normal = r.number;
     }
     // Islands are numbered by their first rows; rows keep their order inside.
     m_number.assign(m_parent.size(), -1);
@@ -356,12 +426,14 @@ class ContactProblem {
     }
   }
 
-  std::int32_t m_bodies = 0;
+  GivenProblem* m_given = nullptr;
+  std::int32_t m_bodies = 0;  // or rows of what is given
   std::vector<Row> m_rows;
   std::vector<std::int32_t> m_joints;  // whose impulses are written
   JointRows<D> m_jointRows;
   std::vector<ConstraintRow<D>> m_contactRows;
   std::vector<Moved> m_motion;
+  std::vector<double> m_moved;  // by row of what is given
   std::vector<double> m_velocity;
   std::vector<std::int32_t> m_parent, m_number, m_of, m_next, m_grouped, m_islands;
 };

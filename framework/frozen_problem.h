@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "framework/given_problem.h"
 #include "framework/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -56,6 +58,7 @@ struct FrozenProblem {
   std::vector<int> order, colours;
   std::vector<JointRecord<D>> joints;
   FrozenTargets<D> position;
+  std::optional<GivenProblem> given;  // in the place of bodies, contacts and joints
 
   /// A body of this velocity. `invInertia` is in the world's axes; both may be zero.
   void addBody(BodyType type, bool awake, const Vec<D>& at, Real invMass, const Inertia<D>& invInertia,
@@ -76,8 +79,20 @@ struct FrozenProblem {
 
   /// What a resolver is given. It changes this problem: solve a copy.
   VelocityInput<D> input(WorkDone& work, Profiler& profiler) {
-    return {dt,   lastDt,   bodies,  manifolds, order, joints, position, features, restitutionThreshold,
-            work, profiler, arrival, colours};
+    return {dt,
+            lastDt,
+            bodies,
+            manifolds,
+            order,
+            joints,
+            position,
+            features,
+            restitutionThreshold,
+            work,
+            profiler,
+            arrival,
+            colours,
+            given ? &*given : nullptr};
   }
   int points() const {
     int count = 0;

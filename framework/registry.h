@@ -54,6 +54,7 @@ struct AlgorithmInfo {
   std::vector<FailureMode> failures = {};
   FrictionLaw friction = FrictionLaw::unstated;  // of every solver and velocity resolver, by its defaults
   std::vector<FrictionChoice> otherFriction = {};
+  bool matrixAlone = false;  // of a velocity resolver: it solves a GivenProblem, which has no bodies
   AlgorithmRole role = AlgorithmRole::competitor;
 };
 

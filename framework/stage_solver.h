@@ -72,6 +72,8 @@ class Solver : public Stage {
 template <int D>
 class PositionResolver;
 
+struct GivenProblem;
+
 template <int D>
 struct VelocityInput {
   Real dt, lastDt;
@@ -90,6 +92,9 @@ struct VelocityInput {
   /// Offsets into `order`: contacts from order[colours[c]] to order[colours[c + 1]] share no dynamic body. Empty:
   /// `order` has no colours.
   std::span<const int> colours = {};
+  /// A matrix in the place of bodies, contacts and joints: for those whose info says that they solve it, see
+  /// AlgorithmInfo::matrixAlone.
+  GivenProblem* given = nullptr;
 };
 
 /// Takes velocity problems out of a step. A solver whose method has none shows none.

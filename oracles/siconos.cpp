@@ -130,6 +130,7 @@ class Siconos final : public WitnessResolver<D> {
             .complexity = "sweeps x contacts^2",
             .guarantee = Guarantee::approximate,
             .friction = FrictionLaw::coulomb,
+            .matrixAlone = true,
             .role = AlgorithmRole::witness};
   }
 

@@ -80,7 +80,7 @@ kind = "world"
 scene = "box_drop"
 iterations = 4
 """
-LANGUAGES = {"sh", "toml", "cpp", "cmake", "text"}
+LANGUAGES = {"sh", "toml", "json", "cpp", "cmake", "text"}
 
 
 class Block:
@@ -179,7 +179,7 @@ class Docs(unittest.TestCase):
     def test_every_fence_says_what_it_holds(self):
         for block in all_blocks():
             self.assertIn(block.language, LANGUAGES, block.where())
-            if block.language in ("toml", "cpp", "cmake"):
+            if block.language in ("toml", "json", "cpp", "cmake"):
                 self.assertTrue(block.name, f"{block.where()}: the name of the file")
 
     def test_exceptions_are_of_commands_that_are_there(self):
@@ -197,7 +197,7 @@ class Docs(unittest.TestCase):
                 continue
             with self.subTest(block.where()):
                 self.assertNotIn(block.language, ("cpp", "cmake"), "nobody compiles it")
-                if block.language == "toml" and block.name != "axes":
+                if block.language in ("toml", "json") and block.name != "axes":
                     (SCRATCH / block.name).write_text(block.text)
                 commands = block.commands() if block.language == "sh" else []
                 if block.language == "toml" and block.name == "axes":

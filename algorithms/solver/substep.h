@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <vector>
 
 #include "algorithms/solver/contact_rows.h"
@@ -41,6 +42,27 @@ struct Push {
 inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real maxSpeed, Real h) {
   return {Softness(hertz, dampingRatio, h), Softness(2 * hertz, dampingRatio, h),
           Softness(2 * hertz, jointDampingRatio, h), 0, maxSpeed};
+}
+
+/// A method's own failures and those of all sub-steps whose impulses are the next one's first guess. `braked`: how.
+inline std::vector<FailureMode> substepFailures(const std::string& braked, std::vector<FailureMode> own) {
+  for (const FailureMode& shared :
+       {FailureMode{"bodies that press on each other and turn together",
+                    "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
+                    "Solver.TurningKeepsAngularMomentum"},
+        FailureMode{"bodies that part within the step",
+                    "what a sub-step has moved apart keeps its impulse, so that the order of contacts tells",
+                    "Solver.OrderDoesNotMatter"},
+        FailureMode{"a heavy body that falls on a light one",
+                    "each sub-step begins with the impulse of the impact once more, so that it is thrown up",
+                    "Solver.HeavyIsNotThrownUp"},
+        FailureMode{"the same", braked, "Solver.ConvergesAsPredicted"},
+        FailureMode{"bodies that meet, in more sub-steps",
+                    "have more energy than after fewer: impulses of an impact act again in the next sub-step",
+                    "Solver.MoreIsNoWorse"}}) {
+    own.push_back(shared);
+  }
+  return own;
 }
 
 /// The contacts and joints of a step that is cut into equal sub-steps. Directions and arms of contacts are those of the

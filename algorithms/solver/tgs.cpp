@@ -50,22 +50,11 @@ class Tgs final : public Solver<D> {
             .paper = "macklin2019",
             .complexity = "substeps x (sweeps + relax) x (contacts + joints)",
             .guarantee = Guarantee::approximate,
-            .failures = {{"a hinge that is beyond its stop",
-                          "leaves it with a speed: one sweep takes too little out of stop and pivot, which are coupled",
-                          "JointStep.LeavesNoSpeed"},
-                         {"bodies that press on each other and turn together",
-                          "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
-                          "Solver.TurningKeepsAngularMomentum"},
-                         {"bodies that part within the step",
-                          "what a sub-step has moved apart keeps its impulse, so that the order of contacts tells",
-                          "Solver.OrderDoesNotMatter"},
-                         {"a heavy body that falls on a light one",
-                          "each sub-step begins with the impulse of the impact once more, so that it is thrown up",
-                          "Solver.HeavyIsNotThrownUp"},
-                         {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"},
-                         {"bodies that meet, in more sub-steps",
-                          "have more energy than after fewer: impulses of an impact act again in the next sub-step",
-                          "Solver.MoreIsNoWorse"}},
+            .failures = substepFailures(
+                "is braked by more than sweeps do",
+                {{"a hinge that is beyond its stop",
+                  "leaves it with a speed: one sweep takes too little out of stop and pivot, which are coupled",
+                  "JointStep.LeavesNoSpeed"}}),
             .friction = FrictionLaw::coulomb};
   }
 

@@ -302,9 +302,52 @@ class RigidBodies {
 };
 
 template <int D>
-std::string textOf(const FclibProblem& from) {
+FrozenProblem<D> asProblem(const FclibProblem& from) {
+  return RigidBodies<D>(from).problem();
+}
+
+template <int D>
+FrozenProblem<D> asProblem(const FclibLocal& from) {
+  const auto n = static_cast<int>(from.w.rows()), m = static_cast<int>(from.v.cols());
+  Triplets entries;
+  const auto put = [&](const Sparse& matrix, int row, int column, bool turned) {
+    for (int k = 0; k < matrix.outerSize(); ++k) {
+      for (Sparse::InnerIterator x(matrix, k); x; ++x) {
+        const int i = row + static_cast<int>(x.row()), j = column + static_cast<int>(x.col());
+        turned ? entries.emplace_back(j, i, x.value()) : entries.emplace_back(i, j, x.value());
+      }
+    }
+  };
+  put(from.w, 0, 0, false), put(from.v, 0, n, false), put(from.v, 0, n, true), put(from.r, n, n, false);
+  const Sparse whole = matrixOf(n + m, static_cast<std::size_t>(n + m), entries), turned = whole.transpose();
+  if (!turned.isApprox(whole, kSame)) throw UserError("its W or R is not symmetric");
+  if (from.mu.size() > 0 && from.mu.minCoeff() < 0) throw UserError("a coefficient of friction is negative");
+  if (whole.diagonal().minCoeff() < 0) throw UserError("its W or R is negative on the diagonal");
+  GivenProblem given;
+  given.friction.assign(from.mu.begin(), from.mu.end());
+  given.velocity.assign(from.q.begin(), from.q.end());
+  given.velocity.insert(given.velocity.end(), from.s.begin(), from.s.end());
+  given.impulse.assign(given.velocity.size(), 0);
+  const Sparse halves = (whole + turned) / 2;  // to the last bit, as sweeps and factors see it
+  for (int j = 0; j < halves.cols(); ++j) {
+    for (Sparse::InnerIterator x(halves, j); x; ++x) {
+      given.row.push_back(static_cast<std::int32_t>(x.row())), given.value.push_back(x.value());
+    }
+    given.start.push_back(static_cast<std::int32_t>(given.row.size()));
+  }
+  FrozenProblem<D> out;
+  out.given = std::move(given);
+  return out;
+}
+
+template <class Form>
+std::string textOf(const Form& from) {
   std::ostringstream out;
-  writeProblems<D>(out, {{"fclib", 0, RigidBodies<D>(from).problem()}});
+  if (from.dimension == 2) {
+    writeProblems<2>(out, {{"fclib", 0, asProblem<2>(from)}});
+  } else {
+    writeProblems<3>(out, {{"fclib", 0, asProblem<3>(from)}});
+  }
   return out.str();
 }
 
@@ -336,14 +379,13 @@ template std::string fclibBytes(const FrozenProblem<3>&, const std::string&);
 
 std::string fclibAsProblems(const std::string& path) {
   try {
-    return inItsProcess(path, [&] {
-      const FclibProblem from = readFclibHere(path);
-      return from.dimension == 2 ? textOf<2>(from) : textOf<3>(from);
-    });
+    return inItsProcess(path,
+                        [&] { return std::visit([](const auto& from) { return textOf(from); }, readFclibHere(path)); });
   } catch (const UserError& e) {
     const std::string said = e.what();
     const bool advised = said.find("; valid: ") != said.npos;
-    throw UserError(said + (advised ? "" : "; valid: a problem of rigid bodies in FCLIB's global form"));
+    throw UserError(said +
+                    (advised ? "" : "; valid: FCLIB's global form, of rigid bodies, or its local form, W, q and mu"));
   }
 }
 

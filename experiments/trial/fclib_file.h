@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Velocity problems in the format of FCLIB (Acary, Bremond, Huber: a collection of frictional contact problems), HDF5,
-// in its global form. What it holds: bodies, contacts with Coulomb friction, equality rows. What it does not: limits,
-// motors, springs, the last step's impulses, dt and gravity.
+// Velocity problems in the format of FCLIB (Acary, Bremond, Huber: a collection of frictional contact problems), HDF5.
+// Its global form holds bodies, contacts with Coulomb friction, equality rows; its local form a matrix in their place.
+// Neither holds limits, motors, springs, the last step's impulses, dt and gravity. Both are read, the global is
+// written.
 #pragma once
 
 #include <string>
@@ -18,8 +19,8 @@ bool isHdf5(const std::string& bytes);
 template <int D>
 std::string fclibBytes(const FrozenProblem<D>& problem, const std::string& path);
 
-/// A file of it as one of our own. Throws UserError for a file that it cannot read, and for a problem that is none of
-/// rigid bodies.
+/// A file of it as one of our own. Throws UserError for a file that it cannot read, and for a global form that is none
+/// of rigid bodies.
 std::string fclibAsProblems(const std::string& path);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -55,28 +55,42 @@ class Sizes {
   explicit Sizes(const std::string& path) {
     m_file = LPC_OF_FCLIB(H5Fopen)(path.c_str(), kReadOnly, kDefault);
     if (m_file < 0) throw UserError("it is damaged");
-    if (!has("/fclib_global")) {
-      throw UserError(has("/fclib_local") ? "it holds W, q and mu without bodies (FCLIB's local form), and resolvers "
-                                            "here push bodies"
-                                          : "it holds no problem of FCLIB");
-    }
-    const long dimension = number("/fclib_global/spacedim");
+    local = has("/fclib_local") && !has("/fclib_global");
+    if (!local && !has("/fclib_global")) throw UserError("it holds no problem of FCLIB");
+    m_top = local ? "/fclib_local/" : "/fclib_global/";
+    const long dimension = number(m_top + "spacedim");
     if (dimension != 2 && dimension != 3) throw UserError("its dimension is " + std::to_string(dimension));
-    const Size m = matrix("M"), h = matrix("H"), g = has("/fclib_global/G") ? matrix("G") : Size{m.rows, 0};
-    if (m.rows != m.columns || h.rows != m.rows || g.rows != m.rows || h.columns % dimension != 0 || m.rows == 0) {
-      throw UserError("its matrices are of sizes that do not go together");
-    }
-    list("vectors/f", m.rows), list("vectors/w", h.columns), list("vectors/mu", h.columns / dimension);
-    if (g.columns > 0) list("vectors/b", g.columns);
+    local ? checkLocal(dimension) : checkGlobal(dimension);
     LPC_OF_FCLIB(H5Fclose)(m_file);
   }
+  bool local = false;
 
  private:
   struct Size {
     long rows, columns;
   };
 
-  bool has(const char* path) const { return LPC_OF_FCLIB(H5Lexists)(m_file, path, kDefault) > 0; }
+  void checkGlobal(long dimension) const {
+    const Size m = matrix("M"), h = matrix("H"), g = has(m_top + "G") ? matrix("G") : Size{m.rows, 0};
+    if (m.rows != m.columns || h.rows != m.rows || g.rows != m.rows || h.columns % dimension != 0 || m.rows == 0) {
+      throw UserError("its matrices are of sizes that do not go together");
+    }
+    list("vectors/f", m.rows), list("vectors/w", h.columns), list("vectors/mu", h.columns / dimension);
+    if (g.columns > 0) list("vectors/b", g.columns);
+  }
+  void checkLocal(long dimension) const {
+    const bool joined = has(m_top + "V");
+    if (joined != has(m_top + "R")) throw UserError("it has one of V and R, and not the other");
+    const Size w = matrix("W"), v = joined ? matrix("V") : Size{w.rows, 0}, r = joined ? matrix("R") : Size{0, 0};
+    if (w.rows != w.columns || v.rows != w.rows || r.rows != v.columns || r.columns != v.columns ||
+        w.rows % dimension != 0 || w.rows == 0) {
+      throw UserError("its matrices are of sizes that do not go together");
+    }
+    list("vectors/q", w.rows), list("vectors/mu", w.rows / dimension);
+    if (joined) list("vectors/s", v.columns);
+  }
+
+  bool has(const std::string& path) const { return LPC_OF_FCLIB(H5Lexists)(m_file, path.c_str(), kDefault) > 0; }
   long lengthOf(const std::string& path) const {
     int rank = 0;
     hsize_t length = 0;
@@ -96,12 +110,12 @@ class Sizes {
     return value;
   }
   void list(const std::string& name, long length) const {
-    const long is = lengthOf("/fclib_global/" + name);
+    const long is = lengthOf(m_top + name);
     if (is == length) return;
     throw UserError("its " + name + " has " + std::to_string(is) + " numbers, not " + std::to_string(length));
   }
   Size matrix(const std::string& name) const {
-    const std::string at = "/fclib_global/" + name;
+    const std::string at = m_top + name;
     const long rows = number(at + "/m"), columns = number(at + "/n"), nz = number(at + "/nz"),
                most = number(at + "/nzmax");
     const bool sane = rows >= 0 && columns >= 0 && rows <= kMostRows && columns <= kMostRows && nz >= -2 && most >= nz;
@@ -112,6 +126,7 @@ class Sizes {
   }
 
   hid_t m_file = -1;
+  std::string m_top;  // of the form that it is in
 };
 
 Sparse matrixOf(const fclib_matrix* from, const char* name) {
@@ -151,10 +166,27 @@ fclib_matrix viewOf(Sparse& from) {
   return out;
 }
 
+FclibLocal readLocal(const std::string& path) {
+  const fclib_local* const from = LPC_OF_FCLIB(fclib_read_local)(path.c_str());
+  const bool joined = from && from->V;
+  if (!from || !from->q || !from->mu || (joined && (!from->R || !from->s))) throw UserError("it is damaged");
+  FclibLocal out;
+  out.dimension = from->spacedim, out.w = matrixOf(from->W, "W");
+  out.v = joined ? matrixOf(from->V, "V") : Sparse(out.w.rows(), 0);
+  out.r = joined ? matrixOf(from->R, "R") : Sparse(0, 0);
+  out.q = listOf(from->q, out.w.rows(), "q"), out.s = listOf(from->s, out.v.cols(), "s");
+  out.mu = listOf(from->mu, out.w.rows() / out.dimension, "mu");
+  return out;
+}
+
+char ourTitle[] = "velocity problem of a step", noText[] = "";
+fclib_info ourInfo{ourTitle, noText, noText};
+
 }  // namespace
 
-FclibProblem readFclibHere(const std::string& path) {
+std::variant<FclibProblem, FclibLocal> readFclibHere(const std::string& path) {
   const Sizes checked(path);
+  if (checked.local) return readLocal(path);
   const fclib_global* const from = LPC_OF_FCLIB(fclib_read_global)(path.c_str());
   if (!from || !from->f || !from->w || !from->mu || (from->G && !from->b)) throw UserError("it is damaged");
   FclibProblem out;
@@ -168,20 +200,31 @@ FclibProblem readFclibHere(const std::string& path) {
 
 void writeFclibHere(const std::string& path, FclibProblem& problem) {
   fclib_matrix m = viewOf(problem.m), h = viewOf(problem.h), g = viewOf(problem.g);
-  char title[] = "velocity problem of a step", none[] = "";
-  fclib_info info{title, none, none};
   fclib_global out{};
   const bool joined = problem.g.cols() > 0;
   out.M = &m, out.H = &h, out.G = joined ? &g : nullptr, out.b = joined ? problem.b.data() : nullptr;
   out.mu = problem.mu.data(), out.f = problem.f.data(), out.w = problem.w.data();
-  out.spacedim = problem.dimension, out.info = &info;
+  out.spacedim = problem.dimension, out.info = &ourInfo;
   if (LPC_OF_FCLIB(fclib_write_global)(&out, path.c_str()) == 0) throw UserError("FCLIB cannot write it");
+}
+
+void writeFclibHere(const std::string& path, FclibLocal& problem) {
+  fclib_matrix w = viewOf(problem.w), v = viewOf(problem.v), r = viewOf(problem.r);
+  fclib_local out{};
+  const bool joined = problem.v.cols() > 0;
+  out.W = &w, out.V = joined ? &v : nullptr, out.R = joined ? &r : nullptr;
+  out.mu = problem.mu.data(), out.q = problem.q.data(), out.s = joined ? problem.s.data() : nullptr;
+  out.spacedim = problem.dimension, out.info = &ourInfo;
+  if (LPC_OF_FCLIB(fclib_write_local)(&out, path.c_str()) == 0) throw UserError("FCLIB cannot write it");
 }
 
 #else
 
-FclibProblem readFclibHere(const std::string&) {
+std::variant<FclibProblem, FclibLocal> readFclibHere(const std::string&) {
   throw UserError("it is a file of FCLIB, which this build is without; valid: one with libfclib-dev");
+}
+void writeFclibHere(const std::string&, FclibLocal&) {
+  throw UserError("this build is without FCLIB; valid: one with libfclib-dev");
 }
 void writeFclibHere(const std::string&, FclibProblem&) {
   throw UserError("this build is without FCLIB; valid: one with libfclib-dev, or a file that ends in .json");

@@ -6,6 +6,7 @@
 #include <Eigen/Sparse>
 #include <functional>
 #include <string>
+#include <variant>
 
 #include "framework/space.h"
 
@@ -18,9 +19,17 @@ struct FclibProblem {
   Eigen::VectorXd f, w, b, mu;  // G of no columns: no equality rows
 };
 
-/// Both are called inside of inItsProcess(), and throw UserError.
-FclibProblem readFclibHere(const std::string& path);
+/// Its local form: u = W r + V l + q, V^T r + R l + s = 0, and r in the cones of mu.
+struct FclibLocal {
+  int dimension = 0;
+  Eigen::SparseMatrix<double> w, v, r;
+  Eigen::VectorXd q, s, mu;  // V of no columns: no equality rows
+};
+
+/// All are called inside of inItsProcess(), and throw UserError.
+std::variant<FclibProblem, FclibLocal> readFclibHere(const std::string& path);
 void writeFclibHere(const std::string& path, FclibProblem& problem);
+void writeFclibHere(const std::string& path, FclibLocal& problem);
 
 /// What `work` returns, from a process of its own. Throws UserError with the path and what `work` threw, or that FCLIB
 /// has failed: it crashed, or took longer than any file needs.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -47,9 +48,20 @@ json rowJson(const ConstraintRow<D>& row) {
           {"angular", row.angular}};
 }
 
+json matrixJson(const GivenProblem& given) {
+  json entries = json::array();
+  for (std::int32_t j = 0; j < given.size(); ++j) {
+    given.eachOf(j, [&](std::int32_t i, double w) {
+      if (i >= j) entries.push_back({i, j, w});
+    });
+  }
+  return {{"friction", given.friction}, {"velocity", given.velocity}, {"impulse", given.impulse}, {"entries", entries}};
+}
+
 template <int D>
 json problemJson(const StoredProblem<D>& stored) {
   const FrozenProblem<D>& p = stored.problem;
+  if (p.given) return {{"scene", stored.scene}, {"step", stored.step}, {"matrix", matrixJson(*p.given)}};
   json bodies = json::array(), contacts = json::array(), joints = json::array();
   for (std::size_t i = 0; i < p.bodies.pose.size(); ++i) {
     const bool asleep = p.bodies.type[i] == BodyType::dynamic && !p.bodies.awake[i];
@@ -125,6 +137,11 @@ class Place {
   }
   Place at(std::size_t i) const { return {m_value.at(i), m_where + " " + std::to_string(i)}; }
 
+  double wide() const {
+    const double x = m_value.is_number() ? m_value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(x)) fail("a finite number");
+    return x;
+  }
   Real number() const {
     const double x = m_value.is_number() ? m_value.get<double>() : std::numeric_limits<double>::quiet_NaN();
     if (!std::isfinite(x) || !std::isfinite(static_cast<Real>(x))) fail("a finite number");
@@ -272,11 +289,53 @@ void readJoint(const Place& joint, FrozenProblem<D>& out) {
   out.addJoint(a, b, rows, copy);
 }
 
+std::vector<double> readNumbers(const Place& list) {
+  std::vector<double> out(list.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = list.at(i).wide();
+  return out;
+}
+
+// Entries of the lower half, each once.
+template <int D>
+GivenProblem readMatrix(const Place& matrix) {
+  GivenProblem out;
+  out.friction = readNumbers(matrix.at("friction")), out.velocity = readNumbers(matrix.at("velocity"));
+  out.impulse = readNumbers(matrix.at("impulse"));
+  for (std::size_t c = 0; c < out.friction.size(); ++c) matrix.at("friction").at(c).least(0);
+  const std::size_t rows = out.velocity.size(), least = D * out.friction.size();
+  if (rows < least || rows == 0) {
+    matrix.at("velocity").fail(std::to_string(D) + " numbers of each contact, then one of each equality");
+  }
+  if (out.impulse.size() != rows) matrix.at("impulse").fail("a list of " + std::to_string(rows) + ", as velocity");
+  const Place entries = matrix.at("entries");
+  std::vector<std::map<std::int32_t, double>> columns(rows);
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    const Place entry = entries.at(k);
+    if (entry.size() != 3) entry.fail("row, column and number");
+    const auto i = static_cast<std::int32_t>(entry.at(0UL).integer(0, static_cast<long>(rows) - 1));
+    const auto j = static_cast<std::int32_t>(entry.at(1).integer(0, i));
+    const double w = entry.at(2).wide();
+    if (i == j && w < 0) entry.at(2).fail("0 or more, on the diagonal");
+    if (!columns[static_cast<std::size_t>(j)].emplace(i, w).second) entry.fail("each entry once");
+    columns[static_cast<std::size_t>(i)].emplace(j, w);
+  }
+  for (const auto& column : columns) {
+    for (const auto& [i, w] : column) out.row.push_back(i), out.value.push_back(w);
+    out.start.push_back(static_cast<std::int32_t>(out.row.size()));
+  }
+  return out;
+}
+
 template <int D>
 StoredProblem<D> readProblem(const Place& from) {
   StoredProblem<D> out;
   FrozenProblem<D>& p = out.problem;
   out.scene = from.at("scene").text(), out.step = from.at("step").integer(0, std::numeric_limits<long>::max());
+  if (from.has("matrix")) {
+    p.dt = p.lastDt = Real(1) / 60;  // nothing is scaled by it
+    p.given = readMatrix<D>(from.at("matrix"));
+    return out;
+  }
   p.dt = from.at("dt").number(), p.lastDt = from.at("last_dt").least(0);
   if (!(p.dt > 0)) from.at("dt").fail("a number above 0");
   from.at("gravity").column(p.gravity);

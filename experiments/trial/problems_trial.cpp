@@ -36,6 +36,10 @@ class ProblemTrial {
         m_timed(t.value("timed", false)),
         m_iterations(t.at("iterations").get<int>()) {
     const Registered& entry = Registry::instance().find(StageKind::velocity, D, m_spec.name);
+    if (m_problem.given && !entry.info.matrixAlone) {
+      throw UserError("it pushes bodies, and a problem of W, q and mu alone has none");
+    }
+    if (m_problem.given && t.at("order") == "coloured") throw UserError("a matrix has no bodies to colour by");
     m_law = frictionLaw(entry.info, m_spec);
     for (const ParamInfo& p : entry.params) {
       if (p.name == "iterations") m_seen.counts = true, m_least = static_cast<int>(p.range.value().lo);
@@ -88,6 +92,7 @@ class ProblemTrial {
       for (ContactPoint<D>& c : m.points) c.impulse.fill(0);
     }
     for (JointRecord<D>& j : p.joints) j.impulse.fill(0);
+    if (p.given) std::fill(p.given->impulse.begin(), p.given->impulse.end(), 0.0);
   }
 
   ProblemAnswer solve() {
@@ -98,6 +103,9 @@ class ProblemTrial {
     out.rowUpdates = static_cast<double>(work[WorkCount::rowUpdates]);
     if (m_timed) out.nanoseconds = time();
     m_hash = XXH64(copy.bodies.motion.data(), copy.bodies.motion.size() * sizeof(Motion<D>), m_hash);
+    if (copy.given) {
+      m_hash = XXH64(copy.given->velocity.data(), copy.given->velocity.size() * sizeof(double), m_hash);
+    }
     return out;
   }
 
@@ -127,13 +135,14 @@ class ProblemTrial {
   }
 
   ProblemAnswer judged(FrozenProblem<D>& solved) {
-    m_rows.impulses(solved.manifolds, solved.joints, m_impulse);
+    WorkDone work;
+    const VelocityInput<D> after = solved.input(work, m_profiler);
+    m_rows.impulses(after, m_impulse);
     ProblemAnswer out;
     const ProblemResidual left = m_rows.naturalMap(m_impulse, m_free);
     out.residual = left.natural / m_unit, out.cone = left.cone / m_unit, out.own = ownResidual(left.natural) / m_unit;
     out.velocity = m_reference.empty() ? ProblemsSeen::kNan : 0;
-    WorkDone work;
-    m_rows.freeVelocities(solved.input(work, m_profiler), m_velocity);
+    m_rows.freeVelocities(after, m_velocity);
     for (std::size_t i = 0; i < m_reference.size(); ++i) {
       out.velocity = worse(out.velocity, std::abs(m_velocity[i] - m_reference[i]) / m_unit);
     }
@@ -143,6 +152,10 @@ class ProblemTrial {
       const Motion<D>& now = solved.bodies.motion[i];
       const double off = double((now.v - pushed.bodies.motion[i].v).norm());
       out.unexplained = worse(out.unexplained, now.w.allFinite() ? off / m_unit : ProblemsSeen::kNan);
+    }
+    for (std::size_t i = 0; solved.given && i < solved.given->velocity.size(); ++i) {
+      const double off = std::abs(solved.given->velocity[i] - pushed.given->velocity[i]);
+      out.unexplained = worse(out.unexplained, off / m_unit);
     }
     return out;
   }
@@ -186,17 +199,19 @@ class ProblemTrial {
       for (int i = 0; i < kReferenceTries && least > kConverged; ++i) {
         FrozenProblem<D> copy = warm;
         WorkDone work;
-        createStage<VelocityResolver<D>>(spec)->solve(copy.input(work, m_profiler));
-        m_rows.impulses(copy.manifolds, copy.joints, m_impulse);
+        const VelocityInput<D> in = copy.input(work, m_profiler);
+        createStage<VelocityResolver<D>>(spec)->solve(in);
+        m_rows.impulses(in, m_impulse);
         const double left = m_rows.naturalMap(m_impulse, m_free).natural / m_unit;
         const auto& motion = copy.bodies.motion;
         const bool finite = std::all_of(motion.begin(), motion.end(),
                                         [](const Motion<D>& m) { return m.v.allFinite() && m.w.allFinite(); });
         if (!std::isfinite(left) || !finite) break;
         warm.manifolds = copy.manifolds, warm.joints = copy.joints;
+        if (warm.given) warm.given->impulse = copy.given->impulse;
         if (left >= least) continue;
-        least = left, best.manifolds = warm.manifolds, best.joints = warm.joints;
-        m_rows.freeVelocities(copy.input(work, m_profiler), m_reference);
+        least = left, best = warm;
+        m_rows.freeVelocities(in, m_reference);
       }
     }
     if (least > kConverged) m_reference.clear();

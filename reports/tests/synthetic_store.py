@@ -155,12 +155,14 @@ class Maker:
 
     def world(self, sweep, axes, base_ms, error, outcome="ok", reason="", step=None, restless=0.01, points=40, repeats=5,
               machine=1, steps=300, extra=None, without=(), zero=(), work=None, hash=None, left=None, stages=None):
-        """The untimed trial and the timed repeats of one cell; `points`: contacts in the end, or by step; `left`: mean penetration at the end; `stages`: us of each."""
+        """The untimed trial and the timed repeats of one cell; `points`: contacts in the end, or by step;
+        `left`: mean penetration at the end; `stages`: us of each."""
         axes = {"kind": "world", "precision": "f64", **axes}
         n = steps if step is None else step
         at = np.arange(n)
         noise = self.random.random(n)
-        series = {"max_speed": restless * (0.3 + noise) + 2 * np.exp(-at / 15), "points": np.minimum(at, points) * 1.0 if np.isscalar(points) else np.asarray(points, float)[:n],
+        touching = np.minimum(at, points) * 1.0 if np.isscalar(points) else np.asarray(points, float)[:n]
+        series = {"max_speed": restless * (0.3 + noise) + 2 * np.exp(-at / 15), "points": touching,
                   "kinetic": 10 * np.exp(-at / 20) + restless, "potential": 100 - 5 * (1 - np.exp(-at / 20)),
                   "drift": error * 3 * at / steps, "residual": error * (0.5 + noise) / 10,
                   "mean_penetration": np.full(n, 0 if "mean_penetration" in zero else error / 2)}

@@ -193,6 +193,106 @@ TEST(ContactProblem, NothingIsLeft3) {
   }
 }
 
+/// The matrix of a scene of contacts and pivots, and nothing else of it.
+template <int D>
+struct Given {
+  Whole<D> whole;
+  GivenProblem matrix;
+  std::vector<std::int32_t> number;  // of the scene's rows there: contacts come first, each with all directions
+
+  explicit Given(ImpactScene<D>& s) : whole(s), number(static_cast<std::size_t>(whole.problem.size())) {
+    const ContactProblem<D>& p = whole.problem;
+    std::int32_t rows = 0;
+    for (const bool joints : {false, true}) {
+      for (int i = 0; i < p.size(); ++i) {
+        const ProblemRow<D>& r = p.row(i);
+        if (r.ofJoint != joints) continue;
+        const bool normal = !joints && r.law != ProblemLaw::tangent;
+        if (normal) rows = D * static_cast<std::int32_t>(matrix.friction.size()), matrix.friction.push_back(r.friction);
+        number[static_cast<std::size_t>(i)] = rows++;
+      }
+      if (!joints) rows = D * static_cast<std::int32_t>(matrix.friction.size());
+    }
+    matrix.velocity.assign(static_cast<std::size_t>(rows), 0), matrix.impulse = matrix.velocity;
+    Eigen::MatrixXd w = Eigen::MatrixXd::Zero(rows, rows);
+    for (int i = 0; i < p.size(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      matrix.velocity[static_cast<std::size_t>(number[at])] = whole.freeVelocity[at];
+      for (int j = 0; j < p.size(); ++j)
+        w(number[at], number[static_cast<std::size_t>(j)]) = p.response(p.row(i), p.row(j));
+    }
+    for (std::int32_t j = 0; j < rows; ++j) {
+      for (std::int32_t i = 0; i < rows; ++i) {
+        if (w(i, j) != 0) matrix.row.push_back(i), matrix.value.push_back((w(i, j) + w(j, i)) / 2);
+      }
+      matrix.start.push_back(static_cast<std::int32_t>(matrix.row.size()));
+    }
+  }
+  /// What the answer to a matrix leaves of the scene, m/s: by its impulses, and by the velocities that it tells.
+  double left(const Spec& spec, GivenProblem given) {
+    ImpactScene<D> none;
+    VelocityInput<D> in = inputOf(none);
+    in.given = &given;
+    createStage<VelocityResolver<D>>(spec)->solve(in);
+    std::vector<double> x(number.size()), u;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = given.impulse[static_cast<std::size_t>(number[i])];
+    double out = whole.problem.naturalMap(x, whole.freeVelocity).natural;
+    whole.problem.multiply(x, u);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double told = given.velocity[static_cast<std::size_t>(number[i])];
+      out = worse(out, std::abs(u[i] + whole.freeVelocity[i] - told));
+    }
+    return out;
+  }
+};
+
+// Who solves a matrix alone comes to where nothing is left of the bodies' problem that it is of.
+template <int D>
+void matrixIsSolvedAsItsBodiesAre(const Registered& method, Draw& draw) {
+  auto s = drawImpact<D>(draw, {.fixed = true, .friction = true, .gap = Real(0.05), .joints = draw.below(2)});
+  for (Manifold<D>& m : s.manifolds) m.friction = std::min(m.friction, Real(0.3));
+  if (D == 3 && method.info.friction == FrictionLaw::facets) s.features.friction = false;  // it alone knows its facets
+  Given<D> given(s);
+  Spec spec = withIterations(method, 2000, 0);
+  for (const ParamInfo& p : method.params) {
+    if (kDouble && p.name == "cfm") spec.set("cfm", Spec::parse("1e-5"));
+  }
+  const double left = given.left(spec, given.matrix);
+  if (!(left < (kDouble ? 1e-6 : 1e-3) * double(s.speed()))) RC_LOG() << method.info.name << ' ' << left << '\n' << s;
+  RC_ASSERT(left < (kDouble ? 1e-6 : 1e-3) * double(s.speed()));
+}
+template <int D>
+void everyMatrixMethod() {
+  int asked = 0;
+  for (const Registered* r : Registry::instance().list(StageKind::velocity, D)) {
+    if (!r->info.matrixAlone || !competes(*r)) continue;
+    ++asked;
+    check(
+        std::string("a matrix and its bodies ") + char('0' + D) + "D " + r->info.name,
+        [&] {
+          RapidCheckDraw draw;
+          matrixIsSolvedAsItsBodiesAre<D>(*r, draw);
+        },
+        30);
+  }
+  EXPECT_GT(asked, 0);
+  OnSlope<D> slides(0.5, 0.3, 1);
+  Given<D> given(slides.scene);
+  const Spec nncg = Spec::parse("nncg{iterations=2000}");
+  const double most = kDouble ? 1e-9 : 1e-5;
+  EXPECT_LT(given.left(nncg, given.matrix), most);
+  const auto plant = [&](const std::string& what, const auto& change) {
+    GivenProblem planted = given.matrix;
+    change(planted);
+    expectCaught("GivenProblem " + what + ' ' + std::to_string(D) + 'D', given.left(nncg, planted) < most);
+  };
+  plant("an entry is another", [](GivenProblem& p) { p.value.front() *= 1.01; });
+  plant("friction is another", [](GivenProblem& p) { p.friction[0] = 0.31; });
+  plant("what is wanted is another", [](GivenProblem& p) { p.velocity[0] *= 1.01; });
+}
+TEST(GivenProblem, IsSolvedAsItsBodiesAre2) { everyMatrixMethod<2>(); }
+TEST(GivenProblem, IsSolvedAsItsBodiesAre3) { everyMatrixMethod<3>(); }
+
 // Without its correction admm solves the convex law: what slides lifts by mu times its speed, and stays on the ground
 // with it.
 template <int D>

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "experiments/parse/toml_reader.h"
+#include "experiments/trial/fclib_library.h"
 #include "experiments/trial/problem_file.h"
 #include "framework/contact_problem.h"
 #include "framework/profiler.h"
@@ -168,7 +169,7 @@ TEST(FclibFile, RefusesInOneLine) {
       {good.substr(0, 8), {"it is damaged", "FCLIB's global form"}},
       {good.substr(0, good.size() / 2), {"it is damaged"}},
       {changed("fclib_global", "other_global"), {"it holds no problem of FCLIB", "valid: "}},
-      {changed("fclib_global", std::string("fclib_local\0", 12)), {"W, q and mu without bodies"}},
+      {changed("fclib_global", std::string("fclib_local\0", 12)), {"it has no list /fclib_local/W/m"}},
       {changed(bytesOf(mu), bytesOf(nan)), {"mu is not finite"}},
       {changed(bytesOf(mu), bytesOf(-mu)), {"friction is negative"}},
   };
@@ -225,6 +226,129 @@ TEST(FclibFile, SaysWhatItDoesNotHold) {
       if (p.bodies.type[i] == BodyType::dynamic) p.bodies.invMass[i] = 0;
     }
   });
+}
+
+/// The local form of a heap: contacts' rows in W, those of its joint in V and R.
+template <int D>
+FclibLocal localOf(FrozenProblem<D> problem) {
+  for (Manifold<D>& m : problem.manifolds) m.friction = std::max(m.friction, Real(0.1));  // all have their tangents
+  WorkDone work;
+  Profiler profiler;
+  ContactProblem<D> rows;
+  const VelocityInput<D> in = problem.input(work, profiler);
+  rows.set(in);
+  std::vector<double> u;
+  rows.freeVelocities(in, u);
+  std::vector<int> contacts, joints;
+  FclibLocal out;
+  std::vector<double> mu;
+  for (int i = 0; i < rows.size(); ++i) {
+    (rows.row(i).ofJoint ? joints : contacts).push_back(i);
+    if (rows.row(i).law == ProblemLaw::normal) mu.push_back(rows.row(i).friction);
+  }
+  const auto part = [&](const std::vector<int>& of, const std::vector<int>& by) {
+    Eigen::MatrixXd w(of.size(), by.size());
+    for (Eigen::Index i = 0; i < w.rows(); ++i) {
+      for (Eigen::Index j = 0; j < w.cols(); ++j) {
+        w(i, j) = rows.response(rows.row(of[static_cast<std::size_t>(i)]), rows.row(by[static_cast<std::size_t>(j)]));
+      }
+    }
+    return Eigen::SparseMatrix<double>(w.sparseView());
+  };
+  const auto list = [&](const std::vector<int>& of) {
+    Eigen::VectorXd v(of.size());
+    for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = u[static_cast<std::size_t>(of[static_cast<std::size_t>(i)])];
+    return v;
+  };
+  out.dimension = D, out.w = part(contacts, contacts), out.v = part(contacts, joints), out.r = part(joints, joints);
+  out.q = list(contacts), out.s = list(joints);
+  out.mu = Eigen::Map<const Eigen::VectorXd>(mu.data(), static_cast<Eigen::Index>(mu.size()));
+  return out;
+}
+
+std::string localBytes(FclibLocal local, const Workspace& w) {
+  const std::string path = w.path("local.hdf5");
+  std::remove(path.c_str());
+  inItsProcess(path, [&] { return writeFclibHere(path, local), std::string(); });
+  return readFile(path);
+}
+
+// W, q and mu alone: the numbers that were written, in our own order, and a problem that methods of matrices solve.
+template <int D>
+void localRoundTrip() {
+  Workspace w;
+  if (!isThere(heapProblem<2>(), w)) GTEST_SKIP() << "FCLIB is absent";
+  const FclibLocal local = localOf(heapProblem<D>());
+  ASSERT_GT(local.mu.size(), 5);
+  ASSERT_GT(local.v.cols(), 0);
+  localBytes(local, w);
+  const ProblemFile file = ProblemFile::load(w.path("local.hdf5"));
+  ASSERT_EQ(file.dimension, D);
+  FrozenProblem<D> read = file.of<D>().at(0).problem;
+  const GivenProblem& given = read.given.value();
+  const auto n = static_cast<std::int32_t>(local.w.rows());
+  ASSERT_EQ(given.size(), n + static_cast<std::int32_t>(local.v.cols()));
+  double most = 0;
+  for (std::int32_t i = 0; i < given.size(); ++i) {
+    for (std::int32_t j = 0; j < given.size(); ++j) {
+      const double is = i < n ? (j < n ? local.w.coeff(i, j) : local.v.coeff(i, j - n))
+                              : (j < n ? local.v.coeff(j, i - n) : local.r.coeff(i - n, j - n));
+      most = std::max(most, std::abs(given.at(i, j) - is));
+    }
+    const auto at = static_cast<std::size_t>(i);
+    most = std::max(most, std::abs(given.velocity[at] - (i < n ? local.q[i] : local.s[i - n])));
+    if (i < local.mu.size()) most = std::max(most, std::abs(given.friction[at] - local.mu[i]));
+  }
+  EXPECT_LT(most, 1e-12);
+  WorkDone work;
+  Profiler profiler;
+  ContactProblem<D> rows;
+  const VelocityInput<D> in = read.input(work, profiler);
+  std::vector<double> u, x;
+  rows.set(in), rows.freeVelocities(in, u);
+  createStage<VelocityResolver<D>>(Spec::parse("admm{iterations=2000,max_rows=1000}"))->solve(in);
+  rows.impulses(in, x);
+  EXPECT_LT(rows.naturalMap(x, u).natural, 1e-6);
+  for (std::int32_t i = n; i < given.size(); ++i) EXPECT_NEAR(given.velocity[static_cast<std::size_t>(i)], 0, 1e-6);
+}
+TEST(FclibFile, HoldsAMatrixAlone2) { localRoundTrip<2>(); }
+TEST(FclibFile, HoldsAMatrixAlone3) { localRoundTrip<3>(); }
+
+TEST(FclibFile, RefusesAMatrixInOneLine) {
+  Workspace w;
+  if (!isThere(heapProblem<2>(), w)) GTEST_SKIP() << "FCLIB is absent";
+  const FclibLocal good = localOf(heapProblem<2>());
+  const auto refuses = [&](const test::Parts& parts, const auto& change) {
+    FclibLocal bad = good;
+    change(bad);
+    const std::string said = messageOf(localBytes(bad, w), w.path("p.hdf5"));
+    expectParts(said, parts, said);
+    EXPECT_EQ(said.find('\n'), said.npos) << said;
+  };
+  refuses({}, [](auto&) {});
+  refuses({"its W or R is not symmetric"}, [](auto& p) { p.w.coeffRef(0, 1) += 1; });
+  refuses({"negative on the diagonal"}, [](auto& p) { p.w.coeffRef(0, 0) = -1; });
+  refuses({"friction is negative"}, [](auto& p) { p.mu[0] = -1; });
+  refuses({"a number of its q is not finite"}, [](auto& p) { p.q[0] = std::nan(""); });
+  refuses({"sizes that do not go together"},
+          [](auto& p) { p.r = Eigen::SparseMatrix<double>(p.r.rows(), p.r.cols() + 1); });
+  // Who pushes bodies says so, and is a row of the result.
+  localBytes(good, w);
+  w.write("s.toml",
+          "summary = \"s\"\nkind = \"problems\"\n[axes]\nproblems = \"local.hdf5\"\nvelocity = \"*\"\n"
+          "start = \"cold\"\niterations = 3\n");
+  const test::Outcome swept = w.lpc("sweep s.toml --store s.db");
+  EXPECT_EQ(swept.code, 0) << swept.text;
+  const auto count = [&](const std::string& where) {
+    return test::ask(w.path("s.db"), "SELECT COUNT(*) FROM trial WHERE " + where);
+  };
+  std::size_t able = 0, all = 0;
+  for (const Registered* r : Registry::instance().list(StageKind::velocity, 2)) {
+    if (r->info.role != AlgorithmRole::competitor) continue;
+    ++all, able += r->info.matrixAlone;
+  }
+  EXPECT_EQ(count("outcome='ok'"), std::to_string(able));
+  EXPECT_EQ(count("outcome='unsupported' AND reason LIKE '%it pushes bodies%'"), std::to_string(all - able));
 }
 
 TEST(FclibFile, IsRecordedAndSwept) {

@@ -188,6 +188,50 @@ TEST(ProblemFile, RefusesInOneLine) {
   }
 }
 
+// Two rows of a contact and an equality: read, written, and each thing that may be wrong with it.
+TEST(ProblemFile, HoldsAMatrix) {
+  const std::string good =
+      "{\"format\": \"lpc problems\", \"version\": 1, \"dimension\": 2, \"problems\": "
+      "[\n{\"matrix\":{\"entries\":[[0,0,2.0],"
+      "[2,0,0.5],[1,1,1.0],[2,2,3.0]],\"friction\":[0.4],\"impulse\":[0.0,0.0,0.25],\"velocity\":[-1.0,0.125,0.0]},"
+      "\"scene\":\"m\",\"step\":0}\n]}\n";
+  const ProblemFile file = ProblemFile::parse(good, "m.json");
+  const GivenProblem& given = file.in2.at(0).problem.given.value();
+  EXPECT_EQ(given.at(0, 2), 0.5);
+  EXPECT_EQ(given.at(2, 0), 0.5);
+  EXPECT_EQ(given.at(1, 0), 0);
+  EXPECT_EQ(given.at(2, 2), 3);
+  EXPECT_EQ(given.impulse, (std::vector<double>{0, 0, 0.25}));
+  std::ostringstream again;
+  writeProblems<2>(again, file.in2);
+  EXPECT_EQ(again.str(), good);
+  const struct {
+    std::string from, to;
+    Parts parts;
+  } cases[] = {
+      {"[2,0,0.5]", "[0,2,0.5]", {"m.json, problems 0, matrix, entries 1 1 is 2", "valid: a whole number from 0 to 0"}},
+      {"[2,0,0.5]", "[3,0,0.5]", {"entries 1 0 is 3", "valid: a whole number from 0 to 2"}},
+      {"[2,0,0.5]", "[1,1,0.5]", {"entries 2 is ", "valid: each entry once"}},
+      {"[2,0,0.5]", "[2,0]", {"entries 1 is a list of 2", "valid: row, column and number"}},
+      {"[0,0,2.0]", "[0,0,-2.0]", {"entries 0 2 is -2", "valid: 0 or more, on the diagonal"}},
+      {"[0,0,2.0]", "[0,0,null]", {"entries 0 2 is null", "valid: a finite number"}},
+      {"[0.4]", "[-0.4]", {"friction 0 is -0.4"}},
+      {"[0.4]", "[0.4,0.4]", {"velocity is a list of 3", "valid: 2 numbers of each contact"}},
+      {"0.25]", "0.25,1]", {"impulse is a list of 4", "valid: a list of 3"}},
+      {"\"velocity\"", "\"speed\"", {"matrix lacks 'velocity'"}},
+  };
+  for (const auto& c : cases) {
+    std::string bad = good;
+    bad.replace(bad.find(c.from), c.from.size(), c.to);
+    try {
+      ProblemFile::parse(bad, "m.json");
+      ADD_FAILURE() << c.to;
+    } catch (const UserError& e) {
+      expectParts(e.what(), c.parts, c.to);
+    }
+  }
+}
+
 TEST(Record, WritesTheProblemsOfSteps) {
   Workspace w;
   const test::Outcome some = w.lpc("record vertical_stack --problems p.json --steps 3,20 --param n=4 --param gap=0");
