@@ -81,7 +81,8 @@ class ContactProblem {
   int size() const { return static_cast<int>(m_rows.size()); }
   const Row& row(int i) const { return m_rows[static_cast<std::size_t>(i)]; }
 
-  /// Rows that nothing can move are left out. Arrays keep their capacity.
+  /// Rows that nothing can move are left out. Arrays keep their capacity. What is given is not copied: it outlives
+  /// this.
   void set(const VelocityInput<D>& in) {
     m_given = in.given;
     m_bodies = m_given ? m_given->size() : in.bodies.size();
@@ -325,10 +326,9 @@ class ContactProblem {
       if (rubs) m_rows[first].law = ProblemLaw::normal, m_rows[first].friction = mu;
     }
     for (std::int32_t i = D * contacts; i < m_given->size(); ++i) {
-      if (!add(i, ProblemLaw::free))
-        m_rows.pop_back();
-      else
-        m_rows.back().ofJoint = true;
+      const bool moves = add(i, ProblemLaw::free);
+      m_rows.back().ofJoint = true;
+      if (!moves) m_rows.pop_back();
     }
   }
 
@@ -426,7 +426,7 @@ class ContactProblem {
     }
   }
 
-  GivenProblem* m_given = nullptr;
+  const GivenProblem* m_given = nullptr;
   std::int32_t m_bodies = 0;  // or rows of what is given
   std::vector<Row> m_rows;
   std::vector<std::int32_t> m_joints;  // whose impulses are written

@@ -107,6 +107,7 @@ FrozenProblem<D> freeze(const VelocityInput<D>& in, const Vec<D>& gravity) {
   FrozenProblem<D> out;
   out.dt = in.dt, out.lastDt = in.lastDt, out.restitutionThreshold = in.restitutionThreshold, out.gravity = gravity;
   out.features = in.features, out.position.rate = in.position.jointBias(in.dt);
+  if (in.given) out.given = *in.given;
   const Bodies<D>& bodies = in.bodies;
   std::vector<std::int32_t> slot(static_cast<std::size_t>(bodies.size()), 0);  // 1: named; then its number + 1
   const auto name = [&](std::int32_t body) {

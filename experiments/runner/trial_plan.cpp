@@ -285,6 +285,11 @@ PlannedTrial Planner::problems(json cell) {
     out.unsupported = spec.name + " owns its loop: it integrates between its sweeps and has no velocity problem";
   } else {
     cell["velocity"] = canonicalStage(code, out.unsupported, StageKind::velocity, spec, file.dimension);
+    if (out.unsupported.empty() && file.isMatrix(cell["problem"].get<std::size_t>())) {
+      const bool able = Registry::instance().find(StageKind::velocity, file.dimension, spec.name).info.matrixAlone;
+      if (!able) out.unsupported = spec.name + " pushes bodies, and a matrix alone has none";
+      if (able && cell["order"] == "coloured") out.unsupported = "a matrix alone has no bodies to colour contacts by";
+    }
     for (const char* reference : kReferenceResolvers) {
       code.update(codeHashes(StageKind::velocity, Spec::parse(reference), file.dimension));
     }

@@ -301,6 +301,29 @@ class RigidBodies {
   FrozenProblem<D> m_out;
 };
 
+/// Contacts' rows in W, those of equalities in V and R.
+template <int D>
+FclibLocal localOf(const GivenProblem& given) {
+  const auto n = static_cast<int>(D * given.friction.size()), m = given.size() - n;
+  Triplets w, v, r;
+  for (int j = 0; j < given.size(); ++j) {
+    given.eachOf(j, [&](int i, double x) {
+      if (i < n && j < n) w.emplace_back(i, j, x);
+      if (i < n && j >= n) v.emplace_back(i, j - n, x);
+      if (i >= n && j >= n) r.emplace_back(i - n, j - n, x);
+    });
+  }
+  const Vector u = vectorOf(given.velocity);
+  const auto columns = static_cast<std::size_t>(m);
+  return {D,
+          matrixOf(n, static_cast<std::size_t>(n), w),
+          matrixOf(n, columns, v),
+          matrixOf(m, columns, r),
+          u.head(n),
+          u.tail(m),
+          vectorOf(given.friction)};
+}
+
 template <int D>
 FrozenProblem<D> asProblem(const FclibProblem& from) {
   return RigidBodies<D>(from).problem();
@@ -320,7 +343,13 @@ FrozenProblem<D> asProblem(const FclibLocal& from) {
   };
   put(from.w, 0, 0, false), put(from.v, 0, n, false), put(from.v, 0, n, true), put(from.r, n, n, false);
   const Sparse whole = matrixOf(n + m, static_cast<std::size_t>(n + m), entries), turned = whole.transpose();
-  if (!turned.isApprox(whole, kSame)) throw UserError("its W or R is not symmetric");
+  for (int j = 0; j < whole.cols(); ++j) {
+    for (Sparse::InnerIterator x(whole, j); x; ++x) {
+      const double scale = std::sqrt(std::abs(whole.coeff(j, j) * whole.coeff(x.row(), x.row())));
+      if (std::abs(x.value() - turned.coeff(x.row(), j)) > kSame * scale)
+        throw UserError("its W or R is not symmetric");
+    }
+  }
   if (from.mu.size() > 0 && from.mu.minCoeff() < 0) throw UserError("a coefficient of friction is negative");
   if (whole.diagonal().minCoeff() < 0) throw UserError("its W or R is negative on the diagonal");
   GivenProblem given;
@@ -355,9 +384,13 @@ std::string textOf(const Form& from) {
 
 template <int D>
 std::string fclibBytes(const FrozenProblem<D>& problem, const std::string& path) {
-  FclibProblem from;
+  std::variant<FclibProblem, FclibLocal> from;
   try {
-    from = globalOf(problem);
+    if (problem.given) {
+      from = localOf<D>(*problem.given);
+    } else {
+      from = globalOf(problem);
+    }
   } catch (const UserError& e) {
     throw UserError(path + ": " + e.what() + "; valid: a file that ends in .json");
   }
@@ -365,7 +398,10 @@ std::string fclibBytes(const FrozenProblem<D>& problem, const std::string& path)
   std::remove(beside.c_str());  // it would add to what is there
   std::string bytes;
   try {
-    inItsProcess(path, [&] { return writeFclibHere(beside, from), std::string(); });
+    inItsProcess(path, [&] {
+      std::visit([&](auto& form) { writeFclibHere(beside, form); }, from);
+      return std::string();
+    });
     bytes = readFile(beside);
   } catch (const UserError&) {
     std::remove(beside.c_str());

@@ -60,6 +60,9 @@ class Sizes {
     m_top = local ? "/fclib_local/" : "/fclib_global/";
     const long dimension = number(m_top + "spacedim");
     if (dimension != 2 && dimension != 3) throw UserError("its dimension is " + std::to_string(dimension));
+    for (const char* of : {"info/title", "info/description", "info/math_info"}) {
+      if (has(m_top + "info")) text(m_top + of);
+    }
     local ? checkLocal(dimension) : checkGlobal(dimension);
     LPC_OF_FCLIB(H5Fclose)(m_file);
   }
@@ -109,6 +112,13 @@ class Sizes {
     }
     return value;
   }
+  /// libfclib asks for one dimension at most.
+  void text(const std::string& path) const {
+    int rank = 0;
+    const bool read =
+        !has(path) || (LPC_OF_FCLIB(H5LTget_dataset_ndims)(m_file, path.c_str(), &rank) >= 0 && rank <= 1);
+    if (!read) throw UserError("its " + path + " is no text");
+  }
   void list(const std::string& name, long length) const {
     const long is = lengthOf(m_top + name);
     if (is == length) return;
@@ -120,6 +130,10 @@ class Sizes {
                most = number(at + "/nzmax");
     const bool sane = rows >= 0 && columns >= 0 && rows <= kMostRows && columns <= kMostRows && nz >= -2 && most >= nz;
     if (!sane) throw UserError("its matrix " + name + " is of no size");
+    for (const char* of : {"/conditioning", "/determinant", "/rank"}) {  // libfclib has room for one number of each
+      if (has(at + of)) number(at + of);
+    }
+    text(at + "/comment");
     list(name + "/p", nz >= 0 ? nz : (nz == -1 ? columns : rows) + 1);
     list(name + "/i", nz >= 0 ? nz : most), list(name + "/x", most);
     return {rows, columns};

@@ -130,6 +130,7 @@ class Place {
     if (it == m_value.end()) throw UserError(m_where + " lacks '" + key + "'");
     return {*it, m_where + ", " + key};
   }
+  const std::string& where() const { return m_where; }
   bool has(const char* key) const { return m_value.is_object() && m_value.contains(key); }
   std::size_t size() const {
     if (!m_value.is_array()) fail("a list");
@@ -143,9 +144,9 @@ class Place {
     return x;
   }
   Real number() const {
-    const double x = m_value.is_number() ? m_value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-    if (!std::isfinite(x) || !std::isfinite(static_cast<Real>(x))) fail("a finite number");
-    return static_cast<Real>(x);
+    const auto x = static_cast<Real>(wide());
+    if (!std::isfinite(x)) fail("a finite number");
+    return x;
   }
   Real least(Real lo) const {
     const Real x = number();
@@ -295,6 +296,34 @@ std::vector<double> readNumbers(const Place& list) {
   return out;
 }
 
+// Of any J M^-1 J^T, each two rows: what couples them is no more than what moves either. So a row that has nothing on
+// the diagonal has nothing anywhere, and can be left out, if it asks for nothing.
+template <int D>
+void checkMatrix(const Place& matrix, const GivenProblem& given) {
+  constexpr double kRounding = 1e-6;
+  const auto contacts = static_cast<std::int32_t>(given.friction.size());
+  for (std::int32_t j = 0; j < given.size(); ++j) {
+    given.eachOf(j, [&](std::int32_t i, double w) {
+      if (i <= j || w * w <= given.at(i, i) * given.at(j, j) * (1 + kRounding)) return;
+      const std::string at = std::to_string(i) + ", " + std::to_string(j);
+      throw UserError(matrix.where() + ": the entry at " + at +
+                      " is larger than those of its rows on the diagonal allow; "
+                      "valid: a matrix that has no negative eigenvalue");
+    });
+    const double u = given.velocity[static_cast<std::size_t>(j)];
+    const bool equality = j >= D * contacts, normal = !equality && j % D == 0;
+    const auto moves = [&](std::int32_t i) { return given.at(i, i) > 0; };
+    if (!moves(j) && ((equality && u != 0) || (normal && u < 0))) {
+      matrix.at("velocity")
+          .at(static_cast<std::size_t>(j))
+          .fail("0 or more of a row that nothing moves, of an equality 0");
+    }
+    if (D == 3 && normal && given.friction[static_cast<std::size_t>(j / D)] > 0 && moves(j + 1) != moves(j + 2)) {
+      matrix.at("friction").at(static_cast<std::size_t>(j / D)).fail("0 where nothing moves one of two tangents");
+    }
+  }
+}
+
 // Entries of the lower half, each once.
 template <int D>
 GivenProblem readMatrix(const Place& matrix) {
@@ -323,6 +352,7 @@ GivenProblem readMatrix(const Place& matrix) {
     for (const auto& [i, w] : column) out.row.push_back(i), out.value.push_back(w);
     out.start.push_back(static_cast<std::int32_t>(out.row.size()));
   }
+  checkMatrix<D>(matrix, out);
   return out;
 }
 

@@ -34,6 +34,9 @@ struct ProblemFile {
       return in3;
     }
   }
+  bool isMatrix(std::size_t i) const {
+    return dimension == 2 ? in2.at(i).problem.given.has_value() : in3.at(i).problem.given.has_value();
+  }
   std::size_t size() const { return dimension == 2 ? in2.size() : in3.size(); }
   /// Both throw UserError that says what is wrong where, and what would be valid.
   static ProblemFile load(const std::string& path);

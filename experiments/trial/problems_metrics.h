@@ -19,6 +19,7 @@ struct ProblemAnswer {
   double cone = 0;         // beyond the friction cone
   double velocity = 0;     // of the rows, before the converged answer; NaN: there is none
   double unexplained = 0;  // of the bodies' velocities, what the impulses have not made
+  double fallbacks = 0;    // rows that a direct method left to sweeps
   double rowUpdates = 0, nanoseconds = std::numeric_limits<double>::quiet_NaN();
 };
 

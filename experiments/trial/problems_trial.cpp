@@ -36,10 +36,6 @@ class ProblemTrial {
         m_timed(t.value("timed", false)),
         m_iterations(t.at("iterations").get<int>()) {
     const Registered& entry = Registry::instance().find(StageKind::velocity, D, m_spec.name);
-    if (m_problem.given && !entry.info.matrixAlone) {
-      throw UserError("it pushes bodies, and a problem of W, q and mu alone has none");
-    }
-    if (m_problem.given && t.at("order") == "coloured") throw UserError("a matrix has no bodies to colour by");
     m_law = frictionLaw(entry.info, m_spec);
     for (const ParamInfo& p : entry.params) {
       if (p.name == "iterations") m_seen.counts = true, m_least = static_cast<int>(p.range.value().lo);
@@ -101,6 +97,7 @@ class ProblemTrial {
     createStage<VelocityResolver<D>>(m_spec)->solve(copy.input(work, m_profiler));
     ProblemAnswer out = judged(copy);
     out.rowUpdates = static_cast<double>(work[WorkCount::rowUpdates]);
+    out.fallbacks = static_cast<double>(work[WorkCount::fallbacks]);
     if (m_timed) out.nanoseconds = time();
     m_hash = XXH64(copy.bodies.motion.data(), copy.bodies.motion.size() * sizeof(Motion<D>), m_hash);
     if (copy.given) {

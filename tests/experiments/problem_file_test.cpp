@@ -219,6 +219,11 @@ TEST(ProblemFile, HoldsAMatrix) {
       {"[0.4]", "[0.4,0.4]", {"velocity is a list of 3", "valid: 2 numbers of each contact"}},
       {"0.25]", "0.25,1]", {"impulse is a list of 4", "valid: a list of 3"}},
       {"\"velocity\"", "\"speed\"", {"matrix lacks 'velocity'"}},
+      {"[0,0,2.0],", "", {"problems 0, matrix: the entry at 2, 0 is larger", "valid: a matrix that has no negative"}},
+      {"[2,0,0.5]", "[2,0,2.5]", {"the entry at 2, 0 is larger"}},
+      {"[2,0,0.5],[1,1,1.0],[2,2,3.0]],\"friction\":[0.4],\"impulse\":[0.0,0.0,0.25],\"velocity\":[-1.0,0.125,0.0]",
+       "[1,1,1.0]],\"friction\":[0.4],\"impulse\":[0,0,0],\"velocity\":[-1,0.125,0.5]",
+       {"velocity 2 is 0.5", "valid: 0 or more of a row that nothing moves"}},
   };
   for (const auto& c : cases) {
     std::string bad = good;
