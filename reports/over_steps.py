@@ -34,17 +34,23 @@ def scenes(context, cells):
 
 
 def at_middle(cells, setting):
-    """The cells at the middle value of the setting: where methods are compared at one."""
+    """The cells at the middle value of the setting: where methods are compared at one. A method that has one value where others
+    have several is the same at each, and was planned once: it has no setting."""
     if not setting or cells[setting].dropna().empty:
         return cells
     values = sorted(cells[setting].dropna().unique())
+    alone = cells["method"].map(cells.groupby("method")[setting].nunique()) < min(2, len(values))
+    cells = cells.assign(**{setting: cells[setting].where(~alone)})
     return cells[cells[setting].isna() | (cells[setting] == values[len(values) // 2])]
 
 
 def setting_of(cells, setting):
-    """The value of the setting that cells at_middle have, as words after "In 2D"; empty where there is no setting."""
+    """The value of the setting that cells at_middle have, as words after "In 2D", and who has none; empty where there is no
+    setting."""
     values = sorted(cells[setting].dropna().unique()) if setting else []
-    return f" at {setting}={listing(f'{v:g}' if isinstance(v, float) else str(v) for v in values)}" if values else ""
+    without = sorted(set(cells["method"][cells[setting].isna()])) if values else []
+    none = f" ({listing(without)} {'has' if len(without) == 1 else 'have'} none)" if without else ""
+    return f" at {setting}={listing(f'{v:g}' if isinstance(v, float) else str(v) for v in values)}{none}" if values else ""
 
 
 def stretches(values, of=np.median):

@@ -15,7 +15,7 @@ import over_steps  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import with_store  # noqa: E402
-from charts import broadphase, energy, ensembles, residual, steadiness  # noqa: E402
+from charts import broadphase, energy, ensembles, residual, steadiness, step_times  # noqa: E402
 
 
 def letters_one_by_one(ax, spots, **kwargs):
@@ -77,6 +77,19 @@ class OverSteps(with_store.WithStore):
         self.assertIn("; on B the last quarter", found.finding)
         self.assertEqual(overlap.overlaps(found.figure), ([], []))
         self.assertEqual([len(ax.lines) for ax in found.figure.axes], [2, 2, 1, 1], "equal contacts are one line")
+
+    def test_a_method_without_the_setting_is_drawn_beside_the_others(self):
+        def fill(maker):
+            maker.sweep("mine", "world", resolver="label", iterations="setting")
+            for label, settings in (("catto", (4, 10, 30)), ("naive", (4, 10, 30)), ("direct_lcp", (4,))):  # planned once
+                for iterations in settings:
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
+                    maker.world("mine", axes, 1.0, 1e-3, restless={"catto": 0.1, "naive": 0.2, "direct_lcp": 0.05}[label])
+        for module in (steadiness, energy, step_times):
+            found = self.made(module, fill)[0]
+            self.assertEqual(set(found.table["method"]), {"catto", "direct_lcp", "naive"}, module.__name__)
+            self.assertIn("In 2D at iterations=10 (direct_lcp has none) on stack", found.finding)
+        self.assertIn("calmest with direct_lcp", self.made(steadiness, fill)[0].finding)
 
 
 if __name__ == "__main__":
