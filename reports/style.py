@@ -251,8 +251,8 @@ def _apart(ticks, kept, inch_of, which):
     """Those of the ticks whose labels do not touch: the `kept` first, then the others in order."""
     found = {}
     for value in sorted(ticks, key=lambda v: (v not in kept, v)):
-        if all(abs(inch_of(value) - inch_of(other)) > (_inches(ticks[value], which) + _inches(ticks[other], which)) / 2 + _BESIDE[which]
-               for other in found):
+        if all(abs(inch_of(value) - inch_of(other)) > _BESIDE[which] + (_inches(ticks[value], which) +
+                                                                        _inches(ticks[other], which)) / 2 for other in found):
             found[value] = ticks[value]
     return found
 
