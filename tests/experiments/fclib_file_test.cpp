@@ -81,19 +81,28 @@ struct Essence {
   }
 };
 
+/// What a resolver is given, and the rows of it.
+template <int D>
+struct Asked {
+  WorkDone work;
+  Profiler profiler;
+  VelocityInput<D> in;
+  ContactProblem<D> rows;
+  std::vector<double> u;
+  explicit Asked(FrozenProblem<D>& problem) : in(problem.input(work, profiler)) {
+    rows.set(in), rows.freeVelocities(in, u);
+  }
+};
+
 template <int D>
 Essence essenceOf(FrozenProblem<D> problem) {
   for (Manifold<D>& m : problem.manifolds) {
     for (ContactPoint<D>& c : m.points) c.impulse.fill(0);
   }
   for (JointRecord<D>& j : problem.joints) j.impulse.fill(0);
-  WorkDone work;
-  Profiler profiler;
-  ContactProblem<D> rows;
-  const VelocityInput<D> in = problem.input(work, profiler);
-  rows.set(in);
-  std::vector<double> u;
-  rows.freeVelocities(in, u);
+  const Asked<D> asked(problem);
+  const ContactProblem<D>& rows = asked.rows;
+  const std::vector<double>& u = asked.u;
   std::vector<std::int32_t> which;
   Essence out;
   for (std::int32_t i = 0; i < rows.size(); ++i) {
@@ -101,7 +110,7 @@ Essence essenceOf(FrozenProblem<D> problem) {
     which.push_back(i), out.q.push_back(u[static_cast<std::size_t>(i)]), out.mu.push_back(rows.row(i).friction);
   }
   rows.assemble(which, out.w);
-  createStage<VelocityResolver<D>>(Spec::parse("proximal_newton{tolerance=1e-13}"))->solve(in);
+  createStage<VelocityResolver<D>>(Spec::parse("proximal_newton{tolerance=1e-13}"))->solve(asked.in);
   for (std::size_t i = 0; i < problem.bodies.motion.size(); ++i) {
     if (problem.bodies.type[i] != BodyType::dynamic) continue;
     for (int k = 0; k < D; ++k) out.velocity.push_back(double(problem.bodies.motion[i].v[k]));
@@ -232,13 +241,9 @@ TEST(FclibFile, SaysWhatItDoesNotHold) {
 template <int D>
 FclibLocal localOf(FrozenProblem<D> problem) {
   for (Manifold<D>& m : problem.manifolds) m.friction = std::max(m.friction, Real(0.1));  // all have their tangents
-  WorkDone work;
-  Profiler profiler;
-  ContactProblem<D> rows;
-  const VelocityInput<D> in = problem.input(work, profiler);
-  rows.set(in);
-  std::vector<double> u;
-  rows.freeVelocities(in, u);
+  const Asked<D> asked(problem);
+  const ContactProblem<D>& rows = asked.rows;
+  const std::vector<double>& u = asked.u;
   std::vector<int> contacts, joints;
   FclibLocal out;
   std::vector<double> mu;
@@ -304,15 +309,11 @@ void localRoundTrip() {
   const GivenProblem twice = ProblemFile::load(w.path("again.hdf5")).of<D>().at(0).problem.given.value();
   EXPECT_TRUE(twice.value == given.value && twice.row == given.row && twice.start == given.start);
   EXPECT_TRUE(twice.velocity == given.velocity && twice.friction == given.friction);
-  WorkDone work;
-  Profiler profiler;
-  ContactProblem<D> rows;
-  const VelocityInput<D> in = read.input(work, profiler);
-  std::vector<double> u, x;
-  rows.set(in), rows.freeVelocities(in, u);
-  createStage<VelocityResolver<D>>(Spec::parse("admm{iterations=2000,max_rows=1000}"))->solve(in);
-  rows.impulses(in, x);
-  EXPECT_LT(rows.naturalMap(x, u).natural, 1e-6);
+  Asked<D> asked(read);
+  std::vector<double> x;
+  createStage<VelocityResolver<D>>(Spec::parse("admm{iterations=2000,max_rows=1000}"))->solve(asked.in);
+  asked.rows.impulses(asked.in, x);
+  EXPECT_LT(asked.rows.naturalMap(x, asked.u).natural, 1e-6);
   for (std::int32_t i = n; i < given.size(); ++i) EXPECT_NEAR(given.velocity[static_cast<std::size_t>(i)], 0, 1e-6);
 }
 TEST(FclibFile, HoldsAMatrixAlone2) { localRoundTrip<2>(); }
