@@ -10,10 +10,7 @@ namespace lpc::inline LPC_PRECISION {
 // The one competitor that takes every kind of shape.
 template <int D>
 PosePenetration<D>::PosePenetration()
-    : m_query(createStage<PairQuery<D>>({"gjk_epa", {}})),
-      m_pairs(kShapeKinds * kShapeKinds),
-      m_batch(std::make_unique<PairBatch<D>>()),
-      m_answers(std::make_unique<PairAnswers<D>>()) {}
+    : m_query(createStage<PairQuery<D>>({"gjk_epa", {}})), m_pairs(kShapeKinds * kShapeKinds) {}
 
 template <int D>
 void PosePenetration<D>::pairUp(const Simulation<D>& simulation) {
@@ -61,19 +58,15 @@ typename PosePenetration<D>::Depths PosePenetration<D>::of(const Simulation<D>& 
   double sum = 0;
   WorkDone work;
   for (const auto& pairs : m_pairs) {
-    for (std::size_t i = 0; i < pairs.size();) {
-      m_batch->clear(pairs[i].first->view.kind, pairs[i].second->view.kind);
-      for (; i < pairs.size() && m_batch->count < PairBatch<D>::kCapacity; ++i) {
-        const auto& [a, b] = pairs[i];
-        m_batch->add(a->view, b->view, a->X_WP.inverse() * b->X_WP);
-      }
-      m_query->query(*m_batch, QueryNeed::distance, *m_answers, {}, work);
-      for (int k = 0; k < m_batch->count; ++k) {
-        const double depth = -static_cast<double>(m_answers->distance[static_cast<std::size_t>(k)]);
-        if (depth <= 0) continue;
-        out.max = worse(out.max, depth);
-        sum += depth, ++out.pairs;
-      }
+    m_views.clear();
+    for (const auto& [a, b] : pairs) m_views.push_back({a->view, b->view, a->X_WP.inverse() * b->X_WP});
+    m_answers.assign(m_views.size(), {});
+    m_query->query(m_views, QueryNeed::distance, m_answers, {}, work);
+    for (const PairAnswer<D>& answer : m_answers) {
+      const double depth = -static_cast<double>(answer.distance);
+      if (depth <= 0) continue;
+      out.max = worse(out.max, depth);
+      sum += depth, ++out.pairs;
     }
   }
   out.mean = out.pairs ? sum / out.pairs : 0;

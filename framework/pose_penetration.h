@@ -39,8 +39,8 @@ class PosePenetration {
   std::vector<Part> m_parts;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;          // jointed bodies, sorted
   std::vector<std::vector<std::pair<const Part*, const Part*>>> m_pairs;  // by pair of kinds
-  std::unique_ptr<PairBatch<D>> m_batch;
-  std::unique_ptr<PairAnswers<D>> m_answers;
+  std::vector<PairView<D>> m_views;
+  std::vector<PairAnswer<D>> m_answers;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -10,8 +10,9 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-void require(bool sound, const char* otherwise) {
-  if (!sound) throw UserError(std::string("load: the saved world is damaged (") + otherwise + ")");
+void require(bool sound, std::string_view otherwise, std::string_view rest = "") {
+  if (sound) return;
+  throw UserError("load: the saved world is damaged (" + std::string(otherwise) + std::string(rest) + ")");
 }
 
 bool isFlag(std::uint8_t x) { return x <= 1; }
@@ -101,17 +102,33 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
   requireContacts(contacts, kinds, "load: this world's contact generator");
 }
 
-template <int D>
-void checkManifolds(const SavedState<D>& saved) {
+// Whose it is, of a manifold or a record. `who` stands in the messages.
+template <int D, class Pair>
+void checkPair(const SavedState<D>& saved, const Pair& p, std::string_view who) {
   const auto isShapeOf = [&](std::int32_t shape, std::int32_t body) {
     return holds(saved.shapes, shape) && saved.shapes[static_cast<std::size_t>(shape)].body == body;
   };
+  require(isBody(saved.bodies, p.bodyA) && isBody(saved.bodies, p.bodyB) && p.bodyA < p.bodyB, who,
+          " of a body that does not exist");
+  require(isShapeOf(p.shapeA, p.bodyA) && isShapeOf(p.shapeB, p.bodyB), who, " of a shape that does not exist");
+  require(p.childA >= 0 && p.childB >= 0, who, " of a part with a negative number");
+}
+
+template <int D>
+void checkRecords(const SavedState<D>& saved) {
+  const PairRecord* before = nullptr;
+  for (const PairRecord& r : saved.records) {
+    checkPair(saved, r, "a record");
+    require(!before || before->key() < r.key(), "records of pairs out of order");
+    before = &r;
+  }
+}
+
+template <int D>
+void checkManifolds(const SavedState<D>& saved) {
   const Manifold<D>* before = nullptr;
   for (const Manifold<D>& m : saved.manifolds) {
-    require(isBody(saved.bodies, m.bodyA) && isBody(saved.bodies, m.bodyB) && m.bodyA < m.bodyB,
-            "a contact of a body that does not exist");
-    require(isShapeOf(m.shapeA, m.bodyA) && isShapeOf(m.shapeB, m.bodyB), "a contact of a shape that does not exist");
-    require(m.childA >= 0 && m.childB >= 0, "a contact of a part with a negative number");
+    checkPair(saved, m, "a contact");
     require(m.count >= 1 && m.count <= kManifoldPoints<D>, "a contact with no number of points");
     require(isFlag(m.begun) && isFlag(m.ignored), "a contact's flag is neither 0 nor 1");
     require(!before || !(m.key() < before->key()), "contacts out of order");
@@ -131,7 +148,6 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
   require(isAmount(saved.time) && isAmount(saved.lastDt), "the time is no finite number >= 0");
   require(saved.steps >= 0 && saved.steps <= std::numeric_limits<std::int64_t>::max() / 2,
           "the number of steps has overflowed");
-  require(saved.pairRecords == 0, "records of pairs, which this format has not yet");
   checkBodies(saved.bodies, saved.userForces.size());
   checkShapes(saved, contacts);
   for (const JointRecord<D>& j : saved.joints) {
@@ -144,6 +160,7 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
     require(j.X_CaJ.p.allFinite() && j.X_CbJ.p.allFinite(), "a joint's frame is at no finite place");
   }
   checkManifolds(saved);
+  checkRecords(saved);
   for (const SleepEvent& e : saved.events) {
     require(e.kind <= SleepEvent::jointRemoved, "an event of no known kind");
     require(holds(saved.bodies.used, e.body) && (e.other == -1 || holds(saved.bodies.used, e.other)),

@@ -20,7 +20,7 @@ struct SavedState {
   std::vector<SleepEvent> events;
   Real time = 0, lastDt = 0;
   std::int64_t steps = 0;
-  std::uint64_t pairRecords = 0;  // how many follow: none yet, their place in the format is kept
+  std::vector<PairRecord> records;
 };
 
 /// Throws UserError when a step could not run on this: a number that is indexed by and points at nothing, arrays of

@@ -13,8 +13,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr std::array<std::string_view, kShapeKinds> kKindNames = {"sphere",   "capsule",  "segment",   "box",
-                                                                  "polytope", "cylinder", "ellipsoid", "plane"};
+constexpr std::array<std::string_view, kShapeKinds> kKindNames = {"sphere",   "capsule",   "segment", "box", "polytope",
+                                                                  "cylinder", "ellipsoid", "plane",   "cone"};
 
 // One line of what was found and what would do; the comparison is written so that NaN is refused, too.
 void requireSize(const char* shape, const char* what, Real value, bool zeroAllowed) {
@@ -82,6 +82,7 @@ Shape<D> Shape<D>::polytope(std::shared_ptr<const Polytope<D>> hull, Real roundi
   requireSize("polytope", "rounding", rounding, true);
   Shape s;
   s.m_view.kind = ShapeKind::polytope, s.m_view.radius = rounding, s.m_view.hull = hull.get();
+  for (const Vec<D>& v : hull->vertices) s.m_view.half = s.m_view.half.cwiseMax(v.cwiseAbs()).eval();
   s.m_hull = std::move(hull);
   return s;
 }

@@ -20,8 +20,8 @@ namespace lpc::inline LPC_PRECISION {
 
 /// In this order batches are sorted: a pair of kinds always comes with kindA <= kindB. New kinds are appended: the
 /// numbers stand in saved worlds.
-enum class ShapeKind : unsigned char { sphere, capsule, segment, box, polytope, cylinder, ellipsoid, plane };
-inline constexpr int kShapeKinds = 8;
+enum class ShapeKind : unsigned char { sphere, capsule, segment, box, polytope, cylinder, ellipsoid, plane, cone };
+inline constexpr int kShapeKinds = 9;
 
 /// What the core of a shape is made of, its rounding left out.
 enum class CoreClass : unsigned char {
@@ -35,13 +35,15 @@ enum class CoreClass : unsigned char {
 constexpr CoreClass coreClass(ShapeKind kind) {
   constexpr std::array<CoreClass, kShapeKinds> kClass = {CoreClass::point,  CoreClass::segment, CoreClass::segment,
                                                          CoreClass::box,    CoreClass::hull,    CoreClass::curved,
-                                                         CoreClass::curved, CoreClass::plane};
+                                                         CoreClass::curved, CoreClass::plane,   CoreClass::curved};
   return kClass[static_cast<std::size_t>(kind)];
 }
 /// Is there such a kind in this dimension? A segment is a curve without area, a cylinder has no planar twin but the
-/// box.
+/// box, a cone none but the triangle.
 constexpr bool kindExists(ShapeKind kind, int dimension) {
-  return kind == ShapeKind::segment ? dimension == 2 : kind == ShapeKind::cylinder ? dimension == 3 : true;
+  if (kind == ShapeKind::segment) return dimension == 2;
+  const bool spatial = kind == ShapeKind::cylinder || kind == ShapeKind::cone;
+  return dimension == 3 || !spatial;
 }
 std::string_view shapeKindName(ShapeKind kind);
 /// Throws UserError with the valid names.
@@ -88,9 +90,10 @@ class CurvedCore;
 template <int D>
 struct ShapeView {
   ShapeKind kind = ShapeKind::sphere;
-  Real radius = 0;                        // rounding around the core (m): a sphere is a rounded point
-  Vec<D> half = Vec<D>::Zero();           // box and curved: half extents of the core; segment: half[0], along x (m)
-  const Polytope<D>* hull = nullptr;      // hull only
+  Real radius = 0;                    // rounding around the core (m): a sphere is a rounded point
+  Vec<D> half = Vec<D>::Zero();       // half extents of a box around the origin that holds the core (m); for all but a
+                                      // hull the tightest, of a segment (h, 0, 0)
+  const Polytope<D>* hull = nullptr;  // hull only
   const CurvedCore<D>* curved = nullptr;  // curved only
 
   CoreClass core() const { return coreClass(kind); }

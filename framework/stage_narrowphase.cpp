@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "framework/stage_narrowphase.h"
 
-#include <memory>
-
 namespace lpc::inline LPC_PRECISION {
 
 std::string_view queryStatusName(QueryStatus status) {
@@ -12,34 +10,15 @@ std::string_view queryStatusName(QueryStatus status) {
 }
 
 template <int D>
-void PairBatch<D>::add(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB) {
-  LPC_ASSERT(a.kind == kindA && b.kind == kindB && count < kCapacity);
-  const auto n = static_cast<std::size_t>(count++);
-  radiusA[n] = a.radius, radiusB[n] = b.radius;
-  hullA[n] = a.hull, hullB[n] = b.hull;
-  curvedA[n] = a.curved, curvedB[n] = b.curved;
-  q[n] = X_AB.q;
-  const Mat<D> rotation = X_AB.q.matrix();
-  for (int i = 0; i < D; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    halfA[k][n] = a.half[i], halfB[k][n] = b.half[i], p[k][n] = X_AB.p[i];
-    for (int j = 0; j < D; ++j) r[static_cast<std::size_t>(D * i + j)][n] = rotation(i, j);
-  }
-}
-
-template <int D>
 PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB,
                         QueryNeed need) {
   const bool swapped = a.kind > b.kind;
   const ShapeView<D>&first = swapped ? b : a, &second = swapped ? a : b;
   if (!method.supports(first.kind, second.kind)) return {};
-  const auto batch = std::make_unique<PairBatch<D>>();
-  const auto answers = std::make_unique<PairAnswers<D>>();
+  const PairView<D> pair{first, second, swapped ? X_AB.inverse() : X_AB};
+  PairAnswer<D> answer;
   WorkDone work;
-  batch->clear(first.kind, second.kind);
-  batch->add(first, second, swapped ? X_AB.inverse() : X_AB);
-  method.query(*batch, need, *answers, {}, work);
-  PairAnswer<D> answer = answers->get(0);
+  method.query({&pair, 1}, need, {&answer, 1}, {}, work);
   if (!swapped) return answer;
   // The method called B its first shape and answered in B's frame.
   PairAnswer<D> mapped = answer;
@@ -104,8 +83,6 @@ void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool,
   }
 }
 
-template struct PairBatch<2>;
-template struct PairBatch<3>;
 template class ChildPairs<2>;
 template class ChildPairs<3>;
 template void requireContacts(const ContactGenerator<2>&, const std::array<bool, kShapeKinds>&, const std::string&);

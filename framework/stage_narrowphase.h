@@ -13,43 +13,11 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// Two shapes as a scalar method sees them: everything is expressed in A's frame.
+/// Two shapes as a method sees them, kind of a <= kind of b: everything is expressed in A's frame.
 template <int D>
 struct PairView {
   ShapeView<D> a, b;
   Pose<D> X_AB;
-};
-
-/// Up to kCapacity pairs of one pair of kinds, kindA <= kindB, as a structure of arrays gathered by the framework.
-template <int D>
-struct PairBatch {
-  static constexpr int kCapacity = 1024;
-
-  ShapeKind kindA = ShapeKind::sphere, kindB = ShapeKind::sphere;
-  int count = 0;
-  std::array<Real, kCapacity> radiusA{}, radiusB{};
-  std::array<std::array<Real, kCapacity>, D> halfA{}, halfB{};
-  std::array<std::array<Real, kCapacity>, D> p;      // p_AB
-  std::array<std::array<Real, kCapacity>, D * D> r;  // R_AB, row by row
-  std::array<const Polytope<D>*, kCapacity> hullA{}, hullB{};
-  std::array<const CurvedCore<D>*, kCapacity> curvedA{}, curvedB{};
-  std::array<Rot<D>, kCapacity> q{};
-
-  void clear(ShapeKind a, ShapeKind b) { kindA = a, kindB = b, count = 0; }
-  /// Precondition: a.kind and b.kind are the batch's, and count < kCapacity.
-  void add(const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB);
-  PairView<D> pair(int i) const {
-    const auto n = static_cast<std::size_t>(i);
-    PairView<D> v;
-    v.a.kind = kindA, v.a.radius = radiusA[n], v.a.hull = hullA[n], v.a.curved = curvedA[n];
-    v.b.kind = kindB, v.b.radius = radiusB[n], v.b.hull = hullB[n], v.b.curved = curvedB[n];
-    for (int d = 0; d < D; ++d) {
-      const auto k = static_cast<std::size_t>(d);
-      v.a.half[d] = halfA[k][n], v.b.half[d] = halfB[k][n], v.X_AB.p[d] = p[k][n];
-    }
-    v.X_AB.q = q[n];
-    return v;
-  }
 };
 
 enum class QueryStatus : std::uint8_t {
@@ -71,39 +39,15 @@ struct PairAnswer {
   Vec<D> pB = Vec<D>::Zero();
 };
 
-/// What the caller will read. A method may do less when less is asked.
+/// What the caller will read. A method may do less when less is asked: for `boolean` only the sign of the distance
+/// counts.
 enum class QueryNeed { boolean, distance, witnesses };
 
-/// The answers of one batch, as arrays too. For QueryNeed::boolean only the sign of `distance` counts.
-template <int D>
-struct PairAnswers {
-  std::array<QueryStatus, PairBatch<D>::kCapacity> status{};
-  std::array<Real, PairBatch<D>::kCapacity> distance{};
-  std::array<std::array<Real, PairBatch<D>::kCapacity>, D> normal{}, pA{}, pB{};
-
-  void set(int i, const PairAnswer<D>& a) {
-    const auto n = static_cast<std::size_t>(i);
-    status[n] = a.status, distance[n] = a.distance;
-    for (int d = 0; d < D; ++d) {
-      const auto k = static_cast<std::size_t>(d);
-      normal[k][n] = a.normal[d], pA[k][n] = a.pA[d], pB[k][n] = a.pB[d];
-    }
-  }
-  PairAnswer<D> get(int i) const {
-    const auto n = static_cast<std::size_t>(i);
-    PairAnswer<D> a;
-    a.status = status[n], a.distance = distance[n];
-    for (int d = 0; d < D; ++d) {
-      const auto k = static_cast<std::size_t>(d);
-      a.normal[d] = normal[k][n], a.pA[d] = pA[k][n], a.pB[d] = pB[k][n];
-    }
-    return a;
-  }
-};
-
 /// What a method remembers of a pair from one step to the next: the caller's, zero = cold. The only warm-start path.
+/// The bytes may come from a file: a method trusts none, and its answer is right whatever they say.
 struct PairMemory {
   std::array<std::byte, 32> bytes{};
+  bool operator==(const PairMemory&) const = default;
 };
 
 /// Signed distance of two shapes.
@@ -115,13 +59,16 @@ class PairQuery : public Stage {
 
   /// Only a <= b is asked.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
-  /// Precondition: supports(batch.kindA, batch.kindB). `memory` is empty (cold) or has batch.count entries.
-  virtual void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-                     WorkDone& work) = 0;
+  /// Does it read and write the memory of pairs?
+  virtual bool remembers() const { return false; }
+  /// Any number of pairs of one pair of kinds, which it supports. `answers` has as many entries, `memory` too, or none
+  /// (cold).
+  virtual void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+                     std::span<PairMemory> memory, WorkDone& work) = 0;
 };
 
-/// One pair, any order of kinds; a convenience for tests and tools, which pays for a batch of one. The answer is in A's
-/// frame for (a, b) as given. Unsupported kinds give QueryStatus::refused.
+/// One pair, any order of kinds. The answer is in A's frame for (a, b) as given. Unsupported kinds give
+/// QueryStatus::refused.
 template <int D>
 PairAnswer<D> queryPair(PairQuery<D>& method, const ShapeView<D>& a, const ShapeView<D>& b, const Pose<D>& X_AB,
                         QueryNeed need = QueryNeed::witnesses);
@@ -141,6 +88,16 @@ struct ConvexPair {
   /// Of each child in its body's centre-of-mass frame, not in the world: far from the origin the difference of the two
   /// bodies is exact, the sum of pose and offset is not.
   Pose<D> X_CA, X_CB;
+};
+
+/// What is remembered of a pair of convex parts while their boxes come near each other: all of it but the contacts,
+/// which are the manifold's.
+struct PairRecord {
+  std::int32_t bodyA = -1, shapeA = -1, bodyB = -1, shapeB = -1, childA = 0, childB = 0;
+  PairMemory memory{};
+
+  /// Records are sorted by this, as manifolds are.
+  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, childA, childB); }
 };
 
 /// The pairs of children of pairs of shapes.
@@ -165,6 +122,7 @@ struct ContactInput {
   Real margin;                             // contacts are made for separations up to this (m)
   bool friction = true;                    // false: the scene needs none, mixing is skipped
   MixRules mixing = {};
+  std::span<PairMemory> memory = {};  // one per pair, or none: cold
 };
 
 /// A manifold with everything filled in that does not depend on geometry.
@@ -197,6 +155,8 @@ class ContactGenerator : public Stage {
   static constexpr int kDimension = D;
 
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
+  /// Does it read and write the memory of pairs? Else the world keeps none.
+  virtual bool remembers() const { return false; }
   /// Appends to `fresh`. Pairs of kinds that are not supported do not occur: the world refuses such bodies.
   virtual void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) = 0;
 };
@@ -217,7 +177,8 @@ class ContactCache : public Stage {
   static constexpr StageKind kStage = StageKind::cache;
   static constexpr int kDimension = D;
 
-  /// The pairs whose contacts must be made anew; default: all. What is left out, `carry` must bring back.
+  /// The pairs whose contacts must be made anew, in their order; default: all. What is left out, `carry` must bring
+  /// back.
   virtual void select(const CacheInput<D>& in, std::vector<ShapePair>& regenerate) {
     regenerate.assign(in.pairs.begin(), in.pairs.end());
   }

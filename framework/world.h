@@ -119,6 +119,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   const Bodies<D>& bodies() const override { return m_bodies; }
   std::span<const ShapeRecord<D>> shapes() const override { return m_shapes; }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
+  std::span<const PairRecord> pairRecords() const { return m_records; }  // sorted by key; none where nobody remembers
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
   std::span<const JointRecord<D>> joints() const override { return m_joints; }
   const Proxies<D>& proxies() const { return m_boxes.proxies(); }  // as of the last step or query
@@ -150,7 +151,10 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void countKinds(const Shape<D>& shape, int change);
   void touched(std::size_t body);  // by the user: its boxes are stale, and it wakes
   void sync() const { m_boxes.sync(m_shapes, m_bodies); }
-  bool resting(const Manifold<D>& m) const { return !m_boxes.active(m.shapeA) && !m_boxes.active(m.shapeB); }
+  template <class Pair>  // a manifold or a record
+  bool resting(const Pair& p) const {
+    return !m_boxes.active(p.shapeA) && !m_boxes.active(p.shapeB);
+  }
   template <class Holds>
   std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const;
   template <class Meets>
@@ -158,6 +162,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
                                      const Meets& meets) const;
   void findPairs();
   void makeContacts();
+  std::span<PairMemory> recall(std::span<const ConvexPair<D>> children);
+  void remember(std::span<const ConvexPair<D>> children);
   void tellListeners();
   void decideSleep(Real dt);
   void refreshMasses();
@@ -184,6 +190,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   std::vector<ShapeRecord<D>> m_shapes;
   std::vector<JointRecord<D>> m_joints;
   std::vector<Manifold<D>> m_manifolds;
+  std::vector<PairRecord> m_records;
   std::vector<Wrench<D>> m_userForces;  // for the coming step, by body slot
   std::vector<SleepEvent> m_events;     // since the last decision
   Real m_time = 0, m_lastDt = 0;
@@ -197,6 +204,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
 
   // Scratch and indices, rebuilt in each step.
   std::vector<Manifold<D>> m_oldManifolds;
+  std::vector<PairRecord> m_oldRecords;
+  std::vector<PairMemory> m_memory;
   ContactOrder m_order;
   ContactGraph<D> m_graph;
   std::vector<ProxyPair> m_proxyPairs;

@@ -122,7 +122,7 @@ template <int D>
 void World<D>::remove(Handle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
-  m_visits += m_shapes.size() + m_manifolds.size() + m_joints.size();
+  m_visits += m_shapes.size() + m_manifolds.size() + m_records.size() + m_joints.size();
   std::optional<decltype(Manifold<D>{}.shapeKey())> told;  // once for each pair of shapes
   std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
     if (m.bodyA != slot && m.bodyB != slot) return false;
@@ -131,6 +131,7 @@ void World<D>::remove(Handle body) {
     for (ContactListener<D>* l : m_listeners) l->end(*this, m);  // who may still ask both for their user data
     return true;
   });
+  std::erase_if(m_records, [&](const PairRecord& r) { return r.bodyA == slot || r.bodyB == slot; });
   for (std::size_t s = 0; s < m_shapes.size(); ++s) {
     if (m_shapes[s].body != slot) continue;
     countKinds(m_shapes[s].shape, -1);

@@ -77,6 +77,71 @@ void World<D>::findPairs() {
   m_order.apply(std::span(m_pairs));
 }
 
+namespace {
+
+template <int D>
+PairRecord recordOf(const ConvexPair<D>& pair, std::span<const ShapeRecord<D>> shapes) {
+  const auto body = [&](std::int32_t shape) { return shapes[static_cast<std::size_t>(shape)].body; };
+  const ShapePair& s = pair.shapes;
+  return {.bodyA = body(s.a),
+          .shapeA = s.a,
+          .bodyB = body(s.b),
+          .shapeB = s.b,
+          .childA = pair.childA,
+          .childB = pair.childB};
+}
+
+}  // namespace
+
+// What was remembered of each pair, nothing of a new one. Both lists are in the order of their keys.
+template <int D>
+std::span<PairMemory> World<D>::recall(std::span<const ConvexPair<D>> children) {
+  m_memory.clear();
+  if (!m_settings.features.cache || !stage<ContactGenerator>().remembers()) return {};
+  std::size_t o = 0;
+  for (const ConvexPair<D>& pair : children) {
+    const auto key = recordOf<D>(pair, m_shapes).key();
+    while (o < m_records.size() && m_records[o].key() < key) ++o;
+    const bool known = o < m_records.size() && m_records[o].key() == key;
+    m_memory.push_back(known ? m_records[o].memory : PairMemory{});
+  }
+  return m_memory;
+}
+
+// After the generator has written its memory. A pair that nobody was asked about keeps its record: it rests, or the
+// cache keeps its contacts. All others are forgotten.
+template <int D>
+void World<D>::remember(std::span<const ConvexPair<D>> children) {
+  std::swap(m_records, m_oldRecords);
+  m_records.clear();
+  if (!m_settings.features.cache || !stage<ContactGenerator>().remembers()) return;
+  const auto among = [&](const std::vector<ShapePair>& pairs, const PairRecord& r) {
+    const auto keyOf = [&](const ShapePair& p) {
+      return std::tuple(m_shapes[static_cast<std::size_t>(p.a)].body, p.a, m_shapes[static_cast<std::size_t>(p.b)].body,
+                        p.b);
+    };
+    const std::tuple key(r.bodyA, r.shapeA, r.bodyB, r.shapeB);
+    const auto at =
+        std::partition_point(pairs.begin(), pairs.end(), [&](const ShapePair& p) { return keyOf(p) < key; });
+    return at != pairs.end() && keyOf(*at) == key;
+  };
+  std::size_t o = 0;
+  const auto keepUpTo = [&](const auto& isPast) {
+    for (; o < m_oldRecords.size() && !isPast(m_oldRecords[o]); ++o) {
+      const PairRecord& r = m_oldRecords[o];
+      if (resting(r) || (among(m_pairs, r) && !among(m_regenerate, r))) m_records.push_back(r);
+    }
+  };
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    PairRecord r = recordOf<D>(children[i], m_shapes);
+    r.memory = m_memory[i];
+    keepUpTo([&](const PairRecord& old) { return old.key() >= r.key(); });
+    if (o < m_oldRecords.size() && m_oldRecords[o].key() == r.key()) ++o;
+    m_records.push_back(r);
+  }
+  keepUpTo([](const PairRecord&) { return false; });
+}
+
 template <int D>
 void World<D>::makeContacts() {
   std::swap(m_manifolds, m_oldManifolds);
@@ -94,9 +159,10 @@ void World<D>::makeContacts() {
   {
     Profiler::Scope scope(m_profiler, "contacts");
     const auto children = m_children.of(m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, work);
-    stage<ContactGenerator>().generate(
-        {children, m_shapes, m_bodies.pose, m_settings.margin, m_settings.features.friction, m_settings.mixing},
-        m_manifolds, work);
+    stage<ContactGenerator>().generate({children, m_shapes, m_bodies.pose, m_settings.margin,
+                                        m_settings.features.friction, m_settings.mixing, recall(children)},
+                                       m_manifolds, work);
+    remember(children);
     for (Manifold<D>& m : m_manifolds) {
       const Pose<D>& X_WA = m_bodies.pose[static_cast<std::size_t>(m.bodyA)];
       m.X_AB = poseBetween(X_WA, m_bodies.pose[static_cast<std::size_t>(m.bodyB)]);
@@ -179,11 +245,13 @@ void World<D>::again() {
 }
 
 // The members of this file; the class as a whole is instantiated in world.cpp.
-#define LPC_INSTANTIATE(D)                 \
-  template void World<D>::findPairs();     \
-  template void World<D>::makeContacts();  \
-  template void World<D>::tellListeners(); \
-  template void World<D>::collectActive(); \
+#define LPC_INSTANTIATE(D)                                                         \
+  template void World<D>::findPairs();                                             \
+  template void World<D>::makeContacts();                                          \
+  template std::span<PairMemory> World<D>::recall(std::span<const ConvexPair<D>>); \
+  template void World<D>::remember(std::span<const ConvexPair<D>>);                \
+  template void World<D>::tellListeners();                                         \
+  template void World<D>::collectActive();                                         \
   template void World<D>::again()
 LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);

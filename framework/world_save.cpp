@@ -17,7 +17,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD5";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD6";  // a change of the format is a new number
 
 /// Before the world itself, so that what was damaged is told before it is read.
 struct Header {
@@ -115,6 +115,7 @@ void fields(Archive& a, Manifold<D>& m) {
   a(m.bodyA, m.bodyB, m.shapeA, m.shapeB, m.childA, m.childB, m.count, m.normal, m.friction, m.restitution, m.begun,
     m.ignored, m.points, m.X_AB, m.normalA);
 }
+void fields(Archive& a, PairRecord& r) { a(r.bodyA, r.shapeA, r.bodyB, r.shapeB, r.childA, r.childB, r.memory.bytes); }
 template <int D>
 void fields(Archive& a, JointRecord<D>& j) {
   a(j.spec, j.generation);  // no spec: a free slot
@@ -204,15 +205,15 @@ void fields(Archive& a, WorldSettings<D>& s) {
 template <int D>
 void fields(Archive& a, SavedState<D>& s) {
   a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps,
-    s.pairRecords);
+    s.records);
 }
 
 }  // namespace
 
 template <int D>
 void World<D>::save(std::ostream& out) const {
-  SavedState<D> s{m_settings, m_bodies, m_shapes, m_joints, m_manifolds, m_userForces, m_events,
-                  m_time,     m_lastDt, m_steps,  0};
+  SavedState<D> s{m_settings, m_bodies, m_shapes, m_joints, m_manifolds, m_userForces,
+                  m_events,   m_time,   m_lastDt, m_steps,  m_records};
   std::ostringstream body;
   Archive inner(body);
   inner(s);
@@ -265,6 +266,7 @@ void World<D>::load(std::istream& in) {
   m_settings = s.settings, m_bodies = std::move(s.bodies), m_shapes = std::move(s.shapes),
   m_joints = std::move(s.joints);
   m_manifolds = std::move(s.manifolds), m_userForces = std::move(s.userForces), m_events = std::move(s.events);
+  m_records = std::move(s.records);
   m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
 
   // New stages instead of the old ones' structures, which hold no history.

@@ -67,7 +67,8 @@ struct FclPlaced {
         geometry = std::make_shared<fcl::Ellipsoid<double>>(shape.half[0], shape.half[1], shape.half[2]);
         rounding = shape.radius;
         break;
-      case ShapeKind::plane:  // not in the table of kinds
+      case ShapeKind::plane:  // neither is in the table of kinds
+      case ShapeKind::cone:
         break;
     }
   }

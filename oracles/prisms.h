@@ -22,14 +22,14 @@ class Prisms : public Witness<2> {
   std::span<const Ending> endings() const final { return m_solid.endings(); }
   std::int64_t nanoseconds() const final { return m_solid.nanoseconds(); }
 
-  void query(const PairBatch<2>& batch, QueryNeed, PairAnswers<2>& answers, std::span<PairMemory>,
+  void query(std::span<const PairView<2>> pairs, QueryNeed, std::span<PairAnswer<2>> answers, std::span<PairMemory>,
              WorkDone& work) final {
-    work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
+    work[WorkCount::pairQueries] += pairs.size();
     m_hulls.clear(), m_pairs.clear();
-    for (int i = 0; i < batch.count; ++i) m_pairs.push_back(prisms(batch.pair(i)));
+    for (const PairView<2>& pair : pairs) m_pairs.push_back(prisms(pair));
     m_answers.resize(m_pairs.size());
     m_solid.ask(m_pairs, m_answers);
-    for (int i = 0; i < batch.count; ++i) answers.set(i, flat(m_answers[static_cast<std::size_t>(i)], batch.kindA));
+    for (std::size_t i = 0; i < pairs.size(); ++i) answers[i] = flat(m_answers[i], pairs[i].a.kind);
   }
 
  private:

@@ -135,34 +135,35 @@ template Verdict verifyPair(const HardPair<3>&, const Candidate<PairQuery<3>>&);
 template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                        std::span<const Candidate<PairQuery<D>>> methods, Verified& out) {
-  const auto batch = std::make_unique<PairBatch<D>>();
-  const auto answers = std::make_unique<PairAnswers<D>>();
+  constexpr int kAtOnce = 1024;  // known answers that are held
+  std::vector<PairView<D>> views;
+  std::vector<PairAnswer<D>> answers;
   std::vector<Known<D>> known;
-  for (int begin = 0; begin < range.count; begin += PairBatch<D>::kCapacity) {
-    const int count = std::min(range.count - begin, PairBatch<D>::kCapacity);
-    known.clear();
-    batch->clear(kindA, kindB);
+  for (int begin = 0; begin < range.count; begin += kAtOnce) {
+    const int count = std::min(range.count - begin, kAtOnce);
+    known.clear(), views.clear();
     for (int i = 0; i < count; ++i) {
       known.push_back(knownPair(hardPair<D>(kindA, kindB, range.seed, range.first + begin + i)));
     }
-    for (const Known<D>& k : known) batch->add(k.pair.a.view(), k.pair.b.view(), k.pair.X_AB);
+    for (const Known<D>& k : known) views.push_back(k.view());
     for (const Candidate<PairQuery<D>>& m : methods) {
       const auto method = m.create();
       if (!method->supports(kindA, kindB)) continue;
       const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
       WorkDone work;
       double spent = 0;
+      answers.assign(views.size(), {});
       if (!range.ended) {
-        if (!witness) method->query(*batch, QueryNeed::witnesses, *answers, {}, work);  // warms the caches
+        if (!witness) method->query(views, QueryNeed::witnesses, answers, {}, work);  // warms the caches
         const double before = threadNanoseconds();
-        method->query(*batch, QueryNeed::witnesses, *answers, {}, work);
+        method->query(views, QueryNeed::witnesses, answers, {}, work);
         spent = witness ? static_cast<double>(witness->nanoseconds()) : threadNanoseconds() - before;
       }
       LedgerKey subject = subjectOf(StageKind::pairQuery, D, m.name);
       subject.kindA = shapeKindName(kindA), subject.kindB = shapeKindName(kindB);
       for (int i = 0; i < count; ++i) {
         const Known<D>& k = known[static_cast<std::size_t>(i)];
-        const PairAnswer<D> answer = range.ended ? PairAnswer<D>{} : answers->get(i);
+        const PairAnswer<D>& answer = answers[static_cast<std::size_t>(i)];
         const Ending ending =
             witness && !range.ended ? witness->endings()[static_cast<std::size_t>(i)] : Ending::answered;
         const Verdict verdict =

@@ -340,14 +340,10 @@ class IsolatedWitness::Process {
 IsolatedWitness::IsolatedWitness() : m_process(std::make_unique<Process>(*this)) {}
 IsolatedWitness::~IsolatedWitness() = default;
 
-void IsolatedWitness::query(const PairBatch<3>& batch, QueryNeed, PairAnswers<3>& answers, std::span<PairMemory>,
-                            WorkDone& work) {
-  work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
-  m_pairs.clear();
-  for (int i = 0; i < batch.count; ++i) m_pairs.push_back(batch.pair(i));
-  m_answers.resize(m_pairs.size());
-  ask(m_pairs, m_answers);
-  for (int i = 0; i < batch.count; ++i) answers.set(i, m_answers[static_cast<std::size_t>(i)]);
+void IsolatedWitness::query(std::span<const PairView<3>> pairs, QueryNeed, std::span<PairAnswer<3>> answers,
+                            std::span<PairMemory>, WorkDone& work) {
+  work[WorkCount::pairQueries] += pairs.size();
+  ask(pairs, answers);
 }
 
 void IsolatedWitness::ask(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers) {

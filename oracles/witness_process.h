@@ -17,8 +17,8 @@ class IsolatedWitness : public Witness<3> {
   IsolatedWitness();
   ~IsolatedWitness() override;
 
-  void query(const PairBatch<3>& batch, QueryNeed need, PairAnswers<3>& answers, std::span<PairMemory> memory,
-             WorkDone& work) final;
+  void query(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
+             std::span<PairMemory> memory, WorkDone& work) final;
   std::span<const Ending> endings() const final { return m_endings; }
   std::int64_t nanoseconds() const final { return m_nanoseconds; }
 
@@ -35,8 +35,6 @@ class IsolatedWitness : public Witness<3> {
  private:
   class Process;
   std::unique_ptr<Process> m_process;
-  std::vector<PairView<3>> m_pairs;
-  std::vector<PairAnswer<3>> m_answers;
   std::vector<Ending> m_endings;
   std::int64_t m_nanoseconds = 0;
 };

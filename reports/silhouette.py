@@ -43,6 +43,11 @@ def _support(shape, d):
         length = np.linalg.norm(across)
         side = across * (shape["radius"] / length) if length > 0 else across
         return np.eye(3)[0] * np.copysign(shape["half_length"], d[0]) + side + shape.get("rounding", 0) * d
+    if kind == "cone":  # its tip, or the rim of its base
+        tip, base = np.array([shape["half_height"], 0, 0]), np.array([0, *d[1:]])
+        length = np.linalg.norm(base)
+        rim = base * (shape["radius"] / length if length > 0 else 0) - tip
+        return (tip if tip @ d > rim @ d else rim) + shape.get("rounding", 0) * d
     if kind == "ellipsoid":
         half = np.array([shape[f"half_{axis}"] for axis in "xyz"[:len(d)]])
         return half * half * d / np.linalg.norm(half * d) + shape.get("rounding", 0) * d

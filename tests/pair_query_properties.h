@@ -3,7 +3,6 @@
 // be right: the support functions of the two shapes prove or refute an answer.
 #pragma once
 
-#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -156,6 +155,7 @@ class PairQueryProperties {
                                             {"N10 always a normal", &P::normal},
                                             {"N11 rounding", &P::rounding},
                                             {"N16 memory", &P::remembered},
+                                            {"N16 bytes of others", &P::foreign},
                                             {"N16 vertex order", &P::vertexOrder}};
     return list;
   }
@@ -303,21 +303,35 @@ class PairQueryProperties {
     return answer.distance <= between + 4 * m_T ? "" : say("above by s times ", (answer.distance - between) / m_size);
   }
 
+  // The distance, asked with this memory, of the pair with B shifted along x.
+  double askWith(PairMemory& memory, const Asked<D>& pair, double shift = 0) {
+    PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
+    view.X_AB.p[0] += static_cast<Real>(shift);
+    PairAnswer<D> warm;
+    WorkDone work;
+    m_method.query({&view, 1}, QueryNeed::witnesses, {&warm, 1}, {&memory, 1}, work);
+    return static_cast<double>(warm.distance);
+  }
   // What is remembered of another place must not change the answer.
   std::string remembered(const Asked<D>& pair, const PairAnswer<D>& answer, Draw&) {
     if (pair.a.kind() > pair.b.kind()) return "";
-    const auto batch = std::make_unique<PairBatch<D>>();
-    const auto answers = std::make_unique<PairAnswers<D>>();
-    std::vector<PairMemory> memory(1);
-    WorkDone work;
-    for (const Real shift : {Real(0.1), Real(0)}) {
-      Pose<D> X = pair.X_AB;
-      X.p[0] += shift * static_cast<Real>(m_size);
-      batch->clear(pair.a.kind(), pair.b.kind());
-      batch->add(pair.a.view(), pair.b.view(), X);
-      m_method.query(*batch, QueryNeed::witnesses, *answers, memory, work);
+    PairMemory memory;
+    askWith(memory, pair, m_size / 10);
+    return near(askWith(memory, pair), answer.distance, 2);
+  }
+  // Nor what somebody else has written there.
+  std::string foreign(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {
+    if (pair.a.kind() > pair.b.kind()) return "";
+    PairMemory memory;
+    for (std::byte& b : memory.bytes) b = static_cast<std::byte>(draw.below(256));
+    if (draw.coin()) {  // numbers as small as those of corners and counts are
+      for (std::size_t i = 12; i < memory.bytes.size(); i += 2) {
+        memory.bytes[i] = static_cast<std::byte>(draw.below(10)), memory.bytes[i + 1] = std::byte{0};
+      }
+      memory.bytes[28] = static_cast<std::byte>(draw.below(6));
+      memory.bytes[30] = std::byte{0};
     }
-    return near(answers->distance[0], answer.distance, 2);
+    return near(askWith(memory, pair), answer.distance, 2);
   }
   // Nor does the order in which the points of a hull were given.
   std::string vertexOrder(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {

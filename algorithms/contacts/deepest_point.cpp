@@ -31,6 +31,7 @@ class DeepestPoint final : public ContactGenerator<D> {
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
+  bool remembers() const override { return m_batches.remembers(); }
 
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_batches.run(in, kBias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {

@@ -7,13 +7,13 @@
 
 namespace lpc::inline LPC_PRECISION::contacts {
 
-/// Asks a nested pair query about many pairs: sorted by kinds, in blocks of PairBatch::kCapacity, answers in the order
-/// of the batches.
+/// Asks a nested pair query about many pairs: sorted by kinds, answers in the order of the kinds.
 template <int D>
 class QueryBatches {
  public:
   explicit QueryBatches(const Spec& query) : m_query(createStage<PairQuery<D>>(query)) {}
 
+  bool remembers() const { return m_query->remembers(); }
   bool supports(ShapeKind a, ShapeKind b) const { return m_query->supports(std::min(a, b), std::max(a, b)); }
 
   /// Calls use(placed, answer) for each pair that is within the margin. The answer is that of the shapes, not of
@@ -28,42 +28,41 @@ class QueryBatches {
       const auto k2 = static_cast<std::size_t>(m_placed.back().view2().kind);
       m_groups[kShapeKinds * k1 + k2].push_back(i);
     }
-    work[WorkCount::pairQueries] += in.pairs.size();
     for (const auto& group : m_groups) {
-      for (std::size_t at = 0; at < group.size(); at += PairBatch<D>::kCapacity) {
-        const std::size_t count = std::min<std::size_t>(group.size() - at, PairBatch<D>::kCapacity);
-        ask({group.data() + at, count}, work);
-        for (std::size_t i = 0; i < count; ++i) {
-          const PlacedPair<D>& placed = m_placed[group[at + i]];
-          PairAnswer<D> answer = m_answers->get(static_cast<int>(i));
-          if (answer.status == QueryStatus::refused || answer.status == QueryStatus::failed) continue;
-          if (!(answer.distance <= in.margin)) continue;
-          if (!(answer.normal.squaredNorm() >
-                0)) {  // the method has none: from centre to centre is better than nothing
-            const Real length = placed.X_12.p.norm();
-            answer.normal = length > 0 ? Vec<D>(placed.X_12.p / length) : Vec<D>(Vec<D>::Unit(0));
-          }
-          use(placed, answer);
+      if (group.empty()) continue;
+      ask(in, group, work);
+      for (std::size_t i = 0; i < group.size(); ++i) {
+        const PlacedPair<D>& placed = m_placed[group[i]];
+        PairAnswer<D>& answer = m_answers[i];
+        if (answer.status == QueryStatus::refused || answer.status == QueryStatus::failed) continue;
+        if (!(answer.distance <= in.margin)) continue;
+        if (!(answer.normal.squaredNorm() > 0)) {  // the method has none: from centre to centre is better than nothing
+          const Real length = placed.X_12.p.norm();
+          answer.normal = length > 0 ? Vec<D>(placed.X_12.p / length) : Vec<D>(Vec<D>::Unit(0));
         }
+        use(placed, answer);
       }
     }
   }
 
  private:
-  void ask(std::span<const std::size_t> pairs, WorkDone& work) {
-    const PlacedPair<D>& first = m_placed[pairs[0]];
-    m_batch->clear(first.view1().kind, first.view2().kind);
+  void ask(const ContactInput<D>& in, std::span<const std::size_t> pairs, WorkDone& work) {
+    m_views.clear(), m_memory.clear();
     for (std::size_t i : pairs) {
-      m_batch->add(m_placed[i].view1(), m_placed[i].view2(), m_placed[i].X_12);
+      m_views.push_back({m_placed[i].view1(), m_placed[i].view2(), m_placed[i].X_12});
+      if (!in.memory.empty()) m_memory.push_back(in.memory[i]);
     }
-    m_query->query(*m_batch, QueryNeed::witnesses, *m_answers, {}, work);
+    m_answers.assign(pairs.size(), {});
+    m_query->query(m_views, QueryNeed::witnesses, m_answers, m_memory, work);
+    for (std::size_t i = 0; i < m_memory.size(); ++i) in.memory[pairs[i]] = m_memory[i];
   }
 
   std::unique_ptr<PairQuery<D>> m_query;
-  std::unique_ptr<PairBatch<D>> m_batch = std::make_unique<PairBatch<D>>();
-  std::unique_ptr<PairAnswers<D>> m_answers = std::make_unique<PairAnswers<D>>();
   std::array<std::vector<std::size_t>, kShapeKinds * kShapeKinds> m_groups;
   std::vector<PlacedPair<D>> m_placed;
+  std::vector<PairView<D>> m_views;
+  std::vector<PairAnswer<D>> m_answers;
+  std::vector<PairMemory> m_memory;
 };
 
 /// A query's answer as a contact point of the cores. In frame 1, as answers are.

@@ -31,26 +31,26 @@ class ClosedForm final : public PairQuery<D> {
     return thin && (second == CoreClass::point || second == CoreClass::segment || second == CoreClass::box);
   }
 
-  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory>,
-             WorkDone& work) override {
-    work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
-    const CoreClass classA = coreClass(batch.kindA), classB = coreClass(batch.kindB);
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory>, WorkDone& work) override {
+    work[WorkCount::pairQueries] += pairs.size();
+    if (pairs.empty()) return;
+    const CoreClass classA = pairs[0].a.core(), classB = pairs[0].b.core();
     const bool pointA = classA == CoreClass::point;
-    for (int i = 0; i < batch.count; ++i) {
-      const CorePair<D> pair(batch, i);
-      if (hasPlane(batch.kindA, batch.kindB)) {
-        answers.set(i, m_plane.answer(pair, work));
+    if (classB == CoreClass::point) return balls(pairs, answers);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const CorePair<D> pair(pairs[i]);
+      if (hasPlane(pair.a.kind, pair.b.kind)) {
+        answers[i] = m_plane.answer(pair, work);
         continue;
       }
       BestAxis<D> best;
       if (classB == CoreClass::box) {
         pointA ? pointBox(pair, best) : segmentBox(pair, best, work);
-      } else if (classB == CoreClass::point) {
-        pointPoint(pair, best);
       } else {
         pointA ? pointSegment(pair, best, work) : segmentSegment(pair, best, work);
       }
-      answers.set(i, answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching));
+      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
     }
   }
 
@@ -74,10 +74,17 @@ class ClosedForm final : public PairQuery<D> {
     }
   }
 
-  static void pointPoint(const CorePair<D>& pair, BestAxis<D>& best) {
-    Vec<D> n = pair.p;
-    if (!makeUnit<D>(n)) n = Vec<D>::Unit(0);  // concentric: every direction is right
-    best.take(n, n.dot(pair.p));
+  static void balls(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const Vec<D>& p = pairs[i].X_AB.p;
+      PairAnswer<D>& out = answers[i];
+      out.status = QueryStatus::converged;
+      out.normal = p;
+      if (!makeUnit<D>(out.normal)) out.normal = Vec<D>::Unit(0);  // concentric: every direction is right
+      out.distance = out.normal.dot(p) - pairs[i].a.radius - pairs[i].b.radius;
+      out.pA = pairs[i].a.radius * out.normal;
+      out.pB = p - pairs[i].b.radius * out.normal;
+    }
   }
 
   static void pointSegment(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {

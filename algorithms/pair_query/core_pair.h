@@ -21,10 +21,14 @@ namespace lpc::inline LPC_PRECISION::pair_query {
 /// Makes v a unit vector, whatever its length (no overflow, no underflow); false for zero and NaN.
 template <int D>
 bool makeUnit(Vec<D>& v) {
-  const Real largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0)) return false;
-  v /= largest;
-  v /= v.norm();
+  Real square = v.squaredNorm();
+  if (!(square > kSafeSquare && square < 1 / kSafeSquare)) {
+    const Real largest = v.cwiseAbs().maxCoeff();
+    if (!(largest > 0)) return false;
+    v /= largest;
+    square = v.squaredNorm();
+  }
+  v /= std::sqrt(square);
   return true;
 }
 
@@ -35,41 +39,19 @@ void removeAlong(Vec<D>& n, const Vec<D>& e) {
   n -= n.dot(e) * e;
 }
 
-/// Largest |coordinate| of the core in its own frame (m); of a plane 0.
-template <int D>
-Real coreReach(const ShapeView<D>& shape) {
-  switch (shape.core()) {
-    case CoreClass::point:
-    case CoreClass::segment:
-    case CoreClass::box:
-    case CoreClass::curved:
-    case CoreClass::plane:
-      return shape.half.maxCoeff();
-    case CoreClass::hull:
-      break;
-  }
-  Real reach = 0;
-  for (const Vec<D>& v : shape.hull->vertices) reach = std::max(reach, v.cwiseAbs().maxCoeff());
-  return reach;
-}
-
 template <int D>
 struct CorePair {
-  ShapeView<D> a, b;
-  Vec<D> p;        // p_AB
-  Mat<D> r;        // R_AB
-  Real scale = 0;  // m; coordinates are rounded to about kEpsilon * scale
+  const ShapeView<D>&a, &b;  // the pair's own: it must outlive this
+  Vec<D> p;                  // p_AB
+  Mat<D> r;                  // R_AB
+  Real scale;                // m; coordinates are rounded to about kEpsilon * scale
 
-  CorePair(const PairBatch<D>& batch, int i) {
-    const auto n = static_cast<std::size_t>(i);
-    a.kind = batch.kindA, a.radius = batch.radiusA[n], a.hull = batch.hullA[n], a.curved = batch.curvedA[n];
-    b.kind = batch.kindB, b.radius = batch.radiusB[n], b.hull = batch.hullB[n], b.curved = batch.curvedB[n];
-    for (int d = 0; d < D; ++d) {
-      const auto k = static_cast<std::size_t>(d);
-      a.half[d] = batch.halfA[k][n], b.half[d] = batch.halfB[k][n], p[d] = batch.p[k][n];
-      for (int e = 0; e < D; ++e) r(d, e) = batch.r[static_cast<std::size_t>(D * d + e)][n];
-    }
-    scale = std::max({coreReach(a), coreReach(b), p.cwiseAbs().maxCoeff()});
+  explicit CorePair(const PairView<D>& pair) : CorePair(pair.a, pair.b, pair.X_AB.p, pair.X_AB.q.matrix(), 0) {
+    scale = std::max({a.half.maxCoeff(), b.half.maxCoeff(), p.cwiseAbs().maxCoeff()});
+  }
+  /// Others in their places, at the same scale.
+  CorePair withShapes(const ShapeView<D>& first, const ShapeView<D>& second) const {
+    return CorePair(first, second, p, r, scale);
   }
 
   Real radii() const { return a.radius + b.radius; }
@@ -79,9 +61,16 @@ struct CorePair {
   }
   /// L(n); n must be unit.
   Real bound(const Vec<D>& n) const {
+    if (a.core() <= CoreClass::box && b.core() <= CoreClass::box) {  // their own mirror images
+      return n.dot(p) - a.half.dot(n.cwiseAbs()) - b.half.dot((r.transpose() * n).cwiseAbs());
+    }
     const Vec<D> back = -(r.transpose() * n);
     return (n.dot(p) - coreSupport(b, back).dot(back)) - coreSupport(a, n).dot(n);
   }
+
+ private:
+  CorePair(const ShapeView<D>& first, const ShapeView<D>& second, const Vec<D>& place, const Mat<D>& turn, Real size)
+      : a(first), b(second), p(place), r(turn), scale(size) {}
 };
 
 /// The best direction so far.

@@ -132,8 +132,8 @@ class CurvedPolish {
       nearVertices(shape, local);
       if (m_vertices.size() < 2 || m_vertices.size() > kMostLocalVertices) continue;
       for (const Vec<D>& v : m_vertices) {
-        CorePair<D> corner = pair;
-        (second ? corner.b : corner.a) = ShapeView<D>{};
+        const ShapeView<D> point;
+        CorePair<D> corner = second ? pair.withShapes(pair.a, point) : pair.withShapes(point, pair.b);
         corner.p = second ? Vec<D>(pair.p + pair.r * v) : Vec<D>(pair.p - v);
         BestAxis<D> top;
         top.take(n, corner.bound(n));

@@ -39,16 +39,23 @@ struct NearestFeature {
   }
 };
 
-/// Offers the nearest point of the segment a b. Inside it the point is made across the edge to the last bit, from the
-/// end that is nearer: a long edge far from the origin otherwise leaves its rounding in the direction.
+/// The foot of the origin on the line through a and b, which differ: across the edge to the last bit, from the end that
+/// is nearer. A long edge far from the origin otherwise leaves its rounding in the direction.
+template <int D>
+Vec<D> footOnLine(const Vec<D>& a, const Vec<D>& b) {
+  Vec<D> e = b - a;
+  Vec<D> v = a.squaredNorm() < b.squaredNorm() ? a : b;
+  if (makeUnit<D>(e)) removeAlong<D>(v, e);
+  return v;
+}
+
+/// Offers the nearest point of the segment a b.
 template <int D>
 void offerSegment(const Vec<D>& a, const Vec<D>& b, NearestFeature<D>& best) {
-  Vec<D> e = b - a;
-  if (!(a.dot(e) < 0) || !makeUnit<D>(e)) return best.offer(a, {&a});
+  const Vec<D> e = b - a;
+  if (!(a.dot(e) < 0)) return best.offer(a, {&a});
   if (!(b.dot(e) > 0)) return best.offer(b, {&b});
-  Vec<D> v = a.squaredNorm() < b.squaredNorm() ? a : b;
-  removeAlong<D>(v, e);
-  best.offer(v, {&a, &b});
+  best.offer(footOnLine<D>(a, b), {&a, &b});
 }
 
 /// True when the triangle holds the origin; then `best` is untouched.

@@ -6,20 +6,24 @@
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
+/// The foot of the origin on the plane of a, b and c with the unit normal n. The height is that of the nearest corner:
+/// a normal of rounding costs least there.
+inline Vec<3> footOnPlane(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, const Vec<3>& n) {
+  const Vec<3>* near = &a;
+  for (const Vec<3>* w : {&b, &c}) {
+    if (w->squaredNorm() < near->squaredNorm()) near = w;
+  }
+  return n.dot(*near) * n;
+}
+
 /// Offers the nearest point of the triangle a b c. Sides are told by planes through the edges along the normal, which
 /// keeps its meaning on slivers where barycentric coordinates from dot products do not; where it does not either, the
-/// three edges are there. The height is that of the nearest corner: a normal of rounding costs least there.
+/// three edges are there.
 inline void offerTriangle(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, NearestFeature<3>& best) {
   const Vec<3> n = (b - a).cross(c - a);
   const Real ab = n.dot(a.cross(b - a)), bc = n.dot(b.cross(c - b)), ca = n.dot(c.cross(a - c));
   Vec<3> unit = n;
-  if (ab > 0 && bc > 0 && ca > 0 && makeUnit<3>(unit)) {
-    const Vec<3>* near = &a;
-    for (const Vec<3>* w : {&b, &c}) {
-      if (w->squaredNorm() < near->squaredNorm()) near = w;
-    }
-    return best.offer(unit.dot(*near) * unit, {&a, &b, &c});
-  }
+  if (ab > 0 && bc > 0 && ca > 0 && makeUnit<3>(unit)) return best.offer(footOnPlane(a, b, c, unit), {&a, &b, &c});
   if (!(ab > 0)) offerSegment<3>(a, b, best);
   if (!(bc > 0)) offerSegment<3>(b, c, best);
   if (!(ca > 0)) offerSegment<3>(c, a, best);

@@ -23,7 +23,7 @@ class Sat final : public PairQuery<D> {
         .name = "sat",
         .summary = "separating axes: face normals, edge-edge normals, and nearest vertices when apart; no curved cores",
         .paper = "gottschalk1996",
-        .complexity = "boxes O(1); polytopes faces * vertices + edges^2 sign tests"};
+        .complexity = "boxes O(1); polytopes faces * vertices, and the edges that may prove more than the faces"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {
@@ -31,13 +31,13 @@ class Sat final : public PairQuery<D> {
     return !hasPlane(a, b) || supportsPlane(a, b);
   }
 
-  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory>,
-             WorkDone& work) override {
-    work[WorkCount::pairQueries] += static_cast<std::uint64_t>(batch.count);
-    for (int i = 0; i < batch.count; ++i) {
-      const CorePair<D> pair(batch, i);
-      if (hasPlane(batch.kindA, batch.kindB)) {
-        answers.set(i, m_plane.answer(pair, work));
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory>, WorkDone& work) override {
+    work[WorkCount::pairQueries] += pairs.size();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const CorePair<D> pair(pairs[i]);
+      if (hasPlane(pair.a.kind, pair.b.kind)) {
+        answers[i] = m_plane.answer(pair, work);
         continue;
       }
       BestAxis<D> best;
@@ -46,7 +46,7 @@ class Sat final : public PairQuery<D> {
       } else {
         SatBoxes<D>(pair, best, work).run();
       }
-      answers.set(i, answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching));
+      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
     }
   }
 

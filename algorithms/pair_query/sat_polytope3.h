@@ -19,10 +19,14 @@ class SatPolytope<3> {
     m_pair = &pair, m_best = &best, m_work = &work;
     fill(pair.a, Vec<3>::Zero(), Mat<3>::Identity(), m_a);
     fill(pair.b, pair.p, pair.r, m_b);
+    best.tryDirection(pair, pair.p, work);  // most axes prove less, and are done with at once
     testFaces(m_a, m_b, 1);
     testFaces(m_b, m_a, -1);
-    for (const Edge& a : m_a.edges) {
-      for (const Edge& b : m_b.edges) {
+    m_ridgesA.clear(), m_ridgesB.clear();
+    if (!m_b.edges.empty()) pickRidges(m_a, m_b, m_ridgesA);
+    if (!m_ridgesA.empty()) pickRidges(m_b, m_a, m_ridgesB);
+    for (const Ridge& a : m_ridgesA) {
+      for (const Ridge& b : m_ridgesB) {
         if (arcsMayCross(a, b)) testEdges(a, b);
       }
     }
@@ -32,18 +36,24 @@ class SatPolytope<3> {
  private:
   struct Edge {
     int v0, v1;
-    Vec<3> direction;                                 // unit, v0 to v1
-    Vec<3> n0 = Vec<3>::Zero(), n1 = Vec<3>::Zero();  // of its faces; a segment's edge has none
-    bool bare = false;
+    int f0 = -1, f1 = -1;  // its faces; a segment's edge has none
   };
   struct Plane {
     Vec<3> n;
     Real offset;
+    int below = 0;  // the vertex of the other core that bounds what n proves
   };
   struct Core {
     std::vector<Vec<3>> vertices;
     std::vector<Plane> faces;
     std::vector<Edge> edges;
+  };
+  /// An edge that is looked at.
+  struct Ridge {
+    Vec<3> v0, v1;
+    Vec<3> direction;  // unit, v0 to v1
+    Vec<3> n0 = Vec<3>::Zero(), n1 = Vec<3>::Zero();
+    bool bare = false;
   };
 
   static void fill(const ShapeView<3>& shape, const Vec<3>& p, const Mat<3>& r, Core& core) {
@@ -57,14 +67,11 @@ class SatPolytope<3> {
       case CoreClass::point:
         core.vertices.push_back(p);
         return;
-      case CoreClass::segment: {
+      case CoreClass::segment:
         core.vertices.push_back(p - h[0] * r.col(0));
         core.vertices.push_back(p + h[0] * r.col(0));
-        Edge edge{0, 1, r.col(0)};
-        edge.bare = true;
-        core.edges.push_back(edge);
+        core.edges.push_back({0, 1});
         return;
-      }
       case CoreClass::curved:
       case CoreClass::plane:
         LPC_ASSERT(false);  // has no list of edges
@@ -78,11 +85,7 @@ class SatPolytope<3> {
       const Vec<3> n = r * f.normal;
       core.faces.push_back({n, f.offset + n.dot(p)});
     }
-    for (const auto& e : hull.edges) {
-      Vec<3> direction = hull.vertices[at(e.v1)] - hull.vertices[at(e.v0)];
-      makeUnit<3>(direction);
-      core.edges.push_back({e.v0, e.v1, r * direction, core.faces[at(e.faceA)].n, core.faces[at(e.faceB)].n});
-    }
+    for (const auto& e : hull.edges) core.edges.push_back({e.v0, e.v1, e.faceA, e.faceB});
   }
 
   static void fillBox(const Vec<3>& h, const Vec<3>& p, const Mat<3>& r, Core& core) {
@@ -90,7 +93,7 @@ class SatPolytope<3> {
       const Vec<3> v((bits & 1) ? h[0] : -h[0], (bits & 2) ? h[1] : -h[1], (bits & 4) ? h[2] : -h[2]);
       core.vertices.push_back(p + r * v);
     }
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k) {  // face 2 k looks along axis k, 2 k + 1 back
       const Vec<3> n = r.col(k);
       core.faces.push_back({n, n.dot(p) + h[k]});
       core.faces.push_back({-n, h[k] - n.dot(p)});
@@ -98,10 +101,10 @@ class SatPolytope<3> {
       for (const int si : {-1, 1}) {
         for (const int sj : {-1, 1}) {
           const int v0 = (si > 0 ? 1 << i : 0) | (sj > 0 ? 1 << j : 0);
+          const int fi = 2 * i + (si < 0), fj = 2 * j + (sj < 0);
           // Right-handed: n0 x n1 is the edge's direction, as in a polytope's loops.
-          const Vec<3> ni = Real(si) * r.col(i), nj = Real(sj) * r.col(j);
           const bool turn = si * sj > 0;
-          core.edges.push_back({v0, v0 | (1 << k), n, turn ? ni : nj, turn ? nj : ni});
+          core.edges.push_back({v0, v0 | (1 << k), turn ? fi : fj, turn ? fj : fi});
         }
       }
     }
@@ -109,21 +112,54 @@ class SatPolytope<3> {
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  void testFaces(const Core& of, const Core& other, Real sign) {
+  // The vertex that bounded the last face is asked first: most faces prove less than the best for the same reason.
+  void testFaces(Core& of, const Core& other, Real sign) {
     (*m_work)[WorkCount::axisTests] += of.faces.size();
-    for (const Plane& face : of.faces) {
-      Real bound = std::numeric_limits<Real>::infinity();
-      for (const Vec<3>& v : other.vertices) {
-        bound = std::min(bound, face.n.dot(v) - face.offset);
-        if (bound <= m_best->bound) break;
+    int below = 0;
+    for (Plane& face : of.faces) {
+      Real bound = face.n.dot(other.vertices[at(below)]) - face.offset;
+      for (std::size_t i = 0; i < other.vertices.size() && bound > m_best->bound; ++i) {
+        const Real height = face.n.dot(other.vertices[i]) - face.offset;
+        if (height < bound) bound = height, below = static_cast<int>(i);
       }
+      face.below = below;
       m_best->take(sign * face.n, bound);
+    }
+  }
+
+  Ridge ridge(const Core& core, const Edge& e) const {
+    Ridge out{core.vertices[at(e.v0)], core.vertices[at(e.v1)], {}};
+    out.direction = out.v1 - out.v0;
+    makeUnit<3>(out.direction);
+    out.bare = e.f0 < 0;
+    if (!out.bare) out.n0 = core.faces[at(e.f0)].n, out.n1 = core.faces[at(e.f1)].n;
+    return out;
+  }
+
+  // The edges whose normals may still prove more than the best. All normals of an edge are sums of those of its faces,
+  // made unit. If some vertex of the other core lies so low that both of these prove no more than c, then so does every
+  // one between: of a negative c a longer sum makes less, of a positive one at most 1 / cos(half the angle) times as
+  // much.
+  void pickRidges(const Core& of, const Core& other, std::vector<Ridge>& out) const {
+    for (const Edge& e : of.edges) {
+      bool hopeless = false;
+      if (e.f0 >= 0) {
+        const Plane &f0 = of.faces[at(e.f0)], &f1 = of.faces[at(e.f1)];
+        Real c = m_best->bound;
+        if (c > 0) c *= std::sqrt(std::max(Real(0), (1 + f0.n.dot(f1.n)) / 2));
+        const Vec<3>& foot = of.vertices[at(e.v0)];
+        for (const int below : {f0.below, f1.below}) {
+          const Vec<3> v = other.vertices[at(below)] - foot;
+          hopeless = hopeless || (f0.n.dot(v) <= c && f1.n.dot(v) <= c);
+        }
+      }
+      if (!hopeless) out.push_back(ridge(of, e));
     }
   }
 
   // Do the arcs of normals of a and of -b meet on the sphere? Inclusive: an arc missed by rounding ends on a face
   // normal, which has been tested, and an arc taken wrongly costs one more test.
-  static bool arcsMayCross(const Edge& a, const Edge& b) {
+  static bool arcsMayCross(const Ridge& a, const Ridge& b) {
     if (a.bare && b.bare) return true;
     if (a.bare) return !sameSide(b.n0.dot(a.direction), b.n1.dot(a.direction), kArcSine);
     const Real a0 = a.n0.dot(b.direction), a1 = a.n1.dot(b.direction);
@@ -136,12 +172,12 @@ class SatPolytope<3> {
 
   // Nearly parallel edges give an axis of noise, exactly parallel ones none. Neither can do harm: the two points on the
   // edges only bound from above what the axis could prove, and then the whole cores are projected (core_pair.h).
-  void testEdges(const Edge& a, const Edge& b) {
+  void testEdges(const Ridge& a, const Ridge& b) {
     Vec<3> n = a.direction.cross(b.direction);
     if (n.squaredNorm() <= kParallelSine * kParallelSine || !makeUnit<3>(n)) return;
     removeAlong<3>(n, a.direction);
     n.normalize();
-    const Real along = n.dot(m_b.vertices[at(b.v0)] - m_a.vertices[at(a.v0)]);
+    const Real along = n.dot(b.v0 - a.v0);
     for (const Real sign : {Real(1), Real(-1)}) {
       if (sign * along > m_best->bound) testAxis(sign * n);
     }
@@ -165,8 +201,8 @@ class SatPolytope<3> {
     const Vec<3> n = m_best->n;
     Real nearest = upperBound(n);
     if (m_best->bound < nearest) {
-      pick(m_a, n, nearest - m_best->bound, m_verticesA, m_edgesA);
-      pick(m_b, -n, nearest - m_best->bound, m_verticesB, m_edgesB);
+      pick(m_a, n, nearest - m_best->bound, m_verticesA, m_ridgesA);
+      pick(m_b, -n, nearest - m_best->bound, m_verticesB, m_ridgesB);
     } else {
       return;
     }
@@ -185,9 +221,9 @@ class SatPolytope<3> {
     return m_pair->support(n).norm() + kAttainedRounding * m_pair->scale;
   }
 
-  static void pick(const Core& core, const Vec<3>& n, Real slab, std::vector<Vec<3>>& vertices,
-                   std::vector<const Edge*>& edges) {
-    vertices.clear(), edges.clear();
+  void pick(const Core& core, const Vec<3>& n, Real slab, std::vector<Vec<3>>& vertices,
+            std::vector<Ridge>& ridges) const {
+    vertices.clear(), ridges.clear();
     Real farthest = -std::numeric_limits<Real>::infinity();
     for (const Vec<3>& v : core.vertices) farthest = std::max(farthest, n.dot(v));
     const auto near = [&](const Vec<3>& v) { return n.dot(v) >= farthest - slab; };
@@ -195,7 +231,7 @@ class SatPolytope<3> {
       if (near(v)) vertices.push_back(v);
     }
     for (const Edge& e : core.edges) {
-      if (near(core.vertices[at(e.v0)]) || near(core.vertices[at(e.v1)])) edges.push_back(&e);
+      if (near(core.vertices[at(e.v0)]) || near(core.vertices[at(e.v1)])) ridges.push_back(ridge(core, e));
     }
   }
 
@@ -203,17 +239,17 @@ class SatPolytope<3> {
   template <class F>
   void forDifferences(F&& f) {
     for (const Vec<3>& a : m_verticesA) {
-      for (const Edge* e : m_edgesB) f(toEdge(m_b, *e, a));
+      for (const Ridge& e : m_ridgesB) f(toEdge(e, a));
     }
     for (const Vec<3>& b : m_verticesB) {
-      for (const Edge* e : m_edgesA) f(-toEdge(m_a, *e, b));
+      for (const Ridge& e : m_ridgesA) f(-toEdge(e, b));
       if (!m_a.edges.empty() && !m_b.edges.empty()) continue;
       for (const Vec<3>& a : m_verticesA) f(b - a);
     }
   }
   // From q to the edge's nearest point; across the edge to the last bit where that is inside.
-  static Vec<3> toEdge(const Core& core, const Edge& e, const Vec<3>& q) {
-    const Vec<3> from0 = core.vertices[at(e.v0)] - q, from1 = core.vertices[at(e.v1)] - q;
+  static Vec<3> toEdge(const Ridge& e, const Vec<3>& q) {
+    const Vec<3> from0 = e.v0 - q, from1 = e.v1 - q;
     if (from0.dot(e.direction) >= 0) return from0;
     if (from1.dot(e.direction) <= 0) return from1;
     Vec<3> v = from0.squaredNorm() < from1.squaredNorm() ? from0 : from1;
@@ -226,7 +262,7 @@ class SatPolytope<3> {
   WorkDone* m_work = nullptr;
   Core m_a, m_b;
   std::vector<Vec<3>> m_verticesA, m_verticesB;
-  std::vector<const Edge*> m_edgesA, m_edgesB;
+  std::vector<Ridge> m_ridgesA, m_ridgesB;  // those that may matter
 };
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query

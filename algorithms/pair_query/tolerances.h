@@ -17,6 +17,10 @@ inline constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
 
 // --- bounds ---------------------------------------------------------------------------------------------------------
 
+/// Squares of lengths between this and its reciprocal (m^2) lose no digit to overflow or underflow. Larger: time.
+/// Smaller: directions of very short or long vectors are wrong.
+inline constexpr Real kSafeSquare = sizeof(Real) == 8 ? Real(1e-200) : Real(1e-20);
+
 /// What rounding may take from a bound L(n) (x scale): bounds and lengths that differ by less are equal, and one above
 /// its negative may belong to cores that are apart. Also GJK's default tolerance. Larger: a search ends, or leaves out
 /// the nearest corners, before the last digits are right. Smaller: right answers are taken for short ones and worked
@@ -139,6 +143,14 @@ inline constexpr Real kTilt = Real(1e-3);
 /// overlap. Larger: an extent that is not the longest. Smaller: of equal diagonals rounding takes one, and the witness
 /// still is the middle of both.
 inline constexpr Real kSameLength = 64 * kEpsilon;
+
+/// Common normals of two edges shorter than this (sine) are made unit before they are projected on. Larger: time.
+/// Smaller: rounding, divided by that length, may choose the wrong axis.
+inline constexpr Real kShortNormal = sizeof(Real) == 8 ? Real(1e-2) : Real(0.1);
+
+/// Edges of boxes that are more parallel than this (sine) are left to the general rule for features. Larger: time.
+/// Smaller: the place where the lines cross is known to no more than the band of features.
+inline constexpr Real kCrossingSine = sizeof(Real) == 8 ? Real(1e-3) : Real(0.1);
 
 /// Projected edges more parallel than this (sine) share a stretch instead of a place. Larger: edges that cross meet
 /// off their crossing. Smaller: the place where near-parallel edges cross is rounding, and jumps along them.

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "algorithms/pair_query/core_pair.h"
+#include "algorithms/pair_query/touching_boxes.h"
 #include "framework/support_gap.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
@@ -92,6 +92,10 @@ class TouchingPoint {
   template <int D>
   void find(const CorePair<D>& pair, BestAxis<D>& best, PairAnswer<D>& answer) {
     Vec<D> common = Vec<D>::Zero();
+    const bool boxes = pair.a.core() <= CoreClass::box && pair.b.core() <= CoreClass::box;
+    if (boxes && TouchingBoxes<D>(pair, best.n, kFeatureBand * pair.scale).find(common)) {
+      return place(pair, best, common, answer);
+    }
     for (int round = 0; round < kTouchRounds; ++round) {
       // A normal that is off by a rounding lifts the far end of a feature by more than a rounding: the band grows until
       // the features meet. Witnesses leave their shapes by the band at most.
@@ -118,6 +122,12 @@ class TouchingPoint {
       if (makeUnit<D>(direct)) best.take(direct, pair.bound(direct));
       if (!(best.bound > before)) break;
     }
+    place(pair, best, common, answer);
+  }
+
+ private:
+  template <int D>
+  static void place(const CorePair<D>& pair, const BestAxis<D>& best, const Vec<D>& common, PairAnswer<D>& answer) {
     answer.normal = best.n;
     answer.distance = best.bound - pair.radii();
     const Real height = coreSupport(pair.a, answer.normal).dot(answer.normal) + pair.a.radius;
@@ -125,7 +135,6 @@ class TouchingPoint {
     answer.pB = answer.pA + answer.distance * answer.normal;
   }
 
- private:
   static constexpr Real kInf = std::numeric_limits<Real>::infinity();
 
   template <int D>

@@ -87,18 +87,22 @@ Real separationAlong(const PairView<D>& pair, const Vec<D>& n) {
 }
 
 template <int D>
-void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB, QueryNeed need) {
+void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB, QueryNeed need,
+              bool oneByOne) {
   const PairData<D> data(kindA, kindB, static_cast<int>(state.range(0)));
   auto method = createStage<PairQuery<D>>(Spec::parse(spec));
-  auto batch = std::make_unique<PairBatch<D>>();
-  auto answers = std::make_unique<PairAnswers<D>>();
-  batch->clear(kindA, kindB);
+  std::vector<PairView<D>> pairs;
+  std::vector<PairAnswer<D>> answers(kPairs);
   for (std::size_t k = 0; k < kPairs; ++k)
-    batch->add(data.a[k].view(), data.b[k].view(), data.X_WA[k].inverse() * data.X_WB[k]);
+    pairs.push_back({data.a[k].view(), data.b[k].view(), data.X_WA[k].inverse() * data.X_WB[k]});
   WorkDone work;
   const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
   for (auto _ : state) {
-    method->query(*batch, need, *answers, {}, work);
+    if (oneByOne) {
+      for (std::size_t k = 0; k < kPairs; ++k) method->query({&pairs[k], 1}, need, {&answers[k], 1}, {}, work);
+    } else {
+      method->query(pairs, need, answers, {}, work);
+    }
     benchmark::ClobberMemory();
     if (witness) state.SetIterationTime(1e-9 * static_cast<double>(witness->nanoseconds()));
   }
@@ -106,13 +110,13 @@ void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA,
   report(state, work, static_cast<double>(state.iterations()) * kPairs);
 
   // Right if the method says that it finished, and its own normal proves its distance.
-  method->query(*batch, QueryNeed::witnesses, *answers, {}, work);
+  method->query(pairs, QueryNeed::witnesses, answers, {}, work);
   int unfinished = 0, unproved = 0, overlaps = 0;
-  for (int k = 0; k < kPairs; ++k) {
-    const PairAnswer<D> answer = answers->get(k);
+  for (std::size_t k = 0; k < kPairs; ++k) {
+    const PairAnswer<D>& answer = answers[k];
     unfinished += answer.status != QueryStatus::converged;
     overlaps += answer.distance < 0;
-    const Real error = std::abs(separationAlong(batch->pair(k), answer.normal) - answer.distance);
+    const Real error = std::abs(separationAlong(pairs[k], answer.normal) - answer.distance);
     unproved += !(error <= (sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3)));
   }
   state.counters["unfinished"] = unfinished, state.counters["unproved"] = unproved,
@@ -203,17 +207,25 @@ void forKinds(StageKind stage, Add add) {
 template <int D>
 void addQueries() {
   const std::string dimension = std::to_string(D) + "D/";
-  forKinds<D, PairQuery<D>>(StageKind::pairQuery, [&](AlgorithmRole role, const std::string& spec, ShapeKind a,
-                                                      ShapeKind b) {
-    static constexpr std::pair<QueryNeed, const char*> needs[] = {
-        {QueryNeed::boolean, "/boolean"}, {QueryNeed::distance, "/distance"}, {QueryNeed::witnesses, "/witnesses"}};
-    for (const auto& [need, text] : needs) {
-      const std::string name = "pair_query/" + dimension + spec + "/" + kindText(a, b) + text;
-      addSizes(benchmark::RegisterBenchmark(
-                   name.c_str(), [=, need = need](benchmark::State& state) { runQuery<D>(state, spec, a, b, need); }),
-               role, D, a, b);
-    }
-  });
+  forKinds<D, PairQuery<D>>(
+      StageKind::pairQuery, [&](AlgorithmRole role, const std::string& spec, ShapeKind a, ShapeKind b) {
+        struct Ask {
+          QueryNeed need;
+          const char* text;
+          bool oneByOne = false;
+        };
+        static constexpr Ask kAsks[] = {{QueryNeed::boolean, "/boolean"},
+                                        {QueryNeed::distance, "/distance"},
+                                        {QueryNeed::witnesses, "/witnesses"},
+                                        {QueryNeed::witnesses, "/witnesses_one_by_one", true}};
+        for (const Ask& ask : kAsks) {
+          if (ask.oneByOne && role == AlgorithmRole::witness)
+            continue;  // its time would be that of the way to its process
+          const std::string name = "pair_query/" + dimension + spec + "/" + kindText(a, b) + ask.text;
+          const auto run = [=](benchmark::State& state) { runQuery<D>(state, spec, a, b, ask.need, ask.oneByOne); };
+          addSizes(benchmark::RegisterBenchmark(name.c_str(), run), role, D, a, b);
+        }
+      });
 }
 
 template <int D>

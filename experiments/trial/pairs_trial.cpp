@@ -51,27 +51,29 @@ TrialResult runPairs(const json& t) {
 
   PairsSeen seen;
   seen.timed = t.value("timed", false), seen.asked = n;
-  const auto batch = std::make_unique<PairBatch<D>>();
-  const auto answers = std::make_unique<PairAnswers<D>>();
+  constexpr std::size_t kAtOnce = 1024;  // what is timed between two looks at the clock
+  std::vector<PairView<D>> views;
+  std::vector<PairAnswer<D>> answers;
   WorkDone work;
   XXH64_state_t* hash = XXH64_createState();
   XXH64_reset(hash, 0);
-  for (std::size_t begin = 0; begin < pairs.size(); begin += PairBatch<D>::kCapacity) {
-    const std::size_t end = std::min(pairs.size(), begin + PairBatch<D>::kCapacity);
-    batch->clear(kindA, kindB);
-    for (std::size_t i = begin; i < end; ++i) batch->add(pairs[i].a.view(), pairs[i].b.view(), pairs[i].X_AB);
+  for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
+    const std::size_t end = std::min(pairs.size(), begin + kAtOnce);
+    views.clear();
+    for (std::size_t i = begin; i < end; ++i) views.push_back(viewOf(pairs[i]));
+    answers.assign(views.size(), {});
     const int repeats = seen.timed && !witness ? 8 : 1;  // the first warms the caches
     for (int r = 0; r < repeats; ++r) {
       const double before = cpuSeconds();
-      method->query(*batch, QueryNeed::witnesses, *answers, {}, work);
+      method->query(views, QueryNeed::witnesses, answers, {}, work);
       const double spent = witness ? static_cast<double>(witness->nanoseconds()) : 1e9 * (cpuSeconds() - before);
       if (r > 0 || witness) seen.nanoseconds.push_back(spent / static_cast<double>(end - begin));
     }
     for (std::size_t i = begin; i < end; ++i) {
-      const PairAnswer<D> answer = answers->get(static_cast<int>(i - begin));
+      const PairAnswer<D>& answer = answers[i - begin];
       XXH64_update(hash, &answer.distance, sizeof answer.distance);
       const Ending ending = witness ? witness->endings()[i - begin] : Ending::answered;
-      const PairView<D> pair = viewOf(pairs[i]);
+      const PairView<D>& pair = views[i - begin];
       const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending);
       if (verdict.error) seen.errors.push_back(*verdict.error);
       seen.wrong += verdict.end == Tally::wrong;

@@ -112,8 +112,9 @@ class BulletWorld final : public EngineWorld<3> {
       }
       forParts(s.shape, {}, [](const ShapeView<3>& part, const Pose<3>&) {
         const bool rounded = part.radius > 0 && (part.core() == CoreClass::box || part.core() == CoreClass::curved);
-        if (rounded || part.kind == ShapeKind::ellipsoid) {
-          throw UserError("bullet: no shape is a" + std::string(rounded ? " rounded " : "n ") +
+        const bool strange = part.core() == CoreClass::curved && part.kind != ShapeKind::cylinder;
+        if (rounded || strange) {
+          throw UserError("bullet: has no shape for this kind: " + std::string(rounded ? "rounded " : "") +
                           std::string(shapeKindName(part.kind)));
         }
       });

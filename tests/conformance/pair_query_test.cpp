@@ -17,16 +17,28 @@ using namespace wrong_queries;
 
 template <int D>
 struct Method {
-  std::string name;
-  AlgorithmRole role;
+  std::string name, choice;  // choice: "simplex=johnson", empty for the defaults
+  const AlgorithmInfo* info;
   std::unique_ptr<PairQuery<D>> query;
 };
 
+// As they are, and with each other value of each choice.
 template <int D>
 std::vector<Method<D>> methods(AlgorithmRole role) {
   std::vector<Method<D>> out;
+  const auto add = [&](const Registered& r, const std::string& choice) {
+    const std::string spec = choice.empty() ? r.info.name : r.info.name + "{" + choice + "}";
+    out.push_back({spec, choice, &r.info, createStage<PairQuery<D>>(Spec::parse(spec))});
+  };
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
-    if (r->info.role == role) out.push_back({r->info.name, role, createStage<PairQuery<D>>(Spec{r->info.name, {}})});
+    if (r->info.role != role) continue;
+    add(*r, "");
+    for (const ParamInfo& p : r->params) {
+      if (p.type != "choice") continue;
+      for (const std::string& value : p.choices) {
+        if (value != p.defaultText) add(*r, p.name + "=" + value);
+      }
+    }
   }
   return out;
 }
@@ -60,7 +72,17 @@ void properties() {
   ASSERT_GE(all.size(), 3u);
   for (const Method<D>& m : all) {
     SCOPED_TRACE(m.name);
-    check("pair query " + m.name + " in " + std::to_string(D) + "D", holdsFor<D>(*m.query), kRuns);
+    const std::string name = "pair query " + m.name + " in " + std::to_string(D) + "D";
+    const std::string test = "PairQuery.Properties" + std::to_string(D);
+    const bool fails = std::any_of(m.info->failures.begin(), m.info->failures.end(), [&](const FailureMode& f) {
+      const bool here = sizeof(Real) == 4 || f.when.find("in single precision") == std::string::npos;
+      return f.test == test && here && !m.choice.empty() && f.when.starts_with(m.choice + ":");
+    });
+    if (fails) {
+      expectFalsified("declared by " + name, holdsFor<D>(*m.query), kRuns);
+    } else {
+      check(name, holdsFor<D>(*m.query), kRuns);
+    }
   }
 }
 TEST(PairQuery, Properties2) { properties<2>(); }
@@ -84,6 +106,7 @@ void bugsAreCaught() {
   twins["N10 always a normal"] = std::make_unique<NoNormalAtTouch<D>>();
   twins["N11 rounding"] = std::make_unique<ForgetsRounding<D>>();
   twins["N16 memory"] = std::make_unique<TrustsItsMemory<D>>();
+  twins["N16 bytes of others"] = std::make_unique<BelievesAnyBytes<D>>();
   twins["N16 vertex order"] = std::make_unique<FirstPeak<D>>();
   const auto caught = [](const std::string& property, const std::string& bug, PairQuery<D>& twin) {
     expectFalsified(property + ": " + bug + std::to_string(D) + "D", holdsFor<D>(twin, property), kRuns);
@@ -150,6 +173,65 @@ TEST(PairQuery, CapIsAStatus) {
   EXPECT_EQ(answersWithStatusOfLimit(silent), 0) << "the planted bug was not caught";
   recordPlantedBug("N17: silent limit", 1, 200);
 }
+
+// Support points for hulls that pass by each other, a hundredth of their size and 0.01 rad a step: without memory, and
+// with what is left of it after `keep`.
+struct SupportPoints {
+  double cold = 0, warm = 0;
+};
+template <int D>
+SupportPoints passingBy(PairQuery<D>& method, QueryNeed need, const std::function<void(PairMemory&)>& keep) {
+  PlainDraw draw(seedOf("pairs that pass by"));
+  SupportPoints out;
+  for (int n = 0; n < 50; ++n) {
+    const Shape<D> a = drawSketch<D>(draw, ShapeKind::polytope).build(1);
+    const Shape<D> b = drawSketch<D>(draw, ShapeKind::polytope).build(1);
+    const Real size = sizeOf(a) + sizeOf(b);
+    const Vec<D> way = size / 100 * drawDirection<D>(draw);
+    Pose<D> X{Real(0.6) * size * drawDirection<D>(draw), drawRotation<D>(draw)};
+    Ang<D> turn;
+    for (int k = 0; k < kAngDim<D>; ++k) turn[k] = draw.signedUnit() / 100;
+    PairMemory memory;
+    for (int step = 0; step < 40; ++step) {
+      const PairView<D> pair{a.view(), b.view(), X};
+      PairAnswer<D> cold, warm;
+      WorkDone coldWork, warmWork;
+      method.query({&pair, 1}, need, {&cold, 1}, {}, coldWork);
+      method.query({&pair, 1}, need, {&warm, 1}, {&memory, 1}, warmWork);
+      out.cold += static_cast<double>(coldWork[WorkCount::supportCalls]);
+      out.warm += static_cast<double>(warmWork[WorkCount::supportCalls]);
+      const double allowed = 2 * kPairTolerance * static_cast<double>(size);
+      if (need == QueryNeed::boolean) {
+        const PairAnswer<D> exact = queryPair<D>(method, a.view(), b.view(), X, QueryNeed::distance);
+        const bool clear = std::abs(static_cast<double>(exact.distance)) > allowed;
+        EXPECT_TRUE(!clear || (warm.distance < 0) == (exact.distance < 0)) << exact.distance;
+      } else {
+        EXPECT_NEAR(warm.distance, cold.distance, allowed);
+      }
+      keep(memory);
+      X.p += way, X.q = integrateRotation(X.q, turn);
+    }
+  }
+  return out;
+}
+template <int D>
+void memorySaves() {
+  int rememberers = 0;
+  for (const Method<D>& m : methods<D>(AlgorithmRole::competitor)) {
+    if (!m.query->remembers()) continue;
+    ++rememberers;
+    for (const auto& [need, text] : {std::pair(QueryNeed::boolean, "boolean"), {QueryNeed::distance, "distance"}}) {
+      const SupportPoints kept = passingBy<D>(*m.query, need, [](PairMemory&) {});
+      std::printf("%dD %s, %s: %.0f support points cold, %.0f warm\n", D, m.name.c_str(), text, kept.cold, kept.warm);
+      EXPECT_LT(kept.warm, kept.cold / 2) << m.name;
+      const SupportPoints wiped = passingBy<D>(*m.query, need, [](PairMemory& memory) { memory = {}; });
+      EXPECT_GT(wiped.warm, 0.99 * wiped.cold) << "the planted bug was not caught";
+      recordPlantedBug("memory that is wiped, " + m.name + " " + text + " " + std::to_string(D) + "D", 1, 1);
+    }
+  }
+  EXPECT_GE(rememberers, 1);
+}
+TEST(PairQuery, MemorySavesSupportPoints) { memorySaves<2>(), memorySaves<3>(); }
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test

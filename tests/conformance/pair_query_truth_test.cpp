@@ -140,11 +140,10 @@ class Spoiled final : public PairQuery<D> {
   enum Way { offByMore, flippedNormal, missedTouch, neverAnswers, leaningNormal, halfTheDigits };
   Spoiled(PairQuery<D>& method, Way way) : m_method(method), m_way(way) {}
   bool supports(ShapeKind a, ShapeKind b) const override { return m_method.supports(a, b); }
-  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             WorkDone& work) override {
-    m_method.query(batch, need, answers, memory, work);
-    for (int i = 0; i < batch.count; ++i) {
-      PairAnswer<D> answer = answers.get(i);
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory> memory, WorkDone& work) override {
+    m_method.query(pairs, need, answers, memory, work);
+    for (PairAnswer<D>& answer : answers) {
       if (m_way == offByMore) answer.distance *= 1 + static_cast<Real>(50 * kBound);
       if (m_way == flippedNormal) answer.normal = -answer.normal;
       if (m_way == missedTouch && answer.distance < 0 && answer.distance > Real(-0.01)) answer.distance = Real(0.01);
@@ -159,7 +158,6 @@ class Spoiled final : public PairQuery<D> {
         answer.normal += static_cast<Real>(50 * kBound) * tangents(answer.normal).col(0);
         answer.normal /= answer.normal.norm();
       }
-      answers.set(i, answer);
     }
   }
 

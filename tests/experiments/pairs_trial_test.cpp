@@ -30,14 +30,15 @@ class Careless final : public PairQuery<D> {
   static AlgorithmInfo info() { return {.name = "planted_careless", .summary = "", .paper = "", .complexity = "1"}; }
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::capsule && b == ShapeKind::box; }
 
-  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
-    for (int i = 0; i < batch.count; ++i) {
-      const PairView<D> pair = batch.pair(i);
+  void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
+             WorkDone&) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const PairView<D>& pair = pairs[i];
       PairAnswer<D> answer;
       answer.status = number(pair) % 5 == 0 ? QueryStatus::refused : QueryStatus::converged;
       answer.distance = pair.X_AB.p.norm() - Real(0.5);
       answer.normal = Vec<D>::Unit(number(pair) % D);
-      answers.set(i, answer);
+      answers[i] = answer;
       if (!retelling) tell(pair);
     }
   }

@@ -58,7 +58,8 @@ void addBody(const BodyDef<D>& body, Hash& hash) {
   for (const ShapeDef<D>& s : body.shapes) {
     forParts(s.shape, s.X_BS, [&](const ShapeView<D>& part, const Pose<D>& X_BS) {
       hash.word(static_cast<std::uint64_t>(part.kind));
-      hash.pose(X_BS), hash.number(part.radius), hash.numbers(part.half);
+      hash.pose(X_BS), hash.number(part.radius);
+      hash.numbers(part.hull ? Vec<D>(Vec<D>::Zero()) : part.half);  // a hull's follows from its vertices
       if (!part.hull) return;
       for (const Vec<D>& v : part.hull->vertices) hash.numbers(v);
     });

@@ -34,6 +34,7 @@ template <int D>
 Real level(const ShapeView<D>& s, const Vec<D>& p) {
   if (s.kind == ShapeKind::ellipsoid) return p.cwiseQuotient(s.half).squaredNorm();
   const Real across = p.tail(D - 1).norm() / s.half[1];
+  if (s.kind == ShapeKind::cone) return std::max(-p[0] / s.half[0], 2 * across + p[0] / s.half[0]);
   return std::max(std::abs(p[0]) / s.half[0], across);
 }
 template <int D>
@@ -149,16 +150,19 @@ void massByCounting() {
     const ShapeView<D>& s = shape.view();
     const int n = 200000;
     double inside = 0, volume = 1;
-    Vec<D> square = Vec<D>::Zero();
+    Vec<D> square = Vec<D>::Zero(), sum = Vec<D>::Zero();
     for (int k = 0; k < D; ++k) volume *= 2 * double(s.half[k]);
     for (int i = 0; i < n; ++i) {
       const Vec<D> p = s.half.cwiseProduct(anyVector<D>(random));
       if (!(level(s, p) <= 1)) continue;
-      ++inside, square += p.cwiseAbs2();
+      ++inside, sum += p, square += p.cwiseAbs2();
     }
     const auto m = massProperties(s, Real(2));
     const double mass = 2 * volume * inside / n;
     EXPECT_NEAR(double(m.mass), mass, 0.02 * mass);
+    const Vec<D> center = sum / static_cast<Real>(inside);
+    square -= sum.cwiseProduct(center);  // about the centre of mass
+    EXPECT_LE((m.center - center).norm(), Real(0.02) * s.half.norm());
     for (int k = 0; k < kAngDim<D>; ++k) {
       const double own = D == 2 ? 0 : double(square[k]), inertia = mass * (double(square.sum()) - own) / inside;
       EXPECT_NEAR(double(m.inertia(k, k)), inertia, 0.02 * inertia);

@@ -151,7 +151,7 @@ struct Damaged : SavedState<D> {
                       1,
                       kDt,
                       1,
-                      0} {}
+                      {w.pairRecords().begin(), w.pairRecords().end()}} {}
 
   std::string refusal() const {
     try {
@@ -195,7 +195,6 @@ std::vector<Damage<D>> damages() {
       {"the time", [](P p) { p.lastDt = -1; }},
       {"the number of steps", [](P p) { p.steps = -1; }},
       {"the number of steps", [](P p) { p.steps = std::numeric_limits<std::int64_t>::max(); }},
-      {"records of pairs", [](P p) { p.pairRecords = 1; }},
       {"unequal lengths", [](P p) { p.bodies.sleep.pop_back(); }},
       {"unequal lengths", [](P p) { p.bodies.solver.pop_back(); }},
       {"unequal lengths", [](P p) { p.bodies.pose.emplace_back(); }},
@@ -232,6 +231,12 @@ std::vector<Damage<D>> damages() {
       {"number of points", [](P p) { p.manifolds[0].count = 0; }},
       {"a contact's flag", [](P p) { p.manifolds[0].ignored = 2; }},
       {"out of order", [](P p) { std::swap(p.manifolds[0], p.manifolds[1]); }},
+      {"a record of a body", [](P p) { p.records[0].bodyB = p.bodies.size(); }},
+      {"a record of a body", [](P p) { std::swap(p.records[0].bodyA, p.records[0].bodyB); }},
+      {"a record of a shape", [](P p) { p.records[0].shapeA = -1; }},
+      {"a record of a part", [](P p) { p.records[0].childB = -1; }},
+      {"records of pairs out of order", [](P p) { std::swap(p.records[0], p.records[1]); }},
+      {"records of pairs out of order", [](P p) { p.records[1] = p.records[0]; }},
       {"no known kind", [](P p) { p.events[0].kind = static_cast<SleepEvent::Kind>(6); }},
       {"an event of a body", [](P p) { p.events[0].body = -1; }},
       {"an event of a body", [](P p) { p.events[0].other = p.bodies.size(); }},

@@ -139,16 +139,10 @@ template <int D>
 class SphereCapsule final : public PairQuery<D> {
  public:
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::sphere && b <= ShapeKind::capsule; }
-  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
-    for (int i = 0; i < batch.count; ++i) {
-      const PairView<D> v = batch.pair(i);
-      // The rotation of the batch is the pose's, row by row.
-      for (int row = 0; row < D; ++row) {
-        for (int column = 0; column < D; ++column) {
-          const auto k = static_cast<std::size_t>(row * D + column);
-          EXPECT_EQ(batch.r[k][static_cast<std::size_t>(i)], v.X_AB.q.matrix()(row, column));
-        }
-      }
+  void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
+             WorkDone&) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const PairView<D>& v = pairs[i];
       const Vec<D> axis = v.X_AB.q * Vec<D>(Vec<D>::Unit(0));
       const Vec<D> nearest = v.X_AB.p + std::clamp(-axis.dot(v.X_AB.p), -v.b.half[0], v.b.half[0]) * axis;
       PairAnswer<D> a;
@@ -156,7 +150,7 @@ class SphereCapsule final : public PairQuery<D> {
       a.normal = nearest / nearest.norm();
       a.distance = nearest.norm() - v.a.radius - v.b.radius;
       a.pA = v.a.radius * a.normal, a.pB = a.pA + a.distance * a.normal;
-      answers.set(i, a);
+      answers[i] = a;
     }
   }
 };
@@ -201,32 +195,6 @@ TEST(PairQuery, StatusNames) {
   for (int i = 0; i < 5; ++i) names.insert(queryStatusName(static_cast<QueryStatus>(i)));
   EXPECT_EQ(names.size(), 5u);
   EXPECT_EQ(queryStatusName(QueryStatus::iterationLimit), "iteration_limit");
-}
-
-TEST(PairBatch, GivesBackWhatWasAdded) {
-  auto batch = std::make_unique<PairBatch<3>>();
-  PlainDraw draw(1);
-  std::vector<Shape<3>> a, b;
-  std::vector<Pose<3>> X;
-  for (int round = 0; round < 2; ++round) {
-    batch->clear(ShapeKind::box, ShapeKind::polytope);
-    a.clear(), b.clear(), X.clear();
-    for (int i = 0; i < 20; ++i) {
-      a.push_back(drawSketch<3>(draw, ShapeKind::box).build(1));
-      b.push_back(drawSketch<3>(draw, ShapeKind::polytope).build(1));
-      X.push_back(drawPose<3>(draw, 3));
-      batch->add(a.back().view(), b.back().view(), X.back());
-    }
-    for (int i = 0; i < 20; ++i) {
-      const auto n = static_cast<std::size_t>(i);
-      const PairView<3> v = batch->pair(i);
-      EXPECT_EQ(v.a.half, a[n].view().half);
-      EXPECT_EQ(v.b.hull, b[n].view().hull);
-      EXPECT_EQ(v.b.radius, b[n].view().radius);
-      EXPECT_EQ(v.X_AB.p, X[n].p);
-      EXPECT_EQ(v.X_AB.q.w, X[n].q.w);
-    }
-  }
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ Shape<D> shape(Reader& r) {
       return Shape<D>::polytope(points, r.size());
     }
     case CoreClass::curved: {
-      std::vector<Real> sizes(kind == ShapeKind::cylinder ? 2u : static_cast<unsigned>(D));
+      std::vector<Real> sizes(curvedKind<D>(kind).sizes.size());
       for (Real& s : sizes) s = r.size();
       return Shape<D>::curved(kind, sizes, r.size());
     }

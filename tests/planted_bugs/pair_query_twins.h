@@ -14,13 +14,11 @@ template <int D>
 class SpoiledQuery : public PairQuery<D> {
  public:
   bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
-  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             WorkDone& work) override {
-    m_right->query(batch, need, answers, {}, work);
-    for (int i = 0; i < batch.count; ++i) {
-      PairAnswer<D> answer = answers.get(i);
-      spoil(batch.pair(i), answer, memory.empty() ? nullptr : &memory[static_cast<std::size_t>(i)]);
-      answers.set(i, answer);
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory> memory, WorkDone& work) override {
+    m_right->query(pairs, need, answers, {}, work);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      spoil(pairs[i], answers[i], memory.empty() ? nullptr : &memory[i]);
     }
   }
 
@@ -104,6 +102,14 @@ class TrustsItsMemory final : public SpoiledQuery<D> {
   }
 };
 
+/// Bytes that it never wrote, of a damaged file, are taken for a hint, and the hint for the answer.
+template <int D>
+class BelievesAnyBytes final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory* memory) override {
+    if (memory && !(*memory == PairMemory{})) answer.distance *= 2;
+  }
+};
+
 /// Deep inside B, A's centre is called a witness.
 template <int D>
 class CentreWitness final : public SpoiledQuery<D> {
@@ -162,10 +168,10 @@ class ReportsItsCutOff final : public SpoiledQuery<D> {
 template <int D>
 class SphereBoolean final : public SpoiledQuery<D> {
  public:
-  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             WorkDone& work) override {
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory> memory, WorkDone& work) override {
     m_boolean = need == QueryNeed::boolean;
-    SpoiledQuery<D>::query(batch, need, answers, memory, work);
+    SpoiledQuery<D>::query(pairs, need, answers, memory, work);
   }
 
  private:
@@ -248,10 +254,10 @@ class SilentLimit final : public PairQuery<D> {
  public:
   explicit SilentLimit(PairQuery<D>& limited) : m_limited(limited) {}
   bool supports(ShapeKind a, ShapeKind b) const override { return m_limited.supports(a, b); }
-  void query(const PairBatch<D>& batch, QueryNeed need, PairAnswers<D>& answers, std::span<PairMemory> memory,
-             WorkDone& work) override {
-    m_limited.query(batch, need, answers, memory, work);
-    answers.status.fill(QueryStatus::converged);
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory> memory, WorkDone& work) override {
+    m_limited.query(pairs, need, answers, memory, work);
+    for (PairAnswer<D>& answer : answers) answer.status = QueryStatus::converged;
   }
 
  private:

@@ -93,9 +93,10 @@ class PlantedQuery : public PairQuery<D> {
             .complexity = "one square root"};
   }
   bool supports(ShapeKind a, ShapeKind b) const override { return a == ShapeKind::sphere && b == ShapeKind::sphere; }
-  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
-    for (int i = 0; i < batch.count; ++i) {
-      const PairView<D> pair = batch.pair(i);
+  void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
+             WorkDone&) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const PairView<D>& pair = pairs[i];
       const Real length = pair.X_AB.p.norm();
       if (kCrashes && length == 0 && pair.a.radius > 800) std::abort();
       PairAnswer<D> answer;
@@ -103,7 +104,7 @@ class PlantedQuery : public PairQuery<D> {
       answer.normal = length > 0 ? Vec<D>(pair.X_AB.p / length) : Vec<D>(Vec<D>::Unit(0));
       answer.distance = length - pair.a.radius - pair.b.radius;
       if (!kCrashes && answer.distance < 0) answer.distance /= 2;
-      answers.set(i, answer);
+      answers[i] = answer;
     }
   }
 };

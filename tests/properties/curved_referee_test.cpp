@@ -168,7 +168,8 @@ void methodsAreRight(StageKind stage, int count) {
                       .range = {.seed = 23, .first = 0, .count = count}};
       const bool late = static_cast<ShapeKind>(b) > ShapeKind::polytope;
       if (!late || !kindExists(task.kindA, D) || !kindExists(task.kindB, D)) continue;
-      if (coreClass(task.kindA) == CoreClass::plane) continue;  // two planes never meet
+      const bool planes = coreClass(task.kindA) == CoreClass::plane && coreClass(task.kindB) == CoreClass::plane;
+      if (planes) continue;  // they never meet
       for (const Registered* r : Registry::instance().list(stage, D)) {
         if (r->info.role == AlgorithmRole::competitor) task.methods.push_back(r->info.name);
       }

@@ -18,10 +18,11 @@ class Counting final : public PairQuery<D> {
     return {.name = "planted_counting", .summary = "", .paper = "", .complexity = "", .role = AlgorithmRole::witness};
   }
   bool supports(ShapeKind, ShapeKind) const override { return true; }
-  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
+  void query(std::span<const PairView<D>>, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
+             WorkDone&) override {
     PairAnswer<D> answer;
     answer.status = QueryStatus::converged, answer.distance = 1e6, answer.normal = Vec<D>::Unit(0);
-    for (int i = 0; i < batch.count; ++i) answers.set(i, answer);
+    std::fill(answers.begin(), answers.end(), answer);
     ++asked;
   }
 };

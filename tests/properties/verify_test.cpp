@@ -222,13 +222,14 @@ template <int D>
 class Fails final : public PairQuery<D> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
-  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
-    for (int i = 0; i < batch.count; ++i) {
+  void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
+             WorkDone&) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
       PairAnswer<D> answer;
       answer.status = i % 4 == 0 ? QueryStatus::refused : i % 4 == 1 ? QueryStatus::failed : QueryStatus::converged;
       if (i % 4 == 2) answer.distance = std::numeric_limits<Real>::quiet_NaN();
       if (i % 4 == 3) answer.normal = Vec<D>::Constant(std::numeric_limits<Real>::infinity());
-      answers.set(i, answer);
+      answers[i] = answer;
     }
   }
 };
@@ -246,13 +247,14 @@ class Troubled final : public Witness<3> {
   bool supports(ShapeKind, ShapeKind) const override { return true; }
   std::span<const Ending> endings() const override { return m_endings; }
   std::int64_t nanoseconds() const override { return 1000 * static_cast<std::int64_t>(m_endings.size()); }
-  void query(const PairBatch<3>& batch, QueryNeed, PairAnswers<3>& answers, std::span<PairMemory>, WorkDone&) override {
+  void query(std::span<const PairView<3>> pairs, QueryNeed, std::span<PairAnswer<3>> answers, std::span<PairMemory>,
+             WorkDone&) override {
     m_endings.clear();
-    for (int i = 0; i < batch.count; ++i) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
       PairAnswer<3> answer;
       answer.status = QueryStatus::failed;
-      answers.set(i, answer);
-      m_endings.push_back(std::array{Ending::threw, Ending::crashed, Ending::hung, Ending::notFinite}[i % 4u]);
+      answers[i] = answer;
+      m_endings.push_back(std::array{Ending::threw, Ending::crashed, Ending::hung, Ending::notFinite}[i % 4]);
     }
   }
 
@@ -352,15 +354,16 @@ class Sociable final : public PairQuery<D> {
     return {.name = "planted_sociable", .summary = "", .paper = "", .complexity = "", .role = AlgorithmRole::witness};
   }
   bool supports(ShapeKind, ShapeKind) const override { return true; }
-  void query(const PairBatch<D>& batch, QueryNeed, PairAnswers<D>& answers, std::span<PairMemory>, WorkDone&) override {
-    for (int i = 0; i < batch.count; ++i) {
+  void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
+             WorkDone&) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
       PairAnswer<D> answer;
       answer.status = QueryStatus::converged;
-      const PairView<D> pair = batch.pair(i);
+      const PairView<D>& pair = pairs[i];
       const Real length = pair.X_AB.p.norm(), truth = length - pair.a.radius - pair.b.radius;
-      answer.distance = batch.count > 1 ? -1 - 2 * std::abs(truth) : truth;
+      answer.distance = pairs.size() > 1 ? -1 - 2 * std::abs(truth) : truth;
       answer.normal = length > 0 ? Vec<D>(pair.X_AB.p / length) : Vec<D>(Vec<D>::Unit(0));
-      answers.set(i, answer);
+      answers[i] = answer;
     }
   }
 };

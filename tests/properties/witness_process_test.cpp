@@ -120,18 +120,16 @@ TEST(WitnessProcess, BlocksOfAnyLengthAreAnswered) {
 TEST(WitnessProcess, BatchesAreAnswered) {
   Planted witness;
   witness.faults = {{3, Fault::throws}, {1023, Fault::aborts}};
-  const auto batch = std::make_unique<PairBatch<3>>();
-  const auto answers = std::make_unique<PairAnswers<3>>();
-  batch->clear(ShapeKind::sphere, ShapeKind::sphere);
-  for (const PairView<3>& pair : pairsInARow(PairBatch<3>::kCapacity)) batch->add(pair.a, pair.b, pair.X_AB);
+  const std::vector<PairView<3>> pairs = pairsInARow(1024);
+  std::vector<PairAnswer<3>> answers(pairs.size());
   WorkDone work;
-  witness.query(*batch, QueryNeed::witnesses, *answers, {}, work);
+  witness.query(pairs, QueryNeed::witnesses, answers, {}, work);
   EXPECT_EQ(work[WorkCount::pairQueries], 1024u);
-  for (int i = 0; i < batch->count; ++i) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
     const bool planted = i == 3 || i == 1023;
-    EXPECT_EQ(answers->get(i).status, planted ? QueryStatus::failed : QueryStatus::converged) << i;
+    EXPECT_EQ(answers[i].status, planted ? QueryStatus::failed : QueryStatus::converged) << i;
     if (!planted) {
-      EXPECT_EQ(answers->get(i).distance, Real(-i));
+      EXPECT_EQ(answers[i].distance, -static_cast<Real>(i));
     }
   }
   EXPECT_EQ(witness.endings()[3], Ending::threw);

@@ -1,11 +1,11 @@
-# A convex shape kind: its core in one file, its row and its name. A cone that stands on a plane stays where it is, by
-# everything that nobody has told of cones. It is put down half a degree aslant: its twin would balance on a point.
+# A convex shape kind: its core in one file, its row and its name. A bicone that lies on its side on a plane stays where
+# it is, by everything that nobody has told of bicones. It is put down half a degree aslant: its twin has no side.
 set(at_most 3)
-set(name cone)
+set(name bicone)
 set(targets lpc)
-file(WRITE ${work}/standing_cone.toml [=[
-name = "standing_cone"
-summary = "a cone on its base on a plane"
+file(WRITE ${work}/lying_bicone.toml [=[
+name = "lying_bicone"
+summary = "a bicone on its side on a plane"
 dimensions = [3]
 needs = ["cache", "friction", "rotation"]
 steps = 300
@@ -16,10 +16,10 @@ speed = 10
 type = "fixed"
 shapes = [{ kind = "plane" }]
 [[body]]
-position = [0, 0.505, 0]
-angle = 1.56
-shapes = [{ kind = "cone", half_height = 0.5, radius = 0.4 }]
+position = [0, 0.316, 0]
+angle = -0.666
+shapes = [{ kind = "bicone", half_length = 0.5, radius = 0.4 }]
 ]=])
-set(proof ${bin}/lpc run ${work}/standing_cone.toml --pipeline contacts=query_clip)
+set(proof ${bin}/lpc run ${work}/lying_bicone.toml --pipeline contacts=query_clip)
 set(blames "collapsed|exploded|diverged")
 set(round everything)

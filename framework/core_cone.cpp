@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include <algorithm>
 #include <numbers>
 
 #include "framework/curved_core.h"
@@ -17,20 +18,26 @@ class Cone final : public CurvedBase<D, Cone<D>> {
 
   template <class N>
   std::array<N, 3> extreme(const std::array<N, 3>& d) const {
-    const N h = m_sizes[0], r = m_sizes[1], across = std::sqrt(d[1] * d[1] + d[2] * d[2]);
-    if (2 * h * d[0] >= r * across) return {h, 0, 0};
-    if (!(across > 0)) return {-h, 0, 0};
-    return {-h, r * (d[1] / across), r * (d[2] / across)};
+    const N h = m_sizes[0], r = m_sizes[1];
+    const N largest = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+    if (!(largest > 0)) return {h, 0, 0};
+    const N x = d[0] / largest, y = d[1] / largest, z = d[2] / largest, across = std::sqrt(y * y + z * z);
+    if (2 * h * x >= r * across) return {h, 0, 0};
+    if (!(across > 0)) return {-h, 0, 0};  // the middle of the base is as far as its rim
+    return {-h, r * (y / across), r * (z / across)};
   }
 
   void supportFace(const Vec<3>& d, std::vector<Vec<3>>& corners) const override {
     const Real h = m_sizes[0], r = m_sizes[1], across = d.tail<2>().norm();
-    if (d[0] > 2 * across || !(across > 0 || d[0] < 0)) return corners.assign(1, Vec<3>(h, 0, 0));
+    // What d is nearest to: the axis, the normal of the side, or that of the base.
+    const Real side = (2 * h * across + r * d[0]) / std::sqrt(4 * h * h + r * r);
+    if (d[0] > side) return corners.assign(1, Vec<3>(h, 0, 0));
     corners.clear();
-    if (-d[0] < across) {  // the line of the side
+    if (side > -d[0] && across > 0) {  // the line of the side
       corners.assign({{h, 0, 0}, {-h, r * (d[1] / across), r * (d[2] / across)}});
       return;
     }
+    // An octagon in the base's circle. Its corners are fixed in the cone, so that contacts keep their numbers.
     const Real s = r * Real(std::numbers::sqrt2 / 2);
     const Real y[8] = {r, s, 0, -s, -r, -s, 0, s}, z[8] = {0, -s, -r, -s, 0, s, r, s};
     for (int i = 0; i < 8; ++i) corners.push_back({-h, y[i], z[i]});
@@ -50,7 +57,7 @@ class Cone final : public CurvedBase<D, Cone<D>> {
   std::array<Real, 2> m_sizes;
 };
 
-const CurvedRegistrar<Cone, 3> registrar{ShapeKind::cone, {{"half_height", "radius"}}};
+const CurvedRegistrar<Cone, 3> coneRegistrar{ShapeKind::cone, {{"half_height", "radius"}}};
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION

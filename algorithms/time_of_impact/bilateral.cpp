@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/time_of_impact/closing.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace continuous;
+
+// Looks along one axis from both ends of the step: with the normal of the gap at t, the time until which the separation
+// along that axis lasts is a root of a function of time, which needs support points only. The axis stands still in the
+// world or on one of the bodies, whichever lasts longest: between a face and a corner it is the face's. Catto takes the
+// latest such time and may jump over a moment in which the bodies' turning closed and opened the gap again. Here a root
+// is taken as far as the bend of the separation proves that nothing lies before it; the rest is left to the next axis.
+template <int D>
+class Bilateral final : public TimeOfImpact<D> {
+ public:
+  struct Params {
+    Spec query{"gjk_epa", {}};
+    Real tolerance = kContactBand;
+    int iterations = 100;
+    void visit(ParamVisitor& v) {
+      v.stage("query", query, StageKind::pairQuery, "gives the gap and its normal");
+      v.real("tolerance", tolerance, 0, Real(0.1), "1", "a gap that counts as contact, against the size of the pair");
+      v.integer("iterations", iterations, 1, 1000000, "axes");
+    }
+  };
+  explicit Bilateral(const Params& params) : m_params(params), m_query(createStage<PairQuery<D>>(params.query)) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "bilateral",
+            .summary = "root of the separation along the gap's normal, as far as its curvature proves it the first",
+            .paper = "catto2013",
+            .complexity = "a few distance queries, some ten support points along each axis"};
+  }
+
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_query->supports(a, b); }
+
+  void cast(std::span<const MovingPair<D>> pairs, Real duration, std::span<TimeOfImpactAnswer<D>> answers,
+            WorkDone& work) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) answers[i] = advance(pairs[i], duration, work);
+  }
+
+ private:
+  // A time and the separation there, less half the band.
+  struct Moment {
+    Real t, gap;
+  };
+
+  TimeOfImpactAnswer<D> advance(const MovingPair<D>& pair, Real duration, WorkDone& work) {
+    const Closing<D> closing(pair);
+    TimeOfImpactAnswer<D> out;
+    PairMemory memory;
+    GapSeen<D> seen;
+    Real next = 0;
+    for (int k = 0; k < m_params.iterations; ++k) {
+      out.t = next;
+      if (!look(*m_query, pair, closing, m_params.tolerance, memory, out, seen, work) || out.t >= duration) return out;
+      const Real speed = closing.closing(seen.n);
+      next = duration;
+      if (!(speed * (duration - out.t) > seen.gap)) continue;
+      next = std::min(duration, out.t + seen.gap / speed);
+      for (const AxisFrame frame : {AxisFrame::world, AxisFrame::bodyA, AxisFrame::bodyB}) {
+        if (next >= duration) break;
+        if (frame != AxisFrame::world && !closing.turns(frame)) continue;
+        next = std::max(next, lastsUntil(closing, frame, seen.n, {out.t, seen.gap}, seen.band, duration, work));
+      }
+    }
+    out.status = QueryStatus::iterationLimit;
+    return out;
+  }
+
+  // A time up to which the shapes are apart for sure along this axis.
+  static Real lastsUntil(const Closing<D>& closing, AxisFrame frame, const Vec<D>& n, const Moment& now, Real band,
+                         Real duration, WorkDone& work) {
+    const auto gapAt = [&](Real t) {
+      work[WorkCount::supportCalls] += 2;
+      return closing.separation(frame, n, now.t, t) - band / 2;
+    };
+    // The chord from gap a to gap b over a time h, less what the bend takes away, stays above 0 if and only if
+    // (sqrt a + sqrt b)^2 >= bend h^2 / 2: for sure as long as h is at most sqrt(2 a / bend). The bend is that of the
+    // time looked at: the second look is at a shorter one.
+    Real end = duration;
+    for (int look = 0; look < 3; ++look) {
+      const Real bend = closing.bend(frame, now.t, end);
+      const Moment last = lastApart(gapAt, now, end, band);
+      const Real root = std::sqrt(now.gap) + std::sqrt(last.gap), h = last.t - now.t;
+      if (root * root >= bend * h * h / 2) return last.t;
+      const Real sure = now.t + kAlmost * std::sqrt(2 * now.gap / bend);
+      end = std::min(last.t, look == 0 ? now.t + 4 * (sure - now.t) : sure);
+    }
+    return now.t;
+  }
+
+  // A root of the gap in (now, end], from its positive side; `end` itself when the gap is positive there.
+  template <class GapAt>
+  static Moment lastApart(const GapAt& gapAt, Moment apart, Real end, Real band) {
+    Moment closed{end, gapAt(end)};
+    if (closed.gap >= 0) return closed;
+    // Regula falsi with halved weights (Illinois) and, for functions with corners, a middle now and then.
+    Real weightApart = apart.gap, weightClosed = closed.gap;
+    for (int k = 0; k < kRootSteps && apart.gap > band / 4; ++k) {
+      const Real share = k % 4 == 3 ? Real(0.5) : weightApart / (weightApart - weightClosed);
+      const Real t = apart.t + share * (closed.t - apart.t), gap = gapAt(t);
+      if (!(t > apart.t && t < closed.t)) break;
+      if (gap >= 0) {
+        apart = {t, gap}, weightApart = gap, weightClosed /= 2;
+      } else {
+        closed = {t, gap}, weightClosed = gap, weightApart /= 2;
+      }
+    }
+    return apart;
+  }
+
+  static constexpr int kRootSteps = 60;
+  static constexpr Real kAlmost =
+      1 - 16 * std::numeric_limits<Real>::epsilon();  // what is sure is so when rounded, too
+
+  Params m_params;
+  std::unique_ptr<PairQuery<D>> m_query;
+};
+
+}  // namespace
+
+LPC_REGISTER(TimeOfImpact, Bilateral, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Zlib
+// The tolerances of times of impact that are not parameters, with unit, meaning and danger.
+#pragma once
+
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION::continuous {
+
+/// Default of the parameter `tolerance`: a gap of this part (1) of the pair's size is contact. Larger: an answer is
+/// early by the time that such a gap takes to close. Smaller: steps end in the rounding of poses and not in contact.
+inline constexpr Real kContactBand = sizeof(Real) == 8 ? Real(1e-10) : Real(1e-5);
+
+}  // namespace lpc::inline LPC_PRECISION::continuous
