@@ -12,7 +12,7 @@
 #include "framework/names.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/tolerances.h"
-#include "oracles/cases.h"
+#include "oracles/case_impact.h"
 #include "oracles/referee.h"
 #include "oracles/verify.h"
 #include "oracles/witness.h"
@@ -307,8 +307,10 @@ void runCase(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, std::
     case CaseQuery::massProperties:
       rows.push_back(runMass<D>(c, g));
       return;
-    case CaseQuery::broadphase:  // only as a finding
     case CaseQuery::timeOfImpact:
+      runImpact<D>(c, g, rows);
+      return;
+    case CaseQuery::broadphase:  // only as a finding
     case CaseQuery::unknown:
       rows.push_back({.id = c.id, .method = "-", .reason = "unsupported_query"});
       return;

@@ -224,6 +224,25 @@ CaseQuery queryFromText(const std::string& text) {
   return CaseQuery::unknown;
 }
 
+// B comes from `start` to `end` in a second, turning evenly, or has a velocity.
+template <int D>
+void readMotion(const Place& at, const Json& c, CaseGeometry<D>& out) {
+  const Json& pose = at.field(c, "poseB");
+  if (!pose.contains("start")) {
+    out.X_WBodyB = readPose<D>(at, pose);
+    out.motionB.v = at.vector<D>(at.field(c, "velocityB"), "velocityB");
+    out.duration = static_cast<Real>(at.number(at.field(c, "tmax"), "tmax"));
+    if (!(out.duration > 0)) at.fail("field 'tmax' holds a number that is not above 0");
+    return;
+  }
+  const Json& end = at.field(pose, "end");
+  out.X_WBodyB = readPose<D>(at, pose.at("start"));
+  out.duration = 1;
+  const Pose<D> last = readPose<D>(at, end);
+  out.motionB.v = last.p - out.X_WBodyB.p;
+  out.motionB.w = turnOf(last.q * out.X_WBodyB.q.inverse());
+}
+
 bool isPair(CaseQuery query) { return query == CaseQuery::signedDistance || query == CaseQuery::contacts; }
 
 template <int D>
@@ -242,6 +261,9 @@ CaseExpected readExpected(const Place& at, const Json& e, CaseQuery query, bool 
     // A finding is judged by the referee, who may have had no value either.
     out.distance = found && distance.is_null() ? kUnknown : at.number(distance, "signed_distance");
     out.tolerance = at.number(e, "tolerance_of_this_value", 0);
+  } else if (query == CaseQuery::timeOfImpact) {
+    const bool misses = e.contains("min_gap_over_sweep") || at.field(e, "toi").is_null();
+    out.impact = misses ? std::numeric_limits<double>::infinity() : at.number(e.at("toi"), "toi");
   } else if (query == CaseQuery::convexHull) {
     out.degenerate = e.contains("degenerate") && e.at("degenerate") == true;
     if (e.contains("hull_vertices")) {
@@ -348,13 +370,16 @@ CaseGeometry<D> readGeometry(const Place& at, const Json& c, CaseQuery query) {
     out.points = at.points<D>(c);
   } else if (query == CaseQuery::broadphase) {
     out.script = readScript<D>(at, c);
-  } else if (isPair(query) || query == CaseQuery::massProperties) {
+  } else if (isPair(query) || query == CaseQuery::timeOfImpact || query == CaseQuery::massProperties) {
     const Pose<D> X_WA = readPose<D>(at, at.field(c, "poseA"));
     out.a = readShape<D>(at, at.field(c, "shapeA"), X_WA);
     if (isPair(query)) {
       const Pose<D> X_WB = readPose<D>(at, at.field(c, "poseB"));
       out.b = readShape<D>(at, at.field(c, "shapeB"), X_WB);
       if (c.contains("poseB_nudged")) out.X_WBNudged = readPose<D>(at, c.at("poseB_nudged"));
+    } else if (query == CaseQuery::timeOfImpact) {
+      readMotion<D>(at, c, out);
+      out.b = readShape<D>(at, at.field(c, "shapeB"), out.X_WBodyB);
     }
   }
   return out;

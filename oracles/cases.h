@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "framework/body.h"
 #include "framework/registry.h"
 #include "framework/shape.h"
 #include "oracles/box_script.h"
@@ -36,6 +37,9 @@ struct CaseGeometry {
   CaseShape<D> a, b;
   std::optional<Pose<D>> X_WBNudged = {};  // of a contacts case of faces at rest
   std::vector<Vec<D>> points;              // of a convex hull case
+  Motion<D> motionB;                       // of a time of impact case; A stands still
+  Pose<D> X_WBodyB;                        // about whose origin B turns
+  Real duration = 0;                       // s
   BoxScript<D> script;                     // of a broadphase case
 
   /// Both shapes as `lpc verify` asks them; neither may be refused.
@@ -61,6 +65,7 @@ struct CaseExpected {
   double distance = 0;        // signed, m; NaN in a case with a finding whose referee had none
   double tolerance = 0;       // how well the file knows `distance` (m)
   double measure = kUnknown;  // area or volume (m^D)
+  double impact = kUnknown;   // s; infinite: they never touch
   bool degenerate = false;    // a hull that may be refused
   std::vector<std::array<double, 3>> hullVertices;
   std::array<double, 3> center{kUnknown, kUnknown, kUnknown};
@@ -113,9 +118,10 @@ AlgorithmRole roleOf(const Case& c, const std::string& method);
 CaseResult askFound(const Case& c, const std::string& method);
 
 /// Every case with every method that takes its query: signed distances with each registered pair query, contacts with
-/// each generator (by the check of verifyContacts), hulls with `convexHull`, mass properties with `massProperties`. The
-/// referee stands in the table, too: where it is `wrong`, it contradicts the file. A case with a finding is asked as it
-/// was found, its own method first; one of the other precision is asked in this one.
+/// each generator (by the check of verifyContacts), times of impact with each method that finds them, hulls with
+/// `convexHull`, mass properties with `massProperties`. The referee stands in the table, too: where it is `wrong`, it
+/// contradicts the file. A case with a finding is asked as it was found, its own method first; one of the other
+/// precision is asked in this one.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
 /// Is it one that must not happen: a competitor that is wrong, fails, or refuses what it declares?
