@@ -33,7 +33,8 @@ NOT_RUN = {
     "./tests/run": "it is what runs this",
     ".ci/install_packages": "installs",
     "cmake --preset release && cmake --build --preset release": "builds for minutes; this build stands for it",
-    "cmake --preset release -DLPC_BUILD_BENCHMARKS=ON && cmake --build --preset release --target lpc-bench": "builds",
+    "cmake --preset release -DLPC_BUILD_BENCHMARKS=ON && cmake --build --preset release --target lpc-bench":
+        "builds; the test `benchmarks_start` runs what the preset `test` builds of the same",
     "taskset -c 1 build/release/bin/lpc-bench --benchmark_filter=broadphase --benchmark_out=bench.json "
     "--benchmark_out_format=json": "measures for minutes",
     "lpc verify --stage pair_query --dimension 3 --methods sat gjk_epa{iterations=20} fcl_libccd --seed 7":
