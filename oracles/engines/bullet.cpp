@@ -114,8 +114,8 @@ class BulletWorld final : public EngineWorld<3> {
         const bool rounded = part.radius > 0 && (part.core() == CoreClass::box || part.core() == CoreClass::curved);
         const bool strange = part.core() == CoreClass::curved && part.kind != ShapeKind::cylinder;
         if (rounded || strange) {
-          throw UserError("bullet: has no shape for this kind: " + std::string(rounded ? "rounded " : "") +
-                          std::string(shapeKindName(part.kind)));
+          const char* article = rounded ? " rounded " : part.kind == ShapeKind::ellipsoid ? "n " : " ";
+          throw UserError(std::string("bullet: no shape is a") + article + std::string(shapeKindName(part.kind)));
         }
       });
     }

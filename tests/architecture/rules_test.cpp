@@ -56,6 +56,7 @@ const std::vector<Allowance> kAllowances = {
     {"algorithms/", {"framework/", "Eigen/", "hwy/"}, {}},  // and kernel headers of the own group
     {"oracles/", {"framework/", "oracles/", "Eigen/"}, {"fcl/", "ccd/", "BulletCollision/", "gmpxx.h", "nlohmann/"}},
     {"oracles/", {}, {"siconos/"}},
+    {"oracles/", {}, {"ode/"}},
     {"oracles/engines/", {}, {"BulletDynamics/", "LinearMath/", "box2d/"}},
     {"oracles/", {}, kPosix},
     {"experiments/", {"framework/", "oracles/", "experiments/", "Eigen/"}, {}},

@@ -80,12 +80,12 @@ TEST(Shape, Names) {
     EXPECT_EQ(shapeKindFromName(shapeKindName(static_cast<ShapeKind>(k))), static_cast<ShapeKind>(k));
   }
   try {
-    shapeKindFromName("cone");
+    shapeKindFromName("prism");
     FAIL();
   } catch (const UserError& e) {
     EXPECT_STREQ(e.what(),
-                 "there is no shape 'cone'; valid: sphere, capsule, segment, box, polytope, cylinder, "
-                 "ellipsoid, plane");
+                 "there is no shape 'prism'; valid: sphere, capsule, segment, box, polytope, cylinder, "
+                 "ellipsoid, plane, cone");
   }
 }
 
