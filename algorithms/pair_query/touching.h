@@ -312,6 +312,7 @@ PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus
   answer.status = status;
   answer.normal = best.n;
   answer.distance = best.bound - pair.radii();
+  if (!std::isfinite(answer.distance)) answer.status = QueryStatus::failed;  // no direction has a number: a NaN came in
   if (need == QueryNeed::witnesses) touching.find(pair, best, answer);
   return answer;
 }

@@ -115,7 +115,7 @@ bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& clos
   out.status = out.there.status;
   if (out.status == QueryStatus::failed || out.status == QueryStatus::refused) return false;
   seen.band = tolerance * closing.size(view);
-  out.hit = out.there.distance <= seen.band;
+  out.hit = std::isfinite(out.there.distance) && out.there.distance <= seen.band;
   if (out.hit) return false;
   seen.gap = out.there.distance - seen.band / 2;  // so that contact is not crossed by rounding
   seen.n = pair.A.bodyAt(out.t).q * (pair.A.X_CS.q * out.there.normal);

@@ -405,6 +405,30 @@ void closeMisses() {
 }
 TEST(TimeOfImpact, CloseMissesAreDecided) { closeMisses<2>(), closeMisses<3>(); }
 
+// What is no number is a status, at once; a motion without time is a look at its start.
+TEST(TimeOfImpact, WhatIsNoMotionFails) {
+  forEach<3>([](const AlgorithmInfo&, TimeOfImpact<3>& method) {
+    const Shape<3> ball = Shape<3>::sphere(1);
+    const auto apart = [&] {
+      MovingPair<3> pair{ball.view(), ball.view(), {}, {}};
+      pair.B.X_WC.p[0] = 3;
+      return pair;
+    };
+    constexpr Real kNan = std::numeric_limits<Real>::quiet_NaN(), kInfinity = std::numeric_limits<Real>::infinity();
+    for (const Real wrong : {kNan, kInfinity}) {
+      MovingPair<3> pair = apart();
+      pair.A.motion.v[1] = wrong;
+      EXPECT_EQ(cast(method, pair).status, QueryStatus::failed) << wrong;
+      pair = apart(), pair.B.motion.w[2] = wrong;
+      EXPECT_FALSE(cast(method, pair).hit) << wrong;
+      pair = apart(), pair.B.X_WC.p[0] = kNan;
+      EXPECT_EQ(cast(method, pair).status, QueryStatus::failed) << wrong;
+    }
+    const TimeOfImpactAnswer<3> still = cast(method, apart(), Real(0));
+    EXPECT_TRUE(still.status == QueryStatus::converged && !still.hit && still.t == 0);
+  });
+}
+
 // A rod that turns by a right angle in a second about its middle reaches with its tip a ball beside it.
 TEST(TimeOfImpact, ATurningRodReachesABall) {
   forEach<2>([](const AlgorithmInfo&, TimeOfImpact<2>& method) {
