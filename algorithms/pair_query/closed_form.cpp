@@ -78,10 +78,10 @@ class ClosedForm final : public PairQuery<D> {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const Vec<D>& p = pairs[i].X_AB.p;
       PairAnswer<D>& out = answers[i];
-      out.status = QueryStatus::converged;
       out.normal = p;
       if (!makeUnit<D>(out.normal)) out.normal = Vec<D>::Unit(0);  // concentric: every direction is right
       out.distance = out.normal.dot(p) - pairs[i].a.radius - pairs[i].b.radius;
+      out.status = std::isfinite(out.distance) ? QueryStatus::converged : QueryStatus::failed;
       out.pA = pairs[i].a.radius * out.normal;
       out.pB = p - pairs[i].b.radius * out.normal;
     }

@@ -55,10 +55,9 @@ class Bilateral final : public TimeOfImpact<D> {
     for (int k = 0; k < m_params.iterations; ++k) {
       out.t = next;
       if (!look(*m_query, pair, closing, m_params.tolerance, memory, out, seen, work) || out.t >= duration) return out;
-      const Real speed = closing.closing(seen.n);
       next = duration;
-      if (!(speed * (duration - out.t) > seen.gap)) continue;
-      next = std::min(duration, out.t + seen.gap / speed);
+      if (!(seen.speed * (duration - out.t) > seen.gap)) continue;
+      next = std::min(duration, out.t + seen.gap / seen.speed);
       for (const AxisFrame frame : {AxisFrame::world, AxisFrame::bodyA, AxisFrame::bodyB}) {
         if (next >= duration) break;
         if (frame != AxisFrame::world && !closing.turns(frame)) continue;

@@ -96,11 +96,13 @@ class Closing {
   Real m_turnA, m_turnB, m_speed;  // rad/s, m/s
 };
 
-/// What a method goes on from: the gap at a time, less half of what counts as contact, and its normal in the world.
+/// What a method goes on from: the gap at a time, less half of what counts as contact, its normal in the world, and how
+/// fast it can close along that.
 template <int D>
 struct GapSeen {
   Real gap, band;  // m
   Vec<D> n;
+  Real speed;  // m/s
 };
 
 /// Asks for the gap at out.t, and writes what that makes of the answer. False when there is no way to go on: contact,
@@ -119,8 +121,9 @@ bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& clos
   if (out.hit) return false;
   seen.gap = out.there.distance - seen.band / 2;  // so that contact is not crossed by rounding
   seen.n = pair.A.bodyAt(out.t).q * (pair.A.X_CS.q * out.there.normal);
+  seen.speed = closing.closing(seen.n);
   const bool directed = std::abs(seen.n.squaredNorm() - 1) < kUnitTolerance * 16;
-  if (!std::isfinite(seen.gap) || !directed || !std::isfinite(closing.closing(seen.n))) {
+  if (!std::isfinite(seen.gap) || !directed || !std::isfinite(seen.speed)) {
     out.status = QueryStatus::failed;
     return false;
   }

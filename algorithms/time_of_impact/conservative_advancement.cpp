@@ -50,8 +50,8 @@ class ConservativeAdvancement final : public TimeOfImpact<D> {
     for (int k = 0; k < m_params.iterations; ++k) {
       out.t = next;
       if (!look(*m_query, pair, closing, m_params.tolerance, memory, out, seen, work) || out.t >= duration) return out;
-      const Real speed = closing.closing(seen.n), step = seen.gap / speed;
-      next = speed > 0 && step < duration - out.t ? std::min(duration, out.t + step) : duration;
+      const Real step = seen.gap / seen.speed;
+      next = seen.speed > 0 && step < duration - out.t ? std::min(duration, out.t + step) : duration;
     }
     out.status = QueryStatus::iterationLimit;
     return out;
