@@ -12,6 +12,7 @@ void Profiler::beginFrame(long step) {
   m_frame.seconds = 0;
   for (Time& t : m_frame.times) t.seconds = 0;  // the names stay: no allocation after the first steps
   m_frame.work = WorkDone{};
+  m_frame.lostTime = 0;
 }
 
 void Profiler::endFrame(double seconds) {

@@ -40,6 +40,7 @@ class Profiler {
     long step = 0;
     double seconds = 0;       // the whole step
     std::vector<Time> times;  // in order of first use
+    double lostTime = 0;      // s, that stopped bodies have lost, summed
     int bodies = 0, awake = 0, pairs = 0, manifolds = 0, points = 0;
     WorkDone work;
   };

@@ -70,21 +70,34 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
 }
 
 template <int D>
-void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
-                     const std::string& who) {
+void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds) {
+  forParts(shape, Pose<D>{},
+           [&](const ShapeView<D>& v, const auto&) { kinds[static_cast<std::size_t>(v.kind)] = true; });
+}
+
+void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
+                  const std::string& who) {
   for (std::size_t i = 0; i < kShapeKinds; ++i) {
     for (std::size_t k = i; k < kShapeKinds; ++k) {
       const auto a = static_cast<ShapeKind>(i), b = static_cast<ShapeKind>(k);
       const bool planes = coreClass(a) == CoreClass::plane && coreClass(b) == CoreClass::plane;
-      if (!kinds[i] || !kinds[k] || planes || contacts.supports(a, b)) continue;
+      if (!kinds[i] || !kinds[k] || planes || supports(a, b)) continue;
       throw UserError(who + " does not support " + std::string(shapeKindName(a)) + " against " +
                       std::string(shapeKindName(b)));
     }
   }
 }
 
+template <int D>
+void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
+                     const std::string& who) {
+  requirePairs([&](ShapeKind a, ShapeKind b) { return contacts.supports(a, b); }, kinds, who);
+}
+
 template class ChildPairs<2>;
 template class ChildPairs<3>;
+template void markKinds(const Shape<2>&, std::array<bool, kShapeKinds>&);
+template void markKinds(const Shape<3>&, std::array<bool, kShapeKinds>&);
 template void requireContacts(const ContactGenerator<2>&, const std::array<bool, kShapeKinds>&, const std::string&);
 template void requireContacts(const ContactGenerator<3>&, const std::array<bool, kShapeKinds>&, const std::string&);
 template PairAnswer<2> queryPair(PairQuery<2>&, const ShapeView<2>&, const ShapeView<2>&, const Pose<2>&, QueryNeed);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -141,7 +142,13 @@ Manifold<D> startManifold(const ContactInput<D>& in, const ConvexPair<D>& pair) 
 template <int D>
 class ContactGenerator;
 
-/// Throws UserError, "who does not support ...", unless every two of these kinds have contacts. Two planes never meet.
+/// Marks the kinds of a shape's convex parts.
+template <int D>
+void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds);
+
+/// Throws UserError, "who does not support ...", unless every two of these kinds are supported. Two planes never meet.
+void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,
+                  const std::string& who);
 template <int D>
 void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool, kShapeKinds>& kinds,
                      const std::string& who);

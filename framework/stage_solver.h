@@ -25,6 +25,7 @@ struct Features {
   bool cache = true;  // off: contacts are forgotten from step to step
   bool joints = true;
   bool sleeping = true;
+  bool continuous = true;  // off: nobody looks at what lies between the poses of two steps
   bool operator==(const Features&) const = default;
 };
 

@@ -24,13 +24,15 @@ enum class WorkCount {
   graphVisits,    // bodies, manifolds and joints looked at by the contact graph
   impactLimits,   // phases of impacts, and pairs, that ended at their limit
   fallbacks,      // rows that a direct method left to Gauss-Seidel
+  sweptPairs,     // pairs of convex parts that may meet on their way through a step, of which one is fast
+  stops,          // bodies that were stopped on their way
   kCount
 };
 
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(WorkCount::kCount)> kCountNames = {
-    "box_tests",     "node_visits",  "sort_moves",     "part_tests",    "pair_queries",
-    "support_calls", "axis_tests",   "polytope_faces", "row_updates",   "force_evals",
-    "detections",    "event_visits", "graph_visits",   "impact_limits", "fallbacks"};
+    "box_tests",    "node_visits",    "sort_moves",  "part_tests",  "pair_queries", "support_calls",
+    "axis_tests",   "polytope_faces", "row_updates", "force_evals", "detections",   "event_visits",
+    "graph_visits", "impact_limits",  "fallbacks",   "swept_pairs", "stops"};
 
 struct WorkDone {
   std::array<std::uint64_t, static_cast<std::size_t>(WorkCount::kCount)> counts{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <iosfwd>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "framework/box_index.h"
 #include "framework/contact_graph.h"
 #include "framework/contact_order.h"
+#include "framework/fast_parts.h"
 #include "framework/simulation.h"
 #include "framework/slots.h"
 #include "framework/spec.h"
@@ -160,10 +162,21 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   template <class Meets>
   std::vector<BodyRayHit<D>> rayHits(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
                                      const Meets& meets) const;
-  void findPairs();
+  void lookAhead(Real dt);
+  void stopAtMeetings(Real dt);
+  std::span<const typename FastParts<D>::Pair> fastPairs(const Ways<D>& ways);
+  void findPairs(Real dt);
+  bool looks(Lookout when) const {
+    return m_settings.features.continuous && stage<ContinuousCollision>().lookout() == when;
+  }
+  bool unpaired(std::int32_t a, std::int32_t b) const {  // a < b
+    return std::binary_search(m_unpaired.begin(), m_unpaired.end(), std::pair(a, b));
+  }
   void makeContacts();
+  Real marginOf(const ShapePair& pair) const;
+  void generate(std::span<const ShapePair> pairs, Real margin);
   std::span<PairMemory> recall(std::span<const ConvexPair<D>> children);
-  void remember(std::span<const ConvexPair<D>> children);
+  void remember();
   void tellListeners();
   void decideSleep(Real dt);
   void refreshMasses();
@@ -210,6 +223,16 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   ContactGraph<D> m_graph;
   std::vector<ProxyPair> m_proxyPairs;
   std::vector<ShapePair> m_pairs, m_regenerate;
+  struct Ahead {  // two shapes that may meet in this step, body of the first < body of the second
+    ShapePair shapes;
+    Real margin;  // m: contacts are made for separations up to this
+  };
+  std::vector<Ahead> m_ahead;       // sorted by their slots
+  std::vector<PairRecord> m_asked;  // pairs of children that the generator was asked for
+  std::vector<Pose<D>> m_start;     // of the step, X_WC by body slot
+  std::vector<Motion<D>> m_ways;    // of the step just solved, by body slot
+  std::vector<Real> m_stop;         // s after the start
+  FastParts<D> m_fast;
   ChildPairs<D> m_children;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted
   std::vector<int> m_active;

@@ -62,8 +62,7 @@ Handle World<D>::add(const BodyDef<D>& def) {
     if (s.shape.isPlane() && def.type != BodyType::fixed) {
       throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
     }
-    forParts(s.shape, Pose<D>{},
-             [&](const ShapeView<D>& v, const auto&) { kinds[static_cast<std::size_t>(v.kind)] = true; });
+    markKinds(s.shape, kinds);
   }
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
     throw UserError(who + ": a dynamic body needs mass; give it a shape with density > 0, or make it fixed");
@@ -80,6 +79,9 @@ Handle World<D>::add(const BodyDef<D>& def) {
   }
   for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || m_kindCount[k] > 0;
   requireContacts(stage<ContactGenerator>(), kinds, who + ": contacts=" + m_pipeline[StageKind::contacts].name);
+  if (m_settings.features.continuous) {
+    requireCasts(stage<ContinuousCollision>(), kinds, who + ": continuous=" + m_pipeline[StageKind::continuous].name);
+  }
 
   const std::size_t i = freeBodySlot();
   auto& b = m_bodies;
@@ -109,6 +111,7 @@ void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t 
   const std::size_t i = m_shapeSlots.take(m_visits);
   if (i == m_shapes.size()) m_shapes.emplace_back();
   countKinds(def.shape, 1);
+  m_fast.forget(i);
   const Vec<D>& center = m_bodies.center[static_cast<std::size_t>(body)];
   m_shapes[i] = {def.shape,    {def.X_BS.p - center, def.X_BS.q},
                  body,         index,

@@ -44,7 +44,7 @@ Real approachSpeed(std::span<const Manifold<D>> pair, const Bodies<D>& bodies) {
 }  // namespace
 
 template <int D>
-void World<D>::findPairs() {
+void World<D>::findPairs(Real dt) {
   {
     Profiler::Scope scope(m_profiler, "broadphase");
     m_proxyPairs.clear();
@@ -63,10 +63,12 @@ void World<D>::findPairs() {
       if (a > b) std::swap(a, b), std::swap(pair.a, pair.b);
       const bool moves = m_bodies.type[static_cast<std::size_t>(a)] == BodyType::dynamic ||
                          m_bodies.type[static_cast<std::size_t>(b)] == BodyType::dynamic;
-      if (!moves || std::binary_search(m_unpaired.begin(), m_unpaired.end(), std::pair(a, b))) continue;
+      if (!moves || unpaired(a, b)) continue;
       m_pairs.push_back(pair);
     }
   }
+  lookAhead(dt);
+  for (const Ahead& p : m_ahead) m_pairs.push_back(p.shapes);  // the broadphase has found those that are near
   // Not for the outcome, which the order of manifolds decides: generators make most of those in the order of the pairs,
   // and moving pairs is cheap.
   Profiler::Scope scope(m_profiler, "cache");
@@ -75,6 +77,7 @@ void World<D>::findPairs() {
         {m_shapes[static_cast<std::size_t>(p.a)].body, p.a, m_shapes[static_cast<std::size_t>(p.b)].body, p.b, 0, 0});
   }
   m_order.apply(std::span(m_pairs));
+  if (!m_ahead.empty()) m_pairs.erase(std::unique(m_pairs.begin(), m_pairs.end()), m_pairs.end());
 }
 
 namespace {
@@ -92,6 +95,12 @@ PairRecord recordOf(const ConvexPair<D>& pair, std::span<const ShapeRecord<D>> s
 }
 
 }  // namespace
+
+template <int D>
+Real World<D>::marginOf(const ShapePair& pair) const {
+  const auto at = std::partition_point(m_ahead.begin(), m_ahead.end(), [&](const Ahead& p) { return p.shapes < pair; });
+  return at != m_ahead.end() && at->shapes == pair ? at->margin : m_settings.margin;
+}
 
 // What was remembered of each pair, nothing of a new one. Both lists are in the order of their keys.
 template <int D>
@@ -111,7 +120,7 @@ std::span<PairMemory> World<D>::recall(std::span<const ConvexPair<D>> children) 
 // After the generator has written its memory. A pair that nobody was asked about keeps its record: it rests, or the
 // cache keeps its contacts. All others are forgotten.
 template <int D>
-void World<D>::remember(std::span<const ConvexPair<D>> children) {
+void World<D>::remember() {
   std::swap(m_records, m_oldRecords);
   m_records.clear();
   if (!m_settings.features.cache || !stage<ContactGenerator>().remembers()) return;
@@ -132,9 +141,7 @@ void World<D>::remember(std::span<const ConvexPair<D>> children) {
       if (resting(r) || (among(m_pairs, r) && !among(m_regenerate, r))) m_records.push_back(r);
     }
   };
-  for (std::size_t i = 0; i < children.size(); ++i) {
-    PairRecord r = recordOf<D>(children[i], m_shapes);
-    r.memory = m_memory[i];
+  for (const PairRecord& r : m_asked) {
     keepUpTo([&](const PairRecord& old) { return old.key() >= r.key(); });
     if (o < m_oldRecords.size() && m_oldRecords[o].key() == r.key()) ++o;
     m_records.push_back(r);
@@ -143,10 +150,23 @@ void World<D>::remember(std::span<const ConvexPair<D>> children) {
 }
 
 template <int D>
+void World<D>::generate(std::span<const ShapePair> pairs, Real margin) {
+  WorkDone& work = m_profiler.frame().work;
+  const auto children = m_children.of(pairs, m_shapes, m_bodies.pose, margin, work);
+  const std::span<PairMemory> memory = recall(children);
+  stage<ContactGenerator>().generate(
+      {children, m_shapes, m_bodies.pose, margin, m_settings.features.friction, m_settings.mixing, memory}, m_manifolds,
+      work);
+  for (std::size_t i = 0; i < memory.size(); ++i) {
+    m_asked.push_back(recordOf<D>(children[i], m_shapes));
+    m_asked.back().memory = memory[i];
+  }
+}
+
+template <int D>
 void World<D>::makeContacts() {
   std::swap(m_manifolds, m_oldManifolds);
   m_manifolds.clear();
-  WorkDone& work = m_profiler.frame().work;
   const CacheInput<D> cacheInput{m_pairs, m_oldManifolds, m_shapes, m_bodies.pose, m_settings.margin};
   {
     Profiler::Scope scope(m_profiler, "cache");
@@ -158,11 +178,15 @@ void World<D>::makeContacts() {
   }
   {
     Profiler::Scope scope(m_profiler, "contacts");
-    const auto children = m_children.of(m_regenerate, m_shapes, m_bodies.pose, m_settings.margin, work);
-    stage<ContactGenerator>().generate({children, m_shapes, m_bodies.pose, m_settings.margin,
-                                        m_settings.features.friction, m_settings.mixing, recall(children)},
-                                       m_manifolds, work);
-    remember(children);
+    m_asked.clear();
+    for (std::span<const ShapePair> rest = m_regenerate; !rest.empty();) {  // most have the same margin
+      const Real margin = marginOf(rest[0]);
+      std::size_t n = 1;
+      while (n < rest.size() && (m_ahead.empty() || marginOf(rest[n]) == margin)) ++n;
+      generate(rest.first(n), margin);
+      rest = rest.subspan(n);
+    }
+    remember();
     for (Manifold<D>& m : m_manifolds) {
       const Pose<D>& X_WA = m_bodies.pose[static_cast<std::size_t>(m.bodyA)];
       m.X_AB = poseBetween(X_WA, m_bodies.pose[static_cast<std::size_t>(m.bodyB)]);
@@ -246,10 +270,12 @@ void World<D>::again() {
 
 // The members of this file; the class as a whole is instantiated in world.cpp.
 #define LPC_INSTANTIATE(D)                                                         \
-  template void World<D>::findPairs();                                             \
+  template void World<D>::findPairs(Real);                                         \
   template void World<D>::makeContacts();                                          \
   template std::span<PairMemory> World<D>::recall(std::span<const ConvexPair<D>>); \
-  template void World<D>::remember(std::span<const ConvexPair<D>>);                \
+  template void World<D>::remember();                                              \
+  template Real World<D>::marginOf(const ShapePair&) const;                        \
+  template void World<D>::generate(std::span<const ShapePair>, Real);              \
   template void World<D>::tellListeners();                                         \
   template void World<D>::collectActive();                                         \
   template void World<D>::again()

@@ -17,7 +17,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD6";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD7";  // a change of the format is a new number
 
 /// Before the world itself, so that what was damaged is told before it is read.
 struct Header {
@@ -128,7 +128,9 @@ void fields(Archive& a, Bodies<D>& b) {
   a(b.pose, b.motion, b.mass, b.invInertiaBody, b.center, b.type, b.used, b.awake, b.canSleep, b.pinned, b.sleep,
     b.solver, b.generation, b.userData);
 }
-void fields(Archive& a, Features& f) { a(f.friction, f.rotation, f.restitution, f.cache, f.joints, f.sleeping); }
+void fields(Archive& a, Features& f) {
+  a(f.friction, f.rotation, f.restitution, f.cache, f.joints, f.sleeping, f.continuous);
+}
 
 void fields(Archive& a, Polytope<2>& p) { a(p.vertices, p.normals); }
 void fields(Archive& a, Polytope<3>::Face& f) { a(f.normal, f.offset, f.begin, f.end); }
@@ -259,6 +261,11 @@ void World<D>::load(std::istream& in) {
     throw UserError("load: the saved world is damaged (" + std::string(what) + ")");
   }
   requireSound<D>(s, stage<ContactGenerator>());
+  if (s.settings.features.continuous) {
+    std::array<bool, kShapeKinds> kinds{};
+    for (const ShapeRecord<D>& shape : s.shapes) markKinds(shape.shape, kinds);
+    requireCasts(stage<ContinuousCollision>(), kinds, "load: this world's continuous collision");
+  }
   const std::size_t n = s.bodies.pose.size();
   s.bodies.invMass.assign(n, 0);  // refreshed before each solve
   s.bodies.invInertia.assign(n, Inertia<D>::Zero());

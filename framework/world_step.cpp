@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// One step of a world: boxes, pairs, cache.select, contacts, cache.carry, listeners, sleep, solver.
+// One step of a world: boxes, pairs, cache.select, contacts, cache.carry, listeners, sleep, solver, continuous.
 #define XXH_INLINE_ALL  // one hash needs no library at link time
 #include <xxhash.h>
 
@@ -63,7 +63,7 @@ void World<D>::step(Real dt) {
     Profiler::Scope scope(m_profiler, "boxes");
     sync();
   }
-  findPairs();
+  findPairs(dt);
   makeContacts();
   {
     Profiler::Scope scope(m_profiler, "listeners");
@@ -78,12 +78,14 @@ void World<D>::step(Real dt) {
   {
     Profiler::Scope scope(m_profiler, "solver");
     refreshMasses();
+    if (looks(Lookout::after)) m_start = m_bodies.pose;
     collectActive();
     stage<Solver>().step({dt, m_lastDt, m_time, m_bodies, m_manifolds, m_active, m_joints, *this, *this,
                           m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler,
                           m_graph, m_watcher});
   }
   if (m_settings.features.joints) finishJoints(dt);
+  stopAtMeetings(dt);
   m_boxes.outdate();
   std::fill(m_userForces.begin(), m_userForces.end(), Wrench<D>{});
   m_time += dt, m_lastDt = dt;

@@ -10,10 +10,11 @@ struct FeatureName {
   const char* name;
   bool Features::*flag;
 };
-constexpr FeatureName kFeatures[] = {{"cache", &Features::cache},       {"friction", &Features::friction},
-                                     {"joints", &Features::joints},     {"restitution", &Features::restitution},
-                                     {"rotation", &Features::rotation}, {"sleeping", &Features::sleeping}};
-constexpr Features kNothing{false, false, false, false, false, false};
+constexpr FeatureName kFeatures[] = {
+    {"cache", &Features::cache},      {"continuous", &Features::continuous},   {"friction", &Features::friction},
+    {"joints", &Features::joints},    {"restitution", &Features::restitution}, {"rotation", &Features::rotation},
+    {"sleeping", &Features::sleeping}};
+constexpr Features kNothing{false, false, false, false, false, false, false};
 
 }  // namespace
 

@@ -34,10 +34,12 @@ struct WorldSeen {
   double supportsChanged = 0;  // NaN: not told
   double fellThrough = 0;
   double tunnelled = 0;  // NaN: not looked at
+  double ghostHits = 0;  // NaN: not looked at, or not told
   double height = 0;     // m, of the highest body
   double weight = 0;     // kg, of all dynamic bodies
   // Over all steps:
   double energyMax = 0;               // J
+  double lostTime = 0;                // s, summed over bodies; NaN: not told
   double deepest = 0, meanDepth = 0;  // m, on poses; the mean of the last time it was asked
   std::map<std::string, std::vector<double>> series;
 

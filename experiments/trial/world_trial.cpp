@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "experiments/trial/ghost_hits.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/trial.h"
@@ -104,7 +105,7 @@ class WorldTrial {
     long step = 0;
     for (; step < m_scene.steps && m_out.outcome == "ok"; ++step) {
       if (step > 0) m_director.advance(m_world);
-      if (!m_again) m_tunnelling.place(m_world);
+      if (!m_again) m_tunnelling.place(m_world), m_ghosts.before(m_world);
       const double before = cpuSeconds();
       m_world.step(m_scene.dt);
       const double seconds = cpuSeconds() - before;
@@ -188,7 +189,8 @@ class WorldTrial {
     m_seen.slid = m_scene.slope ? moved(m_scene.slope->body) : kNan;
     const double energy = m_seen.now.kinetic + m_seen.now.potential;
     m_seen.energyMax = worse(m_seen.energyMax, energy);
-    if (!m_again) m_tunnelling.observe(m_world);
+    if (!m_again) m_tunnelling.observe(m_world), m_ghosts.observe(m_world, double(m_scene.dt));
+    m_seen.lostTime += m_seen.frame.lostTime;
     m_seen.depth = kNan;
     if (!m_again && m_seen.now.finite && ((step + 1) % kPenetrationEvery == 0 || step + 1 == m_scene.steps)) {
       const auto depths = m_penetration.of(m_world);
@@ -275,6 +277,8 @@ class WorldTrial {
     m_seen.fellThrough = fellThrough();
     m_tunnelling.finish(m_world);
     m_seen.tunnelled = m_again ? kNan : m_tunnelling.count();
+    m_seen.ghostHits = m_again ? kNan : m_ghosts.count();
+    if (m_engine) m_seen.lostTime = kNan;
     if (const double limit = m_scene.limits.creep;
         limit > 0 && m_out.outcome == "ok" && m_seen.settling.creep() > limit) {
       char why[160];
@@ -311,6 +315,7 @@ class WorldTrial {
   Simulation<D>& m_world;
   PosePenetration<D> m_penetration;
   Tunnelling<D> m_tunnelling;
+  GhostHits<D> m_ghosts;
   Residual<D> m_residual;
   std::unique_ptr<OutputFile> m_recording, m_profile;
   TrialResult m_out;

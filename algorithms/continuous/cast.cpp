@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+#include <memory>
+
+#include "algorithms/time_of_impact/tolerances.h"
+#include "framework/stage_continuous.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace continuous;
+
+// The whole shapes are cast on their ways, turning. A meeting counts where the two would go on to be deeper in each
+// other than contacts are used to: who slides, rolls or grazes, also over the seam to another floor, goes on. No depth
+// grows faster than points move, so that the time of that depth is found as that of an impact. Who touches at the start
+// is stopped at that depth, and not before.
+template <int D>
+class Cast final : public ContinuousCollision<D> {
+ public:
+  struct Params {
+    Spec method{"conservative_advancement", {}}, query{"gjk_epa", {}};
+    Real threshold = Real(0.5), depth = 2 * kLinearSlop;
+    int iterations = 1000;
+    void visit(ParamVisitor& v) {
+      v.stage("method", method, StageKind::timeOfImpact, "finds the time");
+      v.real("threshold", threshold, 0, 1000, "1",
+             "share of its inner ball that a part may go unseen in a step, and into another");
+      v.real("depth", depth, 0, 1000, "m", "that a part may go into another, where its inner ball is not the limit");
+      v.stage("query", query, StageKind::pairQuery, "tells how deep they are");
+      v.integer("iterations", iterations, 1, 1000000, "steps until they are too deep");
+    }
+  };
+  explicit Cast(const Params& params)
+      : m_params(params),
+        m_method(createStage<TimeOfImpact<D>>(params.method)),
+        m_query(createStage<PairQuery<D>>(params.query)) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "cast",
+            .summary = "fast bodies are stopped at their first time of impact",
+            .paper = "mirtich1996",
+            .complexity = "fast parts, a query of boxes each; a time of impact for each pair"};
+  }
+
+  Lookout lookout() const override { return Lookout::after; }
+  Real threshold() const override { return m_params.threshold; }
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_method->supports(a, b) && m_query->supports(a, b); }
+
+  void meetings(std::span<const FastPair<D>> pairs, Real duration, std::span<Real> t, WorkDone& work) override {
+    for (std::size_t i = 0; i < pairs.size(); ++i) t[i] = meeting(pairs[i], duration, work);
+  }
+
+ private:
+  static constexpr Real kNever = std::numeric_limits<Real>::infinity();
+
+  Real meeting(const FastPair<D>& p, Real duration, WorkDone& work) {
+    TimeOfImpactAnswer<D> found;
+    m_method->cast({&p.pair, 1}, duration, {&found, 1}, work);
+    if (!(found.t < duration)) return kNever;
+    const Real deep = tooDeep(p, found.t, duration, work);
+    return found.t > 0 && deep < duration ? found.t : deep;
+  }
+
+  // From time t on: when the depth reaches what is allowed, or, where it is that deep already, half of what is left to
+  // the inner ball's centre.
+  Real tooDeep(const FastPair<D>& p, Real t, Real duration, WorkDone& work) {
+    const Real inner = std::min(p.fastA ? p.a.inner : kNever, p.fastB ? p.b.inner : kNever);
+    const Real speed = fastest(p);
+    Real allowed = std::min(m_params.depth, m_params.threshold * inner);
+    for (int k = 0; k < m_params.iterations; ++k) {
+      const PairView<D> view = p.pair.at(t);
+      PairAnswer<D> answer;
+      m_query->query({&view, 1}, QueryNeed::distance, {&answer, 1}, {}, work);
+      if (k == 0 && -answer.distance >= allowed) allowed = (inner - answer.distance) / 2;
+      const Real left = allowed + answer.distance;  // m
+      if (k == 0 && !(left > 0 && allowed < inner))
+        return kNever;  // its centre is in the other: who knows on which side
+      if (!(left > kAlmostThere * allowed)) return t;
+      t += left / speed;
+      if (!(t < duration)) return kNever;
+    }
+    return t;
+  }
+
+  // No two points of the shapes come nearer to each other at a higher speed (m/s).
+  static Real fastest(const FastPair<D>& p) {
+    const auto turning = [](const ShapeView<D>& view, const Girth<D>& girth, const ShapeMotion<D>& m) {
+      const Real w = m.motion.w.norm();
+      return w > 0 ? w * (m.X_CS.p.norm() + girth.outer - view.radius) : Real(0);
+    };
+    return (p.pair.A.motion.v - p.pair.B.motion.v).norm() + turning(p.pair.a, p.a, p.pair.A) +
+           turning(p.pair.b, p.b, p.pair.B);
+  }
+
+  Params m_params;
+  std::unique_ptr<TimeOfImpact<D>> m_method;
+  std::unique_ptr<PairQuery<D>> m_query;
+};
+
+}  // namespace
+
+LPC_REGISTER(ContinuousCollision, Cast, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/stage_continuous.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Nobody looks between two steps: what a method of continuous collision is compared with.
+template <int D>
+class None final : public ContinuousCollision<D> {
+ public:
+  using Params = NoParams;
+  explicit None(const Params&) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "none",
+            .summary = "bodies meet at the ends of steps only",
+            .paper = "",
+            .complexity = "nothing",
+            .failures = {{"a ball that goes farther in a step than it and its obstacle are thick", "it passes through",
+                          "Continuous.BallIsStopped"},
+                         {"bullets of other shapes", "they pass through", "Continuous.BulletIsStopped"},
+                         {"a wall's end in the way of half a box", "it passes through", "Continuous.EdgeIsMet"},
+                         {"a turning rod at a post", "it passes through", "Continuous.SpinningRodIsStopped"},
+                         {"two bullets head on", "they pass through each other", "Continuous.FastOnesMeet"},
+                         {"a body that is hit and flies off", "it passes through", "Continuous.SentOnItsWayIsStopped"},
+                         {"several bullets in a row", "they pass through", "Continuous.QueueIsStopped"}}};
+  }
+
+  Lookout lookout() const override { return Lookout::never; }
+};
+
+}  // namespace
+
+LPC_REGISTER(ContinuousCollision, None, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/stage_continuous.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Contacts that are still open: the solver lets their gaps close in this step, and no farther. A body that would pass
+// by sees the plane of a face that it would never have touched, and is turned away by it: a ghost. And what the solver
+// itself sends on its way within the step, nobody has looked ahead for.
+template <int D>
+class Speculative final : public ContinuousCollision<D> {
+ public:
+  struct Params {
+    Real threshold = Real(0.5);
+    void visit(ParamVisitor& v) {
+      v.real("threshold", threshold, 0, 1000, "1",
+             "a part is fast that may go farther than this share of its inner ball");
+    }
+  };
+  explicit Speculative(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {
+        .name = "speculative",
+        .summary = "contacts with all that fast bodies would reach in the step",
+        .paper = "catto2013",
+        .complexity = "fast parts, a query of boxes each; contacts of those pairs",
+        .failures = {
+            {"a body that passes by an edge", "it bounces off the plane of a face beside it", "Continuous.PassesBy"},
+            {"a floor of tiles", "the side of the next tile stops who slides", "Continuous.SlidesOverSeams"},
+            {"a body that is hit and flies off within the step", "it passes through",
+             "Continuous.SentOnItsWayIsStopped"},
+            {"a long body that turns about where it has hit", "it passes through by its ends",
+             "Continuous.BulletIsStopped"},
+            {"several bullets in a row", "who is hit from behind passes through", "Continuous.QueueIsStopped"}}};
+  }
+
+  Lookout lookout() const override { return Lookout::before; }
+  Real threshold() const override { return m_params.threshold; }
+
+ private:
+  Params m_params;
+};
+
+}  // namespace
+
+LPC_REGISTER(ContinuousCollision, Speculative, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "framework/simulation.h"
+#include "framework/stage_time_of_impact.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Impulses between shapes that would not have met: the contact's points were farther apart than the world's margin
+/// when they pushed, and the two shapes, moved through the step from where they were by the speeds that they had, with
+/// what gravity adds, miss each other. One for each pair of convex parts and step.
+template <int D>
+class GhostHits {
+ public:
+  GhostHits();
+  void before(const Simulation<D>& world);              // before each step, after what a script did
+  void observe(const Simulation<D>& world, double dt);  // after each step; an engine that tells no contacts: none
+  double count() const { return m_told ? m_count : std::numeric_limits<double>::quiet_NaN(); }
+
+ private:
+  bool misses(const Simulation<D>& world, const Manifold<D>& m, Real dt);
+
+  std::unique_ptr<TimeOfImpact<D>> m_cast;
+  std::vector<Pose<D>> m_pose;      // X_WC by body slot
+  std::vector<Motion<D>> m_motion;  // of the centres of mass
+  double m_count = 0;
+  bool m_told = true;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

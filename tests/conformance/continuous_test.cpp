@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: Zlib
+// Every registered method of continuous collision, in worlds where bodies go far in a step. What a method says in
+// info().failures that it fails, it must be seen to fail.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/expect_caught.h"
+#include "tests/planted_bugs/continuous_twins.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test::continuous_test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+
+template <int D>
+WorldSettings<D> weightless() {
+  WorldSettings<D> settings;
+  settings.gravity = Vec<D>::Zero();
+  return settings;
+}
+
+template <int D>
+struct Range {
+  World<D> world;
+  double lost = 0;  // s, that bodies were stopped for
+
+  explicit Range(const std::string& method, const WorldSettings<D>& settings = weightless<D>())
+      : world(Pipeline::parse("continuous=" + method), settings) {}
+
+  Handle add(const Shape<D>& shape, const Vec<D>& place, const Vec<D>& velocity, double turn = 0, double spin = 0) {
+    BodyDef<D> def = body<D>(shape, place);
+    def.velocity = velocity;
+    def.angularVelocity[kAngDim<D> - 1] = static_cast<Real>(spin);
+    Ang<D> angle = Ang<D>::Zero();
+    angle[kAngDim<D> - 1] = static_cast<Real>(turn);
+    def.X_WB.q = integrateRotation({}, angle);
+    return world.add(def);
+  }
+  // Half as thick, as high as that in the other directions.
+  Handle wall(const Vec<D>& place, double half, double high = 4) {
+    Vec<D> size = Vec<D>::Constant(static_cast<Real>(high));
+    size[0] = static_cast<Real>(half);
+    return world.add(body<D>(Shape<D>::box(size), place, BodyType::fixed));
+  }
+  void steps(int n) {
+    for (int i = 0; i < n; ++i) world.step(kDt), lost += world.profiler().frame().lostTime;
+  }
+  double x(Handle h) const { return double(world.pose(h).p[0]); }
+};
+
+// The shapes that are shot: a ball, a box on its edge, a lying capsule, and two balls on one bar.
+template <int D>
+std::vector<Shape<D>> bullets() {
+  const Shape<D> ball = Shape<D>::sphere(Real(0.1));
+  Pose<D> left, right;
+  left.p[0] = Real(-0.2), right.p[0] = Real(0.2);
+  const std::vector<ShapePart<D>> dumbbell = {{ball, left}, {ball, right}};
+  return {ball, Shape<D>::box(Vec<D>::Constant(Real(0.1))), Shape<D>::capsule(Real(0.3), Real(0.05)),
+          Shape<D>::compound(dumbbell)};
+}
+
+// --- what every method owes; each returns whether it holds, so that wrong twins can be seen to fail ------------------
+
+// From any place before a wall of any thickness, nobody comes out behind it, also when it turns about where it has hit.
+template <int D>
+bool areStopped(const std::string& method, const std::vector<Shape<D>>& shot) {
+  for (const Shape<D>& bullet : shot) {
+    for (const double half : {0.0005, 0.02}) {
+      for (int phase = 0; phase < 8; ++phase) {
+        Range<D> w(method);
+        w.wall(Vec<D>::Zero(), half);
+        const Handle h = w.add(bullet, at<D>(-9 - 0.83 * phase, 0.3), at<D>(400, 3), 0.7);
+        w.steps(8);
+        if (!(w.x(h) < 0)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+template <int D>
+bool ballIsStopped(const std::string& method) {
+  return areStopped<D>(method, {Shape<D>::sphere(Real(0.1))});
+}
+template <int D>
+bool bulletIsStopped(const std::string& method) {
+  return areStopped<D>(method, bullets<D>());
+}
+
+// The centre passes over the end of a wall that the body hits with its lowest tenth.
+template <int D>
+bool edgeIsMet(const std::string& method) {
+  Range<D> w(method);
+  w.wall(at<D>(0, -2), 0.01, 2);
+  Vec<D> half = Vec<D>::Constant(Real(0.5));
+  half[1] = 1;
+  const Handle h = w.add(Shape<D>::box(half), at<D>(-8.1, 0.9), at<D>(300, 0));
+  w.steps(4);
+  return (w.world.motion(h).v - at<D>(300, 0)).norm() > 1;
+}
+
+// A rod's end goes 0.6 m a step, past a post of 2 cm. Its centre stands still.
+template <int D>
+bool spinningRodIsStopped(const std::string& method) {
+  Range<D> w(method);
+  Vec<D> half = Vec<D>::Constant(Real(0.02));
+  half[0] = 2;
+  BodyDef<D> rod = body<D>(Shape<D>::box(half), Vec<D>(Vec<D>::Zero()));
+  rod.angularVelocity[kAngDim<D> - 1] = 18, rod.pinned = true;
+  const Handle h = w.world.add(rod);
+  // 0.94 rad on, between the third step's start and its end.
+  w.world.add(
+      body<D>(Shape<D>::sphere(Real(0.02)), at<D>(1.5 * std::cos(0.78), 1.5 * std::sin(0.78)), BodyType::fixed));
+  for (int i = 0; i < 8; ++i) {
+    w.steps(1);
+    const Vec<D> along = w.world.pose(h).q * Vec<D>::Unit(0);
+    if (std::atan2(double(along[1]), double(along[0])) > 0.79) return false;
+  }
+  return true;
+}
+
+// Two bullets head on, and a fast one after a slower one.
+template <int D>
+bool fastOnesMeet(const std::string& method) {
+  for (const double speed : {-300.0, 40.0}) {
+    for (int phase = 0; phase < 6; ++phase) {
+      Range<D> w(method);
+      const Shape<D> ball = Shape<D>::sphere(Real(0.1));
+      w.add(ball, at<D>(-2.2 - 0.7 * phase, 0), at<D>(310, 0));
+      const Handle b = w.add(ball, at<D>(2, 0.02), at<D>(speed, 0));
+      w.steps(6);
+      if (!((w.world.motion(b).v - at<D>(speed, 0)).norm() > 1)) return false;
+    }
+  }
+  return true;
+}
+
+// A heavy ball hits a light one, which flies off within the step, towards a wall.
+template <int D>
+bool sentOnItsWayIsStopped(const std::string& method) {
+  Range<D> w(method);
+  w.wall(at<D>(1, 0), 0.005);
+  BodyDef<D> heavy = body<D>(Shape<D>::sphere(Real(0.2)), at<D>(-0.205, 0));
+  heavy.shapes[0].density = 1000, heavy.velocity = at<D>(200, 0);
+  BodyDef<D> light = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(0.1, 0));
+  heavy.shapes[0].restitution = light.shapes[0].restitution = 1;
+  w.world.add(heavy);
+  const Handle h = w.world.add(light);
+  w.steps(1);
+  return w.x(h) < 1 && w.x(h) > 0.5;
+}
+
+// A ball that goes by a corner, 6 cm from it, is not touched.
+template <int D>
+bool passesBy(const std::string& method) {
+  Range<D> w(method);
+  w.wall(at<D>(0, -2), 0.5, 2);
+  const Handle h = w.add(Shape<D>::sphere(Real(0.2)), at<D>(-3, 1.2), at<D>(300, -80));
+  w.steps(3);
+  return (w.world.motion(h).v - at<D>(300, -80)).norm() < 1e-3 && w.lost == 0;
+}
+
+// Over the seams of a floor of tiles, at 30 m/s, a box slides as if it were one.
+template <int D>
+bool slidesOverSeams(const std::string& method) {
+  Range<D> w(method, WorldSettings<D>{});
+  for (int i = 0; i < 16; ++i) {
+    BodyDef<D> tile = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(i, -0.5), BodyType::fixed);
+    tile.shapes[0].friction = 0;
+    w.world.add(tile);
+  }
+  BodyDef<D> slider = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.2))), at<D>(0, 0.2));
+  slider.velocity = at<D>(30, 0);
+  const Handle h = w.world.add(slider);
+  w.steps(28);
+  return std::abs(w.x(h) - 14) < 0.14;
+}
+
+// Who starts at a wall, or a little in it, and flies off, is held by nothing.
+template <int D>
+bool leavesAtOnce(const std::string& method) {
+  for (const double gap : {0.0, -0.004, 0.0005}) {
+    Range<D> w(method);
+    w.wall(at<D>(-0.01, 0), 0.01);
+    const Handle h = w.add(Shape<D>::box(Vec<D>::Constant(Real(0.1))), at<D>(0.1 + gap, 0), at<D>(100, 10));
+    w.steps(1);
+    if (!(std::abs(w.x(h) - (0.1 + gap + 100.0 / 60)) < 0.02)) return false;
+  }
+  return true;
+}
+
+// Five in a row reach the wall, and one of them is pressed on by the others.
+template <int D>
+bool queueIsStopped(const std::string& method) {
+  Range<D> w(method);
+  w.wall(Vec<D>::Zero(), 0.01);
+  std::vector<Handle> row;
+  for (int i = 0; i < 5; ++i) {
+    row.push_back(w.add(Shape<D>::sphere(Real(0.1)), at<D>(-3 - 0.31 * i, 0.01 * i), at<D>(250 + 40 * i, 0)));
+  }
+  w.steps(12);
+  return std::all_of(row.begin(), row.end(), [&](Handle h) { return w.x(h) < 0; });
+}
+
+// Who rests or is slow is not even looked at.
+template <int D>
+bool restIsFree(const std::string& method) {
+  Range<D> w(method, WorldSettings<D>{});
+  addGround(w.world);
+  for (int i = 0; i < 4; ++i) {
+    w.add(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0.02 * i, 0.5 + i), Vec<D>(Vec<D>::Zero()));
+  }
+  std::uint64_t swept = 0;
+  for (int i = 0; i < 30; ++i) w.steps(1), swept += w.world.profiler().frame().work[WorkCount::sweptPairs];
+  return swept == 0;
+}
+
+template <int D>
+struct Duty {
+  const char* name;
+  bool (*holds)(const std::string&);
+};
+template <int D>
+constexpr Duty<D> kDuties[] = {
+    {"Continuous.BallIsStopped", ballIsStopped<D>}, {"Continuous.BulletIsStopped", bulletIsStopped<D>},
+    {"Continuous.EdgeIsMet", edgeIsMet<D>},         {"Continuous.SpinningRodIsStopped", spinningRodIsStopped<D>},
+    {"Continuous.FastOnesMeet", fastOnesMeet<D>},   {"Continuous.SentOnItsWayIsStopped", sentOnItsWayIsStopped<D>},
+    {"Continuous.PassesBy", passesBy<D>},           {"Continuous.SlidesOverSeams", slidesOverSeams<D>},
+    {"Continuous.LeavesAtOnce", leavesAtOnce<D>},   {"Continuous.QueueIsStopped", queueIsStopped<D>},
+    {"Continuous.RestIsFree", restIsFree<D>}};
+
+template <int D>
+void conform() {
+  int methods = 0;
+  for (const Registered* r : Registry::instance().list(StageKind::continuous, D)) {
+    if (r->info.role != AlgorithmRole::competitor) continue;
+    ++methods;
+    for (const FailureMode& f : r->info.failures) {
+      const bool known = std::any_of(std::begin(kDuties<D>), std::end(kDuties<D>),
+                                     [&](const Duty<D>& duty) { return f.test == duty.name; });
+      EXPECT_TRUE(known) << r->info.name << " names " << f.test;
+    }
+    for (const Duty<D>& duty : kDuties<D>) {
+      const bool declared = std::any_of(r->info.failures.begin(), r->info.failures.end(),
+                                        [&](const FailureMode& f) { return f.test == duty.name; });
+      EXPECT_EQ(duty.holds(r->info.name), !declared) << r->info.name << " in " << D << "D: " << duty.name;
+    }
+  }
+  EXPECT_GE(methods, 4);
+  for (const Duty<D>& duty : kDuties<D>) {
+    EXPECT_TRUE(duty.holds("cast{method=bilateral}")) << D << "D: " << duty.name;
+    EXPECT_TRUE(duty.holds("planted_continuous")) << D << "D, without a bug: " << duty.name;
+  }
+}
+TEST(Continuous, EveryMethod2) { conform<2>(); }
+TEST(Continuous, EveryMethod3) { conform<3>(); }
+
+template <int D>
+void twinsFail() {
+  const auto bug = [](const std::string& name) { return "planted_continuous{bug=" + name + "}"; };
+  const std::string in = " in " + std::to_string(D) + "D";
+  expectCaught("late" + in, bulletIsStopped<D>(bug("late")));
+  expectCaught("pairs of fast bodies are nobody's" + in, fastOnesMeet<D>(bug("blind_to_fast")));
+  expectCaught("who touches at the start is stopped" + in, leavesAtOnce<D>(bug("stops_at_once")));
+  expectCaught("whoever is near the way stops" + in, passesBy<D>(bug("stops_all")));
+  expectCaught("shapes are their inner balls" + in, edgeIsMet<D>(bug("only_centres")));
+  expectCaught("shapes are their inner balls, turning" + in, spinningRodIsStopped<D>(bug("only_centres")));
+  expectCaught("everyone is fast" + in, restIsFree<D>(bug("everyone")));
+  expectCaught("touching is stopping" + in, slidesOverSeams<D>("cast{threshold=0}"));
+  expectCaught("nobody looks: a queue" + in, queueIsStopped<D>("none"));
+}
+TEST(Continuous, TwinsFail2) { twinsFail<2>(); }
+TEST(Continuous, TwinsFail3) { twinsFail<3>(); }
+
+// --- what the world owes, whatever the method ------------------------------------------------------------------------
+
+template <int D>
+class Vetoes final : public ContactListener<D> {
+  bool begin(const World<D>&, const Manifold<D>&) override { return false; }
+  bool persist(const World<D>&, const Manifold<D>&) override { return false; }
+};
+
+// Whether a bullet passes through a wall that it starts 1 cm before; `change` makes it one that may, or not.
+template <int D, class Change>
+bool passes(const Change& change, const Features& features = {}) {
+  WorldSettings<D> settings = weightless<D>();
+  settings.features = features;
+  Range<D> w("cast", settings);
+  const Handle wall = w.wall(Vec<D>::Zero(), 0.01);
+  BodyDef<D> bullet = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(-0.12, 0));
+  bullet.velocity = at<D>(200, 0);
+  const Handle h = change(w, bullet, wall);
+  w.steps(2);
+  return w.x(h) > 1;
+}
+
+template <int D>
+void worldsPart() {
+  EXPECT_FALSE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, Handle) { return w.world.add(bullet); }));
+  Features off;
+  off.continuous = false;
+  EXPECT_TRUE(passes<D>(
+      [](Range<D>& w, BodyDef<D> bullet, Handle) {
+        bullet.X_WB.p[0] = -2;
+        return w.world.add(bullet);
+      },
+      off))
+      << "the feature is off";
+  EXPECT_TRUE(passes<D>([](Range<D>& w, BodyDef<D> bullet, Handle) {
+    bullet.shapes[0].mask = 2;
+    return w.world.add(bullet);
+  })) << "filters";
+  EXPECT_TRUE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, Handle) {
+    static Vetoes<D> vetoes;
+    w.world.addListener(&vetoes);
+    return w.world.add(bullet);
+  })) << "a listener's veto";
+  EXPECT_TRUE(passes<D>([](Range<D>& w, const BodyDef<D>& bullet, Handle wall) {
+    const Handle h = w.world.add(bullet);
+    w.world.add(JointDef<D>{.kind = "distance{mode=rope,length=9}", .bodyA = wall, .bodyB = h});
+    return h;
+  })) << "a joint that forbids it";
+}
+TEST(Continuous, FiltersVetoesAndJointsAreKept) {
+  worldsPart<2>();
+  worldsPart<3>();
+}
+
+// The contacts that were made ahead end with the step that needed them, and a world that is saved among them goes on.
+template <int D>
+void savedAndLoaded() {
+  for (const char* method : {"speculative", "cast", "ray"}) {
+    Range<D> w(method), other(method);
+    w.wall(Vec<D>::Zero(), 0.01);
+    for (int i = 0; i < 3; ++i) {
+      w.add(bullets<D>()[static_cast<std::size_t>(i)], at<D>(-11 - i, 0.5 * i), at<D>(300, 5 * i), 0.3 * i, 4);
+    }
+    w.steps(2);
+    std::istringstream in(saved(w.world));
+    other.world.load(in);
+    for (int i = 0; i < 6; ++i) {
+      EXPECT_EQ(w.world.hash(), other.world.hash()) << method << ", step " << i;
+      w.steps(1), other.steps(1);
+    }
+  }
+}
+TEST(Continuous, SavedWorldsGoOn) {
+  savedAndLoaded<2>();
+  savedAndLoaded<3>();
+}
+
+// A method whose query does not take a kind refuses its body, with both names.
+TEST(Continuous, RefusesKindsThatItCannotAsk) {
+  Range<3> w("cast{method=conservative_advancement{query=closed_form}}");
+  w.add(Shape<3>::sphere(Real(0.1)), at<3>(0, 0), at<3>(0, 0));
+  try {
+    w.add(Shape<3>::box(Vec<3>::Constant(1)), at<3>(3, 0), at<3>(0, 0));
+    ADD_FAILURE() << "a box was taken";
+  } catch (const UserError& e) {
+    EXPECT_NE(std::string(e.what()).find("continuous=cast does not support"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test::continuous_test
