@@ -269,7 +269,7 @@ void twinsFail() {
   expectCaught("shapes are their inner balls" + in, edgeIsMet<D>(bug("only_centres")));
   expectCaught("shapes are their inner balls, turning" + in, spinningRodIsStopped<D>(bug("only_centres")));
   expectCaught("everyone is fast" + in, restIsFree<D>(bug("everyone")));
-  expectCaught("touching is stopping" + in, slidesOverSeams<D>("cast{threshold=0}"));
+  expectCaught("touching is stopping" + in, slidesOverSeams<D>("cast{depth=0}"));
   expectCaught("nobody looks: a queue" + in, queueIsStopped<D>("none"));
 }
 TEST(Continuous, TwinsFail2) { twinsFail<2>(); }
