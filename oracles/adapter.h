@@ -8,6 +8,13 @@
 
 namespace lpc::inline LPC_PRECISION {
 
+/// Of capsules and cylinders that lie along z: ours lie along x.
+inline Eigen::Matrix3d turnFromZ() {
+  Eigen::Matrix3d turn;
+  turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+  return turn;
+}
+
 /// The answer of a library that says "apart" and no more. Where the cores alone were asked and a rounding lies around
 /// them, that is no answer: refused.
 inline PairAnswer<3> apartAnswer(double rounding) {

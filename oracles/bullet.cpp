@@ -79,6 +79,80 @@ std::unique_ptr<btConvexShape> shapeOf(const ShapeView<3>& shape) {
   return hull;
 }
 
+// The same as a program: `a` or `b`. A curved core needs a class before `main`.
+std::string bulletShape(const std::string& name, const ShapeView<3>& shape, std::string& head) {
+  const double radius = static_cast<double>(shape.radius);
+  const std::string margin = "  " + name + ".setMargin(" + literal(radius) + ");\n";
+  const Eigen::Vector3d half = shape.half.cast<double>();
+  switch (shape.core()) {
+    case CoreClass::point:
+      return "  btSphereShape " + name + "(" + literal(radius) + ");\n";
+    case CoreClass::segment:
+      return "  btCapsuleShapeX " + name + "(" + literal(radius) + ", " + literal(2 * half[0]) + ");\n";
+    case CoreClass::box:
+      return "  btBoxShape " + name + "(btVector3(" + literals((half.array() + radius).matrix()) + "));\n" + margin;
+    case CoreClass::curved: {
+      const std::string type = "Shape_" + name, core = "core_" + name;
+      head += coreSupportText(core, shape) + "struct " + type + " : btConvexInternalShape {\n" + "  " + type +
+              "() { m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE; }\n"
+              "  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& d) const override {\n"
+              "    double p[3];\n"
+              "    " +
+              core + "(d, p);\n" +
+              "    return btVector3(p[0], p[1], p[2]);\n"
+              "  }\n"
+              "  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* d, btVector3* p, int n) const "
+              "override {\n"
+              "    for (int i = 0; i < n; ++i) p[i] = localGetSupportingVertexWithoutMargin(d[i]);\n"
+              "  }\n"
+              "  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }\n"
+              "  const char* getName() const override { return \"curved\"; }\n"
+              "};\n";
+      return "  " + type + " " + name + ";\n" + margin;
+    }
+    case CoreClass::hull:
+    case CoreClass::plane:  // not in the table of kinds
+      break;
+  }
+  std::string points;
+  for (const Vec<3>& v : shape.hull->vertices) {
+    points += (points.empty() ? "{" : ", {") + literals(v.cast<double>()) + "}";
+  }
+  return "  const btScalar points_" + name + "[][3] = {" + points + "};\n" + "  btConvexHullShape " + name + ";\n" +
+         "  for (const auto& p : points_" + name + ") " + name + ".addPoint(btVector3(p[0], p[1], p[2]), false);\n" +
+         "  " + name + ".recalcLocalAabb();\n" + margin;
+}
+
+// `made`: the two shapes; `detector`: the one to ask.
+Snippet bulletProgram(const Pose<3>& X, const std::string& head, const std::string& made, const std::string& detector,
+                      const char* otherwise) {
+  Snippet out{.flags =
+                  "-DBT_USE_DOUBLE_PRECISION -I/usr/include/bullet -lBulletCollision-float64 -lLinearMath-float64"};
+  out.head =
+      "#include <btBulletCollisionCommon.h>\n#include <BulletCollision/CollisionDispatch/btBoxBoxDetector.h>\n"
+      "#include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>\n"
+      "#include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>\n"
+      "#include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>\n"
+      "#include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>\n\n"
+      "#include <cmath>\n#include <cstdio>\n" +
+      head;
+  out.body =
+      made + detector +
+      "  btDiscreteCollisionDetectorInterface::ClosestPointInput input;\n"
+      "  input.m_transformA.setIdentity();\n"
+      "  input.m_transformB = btTransform(btMatrix3x3(" +
+      literals(X.q.matrix().cast<double>()) + "), btVector3(" + literals(X.p.cast<double>()) + "));\n" +
+      "  btPointCollector found;\n"
+      "  detector.getClosestPoints(input, found, nullptr);\n"
+      "  double distance = found.m_hasResult ? found.m_distance : " +
+      otherwise +
+      ";\n"
+      "  for (int i = 0; i < 3 && found.m_hasResult; ++i) {\n"
+      "    if (!std::isfinite(found.m_normalOnBInWorld[i] + found.m_pointInWorld[i])) distance = NAN;  // no answer\n"
+      "  }\n";
+  return out;
+}
+
 // Bullet's normals point from B to A, its points lie on B.
 PairAnswer<3> answerOf(const btPointCollector& found, double roundingA, double roundingB) {
   const Eigen::Vector3d normal = -vectorOf(found.m_normalOnBInWorld), onB = vectorOf(found.m_pointInWorld);
@@ -132,6 +206,15 @@ class BulletGjkEpa final : public IsolatedWitness {
     answer.status = QueryStatus::failed;
     return answer;
   }
+  Snippet snippet(const PairView<3>& pair) const override {
+    std::string head;
+    const std::string a = bulletShape("a", pair.a, head), b = bulletShape("b", pair.b, head);
+    return bulletProgram(pair.X_AB, head, a + b,
+                         "  btVoronoiSimplexSolver simplex;\n"
+                         "  btGjkEpaPenetrationDepthSolver depth;\n"
+                         "  btGjkPairDetector detector(&a, &b, &simplex, &depth);\n",
+                         "NAN");
+  }
 
   std::unique_ptr<btConvexShape> m_a, m_b;
   btGjkPairDetector::ClosestPointInput m_input;
@@ -174,6 +257,15 @@ class BulletBoxBox final : public IsolatedWitness {
     detector.getClosestPoints(m_input, found, nullptr);
     if (!found.m_hasResult) return apartAnswer(m_roundingA + m_roundingB);
     return answerOf(found, m_roundingA, m_roundingB);
+  }
+  Snippet snippet(const PairView<3>& pair) const override {
+    std::string none;
+    PairView<3> cores = pair;
+    cores.a.radius = cores.b.radius = 0;
+    Snippet out = bulletProgram(pair.X_AB, "", bulletShape("a", cores.a, none) + bulletShape("b", cores.b, none),
+                                "  btBoxBoxDetector detector(&a, &b);\n", "INFINITY");
+    out.rounding = static_cast<double>(pair.a.radius) + static_cast<double>(pair.b.radius);
+    return out;
   }
 
   std::optional<btBoxShape> m_a, m_b;

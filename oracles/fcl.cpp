@@ -36,11 +36,7 @@ struct FclPlaced {
   void place(const ShapeView<3>& shape, const Pose<3>& pose) {
     X_WS.linear() = pose.q.matrix().cast<double>(), X_WS.translation() = pose.p.cast<double>();
     rounding = 0;
-    const auto lieAlongX = [&] {  // FCL's capsules and cylinders lie along z
-      Eigen::Matrix3d turn;
-      turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
-      X_WS.linear() = X_WS.linear() * turn;
-    };
+    const auto lieAlongX = [&] { X_WS.linear() = X_WS.linear() * turnFromZ(); };
     switch (shape.kind) {
       case ShapeKind::sphere:
         geometry = std::make_shared<fcl::Sphere<double>>(shape.radius);
@@ -73,6 +69,48 @@ struct FclPlaced {
     }
   }
 };
+
+// The same as a program: `a` and its pose `xa`, or `b`.
+std::string fclPlaced(const std::string& name, const ShapeView<3>& shape, const Pose<3>& X, double& rounding) {
+  const std::string radius = literal(static_cast<double>(shape.radius));
+  const Eigen::Vector3d half = shape.half.cast<double>();
+  Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+  pose.topLeftCorner<3, 3>() = X.q.matrix().cast<double>(), pose.topRightCorner<3, 1>() = X.p.cast<double>();
+  std::string out, type, sizes;
+  if (shape.kind == ShapeKind::sphere) {
+    type = "Sphere", sizes = radius;
+  } else if (shape.kind == ShapeKind::capsule || shape.kind == ShapeKind::segment) {
+    type = "Capsule", sizes = radius + ", " + literal(2 * half[0]);
+  } else if (shape.kind == ShapeKind::box) {
+    type = "Box", sizes = literals(2 * half.transpose());
+  } else if (shape.kind == ShapeKind::cylinder) {
+    type = "Cylinder", sizes = literal(half[1]) + ", " + literal(2 * half[0]);
+  } else if (shape.kind == ShapeKind::ellipsoid) {
+    type = "Ellipsoid", sizes = literals(half.transpose());
+  } else {
+    std::string vertices, faces;
+    for (const Vec<3>& v : shape.hull->vertices) {
+      vertices += (vertices.empty() ? "{" : ", {") + literals(v.cast<double>()) + "}";
+    }
+    for (const auto& f : shape.hull->faces) {
+      faces += (faces.empty() ? "" : ", ") + std::to_string(f.end - f.begin);
+      for (int i = f.begin; i < f.end; ++i)
+        faces += ", " + std::to_string(shape.hull->loop[static_cast<std::size_t>(i)]);
+    }
+    out = "  const std::vector<Eigen::Vector3d> vertices_" + name + " = {" + vertices + "};\n" +
+          "  const std::vector<int> faces_" + name + " = {" + faces + "};  // corners of each, and which\n";
+    type = "Convex";
+    sizes = "std::make_shared<std::vector<Eigen::Vector3d>>(vertices_" + name + "), " +
+            std::to_string(shape.hull->faces.size()) + ", std::make_shared<std::vector<int>>(faces_" + name + ")";
+  }
+  const bool alongZ = shape.core() == CoreClass::segment || shape.kind == ShapeKind::cylinder;
+  if (alongZ) pose.topLeftCorner<3, 3>() = pose.topLeftCorner<3, 3>().eval() * turnFromZ();
+  if (shape.core() != CoreClass::point && shape.core() != CoreClass::segment) {
+    rounding += static_cast<double>(shape.radius);
+  }
+  return out + "  fcl::" + type + "<double> " + name + "(" + sizes + ");\n  fcl::Transform3<double> x" + name +
+         ";\n  x" + name + ".matrix() << " + literals(pose) + ";\n";
+}
 
 // What the three have in common.
 template <int D>
@@ -127,7 +165,51 @@ class FclWitness : public IsolatedWitness {
     return depthAnswer(depth(deepest), contact.normal, contact.pos, m_a.rounding, m_b.rounding);
   }
 
+  // `ask`: the statements that set `distance`; what throws leaves it.
+  Snippet program(const PairView<3>& pair, const std::string& ask) const {
+    Snippet out{.flags = "-I/usr/include/eigen3 -lfcl -lccd"};
+    out.head =
+        "#include <fcl/narrowphase/collision.h>\n#include <fcl/narrowphase/distance.h>\n\n"
+        "#include <cmath>\n#include <cstdio>\n#include <exception>\n";
+    out.body = fclPlaced("a", pair.a, {}, out.rounding) + fclPlaced("b", pair.b, pair.X_AB, out.rounding) +
+               "  double distance = NAN;\n"
+               "  bool known = false;  // are points and normals numbers?\n"
+               "  try {\n" +
+               ask +
+               "  } catch (const std::exception& error) {\n"
+               "    std::printf(\"it throws: %s\\n\", error.what());\n"
+               "  }\n"
+               "  if (!known) distance = NAN;\n";
+    return out;
+  }
+  std::string distanceText(const std::string& solver, bool isSigned) const {
+    return "    fcl::DistanceRequest<double> request(true, " + std::string(isSigned ? "true" : "false") + ");\n" +
+           "    request.gjk_solver_type = fcl::" + solver + ";\n" + "    request.distance_tolerance = " + tolerance() +
+           ";\n" +
+           "    fcl::DistanceResult<double> result;\n"
+           "    distance = fcl::distance(&a, xa, &b, xb, request, result);\n"
+           "    known = (result.nearest_points[0] + result.nearest_points[1]).allFinite();\n";
+  }
+  std::string collideText(const std::string& solver, const std::string& otherwise) const {
+    return "    fcl::CollisionRequest<double> asked(8, true);\n"
+           "    asked.gjk_solver_type = fcl::" +
+           solver + ";\n" + "    asked.gjk_tolerance = " + tolerance() + ";\n" +
+           "    fcl::CollisionResult<double> found;\n"
+           "    fcl::collide(&a, xa, &b, xb, asked, found);\n"
+           "    const auto depth = [&](std::size_t i) { return std::fabs(found.getContact(i).penetration_depth); };\n"
+           "    std::size_t deepest = 0;\n"
+           "    for (std::size_t i = 1; i < found.numContacts(); ++i) {\n"
+           "      if (depth(i) > depth(deepest)) deepest = i;\n"
+           "    }\n"
+           "    distance = found.isCollision() ? -depth(deepest) : " +
+           otherwise + ";\n" +
+           "    known = !found.isCollision() || (found.getContact(deepest).normal + "
+           "found.getContact(deepest).pos).allFinite();\n";
+  }
+
  private:
+  std::string tolerance() const { return literal(static_cast<double>(m_params.tolerance)); }
+
   Params m_params;
   FclPlaced m_a, m_b;
 };
@@ -164,6 +246,9 @@ class FclLibccd final : public FclWitness<D> {
 
  private:
   PairAnswer<3> measure() override { return this->distance(fcl::GST_LIBCCD, true); }
+  Snippet snippet(const PairView<3>& pair) const override {
+    return this->program(pair, this->distanceText("GST_LIBCCD", true));
+  }
 };
 
 template <int D>
@@ -202,6 +287,9 @@ class FclLibccdCollide final : public FclWitness<D> {
 
  private:
   PairAnswer<3> measure() override { return this->collide(fcl::GST_LIBCCD); }
+  Snippet snippet(const PairView<3>& pair) const override {
+    return this->program(pair, this->collideText("GST_LIBCCD", "INFINITY"));
+  }
 };
 
 // Two calls, because this solver has no signed distance.
@@ -244,6 +332,11 @@ class FclIndep final : public FclWitness<D> {
     if (apart.status == QueryStatus::converged) return apart;
     const PairAnswer<3> overlap = this->collide(fcl::GST_INDEP);
     return overlap.status == QueryStatus::converged ? overlap : apart;  // neither apart nor in contact: no value
+  }
+  Snippet snippet(const PairView<3>& pair) const override {
+    return this->program(pair, this->distanceText("GST_INDEP", false) +
+                                   "    if (distance < 0) {  // they overlap: the depth is asked of collide\n" +
+                                   this->collideText("GST_INDEP", "NAN") + "    }\n");
   }
 };
 

@@ -54,8 +54,66 @@ class LibccdWitness : public IsolatedWitness {
     if (result < -1) answer.status = QueryStatus::failed;  // out of memory
     return answer;
   }
+  // `settings`: the statements that set them; `call`: the function's name.
+  Snippet program(const PairView<3>& pair, const std::string& settings, const std::string& call) const {
+    const CcdPlaced a{pair.a}, b{pair.b, pair.X_AB.q.matrix().cast<double>(), pair.X_AB.p.cast<double>()};
+    Snippet out{.flags = "-lccd -lm"};
+    out.head =
+        "#include <ccd/ccd.h>\n#include <cmath>\n#include <cstdio>\n\n"
+        "// A point of the core, in its own frame, that lies farthest along d.\n" +
+        coreSupportText("coreA", pair.a) + coreSupportText("coreB", pair.b) +
+        "struct Shape {\n"
+        "  void (*core)(const double*, double*);\n"
+        "  double r[3][3], p[3], radius, middle[3];  // the pose, what lies around the core, a point within\n"
+        "};\n"
+        "static const Shape a = " +
+        written("coreA", a) + ";\nstatic const Shape b = " + written("coreB", b) + ";\n" +
+        "static void support(const void* shape, const ccd_vec3_t* dir, ccd_vec3_t* out) {\n"
+        "  const Shape& s = *static_cast<const Shape*>(shape);\n"
+        "  const double* d = dir->v;\n"
+        "  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);\n"
+        "  double local[3], v[3] = {0, 0, 0};\n"
+        "  for (int i = 0; i < 3; ++i) local[i] = s.r[0][i] * d[0] + s.r[1][i] * d[1] + s.r[2][i] * d[2];\n"
+        "  s.core(local, v);\n"
+        "  for (int i = 0; i < 3; ++i) {\n"
+        "    const double *r = s.r[i], x = r[0] * v[0], y = r[1] * v[1], z = r[2] * v[2];\n"
+        "    out->v[i] = (i < 2 ? x + y + z : x + (y + z)) + s.p[i];  // the last bit, too, is as it was found\n"
+        "    if (length > 0) out->v[i] += s.radius / length * d[i];\n"
+        "  }\n"
+        "}\n"
+        "static void center(const void* shape, ccd_vec3_t* out) {\n"
+        "  const double* m = static_cast<const Shape*>(shape)->middle;\n"
+        "  ccdVec3Set(out, m[0], m[1], m[2]);\n"
+        "}\n";
+    out.body =
+        "  ccd_t settings;\n"
+        "  CCD_INIT(&settings);\n"
+        "  settings.support1 = settings.support2 = support;\n"
+        "  settings.center1 = settings.center2 = center;\n"
+        "  settings.max_iterations = 500;\n"
+        "  " +
+        settings + ";\n" +
+        "  ccd_real_t depth = 0;\n"
+        "  ccd_vec3_t direction = {{0, 0, 0}}, position = {{0, 0, 0}};\n"
+        "  const int result = " +
+        call + "(&a, &b, &settings, &depth, &direction, &position);\n" +
+        "  double distance = result == 0 ? -depth : result == -1 ? INFINITY : NAN;  // infinite: apart\n"
+        "  for (int i = 0; i < 3; ++i) {\n"
+        "    if (!std::isfinite(direction.v[i] + position.v[i])) distance = NAN;  // no answer\n"
+        "  }\n";
+    return out;
+  }
 
  private:
+  static std::string written(const std::string& core, const CcdPlaced& placed) {
+    ccd_vec3_t middle;
+    center(&placed, &middle);
+    std::string rows;
+    for (int i = 0; i < 3; ++i) rows += (i ? ", {" : "{") + literals(placed.r.row(i)) + "}";
+    return "{" + core + ", {" + rows + "}, {" + literals(placed.p) + "}, " + literal(double(placed.shape.radius)) +
+           ", {" + literals(vectorOf(&middle)) + "}}";
+  }
+
   CcdPlaced m_a, m_b;
 };
 
@@ -105,6 +163,10 @@ class LibccdGjk final : public LibccdWitness {
     settings.max_iterations = 500;  // the default has no end
     settings.epa_tolerance = m_params.tolerance;
     return depth(settings, ccdGJKPenetration);
+  }
+  Snippet snippet(const PairView<3>& pair) const override {
+    return program(pair, "settings.epa_tolerance = " + literal(static_cast<double>(m_params.tolerance)),
+                   "ccdGJKPenetration");
   }
 
   Params m_params;
@@ -157,6 +219,10 @@ class LibccdMpr final : public LibccdWitness {
     settings.max_iterations = 500;
     settings.mpr_tolerance = m_params.tolerance;
     return depth(settings, ccdMPRPenetration);
+  }
+  Snippet snippet(const PairView<3>& pair) const override {
+    return program(pair, "settings.mpr_tolerance = " + literal(static_cast<double>(m_params.tolerance)),
+                   "ccdMPRPenetration");
   }
 
   Params m_params;

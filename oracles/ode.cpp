@@ -32,13 +32,10 @@ class Geom {
       case CoreClass::point:
         m_id = dCreateSphere(nullptr, static_cast<double>(shape.radius));
         break;
-      case CoreClass::segment: {
+      case CoreClass::segment:
         m_id = dCreateCapsule(nullptr, static_cast<double>(shape.radius), 2 * static_cast<double>(shape.half[0]));
-        Eigen::Matrix3d alongX;  // ODE's lie along z
-        alongX << 0, 0, 1, 0, 1, 0, -1, 0, 0;
-        turn = turn * alongX;
+        turn = turn * turnFromZ();
         break;
-      }
       case CoreClass::box: {
         const Eigen::Vector3d side = 2 * shape.half.cast<double>();
         m_id = dCreateBox(nullptr, side[0], side[1], side[2]);
@@ -115,6 +112,42 @@ class Ode final : public IsolatedWitness {
     const Eigen::Vector3d normal(-deepest->normal[0], -deepest->normal[1], -deepest->normal[2]);
     const Eigen::Vector3d middle(deepest->pos[0], deepest->pos[1], deepest->pos[2]);
     return depthAnswer(deepest->depth, normal, middle, m_a.rounding(), m_b.rounding());
+  }
+
+  Snippet snippet(const PairView<3>& pair) const override {
+    Snippet out{.flags = "-lode", .head = "#include <ode/ode.h>\n#include <cmath>\n#include <cstdio>\n"};
+    out.body = "  dInitODE2(0);\n" + placed("a", pair.a, {}, out.rounding) +
+               placed("b", pair.b, pair.X_AB, out.rounding) +
+               "  dContactGeom found[8];\n"
+               "  const int count = dCollide(a, b, 8, found, sizeof found[0]);\n"
+               "  const dContactGeom* deepest = found;\n"
+               "  for (int i = 1; i < count; ++i) {\n"
+               "    if (found[i].depth > deepest->depth) deepest = &found[i];\n"
+               "  }\n"
+               "  double distance = count > 0 ? -deepest->depth : INFINITY;  // infinite: apart\n"
+               "  for (int i = 0; i < 3 && count > 0; ++i) {\n"
+               "    if (!std::isfinite(deepest->normal[i] + deepest->pos[i])) distance = NAN;  // no answer\n"
+               "  }\n";
+    return out;
+  }
+  static std::string placed(const std::string& name, const ShapeView<3>& shape, const Pose<3>& X, double& rounding) {
+    const std::string radius = literal(static_cast<double>(shape.radius));
+    Eigen::Matrix<double, 3, 4> pose;  // with the column that ODE pads its rows with
+    pose << X.q.matrix().cast<double>(), Eigen::Vector3d::Zero();
+    std::string made;
+    if (shape.core() == CoreClass::point) {
+      made = "dCreateSphere(nullptr, " + radius + ")";
+    } else if (shape.core() == CoreClass::segment) {
+      made = "dCreateCapsule(nullptr, " + radius + ", " + literal(2 * static_cast<double>(shape.half[0])) + ")";
+      pose.leftCols(3) = pose.leftCols(3).eval() * turnFromZ();
+    } else {
+      made = "dCreateBox(nullptr, " + literals(2 * shape.half.cast<double>()) + ")";
+      rounding += static_cast<double>(shape.radius);
+    }
+    const std::string of = "_" + name;
+    return "  dGeomID " + name + " = " + made + ";\n" + "  const dMatrix3 r" + of + " = {" + literals(pose) + "};\n" +
+           "  dGeomSetPosition(" + name + ", " + literals(X.p.cast<double>()) + ");\n" + "  dGeomSetRotation(" + name +
+           ", r" + of + ");\n";
   }
 
   Geom m_a, m_b;

@@ -21,6 +21,10 @@ class Prisms : public Witness<2> {
 
   std::span<const Ending> endings() const final { return m_solid.endings(); }
   std::int64_t nanoseconds() const final { return m_solid.nanoseconds(); }
+  std::optional<Question> question(const PairView<2>& pair) final {
+    m_hulls.clear();
+    return m_solid.question(prisms(pair));
+  }
 
   void query(std::span<const PairView<2>> pairs, QueryNeed, std::span<PairAnswer<2>> answers, std::span<PairMemory>,
              WorkDone& work) final {

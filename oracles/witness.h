@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "framework/stage_narrowphase.h"
+#include "oracles/snippet.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -42,6 +44,9 @@ class Witness : public PairQuery<D> {
   virtual std::span<const Ending> endings() const = 0;
   /// Time inside the library for the last batch, without the way to its process and back (ns).
   virtual std::int64_t nanoseconds() const = 0;
+  /// What `query` asks the library of this pair, which it supports; nothing where the adapter has no words for it. The
+  /// library is not called.
+  virtual std::optional<Question> question(const PairView<D>&) { return std::nullopt; }
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -16,10 +16,12 @@
 #include <cmath>
 #include <csignal>
 #include <ctime>
+#include <limits>
 #include <system_error>
 
 #include "framework/check.h"
 #include "framework/curved_core.h"
+#include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -350,6 +352,29 @@ void IsolatedWitness::ask(std::span<const PairView<3>> pairs, std::span<PairAnsw
   m_endings.assign(pairs.size(), Ending::answered);
   m_nanoseconds = 0;
   m_process->run(pairs, answers, m_endings, m_nanoseconds);
+}
+
+std::optional<Question> IsolatedWitness::question(const PairView<3>& pair) {
+  const Real unit = unitFor(pair);
+  Question out{.snippet = {}, .unit = static_cast<double>(unit), .truth = {}};
+  PairView<3> scaled = pair;
+  Polytope<3> hullA, hullB;
+  if (pair.a.hull) hullA = *pair.a.hull;
+  if (pair.b.hull) hullB = *pair.b.hull;
+  const StoredSizes sizesA(pair.a.curved), sizesB(pair.b.curved);
+  divide(scaled.a, hullA, unit), divide(scaled.b, hullB, unit);
+  const auto coreA = sizesA.restore(scaled.a, unit), coreB = sizesB.restore(scaled.b, unit);
+  scaled.X_AB.p /= unit;
+  out.snippet = snippet(scaled);
+  if (out.snippet.body.empty()) return std::nullopt;
+  const PairTruth<3> known = pairTruth<3>(scaled);
+  out.truth = known.answer, out.allowed = verifyTolerance() * known.s;
+  if (const double rounding = out.snippet.rounding; rounding > 0) {  // of the cores, outwards
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    out.truth.lo = std::nextafter(out.truth.lo + rounding, -kInfinity);
+    out.truth.hi = std::nextafter(out.truth.hi + rounding, kInfinity);
+  }
+  return out;
 }
 
 }  // namespace lpc::inline LPC_PRECISION

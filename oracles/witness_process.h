@@ -21,6 +21,7 @@ class IsolatedWitness : public Witness<3> {
              std::span<PairMemory> memory, WorkDone& work) final;
   std::span<const Ending> endings() const final { return m_endings; }
   std::int64_t nanoseconds() const final { return m_nanoseconds; }
+  std::optional<Question> question(const PairView<3>& pair) final;
 
   /// Any number of pairs, of any kinds that are supported. Fills `answers`, of the same length, and `endings`.
   void ask(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers);
@@ -31,6 +32,8 @@ class IsolatedWitness : public Witness<3> {
   // of about a metre. The unit is a power of two: it costs no digit. A hull has vertices, faces and loop, but no edges.
   virtual void place(const PairView<3>& pair) = 0;  // the pair in the library's own terms; not timed
   virtual PairAnswer<3> measure() = 0;              // the library's answer to it
+  // Both of these as a program, of a pair in that unit; runs in the parent and calls nothing of the library.
+  virtual Snippet snippet(const PairView<3>&) const { return {}; }
 
  private:
   class Process;

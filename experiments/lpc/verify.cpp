@@ -10,6 +10,7 @@
 #include "experiments/runner/case_replay.h"
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/ledger_table.h"
+#include "experiments/runner/reproduction.h"
 #include "experiments/runner/verification.h"
 #include "experiments/trial/output_file.h"
 #include "framework/check.h"
@@ -23,6 +24,7 @@ struct Arguments {
   VerificationOptions options;
   std::vector<std::string> stages;
   std::string role = "all", store = "results/verify.db", cases, csv;
+  std::string repro, witness, out;
   bool storeNamed = false;
 };
 
@@ -85,8 +87,24 @@ int verifyCaseFile(const Arguments& a) {
   return exitCode;
 }
 
+// The program goes into a file, and what is told of it to the answer; or the program is the answer.
+void writeProgram(const Arguments& a) {
+  const std::string cases = a.cases.empty() ? keptCases() : a.cases;
+  keepApart({{"the cases", cases}}, {{"--out", a.out}});
+  const Reproduction made = reproduce(cases, a.repro, a.witness, a.out);
+  if (a.out.empty()) {
+    std::cout << made.program << std::flush;
+    std::cerr << oneLine(made.told) << "\n";
+    return;
+  }
+  OutputFile file(a.out);
+  file.stream() << made.program, file.finish();
+  std::cout << oneLine(made.told) << "\n";
+}
+
 void verify(Arguments& a, Session& session) {
   a.options.plugins = session.plugins;
+  if (!a.repro.empty()) return writeProgram(a);
   if (!a.cases.empty()) {
     session.exitCode = verifyCaseFile(a);
     return;
@@ -136,7 +154,17 @@ void addVerify(CommandLine& app, Session& session) {
   Option cases = command.option("--cases", a->cases, "a file of cases instead of seeded inputs");
   cases.file();
   for (const Option& option : ofSeeded) cases.without(option);
-  command.option("--csv", a->csv, "with --cases: the table as a file").file().with(cases);
+  Option csv = command.option("--csv", a->csv, "with --cases: the table as a file");
+  csv.file().with(cases);
+  Option repro =
+      command.option("--repro", a->repro,
+                     "a case, by id or number from 0, as a C++ program against a witness's library alone; of "
+                     "tests/regressions/hard_cases.json unless there is --cases");
+  Option witness = command.option("--witness", a->witness, "with --repro: whose library, such as fcl_libccd");
+  repro.with(witness).without(csv).without(store);
+  witness.with(repro);
+  for (const Option& option : ofSeeded) repro.without(option);
+  command.option("--out", a->out, "with --repro: the program as a file").file().with(repro);
   command.footer(
       "Exit code 1 when one of our own methods is wrong; witnesses are only recorded. A case that was found here is\n"
       "asked in the precision in which it was found, first the method that failed, and told whether it fails again.\n"
@@ -145,7 +173,8 @@ void addVerify(CommandLine& app, Session& session) {
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"
       "  lpc verify --dimension 3 --stage pair_query --methods sat gjk_epa{iterations=20} fcl_libccd\n"
       "  lpc verify --stage velocity --pairs 1000\n"
-      "  lpc verify --cases tests/regressions/hard_cases.json --csv verdicts.csv");
+      "  lpc verify --cases tests/regressions/hard_cases.json --csv verdicts.csv\n"
+      "  lpc verify --repro fcl-508-box-box --witness fcl_libccd --out repro.cpp");
   command.callback([a, store, &session] {
     a->storeNamed = store.given();
     verify(*a, session);

@@ -81,7 +81,8 @@ KINDS = {
         Call(["sweep", "input.toml", "--set", "steps=2", "--set", "n=2", "--store", "o.db", "--jobs", "1", "--quiet"],
              ("o.db",)))),
     "cases": Kind(".json", 20, mutations.text, fixed(
-        Call(["verify", "--cases", "input.json"]), Call(["verify", "--cases", "input.json", "--csv", "o.csv"], ("o.csv",)))),
+        Call(["verify", "--cases", "input.json"]), Call(["verify", "--cases", "input.json", "--csv", "o.csv"], ("o.csv",)),
+        Call(["verify", "--repro", "0", "--witness", "libccd_gjk", "--cases", "input.json", "--out", "o.cpp"], ("o.cpp",)))),
     "recording": Kind(".rec", 30, mutations.binary, fixed(
         Call(["replay", "input.rec"]), Call(["replay", "input.rec", "--film", "o/"], ("o/",)),
         Call(["replay", "input.rec", "--film", "o.strip.svg"], ("o.strip.svg",)),
