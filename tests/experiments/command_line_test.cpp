@@ -26,8 +26,8 @@ TEST(CommandLine, helpHasAnExample) {
     EXPECT_EQ(out.code, 2) << told << out.text;
     EXPECT_TRUE(out.text.starts_with("lpc: standard output cannot be written")) << told << out.text;
   }
-  for (const char* command :
-       {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs", "record", "break"}) {
+  for (const char* command : {"list", "run", "sweep", "report", "merge", "import-benchmark", "replay", "needs",
+                              "record", "break", "corpus"}) {
     const Outcome help = w.lpc(std::string(command) + " --help");
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_NE(help.text.find("Example: lpc " + std::string(command)), std::string::npos) << help.text;
@@ -200,7 +200,8 @@ TEST(CommandLine, numbersAreNumbers) {
                                                    {"needs", "slope --store n.db"},
                                                    {"break", "slope --parameter friction --pipeline cache=none"},
                                                    {"sweep", "broadphase_crossover --store s.db --dry-run"},
-                                                   {"verify", "--store v.db"}};
+                                                   {"verify", "--store v.db"},
+                                                   {"corpus", "--export c"}};
   const std::regex subcommand("\n  ([a-z][a-z-]*) "), number("\n +(?:-[a-z],)?(--[a-z]+) (?:INT|UINT|FLOAT)");
   std::size_t tried = 0;
   const auto refused = [&](const std::string& arguments, const std::string& option, const std::string& given) {
