@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Zlib
 // The contact generator of the 2009 report (3.5.2, 6.2, 9.1.4), 2D only: every shape is a polygon that is expanded by a
-// radius, a circle one of one vertex, a capsule one of two. Its axes: each edge's normal, and the direction between the
-// closest pair of vertices. What the report says otherwise or leaves out, and what is done here:
+// radius, a circle one of one vertex, a capsule one of two. Axes are each edge's normal and the direction between the
+// closest pair of vertices. Where this differs from the report:
 //
-// - "O(E + V)". Each of E axes, onto which all V vertices are projected, is E V. Here the foremost vertex goes round
-//   with the edge: E + V. It is looked for only where the corner of the last one leaves the edge a chance.
-// - The direction between the closest pair of vertices, at any time. Of two circles with one centre, or two rounded
-//   boxes whose cores meet in a corner, it is 0 / 0. Where an edge faces the other's nearest point it is no axis at
-//   all: of a circle over the middle of a floor it leans by atan(half the floor / height). And to find it is E V again.
-//   Here it is asked for where no edge faces the nearest point, of the two edges that the best normal names, and gives
-//   way to that normal below rounding.
-// - Two segments on one line, or a circle before a capsule's end, have no edge normal that parts them: its separation
-//   is 0 or noise, and says neither "apart" nor "together". There the direction between the nearest points is tried as
-//   an axis itself, as the report has it.
-// - "More than one (maybe two in 2D)": both ends of where the edges face each other, numbered by their vertices, so
-//   that a cache knows them again; the report leaves open which points, and how they are known in the next step.
-// - Two axes that tie. The report takes the larger, so that of two squares, one on the other, rounding says whose edge
-//   is the reference, step by step. Here the first shape's is, unless the other's is better by the pair's tolerance.
-// - "Invalid contacts" of what is pushed deep into each other (9.1.10): more than half through, the shortest way out is
-//   the far side. That lies in the question, and stays: see `failures`.
+// - "The running time is O(E + V)". All V vertices projected onto each of E normals, as 3.5.2 has it, are E V; so is
+// the
+//   search for the closest pair. Here a corner at hand dismisses most edges, for others the foremost one is looked for
+//   from the last one's, which goes round once while the edge does, and the pair is looked for on two edges: E + V.
+// - Two circles with one centre: the direction between their vertices is 0 / 0, and they have no other axis. Here any
+//   direction is one, and the depth is the sum of the radii.
+// - The direction between the closest vertices bears a contact only where no edge faces the nearest point. Here it is
+//   asked for there alone: as the report needs it, of two corners, and of two segments on one line, whose normals say 0
+//   or noise however far apart they are. Below rounding the best edge's normal stands for it.
+// - "More than one (maybe two in 2D)": which, and how they are known again in the next step, is left open. Here both
+//   ends of what the two edges have in common, numbered by their vertices.
+// - Which of two equal axes leads is left open, too. Of a square on a square rounding would say so anew in each step.
+//   Here it is the first shape's, unless the other's is better by the pair's tolerance.
+// - "Invalid contacts" of what is pressed deep into each other (9.1.10). More than half through a body, the shortest
+// way
+//   out is its far side: that lies in the question, and is declared in `failures`.
 #include "algorithms/contacts/plane_patch.h"
 #include "algorithms/contacts/sat_axes2.h"
 
@@ -214,8 +214,9 @@ void clip(const Facing& f, const PlacedPair<2>& pair, Contacts2& out) {
 void nearest(const Facing& f, const PlacedPair<2>& pair, Contacts2& out) {
   Patch2 patch;
   closestOfEdges(f.edge1(), f.edge2(), f.n.vec(), true, pair, patch);
-  const PatchPoint<2>& p = patch.points[0];
   out.n = patch.normal, out.count = patch.count;
+  if (patch.count == 0) return;
+  const PatchPoint<2>& p = patch.points[0];
   out.points[0] = {p.p1, p.p2, p.separation, p.feature};
 }
 
@@ -266,7 +267,7 @@ void collidePoints(const PlacedPair<2>& pair, Contacts2& out) {
   const Xy to = pair.X_12.p;
   const Real distance = std::sqrt(dot(to, to));
   out.n = distance > pair.rounding ? Xy{to.x / distance, to.y / distance} : Xy{1, 0};
-  out.add({{0, 0}, to, dot(to, out.n), featureNumber(featureCode(0), kNoFeature)}, pair.limit);
+  out.add({{0, 0}, to, dot(to, out.n), 0}, pair.limit);
 }
 
 void collidePolygons(const PlacedPair<2>& pair, const Core2& c1, const Core2& c2, Contacts2& out, WorkDone& work) {
@@ -274,7 +275,7 @@ void collidePolygons(const PlacedPair<2>& pair, const Core2& c1, const Core2& c2
   out.count = 0;
   if (c2.count == 1) return collidePoints(pair, out);  // kinds are in order: the first is one, too
   BestEdges best;
-  std::uint64_t axes = 0;
+  std::uint64_t& axes = work[WorkCount::axisTests];
   const auto searchSecond = [&](Real known) {
     const Pose<2> X_21{(-turnedBack(X_12.q, X_12.p)).vec(), X_12.q.inverse()};
     const int i = std::max(best.first.edge, 0);
@@ -283,7 +284,7 @@ void collidePolygons(const PlacedPair<2>& pair, const Core2& c1, const Core2& c2
         c2, c1, X_21, known, i, [&](int j) { return std::min(beyond(c2, j, a), beyond(c2, j, b)); }, axes);
   };
   if (pair.view1().core() == CoreClass::box && pair.view2().core() == CoreClass::box) {
-    axes = 4;
+    axes += 4;
     if (!searchBoxes(pair, best)) return;
   } else {
     if (c1.count > 1) {
@@ -294,9 +295,8 @@ void collidePolygons(const PlacedPair<2>& pair, const Core2& c1, const Core2& c2
     }
     if (!(best.first.separation > pair.limit)) searchSecond(best.first.separation + pair.tolerance);
   }
-  work[WorkCount::axisTests] += axes;
   Real separation = best.second.edge >= 0 ? best.second.separation : best.first.separation;
-  if (separation > pair.limit) return;
+  if (separation > pair.limit || std::max(best.first.edge, best.second.edge) < 0) return;  // far, or no numbers
   Facing f = best.second.edge >= 0 ? facingSecond(c1, c2, X_12, best.second) : facingFirst(c1, c2, X_12, best.first);
   const auto clipped = [&] {
     clip(f, pair, out);
@@ -316,8 +316,8 @@ void collidePolygons(const PlacedPair<2>& pair, const Core2& c1, const Core2& c2
   if (!(separation > 0 || (flat && parted(f, out.n)))) beside(f, separation, pair, out);
 }
 
-// As placePair, in two registers.
-PlacedPair<2> place2(const ContactInput<2>& in, const ConvexPair<2>& pair, Real bias) {
+// As placePair, with Xy.
+PlacedPair<2> placePolygons(const ContactInput<2>& in, const ConvexPair<2>& pair, Real bias) {
   const auto poseOf = [&](std::int32_t shape) -> const Pose<2>& {
     return in.pose[static_cast<std::size_t>(in.shapes[static_cast<std::size_t>(shape)].body)];
   };
@@ -338,7 +338,7 @@ PlacedPair<2> place2(const ContactInput<2>& in, const ConvexPair<2>& pair, Real 
   return out;
 }
 
-// As addPatch, in two registers.
+// As addPatch, with Xy. A vertex touches in one place, whose number is the same wherever it is.
 void addContacts(const ContactInput<2>& in, const PlacedPair<2>& pair, Contacts2& c, std::vector<Manifold<2>>& fresh) {
   if (c.count == 0) return;
   struct Started {  // made in place: a copy costs as much as the kernel
@@ -351,16 +351,16 @@ void addContacts(const ContactInput<2>& in, const PlacedPair<2>& pair, Contacts2
   const Xy n_W = turned(pair.R_W1, c.n);
   m.normal = pair.swapped ? (-n_W).vec() : n_W.vec();
   m.count = c.count;
-  const bool turnedRound = pair.swapped;
+  if (pair.view1().core() == CoreClass::point) c.points[0].feature = featureNumber(featureCode(0), kNoFeature);
   for (std::size_t i = 0; i < static_cast<std::size_t>(c.count); ++i) {
     const Contact2& p = c.points[i];
     ContactPoint<2>& to = m.points[i];
     const Xy local1 = placed(pair.X_C1(), p.p1 + r1 * c.n);
     const Xy local2 = placed(pair.X_C2(), turnedBack(pair.X_12.q, p.p2 - r2 * c.n - Xy(pair.X_12.p)));
-    to.localA = (turnedRound ? local2 : local1).vec();
-    to.localB = (turnedRound ? local1 : local2).vec();
+    to.localA = (pair.swapped ? local2 : local1).vec();
+    to.localB = (pair.swapped ? local1 : local2).vec();
     to.separation = p.separation - r1 - r2;
-    to.feature = turnedRound ? p.feature << 32 | p.feature >> 32 : p.feature;
+    to.feature = pair.swapped ? p.feature << 32 | p.feature >> 32 : p.feature;
   }
   if (m.count == 2 && m.points[1].feature <= m.points[0].feature) {
     if (m.points[1].feature < m.points[0].feature)
@@ -402,7 +402,7 @@ class RoundedPolygon final : public ContactGenerator<D> {
     work[WorkCount::pairQueries] += in.pairs.size();
     Contacts2 contacts;
     for (const ConvexPair<D>& pair : in.pairs) {
-      const PlacedPair<D> place = place2(in, pair, m_params.bias);
+      const PlacedPair<D> place = placePolygons(in, pair, m_params.bias);
       if (hasPlane(place)) {
         const Vec<D> n = planePatch(place, m_plane);
         addPatch<D>(in, place, n, m_plane.points, fresh);

@@ -16,6 +16,7 @@ namespace lpc::inline LPC_PRECISION::bench {
 void addBroadphases();
 void addPairQueries();
 void addContactGenerators();
+void addManifolds();
 void addSolvers();
 
 /// The default, and each other value of each choice: the modes of an algorithm are competitors, too.

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   lpc::bench::addBroadphases();
   lpc::bench::addPairQueries();
   lpc::bench::addContactGenerators();
+  lpc::bench::addManifolds();
   lpc::bench::addSolvers();
   benchmark::RunSpecifiedBenchmarks();
 }

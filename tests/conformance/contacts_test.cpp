@@ -7,6 +7,7 @@
 
 #include "tests/check_property.h"
 #include "tests/contact_properties.h"
+#include "tests/expect_caught.h"
 #include "tests/planted_bugs/contact_bugs.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -88,6 +89,7 @@ TEST(Contacts, GeneratorsAreRegistered) {
     for (const Registered* r : Registry::instance().list(StageKind::contacts, d)) names.push_back(r->info.name);
     for (const char* expected : {"sat_clip", "query_clip", "deepest_point"})
       EXPECT_NE(std::find(names.begin(), names.end(), expected), names.end());
+    EXPECT_EQ(std::count(names.begin(), names.end(), "rounded_polygon"), d == 2 ? 1 : 0);
   }
 }
 
@@ -186,6 +188,77 @@ TEST(Contacts, AxesOnOneLineGiveADirectionAcrossIt) {
       EXPECT_LE(std::abs(n[0]), sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5)) << name << ", gap " << gap;
     }
   }
+}
+
+// Where vertices coincide, or lie on one line, no edge has a direction to offer.
+bool hasTrueNormal(ContactGenerator<2>& generator, const ContactScene<2>& scene) {
+  const auto fresh = scene.run(generator);
+  if (fresh.size() != 1u || !(std::abs(fresh[0].normal.norm() - 1) <= kUnitTolerance)) return false;
+  const Real truth = scene.trueDistance(), tolerance = 2 * scene.tolerance();
+  return std::abs(deepest(fresh[0]) - truth) <= tolerance &&
+         worldSeparation(scene, fresh[0].normal) >= truth - tolerance;
+}
+TEST(Contacts, VerticesThatCoincideHaveADirection) {
+  const Shape<2> ball = Shape<2>::sphere(Real(0.5)), log = Shape<2>::capsule(1, Real(0.25)),
+                 box = Shape<2>::box({1, Real(0.5)}, Real(0.125)), plain = Shape<2>::box({1, Real(0.5)});
+  const auto at = [](Real x, Real y, double angle = 0) { return Pose<2>{{x, y}, Rot<2>::angle(angle)}; };
+  const std::vector<ContactScene<2>> scenes = {
+      {ball, ball, at(3, 1), at(3, 1), 0},             // one centre
+      {ball, log, at(3, 1), at(4, 1), 0},              // a centre on a capsule's vertex
+      {log, log, at(0, 0), at(Real(2.25), 0), 0},      // two segments on one line, apart
+      {log, log, at(0, 0), at(2, 0), 0},               // that meet in a vertex
+      {log, log, at(0, 0), at(1, 0), 0},               // that share a stretch
+      {ball, log, at(0, 0), at(Real(1.6), 0), 0},      // before a capsule's end
+      {box, box, at(0, 0), at(2, 1), 0},               // rounded: corner on corner of the cores
+      {plain, plain, at(0, 0), at(2, 1), Real(0.01)},  // not rounded
+      {log, box, at(-2, Real(0.5)), at(0, 0), 0},      // a capsule's vertex in a box's
+      {ball, plain, at(0, Real(0.875)), at(0, 0), 0},  // over the middle of a floor
+      {log, log, at(0, 0), at(0, Real(0.75), 1.5707963267948966), Real(0.01)}};  // across, overlapping
+  PointsFromOneToTheOther bug;
+  int caught = 0;
+  for (const Registered* r : Registry::instance().list(StageKind::contacts, 2)) {
+    const auto generator = createStage<ContactGenerator<2>>({r->info.name, {}});
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      EXPECT_TRUE(hasTrueNormal(*generator, scenes[i])) << r->info.name << ", scene " << i;
+      EXPECT_TRUE(hasTrueNormal(*generator, scenes[i].swapped())) << r->info.name << ", scene " << i << " swapped";
+    }
+  }
+  for (const auto& scene : scenes) caught += !hasTrueNormal(bug, scene);
+  expectCaught("the normal is the way between the nearest vertices", caught == 0);
+}
+
+// "The running time is O(E + V)" (2009 report, 9.1.4): of bodies that touch few edges are measured against the other's
+// foremost vertex. The planted bug is to measure each.
+TEST(Contacts, RoundedPolygonsMeasureFewEdges) {
+  constexpr int kCorners = 256;
+  PlainDraw draw(5);
+  const auto round = [&] {
+    std::vector<Vec<2>> points;
+    const Real x = draw.real(0.5, 1), y = draw.real(0.5, 1);
+    for (int i = 0; i < kCorners; ++i) {
+      const Rot<2> turn = Rot<2>::angle(6.283185307179586 * i / kCorners);
+      points.emplace_back(x * turn.c, y * turn.s);
+    }
+    return Shape<2>::polytope(points);
+  };
+  const auto axes = [](const char* name, const ContactScene<2>& scene) {
+    const ShapePair pair{0, 1};
+    ChildPairs<2> childPairs;
+    WorkDone work;
+    std::vector<Manifold<2>> fresh;
+    const auto children = childPairs.of({&pair, 1}, scene.shapes, scene.pose, scene.margin, work);
+    createStage<ContactGenerator<2>>({name, {}})
+        ->generate({children, scene.shapes, scene.pose, scene.margin}, fresh, work);
+    return fresh.empty() || deepest(fresh[0]) < Real(-0.1) ? std::uint64_t(0) : work[WorkCount::axisTests];
+  };
+  std::uint64_t most = 0, all = 0;
+  for (int i = 0; i < 300; ++i) {
+    const ContactScene<2> scene(round(), round(), drawPose<2>(draw, 1), drawPose<2>(draw, 1), kContactMargin);
+    most = std::max(most, axes("rounded_polygon", scene)), all = std::max(all, axes("sat_clip", scene));
+  }
+  const auto few = [](std::uint64_t count) { return count > 0 && count <= kCorners / 8; };
+  EXPECT_TRUE(few(most)) << most << " of " << all;
+  expectCaught("every edge is measured", few(all));
 }
 
 TEST(Contacts, DeepBodiesGoBackWhereTheyCameFrom) {

@@ -133,6 +133,24 @@ struct Unclipped final : SpoiledContacts<D> {
   }
 };
 
+/// The normal is the way between the nearest two vertices, the 2009 report's second kind of axis, also where an edge is
+/// nearer, and where they coincide.
+struct PointsFromOneToTheOther final : SpoiledContacts<2> {
+  void spoil(const ContactInput<2>& in, Manifold<2>& m) override {
+    std::vector<Vec<2>> a, b;
+    coreVertices(in.shapes[0].shape.view(), a), coreVertices(in.shapes[1].shape.view(), b);
+    Vec<2> way = Vec<2>::Constant(std::numeric_limits<Real>::max());
+    const Pose<2> X_WA = in.pose[0] * in.shapes[0].X_CS, X_WB = in.pose[1] * in.shapes[1].X_CS;
+    for (const Vec<2>& p : a) {
+      for (const Vec<2>& q : b) {
+        const Vec<2> here = X_WB * q - X_WA * p;
+        if (here.lpNorm<1>() < way.lpNorm<1>()) way = here;
+      }
+    }
+    m.normal = way / way.norm();
+  }
+};
+
 /// Face axes only: the 2009 engine's mistake in 3D.
 template <int D>
 class NoEdgeContacts final : public ContactGenerator<D> {

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/shape.h"
+
+namespace lpc::inline LPC_PRECISION::bench {
+
+/// Another library's contacts of our polygons, boxes and hulls of up to eight corners, in 2D. Two entries are a pair.
+class ManifoldPeer {
+ public:
+  virtual ~ManifoldPeer() = default;
+  virtual void build(const std::vector<Shape<2>>& shapes, const std::vector<Pose<2>>& poses) = 0;
+  /// All pairs; the manifolds stay with the peer. Returns the number of points.
+  virtual int collide() = 0;
+};
+
+/// What is linked in files itself here, as algorithms do in the registry.
+struct ManifoldPeerEntry {
+  std::string name;
+  std::function<std::unique_ptr<ManifoldPeer>()> create;
+};
+std::vector<ManifoldPeerEntry>& manifoldPeers();
+
+struct ManifoldPeerRegistrar {
+  explicit ManifoldPeerRegistrar(ManifoldPeerEntry entry) { manifoldPeers().push_back(std::move(entry)); }
+};
+
+}  // namespace lpc::inline LPC_PRECISION::bench
