@@ -44,7 +44,7 @@ class Box2dPolygons final : public ManifoldPeer {
   std::vector<b2Manifold> m_manifolds;
 };
 
-const ManifoldPeerRegistrar kBox2d({"box2d", [] { return std::make_unique<Box2dPolygons>(); }});
+const ManifoldPeerRegistrar box2dPolygons({"peer_box2d", [] { return std::make_unique<Box2dPolygons>(); }});
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::bench
