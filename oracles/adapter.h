@@ -17,8 +17,9 @@ inline Eigen::Matrix3d turnFromZ() {
 
 /// The answer of a library that says "apart" and no more. Where the cores alone were asked and a rounding lies around
 /// them, that is no answer: refused.
-inline PairAnswer<3> apartAnswer(double rounding) {
-  PairAnswer<3> answer;
+template <int D>
+PairAnswer<D> apartAnswer(double rounding) {
+  PairAnswer<D> answer;
   if (rounding > 0) return answer;
   answer.status = QueryStatus::degenerate;  // the side is all there is
   answer.distance = std::numeric_limits<Real>::min();
@@ -26,14 +27,15 @@ inline PairAnswer<3> apartAnswer(double rounding) {
 }
 
 /// Depth of the cores along the unit normal n_AB, with the point half-way between their deepest points.
-inline PairAnswer<3> depthAnswer(double depth, const Eigen::Vector3d& normal, const Eigen::Vector3d& middle,
-                                 double roundingA, double roundingB) {
-  PairAnswer<3> answer;
+template <int D>
+PairAnswer<D> depthAnswer(double depth, const Eigen::Vector<double, D>& normal, const Eigen::Vector<double, D>& middle,
+                          double roundingA, double roundingB) {
+  PairAnswer<D> answer;
   answer.status = QueryStatus::converged;
   answer.distance = static_cast<Real>(-depth - roundingA - roundingB);
-  answer.normal = normal.cast<Real>();
-  answer.pA = (middle + (depth / 2 + roundingA) * normal).cast<Real>();
-  answer.pB = (middle - (depth / 2 + roundingB) * normal).cast<Real>();
+  answer.normal = normal.template cast<Real>();
+  answer.pA = (middle + (depth / 2 + roundingA) * normal).template cast<Real>();
+  answer.pB = (middle - (depth / 2 + roundingB) * normal).template cast<Real>();
   return answer;
 }
 

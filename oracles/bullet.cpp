@@ -157,11 +157,11 @@ Snippet bulletProgram(const Pose<3>& X, const std::string& head, const std::stri
 PairAnswer<3> answerOf(const btPointCollector& found, double roundingA, double roundingB) {
   const Eigen::Vector3d normal = -vectorOf(found.m_normalOnBInWorld), onB = vectorOf(found.m_pointInWorld);
   const double depth = -found.m_distance;
-  return depthAnswer(depth, normal, onB + depth / 2 * normal, roundingA, roundingB);
+  return depthAnswer<3>(depth, normal, onB + depth / 2 * normal, roundingA, roundingB);
 }
 
 template <int D>
-class BulletGjkEpa final : public IsolatedWitness {
+class BulletGjkEpa final : public IsolatedWitness<3> {
  public:
   using Params = NoParams;
   explicit BulletGjkEpa(const Params&) {}
@@ -221,7 +221,7 @@ class BulletGjkEpa final : public IsolatedWitness {
 };
 
 template <int D>
-class BulletBoxBox final : public IsolatedWitness {
+class BulletBoxBox final : public IsolatedWitness<3> {
  public:
   using Params = NoParams;
   explicit BulletBoxBox(const Params&) {}
@@ -255,7 +255,7 @@ class BulletBoxBox final : public IsolatedWitness {
     btBoxBoxDetector detector(&*m_a, &*m_b);
     btPointCollector found;  // keeps the deepest of up to eight
     detector.getClosestPoints(m_input, found, nullptr);
-    if (!found.m_hasResult) return apartAnswer(m_roundingA + m_roundingB);
+    if (!found.m_hasResult) return apartAnswer<3>(m_roundingA + m_roundingB);
     return answerOf(found, m_roundingA, m_roundingB);
   }
   Snippet snippet(const PairView<3>& pair) const override {

@@ -114,7 +114,7 @@ std::string fclPlaced(const std::string& name, const ShapeView<3>& shape, const 
 
 // What the three have in common.
 template <int D>
-class FclWitness : public IsolatedWitness {
+class FclWitness : public IsolatedWitness<3> {
  public:
   struct Params {
     Real tolerance = Real(1e-6);
@@ -154,7 +154,7 @@ class FclWitness : public IsolatedWitness {
     request.gjk_tolerance = static_cast<double>(m_params.tolerance);
     fcl::CollisionResult<double> result;
     fcl::collide(m_a.geometry.get(), m_a.X_WS, m_b.geometry.get(), m_b.X_WS, request, result);
-    if (!result.isCollision()) return apartAnswer(m_a.rounding + m_b.rounding);
+    if (!result.isCollision()) return apartAnswer<3>(m_a.rounding + m_b.rounding);
     // GST_INDEP reports minus the depth where its EPA answers, and the depth where a closed form does.
     const auto depth = [&](std::size_t i) { return std::abs(result.getContact(i).penetration_depth); };
     std::size_t deepest = 0;
@@ -162,7 +162,7 @@ class FclWitness : public IsolatedWitness {
       if (depth(i) > depth(deepest)) deepest = i;
     }
     const fcl::Contact<double>& contact = result.getContact(deepest);
-    return depthAnswer(depth(deepest), contact.normal, contact.pos, m_a.rounding, m_b.rounding);
+    return depthAnswer<3>(depth(deepest), contact.normal, contact.pos, m_a.rounding, m_b.rounding);
   }
 
   // `ask`: the statements that set `distance`; what throws leaves it.

@@ -37,7 +37,7 @@ void center(const void* object, ccd_vec3_t* out) {
 }
 
 // libccd 2.1 measures depths only. Of shapes that are apart it says no more than that.
-class LibccdWitness : public IsolatedWitness {
+class LibccdWitness : public IsolatedWitness<3> {
  protected:
   using Call = int (*)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
 
@@ -49,8 +49,8 @@ class LibccdWitness : public IsolatedWitness {
     ccd_vec3_t direction, position;
     ccdVec3Set(&direction, 0, 0, 0), ccdVec3Set(&position, 0, 0, 0);
     const int result = call(&m_a, &m_b, &settings, &depth, &direction, &position);
-    if (result == -1) return apartAnswer(0);
-    PairAnswer<3> answer = depthAnswer(depth, vectorOf(&direction).normalized(), vectorOf(&position), 0, 0);
+    if (result == -1) return apartAnswer<3>(0);
+    PairAnswer<3> answer = depthAnswer<3>(depth, vectorOf(&direction).normalized(), vectorOf(&position), 0, 0);
     if (result < -1) answer.status = QueryStatus::failed;  // out of memory
     return answer;
   }

@@ -67,7 +67,7 @@ class Geom {
 };
 
 template <int D>
-class Ode final : public IsolatedWitness {
+class Ode final : public IsolatedWitness<3> {
  public:
   using Params = NoParams;
   explicit Ode(const Params&) {}
@@ -103,7 +103,7 @@ class Ode final : public IsolatedWitness {
   PairAnswer<3> measure() override {
     std::array<dContactGeom, 8> found;
     const int count = dCollide(m_a.id(), m_b.id(), static_cast<int>(found.size()), found.data(), sizeof found[0]);
-    if (count <= 0) return apartAnswer(m_a.rounding() + m_b.rounding());
+    if (count <= 0) return apartAnswer<3>(m_a.rounding() + m_b.rounding());
     const dContactGeom* deepest = found.data();
     for (int i = 1; i < count; ++i) {
       if (found[static_cast<std::size_t>(i)].depth > deepest->depth) deepest = &found[static_cast<std::size_t>(i)];
@@ -111,7 +111,7 @@ class Ode final : public IsolatedWitness {
     // ODE's normals point into the first.
     const Eigen::Vector3d normal(-deepest->normal[0], -deepest->normal[1], -deepest->normal[2]);
     const Eigen::Vector3d middle(deepest->pos[0], deepest->pos[1], deepest->pos[2]);
-    return depthAnswer(deepest->depth, normal, middle, m_a.rounding(), m_b.rounding());
+    return depthAnswer<3>(deepest->depth, normal, middle, m_a.rounding(), m_b.rounding());
   }
 
   Snippet snippet(const PairView<3>& pair) const override {

@@ -11,7 +11,7 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// `Solid` is an IsolatedWitness. Its table of error bars in 2D is that of the class that derives from this one.
+/// `Solid` is an IsolatedWitness<3>. Its table of error bars in 2D is that of the class that derives from this one.
 template <class Solid>
 class Prisms : public Witness<2> {
  public:

@@ -21,9 +21,12 @@ struct Snippet {
 /// A question as the library has it: in a unit in which the larger shape is about 1.
 struct Question {
   Snippet snippet;
-  double unit = 1;         // m; a power of two: all that follows is in it
-  RefereeAnswer<3> truth;  // of the shapes that the library knows
-  double allowed = 0;      // beyond the truth's interval, for rounding
+  double unit = 1;  // m; a power of two: all that follows is in it
+  struct Truth {
+    bool decided = false;  // false: nothing is proved
+    double lo = 0, hi = 0;
+  } truth;             // of the distance of the shapes that the library knows
+  double allowed = 0;  // beyond the truth's interval, for rounding
 
   /// Is that the distance (as `distance` above)? The program returns 0 when it is.
   bool isRight(double distance) const;

@@ -32,12 +32,24 @@ constexpr std::int64_t kBusyLimit = 500'000'000;    // ns of its own processor t
 constexpr std::int64_t kIdleLimit = 3'000'000'000;  // ns by the clock, for one that sleeps; a loaded machine is no hang
 constexpr int kVainStarts = 3;
 
-using Face = Polytope<3>::Face;
-
 // Both processes see the shared memory at the same address: pointers into it hold in either.
-struct StoredHull {
+template <int D>
+struct StoredHull;
+
+template <>
+struct StoredHull<2> {
+  std::span<const Vec<2>> vertices, normals;
+
+  void restore(Polytope<2>& hull) const {
+    hull.vertices.assign(vertices.begin(), vertices.end());
+    hull.normals.assign(normals.begin(), normals.end());
+  }
+};
+
+template <>
+struct StoredHull<3> {
   std::span<const Vec<3>> vertices;
-  std::span<const Face> faces;
+  std::span<const Polytope<3>::Face> faces;
   std::span<const int> loop;
 
   void restore(Polytope<3>& hull) const {
@@ -48,7 +60,8 @@ struct StoredHull {
 };
 
 // A power of two in which the larger shape is about 1. 1 for shapes without any size.
-Real unitFor(const PairView<3>& pair) {
+template <int D>
+Real unitFor(const PairView<D>& pair) {
   int exponent = 0;
   const Real size = std::max(boundingRadius(pair.a), boundingRadius(pair.b));
   if (std::isfinite(size)) std::frexp(size, &exponent);
@@ -56,50 +69,56 @@ Real unitFor(const PairView<3>& pair) {
 }
 
 // hull: where to keep the scaled one.
-void divide(ShapeView<3>& shape, Polytope<3>& hull, Real unit) {
+template <int D>
+void divide(ShapeView<D>& shape, Polytope<D>& hull, Real unit) {
   shape.radius /= unit, shape.half /= unit;
   if (!shape.hull) return;
-  for (Vec<3>& v : hull.vertices) v /= unit;
-  for (Face& f : hull.faces) f.offset /= unit;
+  for (Vec<D>& v : hull.vertices) v /= unit;
+  if constexpr (D == 3) {
+    for (auto& face : hull.faces) face.offset /= unit;
+  }
   shape.hull = &hull;
 }
 
 // The sizes of a curved core, from which the child makes it anew.
+template <int D>
 struct StoredSizes {
   static constexpr std::size_t kMost = 8;
   std::array<Real, kMost> values{};
   std::size_t count = 0;
 
-  explicit StoredSizes(const CurvedCore<3>* core = nullptr) {
+  explicit StoredSizes(const CurvedCore<D>* core = nullptr) {
     if (!core) return;
     LPC_ASSERT(core->sizes().size() <= kMost);
     count = core->sizes().size();
     std::copy(core->sizes().begin(), core->sizes().end(), values.begin());
   }
-  std::shared_ptr<const CurvedCore<3>> restore(ShapeView<3>& shape, Real unit) const {
+  std::shared_ptr<const CurvedCore<D>> restore(ShapeView<D>& shape, Real unit) const {
     if (!shape.curved) return nullptr;
     std::array<Real, kMost> scaled = values;
     for (Real& size : scaled) size /= unit;
-    const auto core = curvedKind<3>(shape.kind).create({scaled.data(), count});
+    const auto core = curvedKind<D>(shape.kind).create({scaled.data(), count});
     shape.curved = core.get();
     return core;
   }
 };
 
+template <int D>
 struct StoredPair {
-  PairView<3> view;
+  PairView<D> view;
   Real unit = 1;
-  StoredHull hullA, hullB;
-  StoredSizes sizesA, sizesB;
+  StoredHull<D> hullA, hullB;
+  StoredSizes<D> sizesA, sizesB;
 };
 
+template <int D>
 struct Block {
   sem_t asked, answered;
   // Pairs begun and pairs done, counted by the child; the parent corrects `done` when the child is dead.
   std::atomic<int> begun = 0, done = 0;
   int count = 0;
-  std::array<StoredPair, kBlock> pairs;
-  std::array<PairAnswer<3>, kBlock> answers;
+  std::array<StoredPair<D>, kBlock> pairs;
+  std::array<PairAnswer<D>, kBlock> answers;
   std::array<Ending, kBlock> endings{};
   std::array<std::int64_t, kBlock> nanoseconds{};
 };
@@ -115,8 +134,13 @@ struct HullSpace {
     static_assert(alignof(T) <= alignof(double));
     return (items.size() * sizeof(T) + alignof(double) - 1) / alignof(double) * alignof(double);
   }
-  static std::size_t bytes(const ShapeView<3>& s) {
-    return s.hull ? bytes(s.hull->vertices) + bytes(s.hull->faces) + bytes(s.hull->loop) : 0;
+  static std::size_t bytes(const Polytope<2>& hull) { return bytes(hull.vertices) + bytes(hull.normals); }
+  static std::size_t bytes(const Polytope<3>& hull) {
+    return bytes(hull.vertices) + bytes(hull.faces) + bytes(hull.loop);
+  }
+  template <int D>
+  static std::size_t bytes(const PairView<D>& pair) {
+    return (pair.a.hull ? bytes(*pair.a.hull) : 0) + (pair.b.hull ? bytes(*pair.b.hull) : 0);
   }
   template <class T>
   std::span<const T> put(const std::vector<T>& items) {
@@ -125,18 +149,24 @@ struct HullSpace {
     next += bytes(items);
     return {first, items.size()};
   }
-  StoredHull put(const Polytope<3>* hull) {
+  StoredHull<2> put(const Polytope<2>* hull) {
+    if (!hull) return {};
+    return {put(hull->vertices), put(hull->normals)};
+  }
+  StoredHull<3> put(const Polytope<3>* hull) {
     if (!hull) return {};
     return {put(hull->vertices), put(hull->faces), put(hull->loop)};
   }
 };
 
-bool isFinite(const PairAnswer<3>& a) {
+template <int D>
+bool isFinite(const PairAnswer<D>& a) {
   return std::isfinite(a.distance) && a.normal.allFinite() && a.pA.allFinite() && a.pB.allFinite();
 }
 
-PairAnswer<3> failure() {
-  PairAnswer<3> a;
+template <int D>
+PairAnswer<D> failure() {
+  PairAnswer<D> a;
   a.status = QueryStatus::failed;
   return a;
 }
@@ -157,14 +187,15 @@ std::string_view endingName(Ending ending) {
   return kNames[static_cast<std::size_t>(ending)];
 }
 
-class IsolatedWitness::Process {
+template <int D>
+class IsolatedWitness<D>::Process {
  public:
   explicit Process(IsolatedWitness& witness) : m_witness(witness) {}
   ~Process() { release(); }
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  void run(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers, std::span<Ending> endings,
+  void run(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers, std::span<Ending> endings,
            std::int64_t& nanoseconds) {
     if (m_owner != getpid()) release();  // a forked copy of the witness: the child is the original's
     for (std::size_t begin = 0; begin < pairs.size();) {
@@ -181,8 +212,8 @@ class IsolatedWitness::Process {
 
  private:
   // Puts as many pairs into the shared memory as there is room for: at least one.
-  std::size_t fill(std::span<const PairView<3>> pairs) {
-    const std::size_t first = HullSpace::bytes(pairs[0].a) + HullSpace::bytes(pairs[0].b);
+  std::size_t fill(std::span<const PairView<D>> pairs) {
+    const std::size_t first = HullSpace::bytes(pairs[0]);
     if (!m_block || first > m_hullBytes) {
       release();
       m_hullBytes = std::max(first, kHullBytes);
@@ -191,15 +222,15 @@ class IsolatedWitness::Process {
     HullSpace space{reinterpret_cast<std::byte*>(m_block + 1), reinterpret_cast<std::byte*>(m_block + 1) + m_hullBytes};
     std::size_t count = 0;
     for (; count < pairs.size() && count < kBlock; ++count) {
-      const PairView<3>& pair = pairs[count];
+      const PairView<D>& pair = pairs[count];
       const auto room = static_cast<std::size_t>(space.end - space.next);
-      if (HullSpace::bytes(pair.a) + HullSpace::bytes(pair.b) > room) break;
+      if (HullSpace::bytes(pair) > room) break;
       m_block->pairs[count] = {pair,
                                unitFor(pair),
                                space.put(pair.a.hull),
                                space.put(pair.b.hull),
-                               StoredSizes(pair.a.curved),
-                               StoredSizes(pair.b.curved)};
+                               StoredSizes<D>(pair.a.curved),
+                               StoredSizes<D>(pair.b.curved)};
     }
     m_block->count = static_cast<int>(count);
     return count;
@@ -220,7 +251,7 @@ class IsolatedWitness::Process {
       const int at = m_block->done++;
       m_block->begun.store(at + 1);
       const auto i = static_cast<std::size_t>(at);
-      m_block->answers[i] = failure(), m_block->endings[i] = ending, m_block->nanoseconds[i] = 0;
+      m_block->answers[i] = failure<D>(), m_block->endings[i] = ending, m_block->nanoseconds[i] = 0;
       if (at + 1 >= m_block->count) return;
     }
   }
@@ -271,7 +302,7 @@ class IsolatedWitness::Process {
     for (int fd = 0; fd < 3; ++fd) dup2(nowhere, fd);
     close_range(3, ~0u, 0);
 
-    Polytope<3> hullA, hullB;
+    Polytope<D> hullA, hullB;
     for (;;) {
       while (sem_wait(&m_block->asked) != 0) continue;
       for (int i = m_block->done; i < m_block->count; ++i) {
@@ -283,15 +314,15 @@ class IsolatedWitness::Process {
     }
   }
 
-  void answer(std::size_t i, Polytope<3>& hullA, Polytope<3>& hullB) {
+  void answer(std::size_t i, Polytope<D>& hullA, Polytope<D>& hullB) {
     using Clock = std::chrono::steady_clock;
-    const StoredPair& stored = m_block->pairs[i];
-    PairView<3> pair = stored.view;
+    const StoredPair<D>& stored = m_block->pairs[i];
+    PairView<D> pair = stored.view;
     stored.hullA.restore(hullA), stored.hullB.restore(hullB);
     divide(pair.a, hullA, stored.unit), divide(pair.b, hullB, stored.unit);
     const auto coreA = stored.sizesA.restore(pair.a, stored.unit), coreB = stored.sizesB.restore(pair.b, stored.unit);
     pair.X_AB.p /= stored.unit;
-    PairAnswer<3> answer = failure();
+    PairAnswer<D> answer = failure<D>();
     Ending ending = Ending::threw;
     Clock::time_point before = Clock::now(), after = before;
     try {
@@ -304,7 +335,7 @@ class IsolatedWitness::Process {
     } catch (...) {
       after = Clock::now();
     }
-    m_block->answers[i] = ending == Ending::answered ? answer : failure();
+    m_block->answers[i] = ending == Ending::answered ? answer : failure<D>();
     m_block->endings[i] = ending;
     m_block->nanoseconds[i] = std::chrono::nanoseconds(after - before).count();
   }
@@ -318,57 +349,62 @@ class IsolatedWitness::Process {
   }
 
   void map() {
-    void* memory = mmap(nullptr, sizeof(Block) + m_hullBytes, PROT_READ | PROT_WRITE,
+    void* memory = mmap(nullptr, sizeof(Block<D>) + m_hullBytes, PROT_READ | PROT_WRITE,
                         MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (memory == MAP_FAILED)
       throw std::system_error(errno, std::generic_category(), "a witness cannot be given memory");
-    m_block = new (memory) Block;
+    m_block = new (memory) Block<D>;
     m_owner = getpid();
   }
 
   void release() {
     if (m_owner == getpid()) stop();
     m_child = -1;
-    if (m_block) munmap(m_block, sizeof(Block) + m_hullBytes);
+    if (m_block) munmap(m_block, sizeof(Block<D>) + m_hullBytes);
     m_block = nullptr;
   }
 
   IsolatedWitness& m_witness;
-  Block* m_block = nullptr;  // followed by m_hullBytes for hulls
+  Block<D>* m_block = nullptr;  // followed by m_hullBytes for hulls
   std::size_t m_hullBytes = 0;
   pid_t m_owner = -1, m_child = -1;
 };
 
-IsolatedWitness::IsolatedWitness() : m_process(std::make_unique<Process>(*this)) {}
-IsolatedWitness::~IsolatedWitness() = default;
+template <int D>
+IsolatedWitness<D>::IsolatedWitness() : m_process(std::make_unique<Process>(*this)) {}
+template <int D>
+IsolatedWitness<D>::~IsolatedWitness() = default;
 
-void IsolatedWitness::query(std::span<const PairView<3>> pairs, QueryNeed, std::span<PairAnswer<3>> answers,
-                            std::span<PairMemory>, WorkDone& work) {
+template <int D>
+void IsolatedWitness<D>::query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers,
+                               std::span<PairMemory>, WorkDone& work) {
   work[WorkCount::pairQueries] += pairs.size();
   ask(pairs, answers);
 }
 
-void IsolatedWitness::ask(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers) {
+template <int D>
+void IsolatedWitness<D>::ask(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers) {
   m_endings.assign(pairs.size(), Ending::answered);
   m_nanoseconds = 0;
   m_process->run(pairs, answers, m_endings, m_nanoseconds);
 }
 
-std::optional<Question> IsolatedWitness::question(const PairView<3>& pair) {
+template <int D>
+std::optional<Question> IsolatedWitness<D>::question(const PairView<D>& pair) {
   const Real unit = unitFor(pair);
   Question out{.snippet = {}, .unit = static_cast<double>(unit), .truth = {}};
-  PairView<3> scaled = pair;
-  Polytope<3> hullA, hullB;
+  PairView<D> scaled = pair;
+  Polytope<D> hullA, hullB;
   if (pair.a.hull) hullA = *pair.a.hull;
   if (pair.b.hull) hullB = *pair.b.hull;
-  const StoredSizes sizesA(pair.a.curved), sizesB(pair.b.curved);
+  const StoredSizes<D> sizesA(pair.a.curved), sizesB(pair.b.curved);
   divide(scaled.a, hullA, unit), divide(scaled.b, hullB, unit);
   const auto coreA = sizesA.restore(scaled.a, unit), coreB = sizesB.restore(scaled.b, unit);
   scaled.X_AB.p /= unit;
   out.snippet = snippet(scaled);
   if (out.snippet.body.empty()) return std::nullopt;
-  const PairTruth<3> known = pairTruth<3>(scaled);
-  out.truth = known.answer, out.allowed = verifyTolerance() * known.s;
+  const PairTruth<D> known = pairTruth<D>(scaled);
+  out.truth = {known.answer.decided, known.answer.lo, known.answer.hi}, out.allowed = verifyTolerance() * known.s;
   if (const double rounding = out.snippet.rounding; rounding > 0) {  // of the cores, outwards
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     out.truth.lo = std::nextafter(out.truth.lo + rounding, -kInfinity);
@@ -376,5 +412,8 @@ std::optional<Question> IsolatedWitness::question(const PairView<3>& pair) {
   }
   return out;
 }
+
+template class IsolatedWitness<2>;
+template class IsolatedWitness<3>;
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -12,28 +12,30 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-class IsolatedWitness : public Witness<3> {
+template <int D>
+class IsolatedWitness : public Witness<D> {
  public:
   IsolatedWitness();
   ~IsolatedWitness() override;
 
-  void query(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
              std::span<PairMemory> memory, WorkDone& work) final;
   std::span<const Ending> endings() const final { return m_endings; }
   std::int64_t nanoseconds() const final { return m_nanoseconds; }
-  std::optional<Question> question(const PairView<3>& pair) final;
+  std::optional<Question> question(const PairView<D>& pair) final;
 
   /// Any number of pairs, of any kinds that are supported. Fills `answers`, of the same length, and `endings`.
-  void ask(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers);
+  void ask(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers);
 
  protected:
   // Both run in the child and may throw, abort, fault or never return. The pair comes in a unit in which the larger
   // shape is about 1, and the answer is taken in that unit, because these libraries have absolute thresholds for shapes
-  // of about a metre. The unit is a power of two: it costs no digit. A hull has vertices, faces and loop, but no edges.
-  virtual void place(const PairView<3>& pair) = 0;  // the pair in the library's own terms; not timed
-  virtual PairAnswer<3> measure() = 0;              // the library's answer to it
+  // of about a metre. The unit is a power of two: it costs no digit. A hull of 3D has vertices, faces and loop, but no
+  // edges.
+  virtual void place(const PairView<D>& pair) = 0;  // the pair in the library's own terms; not timed
+  virtual PairAnswer<D> measure() = 0;              // the library's answer to it
   // Both of these as a program, of a pair in that unit; runs in the parent and calls nothing of the library.
-  virtual Snippet snippet(const PairView<3>&) const { return {}; }
+  virtual Snippet snippet(const PairView<D>&) const { return {}; }
 
  private:
   class Process;

@@ -22,7 +22,7 @@ namespace {
 enum class Fault { throws, throwsInPlace, aborts, segfaults, exits, spins, sleeps, nan, infiniteNormal, prints };
 
 // The answer to the pair at (x, 0, 0) is -x with normal x: from a library that misbehaves at chosen places.
-class Planted final : public IsolatedWitness {
+class Planted final : public IsolatedWitness<3> {
  public:
   std::map<int, Fault> faults;
 
@@ -162,7 +162,7 @@ struct Fingerprint {
   }
 };
 
-class Fingerprints final : public IsolatedWitness {
+class Fingerprints final : public IsolatedWitness<3> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
 
@@ -204,7 +204,7 @@ TEST(WitnessProcess, ShapesArriveWhole) {
 }
 
 // Says who it is.
-class Named final : public IsolatedWitness {
+class Named final : public IsolatedWitness<3> {
  public:
   bool supports(ShapeKind, ShapeKind) const override { return true; }
   pid_t process() {

@@ -142,7 +142,7 @@ TEST(Corpus, TheRefereeConfirmsEveryExpectedValue) {
 // A method that is wrong in any of these ways must be seen, and must stop nobody: a corpus that cannot fail is no
 // corpus.
 template <int D>
-class WrongWitness final : public IsolatedWitness {
+class WrongWitness final : public IsolatedWitness<3> {
  public:
   static inline int mode = 0;  // 0 right, 1 too deep, 2 flipped normal, 3 NaN, 4 throws, 5 aborts, 6 never returns
   using Params = NoParams;

@@ -11,7 +11,7 @@ namespace {
 // fixed number of times: the points come as near to each other as the segments are (Cheney and Goldstein, 1959), slowly
 // where these are nearly parallel. Segments hardly ever meet, so their distance minus the radii is the signed one.
 template <int D>
-class AlternatingProjections final : public IsolatedWitness {
+class AlternatingProjections final : public IsolatedWitness<3> {
  public:
   struct Params {
     int rounds = 20;
