@@ -36,10 +36,8 @@ struct Method {
   const Registered* entry;
   std::unique_ptr<PairQuery<D>> query;
 
-  Ending ending() const {
-    const auto* witness = dynamic_cast<const Witness<D>*>(query.get());
-    return witness ? witness->endings()[0] : Ending::answered;
-  }
+  const Witness<D>* witness() const { return dynamic_cast<const Witness<D>*>(query.get()); }
+  Ending ending() const { return witness() ? witness()->endings()[0] : Ending::answered; }
 };
 template <int D>
 using Methods = std::vector<Method<D>>;
@@ -54,11 +52,11 @@ Methods<D> methods() {
 }
 
 template <int D>
-void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer, CaseResult& row) {
+void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer, double tolerance, CaseResult& row) {
   const CaseExpected& expected = c.expected;
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
   const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, expected.distance);
-  const double allowed = expected.tolerance + toleranceOf(c) * s;
+  const double allowed = expected.tolerance + tolerance * s;
   row.value = static_cast<double>(answer.distance);
   row.error = std::abs(row.value - expected.distance) / s;
   row.verdict = CaseVerdict::wrong;
@@ -141,7 +139,7 @@ void askMethod(const Case& c, const CaseGeometry<D>& g, Method<D>& method, CaseR
     return end(answer.status == QueryStatus::refused ? CaseVerdict::refused : CaseVerdict::failed,
                "declared, yet status " + std::string(queryStatusName(answer.status)));
   }
-  judge<D>(c, g, answer, row);
+  judge<D>(c, g, answer, std::max(toleranceOf(c), verifyTolerance(method.witness())), row);
 }
 
 template <int D>

@@ -111,7 +111,21 @@ Verdict askAgain(const Case& c, const std::string& method) {
   return std::visit([&](const auto& g) { return askAgainIn(g, c.finding->stage, method); }, c.geometry);
 }
 
-double verifyTolerance() { return sizeof(Real) == 8 ? 1e-12 : 1e-5; }
+namespace {
+
+double toleranceIn(bool inFloat) { return inFloat ? 1e-5 : 1e-12; }
+
+}  // namespace
+
+double verifyTolerance() { return toleranceIn(sizeof(Real) == sizeof(float)); }
+
+template <int D>
+double verifyTolerance(const Witness<D>* witness) {
+  return witness ? toleranceIn(witness->computesInFloat()) : verifyTolerance();
+}
+
+template double verifyTolerance(const Witness<2>*);
+template double verifyTolerance(const Witness<3>*);
 
 Verified verify(const VerifyTask& task) {
   if (task.dimension == 2 || task.dimension == 3) {

@@ -31,6 +31,9 @@ struct Candidate {
 
 /// 1e-12 of the pair's size in double precision, 1e-5 in single.
 double verifyTolerance();
+/// The same of who is asked, null for who is no witness: that of single precision for who computes in it.
+template <int D>
+double verifyTolerance(const Witness<D>* witness);
 
 /// What every method is asked: the inputs numbered first .. first + count - 1 of a seed.
 struct VerifyRange {
@@ -53,7 +56,7 @@ PairTruth<D> pairTruth(const PairView<D>& pair);
 /// separation along the normal lacks, whichever is more. A side alone (a witness's `degenerate`) has none.
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& truth, const PairAnswer<D>& answer, AlgorithmRole role,
-              Ending ending = Ending::answered);
+              Ending ending = Ending::answered, double tolerance = verifyTolerance());
 
 /// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them.
 template <int D>

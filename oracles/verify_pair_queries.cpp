@@ -60,11 +60,12 @@ Tally endOf(Ending ending) {
 
 // What the separation along the answer's normal lacks, which is all that a normal is for.
 template <int D>
-double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<D>& n, AlgorithmRole role) {
+double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<D>& n, AlgorithmRole role,
+                 double tolerance) {
   const Interval truth = known.answer.interval();
   if (n.isZero(0)) {
     // No direction is an answer only where the boundaries touch, and witnesses may have none.
-    const bool touching = std::abs(truth.middle()) <= verifyTolerance() * known.s;
+    const bool touching = std::abs(truth.middle()) <= tolerance * known.s;
     return touching || role != AlgorithmRole::competitor ? 0 : known.s;
   }
   const double length = std::abs(n.norm() - 1);
@@ -87,9 +88,9 @@ template PairTruth<3> pairTruth(const PairView<3>&);
 
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, AlgorithmRole role,
-              Ending ending) {
+              Ending ending, double tolerance) {
   // The bounds of a curved core leave something open: who is judged by them must be content with ten times that.
-  const bool narrow = 10 * known.answer.interval().width() <= verifyTolerance() * known.s;
+  const bool narrow = 10 * known.answer.interval().width() <= tolerance * known.s;
   if (!known.answer.decided || !narrow) return withoutAnswer(Tally::undecided);
   if (ending != Ending::answered) return withoutAnswer(endOf(ending));
   if (answer.status == QueryStatus::refused) return withoutAnswer(Tally::refused);
@@ -98,16 +99,16 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
   if (answer.status == QueryStatus::failed || !finite) return withoutAnswer(Tally::notFinite);
 
   const Interval truth = known.answer.interval();
-  const double allowed = verifyTolerance() * known.s;
+  const double allowed = tolerance * known.s;
   Verdict v;
   v.capped = answer.status != QueryStatus::converged;
   v.wrongSide = (phi < 0 && truth.lo > allowed) || (phi >= 0 && truth.hi < -allowed);
   // A witness that is `degenerate` knows the side and no value (libccd of shapes that are apart).
   if (role == AlgorithmRole::competitor || answer.status != QueryStatus::degenerate) {
     const Vecd<D> n = answer.normal.template cast<double>();
-    const double value = truth.distanceTo(phi), along = shortfall(pair, known, n, role);
+    const double value = truth.distanceTo(phi), along = shortfall(pair, known, n, role, tolerance);
     v.value = phi, v.error = std::max(value, along) / known.s;
-    if (*v.error > verifyTolerance()) {
+    if (*v.error > tolerance) {
       v.end = Tally::wrong, v.failure = value > allowed ? "wrong_distance" : "wrong_normal";
     } else if (!n.isZero(0) && (n.normalized() - known.answer.normal).norm() > kOtherNormal) {
       v.end = Tally::tie;
@@ -117,8 +118,8 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
   return v;
 }
 
-template Verdict judge(const PairView<2>&, const PairTruth<2>&, const PairAnswer<2>&, AlgorithmRole, Ending);
-template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer<3>&, AlgorithmRole, Ending);
+template Verdict judge(const PairView<2>&, const PairTruth<2>&, const PairAnswer<2>&, AlgorithmRole, Ending, double);
+template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer<3>&, AlgorithmRole, Ending, double);
 
 template <int D>
 Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method) {
@@ -126,7 +127,8 @@ Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& metho
   const auto* witness = dynamic_cast<const Witness<D>*>(query.get());
   const PairAnswer<D> answer = queryPair(*query, pair.a.view(), pair.b.view(), pair.X_AB);
   const PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
-  return judge(view, pairTruth(view), answer, method.info.role, witness ? witness->endings()[0] : Ending::answered);
+  const Ending ending = witness ? witness->endings()[0] : Ending::answered;
+  return judge(view, pairTruth(view), answer, method.info.role, ending, verifyTolerance(witness));
 }
 
 template Verdict verifyPair(const HardPair<2>&, const Candidate<PairQuery<2>>&);
@@ -150,6 +152,7 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
       const auto method = m.create();
       if (!method->supports(kindA, kindB)) continue;
       const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
+      const double tolerance = verifyTolerance(witness);
       WorkDone work;
       double spent = 0;
       answers.assign(views.size(), {});
@@ -166,8 +169,8 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
         const PairAnswer<D>& answer = answers[static_cast<std::size_t>(i)];
         const Ending ending =
             witness && !range.ended ? witness->endings()[static_cast<std::size_t>(i)] : Ending::answered;
-        const Verdict verdict =
-            range.ended ? withoutAnswer(*range.ended) : judge(k.view(), k.truth, answer, m.info.role, ending);
+        const Verdict verdict = range.ended ? withoutAnswer(*range.ended)
+                                            : judge(k.view(), k.truth, answer, m.info.role, ending, tolerance);
         const auto text = [&] {
           const int index = range.first + begin + i;
           return caseText<D>(inputName(subject, range.seed, index), StageKind::pairQuery, k.pair,

@@ -39,6 +39,9 @@ class Witness : public PairQuery<D> {
     }
     return std::numeric_limits<double>::infinity();
   }
+  /// Of a library in float, whatever it is asked in: its numbers are rounded before it sees them, so that it is judged
+  /// by the tolerance of f32 in f64, too.
+  virtual bool computesInFloat() const { return sizeof(Real) == sizeof(float); }
   bool supports(ShapeKind a, ShapeKind b) const override { return a <= b && std::isfinite(errorBar(a, b)); }
   /// Of the last batch, one per pair.
   virtual std::span<const Ending> endings() const = 0;

@@ -74,7 +74,7 @@ TrialResult runPairs(const json& t) {
       XXH64_update(hash, &answer.distance, sizeof answer.distance);
       const Ending ending = witness ? witness->endings()[i - begin] : Ending::answered;
       const PairView<D>& pair = views[i - begin];
-      const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending);
+      const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending, verifyTolerance(witness));
       if (verdict.error) seen.errors.push_back(*verdict.error);
       seen.wrong += verdict.end == Tally::wrong;
       seen.wrongSide += verdict.wrongSide;
