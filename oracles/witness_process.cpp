@@ -404,7 +404,8 @@ std::optional<Question> IsolatedWitness<D>::question(const PairView<D>& pair) {
   out.snippet = snippet(scaled);
   if (out.snippet.body.empty()) return std::nullopt;
   const PairTruth<D> known = pairTruth<D>(scaled);
-  out.truth = {known.answer.decided, known.answer.lo, known.answer.hi}, out.allowed = verifyTolerance() * known.s;
+  out.truth = {known.answer.decided, known.answer.lo, known.answer.hi},
+  out.allowed = verifyTolerance<D>(this) * known.s;
   if (const double rounding = out.snippet.rounding; rounding > 0) {  // of the cores, outwards
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     out.truth.lo = std::nextafter(out.truth.lo + rounding, -kInfinity);

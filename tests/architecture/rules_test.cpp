@@ -56,7 +56,7 @@ const std::vector<Allowance> kAllowances = {
     {"algorithms/", {"framework/", "Eigen/", "hwy/"}, {}},  // and kernel headers of the own group
     {"oracles/", {"framework/", "oracles/", "Eigen/"}, {"fcl/", "ccd/", "BulletCollision/", "gmpxx.h", "nlohmann/"}},
     {"oracles/", {}, {"siconos/"}},
-    {"oracles/", {}, {"ode/"}},
+    {"oracles/", {}, {"ode/", "box2d/", "chipmunk/"}},
     {"oracles/engines/", {}, {"BulletDynamics/", "LinearMath/", "box2d/"}},
     {"oracles/", {}, kPosix},
     {"experiments/", {"framework/", "oracles/", "experiments/", "Eigen/"}, {}},

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "oracles/referee.h"
+#include "oracles/verify.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 
@@ -247,15 +248,19 @@ TEST_P(EachWitness, ErrorBarsAreMeasured) {
   inItsDimension([](const auto& e) { barsAreMeasured(e); });
 }
 
-Entry<3> witness(const std::string& name) { return {name, createStage<PairQuery<3>>(Spec{name, {}})}; }
+template <int D = 3>
+Entry<D> witness(const std::string& name) {
+  return {name, createStage<PairQuery<D>>(Spec{name, {}})};
+}
 Shape<3> cube(Real half) { return Shape<3>::box(Vec<3>::Constant(half)); }
 Shape<3> cubeAsHull() {
   std::vector<Vec<3>> corners;
   for (int bits = 0; bits < 8; ++bits) corners.emplace_back(bits & 1 ? 1 : -1, bits & 2 ? 1 : -1, bits & 4 ? 1 : -1);
   return Shape<3>::polytope(std::span<const Vec<3>>(corners));
 }
+template <int D = 3>
 double worstError(const std::string& name, ShapeKind a, ShapeKind b) {
-  return measure(witness(name), a, b).errors.back();
+  return measure(witness<D>(name), a, b).errors.back();
 }
 
 // Failures of the witnesses that are declared in their info(): when one of these tests fails, the library was mended.
@@ -291,6 +296,46 @@ TEST(Witnesses, OdeDepthOfCapsulesInBoxesIsOff) {
 }
 TEST(Witnesses, BulletBoxBoxPrefersFaces) {
   EXPECT_GT(worstError("bullet_box_box", ShapeKind::box, ShapeKind::box), 1e-3);
+}
+TEST(Witnesses, Box2dRefusesNineCorners) {
+  std::vector<Vec<2>> corners;
+  for (const int x : {-4, -3, -2, -1, 0, 1, 2, 3, 4}) corners.emplace_back(x, Real(0.25) * Real(x * x));
+  const auto statusOf = [&](std::size_t count) {
+    const Shape<2> hull = Shape<2>::polytope(std::span<const Vec<2>>(corners.data(), count));
+    return ask(witness<2>("box2d"), Pair<2>{Shape<2>::sphere(1), hull, {Vec<2>(8, 0), {}}}).status;
+  };
+  EXPECT_EQ(statusOf(8), QueryStatus::converged);
+  EXPECT_EQ(statusOf(9), QueryStatus::refused);
+}
+TEST(Witnesses, Box2dPrefersFacesOfTheFirst) {
+  EXPECT_GT(worstError<2>("box2d", ShapeKind::box, ShapeKind::box), 1e-4);
+}
+// Its numbers are rounded before it sees them: no fault of its own.
+TEST(Witnesses, FloatIsJudgedAsFloat) {
+  const Entry<2> box2d = witness<2>("box2d");
+  const Shape<2> box = Shape<2>::box({Real(0.3), Real(0.7)});
+  const PairView<2> pair{box.view(), box.view(), {Vec<2>(Real(1.1), Real(0.1)), Rot<2>::angle(Real(0.3))}};
+  const PairAnswer<2> answer = queryPair(*box2d.query, pair.a, pair.b, pair.X_AB);
+  const auto judged = [&](double tolerance) {
+    return judge(pair, pairTruth(pair), answer, AlgorithmRole::witness, Ending::answered, tolerance).end;
+  };
+  EXPECT_EQ(judged(verifyTolerance(&box2d.witness())), Tally::agree);
+  EXPECT_EQ(judged(verifyTolerance(&witness<2>("chipmunk").witness())), Tally::wrong);
+}
+TEST(Witnesses, ChipmunkHasNoDepthInTheSamePlace) {
+  const Shape<2> box = Shape<2>::box({Real(0.5), Real(0.625)});
+  const PairAnswer<2> answer = ask(witness<2>("chipmunk"), Pair<2>{box, box, {}});
+  EXPECT_FALSE(answer.distance < Real(-0.5));  // of 1
+}
+TEST(Witnesses, ChipmunkCapsulesOnOneLineAreTooDeep) {
+  const Shape<2> capsule = Shape<2>::capsule(Real(0.5), Real(0.25));
+  const PairAnswer<2> answer = ask(witness<2>("chipmunk"), Pair<2>{capsule, capsule, {Vec<2>(Real(1.4), 0), {}}});
+  EXPECT_LT(answer.distance, Real(-0.2));  // of 0.1
+}
+TEST(Witnesses, ChipmunkForgetsTheTurnOfACapsule) {
+  const Pair<2> pair{Shape<2>::sphere(1), Shape<2>::capsule(Real(0.5), Real(0.25)), {Vec<2>(0, 0), Rot<2>::angle(0.5)}};
+  const Vec<2> across = pair.X_AB.q * Vec<2>::Unit(1);
+  EXPECT_LT(std::abs(ask(witness<2>("chipmunk"), pair).normal.dot(across)), Real(0.9));
 }
 
 }  // namespace
