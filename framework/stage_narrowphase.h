@@ -123,7 +123,8 @@ struct ContactInput {
   Real margin;                             // contacts are made for separations up to this (m)
   bool friction = true;                    // false: the scene needs none, mixing is skipped
   MixRules mixing = {};
-  std::span<PairMemory> memory = {};  // one per pair, or none: cold
+  std::span<PairMemory> memory = {};      // one per pair, or none: cold
+  std::span<const Manifold<D>> old = {};  // of the last step, sorted by Manifold::key; none where nothing is cached
 };
 
 /// A manifold with everything filled in that does not depend on geometry.
@@ -154,7 +155,8 @@ void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool,
                      const std::string& who);
 
 /// Makes contact points. Writes only fresh manifolds, at most one per pair of children, none without points, in any
-/// order, with zero impulses; `points` sorted by feature.
+/// order, with zero impulses; `points` sorted by feature. It may take over points of the old ones: it must renew their
+/// separations, and holds nothing of them itself.
 template <int D>
 class ContactGenerator : public Stage {
  public:

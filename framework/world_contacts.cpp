@@ -154,9 +154,11 @@ void World<D>::generate(std::span<const ShapePair> pairs, Real margin) {
   WorkDone& work = m_profiler.frame().work;
   const auto children = m_children.of(pairs, m_shapes, m_bodies.pose, margin, work);
   const std::span<PairMemory> memory = recall(children);
+  const std::span<const Manifold<D>> old = m_oldManifolds;
   stage<ContactGenerator>().generate(
-      {children, m_shapes, m_bodies.pose, margin, m_settings.features.friction, m_settings.mixing, memory}, m_manifolds,
-      work);
+      {children, m_shapes, m_bodies.pose, margin, m_settings.features.friction, m_settings.mixing, memory,
+       m_settings.features.cache ? old : std::span<const Manifold<D>>()},
+      m_manifolds, work);
   for (std::size_t i = 0; i < memory.size(); ++i) {
     m_asked.push_back(recordOf<D>(children[i], m_shapes));
     m_asked.back().memory = memory[i];

@@ -59,9 +59,7 @@ std::ostream& operator<<(std::ostream& out, const Manifold<D>& m) {
 /// At most one manifold; 1 .. kManifoldPoints points, sorted by unique features; a unit normal; separations that belong
 /// to their witnesses and stay within the margin; impulses zero.
 template <int D>
-void wellFormed(ContactGenerator<D>& generator) {
-  const ContactScene<D> scene = anyScene<D>();
-  const auto fresh = scene.run(generator);
+void isWellFormed(const ContactScene<D>& scene, const std::vector<Manifold<D>>& fresh) {
   RC_ASSERT(fresh.size() <= 1u);
   if (fresh.empty()) return;
   const Manifold<D>& m = fresh[0];
@@ -77,12 +75,15 @@ void wellFormed(ContactGenerator<D>& generator) {
     for (Real impulse : p.impulse) RC_ASSERT(impulse == 0);
   }
 }
+template <int D>
+void wellFormed(ContactGenerator<D>& generator) {
+  const ContactScene<D> scene = anyScene<D>();
+  isWellFormed(scene, scene.run(generator));
+}
 
 /// Each witness lies on its shape: nowhere outside, and on its surface unless a rounding lies around the core.
 template <int D>
-void witnessesOnShapes(ContactGenerator<D>& generator) {
-  const ContactScene<D> scene = anyScene<D>();
-  const auto fresh = scene.run(generator);
+void areOnShapes(const ContactScene<D>& scene, const std::vector<Manifold<D>>& fresh) {
   for (const Manifold<D>& m : fresh) {
     RC_LOG() << m;
     for (int i = 0; i < m.count; ++i) {
@@ -96,13 +97,16 @@ void witnessesOnShapes(ContactGenerator<D>& generator) {
     }
   }
 }
+template <int D>
+void witnessesOnShapes(ContactGenerator<D>& generator) {
+  const ContactScene<D> scene = anyScene<D>();
+  areOnShapes(scene, scene.run(generator));
+}
 
 /// A manifold exists if and only if the shapes are within the margin; the normal is a direction of least depth; no
 /// point is deeper than the shapes are, and the deepest is as deep as they.
 template <int D>
-void depthIsTrue(ContactGenerator<D>& generator) {
-  const ContactScene<D> scene = anyScene<D>();
-  const auto fresh = scene.run(generator);
+void areTrulyDeep(const ContactScene<D>& scene, const std::vector<Manifold<D>>& fresh) {
   const Real truth = scene.trueDistance(), tolerance = 2 * scene.tolerance();
   RC_LOG() << "true distance " << truth << " tolerance " << tolerance << '\n';
   if (truth > scene.margin + tolerance) RC_ASSERT(fresh.empty());
@@ -113,6 +117,11 @@ void depthIsTrue(ContactGenerator<D>& generator) {
   RC_ASSERT(worldSeparation<D>(scene, m.normal) >= truth - tolerance);
   RC_ASSERT(deepest(m) >= truth - tolerance);
   RC_ASSERT(deepest(m) <= truth + tolerance);
+}
+template <int D>
+void depthIsTrue(ContactGenerator<D>& generator) {
+  const ContactScene<D> scene = anyScene<D>();
+  areTrulyDeep(scene, scene.run(generator));
 }
 
 /// The other order of the bodies gives the same depth, and for two kinds of shapes the very same points.
@@ -375,12 +384,9 @@ std::ostream& operator<<(std::ostream& out, const FaceContact<D>& c) {
   return out << c.scene;
 }
 
-/// Face on face: at least two points in 2D, three in 3D, that span the common length or half of the common area.
+/// At least two points in 2D, three in 3D, that span this part of the common length or area.
 template <int D>
-void facesSpanPatch(ContactGenerator<D>& generator) {
-  const auto c = *Gen(drawFaceContact<D>);
-  if (isSliver(c)) return;  // it demands nothing
-  const auto fresh = c.scene.run(generator);
+void spanPatch(const FaceContact<D>& c, const std::vector<Manifold<D>>& fresh, Real share) {
   RC_ASSERT(fresh.size() == 1u);
   const Manifold<D>& m = fresh[0];
   RC_LOG() << m;
@@ -391,9 +397,15 @@ void facesSpanPatch(ContactGenerator<D>& generator) {
     const Vec<D> p = c.X_A.inverse() * p_W;
     points.push_back({p[0], D == 2 ? Real(0) : p[1]});
   }
-  // Two ends as far apart as possible and the widest points on both sides span at least half of a convex area.
-  if (D == 2) RC_ASSERT(breadth(points, 0) >= Real(0.98) * breadth(c.patch, 0));
-  if (D == 3) RC_ASSERT(areaOfHull(points) >= Real(0.48) * areaOfHull(c.patch));
+  if (D == 2) RC_ASSERT(breadth(points, 0) >= share * breadth(c.patch, 0));
+  if (D == 3) RC_ASSERT(areaOfHull(points) >= share * areaOfHull(c.patch));
+}
+/// Face on face: the common length, or half of the common area, since two ends as far apart as possible and the widest
+/// points on both sides span at least that of a convex area.
+template <int D>
+void facesSpanPatch(ContactGenerator<D>& generator) {
+  const auto c = *Gen(drawFaceContact<D>);
+  if (!isSliver(c)) spanPatch<D>(c, c.scene.run(generator), D == 2 ? Real(0.98) : Real(0.48));
 }
 
 /// A motion of a micrometre (f32: ten) leaves the features of a face contact as they are, unless a corner just passes a

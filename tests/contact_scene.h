@@ -56,13 +56,14 @@ struct ContactScene {
     return std::min(kLinearSlop / 10, Real(0.01) * std::min(coreSize(view(0)), coreSize(view(1)))) + rounding();
   }
 
-  std::vector<Manifold<D>> run(ContactGenerator<D>& generator) const {
+  /// `old`: what the generator gave in the step before.
+  std::vector<Manifold<D>> run(ContactGenerator<D>& generator, std::span<const Manifold<D>> old = {}) const {
     const ShapePair pair{0, 1};
     ChildPairs<D> childPairs;
     WorkDone work;
     const auto children = childPairs.of({&pair, 1}, shapes, pose, margin, work);
     std::vector<Manifold<D>> fresh;
-    generator.generate({children, shapes, pose, margin, true}, fresh, work);
+    generator.generate({children, shapes, pose, margin, true, {}, {}, old}, fresh, work);
     return fresh;
   }
 };

@@ -194,44 +194,4 @@ inline void addForemost(const Reference3& ref, const Core3& inc, Real separation
   if (best >= 0) addClipped(ref, scratch.sides, inc.v[best], kNoFeature, featureCode(best), pair.limit, out);
 }
 
-/// Keeps four points: one of the deepest and another, far apart, and the widest on both sides of the line through them.
-/// Ties go to the smaller feature number and are left only for a clear gain, so that the choice is the same in the next
-/// step. Points that span nothing are dropped.
-inline void reduceToFour(const Vec<3>& n, Real tolerance, std::vector<PatchPoint<3>>& points) {
-  if (points.size() <= 4) return;
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.feature < b.feature; });
-  Real deepest = points[0].separation;
-  for (const PatchPoint<3>& p : points) deepest = std::min(deepest, p.separation);
-  std::size_t keep[4] = {};
-  while (points[keep[0]].separation > deepest + tolerance) ++keep[0];
-  const auto apart = [&](std::size_t i, std::size_t k) { return (points[i].p2 - points[k].p2).squaredNorm(); };
-  // To the far end and back again, until neither end moves: then the kept four span at least half of the area.
-  Real best = 0;
-  for (int sweep = 0; sweep < kMostSpreads; ++sweep) {
-    const std::size_t here = keep[sweep % 2];
-    bool moved = false;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const bool allowed = sweep % 2 == 0 || points[i].separation <= deepest + tolerance;
-      if (allowed && apart(i, here) > kClearGain * best) best = apart(i, here), keep[1 - sweep % 2] = i, moved = true;
-    }
-    if (!moved) break;
-  }
-  const Vec<3> p0 = points[keep[0]].p2;
-  const Vec<3> across = n.cross(points[keep[1]].p2 - p0);
-  const Real least = tolerance * across.norm();
-  Real left = least, right = least;
-  std::size_t count = best > 0 ? 2 : 1, l = 0, r = 0;
-  bool hasLeft = false, hasRight = false;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Real area = across.dot(points[i].p2 - p0);
-    if (area > kClearGain * left) left = area, l = i, hasLeft = true;
-    if (-area > kClearGain * right) right = -area, r = i, hasRight = true;
-  }
-  if (hasLeft) keep[count++] = l;
-  if (hasRight) keep[count++] = r;
-  std::sort(keep, keep + count);
-  for (std::size_t i = 0; i < count; ++i) points[i] = points[keep[i]];
-  points.resize(count, points[0]);
-}
-
 }  // namespace lpc::inline LPC_PRECISION::contacts

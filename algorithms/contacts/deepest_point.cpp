@@ -26,6 +26,10 @@ class DeepestPoint final : public ContactGenerator<D> {
                           "Contacts.DeepBodiesGoBackWhereTheyCameFrom"},
                          {"a face that rests on a face", "one point cannot carry it: a box on a plane rocks for ever",
                           "Contacts.FaceContactsSpanThePatch"},
+                         {"a face that rocks on a face", "the one point runs from corner to corner",
+                          "Contacts.RockingFacesSpanThePatch"},
+                         {"a face that slides on a face", "it drags on one point and turns about it",
+                          "Contacts.FastFacesSpanThePatch"},
                          {"two edges that lie along each other", "one point instead of two",
                           "Contacts.ParallelEdgesTouchInTwoPoints"}}};
   }

@@ -3,32 +3,13 @@
 // plane is a contact, and of these the ones that span most are kept.
 #pragma once
 
-#include "algorithms/contacts/clip2.h"
-#include "algorithms/contacts/clip3.h"
+#include "algorithms/contacts/reduction.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
 
 template <int D>
 bool hasPlane(const PlacedPair<D>& pair) {
   return pair.view1().core() == CoreClass::plane || pair.view2().core() == CoreClass::plane;
-}
-
-/// Keeps one of the deepest and the one farthest from it.
-inline void reduceForPlane(const Vec<2>& n, Real tolerance, std::vector<PatchPoint<2>>& points) {
-  if (points.size() <= 2) return;
-  const Vec<2> t(-n[1], n[0]);
-  Real least = points[0].separation;
-  for (const PatchPoint<2>& p : points) least = std::min(least, p.separation);
-  std::size_t deep = 0, far = 0;
-  while (points[deep].separation > least + tolerance) ++deep;
-  const auto apart = [&](std::size_t i) { return std::abs(t.dot(points[i].p1 - points[deep].p1)); };
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (apart(i) > apart(far)) far = i;
-  }
-  points = {points[deep], points[far]};
-}
-inline void reduceForPlane(const Vec<3>& n, Real tolerance, std::vector<PatchPoint<3>>& points) {
-  reduceToFour(n, tolerance, points);
 }
 
 template <int D>
@@ -74,7 +55,7 @@ void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D
 
 /// Fills scratch.points and returns n_12. Points that are equally deep within the pair's tolerance are alike.
 template <int D>
-Vec<D> planePatch(const PlacedPair<D>& pair, PlaneScratch<D>& scratch) {
+Vec<D> planePatch(const PlacedPair<D>& pair, Reduction rule, PlaneScratch<D>& scratch) {
   const ShapeView<D>&s1 = pair.view1(), &s2 = pair.view2();
   const bool planeSecond = s2.core() == CoreClass::plane;
   const ShapeView<D>& body = planeSecond ? s1 : s2;
@@ -94,7 +75,7 @@ Vec<D> planePatch(const PlacedPair<D>& pair, PlaneScratch<D>& scratch) {
                                          : PatchPoint<D>{under, corner, separation, featureNumber(kNoFeature, code)});
   }
   const Vec<D> n = planeSecond ? Vec<D>(-up) : up;
-  reduceForPlane(n, pair.tolerance, scratch.points);
+  reducePatch(rule, n, pair.tolerance, scratch.points);
   return n;
 }
 

@@ -27,22 +27,26 @@ class QueryClip final : public ContactGenerator<D> {
   struct Params {
     Spec query{"gjk_epa", {}};
     Real bias = kBias;
+    Reduction reduction = Reduction::spread;
     void visit(ParamVisitor& v) {
       v.stage("query", query, StageKind::pairQuery, "gives distance, normal and witnesses");
       v.real("bias", bias, 0, kLinearSlop, "m",
              "depths that differ by less are alike; corners beside a face by less, too");
+      visitReduction(v, reduction);
     }
   };
   explicit QueryClip(const Params& params) : m_params(params), m_batches(params.query) {}
 
   static AlgorithmInfo info() {
-    return {.name = "query_clip",
-            .summary = "any pair query for the normal, then clips the two faces that meet along it",
-            .paper = "gregorius2015",
-            .complexity = "one pair query, f + c^2 for faces with c corners",
-            .failures = {{"a body that is more than half through a thin one",
-                          "the shortest way out is the far side: it is pushed through",
-                          "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
+    AlgorithmInfo out = {.name = "query_clip",
+                         .summary = "any pair query for the normal, then clips the two faces that meet along it",
+                         .paper = "gregorius2015",
+                         .complexity = "one pair query, f + c^2 for faces with c corners",
+                         .failures = {{"a body that is more than half through a thin one",
+                                       "the shortest way out is the far side: it is pushed through",
+                                       "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
+    if constexpr (D == 3) declareNarrowRules(out.failures);
+    return out;
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return m_batches.supports(a, b); }
@@ -51,11 +55,12 @@ class QueryClip final : public ContactGenerator<D> {
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_batches.run(in, m_params.bias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
       if (hasPlane(placed)) {
-        const Vec<D> down = planePatch(placed, m_plane);
+        const Vec<D> down = planePatch(placed, m_params.reduction, m_plane);
         return addPatch<D>(in, placed, down, m_plane.points, fresh);
       }
       const Vec<D> n = answer.normal;
-      addPatch<D>(in, placed, n, clipAlong(placed, n, witnessPoint(placed, answer), m_scratch), fresh);
+      const PatchPoint<D> witness = witnessPoint(placed, answer);
+      addPatch<D>(in, placed, n, clipAlong(placed, n, witness, m_params.reduction, m_scratch), fresh);
     });
   }
 

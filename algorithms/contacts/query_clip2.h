@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithms/contacts/clip2.h"
+#include "algorithms/contacts/reduction.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
 
@@ -13,7 +14,7 @@ struct QueryClipScratch2 {
 /// Clips the edges that face each other along the unit n_12 of a query; `witness` stays when no clipped point is as
 /// deep.
 inline std::span<PatchPoint<2>> clipAlong(const PlacedPair<2>& pair, const Vec<2>& n, const PatchPoint<2>& witness,
-                                          QueryClipScratch2& s) {
+                                          Reduction, QueryClipScratch2& s) {
   const ShapeView<2>&s1 = pair.view1(), &s2 = pair.view2();
   Patch2& out = s.patch;
   out.count = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithms/contacts/clip_facing3.h"
+#include "algorithms/contacts/reduction.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
 
@@ -13,7 +14,7 @@ struct QueryClipScratch3 {
 
 /// Clips the faces that face each other along the unit n_12 of a query.
 inline std::span<PatchPoint<3>> clipAlong(const PlacedPair<3>& pair, const Vec<3>& n, const PatchPoint<3>& witness,
-                                          QueryClipScratch3& s) {
+                                          Reduction rule, QueryClipScratch3& s) {
   const ShapeView<3>&s1 = pair.view1(), &s2 = pair.view2();
   Patch3& out = s.patch;
   out.normal = n;
@@ -24,7 +25,7 @@ inline std::span<PatchPoint<3>> clipAlong(const PlacedPair<3>& pair, const Vec<3
     return out.points;
   }
   clipFacing(c1, c2, n, witness, pair, s.clip, out);
-  reduceToFour(n, pair.tolerance, out.points);
+  reducePatch(rule, n, pair.tolerance, out.points);
   return out.points;
 }
 

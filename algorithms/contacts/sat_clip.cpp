@@ -25,21 +25,26 @@ class SatClip final : public ContactGenerator<D> {
  public:
   struct Params {
     Real bias = kBias;
+    Reduction reduction = Reduction::spread;
     void visit(ParamVisitor& v) {
       v.real("bias", bias, 0, kLinearSlop, "m",
              "depths that differ by less are alike: faces win over edges, the first body over the second");
+      visitReduction(v, reduction);
     }
   };
   explicit SatClip(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "sat_clip",
-            .summary = "separating axis test, then clips the incident face against the reference face; no curved cores",
-            .paper = "gregorius2013",
-            .complexity = "f v + e^2 per pair of hulls, 15 axes per pair of boxes",
-            .failures = {{"a body that is more than half through a thin one",
-                          "the shortest way out is the far side: it is pushed through",
-                          "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
+    AlgorithmInfo out = {
+        .name = "sat_clip",
+        .summary = "separating axis test, then clips the incident face against the reference face; no curved cores",
+        .paper = "gregorius2013",
+        .complexity = "f v + e^2 per pair of hulls, 15 axes per pair of boxes",
+        .failures = {{"a body that is more than half through a thin one",
+                      "the shortest way out is the far side: it is pushed through",
+                      "Contacts.DeepBodiesGoBackWhereTheyCameFrom"}}};
+    if constexpr (D == 3) declareNarrowRules(out.failures);
+    return out;
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {
@@ -53,12 +58,13 @@ class SatClip final : public ContactGenerator<D> {
     for (const ConvexPair<D>& pair : in.pairs) {
       const PlacedPair<D> placed = placePair(in, pair, m_params.bias);
       if (hasPlane(placed)) {
-        const Vec<D> n = planePatch(placed, m_plane);
+        const Vec<D> n = planePatch(placed, m_params.reduction, m_plane);
         addPatch<D>(in, placed, n, m_plane.points, fresh);
         continue;
       }
       satCollide(placed, m_scratch, work);
-      addPatch(in, placed, patchNormal(m_scratch), patchPoints(m_scratch, placed.tolerance), fresh);
+      const auto points = patchPoints(m_scratch, placed.tolerance, m_params.reduction);
+      addPatch(in, placed, patchNormal(m_scratch), points, fresh);
     }
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithms/contacts/clip2.h"
+#include "algorithms/contacts/reduction.h"
 #include "algorithms/contacts/sat_axes2.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
@@ -67,7 +68,7 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, WorkDone& w
   closestOfEdges(e1, e2, n, separation > 0, pair, out);
 }
 
-inline std::span<PatchPoint<2>> patchPoints(Scratch2& s, Real) {
+inline std::span<PatchPoint<2>> patchPoints(Scratch2& s, Real, Reduction) {
   return {s.patch.points.data(), static_cast<std::size_t>(s.patch.count)};
 }
 inline const Vec<2>& patchNormal(const Scratch2& s) { return s.patch.normal; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithms/contacts/clip_facing3.h"
+#include "algorithms/contacts/reduction.h"
 #include "algorithms/contacts/sat_axes3.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
@@ -126,8 +127,8 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
   addForemost(reference, firstLeads ? c2 : c1, best, pair, s.clip, out.points);
 }
 
-inline std::span<PatchPoint<3>> patchPoints(Scratch3& s, Real tolerance) {
-  reduceToFour(s.patch.normal, tolerance, s.patch.points);
+inline std::span<PatchPoint<3>> patchPoints(Scratch3& s, Real tolerance, Reduction rule) {
+  reducePatch(rule, s.patch.normal, tolerance, s.patch.points);
   return s.patch.points;
 }
 inline const Vec<3>& patchNormal(const Scratch3& s) { return s.patch.normal; }

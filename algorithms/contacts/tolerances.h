@@ -66,4 +66,15 @@ inline constexpr Real kClearGain = Real(1.02);
 /// time. Smaller: the kept points may span less than half of the area.
 inline constexpr int kMostSpreads = 6;
 
+/// Of `extremes`: the first of the four directions lies along the x axis of shape 1, unless the normal leans on it by
+/// more than this (cosine), no angle that shapes like to have; then along y. Near 0 or 1: normals along an axis take
+/// turns, and the directions with them.
+inline constexpr Real kLeansOnX = Real(0.8);
+
+// --- points kept from step to step ----------------------------------------------------------------------------------
+
+/// `breaking` is cut to this part of the smaller shape's radius (1). Larger: the corners of small things are one place.
+/// Smaller: small things drop points that have hardly slid.
+inline constexpr Real kBreakingPart = Real(0.05);
+
 }  // namespace lpc::inline LPC_PRECISION::contacts

@@ -87,7 +87,7 @@ TEST(Contacts, GeneratorsAreRegistered) {
   for (int d : {2, 3}) {
     std::vector<std::string> names;
     for (const Registered* r : Registry::instance().list(StageKind::contacts, d)) names.push_back(r->info.name);
-    for (const char* expected : {"sat_clip", "query_clip", "deepest_point"})
+    for (const char* expected : {"sat_clip", "query_clip", "deepest_point", "persistent_manifold"})
       EXPECT_NE(std::find(names.begin(), names.end(), expected), names.end());
     EXPECT_EQ(std::count(names.begin(), names.end(), "rounded_polygon"), d == 2 ? 1 : 0);
   }
@@ -268,7 +268,8 @@ TEST(Contacts, DeepBodiesGoBackWhereTheyCameFrom) {
 
 TEST(Contacts, DeclaredFailuresAreTested) {
   const std::set<std::string> known = {"Contacts.FaceContactsSpanThePatch", "Contacts.ParallelEdgesTouchInTwoPoints",
-                                       "Contacts.DeepBodiesGoBackWhereTheyCameFrom"};
+                                       "Contacts.DeepBodiesGoBackWhereTheyCameFrom",
+                                       "Contacts.RockingFacesSpanThePatch", "Contacts.FastFacesSpanThePatch"};
   for (int d : {2, 3}) {
     for (const Registered* r : Registry::instance().list(StageKind::contacts, d)) {
       for (const FailureMode& f : r->info.failures)

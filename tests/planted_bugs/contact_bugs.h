@@ -151,6 +151,82 @@ struct PointsFromOneToTheOther final : SpoiledContacts<2> {
   }
 };
 
+/// sat_clip with the first point of the last step beside its own, or in place of them, each with one mistake.
+template <int D>
+class SpoiledKeeping : public SpoiledContacts<D> {
+ public:
+  void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
+    for (const Manifold<D>& old : in.old) {
+      if (old.key() != m.key()) continue;
+      ContactPoint<D> kept = old.points[0];
+      const Real before = kept.separation;
+      const Pose<D>&X_WA = in.pose[0], &X_WB = in.pose[1];
+      kept.separation = separationNow(m, kept, X_WA, X_WB);
+      const Vec<D> gap = X_WB * kept.localB - X_WA * kept.localA;
+      keep(in, m, kept, before, Vec<D>(gap - kept.separation * m.normal));
+    }
+  }
+  /// `slid`: by so much the anchors have slid apart.
+  virtual void keep(const ContactInput<D>& in, Manifold<D>& m, ContactPoint<D>& kept, Real before,
+                    const Vec<D>& slid) = 0;
+
+ protected:
+  static constexpr Real kBreaking = kContactMargin;  // the default of who keeps points rightly
+  static void append(Manifold<D>& m, ContactPoint<D> kept) {
+    const int last = std::min(m.count, kManifoldPoints<D> - 1);
+    kept.feature = m.points[static_cast<std::size_t>(last - 1)].feature + 1;
+    m.points[static_cast<std::size_t>(last)] = kept, m.count = last + 1;
+  }
+};
+template <int D>
+struct KeepsOldDepths final : SpoiledKeeping<D> {
+  void keep(const ContactInput<D>&, Manifold<D>& m, ContactPoint<D>& kept, Real before, const Vec<D>&) override {
+    kept.separation = before;
+    this->append(m, kept);
+  }
+};
+/// However far the bodies have gone apart there.
+template <int D>
+struct KeepsTheParted final : SpoiledKeeping<D> {
+  void keep(const ContactInput<D>&, Manifold<D>& m, ContactPoint<D>& kept, Real, const Vec<D>& slid) override {
+    if (slid.norm() <= this->kBreaking) this->append(m, kept);
+  }
+};
+template <int D>
+struct KeepsTheSlidden final : SpoiledKeeping<D> {
+  void keep(const ContactInput<D>& in, Manifold<D>& m, ContactPoint<D>& kept, Real, const Vec<D>&) override {
+    if (kept.separation <= in.margin) this->append(m, kept);
+  }
+};
+/// And not the point of the step.
+template <int D>
+struct KeepsTheOldAlone final : SpoiledKeeping<D> {
+  void keep(const ContactInput<D>& in, Manifold<D>& m, ContactPoint<D>& kept, Real, const Vec<D>& slid) override {
+    if (kept.separation <= in.margin && slid.norm() <= this->kBreaking) m.points[0] = kept, m.count = 1;
+  }
+};
+/// What has slid is put right on B, wherever B ends.
+template <int D>
+struct PutsAnchorsTogether final : SpoiledKeeping<D> {
+  void keep(const ContactInput<D>& in, Manifold<D>& m, ContactPoint<D>& kept, Real, const Vec<D>& slid) override {
+    kept.localB -= in.pose[1].q.inverse() * slid;
+    if (kept.separation <= in.margin) this->append(m, kept);
+  }
+};
+
+/// Points get numbers that nobody had in the last step.
+template <int D>
+struct NumbersAnew final : SpoiledContacts<D> {
+  void spoil(const ContactInput<D>& in, Manifold<D>& m) override {
+    for (const Manifold<D>& old : in.old) {
+      const std::uint64_t last = old.points[static_cast<std::size_t>(old.count - 1)].feature;
+      for (int i = 0; i < m.count; ++i) {
+        m.points[static_cast<std::size_t>(i)].feature = last + 1 + static_cast<std::uint64_t>(i);
+      }
+    }
+  }
+};
+
 /// Face axes only: the 2009 engine's mistake in 3D.
 template <int D>
 class NoEdgeContacts final : public ContactGenerator<D> {
@@ -167,7 +243,7 @@ class NoEdgeContacts final : public ContactGenerator<D> {
       const Vec<3> n = first ? c1.n[f1.face] : Vec<3>(-c2.n[f2.face]);
       clipAgainst(c1, c2, first, first ? f1.face : f2.face, n, std::max(f1.separation, f2.separation), placed,
                   m_scratch);
-      addPatch(in, placed, n, patchPoints(m_scratch, placed.tolerance), fresh);
+      addPatch(in, placed, n, patchPoints(m_scratch, placed.tolerance, Reduction::spread), fresh);
     }
   }
 

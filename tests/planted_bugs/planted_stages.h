@@ -5,6 +5,8 @@
 // Include it in one file of a test program.
 #pragma once
 
+#include <algorithm>
+
 #include "framework/profiler.h"
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
@@ -236,5 +238,28 @@ class PlantedChildren final : public ContactGenerator<D> {
   std::vector<Manifold<D>> m_whole;
 };
 LPC_REGISTER(ContactGenerator, PlantedChildren, 2, 3);
+
+/// persistent_manifold, but the points of the last step are its own and not the world's: nobody saves them.
+template <int D>
+class PlantedKeeper final : public ContactGenerator<D> {
+ public:
+  using Params = NoParams;
+  explicit PlantedKeeper(const Params&) : m_right(createStage<ContactGenerator<D>>({"persistent_manifold", {}})) {}
+  static AlgorithmInfo info() { return planted("keeper"); }
+
+  bool supports(ShapeKind a, ShapeKind b) const override { return m_right->supports(a, b); }
+  void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
+    ContactInput<D> own = in;
+    own.old = m_old;
+    m_right->generate(own, fresh, work);
+    m_old = fresh;
+    std::sort(m_old.begin(), m_old.end(), [](const auto& a, const auto& b) { return a.key() < b.key(); });
+  }
+
+ private:
+  std::unique_ptr<ContactGenerator<D>> m_right;
+  std::vector<Manifold<D>> m_old;
+};
+LPC_REGISTER(ContactGenerator, PlantedKeeper, 2, 3);
 
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -199,6 +199,7 @@ void everyPipelineReplays() {
     pipelines.push_back("sleep=split_average solver=soft_step");
     pipelines.push_back("sleep=split_average contacts=planted_children");
     pipelines.push_back("cache=recycling solver=soft_step{arms=as_made}");
+    pipelines.push_back("sleep=split_average contacts=persistent_manifold cache=recycling");
     for (const std::string& pipeline : pipelines) {
       // One draw per contact: another number of contacts, another order.
       if (p.holds == disjointScenesAreTwoWorlds<D> && pipeline.find("order=random") != pipeline.npos) continue;
@@ -213,6 +214,12 @@ void everyPipelineReplays() {
 }
 TEST(Replay, EveryPipeline2) { everyPipelineReplays<2>(); }
 TEST(Replay, EveryPipeline3) { everyPipelineReplays<3>(); }
+
+// Points of earlier steps that a generator keeps must be the world's.
+TEST(Replay, KeptPointsAreSaved) {
+  expectCaught("Replay.SavedIsContinued contacts=planted_keeper 2D", savedIsContinued<2>("contacts=planted_keeper"));
+  expectCaught("Replay.SavedIsContinued contacts=planted_keeper 3D", savedIsContinued<3>("contacts=planted_keeper"));
+}
 
 // Arms of before are those of points that a cache has kept: they change what recycling does, and nothing else.
 template <int D>
