@@ -28,7 +28,8 @@ double toleranceOf(const Case& c) { return c.finding && c.finding->precision == 
 // Mass properties and areas, relative: what is left of a hundredth of a metre far from the origin.
 constexpr double kRelative = kDouble ? 1e-9 : 1e-2;
 
-constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method";
+constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method", kSide = "side",
+                           kWrongSide = "wrong_side";  // as the verdict of a found case has it
 
 // The registered pair queries of one dimension, made once: a witness keeps its process from case to case.
 template <int D>
@@ -68,11 +69,12 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
     // It knows only on which side it is (libccd of shapes that are apart).
     row.verdict = row.value * expected.distance >= 0 || std::abs(expected.distance) <= allowed ? CaseVerdict::ok
                                                                                                : CaseVerdict::wrong;
-    row.reason = row.verdict == CaseVerdict::ok ? "" : "side";
+    row.reason = row.verdict == CaseVerdict::ok ? "" : kSide;
     return;
   }
   if (!(std::abs(row.value - expected.distance) <= allowed)) {
-    row.reason = "distance";
+    const bool otherSide = (row.value < 0) != (expected.distance < 0) && std::abs(expected.distance) > allowed;
+    row.reason = otherSide ? kSide : "distance";
     return;
   }
   const Vecd<D> n = (g.a.X_WS.q * answer.normal).template cast<double>();
@@ -147,7 +149,11 @@ void runDistance(const Case& c, const CaseGeometry<D>& g, Methods<D>& methods, s
   if (g.a.shape && g.b.shape) rows.push_back(judgeExpected(c, g));
   for (Method<D>& method : methods) {
     const AlgorithmInfo& info = method.entry->info;
-    rows.push_back({.id = c.id, .method = info.name, .role = info.role, .expected = c.expected.distance});
+    rows.push_back({.id = c.id,
+                    .method = info.name,
+                    .role = info.role,
+                    .expected = c.expected.distance,
+                    .sideAlone = owesSideAlone(StageKind::pairQuery, info)});
     askMethod(c, g, method, rows.back());
   }
 }
@@ -364,11 +370,13 @@ CaseResult askFound(const Case& c, const std::string& method) {
   if (method == kReferee) return std::visit([&](const auto& g) { return judgeExpected(c, g); }, c.geometry);
   CaseResult row{.id = c.id, .method = method, .role = roleOf(c, method), .expected = c.expected.distance};
   const bool found = method == c.finding->method;
-  if (!registered(c, method)) {
+  const Registered* entry = registered(c, method);
+  if (!entry) {
     if (found) failUnknown(c);
     row.reason = kUnknownMethod;
     return row;
   }
+  row.sideAlone = owesSideAlone(entry->stage, entry->info);
   const Verdict verdict = askAgain(c, method);
   tell(verdict, row);
   if (found) row.again = verdict.failure == c.finding->failure;
@@ -388,6 +396,9 @@ std::vector<CaseResult> runCases(const std::vector<Case>& cases) {
 
 bool isOurFault(const CaseResult& result) {
   if (result.role != AlgorithmRole::competitor) return false;
+  if (result.sideAlone && result.verdict == CaseVerdict::wrong) {
+    return result.reason == kSide || result.reason == kWrongSide;
+  }
   const bool undeclared = result.reason == "unsupported_shape" || result.reason == "unsupported_query" ||
                           result.reason == kUnknownMethod || result.reason == "undecided";
   return result.verdict != CaseVerdict::ok && !(result.verdict == CaseVerdict::refused && undeclared);

@@ -97,8 +97,9 @@ struct CaseResult {
   CaseVerdict verdict = CaseVerdict::refused;
   std::string reason = {};  // unsupported_shape, unsupported_query, undecided, or what is wrong
   double value = 0;
-  double expected = 0;  // NaN where the file has none
-  double error = 0;     // |value - expected| / s, s as in `errorScale`
+  double expected = 0;     // NaN where the file has none
+  double error = 0;        // |value - expected| / s, s as in `errorScale`
+  bool sideAlone = false;  // an approximate pair query: it owes no more
   /// Of the method that was found wrong on the case: does it fail in the same way again?
   std::optional<bool> again = {};
 };
@@ -124,7 +125,8 @@ CaseResult askFound(const Case& c, const std::string& method);
 /// precision is asked in this one.
 std::vector<CaseResult> runCases(const std::vector<Case>& cases);
 
-/// Is it one that must not happen: a competitor that is wrong, fails, or refuses what it declares?
+/// Is it one that must not happen: a competitor that is wrong (an approximate pair query: on the wrong side), fails, or
+/// refuses what it declares?
 bool isOurFault(const CaseResult& result);
 
 /// Prints one line per case and method (id, method, verdict, value, expected value, error/s, reason; `-` where there is

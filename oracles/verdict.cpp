@@ -74,6 +74,20 @@ std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index) {
   return name + "-" + std::to_string(seed) + "-" + std::to_string(index);
 }
 
+bool owesSideAlone(StageKind stage, const AlgorithmInfo& info) {
+  return stage == StageKind::pairQuery && info.guarantee == Guarantee::approximate;
+}
+
+long faultsOfOurs(const LedgerKey& key, const LedgerEntry& entry) {
+  if (entry.role != AlgorithmRole::competitor) return 0;
+  const StageInfo* stage = stageByName(key.stage);
+  const auto& all = Registry::instance().all();
+  const auto at =
+      stage ? all.find({stage->kind, key.dimension, Spec::parse(key.method).name}) : all.end();  // else of a plugin
+  if (at == all.end() || !owesSideAlone(stage->kind, at->second.info)) return entry.faults();
+  return entry.faults() - entry[Tally::wrong] + entry[Tally::wrongSide];
+}
+
 double threadNanoseconds() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

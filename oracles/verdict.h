@@ -45,6 +45,13 @@ std::string inputName(const LedgerKey& subject, std::uint64_t seed, int index);
 /// The subject of a method in this build's precision; its axis is set by `book`.
 LedgerKey subjectOf(StageKind stage, int dimension, const std::string& method);
 
+/// Is this an approximate pair query? It owes the side alone: what else is wrong with its answers is booked, as of a
+/// witness, and no fault of ours. (Other stages have no side, and what they owe is said where they are judged.)
+bool owesSideAlone(StageKind stage, const AlgorithmInfo& info);
+
+/// The faults in this entry for which `lpc verify` fails: those of a competitor, by what it owes.
+long faultsOfOurs(const LedgerKey& key, const LedgerEntry& entry);
+
 /// Processor time of this thread (ns): what other processes do does not count.
 double threadNanoseconds();
 

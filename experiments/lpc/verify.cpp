@@ -166,8 +166,11 @@ void addVerify(CommandLine& app, Session& session) {
   for (const Option& option : ofSeeded) repro.without(option);
   command.option("--out", a->out, "with --repro: the program as a file").file().with(repro);
   command.footer(
-      "Exit code 1 when one of our own methods is wrong; witnesses are only recorded. A case that was found here is\n"
-      "asked in the precision in which it was found, first the method that failed, and told whether it fails again.\n"
+      "Exit code 1 when one of our own methods is wrong, of approximate pair queries: on the wrong side; witnesses "
+      "are\n"
+      "only recorded. A case that was found here is asked in the precision in which it was found, first the method "
+      "that\n"
+      "failed, and told whether it fails again.\n"
       "Examples:\n"
       "  lpc verify --pairs 1000 --seed 7\n"
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"

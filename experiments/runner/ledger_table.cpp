@@ -8,6 +8,7 @@
 #include <set>
 
 #include "experiments/runner/catalogue.h"
+#include "oracles/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -39,9 +40,10 @@ std::string nanosecondsOf(const LedgerEntry& e) {
   return e[Tally::asked] ? fmt::format("{:.0f}", e.nanoseconds / static_cast<double>(e[Tally::asked])) : "-";
 }
 
-std::string remark(const LedgerEntry& e) {
+// `faults`: those for which the run fails.
+std::string remark(const LedgerEntry& e, long faults) {
   if (e.role != AlgorithmRole::competitor) return "  (" + std::string(roleName(e.role)) + ")";
-  return e.faults() ? "  WRONG" : "";
+  return faults ? "  WRONG" : e.faults() ? "  (approximate)" : "";
 }
 
 /// Stage, dimension and precision: one section of the print.
@@ -54,7 +56,9 @@ class Printer {
       if (Section(key.stage, key.dimension, key.precision) != section) continue;
       if (key.axis == "all") {
         m_methods[key.method].add(entry);
-        m_kinds[{key.kindA, key.kindB}][key.method] = entry;
+        const long faults = faultsOfOurs(key, entry);
+        m_kinds[{key.kindA, key.kindB}][key.method] = {entry, faults};
+        m_faults[key.method] += faults;
       } else {
         m_axes[key.axis][key.value][key.method].add(entry);
       }
@@ -69,12 +73,16 @@ class Printer {
     for (const char* axis : {"family", "regime", "scale", "offset"}) faultsBy(axis);
     if (m_kinds.size() > 1) byKinds();
     m_out << "\n";
-    return static_cast<int>(std::count_if(m_methods.begin(), m_methods.end(), [](const auto& m) {
-      return m.second.role == AlgorithmRole::competitor && m.second.faults() > 0;
-    }));
+    return static_cast<int>(
+        std::count_if(m_faults.begin(), m_faults.end(), [](const auto& m) { return m.second > 0; }));
   }
 
  private:
+  struct OfKinds {
+    LedgerEntry entry;
+    long faults;
+  };
+
   void verdicts() {
     m_out << fmt::format("\n  {:<{}}", "method", m_width);
     for (const char* head : {"asked", "agree", "tie", "wrong", "side", "undecided", "refused", "not_finite", "threw",
@@ -87,7 +95,8 @@ class Printer {
       for (const Tally t : {Tally::asked, Tally::agree, Tally::tie, Tally::wrong, Tally::wrongSide, Tally::undecided,
                             Tally::refused, Tally::notFinite, Tally::threw, Tally::crashed, Tally::hung, Tally::capped})
         m_out << fmt::format("{:>11}", e[t]);
-      m_out << fmt::format("{:>11.1e}{:>11}{:>11}{}\n", e.maxError, medianOf(e), nanosecondsOf(e), remark(e));
+      m_out << fmt::format("{:>11.1e}{:>11}{:>11}{}\n", e.maxError, medianOf(e), nanosecondsOf(e),
+                           remark(e, m_faults.at(name)));
     }
   }
 
@@ -121,11 +130,12 @@ class Printer {
     }
     m_out << "\n";
     for (const auto& [kinds, entries] : m_kinds) {
-      for (const auto& [name, e] : entries) {
+      for (const auto& [name, row] : entries) {
+        const LedgerEntry& e = row.entry;
         m_out << fmt::format("  {:<20}{:<{}}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11.1e}{:>11}{:>11}{}\n",
                              kinds.first + " " + kinds.second, name, m_width, e[Tally::asked], e[Tally::wrong],
                              e[Tally::wrongSide], e[Tally::refused], withoutAnswer(e), e.maxError, medianOf(e),
-                             nanosecondsOf(e), remark(e));
+                             nanosecondsOf(e), remark(e, row.faults));
       }
     }
   }
@@ -133,8 +143,9 @@ class Printer {
   std::ostream& m_out;
   std::size_t m_width = kMethodWidth;
   std::map<std::string, LedgerEntry> m_methods;                                             // sums over kinds
+  std::map<std::string, long> m_faults;                                                     // for which the run fails
   std::map<std::string, std::map<std::string, std::map<std::string, LedgerEntry>>> m_axes;  // axis, value, method
-  std::map<std::pair<std::string, std::string>, std::map<std::string, LedgerEntry>> m_kinds;
+  std::map<std::pair<std::string, std::string>, std::map<std::string, OfKinds>> m_kinds;
 };
 
 }  // namespace

@@ -52,6 +52,7 @@ json caseRowsToJson(const std::vector<CaseResult>& rows) {
     out.push_back({{"id", r.id},
                    {"method", r.method},
                    {"role", r.role},
+                   {"side_alone", r.sideAlone},
                    {"verdict", r.verdict},
                    {"reason", r.reason},
                    {"numbers", {r.value, r.expected, r.error}}});
@@ -74,7 +75,8 @@ std::vector<CaseResult> caseRowsFromJson(const json& j) {
                                                 .reason = row.at("reason"),
                                                 .value = number(0),
                                                 .expected = number(1),
-                                                .error = number(2)});
+                                                .error = number(2),
+                                                .sideAlone = row.at("side_alone")});
     if (row.contains("again")) r.again = row.at("again").get<bool>();
   }
   return out;
