@@ -222,11 +222,26 @@ class Mpr final : public PairQuery<D> {
   explicit Mpr(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {.name = "mpr",
-            .summary = "portal refinement: overlap or not, and the depth where the line of centres leaves",
-            .paper = "snethen2008",
-            .complexity = "about 3 to 8 support points apart, 5 to 12 when penetrating; rounded shapes up to 60",
-            .guarantee = Guarantee::approximate};
+    AlgorithmInfo out{
+        .name = "mpr",
+        .summary = "portal refinement: overlap or not, and the depth where the line of centres leaves",
+        .paper = "snethen2008",
+        .complexity = "1 to 8 support points apart, 3 to 12 when penetrating; for the depth of what is round up to 80",
+        .guarantee = Guarantee::approximate};
+    const auto fails = [&](const char* when, const char* symptom, std::initializer_list<const char*> properties) {
+      for (const char* property : properties) out.failures.push_back({when, symptom, property});
+    };
+    fails("shapes that overlap", "the depth is the one where the line of centres leaves, up to several times the least",
+          {"N5 depth is minimal", "N5 depth suffices", "N6 Lipschitz", "N11 rounding", "N12 superset", "N13 halves",
+           "N15 polygon and circle", "N18 prisms"});
+    fails("shapes that overlap", "the features along that normal need not share a point: a witness is half-way",
+          {"N7 witnesses"});
+    fails("shapes that are apart", "the distance is what the first axis that separates them proves",
+          {"N6 convex along lines"});
+    fails("the line of centres leaves by an edge, or by a curved face",
+          "rounding chooses the portal, and so the normal",
+          {"N1 swap", "N2 motion of both", "N3 scale", "N4 mirror", "N14 box as hull", "N16 vertex order"});
+    return out;
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override { return !hasPlane(a, b) || supportsPlane(a, b); }

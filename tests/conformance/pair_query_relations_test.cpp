@@ -3,6 +3,8 @@
 // the same shape as another kind or in another dimension. No other method need be right.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "framework/check.h"
 #include "tests/check_property.h"
 #include "tests/pair_query_properties.h"
@@ -247,15 +249,27 @@ std::vector<Named<D>> properties() {
   return list;
 }
 
+// What an approximate method declares must fail; there is nothing here that others may. Ties, in which alone some of it
+// shows, are seldom drawn: ten times as many cases.
+void checkOrDeclared(const AlgorithmInfo& info, const std::string& property, const std::string& dimension,
+                     const Property& holds) {
+  const bool declared =
+      std::any_of(info.failures.begin(), info.failures.end(), [&](const FailureMode& f) { return f.test == property; });
+  const std::string title = property + ", " + info.name + dimension;
+  if (declared && info.guarantee == Guarantee::approximate) {
+    expectFalsified(title + ", declared", holds, 10 * kRuns);
+  } else {
+    check(title, holds, kRuns);
+  }
+}
+
 template <int D>
 void everyMethod() {
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
     if (r->info.role != AlgorithmRole::competitor) continue;
     const auto method = createStage<PairQuery<D>>(Spec{r->info.name, {}});
     for (const Named<D>& p : properties<D>()) {
-      check(
-          std::string(p.name) + ", " + r->info.name + ", " + std::to_string(D) + "D",
-          [&] { unlessFlat([&] { p.holds(*method); }); }, kRuns);
+      checkOrDeclared(r->info, p.name, ", " + std::to_string(D) + "D", [&] { unlessFlat([&] { p.holds(*method); }); });
     }
   }
 }
@@ -267,8 +281,7 @@ TEST(PairQueryRelations, PrismsAreFlat) {
     if (r->info.role != AlgorithmRole::competitor) continue;  // witnesses in 2D are prisms themselves
     const auto flat = createStage<PairQuery<2>>(Spec{r->info.name, {}});
     const auto solid = createStage<PairQuery<3>>(Spec{r->info.name == "closed_form" ? "sat" : r->info.name, {}});
-    check(
-        "N18 prisms, " + r->info.name, [&] { unlessFlat([&] { prismsAreFlat(*flat, *solid); }); }, kRuns);
+    checkOrDeclared(r->info, "N18 prisms", "", [&] { unlessFlat([&] { prismsAreFlat(*flat, *solid); }); });
   }
   const auto right = createStage<PairQuery<2>>(Spec{"sat", {}});
   LongBoxIsALine<3> wrong;

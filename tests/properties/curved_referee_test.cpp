@@ -155,10 +155,12 @@ void widths() {
 TEST(CurvedReferee, WidthIsAsPromised2) { widths<2>(); }
 TEST(CurvedReferee, WidthIsAsPromised3) { widths<3>(); }
 
-// Every competitor on every two kinds of which one is curved or a plane: nothing wrong, nothing refused.
+// Every competitor on every two kinds of which one is curved or a plane: nothing wrong, nothing refused. An approximate
+// pair query has the right side.
 template <int D>
 void methodsAreRight(StageKind stage, int count) {
   std::map<std::string, LedgerEntry> sums;
+  std::map<std::string, long> faults;
   for (int b = 0; b < kShapeKinds; ++b) {
     for (int a = 0; a <= b; ++a) {
       VerifyTask task{.stage = stage,
@@ -175,14 +177,18 @@ void methodsAreRight(StageKind stage, int count) {
       }
       const Verified verified = verify(task);
       for (const auto& [key, entry] : verified.ledger) {
-        if (key.axis == "all") sums[key.method].add(entry);
+        if (key.axis == "all") sums[key.method].add(entry), faults[key.method] += faultsOfOurs(key, entry);
       }
-      for (const auto& [name, c] : verified.found) ADD_FAILURE() << name.first << ' ' << c.failure << ": " << c.text;
+      for (const auto& [name, c] : verified.found) {
+        const bool side = c.failure != "wrong_distance" && c.failure != "wrong_normal";
+        if (!side && owesSideAlone(stage, Registry::instance().find(stage, D, name.first).info)) continue;
+        ADD_FAILURE() << name.first << ' ' << c.failure << ": " << c.text;
+      }
     }
   }
   ASSERT_FALSE(sums.empty());
   for (const auto& [method, sum] : sums) {
-    EXPECT_EQ(sum.faults(), 0) << method << " of " << sum[Tally::asked] << ", worst " << sum.maxError;
+    EXPECT_EQ(faults[method], 0) << method << " of " << sum[Tally::asked] << ", worst " << sum.maxError;
     EXPECT_LE(sum[Tally::undecided], 0.1 * static_cast<double>(sum[Tally::asked])) << method;
     ::testing::Test::RecordProperty(method, std::to_string(sum.maxError));
   }

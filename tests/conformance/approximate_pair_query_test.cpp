@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Zlib
+// What an approximate pair query owes all the same: the side, and a depth that suffices. And what `lpc verify` makes of
+// the rest.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "oracles/cases.h"
+#include "oracles/verify.h"
+#include "tests/check_property.h"
+#include "tests/pair_query_properties.h"
+#include "tests/planted_bugs/pair_query_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+using namespace wrong_queries;
+
+struct Seen {
+  int pairs = 0, overlaps = 0, wrongSides = 0, tooShallow = 0, notMinimal = 0;
+  double deepest = 1;  // of the depths, how many times the least one
+};
+
+// Boxes of 0.5 to 1.5 m, turned at random, at 0 to 1.5 m from each other along each axis.
+template <int D>
+Seen onBoxes(PairQuery<D>& method, int count) {
+  const auto right = createStage<PairQuery<D>>(Spec{"gjk_epa", {}});
+  PlainDraw draw(seedOf("approximate queries on boxes"));
+  Seen seen;
+  for (; seen.pairs < count; ++seen.pairs) {
+    Vec<D> a, b;
+    for (int k = 0; k < D; ++k) {
+      a[k] = draw.real(0.25, 0.75), b[k] = draw.real(0.25, 0.75);
+    }
+    const Asked<D> pair{Shape<D>::box(a, 0), Shape<D>::box(b, 0),
+                        Pose<D>{Real(1.5) * drawVector<D>(draw), drawRotation<D>(draw)}};
+    const auto ask = [&](PairQuery<D>& query, QueryNeed need) {
+      return static_cast<double>(queryPair<D>(query, pair.a.view(), pair.b.view(), pair.X_AB, need).distance);
+    };
+    const double truth = ask(*right, QueryNeed::distance), value = ask(method, QueryNeed::distance);
+    const double T = kPairTolerance * sizeOf(pair, truth);
+    for (const double said : {value, ask(method, QueryNeed::boolean)}) {
+      seen.wrongSides += (said < 0) != (truth < 0) && std::abs(truth) > T;
+    }
+    if (!(truth < -T)) continue;
+    ++seen.overlaps;
+    seen.tooShallow += value > truth + T;
+    seen.notMinimal += value < truth - 1e-3 * std::abs(truth) - 1e-5;
+    if (truth < -0.01) seen.deepest = std::max(seen.deepest, value / truth);
+  }
+  return seen;
+}
+
+template <int D>
+void boxes() {
+  constexpr int kPairs = 20000;
+  int methods = 0;
+  for (const Registered* r : Registry::instance().list(StageKind::pairQuery, D)) {
+    if (r->info.role != AlgorithmRole::competitor || r->info.guarantee != Guarantee::approximate) continue;
+    const Seen seen = onBoxes<D>(*createStage<PairQuery<D>>(Spec{r->info.name, {}}), caseCount(kPairs));
+    std::printf(
+        "%dD %s: %d boxes, %d overlap: %d wrong sides, %d too shallow, off by more than 0.1 %% + 1e-5 m on %.1f %%, "
+        "at most %.2f times too deep\n",
+        D, r->info.name.c_str(), seen.pairs, seen.overlaps, seen.wrongSides, seen.tooShallow,
+        100.0 * seen.notMinimal / seen.overlaps, seen.deepest);
+    EXPECT_GT(seen.overlaps, seen.pairs / 5);
+    EXPECT_EQ(seen.wrongSides, 0) << r->info.name;
+    EXPECT_EQ(seen.tooShallow, 0) << r->info.name;
+    ++methods;
+  }
+  EXPECT_GE(methods, 1);
+  SphereBoolean<D> spheres;
+  EXPECT_GT(onBoxes<D>(spheres, 200).wrongSides, 0) << "the planted bug was not caught";
+  HalfDepth<D> half;
+  EXPECT_GT(onBoxes<D>(half, 200).tooShallow, 0) << "the planted bug was not caught";
+  recordPlantedBug("approximate: bounding spheres tell the side", 1, 200);
+  recordPlantedBug("approximate: half the depth", 1, 200);
+}
+TEST(ApproximatePairQuery, SideAndDepthOfBoxes2) { boxes<2>(); }
+TEST(ApproximatePairQuery, SideAndDepthOfBoxes3) { boxes<3>(); }
+
+// It fails a verification by its side or by giving no answer; its distances are booked as wrong, and forgiven.
+TEST(ApproximatePairQuery, FailsAVerificationByItsSideAlone) {
+  LedgerKey key = subjectOf(StageKind::pairQuery, 3, "mpr{tolerance=1e-9}");
+  LedgerEntry entry;
+  entry[Tally::asked] = 10, entry[Tally::agree] = 5, entry[Tally::wrong] = 4, entry[Tally::hung] = 1;
+  entry[Tally::wrongSide] = 2;
+  EXPECT_EQ(faultsOfOurs(key, entry), 3);
+  for (const char* exact : {"gjk_epa", "of_a_plugin_that_is_not_here"}) {
+    key.method = exact;
+    EXPECT_EQ(faultsOfOurs(key, entry), 5) << exact;
+  }
+  EXPECT_EQ(faultsOfOurs(subjectOf(StageKind::velocity, 3, "catto"), entry), 5) << "approximate, and no pair query";
+  entry.role = AlgorithmRole::witness;
+  EXPECT_EQ(faultsOfOurs(key, entry), 0);
+
+  const VerifyTask task{.kindA = ShapeKind::box,
+                        .kindB = ShapeKind::box,
+                        .range = {.seed = 2, .first = 0, .count = 100},
+                        .methods = {"mpr"}};
+  const Verified booked = verify(task);
+  long wrong = 0, faults = 0;
+  for (const auto& [of, e] : booked.ledger) {
+    if (of.axis == "all") wrong += e[Tally::wrong], faults += faultsOfOurs(of, e);
+  }
+  EXPECT_GT(wrong, 10) << "depths along another normal than the deepest are booked";
+  EXPECT_EQ(faults, 0);
+}
+
+TEST(ApproximatePairQuery, FailsACaseByItsSideAlone) {
+  CaseResult row{.id = "x", .method = "mpr", .verdict = CaseVerdict::wrong, .reason = "distance"};
+  EXPECT_TRUE(isOurFault(row));
+  row.sideAlone = true;
+  EXPECT_FALSE(isOurFault(row));
+  for (const char* side : {"side", "wrong_side"}) {  // of a published case, of a found one
+    row.reason = side;
+    EXPECT_TRUE(isOurFault(row));
+  }
+  row.verdict = CaseVerdict::failed, row.reason = "not_finite";
+  EXPECT_TRUE(isOurFault(row));
+}
+
+// NaN and infinity end, and are no answer.
+TEST(ApproximatePairQuery, WhatIsNoNumberHasFailed) {
+  const auto mpr = createStage<PairQuery<3>>(Spec{"mpr", {}});
+  const Shape<3> box = Shape<3>::box({1, 1, 1}, 0), capsule = Shape<3>::capsule(1, Real(0.5));
+  for (const Real bad : {std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {
+    for (const QueryNeed need : {QueryNeed::boolean, QueryNeed::distance, QueryNeed::witnesses}) {
+      for (const Shape<3>* other : {&box, &capsule}) {
+        const Pose<3> X{{bad, 0, 0}, {}};
+        EXPECT_EQ(queryPair<3>(*mpr, box.view(), other->view(), X, need).status, QueryStatus::failed) << bad;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
