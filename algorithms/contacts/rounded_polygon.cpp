@@ -16,9 +16,9 @@
 //   ends of what the two edges have in common, numbered by their vertices.
 // - Which of two equal axes leads is left open, too. Of a square on a square rounding would say so anew in each step.
 //   Here it is the first shape's, unless the other's is better by the pair's tolerance.
-// - "Invalid contacts" of what is pressed deep into each other (9.1.10). More than half through a body, the shortest
-// way
-//   out is its far side: that lies in the question, and is declared in `failures`.
+// - "Invalid contacts" of what is pressed deep into each other (9.1.10). More than half through a body, the
+//   shortest way out is its far side: that lies in the question, and is declared in `failures`.
+#include "algorithms/contacts/clip2.h"
 #include "algorithms/contacts/plane_patch.h"
 #include "algorithms/contacts/sat_axes2.h"
 
@@ -414,7 +414,7 @@ class RoundedPolygon final : public ContactGenerator<D> {
     for (const ConvexPair<D>& pair : in.pairs) {
       const PlacedPair<D> place = placePolygons(in, pair, m_params.bias);
       if (hasPlane(place)) {
-        const Vec<D> n = planePatch(place, m_plane);
+        const Vec<D> n = planePatch(place, Reduction::spread, m_plane);
         addPatch<D>(in, place, n, m_plane.points, fresh);
         continue;
       }
