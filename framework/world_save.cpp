@@ -279,6 +279,7 @@ void World<D>::load(std::istream& in) {
   // New stages instead of the old ones' structures, which hold no history.
   m_stages = StageSet<D>(m_pipeline);
   m_boxes = BoxIndex<D>(stage<Broadphase>(), m_settings.margin);
+  m_fast = FastParts<D>();
   m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
   m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
   m_jointSlots.read(m_joints, [](const JointRecord<D>& j) { return !j.kind; });

@@ -339,6 +339,10 @@ void savedAndLoaded() {
       w.add(bullets<D>()[static_cast<std::size_t>(i)], at<D>(-11 - i, 0.5 * i), at<D>(300, 5 * i), 0.3 * i, 4);
     }
     w.steps(2);
+    for (int i = 0; i < 4; ++i) {  // who is thick is slow: nothing of what was here may be known of those to come
+      other.add(Shape<D>::sphere(20), at<D>(100 * i, 500), at<D>(1000, 0));
+    }
+    other.steps(1);
     std::istringstream in(saved(w.world));
     other.world.load(in);
     for (int i = 0; i < 6; ++i) {
