@@ -3,10 +3,13 @@
 
 #include <algorithm>
 
+#include "framework/tolerances.h"
+
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-// A point at r that turns by an angle leaves the chord of its way by r (1 - cos(angle / 2)) at most.
+// A point at r that turns by an angle is never farther than r angle^2 / 8, nor than 2 r, from where it would be on the
+// straight way between its ends, at the same time.
 template <int D>
 Aabb<D> boxOfWay(const ShapeView<D>& view, const ShapeMotion<D>& motion, Real dt, Real r) {
   const Real angle = motion.motion.w.norm() * dt;
@@ -62,7 +65,8 @@ void FastParts<D>::forParts(std::size_t shape, const Ways<D>& ways, Real thresho
       const Real reach = X_CP.p.norm() + part.girth.outer - view.radius;  // a rounding turns with its core
       part.goes = (motion.motion.v.norm() + motion.motion.w.norm() * reach) * ways.dt;
       if (!std::isfinite(part.goes) || !motion.X_WC.p.allFinite()) return;  // it takes no part in collision
-      part.fast = bodies.active(part.body) && part.goes > threshold * part.girth.inner;
+      // What moves less is near enough to have contacts.
+      part.fast = part.goes > threshold * std::max(part.girth.inner, kLinearSlop);
       part.box = boxOfWay(view, motion, ways.dt, reach);
     } else {
       part.box = boundingBox(view, motion.X_WC * X_CP);
@@ -90,7 +94,12 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
   }
   const auto pair = [&](const Part& p, const Part& q) {
     const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.shape)], &b = shapes[static_cast<std::size_t>(q.shape)];
-    if (p.body == q.body || !(a.category & b.mask) || !(b.category & a.mask) || !p.box.overlaps(q.box)) return;
+    const auto moved = [&](const Part& part) {
+      return bodies.type[static_cast<std::size_t>(part.body)] == BodyType::dynamic;
+    };
+    if (p.body == q.body || (!moved(p) && !moved(q)) || !(a.category & b.mask) || !(b.category & a.mask) ||
+        !p.box.overlaps(q.box))
+      return;
     m_pairs.push_back(p < q ? Pair{p, q} : Pair{q, p});
   };
   for (const Part& fast : m_fast) {
@@ -103,9 +112,13 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
       });
     }
   }
-  std::sort(m_fast.begin(), m_fast.end(), [](const Part& a, const Part& b) { return a.box.lo[0] < b.box.lo[0]; });
+  Aabb<D> places;
+  for (const Part& p : m_fast) places = places.merged({p.box.lo, p.box.lo});
+  Eigen::Index k = 0;
+  if (!m_fast.empty()) (places.hi - places.lo).maxCoeff(&k);  // along which they lie farthest apart
+  std::sort(m_fast.begin(), m_fast.end(), [&](const Part& a, const Part& b) { return a.box.lo[k] < b.box.lo[k]; });
   for (std::size_t i = 0; i < m_fast.size(); ++i) {
-    for (std::size_t j = i + 1; j < m_fast.size() && m_fast[j].box.lo[0] <= m_fast[i].box.hi[0]; ++j) {
+    for (std::size_t j = i + 1; j < m_fast.size() && m_fast[j].box.lo[k] <= m_fast[i].box.hi[k]; ++j) {
       pair(m_fast[i], m_fast[j]);
     }
   }

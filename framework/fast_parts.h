@@ -35,7 +35,7 @@ class FastParts {
     Girth<D> girth;
     Real goes;    // m, no point of it farther
     Aabb<D> box;  // of its whole way
-    bool fast;    // by the threshold, and forces move it
+    bool fast;    // by the threshold; also of a kinematic body, which nobody stops
     bool operator<(const Part& o) const { return std::tie(body, shape, number) < std::tie(o.body, o.shape, o.number); }
   };
   struct Pair {

@@ -165,6 +165,9 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void lookAhead(Real dt);
   void stopAtMeetings(Real dt);
   std::span<const typename FastParts<D>::Pair> fastPairs(const Ways<D>& ways);
+  Motion<D> wayOf(std::size_t body, Real dt) const;
+  FastPair<D> pairFrom(const typename FastParts<D>::Pair& p, const Ways<D>& ways, Real from) const;
+  bool vetoed(const typename FastParts<D>::Pair& p) const;
   void findPairs(Real dt);
   bool looks(Lookout when) const {
     return m_settings.features.continuous && stage<ContinuousCollision>().lookout() == when;
@@ -232,6 +235,19 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   std::vector<Pose<D>> m_start;     // of the step, X_WC by body slot
   std::vector<Motion<D>> m_ways;    // of the step just solved, by body slot
   std::vector<Real> m_stop;         // s after the start
+  struct Meeting {
+    Real t;  // s after the start
+    std::size_t pair;
+    Real asked;  // when the first of the two was stopped, as known then
+    bool operator<(const Meeting& o) const {
+      return std::tie(o.t, o.pair) < std::tie(t, pair);
+    }  // of a heap: the first
+  };
+  std::vector<Meeting> m_meetings;
+  std::vector<FastPair<D>> m_questions;
+  std::vector<Real> m_times;
+  std::vector<std::pair<std::int32_t, std::size_t>> m_pairsOf;  // body, pair; sorted
+  std::vector<std::int32_t> m_stopped;
   FastParts<D> m_fast;
   ChildPairs<D> m_children;
   std::vector<std::pair<std::int32_t, std::int32_t>> m_unpaired;  // jointed bodies that do not collide, sorted

@@ -107,7 +107,11 @@ template <int D>
 std::span<PairMemory> World<D>::recall(std::span<const ConvexPair<D>> children) {
   m_memory.clear();
   if (!m_settings.features.cache || !stage<ContactGenerator>().remembers()) return {};
-  std::size_t o = 0;
+  if (children.empty()) return {};
+  const auto first = recordOf<D>(children[0], m_shapes).key();
+  auto o = static_cast<std::size_t>(
+      std::partition_point(m_records.begin(), m_records.end(), [&](const PairRecord& r) { return r.key() < first; }) -
+      m_records.begin());
   for (const ConvexPair<D>& pair : children) {
     const auto key = recordOf<D>(pair, m_shapes).key();
     while (o < m_records.size() && m_records[o].key() < key) ++o;

@@ -2,7 +2,7 @@
 // What lies between the poses of two steps: pairs that would meet get contacts before it, or bodies that met are
 // stopped after it.
 #include <algorithm>
-#include <queue>
+#include <cmath>
 
 #include "framework/world.h"
 
@@ -37,98 +37,127 @@ void World<D>::lookAhead(Real dt) {
       m_ahead.end());
 }
 
-// Meetings in the order of their times. The first one of a body is its last: who stands still is asked about anew, from
-// then on, by those who still come.
+// How a body went through the step that was just solved. The turn is the one of those with this end that is nearest to
+// what its speed says: a pose alone does not tell whole turns.
 template <int D>
-void World<D>::stopAtMeetings(Real dt) {
-  if (!looks(Lookout::after)) return;
-  Profiler::Scope scope(m_profiler, "continuous");
-  m_ways.resize(m_start.size());
-  for (std::size_t i = 0; i < m_start.size(); ++i) {
-    const Pose<D>&from = m_start[i], &to = m_bodies.pose[i];
-    if (!m_bodies.used[i] || !m_bodies.awake[i] || m_bodies.type[i] == BodyType::fixed) {
-      m_ways[i] = {};
-    } else {
-      m_ways[i] = {(to.p - from.p) / dt, turnOf(to.q * from.q.inverse()) / dt};
-    }
-  }
-  const Ways<D> ways{m_start, m_ways, dt};
-  const auto pairs = fastPairs(ways);
-  if (pairs.empty()) return;
+Motion<D> World<D>::wayOf(std::size_t body, Real dt) const {
+  const Pose<D>&from = m_start[body], &to = m_bodies.pose[body];
+  constexpr Real kWhole = Real(6.28318530717958647693);
+  Ang<D> turn = turnOf(to.q * from.q.inverse());
+  const Ang<D> meant = m_bodies.motion[body].w * dt;
+  const Real angle = turn.norm();
+  const Ang<D> axis = angle > 0 ? Ang<D>(turn / angle) : Ang<D>(meant.normalized());
+  const Real more = std::round((meant.dot(axis) - angle) / kWhole);
+  if (more != 0 && std::isfinite(more)) turn += more * kWhole * axis;
+  return {(to.p - from.p) / dt, turn / dt};
+}
 
-  const auto vetoed = [&](const auto& p) {
-    const std::tuple key(p.a.body, p.a.shape, p.b.body, p.b.shape);
-    const auto m = std::partition_point(m_manifolds.begin(), m_manifolds.end(),
-                                        [&](const Manifold<D>& x) { return x.shapeKey() < key; });
-    return m != m_manifolds.end() && m->shapeKey() == key && m->ignored;
-  };
-  m_stop.assign(m_bodies.pose.size(), kNever);
-  // Who has been stopped at that time stands still from then on.
-  const auto asked = [&](const typename FastParts<D>::Part& part, Real from) {
+// A pair as it goes on from a time on: who has been stopped stands still.
+template <int D>
+FastPair<D> World<D>::pairFrom(const typename FastParts<D>::Pair& p, const Ways<D>& ways, Real from) const {
+  const auto motionOf = [&](const typename FastParts<D>::Part& part) {
     ShapeMotion<D> motion = ways.of(part.body, part.X_CP);
     const Real stop = m_stop[static_cast<std::size_t>(part.body)];
     motion.X_WC = motion.bodyAt(std::min(from, stop));
     if (stop <= from) motion.motion = {};
     return motion;
   };
-  const auto question = [&](const typename FastParts<D>::Pair& p, Real from) {
-    const bool swap = p.a.view.kind > p.b.view.kind;
-    const auto &a = swap ? p.b : p.a, &b = swap ? p.a : p.b;
-    const auto goesOn = [&](const auto& part) {
-      return part.fast && m_stop[static_cast<std::size_t>(part.body)] == kNever;
-    };
-    return FastPair<D>{{a.view, b.view, asked(a, from), asked(b, from)}, a.girth, b.girth, goesOn(a), goesOn(b)};
+  const auto goesOn = [&](const typename FastParts<D>::Part& part) {
+    return part.fast && m_bodies.active(part.body) && m_stop[static_cast<std::size_t>(part.body)] == kNever;
   };
-  const auto stopOf = [&](const typename FastParts<D>::Pair& p) {  // of the first of the two that was stopped
-    return std::min(m_stop[static_cast<std::size_t>(p.a.body)], m_stop[static_cast<std::size_t>(p.b.body)]);
-  };
+  const bool swap = p.a.view.kind > p.b.view.kind;
+  const auto &a = swap ? p.b : p.a, &b = swap ? p.a : p.b;
+  return {{a.view, b.view, motionOf(a), motionOf(b)}, a.girth, b.girth, goesOn(a), goesOn(b)};
+}
 
-  std::vector<FastPair<D>> questions;
-  std::vector<std::size_t> of;
+template <int D>
+bool World<D>::vetoed(const typename FastParts<D>::Pair& p) const {
+  const std::tuple key(p.a.body, p.a.shape, p.b.body, p.b.shape);
+  const auto m = std::partition_point(m_manifolds.begin(), m_manifolds.end(),
+                                      [&](const Manifold<D>& x) { return x.shapeKey() < key; });
+  return m != m_manifolds.end() && m->shapeKey() == key && m->ignored;
+}
+
+// Meetings in the order of their times. The first one of a body ends its step, and that of all who are jointed to it,
+// or the joints would be torn. Those who still come are asked at once about who stands there now.
+template <int D>
+void World<D>::stopAtMeetings(Real dt) {
+  if (!looks(Lookout::after)) return;
+  Profiler::Scope scope(m_profiler, "continuous");
+  m_ways.assign(m_start.size(), {});
+  for (std::size_t i = 0; i < m_start.size(); ++i) {
+    if (m_bodies.used[i] && m_bodies.awake[i] && m_bodies.type[i] != BodyType::fixed) m_ways[i] = wayOf(i, dt);
+  }
+  const Ways<D> ways{m_start, m_ways, dt};
+  const auto pairs = fastPairs(ways);
+  if (pairs.empty()) return;
+
+  m_stop.assign(m_bodies.pose.size(), kNever);
+  m_questions.clear(), m_meetings.clear(), m_pairsOf.clear();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (unpaired(pairs[i].a.body, pairs[i].b.body) || vetoed(pairs[i])) continue;
-    questions.push_back(question(pairs[i], 0)), of.push_back(i);
+    const FastPair<D> question = pairFrom(pairs[i], ways, 0);
+    if (!question.fastA && !question.fastB) continue;
+    m_questions.push_back(question), m_meetings.push_back({kNever, i, kNever});
+    for (const std::int32_t body : {pairs[i].a.body, pairs[i].b.body}) m_pairsOf.emplace_back(body, i);
   }
-  std::vector<Real> t(questions.size(), kNever);
+  std::sort(m_pairsOf.begin(), m_pairsOf.end());
+  m_times.assign(m_questions.size(), kNever);
   WorkDone& work = m_profiler.frame().work;
-  stage<ContinuousCollision>().meetings(questions, dt, t, work);
-  struct Meeting {
-    Real t;
-    std::size_t pair;
-    Real asked;  // what stopOf said then
-    bool operator<(const Meeting& o) const { return std::tie(o.t, o.pair) < std::tie(t, pair); }  // the first on top
+  stage<ContinuousCollision>().meetings(m_questions, dt, m_times, work);
+  for (std::size_t k = 0; k < m_times.size(); ++k) m_meetings[k].t = m_times[k];
+  std::erase_if(m_meetings, [&](const Meeting& m) { return !(m.t < dt); });
+  std::make_heap(m_meetings.begin(), m_meetings.end());
+
+  const auto firstStop = [&](const typename FastParts<D>::Pair& p) {
+    return std::min(m_stop[static_cast<std::size_t>(p.a.body)], m_stop[static_cast<std::size_t>(p.b.body)]);
   };
-  std::priority_queue<Meeting> queue;
-  for (std::size_t k = 0; k < t.size(); ++k) {
-    if (t[k] < dt) queue.push({t[k], of[k], kNever});
-  }
-  while (!queue.empty()) {
-    const Meeting now = queue.top();
-    queue.pop();
+  const auto stop = [&](std::int32_t slot, Real t) {
+    const auto body = static_cast<std::size_t>(slot);
+    if (!m_bodies.active(slot) || m_stop[body] != kNever) return;
+    m_stop[body] = t, m_bodies.pose[body] = ways.of(slot, {}).bodyAt(t);
+    ++work[WorkCount::stops], m_profiler.frame().lostTime += dt - t;
+    m_stopped.push_back(slot);
+  };
+  while (!m_meetings.empty()) {
+    std::pop_heap(m_meetings.begin(), m_meetings.end());
+    const Meeting now = m_meetings.back();
+    m_meetings.pop_back();
     const auto& p = pairs[now.pair];
-    const Real stop = stopOf(p);
-    if (stop != now.asked) {
-      const FastPair<D> again = question(p, stop);
-      if (!again.fastA && !again.fastB) continue;
-      Real later = kNever;
-      stage<ContinuousCollision>().meetings({&again, 1}, dt - stop, {&later, 1}, work);
-      if (stop + later < dt) queue.push({stop + later, now.pair, stop});
-      continue;
-    }
+    if (firstStop(p) != now.asked) continue;  // it was asked anew
+    m_stopped.clear();
     for (const auto* part : {&p.a, &p.b}) {
-      const auto body = static_cast<std::size_t>(part->body);
-      if (!part->fast || m_stop[body] != kNever) continue;
-      m_stop[body] = now.t;
-      m_bodies.pose[body] = ways.of(part->body, {}).bodyAt(now.t);
-      ++work[WorkCount::stops], m_profiler.frame().lostTime += dt - now.t;
+      if (part->fast) stop(part->body, now.t);
+    }
+    for (std::size_t i = 0; i < m_stopped.size(); ++i) {  // grows
+      for (const std::int32_t joint : m_graph.jointsOf(m_stopped[i])) {
+        const JointRecord<D>& j = m_joints[static_cast<std::size_t>(joint)];
+        if (j.bodyA >= 0) stop(j.bodyA, now.t);
+        stop(j.bodyB, now.t);
+      }
+    }
+    for (const std::int32_t body : m_stopped) {
+      for (auto of = std::lower_bound(m_pairsOf.begin(), m_pairsOf.end(), std::pair(body, std::size_t(0)));
+           of != m_pairsOf.end() && of->first == body; ++of) {
+        const FastPair<D> again = pairFrom(pairs[of->second], ways, now.t);
+        if (!again.fastA && !again.fastB) continue;
+        Real later = kNever;
+        stage<ContinuousCollision>().meetings({&again, 1}, dt - now.t, {&later, 1}, work);
+        if (!(now.t + later < dt)) continue;
+        m_meetings.push_back({now.t + later, of->second, now.t});
+        std::push_heap(m_meetings.begin(), m_meetings.end());
+      }
     }
   }
 }
 
 // The members of this file; the class as a whole is instantiated in world.cpp.
-#define LPC_INSTANTIATE(D)                                                          \
-  template std::span<const FastParts<D>::Pair> World<D>::fastPairs(const Ways<D>&); \
-  template void World<D>::lookAhead(Real);                                          \
+#define LPC_INSTANTIATE(D)                                                                        \
+  template std::span<const FastParts<D>::Pair> World<D>::fastPairs(const Ways<D>&);               \
+  template void World<D>::lookAhead(Real);                                                        \
+  template Motion<D> World<D>::wayOf(std::size_t, Real) const;                                    \
+  template FastPair<D> World<D>::pairFrom(const FastParts<D>::Pair&, const Ways<D>&, Real) const; \
+  template bool World<D>::vetoed(const FastParts<D>::Pair&) const;                                \
   template void World<D>::stopAtMeetings(Real)
 LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);

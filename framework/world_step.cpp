@@ -84,8 +84,8 @@ void World<D>::step(Real dt) {
                           m_settings.features, m_settings.restitutionThreshold, m_profiler.frame().work, m_profiler,
                           m_graph, m_watcher});
   }
-  if (m_settings.features.joints) finishJoints(dt);
   stopAtMeetings(dt);
+  if (m_settings.features.joints) finishJoints(dt);
   m_boxes.outdate();
   std::fill(m_userForces.begin(), m_userForces.end(), Wrench<D>{});
   m_time += dt, m_lastDt = dt;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
-#include "algorithms/time_of_impact/tolerances.h"
+#include "algorithms/time_of_impact/closing.h"
 #include "framework/stage_continuous.h"
 #include "framework/tolerances.h"
 
@@ -63,34 +64,28 @@ class Cast final : public ContinuousCollision<D> {
   }
 
   // From time t on: when the depth reaches what is allowed, or, where it is that deep already, half of what is left to
-  // the inner ball's centre.
+  // the inner ball's centre. Along the normal of the depth it grows no faster than the bodies close: conservative
+  // advancement, on the far side of contact.
   Real tooDeep(const FastPair<D>& p, Real t, Real duration, WorkDone& work) {
-    const Real inner = std::min(p.fastA ? p.a.inner : kNever, p.fastB ? p.b.inner : kNever);
-    const Real speed = fastest(p);
+    const Real ball = std::min(p.fastA ? p.a.inner : kNever, p.fastB ? p.b.inner : kNever);
+    const Real inner = std::max(ball, m_params.depth);  // a segment has no inner ball
     Real allowed = std::min(m_params.depth, m_params.threshold * inner);
+    const Closing<D> closing(p.pair);
+    PairMemory memory;
     for (int k = 0; k < m_params.iterations; ++k) {
       const PairView<D> view = p.pair.at(t);
       PairAnswer<D> answer;
-      m_query->query({&view, 1}, QueryNeed::distance, {&answer, 1}, {}, work);
+      m_query->query({&view, 1}, QueryNeed::witnesses, {&answer, 1}, {&memory, 1}, work);
       if (k == 0 && -answer.distance >= allowed) allowed = (inner - answer.distance) / 2;
-      const Real left = allowed + answer.distance;  // m
-      if (k == 0 && !(left > 0 && allowed < inner))
-        return kNever;  // its centre is in the other: who knows on which side
+      const Real left = allowed + answer.distance;                  // m
+      if (k == 0 && !(left > 0 && allowed < inner)) return kNever;  // it is half through: who knows on which side
       if (!(left > kAlmostThere * allowed)) return t;
+      const Real speed = closing.closing(p.pair.A.bodyAt(t).q * (p.pair.A.X_CS.q * answer.normal));
+      if (!std::isfinite(speed) || answer.normal.isZero(0)) return t;
+      if (!(speed * (duration - t) > left)) return kNever;
       t += left / speed;
-      if (!(t < duration)) return kNever;
     }
     return t;
-  }
-
-  // No two points of the shapes come nearer to each other at a higher speed (m/s).
-  static Real fastest(const FastPair<D>& p) {
-    const auto turning = [](const ShapeView<D>& view, const Girth<D>& girth, const ShapeMotion<D>& m) {
-      const Real w = m.motion.w.norm();
-      return w > 0 ? w * (m.X_CS.p.norm() + girth.outer - view.radius) : Real(0);
-    };
-    return (p.pair.A.motion.v - p.pair.B.motion.v).norm() + turning(p.pair.a, p.a, p.pair.A) +
-           turning(p.pair.b, p.b, p.pair.B);
   }
 
   Params m_params;

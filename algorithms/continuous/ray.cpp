@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "framework/stage_continuous.h"
+#include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -58,8 +59,9 @@ class Ray final : public ContinuousCollision<D> {
     const RayEntry<D> entry = rayEntry(other, Pose<D>{}, from, way, Real(1));
     const Real closing = -way.dot(entry.normal);                                      // m in the whole time
     if (entry.t < 0 || !(closing > 0)) return std::numeric_limits<Real>::infinity();  // it misses, or starts inside
-    for (const Real ball : {girth.inner, girth.inner / 2}) {
-      const Real share = entry.t - ball / closing;
+    const Real clearance = std::max(girth.inner, kLinearSlop);                        // a segment has no inner ball
+    for (const Real before : {clearance, clearance / 2}) {
+      const Real share = entry.t - before / closing;
       if (share > 0) return share * duration;
     }
     return std::numeric_limits<Real>::infinity();
