@@ -82,8 +82,8 @@ def finding(stage, dimension, precision, rows):
         bad = ours[ours["failed"] > 0]
         asked = int(ours["asked"].sum())
         if len(bad):
-            said.append("of our own " + noun + " " + listing([f"{m} fails {_of(f, n, r)}" for m, f, n, r in
-                                                             zip(bad["method"], bad["failed"], bad["asked"], bad["refused"])]))
+            said.append("of our own " + noun + " " + listing([f"{row.method} fails {_of(row.failed, row.asked, row.refused)}"
+                                                             f"{_sided(row, stage)}" for row in bad.itertuples()]))
         else:
             said.append(f"none of our own {noun} failed on any of {asked:,} questions")
             if stage == "pair_query" and ours["max_error"].notna().any():
@@ -107,6 +107,12 @@ def _of(failed, asked, refused):
     """The share that failed; how much of it is refusals, where it is not nothing."""
     text = failure.share(failed / asked)
     return f"{text} ({failure.share(refused / asked)} refused)" if refused else text
+
+
+def _sided(row, stage):
+    """What an approximate pair query owes: are all its failures distances on the right side?"""
+    right = stage == "pair_query" and row.failed == row.wrong and not row.wrong_side
+    return " (never by a wrong yes or no)" if right else ""
 
 
 def _value(text):

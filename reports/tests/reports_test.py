@@ -284,6 +284,15 @@ class Findings(WithStore):
         self.assertEqual(check_ledger(questions, ledger.by_method), "")
         self.assertNotEqual(check_ledger(questions, only_with_an_error), "", "the planted bug was not seen")
 
+    def test_failures_on_the_right_side_say_so(self):
+        rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64'")
+        rows = rows[rows["method"] == "gjk_epa"]
+        some = rows.assign(wrong=rows["asked"] // 4, agree=rows["agree"] - rows["asked"] // 4)
+        said = ledger.finding("pair_query", 3, "f64", some[some["axis"] == "all"])
+        self.assertIn("gjk_epa fails 25% (never by a wrong yes or no)", said)
+        said = ledger.finding("pair_query", 3, "f64", some[some["axis"] == "all"].assign(wrong_side=1))
+        self.assertIn("gjk_epa fails 25%.", said)
+
     def test_who_fails_is_named_with_the_share(self):
         made = {c.id: c for c in ledger.of_store(self.context)}
         solid = made["ledger_pair_query_3d_f64"]
