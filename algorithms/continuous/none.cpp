@@ -23,6 +23,7 @@ class None final : public ContinuousCollision<D> {
                          {"a turning rod at a post", "it passes through", "Continuous.SpinningRodIsStopped"},
                          {"two bullets head on", "they pass through each other", "Continuous.FastOnesMeet"},
                          {"a body that is hit and flies off", "it passes through", "Continuous.SentOnItsWayIsStopped"},
+                         {"a rod that turns once in a step", "it passes through", "Continuous.WholeTurnsAreSeen"},
                          {"several bullets in a row", "they pass through", "Continuous.QueueIsStopped"}}};
   }
 
