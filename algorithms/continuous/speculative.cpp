@@ -30,6 +30,8 @@ class Speculative final : public ContinuousCollision<D> {
             {"a floor of tiles", "the side of the next tile stops who slides", "Continuous.SlidesOverSeams"},
             {"a body that is hit and flies off within the step", "it passes through",
              "Continuous.SentOnItsWayIsStopped"},
+            {"two of one speed, of which the first is stopped", "the second passes through it",
+             "Continuous.StoppedOnesStandInTheWay"},
             {"a long body that turns about where it has hit", "it passes through by its ends",
              "Continuous.BulletIsStopped"},
             {"several bullets in a row", "who is hit from behind passes through", "Continuous.QueueIsStopped"}}};
