@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Velocity problems out of a running scene.
+// Velocity problems out of a running scene, and the pairs of shapes that came near each other in it.
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/fclib_file.h"
 #include "experiments/trial/output_file.h"
+#include "experiments/trial/pair_stream.h"
 #include "experiments/trial/problem_file.h"
 #include "framework/contact_problem.h"
 #include "framework/director.h"
@@ -22,15 +24,51 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+/// Both ends count.
+struct StepRange {
+  long from, to;
+};
+
 struct RecordOptions {
-  std::string scene, pipeline, problems;
-  std::vector<std::string> params;
-  std::vector<int> steps;
+  std::string scene, pipeline, problems, pairs;
+  std::vector<std::string> params, stepTexts;
   std::optional<int> dimension, hardest;
   std::optional<double> dt;
   std::optional<long> last;
   std::optional<std::uint64_t> seed;
+  std::vector<StepRange> steps;  // what stepTexts say
+
+  bool asks(long step) const {
+    return std::any_of(steps.begin(), steps.end(), [&](const StepRange& r) { return r.from <= step && step <= r.to; });
+  }
+  long lastAsked() const {
+    long out = -1;
+    for (const StepRange& r : steps) out = std::max(out, r.to);
+    return out;
+  }
 };
+
+/// What a file of pairs holds at most: 60 MB in space.
+constexpr std::size_t kMostMeetings = 1000000;
+
+/// "100" or "100:200".
+StepRange stepRange(const std::string& text) {
+  StepRange out{};
+  const char *at = text.data(), *const end = at + text.size();
+  const auto read = [&](long& step) {
+    const auto [after, error] = std::from_chars(at, end, step);
+    at = after;
+    return error == std::errc() && step >= 0 && step <= std::numeric_limits<int>::max();
+  };
+  bool right = read(out.from);
+  out.to = out.from;
+  if (right && at != end && *at == ':') ++at, right = read(out.to);
+  if (!right || at != end || out.to < out.from) {
+    throw UserError("--steps: '" + text +
+                    "' names no steps; valid: numbers from 0 and ranges, such as 100,200 or 0:99");
+  }
+  return out;
+}
 
 bool isFclib(const std::string& path) { return path.ends_with(".hdf5"); }
 
@@ -60,37 +98,57 @@ class ProblemWatcher final : public VelocityWatcher<D> {
   std::optional<FrozenProblem<D>> m_frozen;
 };
 
+/// The world of a trial, and who plays its script.
 template <int D>
-void record(const RecordOptions& o, const PlannedTrial& trial) {
-  const auto& t = trial.canonical;
-  const SceneFile file = SceneFile::load(trial.sceneFile);
-  SceneSpec<D> scene = file.build<D>(t.at("params").get<ParameterValues>(), t.at("seed").get<std::uint64_t>());
-  scene.settings.features = featuresFromText(t.at("features").get<std::string>());
-  const Real dt = static_cast<Real>(t.at("dt").get<double>());
-  World<D> world(Pipeline::parse(t.at("pipeline").get<std::string>()), scene.settings);
-  ProblemWatcher<D> watcher(scene.settings.gravity);
+struct RecordedRun {
+  explicit RecordedRun(const PlannedTrial& trial) : RecordedRun(trial.canonical, SceneFile::load(trial.sceneFile)) {}
+  RecordedRun(const nlohmann::json& t, const SceneFile& file)
+      : scene(file.name()),
+        dt(static_cast<Real>(t.at("dt").get<double>())),
+        steps(t.at("steps").get<long>()),
+        director(specOf(t, file)),
+        world(Pipeline::parse(t.at("pipeline").get<std::string>()), director.scene().settings) {}
+
+  std::string scene;
+  Real dt;
+  long steps;
+  Director<D> director;
+  World<D> world;
+
+ private:
+  static SceneSpec<D> specOf(const nlohmann::json& t, const SceneFile& file) {
+    SceneSpec<D> spec = file.build<D>(t.at("params").get<ParameterValues>(), t.at("seed").get<std::uint64_t>());
+    spec.settings.features = featuresFromText(t.at("features").get<std::string>());
+    return spec;
+  }
+};
+
+template <int D>
+void recordProblems(const RecordOptions& o, const PlannedTrial& trial) {
+  RecordedRun<D> run(trial);
+  World<D>& world = run.world;
+  ProblemWatcher<D> watcher(world.settings().gravity);
   world.watch(&watcher);
-  Director<D> director(std::move(scene));
   struct Kept {
     double residual;
     StoredProblem<D> stored;
   };
   std::vector<Kept> kept;
   long shown = 0;
-  const long steps = o.hardest ? t.at("steps").get<long>() : *std::max_element(o.steps.begin(), o.steps.end()) + 1L;
+  const long steps = o.hardest ? run.steps : o.lastAsked() + 1;
   OutputFile out(o.problems);  // not after hours of running
   const InterruptGuard interrupts;
   for (long step = 0; step < steps; ++step) {
     if (InterruptGuard::interrupted()) throw Interrupted();
-    director.advance(world);
-    world.step(dt);
+    run.director.advance(world);
+    world.step(run.dt);
     std::optional<FrozenProblem<D>> problem = watcher.take();
     if (!problem) continue;
     ++shown;
-    if (!o.hardest && std::find(o.steps.begin(), o.steps.end(), step) == o.steps.end()) continue;
+    if (!o.hardest && !o.asks(step)) continue;
     const double residual = watcher.residual();
     if (!std::isfinite(residual)) break;  // from now on nobody could solve it
-    kept.push_back({residual, {file.name(), step, std::move(*problem)}});
+    kept.push_back({residual, {run.scene, step, std::move(*problem)}});
     if (!o.hardest || kept.size() <= static_cast<std::size_t>(*o.hardest)) continue;
     kept.erase(std::min_element(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) {
       return a.residual < b.residual || (a.residual == b.residual && a.stored.step > b.stored.step);
@@ -102,11 +160,13 @@ void record(const RecordOptions& o, const PlannedTrial& trial) {
   }
   if (o.hardest && kept.empty())
     throw UserError("'" + o.scene + "' comes apart in its first step; valid: a finite run");
-  for (const int step : o.steps) {
-    const auto has = [&](const Kept& k) { return k.stored.step == step; };
+  for (const StepRange& r : o.steps) {
+    const auto has = [&](const Kept& k) { return r.from <= k.stored.step && k.stored.step <= r.to; };
     if (std::any_of(kept.begin(), kept.end(), has)) continue;
+    const std::string which = r.from == r.to ? "step " + std::to_string(r.from)
+                                             : "steps " + std::to_string(r.from) + " to " + std::to_string(r.to);
     throw UserError(
-        "--steps: in step " + std::to_string(step) + " of '" + o.scene +
+        "--steps: in " + which + " of '" + o.scene +
         "' there is nothing to solve; valid: steps in which something touches or is joined, of a run that is finite");
   }
   std::vector<StoredProblem<D>> stored;
@@ -114,7 +174,7 @@ void record(const RecordOptions& o, const PlannedTrial& trial) {
   for (Kept& k : kept) {
     std::printf("step %-6ld %4d bodies %4d points %3zu joints   left by its own method: ", k.stored.step,
                 k.stored.problem.bodies.size(), k.stored.problem.points(), k.stored.problem.joints.size());
-    gravity > 0 ? std::printf("%.3g g dt\n", k.residual / (gravity * double(dt)))
+    gravity > 0 ? std::printf("%.3g g dt\n", k.residual / (gravity * double(run.dt)))
                 : std::printf("%.3g m/s\n", k.residual);
     stored.push_back(std::move(k.stored));
   }
@@ -127,20 +187,53 @@ void record(const RecordOptions& o, const PlannedTrial& trial) {
   std::printf("problems  %s\n", o.problems.c_str());
 }
 
-void recordScene(const RecordOptions& o, const Session& session) {
-  if (o.hardest.has_value() == !o.steps.empty()) {
+template <int D>
+void recordPairs(const RecordOptions& o, const PlannedTrial& trial) {
+  RecordedRun<D> run(trial);
+  PairCollector<D> collector(run.scene, run.dt, run.world.settings().margin);
+  const long steps = o.steps.empty() ? run.steps : o.lastAsked() + 1;
+  OutputFile out(o.pairs);  // not after hours of running
+  const InterruptGuard interrupts;
+  bool full = false;
+  for (long step = 0; step < steps && !full; ++step) {
+    if (InterruptGuard::interrupted()) throw Interrupted();
+    run.director.advance(run.world);
+    if (o.steps.empty() || o.asks(step)) full = !collector.see(run.world, step, kMostMeetings);
+    if (!full && step + 1 < steps) run.world.step(run.dt);
+  }
+  const PairStream<D>& stream = collector.stream();
+  const std::string most = std::to_string(kMostMeetings);
+  if (full && !o.steps.empty()) {
+    throw UserError("--steps: these steps of '" + o.scene + "' have more than " + most +
+                    " pairs, which a file holds; valid: fewer steps, or a smaller scene");
+  }
+  if (stream.meetings.empty()) {
+    throw UserError("no boxes of '" + o.scene +
+                    "' come near each other in these steps; valid: a scene in which they do");
+  }
+  writePairs<D>(out.stream(), stream);
+  out.finish();
+  std::printf("%zu steps, %zu pairs in all, of %zu different ones and %zu shapes%s\npairs  %s\n", stream.steps.size(),
+              stream.meetings.size(), stream.pairs.size(), stream.shapes.size(),
+              full ? (": the next step would be over " + most).c_str() : "", o.pairs.c_str());
+}
+
+void recordScene(RecordOptions& o, const Session& session) {
+  for (const std::string& text : o.stepTexts) o.steps.push_back(stepRange(text));
+  const bool ofPairs = !o.pairs.empty();
+  if (o.problems.empty() != ofPairs) {
+    throw UserError("lpc record writes one file; valid: either --problems FILE or --pairs FILE");
+  }
+  if (!ofPairs && o.hardest.has_value() == !o.steps.empty()) {
     throw UserError("lpc record keeps the problems of some steps; valid: either --steps 100,200 or --hardest 3");
   }
-  for (const int step : o.steps) {
-    if (step >= 0) continue;
-    throw UserError("--steps: " + std::to_string(step) + " is no step; valid: numbers from 0");
-  }
-  if (isFclib(o.problems) && (o.hardest ? *o.hardest != 1 : o.steps.size() != 1)) {
+  const bool isOne = o.steps.size() == 1 && o.steps[0].from == o.steps[0].to;
+  if (isFclib(o.problems) && (o.hardest ? *o.hardest != 1 : !isOne)) {
     throw UserError(o.problems + ": a file of FCLIB holds one problem; valid: one step, --hardest 1, or a .json file");
   }
   NamedFiles inputs = {{"the scene", findToml("scenes", o.scene)}};
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
-  keepApart(inputs, {{"--problems", o.problems}});
+  keepApart(inputs, {{"--problems", o.problems}, {"--pairs", o.pairs}});
   WorldCell cell;
   cell.params = readParameters(o.params), cell.dimension = o.dimension, cell.pipeline = o.pipeline;
   cell.dt = o.dt, cell.steps = o.last, cell.seed = o.seed;
@@ -148,24 +241,34 @@ void recordScene(const RecordOptions& o, const Session& session) {
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
   if (trial.canonical.contains("engine")) {
-    throw UserError("an engine shows no velocity problems; valid: a pipeline of ours");
+    throw UserError("an engine shows no velocity problems and no pairs; valid: a pipeline of ours");
   }
-  trial.canonical.at("dimension") == 2 ? record<2>(o, trial) : record<3>(o, trial);
+  const bool flat = trial.canonical.at("dimension") == 2;
+  if (ofPairs) {
+    flat ? recordPairs<2>(o, trial) : recordPairs<3>(o, trial);
+  } else {
+    flat ? recordProblems<2>(o, trial) : recordProblems<3>(o, trial);
+  }
 }
 
 void addRecord(CommandLine& app, Session& session) {
-  CommandLine command = app.subcommand("record", "Writes the velocity problems of some steps of a scene into a file");
+  CommandLine command = app.subcommand(
+      "record", "Writes the velocity problems of some steps of a scene, or its pairs of shapes, into a file");
   auto o = std::make_shared<RecordOptions>();
   command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
-  command.option("--problems", o->problems, "where to; docs/problems.md describes the file. NAME.hdf5: FCLIB's format")
-      .required()
-      .file();
-  Option steps = command.option("--steps", o->steps, "those of these steps, the first being 0");
+  Option problems = command.option("--problems", o->problems,
+                                   "velocity problems; docs/problems.md describes the file. NAME.hdf5: FCLIB's format");
+  problems.file();
+  Option pairs = command.option("--pairs", o->pairs,
+                                "pairs of convex parts whose boxes are near each other, step by step; without --steps "
+                                "those of all steps, up to 1000000 pairs");
+  pairs.file().without(problems);
+  Option steps = command.option("--steps", o->stepTexts, "those of these steps, 100,200 or 0:99, the first being 0");
   steps.commaSeparated();
   Option hardest = command.option("--hardest", o->hardest,
                                   "of all steps those of which the step's own method left most unsolved, by the "
                                   "natural map");
-  hardest.range(1L, 1000L).without(steps);
+  hardest.range(1L, 1000L).without(steps).without(pairs);
   command.option("--until", o->last, "with --hardest: number of steps; default: the scene's").with(hardest);
   command.option("--pipeline", o->pipeline, "algorithms of the run that is recorded");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
@@ -175,7 +278,8 @@ void addRecord(CommandLine& app, Session& session) {
   command.option("--dimension", o->dimension, "2 or 3; default: the scene's first");
   command.footer(
       "Example: lpc record vertical_stack --problems stack.json --steps 100,200\n"
-      "         lpc record card_house --problems cards.json --hardest 3");
+      "         lpc record card_house --problems cards.json --hardest 3\n"
+      "         lpc record vertical_stack --pairs stack.pairs --steps 0:99");
   command.callback([o, &session] { recordScene(*o, session); });
 }
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Zlib
+// The pairs of convex parts whose boxes came near each other, step by step: what a pair query is asked in a world. As a
+// file: docs/problems.md describes it.
+#pragma once
+
+#include <compare>
+#include <iosfwd>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "framework/simulation.h"
+#include "framework/stage_narrowphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// A convex part that stays itself from step to step: a slot's next body is another one.
+struct PartOfBody {
+  std::int32_t body = 0;  // slot
+  std::uint32_t generation = 0;
+  std::int32_t shape = 0, child = 0;  // number among the body's shapes; among the shape's parts
+  auto operator<=>(const PartOfBody&) const = default;
+};
+
+template <int D>
+struct PairStream {
+  /// Kind of a <= kind of b, as queries are asked.
+  struct Pair {
+    PartOfBody a, b;
+    std::uint32_t shapeA = 0, shapeB = 0;  // numbers in `shapes`
+  };
+  struct Meeting {
+    std::uint32_t pair = 0;  // number in `pairs`, the same in every step
+    Pose<D> X_AB{};
+  };
+  struct Step {
+    long step = 0;             // meetings are those of the poses that it begins with
+    std::size_t meetings = 0;  // how many, one after the other; pairs ascend
+  };
+
+  std::string scene;
+  double dt = 0, margin = 0;     // s; m: boxes nearer than this are near
+  std::vector<Shape<D>> shapes;  // convex, each once
+  std::vector<Pair> pairs;       // in the order in which they first met
+  std::vector<Step> steps;       // ascending
+  std::vector<Meeting> meetings;
+
+  PairView<D> view(const Meeting& m) const {
+    const Pair& p = pairs[m.pair];
+    return {shapes[p.shapeA].view(), shapes[p.shapeB].view(), m.X_AB};
+  }
+};
+
+/// Fills a stream from a running simulation, whoever finds pairs there: boxes are made anew and asked of a broadphase
+/// of its own.
+template <int D>
+class PairCollector {
+ public:
+  PairCollector(std::string scene, Real dt, Real margin);
+
+  /// Appends the pairs that the coming step will ask about. Of two bodies that both sleep or do not move there are
+  /// none, nor of those whose joint forbids it. False, and nothing is appended, when the stream would hold more than
+  /// `most` meetings.
+  bool see(const Simulation<D>& simulation, long step, std::size_t most);
+  const PairStream<D>& stream() const { return m_stream; }
+
+ private:
+  std::uint32_t shapeNumber(const Shape<D>& shape);
+
+  PairStream<D> m_stream;
+  std::map<std::vector<double>, std::uint32_t> m_shapeNumbers;  // by kind, sizes and points
+  std::map<std::pair<PartOfBody, PartOfBody>, std::uint32_t> m_pairNumbers;
+};
+
+template <int D>
+void writePairs(std::ostream& out, const PairStream<D>& stream);
+
+/// What a file holds, in its dimension.
+struct PairStreamFile {
+  int dimension = 2;
+  PairStream<2> in2;
+  PairStream<3> in3;
+
+  template <int D>
+  const PairStream<D>& of() const {
+    if constexpr (D == 2) {
+      return in2;
+    } else {
+      return in3;
+    }
+  }
+  /// Both throw UserError that says what is wrong.
+  static PairStreamFile load(const std::string& path);
+  static PairStreamFile parse(const std::string& bytes, const std::string& path);
+};
+
+}  // namespace lpc::inline LPC_PRECISION
