@@ -17,6 +17,7 @@ void addBroadphases();
 void addPairQueries();
 void addContactGenerators();
 void addManifolds();
+void addStreams();
 void addSolvers();
 
 /// The default, and each other value of each choice: the modes of an algorithm are competitors, too.

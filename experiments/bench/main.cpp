@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   lpc::bench::addPairQueries();
   lpc::bench::addContactGenerators();
   lpc::bench::addManifolds();
+  lpc::bench::addStreams();
   lpc::bench::addSolvers();
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -2,10 +2,10 @@
 #include <cmath>
 
 #include "experiments/bench/bench_groups.h"
+#include "experiments/bench/pair_proof.h"
 #include "framework/curved_core.h"
 #include "framework/random.h"
 #include "framework/stage_narrowphase.h"
-#include "framework/support_map.h"
 #include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
@@ -79,13 +79,6 @@ struct PairData {
   }
 };
 
-// Separation of the shapes along a unit direction of A's frame: a proof of the distance where it equals the answer.
-template <int D>
-Real separationAlong(const PairView<D>& pair, const Vec<D>& n) {
-  return n.dot(pair.X_AB.p) - supportValue(pair.a, n) -
-         supportValue(pair.b, Vec<D>(pair.X_AB.q.inverse() * Vec<D>(-n)));
-}
-
 template <int D>
 void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB, QueryNeed need,
               bool oneByOne) {
@@ -109,18 +102,10 @@ void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA,
   state.SetItemsProcessed(state.iterations() * kPairs);
   report(state, work, static_cast<double>(state.iterations()) * kPairs);
 
-  // Right if the method says that it finished, and its own normal proves its distance.
   method->query(pairs, QueryNeed::witnesses, answers, {}, work);
-  int unfinished = 0, unproved = 0, overlaps = 0;
-  for (std::size_t k = 0; k < kPairs; ++k) {
-    const PairAnswer<D>& answer = answers[k];
-    unfinished += answer.status != QueryStatus::converged;
-    overlaps += answer.distance < 0;
-    const Real error = std::abs(separationAlong(pairs[k], answer.normal) - answer.distance);
-    unproved += !(error <= (sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3)));
-  }
-  state.counters["unfinished"] = unfinished, state.counters["unproved"] = unproved,
-  state.counters["overlaps"] = overlaps;
+  PairProof<D> proof;
+  proof.count(pairs, answers);
+  proof.tell(state);
   state.counters["ns_per_pair"] = benchmark::Counter(static_cast<double>(state.iterations()) * kPairs * 1e-9,
                                                      benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }

@@ -222,6 +222,9 @@ TEST(CommandLine, numbersAreNumbers) {
     }
   }
   EXPECT_GE(listed, 9u) << main;
+  for (const char* given : {"nan", "-1", "''", "9223372036854775808", "0:nan", "3:"}) {  // a list of ranges
+    refused("record " + rest.at("record"), "--steps", given);
+  }
   for (const char* option : {"--steps", "--dt", "--dimension", "--seed"}) {  // one of each type
     for (const char* given : {"' 5'", "'5 '", "5x", "0x10", "1e999", "inf", "-inf", "+5", "true"}) {
       refused("run pyramid", option, given);
