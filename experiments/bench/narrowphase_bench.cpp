@@ -67,9 +67,12 @@ struct PairData {
 
   PairData(ShapeKind kindA, ShapeKind kindB, int hullPoints) {
     Random random(7);
+    const auto radiusOf = [](const ShapeView<D>& v) {
+      return v.core() == CoreClass::plane ? Real(4) : boundingRadius(v);  // a plane's own is infinite
+    };
     for (int k = 0; k < kPairs; ++k) {
       a.push_back(drawShape<D>(random, kindA, hullPoints)), b.push_back(drawShape<D>(random, kindB, hullPoints));
-      const Real reach = Real(0.7) * (boundingRadius(a.back().view()) + boundingRadius(b.back().view()));
+      const Real reach = Real(0.7) * (radiusOf(a.back().view()) + radiusOf(b.back().view()));
       Pose<D> A, B;
       A.p = drawDirection<D>(random), A.q = drawTurn(random, A.p);
       B.p = A.p + reach * static_cast<Real>(random.uniform(0.3, 1.7)) * drawDirection<D>(random);
