@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: Zlib
+"""Who passes through a wall: the share of bullets that it lets through, over their speed and its thickness, for each method of
+continuous collision, and how many times the baseline's time a step takes."""
+
+import math
+import textwrap
+
+import pandas as pd
+from matplotlib.patches import Patch, Rectangle
+
+import noise
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
+from load import one_machine, split, varying
+from metrics import Trial
+from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, plt, si, times
+from table import quantity
+
+PLACE = 43
+SECTION = "Who passes through a wall, and what does it cost to stop them?"
+AXES = ("speed", "thickness")
+TIME = "ms_per_step_median"
+NEEDS = Needs("world", varies=AXES, also="a scene of `n` bullets of which a finished cell says how many tunnelled")
+ABSENT = Chart("tunnelling_map", SECTION, "Who passes through", "No sweep of bullets at walls is in this store.", "continuous")
+MOST_COLUMNS = 5
+ROW = 0.34  # inches of a row of cells
+LEGIBLE = 0.27  # inches of a cell from which a number fits into it
+SHARES = {0.1: "#FBE3CF", 0.25: "#F8C99E", 0.5: "#F0A35E", 0.75: "#DA6A2B", 1.0: "#9C2F14"}  # up to these, but for 0
+SLOWER = {1.2: "#ECE6F3", 1.5: "#DACDE8", 2.0: "#C4AEDA", 4.0: "#A98AC8", math.inf: "#8C68B3"}  # times the baseline, up to
+FASTER = "#D5E9F5"
+SIGNS = {noise.NOISE: "≈", noise.FEW: "?", noise.SAME_WORK: "="}
+NOT_TOLD = {**noise.IN_WORDS, noise.SAME_WORK: "by all counts the same work"}
+
+
+def of_sweep(context, cells):
+    if "tunnelled" not in cells:  # a store of before trials counted them
+        return []
+    cells, refused = one_machine(context.store, cells)
+    cells = cells.assign(bullets=[bullets(context, cell) for _, cell in cells.iterrows()])
+    cells["share"] = [share(cell) for _, cell in cells.iterrows()]
+    if (cells["outcome"] == "ok").any() and not cells["share"].notna().any():
+        return []
+    others = [axis for axis in ("scene", "dimension") if axis in cells]
+    others += varying(context.store, cells, (*AXES, *others))
+    return [_chart(context, part, describe(part.iloc[0], others), refused) for part in split(cells, others, sort=True)]
+
+
+def bullets(context, cell):
+    """How many the scene shoots; NaN where nothing was run."""
+    return math.nan if cell["key"] is None else Trial(context.store, cell["key"]).parameter("n")
+
+
+def share(cell):
+    """Of the bullets, those that tunnelled; under several seeds the most."""
+    if cell["outcome"] != "ok":
+        return math.nan
+    through = noise.values(cell, "tunnelled seeds") or [float(cell["tunnelled"])]
+    return max(through) / cell["bullets"]
+
+
+def compared(cells, base, least):
+    """{method: {(speed, thickness): (its time over the baseline's there, that ratio in words or why there is none)}}"""
+    def at(part):
+        return {(cell["speed"], cell["thickness"]): cell for _, cell in part.iterrows() if cell["outcome"] == "ok"}
+    firsts, found = at(cells[cells["method"] == base]), {}
+    for method, part in cells[cells["method"] != base].groupby("method", sort=True):
+        both = {spot: (firsts[spot], cell) for spot, cell in at(part).items() if spot in firsts}
+        words = {spot: noise.said(*pair, TIME, least) for spot, pair in both.items()}
+        found[method] = {spot: (noise.ratio(*both[spot], TIME), text) for spot, text in words.items() if text}
+    return found
+
+
+def let_through(cells):
+    """{method: its cell with the largest share}, the largest first; who has finished none is not in it."""
+    good = cells[cells["share"].notna()]
+    worst = {method: part.loc[part["share"].idxmax()] for method, part in good.groupby("method", sort=True)}
+    return dict(sorted(worst.items(), key=lambda pair: -pair[1]["share"]))
+
+
+def percent(part):
+    return f"{figures(100 * part, 2)} %"
+
+
+def ends(values, unit):
+    texts = [si(float(end), unit) for end in (min(values), max(values))]
+    return texts[0] if texts[0] == texts[1] else " to ".join(texts)
+
+
+def finding(cells, ratios, base):
+    everyone = sorted(cells["method"].unique())
+    worst, parts = let_through(cells), []
+    planned, finished = cells.groupby("method").size(), cells[cells["share"].notna()].groupby("method").size()
+    of = set(cells["bullets"].dropna())
+    for method, cell in worst.items():
+        if cell["share"] > 0:
+            mine = cells[cells["method"] == method]["share"]
+            parts.append(f"{method} lets through up to {percent(cell['share'])} ({si(float(cell['speed']), 'm/s')}, "
+                         f"{si(float(cell['thickness']), 'm')}), some in {int((mine > 0).sum())} of {finished[method]} cells")
+    safe = [method for method, cell in worst.items() if cell["share"] == 0]
+    for count in dict.fromkeys(finished[method] for method in safe):
+        alike = [method for method in safe if finished[method] == count]
+        parts.append(f"{methods(alike, everyone)} let{'s' if len(alike) == 1 else ''} no bullet through in any of {count} cells")
+    failed = {method: int(planned[method] - finished.get(method, 0)) for method in everyone}
+    parts += [f"{method} has no result in {count} of {planned[method]} cells" for method, count in failed.items() if count]
+    text = f"{'Of ' + figures(of.pop()) + ' bullets a' if len(of) == 1 else 'A'}t {ends(cells['speed'], 'm/s')} and walls of "
+    text += f"{ends(cells['thickness'], 'm')}: {'; '.join(parts)}."
+    text += f" {dearer(ratios, base)}" if any(ratios.values()) else ""
+    ghosts = cells.groupby("method")["ghost_hits"].max() if "ghost_hits" in cells else {}
+    ghosts = [f"{method} ({figures(most)})" for method, most in ghosts.items() if most > 0]
+    return text + (f" Pushed what would have missed, at most so often in a cell: {listing(ghosts)}." if ghosts else "")
+
+
+def dearer(ratios, base):
+    """How many times the baseline's time a step takes; what is not beyond the noise is no difference."""
+    said = []
+    for method, found in ratios.items():
+        told = [ratio for ratio, text in found.values() if text not in SIGNS]
+        rest = listing(NOT_TOLD[text] for text in dict.fromkeys(text for _, text in found.values()) if text in SIGNS)
+        if told:
+            low, high = times(min(told)), times(max(told))
+            where = "" if len(told) == len(found) else f" (in {len(told)} of {len(found)} cells, else {rest})"
+            said.append(f"with {method} {low if low == high else f'{low} to {high}'} times{where}")
+        elif found:
+            said.append(f"with {method} {rest} in all {len(found)} cells")
+    return f"The time of a step, over that of {base} in the same cell: {', '.join(said)}."
+
+
+def headline(cells, where):
+    """Who lets how many through at worst; a method that fails somewhere has no number."""
+    everyone, worst = sorted(cells["method"].unique()), let_through(cells)
+    failed = set(cells["method"][cells["share"].isna()])
+    most = {m: float(worst[m]["share"]) if m not in failed else math.nan for m in everyone}
+    known = {m: v for m, v in most.items() if v == v}
+    if len(known) < 2 or len(set(known.values())) < 2:
+        return None
+    first, least = max(known, key=known.get), min(known.values())
+    best = [m for m in known if known[m] == least]
+    much = f"up to {percent(least)} through" if least > 0 else "no bullet through at any speed and thickness"
+    return Headline(f"{where}: {first} lets up to {percent(known[first])} of the bullets through a wall of "
+                    f"{si(float(worst[first]['thickness']), 'm')}; {methods(best, everyone)} let{'s' if len(best) == 1 else ''} "
+                    f"{much}.", most, quantity="largest share that tunnelled", ends=final_states(cells))
+
+
+def _chart(context, cells, where, refused):
+    sweep, base = cells["sweep"].iloc[0], context.baseline(cells)
+    everyone = sorted(cells["method"].unique(), key=lambda m: (m != base, m))
+    least = noise.floor_of(context, sweep, TIME)
+    ratios = compared(cells, base, least)
+    figure = _figure(context, cells, everyone, ratios, base)
+    said = finding(cells, ratios, base)
+    note = ("A column is a speed of the bullets, a row a thickness of the wall. A number is the share of the bullets, in per "
+            "cent, whose centre passed through the wall and came out; a letter is a run that failed. ")
+    if any(ratios.values()):
+        signs = {text for found in ratios.values() for _, text in found.values()}
+        note += (f"Below, the time of a step over that of {base} in the same cell. " + "".join(
+            f"“{sign}”: {NOT_TOLD[text]}. " for text, sign in SIGNS.items() if text in signs) +
+            "Who has passed makes no contacts any more, so a part of a method's time is that of contacts which it has made. " +
+            noise.rule(least))
+    where = where or "bullets at walls"
+    return Chart(identifier(f"{sweep} tunnelling map {where}"), SECTION, f"Who passes through: {where}", f"{where}. {said}",
+                 sweep, figure, _table(context, cells, ratios, base), refused + holes(cells, ["method", *AXES]), note,
+                 headline=headline(cells, where))
+
+
+def _figure(context, cells, everyone, ratios, base):
+    timed = any(ratios.values())
+    blocks = [everyone[i:i + MOST_COLUMNS] for i in range(0, len(everyone), MOST_COLUMNS)]
+    spots = [sorted(cells[axis].dropna().unique()) for axis in AXES]
+    per = 2 if timed else 1
+    figure, axes = grid_of_axes(per * len(blocks), max(3, len(blocks[0])), ROW * len(spots[1]), left=0.9, gap_x=0.22, gap_y=0.72,
+                                top=0.5, bottom=0.95)
+    for ax in axes.flat:
+        ax.set_visible(False)
+    seen = set()
+    for row, block in enumerate(blocks):
+        for column, method in enumerate(block):
+            mine = cells[cells["method"] == method]
+            ax = axes[per * row][column]
+            _axes(ax, spots, column == 0, not timed)
+            ax.set_title("\n".join(textwrap.wrap(context.name(method), 26)), fontsize=9.5)
+            seen |= _shares(ax, mine, spots)
+            if timed:
+                ax = axes[per * row + 1][column]
+                _axes(ax, spots, column == 0, True)
+                _times(ax, mine, ratios.get(method), spots, base)
+    handles = [Patch(facecolor=RIGHT, label="nobody passes")]
+    handles += [Patch(facecolor=colour, label=f"up to {percent(upper)} pass") for upper, colour in SHARES.items()]
+    handles += [Patch(facecolor=OUTCOMES.get(o, OUTCOMES["not run"])[0], edgecolor="#999999",
+                      label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in [*OUTCOMES, *sorted(seen - set(OUTCOMES))]
+                if o in seen]
+    figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.01, 0.0), ncol=len(handles), columnspacing=1.2,
+                  handlelength=1.2, handletextpad=0.5)
+    return figure
+
+
+def _axes(ax, spots, labelled, lowest):
+    """A cell for each speed and thickness, evenly: values that are raised by a factor stand as on a logarithmic scale."""
+    ax.set_visible(True)
+    ax.set_xlim(-0.5, len(spots[0]) - 0.5)
+    ax.set_ylim(-0.5, len(spots[1]) - 0.5)
+    ax.set_xticks(range(len(spots[0])))
+    labels = [figures(float(v)) for v in spots[0]]
+    every = max(1, math.ceil((0.075 * max(map(len, labels)) + 0.06) / _room(ax)))
+    ax.set_xticklabels([label if i % every == 0 else "" for i, label in enumerate(labels)])
+    ax.set_yticks(range(len(spots[1])))
+    ax.set_yticklabels([si(float(v), "m") for v in spots[1]] if labelled else [])
+    ax.set_ylabel("thickness" if labelled else "")
+    ax.set_xlabel("speed, m/s" if lowest else "")
+    ax.tick_params(length=0)
+    ax.grid(False)
+    for side in ax.spines.values():
+        side.set_visible(False)
+
+
+def _room(ax):
+    """Inches of a cell."""
+    return ax.get_position().width * ax.figure.get_figwidth() / abs(ax.get_xlim()[1] - ax.get_xlim()[0])
+
+
+def _cell(ax, x, y, colour, text, ink="black", **patch):
+    ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, **{"edgecolor": "white", "lw": 1, **patch}))
+    if text and (_room(ax) >= LEGIBLE or len(text) == 1):
+        ax.text(x, y, text, ha="center", va="center", fontsize=8, color=ink)
+
+
+def _shares(ax, cells, spots):
+    """Draws the shares of one method; returns the outcomes of what failed."""
+    for _, cell in cells.iterrows():
+        x, y = (places.index(cell[axis]) for axis, places in zip(AXES, spots))
+        if cell["outcome"] != "ok":
+            colour, letter = OUTCOMES.get(cell["outcome"], OUTCOMES["not run"])
+            dark = cell["outcome"] in ("exploded", "diverged", "timeout", "crash")
+            hole = {"edgecolor": "#BBBBBB", "hatch": "///"} if cell["outcome"] == "not run" else {}
+            _cell(ax, x, y, colour, letter, "white" if dark else "black", **hole)
+        elif math.isnan(cell["share"]):
+            _cell(ax, x, y, NOT_ASKED, "")
+        elif cell["share"] == 0:
+            _cell(ax, x, y, RIGHT, "0", "#6E8F7C")
+        else:
+            upper = next((upper for upper in SHARES if cell["share"] <= upper), max(SHARES))
+            _cell(ax, x, y, SHARES[upper], figures(100 * cell["share"], 2), "white" if upper > 0.5 else "black")
+    return set(cells["outcome"]) - {"ok"}
+
+
+def _times(ax, cells, ratios, spots, base):
+    """The baseline's own time, or what the others take over it."""
+    if ratios is None:
+        known = {(cell["speed"], cell["thickness"]): float(cell[TIME]) for _, cell in cells.iterrows() if cell["outcome"] == "ok"}
+        known = {spot: ms for spot, ms in known.items() if math.isfinite(ms)}
+        small = max(known.values(), default=0) < 1
+        drawn = {spot: (NOT_ASKED, figures(1000 * ms if small else ms, 2 if ms >= 0.1 or small else 1))
+                 for spot, ms in known.items()}
+        ax.set_title(f"time of a step, {'µs' if small else 'ms'}", fontsize=8.5, color="#444444")
+    else:
+        drawn = {spot: (NOT_ASKED, SIGNS[text]) if text in SIGNS else
+                 (FASTER if ratio < 1 else next(c for upper, c in SLOWER.items() if ratio <= upper), times(ratio))
+                 for spot, (ratio, text) in ratios.items()}
+        ax.set_title(f"time over that of {base}", fontsize=8.5, color="#444444")
+    for (speed, thickness), (colour, text) in drawn.items():
+        _cell(ax, spots[0].index(speed), spots[1].index(thickness), colour, text)
+
+
+def _table(context, cells, ratios, base):
+    spots = zip(cells["method"], cells["speed"], cells["thickness"])
+    found = [ratios.get(method, {}).get((speed, thickness), (math.nan, "")) for method, speed, thickness in spots]
+    columns = {"method": cells["method"], **quantity("speed", "m/s", cells["speed"]),
+               **quantity("thickness of the wall", "m", cells["thickness"]), "outcome": cells["outcome"]}
+    columns |= quantity("bullets", "1", cells["bullets"]) | quantity("share that tunnelled", "1", cells["share"])
+    for name in ("tunnelled", "ghost_hits", "lost_time", TIME):
+        if name in cells:
+            columns |= quantity(context.title(name), context.unit(name), cells[name])
+    if any(ratios.values()):
+        columns |= quantity(f"time per step over that of {base}", "1", [ratio for ratio, _ in found])
+        columns["which is"] = [NOT_TOLD.get(text, "told" if text else "") for _, text in found]
+    return pd.DataFrame(columns).sort_values(["method", "thickness of the wall [m]", "speed [m/s]"])

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the map of who passes through: shares, ratios of times and sentences on runs that are known. Run by ctest, or python3
+reports/tests/tunnelling_map_test.py [PICTURE.png]."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import noise  # noqa: E402
+import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
+from charts import tunnelling_map  # noqa: E402
+
+SPEEDS, WALLS = (25, 100, 400), (0.001, 0.01)
+# Method: us of a step, and of 20 bullets those that pass, walls from the thinnest on, speeds from the slowest on.
+METHODS = {"none": (10.0, ((10, 17, 19), (8, 16, 18))), "speculative": (12.0, ((0, 0, 1), (0, 0, 0))),
+           "ray": (15.0, ((0, 0, 0), (0, 0, 0))), "cast": (30.0, ((0, 0, 0), (0, 0, 0))),
+           "cast+bilateral": (10.1, ((0, 0, 0), (0, 0, 0)))}
+SHARE, RATIO = "share that tunnelled [1]", "time per step over that of none [1]"
+
+
+class Map(with_store.WithStore):
+    @staticmethod
+    def bullets(of=None, fell=(), repeats=6, dimensions=(2,), counted=True, seeds=None, n=20, ghosts=0,
+                report=("tunnelling_map",)):
+        """`fell`: (method, speed) of runs that explode; `seeds`: offset of the count of each seed; `ghosts`: of speculative."""
+        def fill(maker):
+            for name in ("tunnelled", "ghost_hits", "lost_time") if counted else ():
+                maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
+                                 ("metric", name, "world", name.replace("_", " "), "s" if name == "lost_time" else "1",
+                                  "invented", "detail", "fewer", ""))
+            maker.sweep("mine", baseline="none", continuous="label", speed="parameter", thickness="parameter",
+                        **({"report": list(report)} if report else {}))
+            for dimension in dimensions:
+                for method, (us, passed) in (of or METHODS).items():
+                    for wall, row in zip(WALLS, passed):
+                        for speed, count in zip(SPEEDS, row):
+                            one(maker, dimension, method, wall, speed, count, us / 1000)
+
+        def one(maker, dimension, method, wall, speed, count, ms):
+            axes = {"kind": "world", "precision": "f64", "scene": "bullet_wall", "dimension": dimension, "continuous": method,
+                    "speed": speed, "thickness": wall}
+            outcome = ("exploded", "speed", 7) if (method, speed) in fell else ("ok",)
+            extra = {"params": {"n": n, "radius": 0.05}}
+            for seed, more in (seeds or {None: 0}).items():
+                facts = {"tunnelled": count + more, "ghost_hits": ghosts if method == "speculative" else 0, "lost_time": 0.5,
+                         "work_row_updates": 10.0 + ms}
+                own = {**axes, **({"seed": seed} if seed else {})}
+                maker.trial("mine", {**own, "timed": False, "repeat": 0}, facts if counted else {}, *outcome, extra=extra)
+                for repeat in range(repeats if outcome == ("ok",) else 0):
+                    maker.trial("mine", {**own, "timed": True, "repeat": repeat},
+                                {"ms_per_step_median": ms * (1 + 0.02 * (repeat // 2))}, extra=extra)
+        return fill
+
+    def one(self, **about):
+        found = self.made(tunnelling_map, self.bullets(**about))
+        self.assertEqual(len(found), 1)
+        return found[0]
+
+    @staticmethod
+    def at(made, method, speed, wall):
+        table = made.table
+        return table[(table["method"] == method) & (table["speed [m/s]"] == speed) &
+                     (table["thickness of the wall [m]"] == wall)].iloc[0]
+
+    def test_shares_ratios_and_the_sentence(self):
+        made = self.one()
+        if PICTURE:
+            made.figure.savefig(PICTURE)
+        self.assertEqual(self.at(made, "none", 400, 0.001)[SHARE], 0.95)
+        self.assertEqual(self.at(made, "none", 25, 0.01)[SHARE], 0.4)
+        self.assertAlmostEqual(self.at(made, "cast", 100, 0.01)[RATIO], 3.0)
+        self.assertTrue(math.isnan(self.at(made, "none", 25, 0.01)[RATIO]))
+        self.assertEqual(self.at(made, "speculative", 25, 0.001)["lost time [s]"], 0.5)
+        self.assertEqual(made.finding, "bullet_wall, 2D. Of 20 bullets at 25 m/s to 400 m/s and walls of 1 mm to 10 mm: none "
+                         "lets through up to 95 % (400 m/s, 1 mm), some in 6 of 6 cells; speculative lets through up to 5 % (400 "
+                         "m/s, 1 mm), some in 1 of 6 cells; cast, cast+bilateral and ray let no bullet through in any of 6 "
+                         "cells. The time of a step, over that of none in the same cell: with cast 3.0 times, with "
+                         "cast+bilateral within the noise in all 6 cells, with ray 1.5 times, with speculative 1.2 times.")
+        self.assertEqual(made.headline.text, "bullet_wall, 2D: none lets up to 95 % of the bullets through a wall of 1 mm; cast, "
+                         "cast+bilateral and ray let no bullet through at any speed and thickness.")
+        self.assertEqual(made.headline.values, {"none": 0.95, "speculative": 0.05, "ray": 0, "cast": 0, "cast+bilateral": 0})
+        self.assertIn("“≈”: within the noise.", made.note)
+        self.assertNotIn("“=”", made.note)
+
+    def test_a_panel_for_each_method_the_baseline_first(self):
+        made = self.one()
+        panels = [ax for ax in made.figure.axes if ax.get_visible()]
+        self.assertEqual([ax.get_title() or ax.get_title("left") for ax in panels[:5]],
+                         ["none", "cast", "cast+bilateral", "ray", "speculative"])
+        words = [sorted(text.get_text() for text in ax.texts) for ax in panels]
+        self.assertEqual(words[0], sorted(["50", "85", "95", "40", "80", "90"]))
+        self.assertEqual(words[3], ["0"] * 6)
+        self.assertEqual(words[6], ["3.0"] * 6)
+        self.assertEqual(words[7], ["≈"] * 6)
+        greens = {patch.get_facecolor() for patch in panels[3].patches}
+        few = {patch.get_facecolor() for patch in panels[4].patches}
+        self.assertEqual((len(greens), len(few - greens)), (1, 1), "one of twenty looks like none")
+
+    def test_the_planted_bug_a_difference_within_the_noise_is_not_told(self):
+        made = self.one()
+        told = self.at(made, "cast+bilateral", 25, 0.001)
+        self.assertEqual((told["which is"], self.at(made, "ray", 25, 0.001)["which is"]), ("within the noise", "told"))
+        real, noise.said = noise.said, lambda a, b, metric, least: f"{noise.ratio(a, b, metric):.2f}"
+        try:
+            self.assertNotIn("within the noise in all", self.one().finding)
+        finally:
+            noise.said = real
+
+    def test_few_repeats_tell_only_what_is_beyond_two(self):
+        made = self.one(repeats=2)
+        self.assertIn("with cast 3.0 times, with cast+bilateral with too few repeats to measure a difference in all 6 cells",
+                      made.finding)
+        self.assertIn("“?”: with too few repeats", made.note)
+
+    def test_untimed_there_is_no_word_of_times(self):
+        made = self.one(repeats=0)
+        self.assertTrue(made.finding.endswith("let no bullet through in any of 6 cells."), made.finding)
+        self.assertEqual(sum(ax.get_visible() for ax in made.figure.axes), 5)
+        self.assertNotIn(RATIO, made.table)
+
+    def test_what_failed_is_a_letter_and_no_zero(self):
+        made = self.one(fell=(("ray", 400), ("none", 25)))
+        panels = {ax.get_title("left"): ax for ax in made.figure.axes if ax.get_visible()}
+        self.assertEqual(sorted(text.get_text() for text in panels["ray"].texts), ["0"] * 4 + ["E"] * 2)
+        self.assertIn("cast and cast+bilateral let no bullet through in any of 6 cells; ray lets no bullet through in any of 4 "
+                      "cells; none has no result in 2 of 6 cells; ray has no result in 2 of 6 cells", made.finding)
+        self.assertTrue(math.isnan(made.headline.values["ray"]))
+        self.assertNotIn("ray", made.headline.text)
+        self.assertIn("ray, speed=400, thickness=0.001: exploded at step 7 (speed)", made.holes)
+        self.assertTrue(math.isnan(self.at(made, "ray", 400, 0.001)[SHARE]))
+        self.assertTrue(math.isnan(self.at(made, "cast", 25, 0.001)[RATIO]), "over a baseline that failed")
+
+    def test_of_several_seeds_the_worst_counts(self):
+        made = self.one(seeds={1: 0, 2: 1})
+        self.assertEqual(self.at(made, "ray", 25, 0.001)[SHARE], 0.05)
+        self.assertEqual(self.at(made, "none", 400, 0.001)[SHARE], 1.0)
+        self.assertNotIn("no bullet through", made.finding)
+
+    def test_ghost_hits_are_told_where_there_are_some(self):
+        self.assertIn("Pushed what would have missed, at most so often in a cell: speculative (7).", self.one(ghosts=7).finding)
+        self.assertNotIn("missed", self.one().finding)
+
+    def test_all_alike_is_no_headline(self):
+        self.assertIsNone(self.one(of={m: (us, ((0, 0, 0), (0, 0, 0))) for m, (us, _) in METHODS.items()}).headline)
+
+    def test_a_chart_for_each_dimension(self):
+        found = self.made(tunnelling_map, self.bullets(dimensions=(2, 3)))
+        self.assertEqual([c.id for c in found], ["mine_tunnelling_map_bullet_wall__2d", "mine_tunnelling_map_bullet_wall__3d"])
+
+    def test_many_methods_stand_in_rows(self):
+        many = {f"method_{i}" if i else "none": (10.0 + i, METHODS["none"][1]) for i in range(12)}
+        made = self.one(of=many)
+        self.assertEqual(sum(ax.get_visible() for ax in made.figure.axes), 24)
+
+    def test_without_counts_or_without_a_number_of_bullets_there_is_no_chart(self):
+        self.assertEqual(self.made(tunnelling_map, self.bullets(counted=False, report=())), [tunnelling_map.ABSENT])
+        self.assertEqual(self.made(tunnelling_map, self.bullets(n=None, report=())), [tunnelling_map.ABSENT])
+        asked = self.made(tunnelling_map, self.bullets(counted=False))
+        self.assertIn("mine asks for this chart and has not what it needs", asked[0].finding)
+
+    def test_made_of_whatever_has_the_axes(self):
+        self.assertEqual(len(self.made(tunnelling_map, self.bullets(report=()))), 1)
+        self.assertEqual(self.made(tunnelling_map, synthetic_store.resolvers), [tunnelling_map.ABSENT])
+
+
+PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
+
+if __name__ == "__main__":
+    unittest.main()
