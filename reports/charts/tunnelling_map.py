@@ -134,7 +134,7 @@ def headline(cells, where):
         return None
     first, least = max(known, key=known.get), min(known.values())
     best = [m for m in known if known[m] == least]
-    much = f"up to {percent(least)} through" if least > 0 else "no bullet through at any speed and thickness"
+    much = f"up to {percent(least)} through" if least > 0 else "no bullet through at any speed and thickness tried"
     return Headline(f"{where}: {first} lets up to {percent(known[first])} of the bullets through a wall of "
                     f"{si(float(worst[first]['thickness']), 'm')}; {methods(best, everyone)} let{'s' if len(best) == 1 else ''} "
                     f"{much}.", most, quantity="largest share that tunnelled", ends=final_states(cells))
@@ -252,7 +252,8 @@ def _times(ax, cells, ratios, spots, base):
         ax.set_title(f"time of a step, {'µs' if small else 'ms'}", fontsize=8.5, color="#444444")
     else:
         drawn = {spot: (NOT_ASKED, SIGNS[text]) if text in SIGNS else
-                 (FASTER if ratio < 1 else next(c for upper, c in SLOWER.items() if ratio <= upper), times(ratio))
+                 (FASTER if ratio < 1 else next(c for upper, c in SLOWER.items() if ratio <= upper),
+                  times(ratio) if ratio < 9.95 else f"{ratio:,.0f}")
                  for spot, (ratio, text) in ratios.items()}
         ax.set_title(f"time over that of {base}", fontsize=8.5, color="#444444")
     for (speed, thickness), (colour, text) in drawn.items():

@@ -82,7 +82,7 @@ class Map(with_store.WithStore):
                          "cells. The time of a step, over that of none in the same cell: with cast 3.0 times, with "
                          "cast+bilateral within the noise in all 6 cells, with ray 1.5 times, with speculative 1.2 times.")
         self.assertEqual(made.headline.text, "bullet_wall, 2D: none lets up to 95 % of the bullets through a wall of 1 mm; cast, "
-                         "cast+bilateral and ray let no bullet through at any speed and thickness.")
+                         "cast+bilateral and ray let no bullet through at any speed and thickness tried.")
         self.assertEqual(made.headline.values, {"none": 0.95, "speculative": 0.05, "ray": 0, "cast": 0, "cast+bilateral": 0})
         self.assertIn("“≈”: within the noise.", made.note)
         self.assertNotIn("“=”", made.note)
