@@ -148,7 +148,8 @@ def _chart(context, cells, where, refused):
     figure = _figure(context, cells, everyone, ratios, base)
     said = finding(cells, ratios, base)
     note = ("A column is a speed of the bullets, a row a thickness of the wall. A number is the share of the bullets, in per "
-            "cent, whose centre passed through the wall and came out; a letter is a run that failed. ")
+            "cent, whose centre passed through the wall and came out, also of those that it pushed out at the far side; a letter "
+            "is a run that failed. ")
     if any(ratios.values()):
         signs = {text for found in ratios.values() for _, text in found.values()}
         note += (f"Below, the time of a step over that of {base} in the same cell. " + "".join(
@@ -257,7 +258,8 @@ def _times(ax, cells, ratios, spots, base):
                  for spot, (ratio, text) in ratios.items()}
         ax.set_title(f"time over that of {base}", fontsize=8.5, color="#444444")
     for (speed, thickness), (colour, text) in drawn.items():
-        _cell(ax, spots[0].index(speed), spots[1].index(thickness), colour, text)
+        _cell(ax, spots[0].index(speed), spots[1].index(thickness), colour, text,
+              "white" if colour == SLOWER[math.inf] else "black")
 
 
 def _table(context, cells, ratios, base):
