@@ -88,7 +88,7 @@ TEST(Pipeline, Parses) {
   EXPECT_EQ(Pipeline::parse(Pipeline{}.text()), Pipeline{});
   EXPECT_NE(errorOf([] { Pipeline::parse("broadfase=naive"); })
                 .find("unknown stage 'broadfase'; did you mean 'broadphase'? valid: broadphase, contacts, cache, "
-                      "solver, sleep"),
+                      "continuous, solver, sleep"),
             std::string::npos);
   EXPECT_NE(errorOf([] { Pipeline::parse("sleep=none sleep=none"); }).find("stage 'sleep' is given twice"),
             std::string::npos);
@@ -98,7 +98,8 @@ TEST(Pipeline, Parses) {
 // Result files hold these texts: they do not change when the list of stages is arranged anew.
 TEST(Pipeline, TextsStandForEver) {
   EXPECT_EQ(Pipeline{}.text(),
-            "broadphase=sort_and_sweep contacts=sat_clip cache=by_feature solver=split_solver sleep=none");
+            "broadphase=sort_and_sweep contacts=sat_clip cache=by_feature continuous=none solver=split_solver "
+            "sleep=none");
   EXPECT_NE(errorOf([] { Pipeline::parse("velocity=catto"); }).find("velocity is a part of solver"), std::string::npos)
       << "a part of another stage is no stage of a world";
 }
