@@ -17,8 +17,8 @@ using test::Workspace;
 TEST(Needs, EverySwitchIsTurnedOnce) {
   Planner planner;
   const SceneFile& slope = planner.scene("slope");  // needs cache and friction, in 2D and 3D
-  EXPECT_EQ(otherModels(slope, 2), (std::vector<std::string>{"3d", "-cache", "-friction", "+joints", "+restitution",
-                                                             "+rotation", "+sleeping"}));
+  EXPECT_EQ(otherModels(slope, 2), (std::vector<std::string>{"3d", "-cache", "+continuous", "-friction", "+joints",
+                                                             "+restitution", "+rotation", "+sleeping"}));
   EXPECT_EQ(otherModels(slope, 3)[0], "2d");
   EXPECT_EQ(otherModels(planner.scene("gears"), 2)[0], "-cache") << "there are no gears in 3D";
   const auto features = [&](const std::string& model) {
@@ -38,7 +38,7 @@ TEST(Needs, PlansEachModelForEachSeedAndItsOwnTwice) {
   NeedsQuestion q;
   q.scene = "slope", q.seeds = 3, q.steps = 10;
   const PlannedSweep sweep = planNeeds(q);
-  EXPECT_EQ(sweep.trials.size(), 3u * (2 + 7));
+  EXPECT_EQ(sweep.trials.size(), 3u * (2 + 8));
   std::set<std::string> keys;
   for (const PlannedTrial& t : sweep.trials) {
     keys.insert(t.key);
@@ -68,7 +68,7 @@ TEST(Needs, TellsWhatChangesAndWhatDoesNot) {
   EXPECT_EQ(farthest("\\+joints"), 0);
   EXPECT_NE(out.text.find("equal work counts"), std::string::npos) << out.text;
   // All of it is in the store, for the report.
-  EXPECT_EQ(test::ask(w.path("n.db"), "SELECT count(*) FROM planned WHERE sweep='needs_slope'"), "18");
+  EXPECT_EQ(test::ask(w.path("n.db"), "SELECT count(*) FROM planned WHERE sweep='needs_slope'"), "20");
   EXPECT_EQ(test::ask(w.path("n.db"), "SELECT baseline FROM sweep"), "minimal");
   const std::string first = test::ask(w.path("n.db"), "SELECT group_concat(started || wall) FROM trial");
   const Outcome again = w.lpc(command);
