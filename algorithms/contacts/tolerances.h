@@ -67,8 +67,8 @@ inline constexpr Real kClearGain = Real(1.02);
 inline constexpr int kMostSpreads = 6;
 
 /// Of `extremes`: the first of the four directions lies along the x axis of shape 1, unless the normal leans on it by
-/// more than this (cosine), no angle that shapes like to have; then along y. Near 0 or 1: normals along an axis take
-/// turns, and the directions with them.
+/// more than this (cosine), no angle that shapes like to have; then along y. Larger,
+/// near 1, and smaller, near 0: normals along an axis take turns, and the directions with them.
 inline constexpr Real kLeansOnX = Real(0.8);
 
 // --- points kept from step to step ----------------------------------------------------------------------------------

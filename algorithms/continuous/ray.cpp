@@ -33,7 +33,7 @@ class Ray final : public ContinuousCollision<D> {
                          {"an obstacle beside the way of the centre", "it is not seen", "Continuous.EdgeIsMet"},
                          {"a rod that turns once in a step, its centre standing", "the end passes through",
                           "Continuous.WholeTurnsAreSeen"},
-                         {"bullets that touch and are pressed on", "they sink half into each other",
+                         {"bullets that touch and are pressed on", "they sink into each other",
                           "Continuous.QueueIsStopped"},
                          {"a rod whose end is fast and whose centre stands still", "the end passes through",
                           "Continuous.SpinningRodIsStopped"}}};

@@ -191,7 +191,7 @@ TEST(Rules, IncludeRulesCatchBreaches) {
       {"oracles/jury.h", "fcl/fcl.h"},
       {"oracles/fcl.cpp", "algorithms/pair_query/touching.h"},
       {"oracles/fcl.cpp", "experiments/trial/trial.h"},
-      {"oracles/fcl.cpp", "box2d/box2d.h"},
+      {"oracles/jury.h", "box2d/box2d.h"},
       {"oracles/fcl.cpp", "boost/container/flat_map.hpp"},
       {"experiments/lpc/run.cpp", "algorithms/solver/contact_rows.h"},
       {"experiments/lpc/run.cpp", "tests/generators.h"},

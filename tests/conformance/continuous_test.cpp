@@ -215,7 +215,7 @@ bool queueIsStopped(const std::string& method) {
       for (std::size_t i = 0; i < row.size(); ++i) {
         if (!(w.x(row[i]) < 0)) return false;
         for (std::size_t k = 0; k < i; ++k) {
-          if ((w.world.pose(row[i]).p - w.world.pose(row[k]).p).norm() < 0.1) return false;  // half in each other
+          if ((w.world.pose(row[i]).p - w.world.pose(row[k]).p).norm() < 0.16) return false;  // a fifth in each other
         }
       }
     }
