@@ -153,6 +153,74 @@ class Box2dPairs final : public IsolatedWitness<2> {
                           vectorOf(world.points[deepest]), m_a.rounding(), m_b.rounding());
   }
 
+  Snippet snippet(const PairView<2>& pair) const override {
+    for (const ShapeView<2>* s : {&pair.a, &pair.b}) {
+      if (s->hull && s->hull->vertices.size() > b2_maxPolygonVertices) return {};
+    }
+    Snippet out{.flags = "-lbox2d", .head = "#include <box2d/box2d.h>\n#include <cmath>\n#include <cstdio>\n"};
+    const bool isCircleA = pair.a.core() == CoreClass::point, isCircleB = pair.b.core() == CoreClass::point;
+    double radii = 0;  // that Box2D knows
+    for (const ShapeView<2>* s : {&pair.a, &pair.b}) {
+      (s->core() == CoreClass::point ? radii : out.rounding) += static_cast<double>(s->radius);
+    }
+    const std::string first = isCircleA && !isCircleB ? "b" : "a", second = first == "a" ? "b" : "a";
+    const std::string collide = !isCircleA && !isCircleB ? "b2CollidePolygons"
+                                : isCircleA && isCircleB ? "b2CollideCircles"
+                                                         : "b2CollidePolygonAndCircle";
+    out.body = placed("a", pair.a, {}) + placed("b", pair.b, pair.X_AB) +
+               "  b2DistanceInput input;\n"
+               "  input.proxyA.Set(&a, 0), input.proxyB.Set(&b, 0);\n"
+               "  input.transformA = xf_a, input.transformB = xf_b;\n"
+               "  input.useRadii = false;\n"
+               "  b2SimplexCache cold;\n"
+               "  cold.count = 0;\n"
+               "  b2DistanceOutput nearest;\n"
+               "  b2Distance(&nearest, &cold, &input);\n"
+               "  const double radii = " +
+               literal(radii) +
+               ";\n"
+               "  double distance = nearest.distance - radii;\n"
+               "  if (nearest.distance <= radii + 10 * b2_epsilon) {  // as in b2TestOverlap\n"
+               "    b2Manifold manifold;\n"
+               "    manifold.pointCount = 0;\n"
+               "    " +
+               collide + "(&manifold, &" + first + ", xf_" + first + ", &" + second + ", xf_" + second +
+               ");\n"
+               "    b2WorldManifold world;\n"
+               "    world.Initialize(&manifold, xf_" +
+               first + ", " + first + ".m_radius, xf_" + second + ", " + second +
+               ".m_radius);\n"
+               "    const int deepest = manifold.pointCount == 2 && world.separations[1] < world.separations[0];\n"
+               "    distance = manifold.pointCount ? world.separations[deepest] : -INFINITY;  // infinite: no depth\n"
+               "    if (manifold.pointCount && !std::isfinite(world.normal.x + world.normal.y)) distance = NAN;\n"
+               "  }\n";
+    return out;
+  }
+  // As Box2dPlaced has it.
+  static std::string placed(const std::string& name, const ShapeView<2>& shape, const Pose<2>& X) {
+    std::string out = shape.core() == CoreClass::point
+                          ? "  b2CircleShape " + name + ";\n  " + name + ".m_radius = " + rounded(shape.radius) + ";\n"
+                          : "  b2PolygonShape " + name + ";\n  " + name + ".m_radius = 0;\n";
+    if (shape.core() == CoreClass::box) {
+      out += "  " + name + ".SetAsBox(" + rounded(shape.half[0]) + ", " + rounded(shape.half[1]) + ");\n";
+    } else if (shape.core() == CoreClass::hull) {
+      std::string corners;
+      for (const Vec<2>& v : shape.hull->vertices) {
+        corners += (corners.empty() ? "{" : ", {") + rounded(v[0]) + ", " + rounded(v[1]) + "}";
+      }
+      const std::string all = "corners_" + name, n = std::to_string(shape.hull->vertices.size());
+      out += "  const b2Vec2 " + all + "[" + n + "] = {" + corners + "};  // Set would merge those within 2.5 mm\n" +
+             "  " + name + ".m_count = " + n + ";\n" + "  for (int i = 0; i < " + n + "; ++i) {\n" + "    " + name +
+             ".m_vertices[i] = " + all + "[i];\n" + "    " + name + ".m_normals[i] = b2Cross(" + all + "[(i + 1) % " +
+             n + "] - " + all + "[i], 1.0f);\n" + "    " + name + ".m_normals[i].Normalize();\n  }\n";
+    }
+    const std::string frame = "xf_" + name;
+    return out + "  b2Transform " + frame + ";\n  " + frame + ".p.Set(" + rounded(X.p[0]) + ", " + rounded(X.p[1]) +
+           ");\n  " + frame + ".q.c = " + rounded(X.q.c) + ", " + frame + ".q.s = " + rounded(X.q.s) + ";\n";
+  }
+  // The float that Box2D sees.
+  static std::string rounded(Real x) { return literal(static_cast<double>(static_cast<float>(x))); }
+
   Box2dPlaced m_a, m_b;
 };
 

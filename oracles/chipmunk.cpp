@@ -137,6 +137,57 @@ class Chipmunk final : public IsolatedWitness<2> {
     return depthAnswer<2>(depth, normal, middle, 0, 0);
   }
 
+  Snippet snippet(const PairView<2>& pair) const override {
+    Snippet out{.flags = "-lchipmunk -lm",
+                .head = "#include <chipmunk/chipmunk.h>\n#include <cmath>\n#include <cstdio>\n"};
+    out.body = "  cpBody* body = cpBodyNewStatic();  // its pose is not looked at\n";
+    if (pair.a.core() == CoreClass::point) {
+      out.body += placed("b", pair.b, pair.X_AB) +
+                  "  cpPointQueryInfo nearest;\n"
+                  "  cpShapePointQuery(b, cpvzero, &nearest);  // the circle's centre\n"
+                  "  double distance = nearest.distance - " +
+                  literal(static_cast<double>(pair.a.radius)) +
+                  ";\n"
+                  "  if (!std::isfinite(nearest.gradient.x + nearest.gradient.y)) distance = NAN;  // no answer\n";
+      return out;
+    }
+    out.body +=
+        placed("a", pair.a, {}) + placed("b", pair.b, pair.X_AB) +
+        "  const cpContactPointSet found = cpShapesCollide(a, b);\n"
+        "  double depth = -INFINITY;  // by the points: `distance` has the wrong sign where shapes are swapped\n"
+        "  for (int i = 0; i < found.count; ++i) {\n"
+        "    const cpVect along = cpvsub(found.points[i].pointA, found.points[i].pointB);\n"
+        "    depth = std::fmax(depth, cpvdot(along, found.normal));\n"
+        "  }\n"
+        "  double distance = found.count > 0 ? -depth : INFINITY;  // infinite: apart\n"
+        "  if (found.count > 0 && !std::isfinite(depth)) distance = NAN;  // no answer\n";
+    return out;
+  }
+  // As ChipmunkPlaced has it.
+  static std::string placed(const std::string& name, const ShapeView<2>& shape, const Pose<2>& X) {
+    const std::string radius = literal(static_cast<double>(shape.radius));
+    std::string corners, made;
+    if (shape.core() == CoreClass::point) {
+      made = "cpCircleShapeNew(body, " + radius + ", cpvzero)";
+    } else if (shape.core() == CoreClass::segment) {
+      const std::string half = literal(static_cast<double>(shape.half[0]));
+      made = "cpSegmentShapeNew(body, cpv(-" + half + ", 0), cpv(" + half + ", 0), " + radius + ")";
+    } else if (shape.core() == CoreClass::box) {
+      made = "cpBoxShapeNew(body, " + literals(2 * shape.half.cast<double>().transpose()) + ", " + radius + ")";
+    } else {
+      for (const Vec<2>& v : shape.hull->vertices) {
+        corners += (corners.empty() ? "{" : ", {") + literals(v.cast<double>().transpose()) + "}";
+      }
+      corners = "  const cpVect corners_" + name + "[] = {" + corners + "};\n";
+      made = "cpPolyShapeNewRaw(body, " + std::to_string(shape.hull->vertices.size()) + ", corners_" + name + ", " +
+             radius + ")";
+    }
+    const double c = static_cast<double>(X.q.c), s = static_cast<double>(X.q.s);
+    const Eigen::Matrix<double, 1, 6> rows{c, -s, double(X.p[0]), s, c, double(X.p[1])};
+    return corners + "  cpShape* " + name + " = " + made + ";\n  cpShapeUpdate(" + name + ", cpTransformNewTranspose(" +
+           literals(rows) + "));\n";
+  }
+
   ChipmunkPlaced m_a, m_b;
   bool m_isCircle = false;
   double m_radius = 0;

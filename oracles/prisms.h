@@ -23,7 +23,12 @@ class Prisms : public Witness<2> {
   std::int64_t nanoseconds() const final { return m_solid.nanoseconds(); }
   std::optional<Question> question(const PairView<2>& pair) final {
     m_hulls.clear();
-    return m_solid.question(prisms(pair));
+    std::optional<Question> asked = m_solid.question(prisms(pair));
+    if (asked) {
+      asked->snippet.head =
+          "// It is of 2D: both shapes are drawn out along z, much farther than they overlap.\n" + asked->snippet.head;
+    }
+    return asked;
   }
 
   void query(std::span<const PairView<2>> pairs, QueryNeed, std::span<PairAnswer<2>> answers, std::span<PairMemory>,

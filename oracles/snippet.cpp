@@ -87,7 +87,7 @@ std::string coreSupportText(const std::string& name, const ShapeView<3>& shape) 
 }
 
 bool Question::isRight(double distance) const {
-  if (distance == std::numeric_limits<double>::infinity()) return truth.hi >= -allowed;
+  if (std::isinf(distance)) return distance > 0 ? truth.hi >= -allowed : truth.lo <= allowed;
   return distance >= truth.lo - allowed && distance <= truth.hi + allowed;
 }
 
@@ -97,8 +97,9 @@ std::string Question::program(const std::string& title) const {
          "  const double lo = " +
          literal(truth.lo) + ", hi = " + literal(truth.hi) + ", allowed = " + literal(allowed) +
          ";\n"
-         "  const bool right = std::isinf(distance) ? hi >= -allowed : distance >= lo - allowed && distance <= hi + "
-         "allowed;\n"
+         "  const bool apart = distance == INFINITY, overlapping = distance == -INFINITY;  // and no more\n"
+         "  const bool right = apart ? hi >= -allowed : overlapping ? lo <= allowed\n"
+         "                           : distance >= lo - allowed && distance <= hi + allowed;\n"
          "  std::printf(\"answer %.17g, truth [%.17g, %.17g]: %s\\n\", distance, lo, hi, right ? \"right\" : "
          "\"WRONG\");\n"
          "  return right ? 0 : 1;\n"

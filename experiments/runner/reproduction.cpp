@@ -46,14 +46,15 @@ std::unique_ptr<PairQuery<D>> witnessOf(const Spec& spec) {
                   validNames(names, spec.name));
 }
 
-// What the library said, in the question's terms: infinite is "apart" and no more, NaN no answer.
+// What the library said, in the question's terms: infinite is a side and no more, NaN no answer.
 template <int D>
 double saidTo(const Question& q, const PairAnswer<D>& answer, Ending ending) {
   if (ending != Ending::answered || answer.status == QueryStatus::failed) {
     return std::numeric_limits<double>::quiet_NaN();
   }
-  const bool sideAlone = answer.status == QueryStatus::degenerate || answer.status == QueryStatus::refused;
-  if (sideAlone) return std::numeric_limits<double>::infinity();
+  constexpr double kApart = std::numeric_limits<double>::infinity();
+  if (answer.status == QueryStatus::refused) return kApart;  // of the cores
+  if (answer.status == QueryStatus::degenerate) return answer.distance < 0 ? -kApart : kApart;
   return static_cast<double>(answer.distance) / q.unit + q.snippet.rounding;
 }
 
@@ -64,7 +65,7 @@ std::string toldOf(const Question& q, double said, Ending ending) {
   } else if (std::isnan(said)) {
     out += "no answer";
   } else {
-    out += std::isinf(said) ? "apart" : literal(said);
+    out += !std::isinf(said) ? literal(said) : said > 0 ? "apart" : "overlapping";
   }
   out += ", and the truth lies in [" + literal(q.truth.lo) + ", " + literal(q.truth.hi) + "]";
   if (q.unit != 1) out += ", in units of " + literal(q.unit) + " m";
@@ -85,7 +86,6 @@ std::string titleOf(const Case& c, const Question& q, const Spec& spec, int dime
                     q.snippet.flags + " -o " + made + " && ./" + made + "\n";
   out += "// LPC's case " + quoted(c.id) + (c.source.empty() ? "" : ", of " + quoted(c.source)) + ", as its witness " +
          quoted(spec.text()) + " asks it: in the frame of one shape, in units of " + literal(q.unit) + " m.\n";
-  if (dimension == 2) out += "// It is of 2D: both shapes are drawn out along z, much farther than they overlap.\n";
   if (q.snippet.rounding > 0) {
     out += "// Together they are rounded by " + literal(q.snippet.rounding) +
            ", which is left out: their cores are asked.\n";

@@ -44,6 +44,12 @@ const std::vector<Tried> kTried = {
     {"fcl_libccd", "fcl-508-box-box", false},
     {"fcl_libccd_collide", "drake-convex-5", false},
     {"fcl_indep", "mujoco-1857-capsule-disk", false},
+    {"box2d", "ncollide-181-large-ratio-3", false},
+    {"box2d", "box2d-short-edge-0.0002", true},
+    {"box2d", "dyn4j-falsePenetration1a", true},
+    {"chipmunk", "parry-205-capsule-triangle", true},
+    {"chipmunk", "ncollide-181-large-ratio-3", true},
+    {"chipmunk", "box2d-short-edge-0.0002", true},
 };
 
 struct Asked {
@@ -60,7 +66,9 @@ Asked askedIn(const CaseGeometry<D>& g, const Spec& spec) {
   const PairAnswer<D> answer = queryPair(witness, view.a, view.b, view.X_AB);
   Asked out{0, witness.question(view).value()};
   out.answer = static_cast<double>(answer.distance) / out.question.unit + out.question.snippet.rounding;
-  if (answer.status == QueryStatus::degenerate) out.answer = std::numeric_limits<double>::infinity();
+  if (answer.status == QueryStatus::degenerate) {
+    out.answer = std::copysign(std::numeric_limits<double>::infinity(), static_cast<double>(answer.distance));
+  }
   if (answer.status == QueryStatus::failed) out.answer = std::nan("");
   return out;
 }
@@ -141,6 +149,10 @@ TEST(Reproduction, ASideAloneIsJudgedByTheSide) {
   EXPECT_FALSE(q.isRight(-0.25 + 1e-11));
   q.truth.lo = -1e-13, q.truth.hi = -1e-13;
   EXPECT_TRUE(q.isRight(kApart));
+  EXPECT_TRUE(q.isRight(-kApart)) << "overlapping, and no more";
+  q.truth.lo = q.truth.hi = 0.25;
+  EXPECT_TRUE(q.isRight(kApart));
+  EXPECT_FALSE(q.isRight(-kApart));
 }
 
 TEST(Reproduction, TheCommandWritesAFileAndTellsOneLine) {
