@@ -157,7 +157,9 @@ class Box2dPairs final : public IsolatedWitness<2> {
     for (const ShapeView<2>* s : {&pair.a, &pair.b}) {
       if (s->hull && s->hull->vertices.size() > b2_maxPolygonVertices) return {};
     }
-    Snippet out{.flags = "-lbox2d", .head = "#include <box2d/box2d.h>\n#include <cmath>\n#include <cstdio>\n"};
+    Snippet out{
+        .flags = "-lbox2d",
+        .head = "#include <box2d/b2_distance.h>\n#include <box2d/box2d.h>\n#include <cmath>\n#include <cstdio>\n"};
     const bool isCircleA = pair.a.core() == CoreClass::point, isCircleB = pair.b.core() == CoreClass::point;
     double radii = 0;  // that Box2D knows
     for (const ShapeView<2>* s : {&pair.a, &pair.b}) {
@@ -209,10 +211,10 @@ class Box2dPairs final : public IsolatedWitness<2> {
         corners += (corners.empty() ? "{" : ", {") + rounded(v[0]) + ", " + rounded(v[1]) + "}";
       }
       const std::string all = "corners_" + name, n = std::to_string(shape.hull->vertices.size());
-      out += "  const b2Vec2 " + all + "[" + n + "] = {" + corners + "};  // Set would merge those within 2.5 mm\n" +
-             "  " + name + ".m_count = " + n + ";\n" + "  for (int i = 0; i < " + n + "; ++i) {\n" + "    " + name +
-             ".m_vertices[i] = " + all + "[i];\n" + "    " + name + ".m_normals[i] = b2Cross(" + all + "[(i + 1) % " +
-             n + "] - " + all + "[i], 1.0f);\n" + "    " + name + ".m_normals[i].Normalize();\n  }\n";
+      out += "  const b2Vec2 " + all + "[" + n + "] = {" + corners + "};\n" + "  " + name + ".m_count = " + n +
+             ";  // Set would merge corners within 2.5 mm\n" + "  for (int i = 0; i < " + n + "; ++i) {\n" + "    " +
+             name + ".m_vertices[i] = " + all + "[i];\n" + "    " + name + ".m_normals[i] = b2Cross(" + all +
+             "[(i + 1) % " + n + "] - " + all + "[i], 1.0f);\n" + "    " + name + ".m_normals[i].Normalize();\n  }\n";
     }
     const std::string frame = "xf_" + name;
     return out + "  b2Transform " + frame + ";\n  " + frame + ".p.Set(" + rounded(X.p[0]) + ", " + rounded(X.p[1]) +

@@ -138,8 +138,7 @@ class Chipmunk final : public IsolatedWitness<2> {
   }
 
   Snippet snippet(const PairView<2>& pair) const override {
-    Snippet out{.flags = "-lchipmunk -lm",
-                .head = "#include <chipmunk/chipmunk.h>\n#include <cmath>\n#include <cstdio>\n"};
+    Snippet out{.flags = "-lchipmunk", .head = "#include <chipmunk/chipmunk.h>\n#include <cmath>\n#include <cstdio>\n"};
     out.body = "  cpBody* body = cpBodyNewStatic();  // its pose is not looked at\n";
     if (pair.a.core() == CoreClass::point) {
       out.body += placed("b", pair.b, pair.X_AB) +

@@ -14,9 +14,8 @@ namespace lpc::inline LPC_PRECISION {
 struct Snippet {
   std::string flags = {};  // of g++: "-lode"
   std::string head = {};   // #include lines, then functions
-  std::string body =
-      {};               // of main: ends with `double distance`; infinite, of either sign: a side alone; NaN: no answer
-  double rounding = 0;  // of both shapes (m), where the library knows none and is asked the cores
+  std::string body = {};   // of main: ends with `double distance`, +-infinite for a side and no more, NaN for no answer
+  double rounding = 0;     // of both shapes (m), where the library knows none and is asked the cores
 };
 
 /// A question as the library has it: in a unit in which the larger shape is about 1.

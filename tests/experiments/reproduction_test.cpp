@@ -44,7 +44,7 @@ const std::vector<Tried> kTried = {
     {"fcl_libccd", "fcl-508-box-box", false},
     {"fcl_libccd_collide", "drake-convex-5", false},
     {"fcl_indep", "mujoco-1857-capsule-disk", false},
-    {"box2d", "ncollide-181-large-ratio-3", false},
+    {"box2d", "ncollide-181-large-ratio-3", true},
     {"box2d", "box2d-short-edge-0.0002", true},
     {"box2d", "dyn4j-falsePenetration1a", true},
     {"chipmunk", "parry-205-capsule-triangle", true},
