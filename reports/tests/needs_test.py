@@ -135,7 +135,7 @@ class PageAndProgram(unittest.TestCase):
         _, made = self.compare("pyramid --param base=3 --steps 40 --seeds 4")
         self.assertRegex(made.finding, r"^pyramid in 2D, 4 seeds: times the time of its own model, 3d 4\.00\.")
         self.assertRegex(made.finding, r"than another seed takes them \([\d.]+ .?m\): up to .*-friction [\d.]+ .?m")
-        self.assertRegex(made.finding, r"Where bodies end is the same with \+joints")
+        self.assertRegex(made.finding, r"Where bodies end is the same with \+continuous, \+joints")
         self.assertNotIn("scene ", made.finding)
         self.assertRegex(made.headline.text, r"^pyramid in 2D takes 4\.00 times the time with 3d, and its bodies end up to "
                          r"[\d.]+ .?m from where they would\.$")
