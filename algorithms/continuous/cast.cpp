@@ -63,10 +63,9 @@ class Cast final : public ContinuousCollision<D> {
     return found.t > 0 && deep < duration ? found.t : deep;
   }
 
-  // From time t on: when the depth reaches what is allowed, or, where half of that is reached already, half of what is
-  // left to the inner ball's centre: who rests a little in another may go on, or it would stand there for ever. Along
-  // the normal of the depth it grows no faster than the bodies close: conservative advancement, on the far side of
-  // contact.
+  // From time t on: when the depth reaches what is allowed, or grows by half of that where it is nearly there already:
+  // who rests a little in another may go on, or it would stand there for ever. Along the normal of the depth it grows
+  // no faster than the bodies close: conservative advancement, on the far side of contact.
   Real tooDeep(const FastPair<D>& p, Real t, Real duration, WorkDone& work) {
     const Real ball = std::min(p.fastA ? p.a.inner : kNever, p.fastB ? p.b.inner : kNever);
     const Real inner = std::max(ball, m_params.depth);  // a segment has no inner ball
@@ -77,7 +76,9 @@ class Cast final : public ContinuousCollision<D> {
       const PairView<D> view = p.pair.at(t);
       PairAnswer<D> answer;
       m_query->query({&view, 1}, QueryNeed::witnesses, {&answer, 1}, {&memory, 1}, work);
-      if (k == 0 && -answer.distance > allowed / 2) allowed = (inner - answer.distance) / 2;
+      if (k == 0 && -answer.distance > allowed / 2) {
+        allowed = std::min(allowed / 2 - answer.distance, (inner - answer.distance) / 2);
+      }
       const Real left = allowed + answer.distance;  // m
       // At first it is half through: who knows on which side.
       if (!(left > kAlmostThere * allowed)) return k == 0 ? kNever : t;

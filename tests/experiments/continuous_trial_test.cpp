@@ -46,7 +46,7 @@ TEST(ContinuousTrial, ABulletHitsTheFirstDomino) {
   for (const std::string dimension : {"2", "3"}) {
     const auto moved = [&](const std::string& method) {  // of the first domino, the highest body
       return metricsOf(w, "bullet_dominoes --dimension " + dimension + " --pipeline continuous=" + method)
-          .at("top_drift")
+          .at("end_drift_top")
           .get<double>();
     };
     expectCaught("nobody looks at a domino, in " + dimension + "D", moved("none") > 0.01);
