@@ -21,7 +21,7 @@ Aabb<D> boxOfWay(const ShapeView<D>& view, const ShapeMotion<D>& motion, Real dt
 }  // namespace
 
 template <int D>
-FastParts<D>::FastParts() : m_query(createStage<PairQuery<D>>({"gjk_epa", {}})) {}
+FastParts<D>::FastParts() = default;
 
 template <int D>
 void FastParts<D>::forget(std::size_t shape) {
@@ -38,6 +38,7 @@ Girth<D> FastParts<D>::girthOf(const ShapeView<D>& part) {
   girth.outer = boundingRadius(part);
   Pose<D> X_PartPoint;
   X_PartPoint.p = girth.center;
+  if (!m_query) m_query = createStage<PairQuery<D>>({"gjk_epa", {}});  // most worlds never ask
   const Shape<D> point = Shape<D>::sphere(0);
   const PairAnswer<D> depth = queryPair(*m_query, part, point.view(), X_PartPoint, QueryNeed::distance);
   girth.inner = std::max(Real(0), -depth.distance);
@@ -94,10 +95,10 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
   }
   const auto pair = [&](const Part& p, const Part& q) {
     const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.shape)], &b = shapes[static_cast<std::size_t>(q.shape)];
-    const auto moved = [&](const Part& part) {
+    const auto isDynamic = [&](const Part& part) {
       return bodies.type[static_cast<std::size_t>(part.body)] == BodyType::dynamic;
     };
-    if (p.body == q.body || (!moved(p) && !moved(q)) || !(a.category & b.mask) || !(b.category & a.mask) ||
+    if (p.body == q.body || (!isDynamic(p) && !isDynamic(q)) || !(a.category & b.mask) || !(b.category & a.mask) ||
         !p.box.overlaps(q.box))
       return;
     m_pairs.push_back(p < q ? Pair{p, q} : Pair{q, p});

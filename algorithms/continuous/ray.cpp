@@ -28,15 +28,15 @@ class Ray final : public ContinuousCollision<D> {
             .summary = "the way of a fast body's centre as a ray: the 2009 report's plan",
             .paper = "lpc2009",
             .complexity = "fast parts, a query of boxes each; a ray for each pair",
-            .failures = {{"a long body that turns about where it has hit", "it passes through by its ends",
-                          "Continuous.BulletIsStopped"},
-                         {"an obstacle beside the way of the centre", "it is not seen", "Continuous.EdgeIsMet"},
-                         {"a rod that turns once in a step, its centre standing", "the end passes through",
-                          "Continuous.WholeTurnsAreSeen"},
-                         {"bullets that touch and are pressed on", "they sink into each other",
-                          "Continuous.QueueIsStopped"},
-                         {"a rod whose end is fast and whose centre stands still", "the end passes through",
-                          "Continuous.SpinningRodIsStopped"}}};
+            .failures = {
+                {"a long body that turns about where it has hit", "it passes through by its ends",
+                 "Continuous.BulletIsStopped"},
+                {"an obstacle beside the way of the centre", "it is not seen", "Continuous.EdgeIsMet"},
+                {"a rod that turns once in a step, its centre standing", "the end passes through",
+                 "Continuous.WholeTurnsAreSeen"},
+                {"bullets that touch and are pressed on", "they sink into each other", "Continuous.QueueIsStopped"},
+                {"a rod whose end is fast and whose centre stands still", "the end passes through",
+                 "Continuous.SpinningRodIsStopped"}}};
   }
 
   Lookout lookout() const override { return Lookout::after; }
@@ -61,9 +61,11 @@ class Ray final : public ContinuousCollision<D> {
     };
     const Vec<D> from = centerAt(0), way = centerAt(duration) - from;
     const RayEntry<D> entry = rayEntry(other, Pose<D>{}, from, way, Real(1));
-    const Real closing = -way.dot(entry.normal);                                      // m in the whole time
-    if (entry.t < 0 || !(closing > 0)) return std::numeric_limits<Real>::infinity();  // it misses, or starts inside
-    const Real clearance = std::max(girth.inner, kLinearSlop);                        // a segment has no inner ball
+    const Real closing = -way.dot(entry.normal);  // m in the whole time
+    // It misses, or starts inside.
+    if (entry.t < 0 || !(closing > 0)) return std::numeric_limits<Real>::infinity();
+    // A segment has no inner ball.
+    const Real clearance = std::max(girth.inner, kLinearSlop);
     for (const Real before : {clearance, clearance / 2}) {
       const Real share = entry.t - before / closing;
       if (share > 0) return share * duration;
