@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <span>
@@ -44,7 +45,8 @@ class ContinuousCollision : public Stage {
   static constexpr int kDimension = D;
 
   virtual Lookout lookout() const = 0;
-  /// A part is fast when one of its points may go farther in a step than this share (1) of its inner ball's radius.
+  /// A part is fast when one of its points may go farther in a step than this share (1) of its inner ball's radius, or
+  /// of kLinearSlop where that is more.
   virtual Real threshold() const { return std::numeric_limits<Real>::infinity(); }
   /// Only a <= b is asked.
   virtual bool supports(ShapeKind, ShapeKind) const { return true; }
