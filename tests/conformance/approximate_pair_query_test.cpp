@@ -12,7 +12,7 @@
 #include "tests/planted_bugs/pair_query_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace approximate_pair_query_test {
 
 using namespace wrong_queries;
 
@@ -134,5 +134,5 @@ TEST(ApproximatePairQuery, WhatIsNoNumberHasFailed) {
   }
 }
 
-}  // namespace
+}  // namespace approximate_pair_query_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -7,7 +7,7 @@
 #include "tests/conformance/broadphase_model.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace broadphase_query_test {
 
 /// When the box moved by t * displacement meets the target, for t in [0, maxT], and how sure that is.
 struct Meeting {
@@ -199,5 +199,5 @@ void expectRefused(const std::string& name) {
 TEST(BroadphasePlantedBugs, OpenQuery) { expectRefused<OpenQuery>("open query"); }
 TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }
 
-}  // namespace
+}  // namespace broadphase_query_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -14,7 +14,7 @@
 #include "tests/planted_bugs/broadphase.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace broadphase_relations_test {
 
 template <int D>
 struct Boxes {
@@ -320,5 +320,5 @@ void bugsAreCaught() {
 TEST(BroadphaseRelations, PlantedBugs2) { bugsAreCaught<2>(); }
 TEST(BroadphaseRelations, PlantedBugs3) { bugsAreCaught<3>(); }
 
-}  // namespace
+}  // namespace broadphase_relations_test
 }  // namespace lpc::inline LPC_PRECISION::test

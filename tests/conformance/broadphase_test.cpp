@@ -12,7 +12,7 @@
 #include "tests/run_property.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace broadphase_test {
 
 template <int D>
 void checkAllPairs() {
@@ -207,5 +207,5 @@ void checkDeclaredFailures() {
 TEST(BroadphaseFailures, TwoDimensions) { checkDeclaredFailures<2>(); }
 TEST(BroadphaseFailures, ThreeDimensions) { checkDeclaredFailures<3>(); }
 
-}  // namespace
+}  // namespace broadphase_test
 }  // namespace lpc::inline LPC_PRECISION::test

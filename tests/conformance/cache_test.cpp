@@ -10,7 +10,7 @@
 #include "tests/planted_bugs/cache_bugs.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace cache_test {
 
 constexpr const char* kFriction = "Cache.CarriesFrictionAsAVector";
 constexpr const char* kImpulses = "Cache.CarriesImpulses";
@@ -424,5 +424,5 @@ TEST(Cache, SelectsEveryPairUnlessItBringsItBack) {
   }
 }
 
-}  // namespace
+}  // namespace cache_test
 }  // namespace lpc::inline LPC_PRECISION::test

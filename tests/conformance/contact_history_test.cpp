@@ -9,7 +9,7 @@
 #include "tests/planted_bugs/contact_bugs.h"
 
 namespace lpc::inline LPC_PRECISION::test::contact_history_test {
-namespace {
+namespace contact_history_test {
 
 // The competitors with their defaults, and where there is a choice of four points, with each other rule of it.
 enum class Rules { defaults, all };
@@ -225,5 +225,5 @@ TEST(Contacts, FastFacesSpanThePatch) {
   onEveryGenerator<3>("Contacts.FastFacesSpanThePatch", fastFacesSpanPatch<3>, 200, Rules::defaults);
 }
 
-}  // namespace
+}  // namespace contact_history_test
 }  // namespace lpc::inline LPC_PRECISION::test::contact_history_test

@@ -17,7 +17,7 @@
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace contact_problem_test {
 
 using solver::Lemke;
 
@@ -495,5 +495,5 @@ TEST(Lemke, SolvesWhatItSays) {
   EXPECT_EQ(lemke.solve(2, {1, 0, 0, 1}, {-1, -2}, 1, z), Lemke::End::outOfPivots);
 }
 
-}  // namespace
+}  // namespace contact_problem_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -11,7 +11,7 @@
 #include "tests/planted_bugs/contact_bugs.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace contacts_test {
 
 // Runs a property on every competitor; `name` as it stands in info().failures.
 template <int D, class Property>
@@ -110,8 +110,8 @@ TEST(Contacts, WitnessesLieOnTheShapes) {
 TEST(Contacts, DepthIsTrue) {
   onEveryGenerator<2>("Contacts.DepthIsTrue", depthIsTrue<2>, 1000);
   onEveryGenerator<3>("Contacts.DepthIsTrue", depthIsTrue<3>, 1000);
-  catches<2, FlippedNormal>("flipped normal", depthIsTrue<2>, 1000);
-  catches<3, FlippedNormal>("flipped normal", depthIsTrue<3>, 1000);
+  catches<2, FlippedContactNormal>("flipped normal", depthIsTrue<2>, 1000);
+  catches<3, FlippedContactNormal>("flipped normal", depthIsTrue<3>, 1000);
   catches<3, NoEdgeContacts>("no edge contacts", depthIsTrue<3>, 1000);
 }
 
@@ -284,5 +284,5 @@ TEST(Contacts, PairsAreIndependent) {
   pairsAreIndependent<3>();
 }
 
-}  // namespace
+}  // namespace contacts_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -11,7 +11,7 @@
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test::continuous_test {
-namespace {
+namespace continuous_test {
 
 constexpr Real kDt = Real(1) / 60;
 
@@ -444,5 +444,5 @@ TEST(Continuous, RefusesKindsThatItCannotAsk) {
   }
 }
 
-}  // namespace
+}  // namespace continuous_test
 }  // namespace lpc::inline LPC_PRECISION::test::continuous_test

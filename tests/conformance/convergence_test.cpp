@@ -16,7 +16,7 @@
 #include "tests/conformance/scene_change.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace convergence_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr Real kRounding = kDouble ? Real(1e-11) : Real(1e-5);  // of the energy, over a few sweeps
@@ -376,5 +376,5 @@ TEST(StepConvergence, PlantedBugsAreCaught3) {
   plantedBugsInSteps<3>();
 }
 
-}  // namespace
+}  // namespace convergence_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -17,7 +17,7 @@
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace energy_test {
 
 constexpr double kDt = 1.0 / 60;
 constexpr int kSteps = 20;
@@ -190,5 +190,5 @@ void print(int seeds) {
 }
 TEST(EnergyConformance, DISABLED_print) { print<2>(1500), print<3>(1500); }
 
-}  // namespace
+}  // namespace energy_test
 }  // namespace lpc::inline LPC_PRECISION::test

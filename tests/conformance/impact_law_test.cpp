@@ -9,7 +9,7 @@
 #include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace impact_law_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 
@@ -117,7 +117,7 @@ Step<D> spoilt(const std::function<void(ImpactScene<D>&)>& spoil) {
   return [=](ImpactScene<D>& s) { spoil(s), s.step(*solver); };
 }
 template <int D>
-Step<D> twin(Bug bug) {
+Step<D> spoiledStep(Bug bug) {
   const auto solver = std::make_shared<TwinSolver<D>>(bug, 5);
   return [=](ImpactScene<D>& s) { s.step(*solver); };
 }
@@ -130,8 +130,8 @@ std::vector<Named<D>> properties() {
   const auto forgetsFriction = spoilt<D>([](ImpactScene<D>& s) { s.features.friction = false; });
   return {{"Impact.AddsNoEnergy", addsNoEnergy<D>, givesBackTooMuch, false},
           {"Impact.RubsWhileItBounces", rubsWhileItBounces<D>, forgetsFriction, false},
-          {"Impact.KeepsMomenta", keepsMomenta<D>, twin<D>(Bug::oneBodyOnly), false},
-          {"Painleve.AddsNoEnergy", painleve<D>, twin<D>(Bug::frictionForward), true}};
+          {"Impact.KeepsMomenta", keepsMomenta<D>, spoiledStep<D>(Bug::oneBodyOnly), false},
+          {"Painleve.AddsNoEnergy", painleve<D>, spoiledStep<D>(Bug::frictionForward), true}};
 }
 
 constexpr int kRuns = 25;  // cases of each property, and of each bug that it must catch
@@ -208,5 +208,5 @@ TEST(ImpactLaws, LimitsAreCounted) {
   EXPECT_GT(limits("split_solver{impact=sequential,impact_limit=1}"), 0u);
 }
 
-}  // namespace
+}  // namespace impact_law_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -10,7 +10,7 @@
 #include "tests/conformance/impact_scene.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace integrator_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 
@@ -325,5 +325,5 @@ TEST(IntegratorConformance, PlantedBugIsCaught) {
   EXPECT_FALSE(freeTopKeepsAngularMomentum<3>(wrong));
 }
 
-}  // namespace
+}  // namespace integrator_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -10,7 +10,7 @@
 #include "tests/conformance/joined_bodies.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace joint_convergence_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr Real kConverged = kDouble ? Real(1e-6) : Real(2e-3);
@@ -152,5 +152,5 @@ TEST(JointConvergence, EveryKindUnderEveryResolver3) { testAll<3>(); }
 TEST(JointConvergence, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(JointConvergence, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-}  // namespace
+}  // namespace joint_convergence_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -12,7 +12,7 @@
 #include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace joint_steps_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr int kSteps = 5, kRuns = 10;
@@ -204,5 +204,5 @@ TEST(JointStep, EveryKindUnderEverySolver3) { testAll<3>(); }
 TEST(JointStep, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(JointStep, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-}  // namespace
+}  // namespace joint_steps_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -11,7 +11,7 @@
 #include "tests/planted_bugs/joint_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace joint_test {
 
 constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-10) : Real(5e-4);  // of one solve, relative to the speeds in it
 constexpr Real kConverged = sizeof(Real) == 8 ? Real(1e-6) : Real(2e-3);
@@ -392,5 +392,5 @@ void errorsShrink() {
 TEST(JointConformance, ErrorsShrink2) { errorsShrink<2>(); }
 TEST(JointConformance, ErrorsShrink3) { errorsShrink<3>(); }
 
-}  // namespace
+}  // namespace joint_test
 }  // namespace lpc::inline LPC_PRECISION::test

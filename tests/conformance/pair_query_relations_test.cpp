@@ -11,7 +11,7 @@
 #include "tests/planted_bugs/pair_query_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace pair_query_relations_test {
 
 using namespace wrong_queries;
 
@@ -307,5 +307,5 @@ void bugsAreCaught() {
 TEST(PairQueryRelations, PlantedBugs2) { bugsAreCaught<2>(); }
 TEST(PairQueryRelations, PlantedBugs3) { bugsAreCaught<3>(); }
 
-}  // namespace
+}  // namespace pair_query_relations_test
 }  // namespace lpc::inline LPC_PRECISION::test

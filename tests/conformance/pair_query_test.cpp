@@ -12,7 +12,7 @@
 #include "tests/planted_bugs/pair_query_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace pair_query_test {
 
 using namespace wrong_queries;
 
@@ -263,5 +263,5 @@ void memorySaves() {
 }
 TEST(PairQuery, MemorySavesSupportPoints) { memorySaves<2>(), memorySaves<3>(); }
 
-}  // namespace
+}  // namespace pair_query_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -16,7 +16,7 @@
 #include "tests/kept_failures.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace pair_query_truth_test {
 
 // |phi - phi_ref| / s, and how much less than phi_ref the separation along the returned normal is.
 constexpr double kBound = sizeof(Real) == 8 ? 1e-12 : 1e-5;
@@ -268,5 +268,5 @@ TEST(PairQueryTruth, BothPrecisions) {
   bothPrecisions<3>(9946326375794592900u);
 }
 
-}  // namespace
+}  // namespace pair_query_truth_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -11,7 +11,7 @@
 #include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace position_test {
 
 constexpr int kSteps = 60;
 constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-13) : Real(1e-4);  // kg m^2/s, of some 10
@@ -225,5 +225,5 @@ TEST(PositionConformance, NonlinearsSearchesAgree) {
   });
 }
 
-}  // namespace
+}  // namespace position_test
 }  // namespace lpc::inline LPC_PRECISION::test

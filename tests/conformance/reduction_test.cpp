@@ -12,7 +12,7 @@
 #include "tests/contact_properties.h"
 
 namespace lpc::inline LPC_PRECISION::test::reduction_test {
-namespace {
+namespace reduction_test {
 
 using namespace contacts;
 
@@ -326,5 +326,5 @@ TEST(Reduction, RulesCompared) {
   }
 }
 
-}  // namespace
+}  // namespace reduction_test
 }  // namespace lpc::inline LPC_PRECISION::test::reduction_test

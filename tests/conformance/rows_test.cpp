@@ -12,7 +12,7 @@
 #include "tests/conformance/impact_scene.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace rows_test {
 
 constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-11) : Real(5e-4);  // of impulses, relative to the largest
 
@@ -307,5 +307,5 @@ void everyKernel() {
 TEST(Rows, ContactKernelsAreEqualToThem2) { everyKernel<2>(); }
 TEST(Rows, ContactKernelsAreEqualToThem3) { everyKernel<3>(); }
 
-}  // namespace
+}  // namespace rows_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -10,7 +10,7 @@
 #include "tests/planted_bugs/sleep_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace sleep_test {
 
 constexpr Real kG = Real(9.81), kDt = Real(1) / 60;
 
@@ -395,5 +395,5 @@ void gentle() {
 }
 TEST(SplitAverage, BlowsWakeAsFarAsTheyReach) { gentle<2>(), gentle<3>(); }
 
-}  // namespace
+}  // namespace sleep_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -8,7 +8,7 @@
 #include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace solver_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 
@@ -405,5 +405,5 @@ TEST(SoftStep, SagIsThatOfASpring) {
   EXPECT_LT(sag("soft_step{substeps=16,hertz=120,relax=0}"), Real(0.3) * sixteen);
 }
 
-}  // namespace
+}  // namespace solver_test
 }  // namespace lpc::inline LPC_PRECISION::test

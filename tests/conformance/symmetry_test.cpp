@@ -15,7 +15,7 @@
 #include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace symmetry_test {
 
 constexpr bool kDouble = sizeof(Real) == 8;
 constexpr int kSteps = 3, kRuns = 20;
@@ -82,7 +82,7 @@ void agree(const Error& error, Real limit, const ImpactScene<D>& before, const I
 }
 
 template <int D>
-ImpactScene<D> drawScene(Draw& draw) {
+ImpactScene<D> drawImpacts(Draw& draw) {
   auto s = drawImpact<D>(draw, {.fixed = draw.coin(),
                                 .friction = true,
                                 .restitution = draw.coin() ? Real(0.3) : Real(0),
@@ -95,7 +95,7 @@ ImpactScene<D> drawScene(Draw& draw) {
 // R7: turned, shifted, and seen in passing.
 template <int D>
 void moves(Solver<D>& solver, Draw& draw) {
-  const auto before = drawScene<D>(draw);
+  const auto before = drawImpacts<D>(draw);
   const Pose<D> X{10 * drawVector<D>(draw), drawRotation<D>(draw)};
   const Vec<D> boost = 3 * drawVector<D>(draw);
   auto expected = after(before, solver);
@@ -122,7 +122,7 @@ void movesWarm(Solver<D>& solver, Draw& draw) {
 // R8: in a mirror.
 template <int D>
 void mirrors(Solver<D>& solver, Draw& draw) {
-  const auto before = drawScene<D>(draw);
+  const auto before = drawImpacts<D>(draw);
   const auto expected = mirrored(after(before, solver)), found = after(mirrored(before), solver);
   agree<D>(places<D>, kTolerance * before.speed(), before, expected, found, solver);
 }
@@ -130,7 +130,7 @@ void mirrors(Solver<D>& solver, Draw& draw) {
 // R11: in another unit of mass the motion is the same, and impulses scale.
 template <int D>
 void weighs(Solver<D>& solver, Draw& draw) {
-  const auto before = drawScene<D>(draw);
+  const auto before = drawImpacts<D>(draw);
   const Real k = draw.pick({Real(1) / 1024, Real(1024)});  // squares of powers of two: no rounding differs
   const auto expected = after(before, solver);
   auto found = after(heavier(before, k), solver);
@@ -235,5 +235,5 @@ TEST(Symmetry, EverySolver3) { everySolverHolds<3>(); }
 TEST(Symmetry, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(Symmetry, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
-}  // namespace
+}  // namespace symmetry_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -11,7 +11,7 @@
 #include "tests/planted_bugs/time_of_impact_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test::time_of_impact_test {
-namespace {
+namespace time_of_impact_test {
 
 using namespace wrong_casts;
 
@@ -445,5 +445,5 @@ TEST(TimeOfImpact, ATurningRodReachesABall) {
   });
 }
 
-}  // namespace
+}  // namespace time_of_impact_test
 }  // namespace lpc::inline LPC_PRECISION::test::time_of_impact_test

@@ -12,7 +12,7 @@
 #include "tests/planted_bugs/solver_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace velocity_test {
 
 // Rounding: of one solve over a few contacts, relative to the speeds in it.
 constexpr Real kTolerance = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-4);
@@ -397,5 +397,5 @@ TEST(VelocityConformance, BlocksAreSolvedAtOnce) {
       "single points 3D", [] { blocksAreSolvedAtOnce<3>("catto{iterations=3}"); }, 60);
 }
 
-}  // namespace
+}  // namespace velocity_test
 }  // namespace lpc::inline LPC_PRECISION::test

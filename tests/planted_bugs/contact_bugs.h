@@ -26,7 +26,7 @@ class SpoiledContacts : public ContactGenerator<D> {
 };
 
 template <int D>
-struct FlippedNormal final : SpoiledContacts<D> {
+struct FlippedContactNormal final : SpoiledContacts<D> {
   void spoil(const ContactInput<D>&, Manifold<D>& m) override { m.normal = -m.normal; }
 };
 

@@ -334,7 +334,7 @@ void plantedOnesFailAgain() {
   keptOnesFailAgain<PairQuery<D>, wrong_queries::FlippedNormal<D>>();
   keptOnesFailAgain<PairQuery<D>, wrong_queries::CentreRayDepth<D>>();
   keptOnesFailAgain<PairQuery<D>, wrong_queries::ForgetsRounding<D>>();
-  keptOnesFailAgain<ContactGenerator<D>, FlippedNormal<D>>();
+  keptOnesFailAgain<ContactGenerator<D>, FlippedContactNormal<D>>();
   keptOnesFailAgain<ContactGenerator<D>, DuplicateFeatures<D>>();
   keptOnesFailAgain<ContactGenerator<D>, FeaturesFromPosition<D>>();
   keptOnesFailAgain<Broadphase<D>, OpenBoxes<D>>();
@@ -482,7 +482,7 @@ void generatorIsFound(const std::string& family) {
 TEST(Verify, WrongContactGeneratorsAreFound) {
   generatorIsFound<PointNowhere>("");
   generatorIsFound<DepthIsNoNumber>("");
-  generatorIsFound<FlippedNormal>("");
+  generatorIsFound<FlippedContactNormal>("");
   generatorIsFound<DuplicateFeatures>("");
   generatorIsFound<Unclipped>("");
   generatorIsFound<NoEdgeContacts>("");
