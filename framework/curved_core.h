@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Convex cores without a list of corners: a cylinder, an ellipsoid. A kind of them is one file,
 // framework/core_<kind>.cpp, which registers how it is made, and one name in ShapeKind; nobody else knows it by name.
+// A plugin registers its own as ShapeKind::custom, of which there is one.
 //
 //   template <int D> struct Ball : CurvedBase<D, Ball<D>> {
 //     template <class N> std::array<N, D> extreme(const std::array<N, D>& d) const;   // farthest along d
@@ -63,11 +64,18 @@ template <int D>
 struct CurvedKind {
   std::vector<std::string_view> sizes;  // names, all lengths above zero (m)
   std::function<std::shared_ptr<const CurvedCore<D>>(std::span<const Real>)> create;
+  int claims = 1;  // registrations: of more than one, by two plugins, none is the kind
 };
 
 /// Throws UserError when the kind is not curved or not of this dimension.
 template <int D>
 const CurvedKind<D>& curvedKind(ShapeKind kind);
+
+/// Throws UserError, `who` first, unless the core is what it says along some hundred fixed directions: finite, inside
+/// its box and as large as it, convex (no point lies farther along a direction than its support point), the same in
+/// both number types, and with mass. Costs a fraction of a millisecond.
+template <int D>
+void requireConvexCore(const CurvedCore<D>& core, const std::string& who);
 
 /// All of this dimension, in the order of the kinds.
 template <int D>
@@ -80,11 +88,18 @@ class CurvedRegistrar {
  public:
   CurvedRegistrar(ShapeKind kind, std::initializer_list<std::initializer_list<std::string_view>> sizes) {
     auto names = sizes.begin();
-    ((curvedKinds<D>()[kind] = {*names++,
-                                [](std::span<const Real> values) -> std::shared_ptr<const CurvedCore<D>> {
-                                  return std::make_shared<const Core<D>>(values);
-                                }}),
+    (add<D>(kind, {*names++,
+                   [](std::span<const Real> values) -> std::shared_ptr<const CurvedCore<D>> {
+                     return std::make_shared<const Core<D>>(values);
+                   }}),
      ...);
+  }
+
+ private:
+  template <int N>
+  static void add(ShapeKind kind, CurvedKind<N> made) {
+    const auto [at, fresh] = curvedKinds<N>().try_emplace(kind, std::move(made));
+    if (!fresh) ++at->second.claims;
   }
 };
 

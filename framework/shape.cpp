@@ -13,8 +13,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr std::array<std::string_view, kShapeKinds> kKindNames = {"sphere",   "capsule",   "segment", "box", "polytope",
-                                                                  "cylinder", "ellipsoid", "plane",   "cone"};
+constexpr std::array<std::string_view, kShapeKinds> kKindNames = {
+    "sphere", "capsule", "segment", "box", "polytope", "cylinder", "ellipsoid", "plane", "cone", "custom"};
 
 // One line of what was found and what would do; the comparison is written so that NaN is refused, too.
 void requireSize(const char* shape, const char* what, Real value, bool zeroAllowed) {
@@ -34,6 +34,15 @@ ShapeKind shapeKindFromName(std::string_view name) {
   }
   throw UserError("there is no shape '" + std::string(name) + "'" +
                   validNames({kKindNames.begin(), kKindNames.end()}, name));
+}
+
+bool kindExists(ShapeKind kind, int dimension) {
+  if (kind == ShapeKind::custom) {
+    return dimension == 2 ? curvedKinds<2>().contains(kind) : curvedKinds<3>().contains(kind);
+  }
+  if (kind == ShapeKind::segment) return dimension == 2;
+  const bool spatial = kind == ShapeKind::cylinder || kind == ShapeKind::cone;
+  return dimension == 3 || !spatial;
 }
 
 template <int D>
@@ -109,6 +118,8 @@ template <int D>
 Shape<D> Shape<D>::curved(ShapeKind kind, std::span<const Real> sizes, Real rounding) {
   const CurvedKind<D>& made = curvedKind<D>(kind);
   const std::string name(shapeKindName(kind));
+  if (made.claims > 1)
+    throw UserError(name + ": " + std::to_string(made.claims) + " plugins give one; valid: one of them");
   if (sizes.size() != made.sizes.size()) {
     throw UserError(name + ": " + std::to_string(sizes.size()) +
                     " sizes are given; valid: " + std::to_string(made.sizes.size()));
@@ -119,6 +130,7 @@ Shape<D> Shape<D>::curved(ShapeKind kind, std::span<const Real> sizes, Real roun
   requireSize(name.c_str(), "rounding", rounding, true);
   Shape s;
   s.m_curved = made.create(sizes);
+  if (kind == ShapeKind::custom) requireConvexCore(*s.m_curved, name);
   s.m_view.kind = kind, s.m_view.radius = rounding, s.m_view.half = s.m_curved->half();
   s.m_view.curved = s.m_curved.get();
   return s;

@@ -19,9 +19,20 @@
 namespace lpc::inline LPC_PRECISION {
 
 /// In this order batches are sorted: a pair of kinds always comes with kindA <= kindB. New kinds are appended: the
-/// numbers stand in saved worlds.
-enum class ShapeKind : unsigned char { sphere, capsule, segment, box, polytope, cylinder, ellipsoid, plane, cone };
-inline constexpr int kShapeKinds = 9;
+/// numbers stand in saved worlds. `custom` is whatever a plugin gives by its support function.
+enum class ShapeKind : unsigned char {
+  sphere,
+  capsule,
+  segment,
+  box,
+  polytope,
+  cylinder,
+  ellipsoid,
+  plane,
+  cone,
+  custom
+};
+inline constexpr int kShapeKinds = 10;
 
 /// What the core of a shape is made of, its rounding left out.
 enum class CoreClass : unsigned char {
@@ -33,18 +44,15 @@ enum class CoreClass : unsigned char {
   plane    // a half-space, y <= 0 in its own frame: unbounded, for bodies that never move
 };
 constexpr CoreClass coreClass(ShapeKind kind) {
-  constexpr std::array<CoreClass, kShapeKinds> kClass = {CoreClass::point,  CoreClass::segment, CoreClass::segment,
-                                                         CoreClass::box,    CoreClass::hull,    CoreClass::curved,
-                                                         CoreClass::curved, CoreClass::plane,   CoreClass::curved};
+  constexpr std::array<CoreClass, kShapeKinds> kClass = {
+      CoreClass::point,  CoreClass::segment, CoreClass::segment, CoreClass::box,    CoreClass::hull,
+      CoreClass::curved, CoreClass::curved,  CoreClass::plane,   CoreClass::curved, CoreClass::curved};
   return kClass[static_cast<std::size_t>(kind)];
 }
 /// Is there such a kind in this dimension? A segment is a curve without area, a cylinder has no planar twin but the
-/// box, a cone none but the triangle.
-constexpr bool kindExists(ShapeKind kind, int dimension) {
-  if (kind == ShapeKind::segment) return dimension == 2;
-  const bool spatial = kind == ShapeKind::cylinder || kind == ShapeKind::cone;
-  return dimension == 3 || !spatial;
-}
+/// box, a cone none but the triangle; `custom` is there as soon as a plugin has registered it
+/// (framework/curved_core.h).
+bool kindExists(ShapeKind kind, int dimension);
 std::string_view shapeKindName(ShapeKind kind);
 /// Throws UserError with the valid names.
 ShapeKind shapeKindFromName(std::string_view name);

@@ -65,4 +65,8 @@ inline constexpr int kMostRaySteps = 256;
 /// root: in float, where the parts are 20 times as wide as they are thick.
 inline constexpr Real kPartOverlap = sizeof(Real) == 8 ? Real(1e-4) : Real(1e-2);
 
+/// A user's support function may be off by this part of the core's extent (1). Larger: a core with a dent of that depth
+/// is taken. Smaller: honest rounding is refused.
+inline constexpr Real kSupportRounding = 64 * std::numeric_limits<Real>::epsilon();
+
 }  // namespace lpc::inline LPC_PRECISION

@@ -30,7 +30,7 @@ Colour operator*(const Colour& c, double light) {
 }
 
 // The recording has of each part what its factory takes; of a curved kind the half extents, whose first ones are its
-// sizes.
+// sizes. A plugin's kind is drawn as its box: its sizes may be anything.
 template <int D>
 Shape<D> shapeOf(const typename Recording<D>::Arrival::Part& p) {
   switch (coreClass(p.kind)) {
@@ -43,6 +43,7 @@ Shape<D> shapeOf(const typename Recording<D>::Arrival::Part& p) {
     case CoreClass::hull:
       return Shape<D>::polytope(p.vertices, p.radius);
     case CoreClass::curved:
+      if (p.kind == ShapeKind::custom) return Shape<D>::box(p.half, p.radius);
       return Shape<D>::curved(p.kind, {p.half.data(), std::min<std::size_t>(D, curvedKind<D>(p.kind).sizes.size())},
                               p.radius);
     case CoreClass::plane:

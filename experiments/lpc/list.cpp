@@ -64,8 +64,10 @@ json describeShapes() {
     for (const int d : {2, 3}) {
       if (kindExists(kind, d)) dimensions.push_back(d);
     }
+    if (dimensions.empty()) continue;
     if (coreClass(kind) == CoreClass::curved) {
-      for (const std::string_view s : curvedKind<3>(kind).sizes) sizes.push_back(std::string(s));
+      const auto& names = kindExists(kind, 3) ? curvedKind<3>(kind).sizes : curvedKind<2>(kind).sizes;
+      for (const std::string_view s : names) sizes.push_back(std::string(s));
     }
     out.push_back({{"name", std::string(shapeKindName(kind))}, {"dimensions", dimensions}, {"sizes", sizes}});
   }

@@ -70,9 +70,9 @@ foreach(library IN LISTS libraries)
   endif()
 endforeach()
 
-# A broadphase and a resolver outside of the tree, word for word.
+# A broadphase, a resolver and a shape outside of the tree, word for word.
 foreach(file IN ITEMS algorithms/broadphase/bucket_sort.cpp algorithms/velocity/backward.cpp mine/plugin.cpp mine/CMakeLists.txt
-        neighbours.toml)
+        neighbours.toml mine/dome.cpp domes.toml)
   page_file(${guide} ${file} ${WORK_DIR}/guide/${file})
 endforeach()
 follow(${guide} "Outside this tree" ${WORK_DIR}/guide)
