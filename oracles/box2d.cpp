@@ -78,8 +78,8 @@ class Box2dPlaced {
 template <int D>
 class Box2dPairs final : public IsolatedWitness<2> {
  public:
-  using Params = NoParams;
-  explicit Box2dPairs(const Params&) {}
+  using Params = PairFrameParams;
+  explicit Box2dPairs(const Params& params) : IsolatedWitness<2>(params.frame) {}
 
   static AlgorithmInfo info() {
     return {
@@ -109,7 +109,7 @@ class Box2dPairs final : public IsolatedWitness<2> {
   // m, as in b2TestOverlap: nearer ones overlap, and b2Distance has no direction for them.
   static constexpr double kOverlap = 10 * b2_epsilon;
 
-  void place(const PairView<2>& pair) override { m_a.place(pair.a, {}), m_b.place(pair.b, pair.X_AB); }
+  void place(const PairView<2>& pair) override { m_a.place(pair.a, placeOfA()), m_b.place(pair.b, placeOfB(pair)); }
 
   PairAnswer<2> measure() override {
     if (!m_a.exists() || !m_b.exists()) return {};
@@ -169,7 +169,7 @@ class Box2dPairs final : public IsolatedWitness<2> {
     const std::string collide = !isCircleA && !isCircleB ? "b2CollidePolygons"
                                 : isCircleA && isCircleB ? "b2CollideCircles"
                                                          : "b2CollidePolygonAndCircle";
-    out.body = placed("a", pair.a, {}) + placed("b", pair.b, pair.X_AB) +
+    out.body = placed("a", pair.a, placeOfA()) + placed("b", pair.b, placeOfB(pair)) +
                "  b2DistanceInput input;\n"
                "  input.proxyA.Set(&a, 0), input.proxyB.Set(&b, 0);\n"
                "  input.transformA = xf_a, input.transformB = xf_b;\n"

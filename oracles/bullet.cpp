@@ -123,9 +123,14 @@ std::string bulletShape(const std::string& name, const ShapeView<3>& shape, std:
          "  " + name + ".recalcLocalAabb();\n" + margin;
 }
 
+std::string transformText(const Pose<3>& X) {
+  return "btTransform(btMatrix3x3(" + literals(X.q.matrix().cast<double>()) + "), btVector3(" +
+         literals(X.p.cast<double>()) + "))";
+}
+
 // `made`: the two shapes; `detector`: the one to ask.
-Snippet bulletProgram(const Pose<3>& X, const std::string& head, const std::string& made, const std::string& detector,
-                      const char* otherwise) {
+Snippet bulletProgram(const Pose<3>& X_WA, const Pose<3>& X_WB, const std::string& head, const std::string& made,
+                      const std::string& detector, const char* otherwise) {
   Snippet out{.flags =
                   "-DBT_USE_DOUBLE_PRECISION -I/usr/include/bullet -lBulletCollision-float64 -lLinearMath-float64"};
   out.head =
@@ -139,9 +144,8 @@ Snippet bulletProgram(const Pose<3>& X, const std::string& head, const std::stri
   out.body =
       made + detector +
       "  btDiscreteCollisionDetectorInterface::ClosestPointInput input;\n"
-      "  input.m_transformA.setIdentity();\n"
-      "  input.m_transformB = btTransform(btMatrix3x3(" +
-      literals(X.q.matrix().cast<double>()) + "), btVector3(" + literals(X.p.cast<double>()) + "));\n" +
+      "  input.m_transformA = " +
+      transformText(X_WA) + ";\n" + "  input.m_transformB = " + transformText(X_WB) + ";\n" +
       "  btPointCollector found;\n"
       "  detector.getClosestPoints(input, found, nullptr);\n"
       "  double distance = found.m_hasResult ? found.m_distance : " +
@@ -163,8 +167,8 @@ PairAnswer<3> answerOf(const btPointCollector& found, double roundingA, double r
 template <int D>
 class BulletGjkEpa final : public IsolatedWitness<3> {
  public:
-  using Params = NoParams;
-  explicit BulletGjkEpa(const Params&) {}
+  using Params = PairFrameParams;
+  explicit BulletGjkEpa(const Params& params) : IsolatedWitness<3>(params.frame) {}
 
   static AlgorithmInfo info() {
     return {.name = "bullet_gjk_epa",
@@ -193,7 +197,7 @@ class BulletGjkEpa final : public IsolatedWitness<3> {
  private:
   void place(const PairView<3>& pair) override {
     m_a = shapeOf(pair.a), m_b = shapeOf(pair.b);
-    m_input.m_transformA.setIdentity(), m_input.m_transformB = transform(pair.X_AB);
+    m_input.m_transformA = transform(placeOfA()), m_input.m_transformB = transform(placeOfB(pair));
   }
   PairAnswer<3> measure() override {
     btVoronoiSimplexSolver simplex;
@@ -209,7 +213,7 @@ class BulletGjkEpa final : public IsolatedWitness<3> {
   Snippet snippet(const PairView<3>& pair) const override {
     std::string head;
     const std::string a = bulletShape("a", pair.a, head), b = bulletShape("b", pair.b, head);
-    return bulletProgram(pair.X_AB, head, a + b,
+    return bulletProgram(placeOfA(), placeOfB(pair), head, a + b,
                          "  btVoronoiSimplexSolver simplex;\n"
                          "  btGjkEpaPenetrationDepthSolver depth;\n"
                          "  btGjkPairDetector detector(&a, &b, &simplex, &depth);\n",
@@ -223,8 +227,8 @@ class BulletGjkEpa final : public IsolatedWitness<3> {
 template <int D>
 class BulletBoxBox final : public IsolatedWitness<3> {
  public:
-  using Params = NoParams;
-  explicit BulletBoxBox(const Params&) {}
+  using Params = PairFrameParams;
+  explicit BulletBoxBox(const Params& params) : IsolatedWitness<3>(params.frame) {}
 
   static AlgorithmInfo info() {
     return {.name = "bullet_box_box",
@@ -248,7 +252,7 @@ class BulletBoxBox final : public IsolatedWitness<3> {
   void place(const PairView<3>& pair) override {
     m_a.emplace(vector(pair.a.half)), m_b.emplace(vector(pair.b.half));
     m_a->setMargin(0), m_b->setMargin(0);
-    m_input.m_transformA.setIdentity(), m_input.m_transformB = transform(pair.X_AB);
+    m_input.m_transformA = transform(placeOfA()), m_input.m_transformB = transform(placeOfB(pair));
     m_roundingA = static_cast<double>(pair.a.radius), m_roundingB = static_cast<double>(pair.b.radius);
   }
   PairAnswer<3> measure() override {
@@ -262,8 +266,9 @@ class BulletBoxBox final : public IsolatedWitness<3> {
     std::string none;
     PairView<3> cores = pair;
     cores.a.radius = cores.b.radius = 0;
-    Snippet out = bulletProgram(pair.X_AB, "", bulletShape("a", cores.a, none) + bulletShape("b", cores.b, none),
-                                "  btBoxBoxDetector detector(&a, &b);\n", "INFINITY");
+    Snippet out =
+        bulletProgram(placeOfA(), placeOfB(pair), "", bulletShape("a", cores.a, none) + bulletShape("b", cores.b, none),
+                      "  btBoxBoxDetector detector(&a, &b);\n", "INFINITY");
     out.rounding = static_cast<double>(pair.a.radius) + static_cast<double>(pair.b.radius);
     return out;
   }

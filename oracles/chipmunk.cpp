@@ -71,8 +71,8 @@ class ChipmunkPlaced {
 template <int D>
 class Chipmunk final : public IsolatedWitness<2> {
  public:
-  using Params = NoParams;
-  explicit Chipmunk(const Params&) {}
+  using Params = PairFrameParams;
+  explicit Chipmunk(const Params& params) : IsolatedWitness<2>(params.frame) {}
 
   static AlgorithmInfo info() {
     return {.name = "chipmunk",
@@ -106,21 +106,23 @@ class Chipmunk final : public IsolatedWitness<2> {
 
  private:
   void place(const PairView<2>& pair) override {
-    m_a.place(pair.a, {}), m_b.place(pair.b, pair.X_AB);
+    m_a.place(pair.a, placeOfA()), m_b.place(pair.b, placeOfB(pair));
     m_isCircle = pair.a.core() == CoreClass::point;  // the first of the kinds
     m_radius = static_cast<double>(pair.a.radius);
   }
 
   PairAnswer<2> measure() override { return m_isCircle ? fromCentre() : collide(); }
 
-  // A's centre is the origin of its frame. Chipmunk's point on B is not taken: it is 0 / 0 where the centre lies on B's
+  // Chipmunk's point on B is not taken: it is 0 / 0 where the centre lies on B's
   // surface. Nor are the contacts of circles: on a rounded polygon they are too shallow by twice its rounding, since
   // CircleToPoly adds it along the normal to the polygon's point, too.
   PairAnswer<2> fromCentre() const {
     cpPointQueryInfo nearest;
-    cpShapePointQuery(m_b.shape(), cpvzero, &nearest);
+    const cpVect centre = chipmunkVector(placeOfA().p);
+    cpShapePointQuery(m_b.shape(), centre, &nearest);
     const Eigen::Vector2d normal = -vectorOf(nearest.gradient);
-    return depthAnswer<2>(m_radius - nearest.distance, normal, (m_radius + nearest.distance) / 2 * normal, 0, 0);
+    return depthAnswer<2>(m_radius - nearest.distance, normal,
+                          vectorOf(centre) + (m_radius + nearest.distance) / 2 * normal, 0, 0);
   }
 
   PairAnswer<2> collide() const {
@@ -141,9 +143,11 @@ class Chipmunk final : public IsolatedWitness<2> {
     Snippet out{.flags = "-lchipmunk", .head = "#include <chipmunk/chipmunk.h>\n#include <cmath>\n#include <cstdio>\n"};
     out.body = "  cpBody* body = cpBodyNewStatic();  // its pose is not looked at\n";
     if (pair.a.core() == CoreClass::point) {
-      out.body += placed("b", pair.b, pair.X_AB) +
+      out.body += placed("b", pair.b, placeOfB(pair)) +
                   "  cpPointQueryInfo nearest;\n"
-                  "  cpShapePointQuery(b, cpvzero, &nearest);  // the circle's centre\n"
+                  "  cpShapePointQuery(b, cpv(" +
+                  literals(placeOfA().p.cast<double>().transpose()) +
+                  "), &nearest);  // the circle's centre\n"
                   "  double distance = nearest.distance - " +
                   literal(static_cast<double>(pair.a.radius)) +
                   ";\n"
@@ -151,7 +155,7 @@ class Chipmunk final : public IsolatedWitness<2> {
       return out;
     }
     out.body +=
-        placed("a", pair.a, {}) + placed("b", pair.b, pair.X_AB) +
+        placed("a", pair.a, placeOfA()) + placed("b", pair.b, placeOfB(pair)) +
         "  const cpContactPointSet found = cpShapesCollide(a, b);\n"
         "  double depth = -INFINITY;  // by the points: `distance` has the wrong sign where shapes are swapped\n"
         "  for (int i = 0; i < found.count; ++i) {\n"

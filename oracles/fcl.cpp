@@ -63,8 +63,9 @@ struct FclPlaced {
         geometry = std::make_shared<fcl::Ellipsoid<double>>(shape.half[0], shape.half[1], shape.half[2]);
         rounding = shape.radius;
         break;
-      case ShapeKind::plane:  // neither is in the table of kinds
+      case ShapeKind::plane:  // none is in the table of kinds
       case ShapeKind::cone:
+      case ShapeKind::custom:
         break;
     }
   }
@@ -116,17 +117,18 @@ std::string fclPlaced(const std::string& name, const ShapeView<3>& shape, const 
 template <int D>
 class FclWitness : public IsolatedWitness<3> {
  public:
-  struct Params {
+  struct Params : PairFrameParams {
     Real tolerance = Real(1e-6);
     void visit(ParamVisitor& v) {
       v.real("tolerance", tolerance, Real(1e-14), 1, "1",
              "of FCL's GJK and EPA; at 1e-10 its distance aborts on spheres");
+      PairFrameParams::visit(v);
     }
   };
-  explicit FclWitness(const Params& params) : m_params(params) {}
+  explicit FclWitness(const Params& params) : IsolatedWitness<3>(params.frame), m_params(params) {}
 
  protected:
-  void place(const PairView<3>& pair) override { m_a.place(pair.a, {}), m_b.place(pair.b, pair.X_AB); }
+  void place(const PairView<3>& pair) override { m_a.place(pair.a, placeOfA()), m_b.place(pair.b, placeOfB(pair)); }
 
   PairAnswer<3> distance(fcl::GJKSolverType solver, bool isSigned) const {
     fcl::DistanceRequest<double> request(true, isSigned);
@@ -171,7 +173,7 @@ class FclWitness : public IsolatedWitness<3> {
     out.head =
         "#include <fcl/narrowphase/collision.h>\n#include <fcl/narrowphase/distance.h>\n\n"
         "#include <cmath>\n#include <cstdio>\n#include <exception>\n";
-    out.body = fclPlaced("a", pair.a, {}, out.rounding) + fclPlaced("b", pair.b, pair.X_AB, out.rounding) +
+    out.body = fclPlaced("a", pair.a, placeOfA(), out.rounding) + fclPlaced("b", pair.b, placeOfB(pair), out.rounding) +
                "  double distance = NAN;\n"
                "  bool known = false;  // are points and normals numbers?\n"
                "  try {\n" +

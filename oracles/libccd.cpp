@@ -38,11 +38,17 @@ void center(const void* object, ccd_vec3_t* out) {
 
 // libccd 2.1 measures depths only. Of shapes that are apart it says no more than that.
 class LibccdWitness : public IsolatedWitness<3> {
+ public:
+  using IsolatedWitness<3>::IsolatedWitness;
+
  protected:
   using Call = int (*)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);
 
   void place(const PairView<3>& pair) override {
-    m_a = {pair.a}, m_b = {pair.b, pair.X_AB.q.matrix().cast<double>(), pair.X_AB.p.cast<double>()};
+    m_a = placed(pair.a, placeOfA()), m_b = placed(pair.b, placeOfB(pair));
+  }
+  static CcdPlaced placed(const ShapeView<3>& shape, const Pose<3>& X) {
+    return {shape, X.q.matrix().cast<double>(), X.p.cast<double>()};
   }
   PairAnswer<3> depth(const ccd_t& settings, Call call) const {
     ccd_real_t depth = 0;
@@ -56,7 +62,7 @@ class LibccdWitness : public IsolatedWitness<3> {
   }
   // `settings`: the statements that set them; `call`: the function's name.
   Snippet program(const PairView<3>& pair, const std::string& settings, const std::string& call) const {
-    const CcdPlaced a{pair.a}, b{pair.b, pair.X_AB.q.matrix().cast<double>(), pair.X_AB.p.cast<double>()};
+    const CcdPlaced a = placed(pair.a, placeOfA()), b = placed(pair.b, placeOfB(pair));
     Snippet out{.flags = "-lccd -lm"};
     out.head =
         "#include <ccd/ccd.h>\n#include <cmath>\n#include <cstdio>\n\n"
@@ -120,13 +126,13 @@ class LibccdWitness : public IsolatedWitness<3> {
 template <int D>
 class LibccdGjk final : public LibccdWitness {
  public:
-  struct Params {
+  struct Params : PairFrameParams {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
       v.real("tolerance", tolerance, Real(1e-14), 1, "1", "EPA stops below; libccd's own default is 1e-4");
     }
   };
-  explicit LibccdGjk(const Params& params) : m_params(params) {}
+  explicit LibccdGjk(const Params& params) : LibccdWitness(params.frame), m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "libccd_gjk",
@@ -175,13 +181,13 @@ class LibccdGjk final : public LibccdWitness {
 template <int D>
 class LibccdMpr final : public LibccdWitness {
  public:
-  struct Params {
+  struct Params : PairFrameParams {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
       v.real("tolerance", tolerance, Real(1e-14), 1, "1", "the portal stops below; libccd's own default is 1e-4");
     }
   };
-  explicit LibccdMpr(const Params& params) : m_params(params) {}
+  explicit LibccdMpr(const Params& params) : LibccdWitness(params.frame), m_params(params) {}
 
   static AlgorithmInfo info() {
     return {.name = "libccd_mpr",

@@ -69,8 +69,8 @@ class Geom {
 template <int D>
 class Ode final : public IsolatedWitness<3> {
  public:
-  using Params = NoParams;
-  explicit Ode(const Params&) {}
+  using Params = PairFrameParams;
+  explicit Ode(const Params& params) : IsolatedWitness<3>(params.frame) {}
 
   static AlgorithmInfo info() {
     return {.name = "ode",
@@ -98,7 +98,7 @@ class Ode final : public IsolatedWitness<3> {
   void place(const PairView<3>& pair) override {
     static const bool started = dInitODE2(0) != 0;
     if (!started) throw std::runtime_error("ODE does not start");
-    m_a.make(pair.a, {}), m_b.make(pair.b, pair.X_AB);
+    m_a.make(pair.a, placeOfA()), m_b.make(pair.b, placeOfB(pair));
   }
   PairAnswer<3> measure() override {
     std::array<dContactGeom, 8> found;
@@ -116,8 +116,8 @@ class Ode final : public IsolatedWitness<3> {
 
   Snippet snippet(const PairView<3>& pair) const override {
     Snippet out{.flags = "-lode", .head = "#include <ode/ode.h>\n#include <cmath>\n#include <cstdio>\n"};
-    out.body = "  dInitODE2(0);\n" + placed("a", pair.a, {}, out.rounding) +
-               placed("b", pair.b, pair.X_AB, out.rounding) +
+    out.body = "  dInitODE2(0);\n" + placed("a", pair.a, placeOfA(), out.rounding) +
+               placed("b", pair.b, placeOfB(pair), out.rounding) +
                "  dContactGeom found[8];\n"
                "  const int count = dCollide(a, b, 8, found, sizeof found[0]);\n"
                "  const dContactGeom* deepest = found;\n"

@@ -330,6 +330,10 @@ class IsolatedWitness<D>::Process {
       before = after = Clock::now();
       answer = m_witness.measure();
       after = Clock::now();
+      if (m_witness.m_frame == PairFrame::world) {
+        const Pose<D> X_AW = m_witness.placeOfA().inverse();
+        answer.normal = X_AW.q * answer.normal, answer.pA = X_AW * answer.pA, answer.pB = X_AW * answer.pB;
+      }
       answer.distance *= stored.unit, answer.pA *= stored.unit, answer.pB *= stored.unit;
       ending = isFinite(answer) ? Ending::answered : Ending::notFinite;
     } catch (...) {
@@ -370,8 +374,21 @@ class IsolatedWitness<D>::Process {
   pid_t m_owner = -1, m_child = -1;
 };
 
+namespace {
+
+// Along no axis, nor is any coordinate of it a round number.
+Pose<2> somewhere(Vec<2>) { return {{Real(1.7), Real(-2.3)}, Rot<2>::angle(Real(0.7))}; }
+Pose<3> somewhere(Vec<3>) {
+  return {{Real(1.7), Real(-2.3), Real(0.9)}, Rot<3>{Real(0.8), Real(0.3), Real(-0.4), Real(0.33)}.normalized()};
+}
+
+}  // namespace
+
 template <int D>
-IsolatedWitness<D>::IsolatedWitness() : m_process(std::make_unique<Process>(*this)) {}
+IsolatedWitness<D>::IsolatedWitness(PairFrame frame)
+    : m_frame(frame),
+      m_X_WA(frame == PairFrame::own ? Pose<D>{} : somewhere(Vec<D>())),
+      m_process(std::make_unique<Process>(*this)) {}
 template <int D>
 IsolatedWitness<D>::~IsolatedWitness() = default;
 
@@ -403,7 +420,8 @@ std::optional<Question> IsolatedWitness<D>::question(const PairView<D>& pair) {
   scaled.X_AB.p /= unit;
   out.snippet = snippet(scaled);
   if (out.snippet.body.empty()) return std::nullopt;
-  const PairTruth<D> known = pairTruth<D>(scaled);
+  PairTruth<D> known = pairTruth<D>(scaled);
+  if (m_frame == PairFrame::world) known.answer = referee<D>(scaled.a, placeOfA(), scaled.b, placeOfB(scaled));
   out.truth = {known.answer.decided, known.answer.lo, known.answer.hi},
   out.allowed = verifyTolerance<D>(this) * known.s;
   if (const double rounding = out.snippet.rounding; rounding > 0) {  // of the cores, outwards

@@ -146,7 +146,8 @@ void addVerify(CommandLine& app, Session& session) {
   seeded("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
   seeded("--role", a->role, "competitor, witness or all (default)");
   seeded("--methods", o.methods,
-         "methods with parameters, separated by spaces; default: all, witnesses also at their tightest tolerance");
+         "methods with parameters, separated by spaces; default: all, witnesses also at their tightest tolerance and "
+         "in a world's frame");
   Option store = command.option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
   store.showDefault();
   seeded("--jobs", o.jobs, "workers at once; default: one per core").range(1L, 4096L);

@@ -369,6 +369,11 @@ std::vector<Spec> specsToVerify(const Registered& method) {
     out.push_back(out.front());
     out.back().set(p.name, {fmt::format("{}", p.range->lo), {}});
   }
+  for (const ParamInfo& p : method.params) {  // and where an engine would ask
+    if (p.name != "frame" || !contains(p.choices, "world")) continue;
+    out.push_back(out.front());
+    out.back().set(p.name, {"world", {}});
+  }
   return out;
 }
 

@@ -48,7 +48,8 @@ VerificationSummary runVerification(const VerificationOptions& options, Store& s
 Ledger ledgerOf(const VerificationOptions& options, Store& store);
 
 /// Who is asked when no methods are named: the method with its defaults, and a witness also at the tightest tolerance
-/// that its library offers, the lower end of its parameter `tolerance`. (Bullet's are constants of its build.) Of
+/// that its library offers, the lower end of its parameter `tolerance` (Bullet's are constants of its build), and with
+/// both shapes away from the origin (`frame=world`). Of
 /// velocity resolvers those that are to converge.
 std::vector<Spec> specsToVerify(const Registered& method);
 

@@ -264,15 +264,24 @@ TEST(Verification, LostWorkersOfOthersAreNotOurFault) {
   }
 }
 
-// A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told.
-TEST(Verification, WitnessesAreAlsoAskedAtTheTightestToleranceOfTheirLibrary) {
+// A witness that is judged at one tolerance must have been allowed it: FCL's own is 1e-6 unless told. All are asked
+// where an engine would ask, too.
+TEST(Verification, WitnessesAreAlsoAskedAtTheTightestToleranceOfTheirLibraryAndAwayFromTheOrigin) {
   int tight = 0;
   for (const Registered* r : Registry::instance().list(StageKind::pairQuery, 3)) {
     const std::vector<Spec> specs = specsToVerify(*r);
     ASSERT_FALSE(specs.empty());
     EXPECT_EQ(specs[0].text(), r->info.name);
     const bool foreign = r->info.name.starts_with("fcl_") || r->info.name.starts_with("libccd_");
-    ASSERT_EQ(specs.size(), foreign ? 2u : 1u) << r->info.name << ": ours have their defaults, Bullet's are constants";
+    const bool witness = r->info.role == AlgorithmRole::witness;
+    ASSERT_EQ(specs.size(), foreign   ? 3u
+                            : witness ? 2u
+                                      : 1u)
+        << r->info.name << ": ours have their defaults, Bullet's "
+        << "are constants";
+    if (witness) {
+      EXPECT_EQ(specs.back().text(), r->info.name + "{frame=world}");
+    }
     if (!foreign) continue;
     EXPECT_EQ(specs[1].text(), r->info.name + "{tolerance=1e-14}");
     EXPECT_NO_THROW(r->create(specs[1]));

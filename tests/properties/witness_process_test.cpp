@@ -203,6 +203,38 @@ TEST(WitnessProcess, ShapesArriveWhole) {
   }
 }
 
+// Tells how far from the origin A is, and that x is the world's.
+class Placed final : public IsolatedWitness<3> {
+ public:
+  using IsolatedWitness::IsolatedWitness;
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+
+ private:
+  void place(const PairView<3>& pair) override {
+    m_answer.distance = (placeOfB(pair).p - placeOfA().p).norm();
+    m_answer.pA = placeOfA().p, m_answer.pB = placeOfB(pair).p, m_answer.normal = Vec<3>::Unit(0);
+  }
+  PairAnswer<3> measure() override { return m_answer; }
+
+  PairAnswer<3> m_answer;
+};
+
+TEST(WitnessProcess, AWorldsFrameIsAnother) {
+  const auto pairs = pairsInARow(3);
+  std::vector<PairAnswer<3>> own(3), world(3);
+  Placed(PairFrame::own).ask(pairs, own);
+  Placed(PairFrame::world).ask(pairs, world);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(own[i].normal, Vec<3>(Vec<3>::Unit(0)));
+    EXPECT_EQ(own[i].pB, pairs[i].X_AB.p);
+    EXPECT_LT(std::abs(world[i].normal[0]), Real(0.9)) << "the world's x is not A's";
+    EXPECT_NEAR(world[i].normal.norm(), 1, 1e-6);
+    EXPECT_NEAR((world[i].pB - pairs[i].X_AB.p).norm(), 0, 1e-5) << i;  // back in A's frame
+    EXPECT_NEAR(world[i].pA.norm(), 0, 1e-5);
+    EXPECT_NEAR(world[i].distance, own[i].distance, 1e-5);
+  }
+}
+
 // Says who it is.
 class Named final : public IsolatedWitness<3> {
  public:

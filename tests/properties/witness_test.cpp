@@ -37,10 +37,11 @@ std::vector<Entry<D>> witnesses() {
 using NameAndDimension = std::pair<std::string, int>;
 class EachWitness : public testing::TestWithParam<NameAndDimension> {
  protected:
-  void inItsDimension(auto&& test) const {
+  void inItsDimension(auto&& test, const std::string& params = "") const {
     const auto& [name, dimension] = GetParam();
-    if (dimension == 2) test(Entry<2>{name, createStage<PairQuery<2>>(Spec{name, {}})});
-    if (dimension == 3) test(Entry<3>{name, createStage<PairQuery<3>>(Spec{name, {}})});
+    const Spec spec = Spec::parse(name + params);
+    if (dimension == 2) test(Entry<2>{name, createStage<PairQuery<2>>(spec)});
+    if (dimension == 3) test(Entry<3>{name, createStage<PairQuery<3>>(spec)});
   }
 };
 std::vector<NameAndDimension> everyWitness() {
@@ -169,6 +170,9 @@ void everyKindInOurConventions(const Entry<D>& e) {
 }
 TEST_P(EachWitness, AnswersInOurConventions) {
   inItsDimension([](const auto& e) { everyKindInOurConventions(e); });
+}
+TEST_P(EachWitness, AnswersInAWorldsFrame) {
+  inItsDimension([](const auto& e) { everyKindInOurConventions(e); }, "{frame=world}");
 }
 
 // Random pairs at 1 m, from apart to deep, without a family of failures: centres together are one.
