@@ -43,8 +43,11 @@ Verified verifyIn(const VerifyTask& task) {
     case StageKind::velocity:
       verifyVelocities<D>(task.range, candidates<VelocityResolver<D>>(task.methods), out);
       return out;
+    case StageKind::timeOfImpact:
+      verifyImpacts<D>(task.kindA, task.kindB, task.range, candidates<TimeOfImpact<D>>(task.methods), out);
+      return out;
     default:
-      throw UserError("verify: no such stage; valid: pair_query, contacts, broadphase, velocity");
+      throw UserError("verify: no such stage; valid: pair_query, contacts, broadphase, velocity, time_of_impact");
   }
 }
 

@@ -14,6 +14,7 @@
 #include "framework/frozen_problem.h"
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
+#include "framework/stage_time_of_impact.h"
 #include "oracles/box_script.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/verdict.h"
@@ -84,6 +85,13 @@ void verifyBroadphases(const VerifyRange& range, std::span<const Candidate<Broad
 /// One set of boxes by the same check, as a file of cases holds it.
 template <int D>
 Verdict verifyScript(const BoxScript<D>& script, const Candidate<Broadphase<D>>& method);
+
+/// Motions of hard pairs, drawn for a second (f32 and f64 draw alike): `wrong` is who is late, misses an impact or
+/// finds one where the shapes are apart by more than kImpactBand, by brackets of the referee. Nothing is kept: a motion
+/// is its kinds, seed and number.
+template <int D>
+void verifyImpacts(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
+                   std::span<const Candidate<TimeOfImpact<D>>> methods, Verified& out);
 
 /// Drawn problems (drawProblem) through resolvers that are to converge: velocities before those of the reference, the
 /// answer of convergedResolvers() that leaves least, whoever else is asked. Others are a `tie` where they leave as

@@ -141,7 +141,8 @@ void addVerify(CommandLine& app, Session& session) {
       .range(1L, 1000000000L);
   seeded("--minutes", o.minutes, "goes on with further blocks until then").range(0.01, 1e5);
   seeded("--seed", o.seed, "of the inputs").showDefault().range(0L, std::numeric_limits<long>::max());
-  seeded("--stage", a->stages, "pair_query, contacts, broadphase (default: these), velocity").commaSeparated();
+  seeded("--stage", a->stages, "pair_query, contacts, broadphase (default: these), velocity, time_of_impact")
+      .commaSeparated();
   seeded("--dimension", o.dimensions, "2, 3 or both (default)").commaSeparated();
   seeded("--precision", o.precisions, "f64 (default), f32 or both").commaSeparated();
   seeded("--role", a->role, "competitor, witness or all (default)");

@@ -71,6 +71,8 @@ bool supports(const Method& m, const Subject& s) {
     return createStage<PairQuery<D>>(m.spec)->supports(s.kinds->first, s.kinds->second);
   if (s.stage == StageKind::contacts)
     return createStage<ContactGenerator<D>>(m.spec)->supports(s.kinds->first, s.kinds->second);
+  if (s.stage == StageKind::timeOfImpact)
+    return createStage<TimeOfImpact<D>>(m.spec)->supports(s.kinds->first, s.kinds->second);
   return true;
 }
 

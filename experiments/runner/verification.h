@@ -18,7 +18,7 @@ inline constexpr int kVerifyBlock = 200;
 
 /// Of these the last is not asked unless it is named.
 inline constexpr StageKind kVerifiedStages[] = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase,
-                                                StageKind::velocity};
+                                                StageKind::velocity, StageKind::timeOfImpact};
 
 struct VerificationOptions {
   std::vector<StageKind> stages = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase};
