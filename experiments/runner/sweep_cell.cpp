@@ -66,11 +66,15 @@ PlannedTrial frozenTrial(Planner& planner, const std::string& kind, const json& 
   json cell = axes;
   cell["timed"] = timed, cell["repeat"] = 0;
   const char* method = kind == "boxes" ? "broadphase" : kind == "pairs" ? "pair_query" : "velocity";
+  const SceneFile* scene =
+      kind == "pairs" && axes.contains("scene") ? &planner.scene(valueText(axes["scene"])) : nullptr;
   for (const auto& [name, value] : cell.items()) {
-    if (!isFrozenAxis(kind, name))
+    const bool ofScene = scene && scene->parameter(name);
+    if (!ofScene && !isFrozenAxis(kind, name))
       throw UserError("axis '" + name + "' means nothing for a sweep of kind '" + kind + "'");
-    if (axes.contains(name)) roles.emplace(name, name == method ? "stage" : "run");
+    if (axes.contains(name)) roles.emplace(name, name == method ? "stage" : ofScene ? "parameter" : "run");
   }
+  if (scene) names.insert(scene->name());
   if (axes.contains(method)) collectNames(Spec::parse(valueText(axes[method])), names);
   if (kind == "problems") return planner.problems(std::move(cell));
   return kind == "boxes" ? planner.boxes(std::move(cell)) : planner.pairs(std::move(cell));

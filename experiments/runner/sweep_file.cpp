@@ -405,6 +405,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (m_kind == "problems" && axes.contains("problems")) {
       axes["problems"] = beside(valueText(axes["problems"]), ".json");
     }
+    if (m_kind == "pairs" && axes.contains("scene")) axes["scene"] = beside(valueText(axes["scene"]));
     return frozenTrial(*m_planner, m_kind, axes, timed, m_out.roles, names);
   }
 

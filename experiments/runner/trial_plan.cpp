@@ -21,6 +21,7 @@ using nlohmann::json;
 
 constexpr int kSchema = 1;
 constexpr long kMaxItems = 10000000;  // boxes, frames or pairs of one trial
+constexpr long kMaxVertices = 4096;   // of a drawn hull
 constexpr long kMaxCurve = 100000;    // iterations of a problem's trial, which solves it with each number up to there
 
 bool existsIn(StageKind stage, int dimension, const std::string& name) {
@@ -135,7 +136,9 @@ void canonicalEntry(json& cell, const char* axis, const std::vector<Entry>& tabl
 bool isFrozenAxis(const std::string& kind, const std::string& axis) {
   static const std::map<std::string, std::set<std::string>> kAxes = {
       {"boxes", {"dimension", "n", "distribution", "frames", "broadphase", "seed"}},
-      {"pairs", {"dimension", "n", "drawing", "pair_query", "kind_a", "kind_b", "seed"}},
+      {"pairs",
+       {"dimension", "n", "drawing", "pair_query", "kind_a", "kind_b", "vertices", "seed", "scene", "from", "steps",
+        "stream"}},
       {"problems", {"problems", "problem", "velocity", "start", "order", "friction", "iterations"}}};
   static const std::set<std::string> kAll = {"precision", "timed", "repeat"};
   return kAll.count(axis) || kAxes.at(kind).count(axis);
@@ -300,14 +303,73 @@ PlannedTrial Planner::problems(json cell) {
   return out;
 }
 
+PlannedTrial Planner::streamOfPairs(json cell) {
+  require(cell, {"dimension", "pair_query", "stream"});
+  for (const char* axis : {"kind_a", "kind_b", "vertices"}) {
+    if (cell.contains(axis))
+      throw UserError("axis '" + std::string(axis) + "' beside 'scene', which has its own shapes");
+  }
+  cell.emplace("from", 0), cell.emplace("steps", 60), cell.emplace("drawing", "near");
+  cell.emplace("repeat", 0), cell.emplace("timed", false), cell.emplace("precision", "f64");
+  requirePrecision(text(cell, "precision"));
+  const auto dimension = static_cast<int>(wholeNumber(cell, "dimension", 2, 3));
+  wholeNumber(cell, "from", 0, kMaxItems), wholeNumber(cell, "steps", 1, kMaxItems);
+  const std::vector<std::string> streams = {"cold", "warm", "drawn"};
+  if (std::find(streams.begin(), streams.end(), text(cell, "stream")) == streams.end()) {
+    throw UserError("axis 'stream' is " + cell["stream"].dump() + validNames(streams, text(cell, "stream")));
+  }
+  canonicalEntry(cell, "drawing", pairDrawings());
+  const SceneFile& file = scene(text(cell, "scene"));
+  cell.emplace("seed", file.defaultSeed());
+  const auto seed = static_cast<std::uint64_t>(wholeNumber(cell, "seed", 0, std::numeric_limits<long>::max()));
+  ParameterValues asked;
+  for (const SceneParameter& p : file.parameters()) {
+    if (!cell.contains(p.name)) continue;
+    if (!cell[p.name].is_number()) {
+      throw UserError("axis '" + p.name + "' is " + cell[p.name].dump() + "; valid: numbers");
+    }
+    asked[p.name] = cell[p.name].get<double>();
+    cell.erase(p.name);
+  }
+  ParameterValues params = file.values(asked);
+  PlannedTrial out;
+  out.sceneFile = file.path();
+  json code = json::object();
+  Spec spec = Spec::parse(text(cell, "pair_query"));
+  cell["pair_query"] = canonicalStage(code, out.unsupported, StageKind::pairQuery, spec, dimension);
+  std::string missing;
+  canonicalJoint(code, missing, file, params, dimension);
+  if (!file.has(dimension)) missing = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
+  if (const Defaults* found = missing.empty() ? built(file, params, seed, dimension, missing) : nullptr) {
+    for (const std::string& kind : found->jointKinds) {
+      code.update(codeHashes(StageKind::joint, Spec::parse(kind), dimension));
+    }
+    Pipeline world;  // that makes the stream
+    for (const StageKind stage : kWorldStages) canonicalStage(code, missing, stage, world[stage], dimension);
+  }
+  if (!missing.empty()) out.unsupported = missing;
+  code["oracles"] = oraclesHash();
+  cell["scene"] = file.name(), cell["scene_hash"] = hexHash(file.bytes()), cell["params"] = params, cell["code"] = code;
+  out.canonical = std::move(cell);
+  seal(out);
+  return out;
+}
+
 PlannedTrial Planner::pairs(json cell) {
   cell["kind"] = "pairs";
+  if (cell.contains("scene")) return streamOfPairs(std::move(cell));
   require(cell, {"dimension", "kind_a", "kind_b", "pair_query"});
   addDefaults(cell, "n", 1024);
   cell.emplace("drawing", "in_turn");
   canonicalEntry(cell, "drawing", pairDrawings());
   if (shapeKindFromName(text(cell, "kind_a")) > shapeKindFromName(text(cell, "kind_b"))) {
     std::swap(cell["kind_a"], cell["kind_b"]);
+  }
+  if (cell.contains("vertices")) {
+    wholeNumber(cell, "vertices", 4, kMaxVertices);
+    if (cell["kind_a"] != "polytope" && cell["kind_b"] != "polytope") {
+      throw UserError("axis 'vertices' is of hulls; valid: with 'polytope' as kind_a or kind_b");
+    }
   }
   PlannedTrial out;
   json code = json::object();

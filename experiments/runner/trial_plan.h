@@ -49,11 +49,13 @@ class Planner {
   /// dimension) gets `unsupported`.
   PlannedTrial world(const std::string& scene, const WorldCell& cell);
   PlannedTrial boxes(nlohmann::json cell);
+  /// Drawn pairs of two kinds or, with the axis `scene`, those of a stream that a world asks about.
   PlannedTrial pairs(nlohmann::json cell);
   /// A velocity resolver on a problem of a file; the dimension is the file's.
   PlannedTrial problems(nlohmann::json cell);
 
  private:
+  PlannedTrial streamOfPairs(nlohmann::json cell);
   struct Defaults {
     double dt;
     long steps;

@@ -10,8 +10,37 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+// Of a circle each in its own part, of a sphere anywhere: no two so near that a hull would take them for one.
+Vec<2> onBall2(int i, int of, Random& random) {
+  const Rot<2> turn = Rot<2>::angle(static_cast<Real>(6.283185307179586 * (i + random.uniform(0, 0.8)) / of));
+  return {turn.c, turn.s};
+}
+Vec<3> onBall3(Random& random) {
+  for (;;) {
+    const double x = random.uniform(-1, 1), y = random.uniform(-1, 1), z = random.uniform(-1, 1);
+    const double square = x * x + y * y + z * z;
+    if (square > 0.01 && square < 1) return Vec<3>(Real(x), Real(y), Real(z)).normalized();
+  }
+}
+
+// Nothing on an ellipsoid lies within the hull of others, so that the number of vertices is that of the points.
 template <int D>
-Shape<D> drawShape(ShapeKind kind, double size, Random& random) {
+Shape<D> drawHull(int vertices, double size, Random& random) {
+  Vec<D> half;
+  for (int d = 0; d < D; ++d) half[d] = static_cast<Real>(size * random.uniform(0.2, 1));
+  std::vector<Vec<D>> points;
+  for (int i = 0; i < vertices; ++i) {
+    if constexpr (D == 2) {
+      points.push_back(half.cwiseProduct(onBall2(i, vertices, random)));
+    } else {
+      points.push_back(half.cwiseProduct(onBall3(random)));
+    }
+  }
+  return Shape<D>::polytope(points);
+}
+
+template <int D>
+Shape<D> drawShape(ShapeKind kind, double size, int vertices, Random& random) {
   const auto length = [&] { return static_cast<Real>(size * random.uniform(0.2, 1)); };
   switch (coreClass(kind)) {
     case CoreClass::point:
@@ -34,6 +63,7 @@ Shape<D> drawShape(ShapeKind kind, double size, Random& random) {
     case CoreClass::plane:
       return Shape<D>::plane();
     case CoreClass::hull:
+      if (vertices > 0) return drawHull<D>(vertices, size, random);
       break;
   }
   std::vector<Vec<D>> points;
@@ -59,7 +89,9 @@ template <int D>
 DrawnPair<D> drawFrom(const PairRequest<D>& request, Random& random, Along along, Then then,
                       const std::function<double(const std::array<double, 3>&)>& place) {
   const double sizeB = request.index / 6 % 3 == 2 ? 0.01 : 1;  // every third round has sizes 1 : 100
-  DrawnPair<D> pair{drawShape<D>(request.kindA, 1, random), drawShape<D>(request.kindB, sizeB, random), {}};
+  DrawnPair<D> pair{drawShape<D>(request.kindA, 1, request.vertices, random),
+                    drawShape<D>(request.kindB, sizeB, request.vertices, random),
+                    {}};
   Rot<D> q;
   if constexpr (D == 2) {
     q = drawRotation2(random);

@@ -22,6 +22,7 @@ struct PairRequest {
   ShapeKind kindA, kindB;
   int index;                                                // of the pair among those of the trial
   std::function<double(const DrawnPair<D>&)> trueDistance;  // the referee's, m; negative when they overlap
+  int vertices = 0;  // of hulls, all on an ellipsoid; 0: those of twelve points anywhere in a cube
 };
 
 /// A way of drawing pairs of two kinds for a pair query alone; the same seed, the same pairs.

@@ -7,6 +7,11 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using SeenPairs = const PairsSeen&;
+
+double workPerQuery(SeenPairs s, WorkCount count) {
+  return s.work ? static_cast<double>((*s.work)[count]) / s.queries : std::numeric_limits<double>::quiet_NaN();
+}
+
 const Measure<PairsSeen> kPairsMetrics[] = {
     {{"ns_per_query", "time per query", "ns", "processor time of one pair of shapes, in batches", MetricRole::cost,
       "cheaper", TrialNeed::timing},
@@ -33,7 +38,17 @@ const Measure<PairsSeen> kPairsMetrics[] = {
     {{"refused", "refused", "1", "queries of declared shapes that were refused", MetricRole::error,
       "fewer without an answer"},
      [](SeenPairs s) { return s.refused; }},
-    {{"asked", "queries", "1", "queries asked", MetricRole::detail, ""}, [](SeenPairs s) { return s.asked; }},
+    {{"support_calls", "support points", "1", "support points computed for a query, mean: a cost without noise",
+      MetricRole::detail, "cheaper"},
+     [](SeenPairs s) { return workPerQuery(s, WorkCount::supportCalls); }},
+    {{"axis_tests", "axis tests", "1", "separating axes projected for a query, mean: a cost without noise",
+      MetricRole::detail, "cheaper"},
+     [](SeenPairs s) { return workPerQuery(s, WorkCount::axisTests); }},
+    {{"polytope_faces", "faces of EPA", "1", "faces that EPA made for a query, mean: a cost without noise",
+      MetricRole::detail, "cheaper"},
+     [](SeenPairs s) { return workPerQuery(s, WorkCount::polytopeFaces); }},
+    {{"asked", "queries", "1", "queries that were judged: of a stream one in so many", MetricRole::detail, ""},
+     [](SeenPairs s) { return s.asked; }},
 };
 
 }  // namespace

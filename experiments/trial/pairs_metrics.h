@@ -2,9 +2,11 @@
 // Apart from the trial: a program without the oracles runs no trial of pairs, but its stores describe the same metrics.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "experiments/trial/metric.h"
+#include "framework/work.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -12,6 +14,8 @@ struct PairsSeen {
   bool timed = false;
   double asked = 0, failed = 0, refused = 0, wrong = 0, wrongSide = 0;
   std::vector<double> errors, nanoseconds;  // of answers; of batches, per query
+  double queries = 0;                       // those that were asked again to be timed, too
+  std::optional<WorkDone> work;             // in all of these; a witness does not tell it
 };
 
 std::span<const Measure<PairsSeen>> pairsMetrics();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A pair query alone: the same seeded pairs for every method, its time per query, and its error before the referee.
+// A pair query alone: the same pairs for every method, drawn or those of a world, its time per query, and its error
+// before the referee.
 #include <xxhash.h>
 
 #include <algorithm>
@@ -8,6 +9,8 @@
 
 #include "experiments/trial/pair_drawing.h"
 #include "experiments/trial/pairs_metrics.h"
+#include "experiments/trial/scene_file.h"
+#include "experiments/trial/stream_replay.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage_narrowphase.h"
 #include "oracles/verify.h"
@@ -26,77 +29,183 @@ bool endedWithoutAnswer(Tally end) {
   return end == Tally::notFinite || end == Tally::threw || end == Tally::crashed || end == Tally::hung;
 }
 
+/// A method, and what is seen of its answers.
 template <int D>
-TrialResult runPairs(const json& t) {
-  const ShapeKind kindA = shapeKindFromName(t.at("kind_a").get<std::string>());
-  const ShapeKind kindB = shapeKindFromName(t.at("kind_b").get<std::string>());
-  const int n = t.at("n").get<int>();
-  const Spec spec = Spec::parse(t.at("pair_query").get<std::string>());
-  const auto method = createStage<PairQuery<D>>(spec);
-  const AlgorithmRole role = Registry::instance().find(StageKind::pairQuery, D, spec.name).info.role;
-  // A witness works in a process of its own, where this thread's clock does not see it: it tells the time itself.
-  const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
-  TrialResult out;
-  if (!method->supports(kindA, kindB) || !kindExists(kindA, D) || !kindExists(kindB, D)) {
-    out.fail("unsupported", t.at("kind_a").get<std::string>() + " against " + t.at("kind_b").get<std::string>(), 0);
+class Examination {
+ public:
+  explicit Examination(const json& trial)
+      : m_spec(Spec::parse(trial.at("pair_query").get<std::string>())), m_method(createStage<PairQuery<D>>(m_spec)) {
+    m_role = Registry::instance().find(StageKind::pairQuery, D, m_spec.name).info.role;
+    m_witness = dynamic_cast<const Witness<D>*>(m_method.get());
+    seen.timed = trial.value("timed", false);
+    XXH64_reset(m_hash, 0);
+  }
+  ~Examination() { XXH64_freeState(m_hash); }
+  Examination(const Examination&) = delete;
+  Examination& operator=(const Examination&) = delete;
+
+  PairQuery<D>& method() { return *m_method; }
+  const Witness<D>* witness() const { return m_witness; }
+  int repeats() const { return seen.timed && !m_witness ? 8 : 1; }  // the first warms the caches
+
+  /// `ask()` asks `count` queries once; `told()`: nanoseconds that a witness has taken for them.
+  template <class Ask, class Told>
+  void time(std::size_t count, const Ask& ask, const Told& told) {
+    for (int r = 0; r < repeats(); ++r) {
+      const double before = cpuSeconds();
+      ask();
+      // A witness works in a process of its own, where this thread's clock does not see it: it tells the time itself.
+      const double spent = m_witness ? told() : 1e9 * (cpuSeconds() - before);
+      seen.queries += static_cast<double>(count);
+      if (r > 0 || m_witness) seen.nanoseconds.push_back(spent / static_cast<double>(count));
+    }
+  }
+  void judgeOne(const PairView<D>& pair, const PairAnswer<D>& answer, Ending ending) {
+    ++seen.asked;
+    XXH64_update(m_hash, &answer.distance, sizeof answer.distance);
+    const Verdict verdict = judge(pair, pairTruth(pair), answer, m_role, ending, verifyTolerance(m_witness));
+    if (verdict.error) seen.errors.push_back(*verdict.error);
+    seen.wrong += verdict.end == Tally::wrong;
+    seen.wrongSide += verdict.wrongSide;
+    seen.refused += verdict.end == Tally::refused;
+    seen.failed += endedWithoutAnswer(verdict.end);
+  }
+  TrialResult result() {
+    TrialResult out;
+    if (!m_witness) seen.work = work;
+    char text[20];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(m_hash)));
+    out.hash = text;
+    measure<PairsSeen>(
+        pairsMetrics(), seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
+    if (seen.wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(seen.wrong)) + " wrong answers", 0);
     return out;
   }
-  Random random(t.at("seed").get<std::uint64_t>());
-  const Spec way = Spec::parse(t.value("drawing", std::string("in_turn")));
-  const auto trueDistance = [](const DrawnPair<D>& pair) {
-    return referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB).interval().middle();
-  };
-  std::vector<DrawnPair<D>> pairs;
-  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(way, {kindA, kindB, i, trueDistance}, random));
 
   PairsSeen seen;
-  seen.timed = t.value("timed", false), seen.asked = n;
+  WorkDone work;
+
+ private:
+  Spec m_spec;
+  std::unique_ptr<PairQuery<D>> m_method;
+  AlgorithmRole m_role;
+  const Witness<D>* m_witness;
+  XXH64_state_t* m_hash = XXH64_createState();
+};
+
+TrialResult unsupported(const std::string& reason) {
+  TrialResult out;
+  out.fail("unsupported", reason, 0);
+  return out;
+}
+
+template <int D>
+void examine(Examination<D>& of, const std::vector<DrawnPair<D>>& pairs) {
   constexpr std::size_t kAtOnce = 1024;  // what is timed between two looks at the clock
   std::vector<PairView<D>> views;
   std::vector<PairAnswer<D>> answers;
-  WorkDone work;
-  XXH64_state_t* hash = XXH64_createState();
-  XXH64_reset(hash, 0);
   for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
     const std::size_t end = std::min(pairs.size(), begin + kAtOnce);
     views.clear();
     for (std::size_t i = begin; i < end; ++i) views.push_back(viewOf(pairs[i]));
     answers.assign(views.size(), {});
-    const int repeats = seen.timed && !witness ? 8 : 1;  // the first warms the caches
-    for (int r = 0; r < repeats; ++r) {
-      const double before = cpuSeconds();
-      method->query(views, QueryNeed::witnesses, answers, {}, work);
-      const double spent = witness ? static_cast<double>(witness->nanoseconds()) : 1e9 * (cpuSeconds() - before);
-      if (r > 0 || witness) seen.nanoseconds.push_back(spent / static_cast<double>(end - begin));
-    }
-    for (std::size_t i = begin; i < end; ++i) {
-      const PairAnswer<D>& answer = answers[i - begin];
-      XXH64_update(hash, &answer.distance, sizeof answer.distance);
-      const Ending ending = witness ? witness->endings()[i - begin] : Ending::answered;
-      const PairView<D>& pair = views[i - begin];
-      const Verdict verdict = judge(pair, pairTruth(pair), answer, role, ending, verifyTolerance(witness));
-      if (verdict.error) seen.errors.push_back(*verdict.error);
-      seen.wrong += verdict.end == Tally::wrong;
-      seen.wrongSide += verdict.wrongSide;
-      seen.refused += verdict.end == Tally::refused;
-      seen.failed += endedWithoutAnswer(verdict.end);
+    of.time(
+        views.size(), [&] { of.method().query(views, QueryNeed::witnesses, answers, {}, of.work); },
+        [&] { return static_cast<double>(of.witness()->nanoseconds()); });
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      of.judgeOne(views[i], answers[i], of.witness() ? of.witness()->endings()[i] : Ending::answered);
     }
   }
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(XXH64_digest(hash)));
-  XXH64_freeState(hash);
-  out.hash = text;
-  measure<PairsSeen>(
-      pairsMetrics(), seen, [&](TrialNeed need) { return need != TrialNeed::timing || seen.timed; }, out.metrics);
-  if (seen.wrong > 0) out.fail("wrong", std::to_string(static_cast<long>(seen.wrong)) + " wrong answers", 0);
-  return out;
+}
+
+template <int D>
+double trueDistance(const DrawnPair<D>& pair) {
+  return referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB).interval().middle();
+}
+
+template <int D>
+TrialResult runPairs(const json& t) {
+  const ShapeKind kindA = shapeKindFromName(t.at("kind_a").get<std::string>());
+  const ShapeKind kindB = shapeKindFromName(t.at("kind_b").get<std::string>());
+  const int n = t.at("n").get<int>(), vertices = t.value("vertices", 0);
+  Examination<D> examination(t);
+  if (!examination.method().supports(kindA, kindB) || !kindExists(kindA, D) || !kindExists(kindB, D)) {
+    return unsupported(t.at("kind_a").get<std::string>() + " against " + t.at("kind_b").get<std::string>());
+  }
+  Random random(t.at("seed").get<std::uint64_t>());
+  const Spec way = Spec::parse(t.value("drawing", std::string("in_turn")));
+  std::vector<DrawnPair<D>> pairs;
+  for (int i = 0; i < n; ++i) pairs.push_back(drawPair<D>(way, {kindA, kindB, i, trueDistance<D>, vertices}, random));
+  examine(examination, pairs);
+  return examination.result();
+}
+
+template <int D>
+int verticesOf(const ShapeView<D>& shape) {
+  return shape.hull ? static_cast<int>(shape.hull->vertices.size()) : 0;
+}
+
+constexpr std::size_t kMostMeetings = 300000;
+constexpr std::size_t kJudged = 2000;  // at most, of a stream: the referee takes longer than all methods
+
+/// The pairs that a world asks about, or as many drawn ones of the same kinds, each by itself.
+template <int D>
+TrialResult runStream(const json& t, const SceneFile& file) {
+  const auto seed = t.at("seed").get<std::uint64_t>();
+  const StreamReplay<D> replay(recordStream<D>(file.name(), file.build<D>(t.at("params").get<ParameterValues>(), seed),
+                                               t.at("from").get<long>(), t.at("steps").get<long>(), kMostMeetings));
+  Examination<D> examination(t);
+  PairQuery<D>& method = examination.method();
+  const auto stream = t.at("stream").get<std::string>();
+  if (replay.views.empty()) return unsupported("no boxes come near each other in these steps");
+  for (const auto& batch : replay.batches) {
+    const ShapeKind a = replay.views[batch.begin].a.kind, b = replay.views[batch.begin].b.kind;
+    if (method.supports(a, b)) continue;
+    return unsupported(std::string(shapeKindName(a)) + " against " + std::string(shapeKindName(b)));
+  }
+  if (stream == "warm" && !method.remembers()) return unsupported("it remembers nothing of a pair");
+  const std::size_t every = (replay.views.size() + kJudged - 1) / kJudged;
+  if (stream == "drawn") {
+    Random random(seed);
+    const Spec way = Spec::parse(t.at("drawing").get<std::string>());
+    std::vector<DrawnPair<D>> pairs;
+    for (std::size_t i = 0; i < replay.views.size(); i += every) {
+      const PairView<D>& like = replay.views[i];
+      const int vertices = std::max(verticesOf(like.a), verticesOf(like.b));
+      pairs.push_back(drawPair<D>(
+          way, {like.a.kind, like.b.kind, static_cast<int>(pairs.size()), trueDistance<D>, vertices}, random));
+    }
+    examine(examination, pairs);
+    return examination.result();
+  }
+  std::vector<PairAnswer<D>> answers(replay.views.size());
+  std::vector<Ending> endings(replay.views.size(), Ending::answered);
+  const Witness<D>* witness = examination.witness();
+  double told = 0;
+  examination.time(
+      replay.views.size(),
+      [&] {
+        askStream<D>(method, replay, stream == "warm", answers, examination.work, [&](const auto& batch) {
+          if (!witness) return;
+          told += static_cast<double>(witness->nanoseconds());
+          for (std::size_t i = 0; i < batch.count; ++i) endings[batch.begin + i] = witness->endings()[i];
+        });
+      },
+      [&] { return told; });
+  for (std::size_t i = 0; i < replay.views.size(); i += every) {
+    examination.judgeOne(replay.views[i], answers[i], endings[i]);
+  }
+  return examination.result();
 }
 
 }  // namespace
 
 TrialResult runPairsTrial(const json& request) {
   const json& t = request.at("trial");
-  return t.at("dimension").get<int>() == 2 ? runPairs<2>(t) : runPairs<3>(t);
+  const bool flat = t.at("dimension").get<int>() == 2;
+  if (!t.contains("scene")) return flat ? runPairs<2>(t) : runPairs<3>(t);
+  const SceneFile file = SceneFile::load(request.at("scene_file").get<std::string>());
+  return flat ? runStream<2>(t, file) : runStream<3>(t, file);
 }
 
 }  // namespace lpc::inline LPC_PRECISION

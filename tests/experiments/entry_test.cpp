@@ -103,6 +103,30 @@ void takeTurns() {
 }
 TEST(Entries, FamiliesTakeTurns) { takeTurns<2>(), takeTurns<3>(); }
 
+// As many vertices as were asked for, of both hulls, with what is drawn after them unchanged by who they are.
+template <int D>
+int verticesDrawn(int vertices) {
+  Random random(11);
+  int least = 1 << 20;
+  for (int i = 0; i < 12; ++i) {
+    const auto p = drawPair<D>(Spec::parse("near"),
+                               {ShapeKind::polytope, ShapeKind::polytope, i, trueDistance<D>, vertices}, random);
+    for (const auto* shape : {&p.a, &p.b}) {
+      const auto& points = shape->view().hull->vertices;
+      least = std::min(least, static_cast<int>(points.size()));
+    }
+  }
+  return least;
+}
+TEST(Entries, HullsHaveTheVerticesThatWereAskedFor) {
+  for (const int n : {4, 8, 32, 256}) {
+    EXPECT_EQ(verticesDrawn<2>(n), n);
+    EXPECT_EQ(verticesDrawn<3>(n), n);
+  }
+  test::expectCaught("points anywhere, of which some lie within the hull", verticesDrawn<3>(0) == 12);
+  test::expectCaught("points anywhere, of which some lie within the polygon", verticesDrawn<2>(0) == 12);
+}
+
 template <class F>
 std::string errorOf(const F& f) {
   try {
@@ -127,6 +151,14 @@ TEST(Entries, PlansKnowThem) {
   EXPECT_NE(pairsBy("in_turn").key, pairsBy("near").key);
   EXPECT_EQ(pairsBy("in_turn").key,
             planner.pairs({{"dimension", 3}, {"kind_a", "box"}, {"kind_b", "box"}, {"pair_query", "sat"}}).key);
+  const auto hullsOf = [&](const char* kind, int vertices) {
+    return planner.pairs(
+        {{"dimension", 3}, {"kind_a", "box"}, {"kind_b", kind}, {"pair_query", "sat"}, {"vertices", vertices}});
+  };
+  EXPECT_NE(hullsOf("polytope", 8).key, hullsOf("polytope", 16).key);
+  EXPECT_EQ(errorOf([&] { hullsOf("polytope", 3); }), "axis 'vertices' is 3; valid: whole numbers from 4 to 4096");
+  EXPECT_EQ(errorOf([&] { hullsOf("box", 8); }),
+            "axis 'vertices' is of hulls; valid: with 'polytope' as kind_a or kind_b");
   EXPECT_EQ(errorOf([&] { boxesOf("clusters"); }),
             "unknown distribution 'clusters'; did you mean 'cluster'? valid: uniform, cluster, director_2");
   EXPECT_EQ(errorOf([&] { boxesOf("cluster{spread=0}"); }),

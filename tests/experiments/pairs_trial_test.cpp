@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -12,6 +13,7 @@
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/trial.h"
 #include "oracles/verify.h"
+#include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::pairs_trial_test {
 namespace {
@@ -83,6 +85,122 @@ void sameError() {
   EXPECT_EQ(r.outcome, "wrong");
 }
 TEST(PairsTrial, AnErrorIsThatOfTheLedger) { sameError<2>(), sameError<3>(); }
+
+// Three axes of each pair; the planted bug counts those of a batch.
+template <bool ofBatch>
+class Counting final : public PairQuery<2> {
+ public:
+  using Params = NoParams;
+  explicit Counting(const Params&) {}
+  static AlgorithmInfo info() {
+    return {.name = ofBatch ? "planted_batch" : "planted_three", .summary = "", .paper = "", .complexity = "1"};
+  }
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  void query(std::span<const PairView<2>> pairs, QueryNeed, std::span<PairAnswer<2>>, std::span<PairMemory>,
+             WorkDone& work) override {
+    work[WorkCount::axisTests] += 3 * (ofBatch ? 1 : pairs.size());
+  }
+};
+template <int D>
+using CountsPairs = Counting<false>;
+template <int D>
+using CountsBatches = Counting<true>;
+
+// What a query does is told per query, whether it is asked again to be timed or not; a witness tells nothing of it.
+TEST(PairsTrial, WorkIsThatOfOneQuery) {
+  static const Registrar<PairQuery, CountsPairs, 2> three(__FILE__);
+  static const Registrar<PairQuery, CountsBatches, 2> batch(__FILE__);
+  const auto ran = [](const std::string& method, bool timed) {
+    return runTrial({{"trial",
+                      {{"kind", "pairs"},
+                       {"dimension", 2},
+                       {"kind_a", "polytope"},
+                       {"kind_b", "polytope"},
+                       {"vertices", 16},
+                       {"drawing", "apart"},
+                       {"n", 32},
+                       {"seed", 3},
+                       {"timed", timed},
+                       {"pair_query", method}}}})
+        .metrics;
+  };
+  EXPECT_EQ(ran("planted_three", false).at("axis_tests"), 3);
+  EXPECT_EQ(ran("planted_three", true).at("axis_tests"), 3);
+  EXPECT_EQ(ran("sat", true).at("axis_tests"), ran("sat", false).at("axis_tests"));
+  EXPECT_GE(ran("gjk_epa", false).at("support_calls"), 2);
+  EXPECT_EQ(ran("gjk_epa", false).at("polytope_faces"), 0) << "apart there is no depth to search";
+  EXPECT_TRUE(std::isnan(ran("chipmunk", false).at("support_calls")));
+  test::expectCaught("work counted once for a batch", ran("planted_batch", false).at("axis_tests") == 3);
+}
+
+// As if a method counted in what it remembers how often it has been asked about a pair; without memory it starts anew.
+template <int D>
+class Remembering final : public PairQuery<D> {
+ public:
+  using Params = NoParams;
+  explicit Remembering(const Params&) {}
+  static AlgorithmInfo info() { return {.name = "planted_remembering", .summary = "", .paper = "", .complexity = "1"}; }
+  bool supports(ShapeKind, ShapeKind) const override { return true; }
+  bool remembers() const override { return true; }
+  void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>>, std::span<PairMemory> memory,
+             WorkDone& work) override {
+    work[WorkCount::axisTests] += pairs.size();
+    for (PairMemory& m : memory)
+      work[WorkCount::supportCalls] +=
+          static_cast<std::uint64_t>(m.bytes[0] = std::byte(std::to_integer<int>(m.bytes[0]) + 1));
+  }
+};
+
+TrialResult asked(const std::string& method, const std::string& stream, bool timed = false) {
+  Planner planner;
+  const PlannedTrial t = planner.pairs({{"dimension", 2},
+                                        {"scene", "vertical_stack"},
+                                        {"n", 3},
+                                        {"from", 60},
+                                        {"steps", 4},
+                                        {"timed", timed},
+                                        {"pair_query", method},
+                                        {"stream", stream}});
+  return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+}
+
+// Three boxes on the ground and on one another meet in each of four steps: the first time, the second, and so on.
+TEST(PairsTrial, AStreamIsAskedInItsOrderWithWhatIsRemembered) {
+  static const Registrar<PairQuery, Remembering, 2> planted(__FILE__);
+  const auto warm = asked("planted_remembering", "warm").metrics;
+  EXPECT_EQ(warm.at("asked"), 12);
+  EXPECT_EQ(warm.at("axis_tests"), 1);
+  EXPECT_EQ(warm.at("support_calls"), (1 + 2 + 3 + 4) / 4.0);
+  EXPECT_EQ(asked("planted_remembering", "warm", true).metrics.at("support_calls"), 2.5)
+      << "each time that it is timed it begins with nothing";
+  test::expectCaught("a stream without memory",
+                     asked("planted_remembering", "cold").metrics.at("support_calls") == 2.5);
+  EXPECT_EQ(asked("planted_remembering", "drawn").metrics.at("asked"), 12);
+  EXPECT_EQ(asked("sat", "cold").outcome, "ok");
+  EXPECT_NE(asked("sat", "cold").hash, asked("sat", "drawn").hash);
+  EXPECT_EQ(asked("sat", "warm").reason, "it remembers nothing of a pair");
+  EXPECT_EQ(asked("closed_form", "cold").reason, "box against box");
+}
+
+TEST(PairsTrial, AStreamsKeyHasTheSceneAndTheWorldThatMakesIt) {
+  Planner planner;
+  const nlohmann::json cell = {
+      {"dimension", 2}, {"scene", "vertical_stack"}, {"pair_query", "sat"}, {"stream", "cold"}};
+  const auto with = [&](const char* axis, const nlohmann::json& value) {
+    nlohmann::json other = cell;
+    other[axis] = value;
+    return planner.pairs(other);
+  };
+  const PlannedTrial plain = planner.pairs(cell);
+  EXPECT_EQ(with("n", 15).key, plain.key) << "the scene's own number";
+  for (const char* axis : {"n", "from", "steps"}) EXPECT_NE(with(axis, 7).key, plain.key) << axis;
+  EXPECT_NE(with("stream", "drawn").key, plain.key);
+  EXPECT_NE(with("scene", "pyramid").key, plain.key);
+  EXPECT_TRUE(plain.canonical.at("code").contains("pair_query/sat"));
+  EXPECT_TRUE(plain.canonical.at("code").contains("solver/split_solver")) << plain.canonical.at("code");
+  EXPECT_THROW(with("stream", "hot"), UserError);
+  EXPECT_THROW(with("vertices", 8), UserError);
+}
 
 TEST(PairsTrial, TheRefereesCodeIsPartOfTheKeyOfPairsAlone) {
   Planner planner;
