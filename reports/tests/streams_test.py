@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the chart of pair queries on streams: ranks part where both orders are told, and nowhere else. Run by ctest, or
+python3 reports/tests/streams_test.py [PICTURE.png]."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import noise  # noqa: E402
+import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
+from charts import streams  # noqa: E402
+
+# Scene: {method: ns a query on drawn pairs, cold, warm (None: it remembers nothing)}
+SCENES = {"pile": {"sat": (200, 90, None), "gjk_epa": (100, 160, 120), "closed_form": (50, 40, None)},
+          "tower": {"sat": (90, 80, None), "gjk_epa": (200, 202, 201), "closed_form": (None, None, None)}}
+
+
+class Streams(with_store.WithStore):
+    @staticmethod
+    def asked(of=None, repeats=4, noisy=0.01, wrong=(), dimensions=(3,)):
+        def fill(maker):
+            for name in streams.WORK[:2]:
+                maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
+                                 ("metric", name, "pairs", name.replace("_", " "), "1", "invented", "detail", "cheaper", ""))
+            maker.sweep("streams", "pairs", pair_query="stage", n="parameter", report=["streams"])
+            for dimension in dimensions:
+                for scene, methods in (of or SCENES).items():
+                    for method, costs in methods.items():
+                        for way, ns in zip(streams.MARKS, costs):
+                            one(maker, dimension, scene, method, way, ns)
+
+        def one(maker, dimension, scene, method, way, ns):
+            axes = {"kind": "pairs", "dimension": dimension, "pair_query": method, "precision": "f64", "timed": True,
+                    "scene": scene, "stream": way, **({"n": 200} if scene == "pile" else {})}
+            for repeat in range(repeats):
+                if ns is None:
+                    maker.trial("streams", {**axes, "repeat": repeat}, {}, "unsupported", "it remembers nothing of a pair", 0)
+                    continue
+                bad = (method, scene, way) in wrong
+                facts = {"ns_per_query": ns * (1 + noisy * (repeat % 2)), "asked": 100, "wrong": 3.0 * bad, "failed": 0,
+                         "refused": 0, "max_error": 1e-15, "support_calls": ns / 10 if method == "gjk_epa" else 0.0,
+                         "axis_tests": 15.0 if method == "sat" else 0.0}
+                maker.trial("streams", {**axes, "repeat": repeat}, facts, "wrong" if bad else "ok")
+        return fill
+
+    def one(self, **about):
+        found = self.made(streams, self.asked(**about))
+        self.assertEqual(len(found), 1)
+        return found[0]
+
+    def test_ranks_that_part_are_told_with_both_ratios(self):
+        made = self.one()
+        if PICTURE:
+            made.figure.savefig(PICTURE)
+        self.assertEqual(made.finding, "In 3D ranks part: on pile sat takes 0.8 times the time of gjk_epa, on drawn pairs "
+                         "2.0 times; no rank parts beyond the noise on tower. Cold, gjk_epa takes 1.3 times its time with what "
+                         "it "
+                         "remembers, on 1 of 2 scenes beyond the noise.")
+        self.assertEqual(made.headline.text, "pile, 3D: on drawn pairs gjk_epa is 2.0 times as fast as sat, on the pairs of "
+                         "the world sat is 1.3 times as fast as gjk_epa.")
+        self.assertEqual([made.headline.values[m] for m in ("gjk_epa", "sat")], [120.6, 90.45])
+        self.assertNotIn("sat", " ".join(made.holes), "who remembers nothing is no hole")
+        self.assertIn("tower, closed_form, stream=cold: unsupported (it remembers nothing of a pair)", made.holes)
+        self.assertEqual([ax.get_xlabel() for ax in made.figure.axes if ax.get_xlabel()],
+                         [title for title in ("time per query", "support calls", "axis tests") for _ in range(2)])
+
+    def test_the_planted_bug_an_order_within_the_noise_is_no_rank(self):
+        about = {"of": {"pile": {"sat": (105, 90, None), "gjk_epa": (100, 95, 95)}}, "noisy": 0.3}
+        self.assertEqual(self.one(**about).finding, "In 3D no rank parts beyond the noise on pile. What gjk_epa remembers "
+                         "changes its time beyond the noise on none of 1 scenes.")
+        self.assertIsNone(self.one(**about).headline)
+        real, noise.tells = noise.tells, lambda a, b, metric, least: True
+        try:
+            self.assertIn("ranks part", self.one(**about).finding)
+        finally:
+            noise.tells = real
+
+    def test_who_fails_has_a_ring(self):
+        rings = lambda made: sum(line.get_markersize() == 11 for ax in made.figure.axes for line in ax.lines)  # noqa: E731
+        self.assertEqual(rings(self.one()), 0)
+        made = self.one(wrong=(("sat", "pile", "cold"),))
+        self.assertIn("on drawn pairs 2.0 times (but sat fails somewhere)", made.finding)
+        self.assertIsNone(made.headline, "a rank of who fails is no headline")
+        self.assertEqual(rings(made), 2, "beside its time and its axis tests")
+
+    def test_a_chart_for_each_dimension_and_none_without_streams(self):
+        self.assertEqual([c.id for c in self.made(streams, self.asked(dimensions=(2, 3)))], ["streams_2d", "streams_3d"])
+        self.assertEqual(self.made(streams, synthetic_store.queries), [streams.ABSENT])
+
+    def test_one_method_has_no_rank(self):
+        made = self.one(of={"pile": {"sat": (105, 90, None)}})
+        self.assertEqual(made.finding, "In 3D no scene has two methods with a time on drawn pairs and in its world.")
+        self.assertTrue(math.isnan(made.table[made.table["stream"] == "warm"]["time per query [s]"].iloc[0]))
+
+
+PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
+
+if __name__ == "__main__":
+    unittest.main()
