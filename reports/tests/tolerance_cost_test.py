@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the chart of a tolerance: what it is in a label, what it saves beyond the noise. Run by ctest, or python3
+reports/tests/tolerance_cost_test.py [PICTURE.png]."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import noise  # noqa: E402
+import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
+from charts import tolerance_cost  # noqa: E402
+
+LOOSE = (0, 1e-9, 1e-6, 1e-3)
+
+
+class Tolerance(with_store.WithStore):
+    @staticmethod
+    def loosened(gain=0.5, noisy=0.01, values=LOOSE, dimensions=(3,), kinds=(("box", "box"), ("box", "sphere"))):
+        """A curve of gjk_epa that falls to `gain` of its time at the loosest; one value of mpr, which is no curve."""
+        def fill(maker):
+            maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
+                             ("metric", "support_calls", "pairs", "support points", "1", "invented", "detail", "cheaper", ""))
+            maker.sweep("tolerance_cost", "pairs", pair_query="stage", report=["tolerance_cost"])
+            for dimension in dimensions:
+                for a, b in kinds:
+                    for i, tolerance in enumerate(values):
+                        share = i / max(1, len(values) - 1)
+                        one(maker, dimension, a, b, f"gjk_epa{{faces=64,tolerance={tolerance:g}}}", 400 * gain**share,
+                            20 - 5 * share, max(tolerance / 3, 1e-16))
+                    one(maker, dimension, a, b, "mpr{tolerance=0}", 300, 10, 0.1)
+
+        def one(maker, dimension, a, b, method, ns, calls, error):
+            axes = {"kind": "pairs", "dimension": dimension, "pair_query": method, "kind_a": a, "kind_b": b, "precision": "f64",
+                    "timed": True}
+            for repeat in range(4):
+                maker.trial("tolerance_cost", {**axes, "repeat": repeat},
+                            {"ns_per_query": ns * (1 + noisy * (repeat % 2)), "max_error": error, "median_error": error / 9,
+                             "support_calls": calls}, "wrong" if error > 1e-12 else "ok")
+        return fill
+
+    def one(self, **about):
+        found = self.made(tolerance_cost, self.loosened(**about))
+        self.assertEqual(len(found), 1)
+        return found[0]
+
+    def test_the_sentence_and_the_numbers(self):
+        made = self.one()
+        if PICTURE:
+            made.figure.savefig(PICTURE)
+        self.assertTrue(made.finding.startswith("In 3D gjk_epa{faces=64} at 0.001 instead of 0: on box–box 0.5 times the time, "
+                                                "20 "
+                                                "support points become 15, the worst error goes from 1e-16 to 0.00033 of the "
+                                                "size; on box–sphere"), made.finding)
+        self.assertEqual(made.headline.text, "box–box, 3D: a tolerance of 0.001 saves gjk_epa{faces=64} 50 % of its time, for a "
+                         "worst error of 0.00033 of the size instead of 1e-16.")
+        self.assertEqual(list(made.table["tolerance [1]"][:4]), list(LOOSE))
+        self.assertNotIn("mpr", " ".join(made.table["method"]), "one value is no curve")
+
+    def test_the_planted_bug_what_is_within_the_noise_saves_nothing(self):
+        about = {"gain": 0.9, "noisy": 0.3}
+        self.assertIn("on box–box within the noise, 20 support points become 15", self.one(**about).finding)
+        self.assertIsNone(self.one(**about).headline)
+        real, noise.tells = noise.tells, lambda a, b, metric, least: True
+        try:
+            self.assertIn("saves gjk_epa", self.one(**about).headline.text)
+        finally:
+            noise.tells = real
+
+    def test_a_label_is_read(self):
+        self.assertEqual(tolerance_cost.parted("gjk_epa{tolerance=1e-06}"), ("gjk_epa", 1e-6))
+        self.assertEqual(tolerance_cost.parted("gjk_epa{tolerance=0,faces=9}"), ("gjk_epa{faces=9}", 0.0))
+        self.assertEqual(tolerance_cost.parted("gjk_epa{faces=9,tolerance=0.5}"), ("gjk_epa{faces=9}", 0.5))
+        self.assertTrue(math.isnan(tolerance_cost.parted("sat")[1]))
+
+    def test_no_chart_without_a_curve(self):
+        asked = self.made(tolerance_cost, self.loosened(values=(0, 1e-3)))
+        self.assertIn("tolerance_cost asks for this chart and has not what it needs: a method with 3 values of its tolerance",
+                      asked[0].finding)
+        self.assertEqual(self.made(tolerance_cost, synthetic_store.queries), [tolerance_cost.ABSENT])
+
+
+PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
+
+if __name__ == "__main__":
+    unittest.main()
