@@ -14,7 +14,7 @@ from load import one_machine, split, varying
 from style import ZeroLog, fallen, grid_of_axes, letter, times
 from table import quantity
 
-PLACE = 40
+PLACE = 44
 SECTION = "What do contacts cost, and who stands better for them?"
 TIME, POINTS = "ms_per_step_median", "contacts_end"
 BOUGHT = ("sag_end", "lateral_max", "jitter")
