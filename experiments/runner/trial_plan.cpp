@@ -223,7 +223,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
   if (!missing.empty()) out.unsupported = missing;
   out.canonical = {{"kind", "world"},
                    {"scene", file.name()},
-                   {"scene_hash", hexHash(file.bytes())},
+                   {"scene_hash", hexHash(file.content())},
                    {"params", params},
                    {"dimension", dimension},
                    {"pipeline", engine ? "engine=" + engine->text() : pipeline.text()},

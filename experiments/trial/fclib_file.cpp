@@ -8,6 +8,7 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/fclib_library.h"
+#include "experiments/trial/library_process.h"
 #include "experiments/trial/problem_file.h"
 #include "framework/contact_problem.h"
 #include "framework/profiler.h"
@@ -398,7 +399,7 @@ std::string fclibBytes(const FrozenProblem<D>& problem, const std::string& path)
   std::remove(beside.c_str());  // it would add to what is there
   std::string bytes;
   try {
-    inItsProcess(path, [&] {
+    inItsProcess("FCLIB", path, [&] {
       std::visit([&](auto& form) { writeFclibHere(beside, form); }, from);
       return std::string();
     });
@@ -415,7 +416,7 @@ template std::string fclibBytes(const FrozenProblem<3>&, const std::string&);
 
 std::string fclibAsProblems(const std::string& path) {
   try {
-    return inItsProcess(path,
+    return inItsProcess("FCLIB", path,
                         [&] { return std::visit([](const auto& from) { return textOf(from); }, readFclibHere(path)); });
   } catch (const UserError& e) {
     const std::string said = e.what();

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// libfclib behind a wall. It is loaded when it is needed, by a process that does nothing else: it and HDF5 below it
-// print what they please, trust the sizes that a file names, and end the process that meets a damaged one.
+// libfclib behind a wall. It is loaded when it is needed, by a process that does nothing else (library_process.h).
 #pragma once
 
 #include <Eigen/Sparse>
-#include <functional>
 #include <string>
 #include <variant>
 
@@ -30,9 +28,5 @@ struct FclibLocal {
 std::variant<FclibProblem, FclibLocal> readFclibHere(const std::string& path);
 void writeFclibHere(const std::string& path, FclibProblem& problem);
 void writeFclibHere(const std::string& path, FclibLocal& problem);
-
-/// What `work` returns, from a process of its own. Throws UserError with the path and what `work` threw, or that FCLIB
-/// has failed: it crashed, or took longer than any file needs.
-std::string inItsProcess(const std::string& path, const std::function<std::string()>& work);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -49,6 +49,7 @@ Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string
   if (kind == "sphere" || kind == "circle") return Shape<D>::sphere(size("radius"));
   if (kind == "box") return Shape<D>::box(numbers.vector<D>(shape.require("half")), rounding);
   if (kind == "capsule") return Shape<D>::capsule(size("half_length"), size("radius"));
+  if (kind == "polytope" && shape.find("file")) return readHull<D>(shape, numbers, rounding);
   if (kind == "polytope") return Shape<D>::polytope(readPoints<D>(shape, numbers), rounding);
   if (kind == "segment") return Shape<D>::segment(size("half_length"));
   if (kind == "plane") return Shape<D>::plane();

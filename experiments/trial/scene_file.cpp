@@ -56,7 +56,7 @@ class Builder {
  public:
   Builder(const SceneFile::Parsed& parsed, const ParameterValues& values, std::uint64_t seed)
       : m_parsed(parsed),
-        m_numbers(parsed.path, seed),
+        m_numbers(parsed.path, seed, parsed.meshes),
         m_seed(seed),
         m_perturb(values.at(kPerturbParameter).number),
         m_top(parsed.table, parsed.path, "the scene") {
@@ -463,6 +463,7 @@ SceneFile SceneFile::parse(std::string bytes, const std::string& path) {
   parsed->table = parseToml(parsed->bytes, path);
   TableReader top(parsed->table, path, "the scene");
   readHeader(top, *parsed);
+  parsed->meshes = readMeshes(parsed->table, path);
   SceneFile file;
   file.m_parsed = std::move(parsed);
   return file;
@@ -471,7 +472,11 @@ SceneFile SceneFile::parse(std::string bytes, const std::string& path) {
 const std::string& SceneFile::name() const { return m_parsed->name; }
 const std::string& SceneFile::summary() const { return m_parsed->summary; }
 const std::string& SceneFile::path() const { return m_parsed->path; }
-const std::string& SceneFile::bytes() const { return m_parsed->bytes; }
+std::string SceneFile::content() const {
+  std::string all = m_parsed->bytes;
+  for (const auto& [name, file] : m_parsed->meshes) all += '\0' + name + '\0' + file.bytes;
+  return all;
+}
 const std::vector<int>& SceneFile::dimensions() const { return m_parsed->dimensions; }
 const std::vector<SceneParameter>& SceneFile::parameters() const { return m_parsed->parameters; }
 std::uint64_t SceneFile::defaultSeed() const { return m_parsed->seed; }

@@ -61,7 +61,8 @@ class SceneFile {
   const std::string& name() const;
   const std::string& summary() const;
   const std::string& path() const;
-  const std::string& bytes() const;
+  /// Its bytes, and those of the files that it names: what a trial's key is made of.
+  std::string content() const;
   const std::vector<int>& dimensions() const;
   const std::vector<SceneParameter>& parameters() const;
   const SceneParameter* parameter(std::string_view name) const;  // nullptr: there is none

@@ -5,12 +5,21 @@
 #include <limits>
 #include <map>
 #include <string_view>
+#include <tuple>
 
 #include "experiments/parse/expression.h"
 #include "experiments/parse/toml_reader.h"
+#include "experiments/trial/mesh_file.h"
 #include "experiments/trial/scene_file.h"
 
 namespace lpc::inline LPC_PRECISION {
+
+/// The files that a scene's shapes name, by that name, as they were when the scene was loaded.
+struct SceneMesh {
+  std::string bytes;
+  MeshFile mesh;
+};
+using SceneMeshes = std::map<std::string, SceneMesh>;
 
 struct SceneFile::Parsed {
   std::string path, bytes, name, summary;
@@ -19,7 +28,11 @@ struct SceneFile::Parsed {
   std::uint64_t seed = 1;
   Features needs;
   toml::table table;
+  SceneMeshes meshes;
 };
+
+/// The meshes of all tables that are a shape with a `file`. Throws UserError with the place of who names it.
+SceneMeshes readMeshes(const toml::table& scene, const std::string& path);
 
 inline constexpr double kLargest = std::numeric_limits<double>::max();
 
@@ -40,7 +53,8 @@ inline constexpr const char* kTooManyNames = "more than 100 parameters, indices 
 /// Numbers and vectors of one scene file: a TOML number, or an expression in a string.
 class SceneNumbers {
  public:
-  SceneNumbers(std::string file, std::uint64_t seed) : expressions(seed), m_file(std::move(file)) {}
+  SceneNumbers(std::string file, std::uint64_t seed, const SceneMeshes& of)
+      : expressions(seed), meshes(of), m_file(std::move(file)) {}
 
   /// While it lives, a block is only read for its mistakes: expressions are, but have no values and draw nothing, and
   /// what is made of numbers is nobody's.
@@ -77,6 +91,8 @@ class SceneNumbers {
   Vec<D> vector(TableReader& table, const std::string& key);
 
   Expressions expressions;
+  const SceneMeshes& meshes;
+  std::map<std::tuple<std::string, double, bool>, std::shared_ptr<const Polytope<3>>> hulls;  // by file, scale, `hull`
 
  private:
   std::string m_file;
@@ -101,6 +117,12 @@ std::vector<SceneParameter> readParameters(TableReader& top);
 /// UnsupportedJoint where the kind is `chosen`, the text of the scene's parameter of kinds.
 template <int D>
 JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::string& chosen);
+
+/// A polytope by `file`.
+template <int D>
+Shape<D> readHull(TableReader& shape, SceneNumbers& numbers, Real rounding);
+/// Points and triangles by `file`, in metres; none in a rehearsal.
+MeshFile readMesh(TableReader& shape, SceneNumbers& numbers);
 
 /// One [[body]] block at one turn of its loops.
 template <int D>

@@ -9,6 +9,7 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/fclib_library.h"
+#include "experiments/trial/library_process.h"
 #include "experiments/trial/problem_file.h"
 #include "framework/contact_problem.h"
 #include "framework/profiler.h"
@@ -274,7 +275,7 @@ FclibLocal localOf(FrozenProblem<D> problem) {
 std::string localBytes(FclibLocal local, const Workspace& w) {
   const std::string path = w.path("local.hdf5");
   std::remove(path.c_str());
-  inItsProcess(path, [&] { return writeFclibHere(path, local), std::string(); });
+  inItsProcess("FCLIB", path, [&] { return writeFclibHere(path, local), std::string(); });
   return readFile(path);
 }
 
