@@ -43,11 +43,13 @@ template <int D>
 Shape<D> Shape<D>::compound(std::span<const ShapePart<D>> parts, PartOverlap allowed) {
   if (parts.empty()) throw UserError("compound: it has no parts; valid: one or more convex shapes");
   std::vector<Placed<D>> placed;
+  auto made = std::make_shared<std::vector<ShapePart<D>>>();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::string who = "compound, part " + std::to_string(i);
     if (!parts[i].shape.convex()) throw UserError(who + ": is a compound itself; valid: its parts, one by one");
     if (parts[i].shape.isPlane()) throw UserError(who + ": a plane has no end; valid: bounded shapes");
     checkPose(parts[i].X_SP, who);
+    made->push_back(centredPart(parts[i]));
     if (allowed == PartOverlap::counted) continue;
     placed.emplace_back(parts[i]);
     for (std::size_t j = 0; j < i; ++j) {
@@ -56,7 +58,7 @@ Shape<D> Shape<D>::compound(std::span<const ShapePart<D>> parts, PartOverlap all
     }
   }
   Shape s;
-  s.m_compound = std::make_shared<const std::vector<ShapePart<D>>>(parts.begin(), parts.end());
+  s.m_compound = std::move(made);
   return s;
 }
 

@@ -161,6 +161,12 @@ std::span<const ShapePart<D>> Shape<D>::parts() const {
   return m_compound ? std::span<const ShapePart<D>>(*m_compound) : std::span<const ShapePart<D>>();
 }
 
+/// A hull that lies farther than kFarHull of its sizes from its frame's origin, around its own middle, and posed so
+/// that it is where it was: queries of it then lose no digits to a frame that its pose brings back. Any other part as
+/// it is, to the last bit. What a world is given and compounds are made of goes through here.
+template <int D>
+ShapePart<D> centredPart(const ShapePart<D>& part);
+
 /// f(view, X_AP) for each convex part of a shape posed by X_AS, in order. A convex shape is its own one part.
 template <int D, class F>
 void forParts(const Shape<D>& shape, const Pose<D>& X_AS, F&& f) {

@@ -40,6 +40,11 @@ inline constexpr double kDentDepth = 8;
 /// merges more. Larger: hulls that leave points outside. Smaller, or fewer: clouds are refused that have a hull.
 inline constexpr double kHullTries[] = {1, 4, 16};
 
+/// A hull whose middle is farther from its frame's origin than this many times its size is moved to its middle (1).
+/// Larger: float answers about hulls that are off by more than 1e-5 of their size. Smaller: hulls and saves that were
+/// right change by a rounding.
+inline constexpr Real kFarHull = 10;
+
 /// An edge whose part across the edges before it is no longer than this (1, of its length) spans no face with them.
 /// Larger: narrow faces are passed over, the walk ends too far. Smaller: a foot made of rounding.
 inline constexpr Real kFlatFace = 4 * std::numeric_limits<Real>::epsilon();

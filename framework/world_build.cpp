@@ -51,8 +51,11 @@ Handle World<D>::add(const BodyDef<D>& def) {
   checkMotion(Motion<D>{def.velocity, def.angularVelocity}, who);
   MassProperties<D> mass;
   std::array<bool, kShapeKinds> kinds{};
-  for (const ShapeDef<D>& s : def.shapes) {
+  std::vector<ShapeDef<D>> shapes = def.shapes;
+  for (ShapeDef<D>& s : shapes) {
     checkShape(s, who);
+    const ShapePart<D> near = centredPart<D>({s.shape, s.X_BS});
+    s.shape = near.shape, s.X_BS = near.X_SP;
     const MassProperties<D> part = transformed(massProperties(s.shape, s.density), s.X_BS);
     mass = combined(mass, part);
     if (!isFinite(part) || !isFinite(mass)) {
@@ -94,8 +97,8 @@ Handle World<D>::add(const BodyDef<D>& def) {
   b.mass[i] = dynamic ? mass.mass : Real(0);
   b.invInertiaBody[i] = *invInertia;
   b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = def.userData, m_userForces[i] = {};
-  for (std::size_t s = 0; s < def.shapes.size(); ++s) {
-    putShape(def.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    putShape(shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
   }
   return handle(static_cast<std::int32_t>(i));
 }

@@ -304,6 +304,23 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     }
   }
 
+  // As a world has them: hulls far from their frames around their middles.
+  static void centre(HardPair<D>& pair) {
+    const auto points = [](const Shape<D>& shape, std::vector<Vec<D>>& of, const Vec<D>& middle) {
+      of = shape.view().hull->vertices;
+      for (Vec<D>& p : of) p -= middle;
+    };
+    const ShapePart<D> a = centredPart<D>({pair.a, {}}), b = centredPart<D>({pair.b, {}});
+    if (!b.X_SP.p.isZero(0)) {
+      points(pair.b, pair.pointsB, b.X_SP.p);
+      pair.X_WB = pair.X_WB * b.X_SP, pair.X_AB = pair.X_AB * b.X_SP, pair.b = b.shape;
+    }
+    if (!a.X_SP.p.isZero(0)) {
+      points(pair.a, pair.pointsA, a.X_SP.p);
+      pair.X_WA = pair.X_WA * a.X_SP, pair.X_AB.p -= a.X_SP.p, pair.a = a.shape;
+    }
+  }
+
   Random m_random;
   const PairFamily<D>* m_family = nullptr;
   double m_scale = 1;
@@ -350,6 +367,7 @@ HardPair<D> Drawer<D>::draw(ShapeKind kindA, ShapeKind kindB) {
   const bool plane = coreClass(kindA) == CoreClass::plane || coreClass(kindB) == CoreClass::plane;
   plane ? layOnPlane(pair) : layOut(pair);
   place(pair);
+  centre(pair);
   return pair;
 }
 

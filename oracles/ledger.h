@@ -40,7 +40,7 @@ struct LedgerKey {
   std::string stage, precision;
   int dimension = 3;
   std::string kindA, kindB;  // empty for broadphases
-  std::string axis, value;   // all and nothing, or family, regime, scale, offset and which one
+  std::string axis, value;   // all and nothing, or family, regime, scale, offset, kWiderScale and which one
   std::string method;
   auto operator<=>(const LedgerKey&) const = default;
 };

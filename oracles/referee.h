@@ -40,6 +40,10 @@ Interval separationAlong(const ShapeView<D>& a, const Pose<D>& X_WA, const Shape
 template <int D>
 double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB, double phi);
 
+/// What of it does not depend on where frames are: largest extent of either shape + distance between them (m).
+template <int D>
+double posedScale(const ShapeView<D>& a, const ShapeView<D>& b, double phi);
+
 template <int D>
 struct RefereeAnswer {
   bool decided = false;  // false when a number of the input is not finite, no method applies, or the bounds of a curved

@@ -67,22 +67,31 @@ Interval separationAlong(const ShapeView<D>& a, const Pose<D>& X_WA, const Shape
 }
 
 template <int D>
+double posedScale(const ShapeView<D>& a, const ShapeView<D>& b, double phi) {
+  const auto extent = [](const ShapeView<D>& shape) {
+    return sizeOf(shape, Pose<D>{}).side + 2 * static_cast<double>(shape.radius);
+  };
+  return std::max(extent(a), extent(b)) + std::max(phi, 0.0);
+}
+
+template <int D>
 double errorScale(const ShapeView<D>& a, const Pose<D>& X_WA, const ShapeView<D>& b, const Pose<D>& X_WB, double phi) {
-  double extent = 0, coordinate = 0;
+  double coordinate = 0;
   const auto measure = [&](const ShapeView<D>& shape, const Pose<D>& X_WS) {
     const CoreSize<D> size = sizeOf(shape, X_WS);
     coordinate = std::max({coordinate, size.own, size.world});
-    extent = std::max(extent, size.side + 2 * static_cast<double>(shape.radius));
   };
   measure(a, X_WA);
   measure(b, X_WB);
-  return extent + std::max(phi, 0.0) + coordinate;
+  return posedScale(a, b, phi) + coordinate;
 }
 
 template Interval separationAlong(const ShapeView<2>&, const Pose<2>&, const ShapeView<2>&, const Pose<2>&,
                                   const Vecd<2>&);
 template Interval separationAlong(const ShapeView<3>&, const Pose<3>&, const ShapeView<3>&, const Pose<3>&,
                                   const Vecd<3>&);
+template double posedScale(const ShapeView<2>&, const ShapeView<2>&, double);
+template double posedScale(const ShapeView<3>&, const ShapeView<3>&, double);
 template double errorScale(const ShapeView<2>&, const Pose<2>&, const ShapeView<2>&, const Pose<2>&, double);
 template double errorScale(const ShapeView<3>&, const Pose<3>&, const ShapeView<3>&, const Pose<3>&, double);
 

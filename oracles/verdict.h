@@ -17,7 +17,8 @@ namespace lpc::inline LPC_PRECISION {
 struct Verdict {
   Tally end = Tally::agree;
   bool wrongSide = false, capped = false;
-  double value = 0;             // the distance, or of contacts that of the deepest point (m), where there is an error
+  bool wider = false;  // right, but by a scale that holds where frames are, and not by that of the posed shapes
+  double value = 0;    // the distance, or of contacts that of the deepest point (m), where there is an error
   std::optional<double> error;  // over s, of an answer with a value
   std::string failure;          // what went wrong, as in names of files; empty when nothing did
 };
@@ -27,6 +28,9 @@ Verdict withoutAnswer(Tally end);
 
 /// Values of the further axes: {"family", "ties"}, ...
 using Labels = std::vector<std::pair<std::string, std::string>>;
+
+/// An axis of pairs that are right by the wider scale alone: see Verdict.
+inline constexpr const char* kWiderScale = "right_by_scale_of";
 
 /// Books the verdict under axis `all` and under each label. `text` is the input as a line of a file of cases; it is
 /// asked for only when the line is kept.

@@ -48,7 +48,7 @@ struct VerifyRange {
 template <int D>
 struct PairTruth {
   RefereeAnswer<D> answer = {};
-  double s = 0;  // errorScale
+  double s = 0, posed = 0;  // errorScale, posedScale
 };
 template <int D>
 PairTruth<D> pairTruth(const PairView<D>& pair);

@@ -79,7 +79,8 @@ double shortfall(const PairView<D>& pair, const PairTruth<D>& known, const Vecd<
 template <int D>
 PairTruth<D> pairTruth(const PairView<D>& pair) {
   PairTruth<D> known{.answer = referee<D>(pair.a, {}, pair.b, pair.X_AB)};
-  known.s = errorScale<D>(pair.a, {}, pair.b, pair.X_AB, known.answer.interval().middle());
+  const double phi = known.answer.interval().middle();
+  known.s = errorScale<D>(pair.a, {}, pair.b, pair.X_AB, phi), known.posed = posedScale<D>(pair.a, pair.b, phi);
   return known;
 }
 
@@ -115,6 +116,7 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
     }
   }
   if (v.wrongSide) v.end = Tally::wrong, v.failure = "wrong_side";
+  v.wider = v.end != Tally::wrong && v.error.value_or(0) * known.s > tolerance * known.posed;
   return v;
 }
 
@@ -176,7 +178,9 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
           return caseText<D>(inputName(subject, range.seed, index), StageKind::pairQuery, k.pair,
                              findingText(subject, verdict, range.seed, index) + expectedText(k.truth.answer));
         };
-        book(out.ledger, subject, m.info.role, k.labels, verdict, spent / count, text);
+        Labels labels = k.labels;
+        if (verdict.wider) labels.emplace_back(kWiderScale, "frames");
+        book(out.ledger, subject, m.info.role, labels, verdict, spent / count, text);
         if (!verdict.failure.empty() && verdict.end != Tally::undecided) {
           out.keep({m.name, verdict.failure, k.vertices, k.truth.s, text()});
         }

@@ -64,6 +64,7 @@ class Printer {
       }
     }
     const auto& [stage, dimension, precision] = section;
+    m_pairQueries = stage == stageName(StageKind::pairQuery);
     m_out << fmt::format("{} in {}D, {}\n", stage, dimension, precision);
     for (const auto& [name, e] : m_methods) m_width = std::max(m_width, name.size() + 1);
   }
@@ -71,6 +72,7 @@ class Printer {
   int print() {
     verdicts();
     for (const char* axis : {"family", "regime", "scale", "offset"}) faultsBy(axis);
+    widerScale();
     if (m_kinds.size() > 1) byKinds();
     m_out << "\n";
     return static_cast<int>(
@@ -123,6 +125,18 @@ class Printer {
     }
   }
 
+  // Of pair queries: the scale of the error is that of extents and distance, or that holds coordinates of frames, too.
+  void widerScale() {
+    if (!m_pairQueries) return;
+    m_out << "\n  right only by the scale with frames' coordinates:";
+    const auto found = m_axes.find(kWiderScale);
+    for (const auto& [name, e] : m_methods) {
+      const bool any = found != m_axes.end() && found->second.begin()->second.contains(name);
+      m_out << fmt::format(" {} {}", name, any ? found->second.begin()->second.at(name)[Tally::asked] : 0);
+    }
+    m_out << "\n";
+  }
+
   void byKinds() {
     m_out << fmt::format("\n  {:<20}{:<{}}", "shapes", "method", m_width);
     for (const char* head : {"asked", "wrong", "side", "refused", "no answer", "max error", "median", "ns"}) {
@@ -141,6 +155,7 @@ class Printer {
   }
 
   std::ostream& m_out;
+  bool m_pairQueries = false;
   std::size_t m_width = kMethodWidth;
   std::map<std::string, LedgerEntry> m_methods;                                             // sums over kinds
   std::map<std::string, long> m_faults;                                                     // for which the run fails
