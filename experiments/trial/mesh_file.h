@@ -15,8 +15,8 @@ namespace lpc::inline LPC_PRECISION {
 inline constexpr std::size_t kMostMeshBytes = std::size_t{64} << 20;
 /// The most points, and triangles, that a file may have.
 inline constexpr long kMostMeshItems = 1000000;
-/// The most corners of one face: the time in which it is cut into triangles grows with their square. A million triangles
-/// of such faces take ten seconds.
+/// The most corners of one face: the time in which it is cut into triangles grows with their square. A million
+/// triangles of such faces take ten seconds.
 inline constexpr long kMostFaceCorners = 256;
 /// The most points whose hull is made: its time grows with the square of its vertices, to some seconds.
 inline constexpr std::size_t kMostHullPoints = 10000;
