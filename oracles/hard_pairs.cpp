@@ -300,7 +300,7 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
       pair.X_WB = pair.X_AB;
     }
     if constexpr (D == 2) {
-      pair.X_AB.q = Rot<2>::angle(static_cast<double>(pair.X_AB.q.radians()));
+      pair.X_AB.q = Rot<2>::angle(static_cast<double>(turnOf(pair.X_AB.q)[0]));
     }
   }
 
