@@ -30,6 +30,11 @@ std::vector<Candidate<StageOf>> candidates(const std::vector<std::string>& specs
 template <int D>
 Verified verifyIn(const VerifyTask& task) {
   Verified out;
+  if (task.relations) {
+    if (task.stage != StageKind::pairQuery) throw UserError("verify: only pair queries have relations");
+    verifyRelations<D>(task.kindA, task.kindB, task.range, candidates<PairQuery<D>>(task.methods), out);
+    return out;
+  }
   switch (task.stage) {
     case StageKind::pairQuery:
       verifyPairQueries<D>(task.kindA, task.kindB, task.range, candidates<PairQuery<D>>(task.methods), out);

@@ -64,6 +64,13 @@ template <int D>
 void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                        std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
 
+/// The same pairs before their images: docs/verification.md says which, and what is a violation. Booked under the axis
+/// `relation`: `agree` to the last bit where the truth is the same (else within what is owed), `tie` within what is owed,
+/// `wrong` violated. None is kept.
+template <int D>
+void verifyRelations(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
+                     std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
+
 /// The same pairs as bodies: a manifold if and only if they are within the margin; one unit normal along which they are
 /// as far apart as they are; points on both shapes, the deepest as deep as they. And faces laid on faces, which keep
 /// their features under a small motion (family resting_faces).
@@ -123,6 +130,7 @@ struct VerifyTask {
   ShapeKind kindA = ShapeKind::sphere, kindB = ShapeKind::sphere;
   VerifyRange range = {};
   std::vector<std::string> methods = {};  // specs, as gjk_epa{tolerance=1e-10}
+  bool relations = false;                 // of pair queries: verifyRelations instead
 };
 Verified verify(const VerifyTask& task);
 

@@ -38,6 +38,12 @@ StageKind verifiedStage(const std::string& name) {
 }
 
 void readChoices(Arguments& a) {
+  if (a.options.metamorphic) {
+    if (a.stages.empty()) a.stages = {std::string(stageName(StageKind::pairQuery))};
+    if (a.stages.size() != 1 || a.stages.front() != stageName(StageKind::pairQuery)) {
+      throw UserError("--metamorphic asks pair queries; valid: --stage pair_query");
+    }
+  }
   if (!a.stages.empty()) a.options.stages.clear();
   for (const std::string& name : a.stages) a.options.stages.push_back(verifiedStage(name));
   for (const std::string& p : a.options.precisions) {
@@ -151,6 +157,10 @@ void addVerify(CommandLine& app, Session& session) {
          "in a world's frame");
   Option store = command.option("--store", a->store, "SQLite file, made if absent; what it has is not asked again");
   store.showDefault();
+  Option metamorphic =
+      command.flag("--metamorphic", o.metamorphic,
+                   "pair queries: what must not matter, as swapping the shapes; violations per million");
+  ofSeeded.push_back(metamorphic);
   seeded("--jobs", o.jobs, "workers at once; default: one per core").range(1L, 4096L);
   command.flag("--quiet", o.quiet, "no progress line");
   Option cases = command.option("--cases", a->cases, "a file of cases instead of seeded inputs");
@@ -178,6 +188,7 @@ void addVerify(CommandLine& app, Session& session) {
       "  lpc verify --minutes 10 --precision f64,f32 --role competitor\n"
       "  lpc verify --dimension 3 --stage pair_query --methods sat gjk_epa{iterations=20} fcl_libccd\n"
       "  lpc verify --stage velocity --pairs 1000\n"
+      "  lpc verify --metamorphic --pairs 1000\n"
       "  lpc verify --cases tests/regressions/hard_cases.json --csv verdicts.csv\n"
       "  lpc verify --repro fcl-508-box-box --witness fcl_libccd --out repro.cpp");
   command.callback([a, store, &session] {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "experiments/runner/catalogue.h"
+#include "oracles/metamorphic.h"
 #include "oracles/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -59,6 +60,9 @@ class Printer {
         const long faults = faultsOfOurs(key, entry);
         m_kinds[{key.kindA, key.kindB}][key.method] = {entry, faults};
         m_faults[key.method] += faults;
+      } else if (key.axis == kRelationAxis) {
+        m_relations[key.method][key.value].add(entry);
+        m_faults[key.method] += faultsOfOurs(key, entry);
       } else {
         m_axes[key.axis][key.value][key.method].add(entry);
       }
@@ -67,13 +71,16 @@ class Printer {
     m_pairQueries = stage == stageName(StageKind::pairQuery);
     m_out << fmt::format("{} in {}D, {}\n", stage, dimension, precision);
     for (const auto& [name, e] : m_methods) m_width = std::max(m_width, name.size() + 1);
+    for (const auto& [name, e] : m_relations) m_width = std::max(m_width, name.size() + 1);
   }
 
   int print() {
-    verdicts();
+    if (!m_methods.empty()) verdicts();
     for (const char* axis : {"family", "regime", "scale", "offset"}) faultsBy(axis);
     widerScale();
     if (m_kinds.size() > 1) byKinds();
+    relations("violations per million", Tally::wrong);
+    relations("of equal truth, other bits per million", Tally::tie);
     m_out << "\n";
     return static_cast<int>(
         std::count_if(m_faults.begin(), m_faults.end(), [](const auto& m) { return m.second > 0; }));
@@ -154,6 +161,32 @@ class Printer {
     }
   }
 
+  // Beside each rate stands of how many pairs that were compared. Relations that round have no bits to compare.
+  void relations(const std::string& what, Tally tally) {
+    if (m_relations.empty()) return;
+    m_out << fmt::format("\n  {}, of so many pairs\n  {:<{}}", what, "method", m_width);
+    for (const std::string_view name : kRelationNames) m_out << fmt::format("{:>18}", name);
+    m_out << fmt::format("{:>11}{:>11}\n", "undecided", "no answer");
+    for (const auto& [name, entries] : m_relations) {
+      m_out << fmt::format("  {:<{}}", name, m_width);
+      LedgerEntry all;
+      for (std::size_t r = 0; r < kRelations; ++r) {
+        const auto at = entries.find(std::string(kRelationNames[r]));
+        if (at == entries.end() || (tally == Tally::tie && !keepsTruth(static_cast<Relation>(r)))) {
+          m_out << fmt::format("{:>18}", "-");
+          continue;
+        }
+        const LedgerEntry& e = at->second;
+        all.add(e);
+        const long told = e[Tally::agree] + e[Tally::tie] + e[Tally::wrong];
+        const double rate = told ? 1e6 * static_cast<double>(e[tally]) / static_cast<double>(told) : 0;
+        m_out << fmt::format("{:>18}", fmt::format("{:.0f} of {}", rate, told));
+      }
+      m_out << fmt::format("{:>11}{:>11}{}\n", all[Tally::undecided], withoutAnswer(all) + all[Tally::refused],
+                           tally == Tally::wrong ? remark(all, m_faults.at(name)) : "");
+    }
+  }
+
   std::ostream& m_out;
   bool m_pairQueries = false;
   std::size_t m_width = kMethodWidth;
@@ -161,6 +194,7 @@ class Printer {
   std::map<std::string, long> m_faults;                                                     // for which the run fails
   std::map<std::string, std::map<std::string, std::map<std::string, LedgerEntry>>> m_axes;  // axis, value, method
   std::map<std::pair<std::string, std::string>, std::map<std::string, OfKinds>> m_kinds;
+  std::map<std::string, std::map<std::string, LedgerEntry>> m_relations;  // method, relation
 };
 
 }  // namespace

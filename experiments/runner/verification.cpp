@@ -20,6 +20,7 @@
 #include "framework/check.h"
 #include "framework/names.h"
 #include "framework/stage_narrowphase.h"
+#include "oracles/metamorphic.h"
 #include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -210,6 +211,7 @@ class Verification {
                 {"size", kVerifyBlock},
                 {"block", block},
                 {"code", m.code}};
+    if (m_options.metamorphic) key["relations"] = true;
     if (s.kinds) key["kinds"] = {shapeKindName(s.kinds->first), shapeKindName(s.kinds->second)};
     return {hexHash(key.dump()), m.ledger, m.code};
   }
@@ -229,9 +231,11 @@ class Verification {
       witnesses += m->role == AlgorithmRole::witness;
     }
     if (s.kinds) task["kind_a"] = shapeKindName(s.kinds->first), task["kind_b"] = shapeKindName(s.kinds->second);
+    if (m_options.metamorphic) task["relations"] = true;
     if (!part.ended.empty()) task["ended"] = part.ended;
     // A witness is given half a second for a pair that it hangs on, which is seldom.
-    const WorkerLimits limits{.seconds = 20 + part.count * (0.02 + 0.1 * witnesses)};
+    const double asked = m_options.metamorphic ? 2.0 * kRelations : 1.0;  // of each pair
+    const WorkerLimits limits{.seconds = 20 + part.count * asked * (0.02 + 0.1 * witnesses)};
     m_pool.start(m_started, s.front().precision, {{"verify", task}}, limits, -1);
     m_parts[m_started++] = part;
     return true;

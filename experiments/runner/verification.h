@@ -26,6 +26,7 @@ struct VerificationOptions {
   std::vector<std::string> precisions = {"f64"};
   std::vector<std::string> methods = {};   // specs; empty: all that are registered
   std::optional<AlgorithmRole> role = {};  // of the methods; none: all
+  bool metamorphic = false;  // of pair queries: what must not matter (see verifyRelations), not the answers
   std::uint64_t seed = 1;
   long pairs = kVerifyBlock;  // per two kinds of shape (or sets of boxes, or problems), rounded up to whole blocks
   double minutes = 0;         // above 0: go on until then, whatever `pairs` says

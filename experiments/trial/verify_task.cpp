@@ -45,7 +45,8 @@ nlohmann::json runVerifyTask(const nlohmann::json& request) {
   VerifyTask task{.stage = stage->kind,
                   .dimension = t.at("dimension"),
                   .range = {.seed = t.at("seed"), .first = t.at("first"), .count = t.at("count")},
-                  .methods = t.at("methods")};
+                  .methods = t.at("methods"),
+                  .relations = t.value("relations", false)};
   if (t.contains("kind_a")) {
     task.kindA = shapeKindFromName(t.at("kind_a").get<std::string>());
     task.kindB = shapeKindFromName(t.at("kind_b").get<std::string>());

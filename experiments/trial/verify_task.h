@@ -7,8 +7,9 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// {"verify": {"stage", "dimension", "kind_a", "kind_b", "seed", "first", "count", "methods": [...], "ended": tally},
-///  "plugins": [...]} -> what came out (see ledger_json.h). "ended" is there when a worker that was asked the same did
+/// {"verify": {"stage", "dimension", "kind_a", "kind_b", "seed", "first", "count", "methods": [...], "ended": tally,
+///  "relations": true}, "plugins": [...]} -> what came out (see ledger_json.h). "ended" is there when a worker that was
+///  asked the same did
 /// not come back: it is booked and nobody is asked. Exists where the oracles were built.
 nlohmann::json runVerifyTask(const nlohmann::json& request);
 

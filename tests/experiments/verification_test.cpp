@@ -61,6 +61,22 @@ TEST(Verification, BooksOnceAndGoesOn) {
   }
 }
 
+// What must not matter is asked beside the answers, and booked once, too.
+TEST(Verification, MetamorphicIsBookedOnce) {
+  Workspace w;
+  const std::string plain = "verify --stage pair_query --dimension 2 --methods closed_form --quiet";
+  const std::string command = plain + " --metamorphic";
+  const Outcome first = w.lpc(command);
+  ASSERT_EQ(first.code, 0) << first.text;
+  EXPECT_NE(first.text.find("violations per million"), std::string::npos) << first.text;
+  const std::string store = w.path("results/verify.db"), once = ledgerText(store);
+  EXPECT_EQ(ask(store, "SELECT DISTINCT axis FROM ledger"), "relation");
+  EXPECT_NE(w.lpc(command).text.find(": 0 inputs asked"), std::string::npos);
+  EXPECT_EQ(ledgerText(store), once);
+  EXPECT_EQ(w.lpc(plain).text.find(": 0 inputs asked"), std::string::npos);
+  EXPECT_EQ(w.lpc("verify --metamorphic --stage contacts").code, 2);
+}
+
 // Other code, other numbers: what was booked for a method with other code does not stay in its sums.
 TEST(Verification, ChangedCodeStartsAnew) {
   Workspace w;

@@ -248,6 +248,33 @@ class EverySecondVertex final : public SpoiledQuery<D> {
   }
 };
 
+/// Right but for the last bits, which hang on the unit.
+template <int D>
+class RoundsInMetres final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
+    answer.distance = (answer.distance + Real(0.1)) - Real(0.1);
+  }
+};
+
+/// One axis is not as the others.
+template <int D>
+class LikesOneAxis final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>&, PairAnswer<D>& answer, PairMemory*) override {
+    int along = 0;
+    answer.normal.cwiseAbs().maxCoeff(&along);
+    if (along == 0) answer.distance *= Real(1.001);
+  }
+};
+
+/// As if points were stored with half the digits: the farther from their own origin, the worse.
+template <int D>
+class CoarsePoints final : public SpoiledQuery<D> {
+  void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
+    const Real step = std::sqrt(std::numeric_limits<Real>::epsilon());
+    if (pair.b.hull) answer.distance += step * pair.b.hull->vertices.front().norm();
+  }
+};
+
 /// Stopped by its limit, it says that all went well.
 template <int D>
 class SilentLimit final : public PairQuery<D> {
