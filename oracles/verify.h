@@ -65,8 +65,8 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
                        std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
 
 /// The same pairs before their images: docs/verification.md says which, and what is a violation. Booked under the axis
-/// `relation`: `agree` to the last bit where the truth is the same (else within what is owed), `tie` within what is owed,
-/// `wrong` violated. None is kept.
+/// `relation`: `agree` to the last bit where the truth is the same (else within what is owed), `tie` within what is
+/// owed, `wrong` violated. None is kept.
 template <int D>
 void verifyRelations(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
                      std::span<const Candidate<PairQuery<D>>> methods, Verified& out);
