@@ -88,7 +88,8 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
     pair.X_AB.q = anyRotation();
     if (coin()) {  // an inner point of A is one of B
       const Vec<D> a = uniform(0, 1) * coreSupport(pair.a.view(), n);
-      const Vec<D> b = uniform(0, 1) * coreSupport(pair.b.view(), telling());
+      const Vec<D> far = coreSupport(pair.b.view(), telling());
+      const Vec<D> b = uniform(0, 1) * far;
       pair.X_AB.p = a - pair.X_AB.q * b;
     } else {
       const Real most = smaller * pick({0.1, 1e-4, 1e-5});
