@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <array>
 
+#include "algorithms/pair_query/pair_lanes.h"
 #include "algorithms/pair_query/plane_pair.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -14,8 +15,11 @@ using namespace pair_query;
 template <int D>
 class ClosedForm final : public PairQuery<D> {
  public:
-  using Params = NoParams;
-  explicit ClosedForm(const Params&) {}
+  struct Params {
+    LaneUse lanes = LaneUse::automatic;
+    void visit(ParamVisitor& v) { visitLanes(v, lanes); }
+  };
+  explicit ClosedForm(const Params& params) : m_lanes(params.lanes) {}
 
   static AlgorithmInfo info() {
     return {.name = "closed_form",
@@ -35,6 +39,21 @@ class ClosedForm final : public PairQuery<D> {
              std::span<PairMemory>, WorkDone& work) override {
     work[WorkCount::pairQueries] += pairs.size();
     if (pairs.empty()) return;
+    forMostInLanes<D>(
+        m_lanes, pairs, answers,
+        [&](std::span<const PairView<3>> some, std::span<PairAnswer<3>> out) { return inLanes(some, need, out); },
+        [&](std::span<const PairView<D>> some, std::span<PairAnswer<D>> out) { oneByOne(some, need, out, work); });
+  }
+
+ private:
+  static std::uint64_t inLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers) {
+    const CoreClass classA = pairs[0].a.core(), classB = pairs[0].b.core();
+    if (classB == CoreClass::point) return ballsInLanes(pairs, answers);
+    if (classA == CoreClass::segment && classB == CoreClass::segment) return segmentsInLanes(pairs, need, answers);
+    return ~std::uint64_t{0};
+  }
+
+  void oneByOne(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers, WorkDone& work) {
     const CoreClass classA = pairs[0].a.core(), classB = pairs[0].b.core();
     const bool pointA = classA == CoreClass::point;
     if (classB == CoreClass::point) return balls(pairs, answers);
@@ -54,7 +73,6 @@ class ClosedForm final : public PairQuery<D> {
     }
   }
 
- private:
   // Takes the direction of v = pB - pA if it proves the distance |v| as far as rounding lets it.
   static bool proves(const CorePair<D>& pair, const Vec<D>& v, BestAxis<D>& best) {
     Vec<D> n = v;
@@ -191,6 +209,7 @@ class ClosedForm final : public PairQuery<D> {
     best.tryDirection(pair, pair.r * v, work);
   }
 
+  LaneUse m_lanes;
   PlanePair<D> m_plane;
   TouchingPoint m_touching;
 };

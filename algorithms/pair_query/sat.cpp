@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "algorithms/pair_query/pair_lanes.h"
 #include "algorithms/pair_query/plane_pair.h"
 #include "algorithms/pair_query/sat_boxes.h"
 #include "algorithms/pair_query/sat_polytope2.h"
@@ -15,8 +16,11 @@ using namespace pair_query;
 template <int D>
 class Sat final : public PairQuery<D> {
  public:
-  using Params = NoParams;
-  explicit Sat(const Params&) {}
+  struct Params {
+    LaneUse lanes = LaneUse::automatic;
+    void visit(ParamVisitor& v) { visitLanes(v, lanes); }
+  };
+  explicit Sat(const Params& params) : m_lanes(params.lanes) {}
 
   static AlgorithmInfo info() {
     return {
@@ -34,6 +38,18 @@ class Sat final : public PairQuery<D> {
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
              std::span<PairMemory>, WorkDone& work) override {
     work[WorkCount::pairQueries] += pairs.size();
+    if (pairs.empty()) return;
+    const bool boxes = pairs[0].a.core() == CoreClass::box && pairs[0].b.core() == CoreClass::box;
+    forMostInLanes<D>(
+        boxes ? m_lanes : LaneUse::scalar, pairs, answers,
+        [&](std::span<const PairView<3>> some, std::span<PairAnswer<3>> out) {
+          return boxesInLanes(some, need, out, work);
+        },
+        [&](std::span<const PairView<D>> some, std::span<PairAnswer<D>> out) { oneByOne(some, need, out, work); });
+  }
+
+ private:
+  void oneByOne(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers, WorkDone& work) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {
@@ -50,7 +66,7 @@ class Sat final : public PairQuery<D> {
     }
   }
 
- private:
+  LaneUse m_lanes;
   PlanePair<D> m_plane;
   SatPolytope<D> m_polytope;
   TouchingPoint m_touching;
