@@ -15,11 +15,11 @@ namespace lpc::inline LPC_PRECISION::pair_query::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 class BoxLanes {
  public:
-  HWY_INLINE explicit BoxLanes(const LanePairs& in) : m_in(in) {
+  HWY_INLINE BoxLanes(const LanePairs& in, QueryNeed need) : m_in(in), m_need(need) {
     const Lane none = all(-std::numeric_limits<Real>::infinity());
     m_widest = m_bound = none;
     m_axis = m_tests = all(0);
-    m_n = m_edge = {{all(0), all(0), all(0)}};
+    m_n = {{all(0), all(0), all(0)}};
     m_left = hn::Not(in.halfA[0] > all(0));  // flat boxes have no edges along what they lack
     for (int k = 0; k < 3; ++k) {
       m_left = hn::Or(m_left, hn::Not(hn::And(in.halfA[k] > all(0), in.halfB[k] > all(0))));
@@ -41,11 +41,10 @@ class BoxLanes {
       offer(hn::Abs(dot(column(r, k), in.p)) - (in.halfB[k] + dot(column(flat, k), in.halfA)), 3 + k);
     }
     m_tests = all(6);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) offerEdge(flat, i, j);
-    }
+    offerAllEdges(flat, kEdges);
     takeWidest();
-    const Mask apart = m_bound > all(-kBoundRounding) * in.scale;
+    Mask apart = m_bound > all(-kBoundRounding) * in.scale;
+    if (m_need == QueryNeed::boolean) apart = hn::And(apart, m_bound <= in.radiusA + in.radiusB);
     if (any(apart)) tryCorners(apart);
   }
 
@@ -55,6 +54,8 @@ class BoxLanes {
   Mask left() const { return m_left; }
 
  private:
+  static constexpr std::make_integer_sequence<int, 9> kEdges{};
+
   HWY_INLINE void offer(Lane gap, int axis) {
     const Mask wider = gap > m_widest;
     m_widest = choose(wider, gap, m_widest), m_axis = choose(wider, all(static_cast<Real>(axis)), m_axis);
@@ -70,30 +71,44 @@ class BoxLanes {
     n[l] = r.v[k][j] - zero * r.v[i][j];
     return n;
   }
-  HWY_INLINE void offerEdge(const Turn& flat, int i, int j) {
+  // Edge e / 3 of A and e % 3 of B, numbers that the compiler must know: it does not unroll a loop over nine by itself.
+  template <int e>
+  HWY_INLINE void measureEdges(const Turn& flat) {
+    constexpr int i = e / 3, j = e % 3, k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
     const LanePairs& in = m_in;
     const Turn& r = in.r;
-    const int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
-    const Lane zero = hn::Zero(Tag());
-    const Lane length2 = r.v[k][j] * r.v[k][j] + r.v[l][j] * r.v[l][j];
+    m_length2[e] = r.v[k][j] * r.v[k][j] + r.v[l][j] * r.v[l][j];
+    const Lane along = hn::Abs(r.v[k][j] * in.p[l] - r.v[l][j] * in.p[k]);
+    const Lane reach = in.halfA[k] * flat.v[l][j] + in.halfA[l] * flat.v[k][j] + in.halfB[m] * flat.v[i][n] +
+                       in.halfB[n] * flat.v[i][m];
+    m_gap[e] = along - reach;
+    m_distance[e] = m_gap[e] / hn::Sqrt(m_length2[e]);
+  }
+  template <int e>
+  HWY_INLINE void offerEdges() {
+    const Lane length2 = m_length2[e], gap = m_gap[e], distance = m_distance[e], zero = hn::Zero(Tag());
     const Mask crossed = length2 > all(kParallelSine * kParallelSine);
     m_tests = m_tests + hn::IfThenElseZero(crossed, all(1));
     const Mask close = hn::And(crossed, length2 < all(kShortNormal * kShortNormal));
     if (any(close)) {
-      const Lane3 axis = across(i, j);
+      const Lane3 axis = across(e / 3, e % 3);
       take(axis / hn::Sqrt(dot(axis, axis)), close);
     }
-    const Lane along = hn::Abs(r.v[k][j] * in.p[l] - r.v[l][j] * in.p[k]);
-    const Lane reach = in.halfA[k] * flat.v[l][j] + in.halfA[l] * flat.v[k][j] + in.halfB[m] * flat.v[i][n] +
-                       in.halfB[n] * flat.v[i][m];
-    const Lane gap = along - reach;
     const Mask narrower = hn::And(gap < zero, hn::Or(m_widest >= zero, gap * gap > m_widest * m_widest * length2));
-    const Mask offered = hn::AndNot(hn::Or(narrower, close), crossed);
-    if (!any(offered)) return;
-    const Lane distance = gap / hn::Sqrt(length2);
-    const Mask wider = hn::And(offered, distance > m_widest);
-    m_widest = choose(wider, distance, m_widest), m_axis = choose(wider, all(6), m_axis);
-    m_edge = choose(wider, across(i, j), m_edge);
+    const Mask wider = hn::AndNot(hn::Or(narrower, close), hn::And(crossed, distance > m_widest));
+    m_widest = choose(wider, distance, m_widest), m_axis = choose(wider, all(static_cast<Real>(6 + e)), m_axis);
+  }
+  // All roots before the first comparison: one after the other, they would wait for each other.
+  template <int... e>
+  HWY_INLINE void offerAllEdges(const Turn& flat, std::integer_sequence<int, e...>) {
+    (measureEdges<e>(flat), ...);
+    (offerEdges<e>(), ...);
+  }
+  template <int... e>
+  HWY_INLINE Lane3 widestOfEdges(std::integer_sequence<int, e...>) const {
+    Lane3 n = {{hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())}};
+    ((n = choose(m_axis == all(static_cast<Real>(6 + e)), across(e / 3, e % 3), n)), ...);
+    return n / hn::Sqrt(dot(n, n));
   }
 
   HWY_INLINE void take(const Lane3& n, Mask offered) {
@@ -108,7 +123,8 @@ class BoxLanes {
   }
   HWY_INLINE void takeWidest() {
     const Lane one = all(1), zero = hn::Zero(Tag());
-    Lane3 n = m_edge / hn::Sqrt(dot(m_edge, m_edge));
+    Lane3 n = {{zero, zero, zero}};
+    if (any(m_axis >= all(6))) n = widestOfEdges(kEdges);
     for (int k = 0; k < 3; ++k) {
       n = choose(m_axis == all(static_cast<Real>(3 + k)), column(m_in.r, k), n);
       Lane3 unit = {{zero, zero, zero}};
@@ -118,35 +134,39 @@ class BoxLanes {
     take(n, m_axis >= zero);
   }
 
-  // f(mask, v, ofA) for each corner that may be within `most`, of the asked lanes; f renews `most`.
-  template <class F>
-  HWY_INLINE void forCorners(Mask asked, Lane& most, F&& f) const {
+  // A box's corners in the other's frame, as far behind the foremost along the best axis as `lag` says (m).
+  struct Corners {
+    Lane3 q[8];
+    Lane lag[8];
+    Lane3 low, high;  // of the other box
+
+    /// From the corner to the nearest point of the other box.
+    HWY_INLINE Lane3 toOther(int c) const {
+      Lane3 v;
+      for (int k = 0; k < 3; ++k) {
+        const Lane x = q[c][k], raised = choose(x < low[k], low[k], x);
+        v[k] = choose(high[k] < raised, high[k], raised) - x;
+      }
+      return v;
+    }
+  };
+  HWY_INLINE Corners corners(bool ofA) const {
     const LanePairs& in = m_in;
-    const Lane proved = m_bound, two = all(2);
-    const Lane3 n = m_n, back = -turnedBack(in.r, n);
-    for (const bool ofA : {true, false}) {
-      const Lane3 &half = ofA ? in.halfA : in.halfB, &other = ofA ? in.halfB : in.halfA, &along = ofA ? n : back;
-      const Lane3 corner = withSignOf(half, along);
-      Lane3 q[8];
-      Lane lag[8];
-      q[0] = ofA ? turnedBack(in.r, corner - in.p) : in.p + turned(in.r, corner);
-      lag[0] = hn::Zero(Tag());
-      for (int bits = 0; bits < 8; ++bits) {
-        if (bits > 0) {
-          const int top = bits >= 4 ? 2 : bits >= 2 ? 1 : 0, rest = bits - (1 << top);
-          lag[bits] = lag[rest] + two * half[top] * hn::Abs(along[top]);
-          q[bits] = q[rest] - two * corner[top] * (ofA ? row(in.r, top) : column(in.r, top));
-        }
-        const Mask near = hn::AndNot(proved + lag[bits] > most, asked);
-        if (!any(near)) continue;
-        Lane3 v;
-        for (int k = 0; k < 3; ++k) {
-          const Lane x = q[bits][k], low = choose(x < hn::Neg(other[k]), hn::Neg(other[k]), x);
-          v[k] = choose(other[k] < low, other[k], low) - x;
-        }
-        f(near, v, ofA);
+    const Lane two = all(2);
+    const Lane3& half = ofA ? in.halfA : in.halfB;
+    const Lane3 along = ofA ? m_n : -turnedBack(in.r, m_n), corner = withSignOf(half, along);
+    Corners c;
+    c.high = ofA ? in.halfB : in.halfA, c.low = -c.high;
+    c.q[0] = ofA ? turnedBack(in.r, corner - in.p) : in.p + turned(in.r, corner);
+    c.lag[0] = hn::Zero(Tag());
+    for (int k = 0; k < 3; ++k) {
+      const Lane behind = two * half[k] * hn::Abs(along[k]);
+      const Lane3 edge = two * corner[k] * (ofA ? row(in.r, k) : column(in.r, k));
+      for (int i = 0; i < 1 << k; ++i) {
+        c.q[i + (1 << k)] = c.q[i] - edge, c.lag[i + (1 << k)] = c.lag[i] + behind;
       }
     }
+    return c;
   }
   HWY_INLINE Lane3 toB(const Lane3& v, bool ofA) const { return ofA ? turned(m_in.r, v) : -v; }
   HWY_INLINE void tryDirection(Mask asked, const Lane3& direction) {
@@ -157,31 +177,44 @@ class BoxLanes {
     takeIfBetter(n, m_in.bound(n), asked);
   }
 
+  // The scalar code passes over corners that lie too far behind to be the nearest; here it would take longer to ask.
   HWY_INLINE void tryCorners(Mask apart) {
     const Lane infinity = all(std::numeric_limits<Real>::infinity()), slack = all(kBoundRounding) * m_in.scale;
-    Lane least2 = infinity, most = infinity;
-    Lane3 nearest = {{all(0), all(0), all(0)}};
-    forCorners(apart, most, [&](Mask near, const Lane3& v, bool ofA) HWY_ATTR {
-      const Lane length2 = dot(v, v);
-      const Mask nearer = hn::And(near, length2 < least2);
-      if (!any(nearer)) return;
-      least2 = choose(nearer, length2, least2), nearest = choose(nearer, toB(v, ofA), nearest);
-      most = choose(nearer, hn::Sqrt(length2) + slack, most);
-    });
-    tryDirection(apart, nearest);
-    const Lane least = hn::Sqrt(least2);
+    Lane least2[2] = {infinity, infinity};
+    Lane3 nearest[2] = {};
+    for (const int side : {0, 1}) {
+      const Corners c = corners(side == 0);
+      for (int i = 0; i < 8; ++i) {
+        const Lane3 v = c.toOther(i);
+        const Lane length2 = dot(v, v);
+        const Mask nearer = length2 < least2[side];
+        least2[side] = choose(nearer, length2, least2[side]), nearest[side] = choose(nearer, v, nearest[side]);
+      }
+    }
+    const Mask ofB = least2[1] < least2[0];
+    tryDirection(apart, choose(ofB, toB(nearest[1], false), toB(nearest[0], true)));
+    const Lane least = hn::Sqrt(choose(ofB, least2[1], least2[0]));
     const Mask tied = hn::AndNot(m_bound >= least - slack, apart);
-    if (!any(tied)) return;
-    Lane tie = least + all(kTiePart) * least + all(kTieRounding) * m_in.scale;
-    forCorners(tied, tie, [&](Mask near, const Lane3& v, bool ofA) HWY_ATTR {
-      const Mask asked = hn::And(near, hn::Sqrt(dot(v, v)) <= tie);
-      if (any(asked)) tryDirection(asked, toB(v, ofA));
-    });
+    if (any(tied)) tryTied(tied, least + all(kTiePart) * least + all(kTieRounding) * m_in.scale);
+  }
+  HWY_INLINE void tryTied(Mask tied, Lane tie) {
+    const Lane proved = m_bound;
+    const Corners both[2] = {corners(true), corners(false)};  // along the axis that is the best now
+    for (const int side : {0, 1}) {
+      for (int i = 0; i < 8; ++i) {
+        const Mask near = hn::AndNot(proved + both[side].lag[i] > tie, tied);
+        if (!any(near)) continue;
+        const Lane3 v = both[side].toOther(i);
+        const Mask asked = hn::And(near, hn::Sqrt(dot(v, v)) <= tie);
+        if (any(asked)) tryDirection(asked, toB(v, side == 0));
+      }
+    }
   }
 
   const LanePairs& m_in;
-  Lane m_widest, m_axis;  // 0 to 2: A's, 3 to 5: B's, 6: m_edge
-  Lane3 m_edge;
+  QueryNeed m_need;
+  Lane m_widest, m_axis;  // axes by the numbers of SatBoxes
+  Lane m_gap[9], m_length2[9], m_distance[9];
   Lane m_bound, m_tests;
   Lane3 m_n;
   Mask m_left;
@@ -189,7 +222,7 @@ class BoxLanes {
 
 HWY_INLINE std::uint64_t answerBoxes(const PairView<3>* pairs, QueryNeed need, PairAnswer<3>* answers, WorkDone& work) {
   const LanePairs in(pairs);
-  BoxLanes boxes(in);
+  BoxLanes boxes(in, need);
   boxes.run();
   LaneAnswers out;
   Mask answered = hn::Not(boxes.left());

@@ -60,7 +60,7 @@ class Sat final : public PairQuery<D> {
       if (pair.a.hull || pair.b.hull) {
         m_polytope.run(pair, best, work);
       } else {
-        SatBoxes<D>(pair, best, work).run();
+        SatBoxes<D>(pair, need, best, work).run();
       }
       answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
     }

@@ -10,21 +10,23 @@ namespace lpc::inline LPC_PRECISION::pair_query {
 template <int D>
 class SatBoxes {
  public:
-  SatBoxes(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work)
-      : m_pair(pair), m_best(best), m_work(work), m_hA(pair.a.half), m_hB(pair.b.half) {}
+  SatBoxes(const CorePair<D>& pair, QueryNeed need, BestAxis<D>& best, WorkDone& work)
+      : m_pair(pair), m_need(need), m_best(best), m_work(work), m_hA(pair.a.half), m_hB(pair.b.half) {}
 
   void run() {
     LPC_ASSERT(m_pair.a.core() <= CoreClass::box && m_pair.b.core() <= CoreClass::box);
     const Mat<D> flat = m_pair.r.cwiseAbs();
+    Widest widest;
     for (int k = 0; k < D; ++k) {
-      offer(std::abs(m_pair.p[k]) - (m_hA[k] + flat.row(k).dot(m_hB)), k);
-      offer(std::abs(m_pair.r.col(k).dot(m_pair.p)) - (m_hB[k] + flat.col(k).dot(m_hA)), D + k);
+      widest.offer(std::abs(m_pair.p[k]) - (m_hA[k] + flat.row(k).dot(m_hB)), k);
+      widest.offer(std::abs(m_pair.r.col(k).dot(m_pair.p)) - (m_hB[k] + flat.col(k).dot(m_hA)), D + k);
     }
     m_work[WorkCount::axisTests] += 2 * D;
-    if constexpr (D == 3) offerEdges(flat);
-    takeWidest();
+    if constexpr (D == 3) offerEdges(flat, widest, std::make_integer_sequence<int, 9>());
+    takeWidest(widest.axis);
     // Apart, an axis proves the distance only where the nearest features are vertex and face or edge and edge: what is
     // left are pairs with a vertex in them. Flat cores in one plane are apart at a bound of zero, but for rounding.
+    if (m_need == QueryNeed::boolean && m_best.bound > m_pair.radii()) return;  // any axis proves the side
     if (m_best.bound > -kBoundRounding * m_pair.scale) tryCorners();
   }
 
@@ -32,36 +34,40 @@ class SatBoxes {
   static constexpr int kCorners = 1 << D;
 
   // Axes by number: A's, B's, then the common normals of edge i of A and j of B.
-  void offer(Real gap, int axis) {
-    if (gap > m_widest) m_widest = gap, m_axis = axis;
-  }
+  struct Widest {
+    Real gap = -std::numeric_limits<Real>::infinity();
+    int axis = 0;
+
+    void offer(Real offered, int number) {
+      if (offered > gap) gap = offered, axis = number;
+    }
+  };
 
   // Edges parallel to within rounding have no common normal but noise. Their axes are left out only to save time: by
   // core_pair.h no direction can claim more than is true, and the true optimum is then a face normal's. The common
-  // normal e_i x r_j has no part along e_i: with (i, k, l) in turn it is -r(l, j) along k and r(k, j) along l.
-  void offerEdges(const Mat<3>& flat) {
-    const Mat<3>& r = m_pair.r;
-    for (int i = 0; i < 3; ++i) {
-      if (!(m_hA[i] > 0)) continue;
-      const int k = (i + 1) % 3, l = (i + 2) % 3;
-      for (int j = 0; j < 3; ++j) {
-        if (!(m_hB[j] > 0)) continue;
-        const Real length2 = r(k, j) * r(k, j) + r(l, j) * r(l, j);
-        if (!(length2 > kParallelSine * kParallelSine)) continue;
-        ++m_work[WorkCount::axisTests];
-        if (length2 < kShortNormal * kShortNormal) {  // products of rounded numbers, divided by little
-          Vec<3> axis = Vec<3>::Unit(i).cross(r.col(j));
-          take(axis / axis.norm());
-          continue;
-        }
-        const int m = (j + 1) % 3, n = (j + 2) % 3;
-        const Real along = std::abs(r(k, j) * m_pair.p[l] - r(l, j) * m_pair.p[k]);
-        const Real reach = m_hA[k] * flat(l, j) + m_hA[l] * flat(k, j) + m_hB[m] * flat(i, n) + m_hB[n] * flat(i, m);
-        const Real gap = along - reach;
-        if (gap < 0 && (m_widest >= 0 || gap * gap > m_widest * m_widest * length2)) continue;  // without a root
-        offer(gap / std::sqrt(length2), 6 + 3 * i + j);
+  // normal e_i x r_j has no part along e_i: with (i, k, l) in turn it is -r(l, j) along k and r(k, j) along l. The
+  // numbers are the compiler's: asked by a loop, the nine take twice as long.
+  template <int... e>
+  void offerEdges(const Mat<3>& flat, Widest& widest, std::integer_sequence<int, e...>) {
+    int tests = 0;
+    const auto offer = [&]<int i, int j>() __attribute__((always_inline)) {
+      constexpr int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
+      const Mat<3>& r = m_pair.r;
+      const Real length2 = r(k, j) * r(k, j) + r(l, j) * r(l, j);
+      if (!(m_hA[i] > 0 && m_hB[j] > 0 && length2 > kParallelSine * kParallelSine)) return;
+      ++tests;
+      if (length2 < kShortNormal * kShortNormal) {  // products of rounded numbers, divided by little
+        Vec<3> axis = Vec<3>::Unit(i).cross(r.col(j));
+        return take(axis / axis.norm());
       }
-    }
+      const Real along = std::abs(r(k, j) * m_pair.p[l] - r(l, j) * m_pair.p[k]);
+      const Real reach = m_hA[k] * flat(l, j) + m_hA[l] * flat(k, j) + m_hB[m] * flat(i, n) + m_hB[n] * flat(i, m);
+      const Real gap = along - reach;
+      if (gap < 0 && (widest.gap >= 0 || gap * gap > widest.gap * widest.gap * length2)) return;  // without a root
+      widest.offer(gap / std::sqrt(length2), 6 + 3 * i + j);
+    };
+    (offer.template operator()<e / 3, e % 3>(), ...);
+    m_work[WorkCount::axisTests] += static_cast<std::uint64_t>(tests);
   }
 
   // Both signs at once: boxes are their own mirror images. What is reported is the bound of the very vector that is.
@@ -70,78 +76,88 @@ class SatBoxes {
     const Real reach = m_hA.dot(n.cwiseAbs()) + m_hB.dot((m_pair.r.transpose() * n).cwiseAbs());
     m_best.take(along < 0 ? Vec<D>(-n) : n, std::abs(along) - reach);
   }
-  void takeWidest() {
+  void takeWidest(int number) {
     Vec<D> n = Vec<D>::Zero();
-    if (m_axis < D) {
-      n[m_axis] = 1;
-    } else if (m_axis < 2 * D) {
-      n = m_pair.r.col(m_axis - D);
+    if (number < D) {
+      n[number] = 1;
+    } else if (number < 2 * D) {
+      n = m_pair.r.col(number - D);
     } else if constexpr (D == 3) {
-      n = Vec<D>::Unit((m_axis - 6) / 3).cross(m_pair.r.col((m_axis - 6) % 3));
+      n = Vec<D>::Unit((number - 6) / 3).cross(m_pair.r.col((number - 6) % 3));
       n /= n.norm();
     }
     take(n);
   }
 
-  // f(v) for each corner of one box that may be within `most` of the other: v leads from it to the nearest point of the
-  // other, in the other's frame, `ofA` says whose corner it is. One that lies `lag` behind the foremost corner along
-  // the best axis is farther than the bound by as much, at least. f returns the new `most`.
-  template <class F>
-  void forCorners(Real most, F&& f) {
+  // A box's corners in the other's frame, and how far each lies behind the foremost along the best axis: from the other
+  // box it is farther than the bound by as much, at least. A core's corners count once, `flat` axes have one end.
+  struct Corners {
+    std::array<Vec<D>, kCorners> q;
+    std::array<Real, kCorners> lag;
+    Vec<D> other;  // half extents
+
+    // From the corner to the nearest point of the other box.
+    Vec<D> toOther(std::size_t i) const { return q[i].cwiseMax(-other).cwiseMin(other) - q[i]; }
+  };
+  Corners corners(bool ofA) const {
     const Mat<D>& r = m_pair.r;
-    const Real proved = m_best.bound;  // along n: another direction may prove more meanwhile
-    const Vec<D> n = m_best.n, back = -(r.transpose() * n);
-    for (const bool ofA : {true, false}) {
-      const Vec<D>&half = ofA ? m_hA : m_hB, &other = ofA ? m_hB : m_hA, &along = ofA ? n : back;
-      Vec<D> corner;
-      for (int k = 0; k < D; ++k) corner[k] = along[k] >= 0 ? half[k] : -half[k];
-      const Vec<D> foremost = ofA ? Vec<D>(r.transpose() * (corner - m_pair.p)) : Vec<D>(m_pair.p + r * corner);
-      int extended = 0;
-      for (int k = 0; k < D; ++k) extended |= half[k] > 0 ? 1 << k : 0;
-      for (int bits = 0; bits < kCorners; ++bits) {
-        if (bits & ~extended) continue;  // the same corner again
-        Real lag = 0;
-        for (int k = 0; k < D; ++k) lag += (bits >> k) & 1 ? 2 * half[k] * std::abs(along[k]) : Real(0);
-        if (proved + lag > most) continue;
-        Vec<D> q = foremost;
-        for (int k = 0; k < D; ++k) {
-          if ((bits >> k) & 1) q -= 2 * corner[k] * (ofA ? Vec<D>(r.row(k).transpose()) : Vec<D>(r.col(k)));
-        }
-        most = f(Vec<D>(q.cwiseMax(-other).cwiseMin(other) - q), ofA);
+    const Vec<D>&half = ofA ? m_hA : m_hB, along = ofA ? m_best.n : Vec<D>(-(r.transpose() * m_best.n));
+    Vec<D> corner;
+    for (int k = 0; k < D; ++k) corner[k] = along[k] >= 0 ? half[k] : -half[k];
+    Corners out;
+    out.other = ofA ? m_hB : m_hA;
+    out.q[0] = ofA ? Vec<D>(r.transpose() * (corner - m_pair.p)) : Vec<D>(m_pair.p + r * corner);
+    out.lag[0] = 0;
+    for (int k = 0; k < D; ++k) {
+      const Vec<D> edge = 2 * corner[k] * (ofA ? Vec<D>(r.row(k).transpose()) : Vec<D>(r.col(k)));
+      const Real behind = half[k] > 0 ? 2 * half[k] * std::abs(along[k]) : std::numeric_limits<Real>::infinity();
+      for (std::size_t i = 0; i < std::size_t{1} << k; ++i) {
+        const std::size_t far = i + (std::size_t{1} << k);
+        out.q[far] = out.q[i] - edge, out.lag[far] = out.lag[i] + behind;
       }
     }
+    return out;
   }
   // pB - pA in A's frame.
   Vec<D> toB(const Vec<D>& v, bool ofA) const { return ofA ? Vec<D>(m_pair.r * v) : Vec<D>(-v); }
 
   void tryCorners() {
-    constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
     const Real slack = kBoundRounding * m_pair.scale;
-    Real least2 = kInfinity, most = kInfinity;
+    Real least2 = std::numeric_limits<Real>::infinity();
     Vec<D> nearest = Vec<D>::Zero();
     bool nearestOfA = true;
-    forCorners(most, [&](const Vec<D>& v, bool ofA) {
-      const Real length2 = v.squaredNorm();
-      if (length2 < least2) least2 = length2, nearest = v, nearestOfA = ofA, most = std::sqrt(length2) + slack;
-      return most;
-    });
+    for (const bool ofA : {true, false}) {
+      const Corners all = corners(ofA);
+      for (std::size_t i = 0; i < kCorners; ++i) {
+        const Real behind = m_best.bound + all.lag[i] - slack;
+        if (behind > 0 && behind * behind > least2) continue;
+        const Vec<D> v = all.toOther(i);
+        const Real length2 = v.squaredNorm();
+        if (length2 < least2) least2 = length2, nearest = v, nearestOfA = ofA;
+      }
+    }
     m_best.tryDirection(m_pair, toB(nearest, nearestOfA), m_work);
     const Real least = std::sqrt(least2);
     if (m_best.bound >= least - slack) return;
     // Among features that tie, rounding decides which is nearest, but not which direction proves most.
     const Real tie = least + kTiePart * least + kTieRounding * m_pair.scale;
-    forCorners(tie, [&](const Vec<D>& v, bool ofA) {
-      if (v.norm() <= tie) m_best.tryDirection(m_pair, toB(v, ofA), m_work);
-      return tie;
-    });
+    const Real proved = m_best.bound;  // another direction may prove more meanwhile
+    const std::array<Corners, 2> both = {corners(true), corners(false)};
+    for (const bool ofA : {true, false}) {
+      const Corners& all = both[ofA ? 0 : 1];
+      for (std::size_t i = 0; i < kCorners; ++i) {
+        if (proved + all.lag[i] > tie) continue;
+        const Vec<D> v = all.toOther(i);
+        if (v.norm() <= tie) m_best.tryDirection(m_pair, toB(v, ofA), m_work);
+      }
+    }
   }
 
   const CorePair<D>& m_pair;
+  QueryNeed m_need;
   BestAxis<D>& m_best;
   WorkDone& m_work;
   const Vec<D>&m_hA, &m_hB;
-  Real m_widest = -std::numeric_limits<Real>::infinity();
-  int m_axis = 0;
 };
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query
