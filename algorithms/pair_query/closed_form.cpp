@@ -41,15 +41,17 @@ class ClosedForm final : public PairQuery<D> {
     if (pairs.empty()) return;
     forMostInLanes<D>(
         m_lanes, pairs, answers,
-        [&](std::span<const PairView<3>> some, std::span<PairAnswer<3>> out) { return inLanes(some, need, out); },
+        [&](std::span<const PairView<3>> some, std::span<PairAnswer<3>> out) { return inLanes(some, need, out, work); },
         [&](std::span<const PairView<D>> some, std::span<PairAnswer<D>> out) { oneByOne(some, need, out, work); });
   }
 
  private:
-  static std::uint64_t inLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers) {
+  static std::uint64_t inLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
+                               WorkDone& work) {
     const CoreClass classA = pairs[0].a.core(), classB = pairs[0].b.core();
     if (classB == CoreClass::point) return ballsInLanes(pairs, answers);
-    if (classA == CoreClass::segment && classB == CoreClass::segment) return segmentsInLanes(pairs, need, answers);
+    if (classA == CoreClass::segment && classB == CoreClass::segment)
+      return segmentsInLanes(pairs, need, answers, work);
     return ~std::uint64_t{0};
   }
 
@@ -67,7 +69,7 @@ class ClosedForm final : public PairQuery<D> {
       if (classB == CoreClass::box) {
         pointA ? pointBox(pair, best) : segmentBox(pair, best, work);
       } else {
-        pointA ? pointSegment(pair, best, work) : segmentSegment(pair, best, work);
+        pointA ? pointSegment(pair, best, work) : segmentSegment(pair, need, best, work);
       }
       answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
     }
@@ -123,7 +125,7 @@ class ClosedForm final : public PairQuery<D> {
     best.take(q[k] > 0 ? Vec<D>(-pair.r.col(k)) : Vec<D>(pair.r.col(k)), std::abs(q[k]) - pair.b.half[k]);
   }
 
-  static void segmentSegment(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
+  static void segmentSegment(const CorePair<D>& pair, QueryNeed need, BestAxis<D>& best, WorkDone& work) {
     const Vec<D>&p = pair.p, u = pair.r.col(0);
     const Real lA = pair.a.half[0], lB = pair.b.half[0];
     // A lies on its own x axis: the parts of u across it, and the common normal, carry no cancellation.
@@ -138,6 +140,11 @@ class ClosedForm final : public PairQuery<D> {
     };
     const Vec<D> v = difference(tB);
     if (proves(pair, v, best)) return;
+    // Of a boolean the difference says enough where it is clearly shorter than the radii.
+    if (need == QueryNeed::boolean && best.bound > -std::numeric_limits<Real>::infinity() &&
+        (best.bound > pair.radii() || v.norm() + kBoundRounding * pair.scale < pair.radii())) {
+      return;
+    }
     tryPerpendicular(pair, Vec<D>::Unit(0), v, best, work);
     tryPerpendicular(pair, u, v, best, work);
     if constexpr (D == 3) {

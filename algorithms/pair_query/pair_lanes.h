@@ -26,7 +26,8 @@ inline constexpr std::size_t kMostLanePairs = 64;
 
 /// Bit i of the result: pair i is not answered, but left to the scalar code. All pairs are of the kinds named.
 std::uint64_t ballsInLanes(std::span<const PairView<3>> pairs, std::span<PairAnswer<3>> answers);
-std::uint64_t segmentsInLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers);
+std::uint64_t segmentsInLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
+                              WorkDone& work);
 std::uint64_t boxesInLanes(std::span<const PairView<3>> pairs, QueryNeed need, std::span<PairAnswer<3>> answers,
                            WorkDone& work);
 

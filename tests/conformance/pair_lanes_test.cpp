@@ -117,7 +117,7 @@ TEST(PairLanes, AnswerMostPairs) {
         const auto pairs = pool.views().subspan(begin, answers.size());
         const std::uint64_t left = kinds.first == ShapeKind::sphere ? pair_query::ballsInLanes(pairs, answers)
                                    : kinds.first == ShapeKind::capsule
-                                       ? pair_query::segmentsInLanes(pairs, QueryNeed::witnesses, answers)
+                                       ? pair_query::segmentsInLanes(pairs, QueryNeed::witnesses, answers, work)
                                        : pair_query::boxesInLanes(pairs, QueryNeed::witnesses, answers, work);
         answered += 64 - std::popcount(left);
       }
