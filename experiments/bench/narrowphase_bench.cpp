@@ -2,125 +2,59 @@
 #include <cmath>
 
 #include "experiments/bench/bench_groups.h"
+#include "experiments/bench/pair_data.h"
+#include "experiments/bench/pair_peers.h"
 #include "experiments/bench/pair_proof.h"
-#include "framework/curved_core.h"
-#include "framework/random.h"
 #include "framework/stage_narrowphase.h"
 #include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 namespace {
 
-constexpr int kPairs = 512;
 constexpr int kHullPoints[] = {8, 32, 128};
-
-Rot<2> drawTurn(Random& random, const Vec<2>&) { return Rot<2>::angle(random.uniform(-3, 3)); }
-Rot<3> drawTurn(Random& random, const Vec<3>&) {
-  return Rot<3>::vector({static_cast<Real>(random.uniform(-2, 2)), static_cast<Real>(random.uniform(-2, 2)),
-                         static_cast<Real>(random.uniform(-2, 2))});
-}
-
-template <int D>
-Vec<D> drawDirection(Random& random) {
-  for (;;) {
-    Vec<D> v;
-    for (int d = 0; d < D; ++d) v[d] = static_cast<Real>(random.uniform(-1, 1));
-    if (v.norm() > Real(0.1) && v.norm() <= 1) return v / v.norm();
-  }
-}
-
-// Sizes of 0.3 to 1 m.
-template <int D>
-Shape<D> drawShape(Random& random, ShapeKind kind, int hullPoints) {
-  const auto size = [&] { return static_cast<Real>(random.uniform(0.3, 1)); };
-  switch (coreClass(kind)) {
-    case CoreClass::point:
-      return Shape<D>::sphere(size());
-    case CoreClass::segment:
-      return kind == ShapeKind::segment ? Shape<D>::segment(size()) : Shape<D>::capsule(size(), size() / 2);
-    case CoreClass::box: {
-      Vec<D> half;
-      for (int d = 0; d < D; ++d) half[d] = size();
-      return Shape<D>::box(half);
-    }
-    case CoreClass::curved: {
-      std::vector<Real> sizes;
-      for (std::size_t i = 0; i < curvedKind<D>(kind).sizes.size(); ++i) sizes.push_back(size());
-      return Shape<D>::curved(kind, sizes);
-    }
-    case CoreClass::plane:
-      return Shape<D>::plane();
-    case CoreClass::hull:
-      break;
-  }
-  std::vector<Vec<D>> points;
-  const Real radius = size();
-  for (int k = 0; k < hullPoints; ++k) points.push_back(radius * drawDirection<D>(random));
-  return Shape<D>::polytope(std::span<const Vec<D>>(points));
-}
-
-/// Half of the pairs overlap, more or less: centres are up to 1.2 times the sum of the mean sizes apart.
-template <int D>
-struct PairData {
-  std::vector<Shape<D>> a, b;
-  std::vector<Pose<D>> X_WA, X_WB;
-
-  PairData(ShapeKind kindA, ShapeKind kindB, int hullPoints) {
-    Random random(7);
-    const auto radiusOf = [](const ShapeView<D>& v) {
-      return v.core() == CoreClass::plane ? Real(4) : boundingRadius(v);  // a plane's own is infinite
-    };
-    for (int k = 0; k < kPairs; ++k) {
-      a.push_back(drawShape<D>(random, kindA, hullPoints)), b.push_back(drawShape<D>(random, kindB, hullPoints));
-      const Real reach = Real(0.7) * (radiusOf(a.back().view()) + radiusOf(b.back().view()));
-      Pose<D> A, B;
-      A.p = drawDirection<D>(random), A.q = drawTurn(random, A.p);
-      B.p = A.p + reach * static_cast<Real>(random.uniform(0.3, 1.7)) * drawDirection<D>(random);
-      B.q = drawTurn(random, B.p);
-      X_WA.push_back(A), X_WB.push_back(B);
-    }
-  }
-};
 
 template <int D>
 void runQuery(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB, QueryNeed need,
               bool oneByOne) {
   const PairData<D> data(kindA, kindB, static_cast<int>(state.range(0)));
+  const std::size_t count = data.a.size();
   auto method = createStage<PairQuery<D>>(Spec::parse(spec));
   std::vector<PairView<D>> pairs;
-  std::vector<PairAnswer<D>> answers(kPairs);
-  for (std::size_t k = 0; k < kPairs; ++k)
+  std::vector<PairAnswer<D>> answers(count);
+  for (std::size_t k = 0; k < count; ++k)
     pairs.push_back({data.a[k].view(), data.b[k].view(), data.X_WA[k].inverse() * data.X_WB[k]});
   WorkDone work;
   const auto* witness = dynamic_cast<const Witness<D>*>(method.get());
   for (auto _ : state) {
     if (oneByOne) {
-      for (std::size_t k = 0; k < kPairs; ++k) method->query({&pairs[k], 1}, need, {&answers[k], 1}, {}, work);
+      for (std::size_t k = 0; k < count; ++k) method->query({&pairs[k], 1}, need, {&answers[k], 1}, {}, work);
     } else {
       method->query(pairs, need, answers, {}, work);
     }
     benchmark::ClobberMemory();
     if (witness) state.SetIterationTime(1e-9 * static_cast<double>(witness->nanoseconds()));
   }
-  state.SetItemsProcessed(state.iterations() * kPairs);
-  report(state, work, static_cast<double>(state.iterations()) * kPairs);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
+  report(state, work, static_cast<double>(state.iterations()) * static_cast<double>(count));
 
   method->query(pairs, QueryNeed::witnesses, answers, {}, work);
   PairProof<D> proof;
   proof.count(pairs, answers);
   proof.tell(state);
-  state.counters["ns_per_pair"] = benchmark::Counter(static_cast<double>(state.iterations()) * kPairs * 1e-9,
-                                                     benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["ns_per_pair"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * static_cast<double>(count) * 1e-9,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 template <int D>
 void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind kindA, ShapeKind kindB) {
   const PairData<D> data(kindA, kindB, static_cast<int>(state.range(0)));
+  const std::size_t count = data.a.size();
   auto method = createStage<ContactGenerator<D>>(Spec::parse(spec));
   std::vector<ShapeRecord<D>> shapes;
   std::vector<Pose<D>> poses;
   std::vector<ShapePair> pairs;
-  for (std::size_t k = 0; k < kPairs; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const auto slot = static_cast<std::int32_t>(shapes.size());
     for (const Shape<D>& shape : {data.a[k], data.b[k]}) {
       ShapeRecord<D> record;
@@ -140,24 +74,25 @@ void runGenerator(benchmark::State& state, const std::string& spec, ShapeKind ki
     method->generate(input, manifolds, work);
     benchmark::ClobberMemory();
   }
-  state.SetItemsProcessed(state.iterations() * kPairs);
-  report(state, work, static_cast<double>(state.iterations()) * kPairs);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
+  report(state, work, static_cast<double>(state.iterations()) * static_cast<double>(count));
 
   // A pair certainly overlaps when a centre lies in the other shape; then it must have a contact.
-  std::vector<bool> touched(kPairs);
+  std::vector<bool> touched(count);
   int points = 0, silent = 0;
   for (const Manifold<D>& m : manifolds) {
     touched[static_cast<std::size_t>(m.shapeA) / 2] = true;
     points += m.count;
   }
-  for (std::size_t k = 0; k < kPairs; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     silent += !touched[k] && containsPoint(data.a[k].view(), data.X_WA[k], data.X_WB[k].p) &&
               containsPoint(data.b[k].view(), data.X_WB[k], data.X_WB[k].p);
   }
   state.counters["manifolds"] = static_cast<double>(manifolds.size());
   state.counters["points"] = points, state.counters["silent_overlaps"] = silent;
-  state.counters["ns_per_pair"] = benchmark::Counter(static_cast<double>(state.iterations()) * kPairs * 1e-9,
-                                                     benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["ns_per_pair"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * static_cast<double>(count) * 1e-9,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 std::string kindText(ShapeKind a, ShapeKind b) {
@@ -216,6 +151,26 @@ void addQueries() {
       });
 }
 
+// Other people's functions called as a user calls them, with the shapes made beforehand: the witnesses' times have two
+// readings of the clock in each pair.
+void addPairPeers() {
+  for (const PairPeerEntry& entry : pairPeers()) {
+    for (const ShapeKind kind : entry.kinds) {
+      const std::string name = "pair_query/3D/" + entry.name + "/" + kindText(kind, kind) + "/contacts";
+      benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+        const PairData<3> data(kind, kind, 0);
+        const auto peer = entry.create(data);
+        int overlaps = 0;
+        for (auto _ : state) overlaps = peer->run();
+        state.counters["overlaps"] = overlaps;
+        state.counters["ns_per_pair"] =
+            benchmark::Counter(static_cast<double>(state.iterations()) * static_cast<double>(data.a.size()) * 1e-9,
+                               benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+      })->Arg(0);
+    }
+  }
+}
+
 template <int D>
 void addGenerators() {
   const std::string dimension = std::to_string(D) + "D/";
@@ -230,9 +185,15 @@ void addGenerators() {
 
 }  // namespace
 
+std::vector<PairPeerEntry>& pairPeers() {
+  static std::vector<PairPeerEntry> peers;
+  return peers;
+}
+
 void addPairQueries() {
   addQueries<2>();
   addQueries<3>();
+  addPairPeers();
 }
 void addContactGenerators() {
   addGenerators<2>();

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btBoxBoxDetector.h>
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
 
 #include "experiments/bench/box_peers.h"
+#include "experiments/bench/pair_peers.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 namespace {
@@ -76,6 +80,49 @@ class BulletSweep final : public Bullet {
   }
 };
 
+class BulletBoxes final : public PairPeer {
+ public:
+  explicit BulletBoxes(const PairData<3>& data) {
+    for (std::size_t k = 0; k < data.a.size(); ++k) {
+      m_pairs.push_back({shapeOf(data.a[k]), shapeOf(data.b[k]), transform(data.X_WA[k]), transform(data.X_WB[k])});
+    }
+  }
+  int run() override {
+    int overlaps = 0;
+    btBoxBoxDetector::ClosestPointInput input;
+    for (const Pair& pair : m_pairs) {
+      btBoxBoxDetector detector(pair.a.get(), pair.b.get());
+      input.m_transformA = pair.X_WA, input.m_transformB = pair.X_WB;
+      btPointCollector found;
+      detector.getClosestPoints(input, found, nullptr);
+      overlaps += found.m_hasResult;
+    }
+    return overlaps;
+  }
+
+ private:
+  struct Pair {
+    std::unique_ptr<btBoxShape> a, b;
+    btTransform X_WA, X_WB;
+  };
+  static std::unique_ptr<btBoxShape> shapeOf(const Shape<3>& shape) {
+    const Vec<3>& half = shape.view().half;
+    auto box = std::make_unique<btBoxShape>(btVector3(half[0], half[1], half[2]));
+    box->setMargin(0);
+    return box;
+  }
+  static btTransform transform(const Pose<3>& X) {
+    const Mat<3> r = X.q.matrix();
+    return btTransform({r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)},
+                       {X.p[0], X.p[1], X.p[2]});
+  }
+
+  std::vector<Pair> m_pairs;
+};
+
+const PairPeerRegistrar boxes({"peer_bullet_box_box", {ShapeKind::box}, [](const PairData<3>& data) {
+                                 return std::make_unique<BulletBoxes>(data);
+                               }});
 const BoxPeerRegistrar immediate({"peer_bullet_dbvt", 100000, [] { return std::make_unique<BulletTree>(false); }});
 const BoxPeerRegistrar deferred({"peer_bullet_dbvt_deferred", 100000,
                                  [] { return std::make_unique<BulletTree>(true); }});

@@ -63,7 +63,7 @@ const std::vector<Allowance> kAllowances = {
     {"experiments/", {"CLI/", "SQLiteCpp/", "nlohmann/", "toml++/", "sys/types.h"}, kPosix},
     {"experiments/", {}, {"fmt/", "muParser.h", "png.h", "sqlite3.h", "xxhash.h", "content_hashes.inc"}},
     {"experiments/", {}, {"assimp/", "fclib.h", "hdf5.h", "hdf5_hl.h"}},
-    {"experiments/bench/", {"benchmark/"}, {"BulletCollision/", "box2d/", "fcl/"}},
+    {"experiments/bench/", {"benchmark/"}, {"BulletCollision/", "box2d/", "fcl/", "ode/"}},
     {"tests/", {""}, {}},
 };
 

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "experiments/bench/pair_data.h"
+
+namespace lpc::inline LPC_PRECISION::bench {
+
+/// Another library's contacts of our pairs, with all that can be prepared done before.
+class PairPeer {
+ public:
+  virtual ~PairPeer() = default;
+  /// Asks all pairs; how many overlap.
+  virtual int run() = 0;
+};
+
+struct PairPeerEntry {
+  std::string name;
+  std::vector<ShapeKind> kinds;  // of both shapes
+  std::function<std::unique_ptr<PairPeer>(const PairData<3>&)> create;
+};
+std::vector<PairPeerEntry>& pairPeers();
+
+struct PairPeerRegistrar {
+  explicit PairPeerRegistrar(PairPeerEntry entry) { pairPeers().push_back(std::move(entry)); }
+};
+
+}  // namespace lpc::inline LPC_PRECISION::bench
