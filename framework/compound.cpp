@@ -46,6 +46,7 @@ Shape<D> Shape<D>::compound(std::span<const ShapePart<D>> parts, PartOverlap all
   auto made = std::make_shared<std::vector<ShapePart<D>>>();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::string who = "compound, part " + std::to_string(i);
+    if (parts[i].shape.surface()) throw UserError(who + ": is a mesh or chain; valid: convex shapes");
     if (!parts[i].shape.convex()) throw UserError(who + ": is a compound itself; valid: its parts, one by one");
     if (parts[i].shape.isPlane()) throw UserError(who + ": a plane has no end; valid: bounded shapes");
     checkPose(parts[i].X_SP, who);
@@ -72,6 +73,7 @@ Aabb<D> boundingBox(const Shape<D>& shape, const Pose<D>& X_WS) {
 template <int D>
 MassProperties<D> massProperties(const Shape<D>& shape, Real density) {
   MassProperties<D> sum;
+  if (shape.surface()) return sum;  // never moves
   forParts(shape, Pose<D>{}, [&](const ShapeView<D>& v, const Pose<D>& X_SP) {
     sum = combined(sum, transformed(massProperties(v, density), X_SP));
   });

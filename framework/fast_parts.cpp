@@ -45,11 +45,11 @@ Girth<D> FastParts<D>::girthOf(const ShapeView<D>& part) {
   return girth;
 }
 
-// f(part) for each part of a shape that has a place and a way.
+// f(part) for each part of a shape that has a place and a way; of a surface for those near the box.
 template <int D>
 template <class F>
 void FastParts<D>::forParts(std::size_t shape, const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
-                            const ShapeRecord<D>& record, const F& f) {
+                            const ShapeRecord<D>& record, const Aabb<D>& near, const F& f) {
   const auto body = static_cast<std::size_t>(record.body);
   const bool moves = bodies.awake[body] && bodies.type[body] != BodyType::fixed;
   auto& girths = m_girths[shape];
@@ -57,9 +57,8 @@ void FastParts<D>::forParts(std::size_t shape, const Ways<D>& ways, Real thresho
     lpc::forParts(record.shape, record.X_CS,
                   [&](const ShapeView<D>& view, const Pose<D>&) { girths.push_back(girthOf(view)); });
   }
-  std::int32_t number = -1;
-  lpc::forParts(record.shape, record.X_CS, [&](const ShapeView<D>& view, const Pose<D>& X_CP) {
-    Part part{record.body, static_cast<std::int32_t>(shape), ++number, view, X_CP, {}, 0, {}, false};
+  const auto take = [&](std::int32_t number, const ShapeView<D>& view, const Pose<D>& X_CP) {
+    Part part{record.body, static_cast<std::int32_t>(shape), number, view, X_CP, {}, 0, {}, false};
     const ShapeMotion<D> motion = ways.of(part.body, X_CP);
     if (moves) {
       part.girth = girths[static_cast<std::size_t>(number)];
@@ -73,14 +72,16 @@ void FastParts<D>::forParts(std::size_t shape, const Ways<D>& ways, Real thresho
       part.box = boundingBox(view, motion.X_WC * X_CP);
     }
     f(part);
-  });
+  };
+  forPartsNear(record.shape, record.X_CS, ways.start[body], near, m_parts, *m_work, take);
 }
 
 template <int D>
 std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& ways, Real threshold,
                                                                 const Bodies<D>& bodies,
                                                                 std::span<const ShapeRecord<D>> shapes,
-                                                                const BoxIndex<D>& boxes) {
+                                                                const BoxIndex<D>& boxes, WorkDone& work) {
+  m_work = &work;
   m_girths.resize(shapes.size());
   m_fast.clear(), m_pairs.clear();
   Real slowest = 0;  // that those go who are not fast: so far the boxes of the start may be wrong
@@ -88,7 +89,7 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
     if (shapes[s].body < 0) continue;
     const auto body = static_cast<std::size_t>(shapes[s].body);
     if (!bodies.awake[body] || bodies.type[body] == BodyType::fixed) continue;
-    forParts(s, ways, threshold, bodies, shapes[s], [&](const Part& part) {
+    forParts(s, ways, threshold, bodies, shapes[s], {}, [&](const Part& part) {
       if (part.fast) m_fast.push_back(part);
       if (!part.fast) slowest = std::max(slowest, part.goes);
     });
@@ -108,7 +109,7 @@ std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& w
     boxes.overlap(fast.box.grown(slowest), m_near);
     for (const ProxyId other : m_near) {
       const auto s = static_cast<std::size_t>(other);
-      forParts(s, ways, threshold, bodies, shapes[s], [&](const Part& part) {
+      forParts(s, ways, threshold, bodies, shapes[s], fast.box, [&](const Part& part) {
         if (!part.fast) pair(fast, part);
       });
     }

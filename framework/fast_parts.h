@@ -49,12 +49,12 @@ class FastParts {
   /// All pairs of a fast part and one whose way comes near its own, of two bodies and as their filters allow; in the
   /// order of their parts. `boxes` are those of the start.
   std::span<const Pair> find(const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
-                             std::span<const ShapeRecord<D>> shapes, const BoxIndex<D>& boxes);
+                             std::span<const ShapeRecord<D>> shapes, const BoxIndex<D>& boxes, WorkDone& work);
 
  private:
   template <class F>
   void forParts(std::size_t shape, const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
-                const ShapeRecord<D>& record, const F& f);
+                const ShapeRecord<D>& record, const Aabb<D>& near, const F& f);
   Girth<D> girthOf(const ShapeView<D>& part);
 
   std::unique_ptr<PairQuery<D>> m_query;        // how deep a part's centre is in it
@@ -62,6 +62,8 @@ class FastParts {
   // Scratch.
   std::vector<Part> m_fast;
   std::vector<ProxyId> m_near;
+  std::vector<std::int32_t> m_parts;  // numbers of a surface's
+  WorkDone* m_work = nullptr;         // of the step under way
   std::vector<Pair> m_pairs;
 };
 

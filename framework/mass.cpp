@@ -142,6 +142,11 @@ MassProperties<D> massProperties(const ShapeView<D>& shape, Real density) {
     case CoreClass::box:
       return ofBox(shape.half, density);
     case CoreClass::hull:
+      if (shape.kind == ShapeKind::triangle) {  // no volume; where its middle is somebody may ask
+        MassProperties<D> none;
+        none.center = middle<D>(*shape.hull).template cast<Real>();
+        return none;
+      }
       return ofPolytope<D>(*shape.hull, density);
     case CoreClass::curved:
       return shape.curved->massProperties(density);

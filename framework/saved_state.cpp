@@ -90,14 +90,16 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
   for (const ShapeRecord<D>& s : saved.shapes) {
     require(s.body == -1 || isBody(saved.bodies, s.body), "a shape of a body that does not exist");
     if (s.body < 0) continue;
+    markKinds(s.shape, kinds);
     forParts(s.shape, s.X_CS, [&](const ShapeView<D>& part, const auto&) {
-      kinds[static_cast<std::size_t>(part.kind)] = true;
-      if (part.hull) checkHull(*part.hull);
+      if (part.kind == ShapeKind::polytope) checkHull(*part.hull);  // a triangle was made anew
     });
     require(s.X_CS.p.allFinite() && isUnit(s.X_CS.q), "a shape has no place on its body");
     require(isAmount(s.friction) && isAmount(s.restitution), "friction or restitution is no finite number >= 0");
     require(!s.shape.isPlane() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,
             "a plane on a body that is not fixed");
+    require(!s.shape.surface() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,
+            "a mesh or chain on a body that is not fixed");
   }
   requireContacts(contacts, kinds, "load: this world's contact generator");
 }

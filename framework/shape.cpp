@@ -14,7 +14,8 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr std::array<std::string_view, kShapeKinds> kKindNames = {
-    "sphere", "capsule", "segment", "box", "polytope", "cylinder", "ellipsoid", "plane", "cone", "custom"};
+    "sphere",    "capsule", "segment", "box",      "polytope", "cylinder",
+    "ellipsoid", "plane",   "cone",    "triangle", "custom"};
 
 // One line of what was found and what would do; the comparison is written so that NaN is refused, too.
 void requireSize(const char* shape, const char* what, Real value, bool zeroAllowed) {
@@ -41,7 +42,7 @@ bool kindExists(ShapeKind kind, int dimension) {
     return dimension == 2 ? curvedKinds<2>().contains(kind) : curvedKinds<3>().contains(kind);
   }
   if (kind == ShapeKind::segment) return dimension == 2;
-  const bool spatial = kind == ShapeKind::cylinder || kind == ShapeKind::cone;
+  const bool spatial = kind == ShapeKind::cylinder || kind == ShapeKind::cone || kind == ShapeKind::triangle;
   return dimension == 3 || !spatial;
 }
 
@@ -94,6 +95,30 @@ Shape<D> Shape<D>::polytope(std::shared_ptr<const Polytope<D>> hull, Real roundi
   for (const Vec<D>& v : hull->vertices) s.m_view.half = s.m_view.half.cwiseMax(v.cwiseAbs()).eval();
   s.m_hull = std::move(hull);
   return s;
+}
+
+template <int D>
+Shape<D> Shape<D>::triangle(const Vec<D>& p0, const Vec<D>& p1, const Vec<D>& p2, Real rounding) {
+  requireSize("triangle", "rounding", rounding, true);
+  if constexpr (D == 2) {
+    throw UserError("triangle: exists in 3D only; valid in 2D: polytope");
+  } else {
+    Shape s;
+    s.m_hull = flatTriangle({p0, p1, p2}, "triangle");
+    s.m_view.kind = ShapeKind::triangle, s.m_view.radius = rounding, s.m_view.hull = s.m_hull.get();
+    for (const Vec<D>& v : s.m_hull->vertices) s.m_view.half = s.m_view.half.cwiseMax(v.cwiseAbs()).eval();
+    return s;
+  }
+}
+
+template <int D>
+Shape<D> Shape<D>::ofCorners(ShapeKind kind, std::span<const Vec<D>> corners, Real rounding) {
+  LPC_ASSERT(coreClass(kind) == CoreClass::hull);
+  if (kind != ShapeKind::triangle) return polytope(corners, rounding);
+  if (corners.size() != 3) {
+    throw UserError("triangle: " + std::to_string(corners.size()) + " points are given; valid: 3");
+  }
+  return triangle(corners[0], corners[1], corners[2], rounding);
 }
 
 template <int D>

@@ -4,7 +4,8 @@
 // classes, without a default, so that a new class is a compile error where it matters; a new kind of a class that is
 // there is one more file (framework/curved_core.h).
 //
-// A composite shape has several convex parts. It has no kind and no view: no method can be handed one, only its parts.
+// A composite shape has several convex parts: a compound, or a surface of triangles (3D) or segments (2D). It has no
+// kind and no view: no method can be handed one, only its parts.
 #pragma once
 
 #include <array>
@@ -30,9 +31,10 @@ enum class ShapeKind : unsigned char {
   ellipsoid,
   plane,
   cone,
+  triangle,
   custom
 };
-inline constexpr int kShapeKinds = 10;
+inline constexpr int kShapeKinds = 11;
 
 /// What the core of a shape is made of, its rounding left out.
 enum class CoreClass : unsigned char {
@@ -46,18 +48,19 @@ enum class CoreClass : unsigned char {
 constexpr CoreClass coreClass(ShapeKind kind) {
   constexpr std::array<CoreClass, kShapeKinds> kClass = {
       CoreClass::point,  CoreClass::segment, CoreClass::segment, CoreClass::box,    CoreClass::hull,
-      CoreClass::curved, CoreClass::curved,  CoreClass::plane,   CoreClass::curved, CoreClass::curved};
+      CoreClass::curved, CoreClass::curved,  CoreClass::plane,   CoreClass::curved, CoreClass::hull,
+      CoreClass::curved};
   return kClass[static_cast<std::size_t>(kind)];
 }
 /// Is there such a kind in this dimension? A segment is a curve without area, a cylinder has no planar twin but the
-/// box, a cone none but the triangle; `custom` is there as soon as a plugin has registered it
+/// box, a cone none but a polygon, and so has a triangle; `custom` is there as soon as a plugin has registered it
 /// (framework/curved_core.h).
 bool kindExists(ShapeKind kind, int dimension);
 std::string_view shapeKindName(ShapeKind kind);
 /// Throws UserError with the valid names.
 ShapeKind shapeKindFromName(std::string_view name);
 
-/// A convex polygon (2D) or polytope (3D), immutable, made by `convexHull`.
+/// A convex polygon (2D) or polytope (3D), immutable, made by `convexHull`; or a flat triangle (`flatTriangle`).
 template <int D>
 struct Polytope;
 
@@ -72,8 +75,9 @@ struct Polytope<3> {
   struct Face {
     Vec<3> normal;  // unit, outward
     Real offset;    // normal . p = offset on the face
-    int begin,
-        end;  // its vertices: loop[begin..end), counter-clockwise seen from outside; coplanar triangles are merged
+    // Its vertices: loop[begin..end), counter-clockwise seen from outside; coplanar triangles are merged. Two for a
+    // side of a flat triangle, which is an edge: it has no area.
+    int begin, end;
   };
   struct Edge {
     int v0, v1;  // as they follow each other in faceA's loop
@@ -90,8 +94,15 @@ struct Polytope<3> {
 std::shared_ptr<const Polytope<2>> convexHull(std::span<const Vec<2>> points);
 std::shared_ptr<const Polytope<3>> convexHull(std::span<const Vec<3>> points);
 
+/// A prism without height: both its sides, and the three that have no area, with normals in its plane. So its edges
+/// have two faces each, a right angle apart, as any hull's. Throws UserError when corners are not finite or on one line
+/// within rounding; `who` begins the message.
+std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& corners, std::string_view who);
+
 template <int D>
 class CurvedCore;
+template <int D>
+class Surface;
 
 /// A shape as algorithms see it: plain data, no ownership. Its own frame has its centre at the origin, except a
 /// polytope's, whose points are used as given.
@@ -109,6 +120,8 @@ struct ShapeView {
 
 template <int D>
 struct ShapePart;
+template <int D>
+struct PlacedView;
 
 /// May the parts of a compound share more than their surfaces?
 enum class PartOverlap { counted, refused };
@@ -123,6 +136,10 @@ class Shape {
   static Shape segment(Real halfLength);                           // along x, 2D only
   static Shape polytope(std::span<const Vec<D>> points, Real rounding = 0);
   static Shape polytope(std::shared_ptr<const Polytope<D>> hull, Real rounding = 0);
+  /// 3D only; its outside is where the corners go round counter-clockwise. It has no mass.
+  static Shape triangle(const Vec<D>& p0, const Vec<D>& p1, const Vec<D>& p2, Real rounding = 0);
+  /// A shape whose core is a hull, by its corners: a polytope or a triangle.
+  static Shape ofCorners(ShapeKind kind, std::span<const Vec<D>> corners, Real rounding = 0);
   /// Of a curved kind, by its sizes in the order of `curvedKind(kind).sizes`; the rounding is added outside.
   static Shape curved(ShapeKind kind, std::span<const Real> sizes, Real rounding = 0);
   static Shape plane();  // the half-space y <= 0
@@ -131,7 +148,17 @@ class Shape {
   /// sizes. Parts are bounded.
   static Shape compound(std::span<const ShapePart<D>> parts, PartOverlap overlap = PartOverlap::counted);
 
-  bool convex() const { return !m_compound; }
+  /// 3D only: a surface of triangles, three numbers of points each, counter-clockwise seen from outside. What lies
+  /// behind a triangle is solid: nothing is pushed there. A mesh need not be closed. Each triangle stands for itself,
+  /// so that a mesh may run through itself. For fixed bodies only. Throws UserError for what is no such surface, and
+  /// says where.
+  static Shape mesh(std::span<const Vec<D>> points, std::span<const std::array<int, 3>> triangles);
+  /// 2D only: a curve of segments from point to point, and from the last to the first when closed. What lies to its
+  /// left is solid, its normals look to the right, as those of Box2D's chains: ground runs from right to left, an
+  /// island counter-clockwise. Else as a mesh.
+  static Shape chain(std::span<const Vec<D>> points, bool closed);
+
+  bool convex() const { return !m_compound && !m_surface; }
   bool isPlane() const { return convex() && m_view.core() == CoreClass::plane; }
   // Precondition of both: convex().
   ShapeKind kind() const { return view().kind; }
@@ -139,14 +166,20 @@ class Shape {
     LPC_ASSERT(convex());
     return m_view;
   }
-  /// Of a composite shape; none of a convex one. See forParts.
+  /// Of a compound; none of others. See forParts.
   std::span<const ShapePart<D>> parts() const;
+  /// Of a mesh or chain; null of others.
+  const Surface<D>* surface() const { return m_surface.get(); }
+  std::span<const PlacedView<D>> surfaceParts() const;
+  /// Has no end, or no inside: only a fixed body may have it.
+  bool staysFixed() const { return isPlane() || m_surface; }
 
  private:
   ShapeView<D> m_view;
   std::shared_ptr<const Polytope<D>> m_hull;
   std::shared_ptr<const CurvedCore<D>> m_curved;
   std::shared_ptr<const std::vector<ShapePart<D>>> m_compound;
+  std::shared_ptr<const Surface<D>> m_surface;
 };
 
 /// A convex part of a compound.
@@ -167,11 +200,20 @@ std::span<const ShapePart<D>> Shape<D>::parts() const {
 template <int D>
 ShapePart<D> centredPart(const ShapePart<D>& part);
 
-/// f(view, X_AP) for each convex part of a shape posed by X_AS, in order. A convex shape is its own one part.
+/// A triangle or segment of a surface.
+template <int D>
+struct PlacedView {
+  ShapeView<D> view;
+  Pose<D> X_SP{};  // in the surface's frame
+};
+
+/// f(view, X_AP) for each convex part of a shape posed by X_AS, in order. A convex shape is its own one part. Of a
+/// surface there may be millions: see forPartsNear (framework/parts_near.h).
 template <int D, class F>
 void forParts(const Shape<D>& shape, const Pose<D>& X_AS, F&& f) {
   if (shape.convex()) return f(shape.view(), X_AS);
   for (const ShapePart<D>& part : shape.parts()) f(part.shape.view(), X_AS * part.X_SP);
+  for (const PlacedView<D>& part : shape.surfaceParts()) f(part.view, X_AS * part.X_SP);
 }
 
 /// The tight box of the shape posed by X_WS; of a plane all space.

@@ -70,6 +70,7 @@ void forEachEdge(const ShapeView<D>& shape, F&& f) {
 
 // A polygon's faces are its edges; only in 3D there is more than edges.
 bool insideFace(const Polytope<3>& hull, const Polytope<3>::Face& face, const Vec<3>& p) {
+  if (face.end - face.begin < 3) return false;  // a triangle's side has no area: it is an edge
   for (int i = face.begin; i < face.end; ++i) {
     const int j = i + 1 < face.end ? i + 1 : face.begin;
     const Vec<3>& a = hull.vertices[static_cast<std::size_t>(hull.loop[static_cast<std::size_t>(i)])];

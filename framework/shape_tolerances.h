@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// All tolerances of the shapes' own geometry: hulls (polytope.cpp), also those of saves (saved_state.cpp), parts of
-// compounds (compound.cpp), the walk to a curved core (support_gap.h) and exact questions about one shape
-// (shape_query.cpp). Each with unit, meaning and danger.
+// All tolerances of the shapes' own geometry: hulls (polytope.cpp), also those of saves (saved_state.cpp), triangles
+// (triangle.cpp), surfaces (surface.cpp) and their inner edges (internal_edges.cpp), parts of compounds (compound.cpp),
+// the walk to a curved core (support_gap.h) and exact questions about one shape (shape_query.cpp). Each with unit,
+// meaning and danger.
 #pragma once
 
 #include <limits>
 
-#include "framework/space.h"
+#include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -64,6 +65,37 @@ inline constexpr Real kRayRounding = 4 * std::numeric_limits<Real>::epsilon();
 /// Steps of a ray towards a curved core (count), then it grazes and misses. Smaller: rays that hit at a low angle are
 /// missed. Larger: time for those that graze.
 inline constexpr int kMostRaySteps = 256;
+
+/// A triangle is no flatter than this many times the rounding of its corners (1). Larger: usable slivers are refused.
+/// Smaller: a normal made of rounding.
+inline constexpr double kFlattestTriangle = 8;
+
+/// Triangles of a mesh, segments of a chain at most (count). Larger: numbers of edges overflow 32 bits, and gigabytes.
+/// Smaller: usable meshes are refused.
+inline constexpr std::size_t kMostTriangles = std::size_t(1) << 22;
+
+/// A box that is brought into a surface's frame grows by this part (1) of its coordinates there. Larger: more triangles
+/// are looked at. Smaller: one that touches the box is missed for rounding.
+inline constexpr Real kTurnedBox = 8 * std::numeric_limits<Real>::epsilon();
+
+/// A contact normal that leans over an edge of its triangle by less than this (1, the sine) is the triangle's own.
+/// Larger: bodies that slide are slowed by what is left. Smaller: rounding alone corrects every normal.
+inline constexpr Real kLeans = 16 * std::numeric_limits<Real>::epsilon();
+
+/// A contact normal may look to the solid side of its triangle by this (1, the sine) before the contact is dropped.
+/// Larger: bodies are pushed inwards. Smaller: of what lies on a neighbour at a right angle rounding decides whether
+/// the edge carries, too.
+inline constexpr Real kAgainstSolid = Real(1e-4);
+
+/// Two triangles that share an edge lie back to back when the cosine of the angle of their normals is below this (1).
+/// Larger: sharp wedges count as folded, which changes nothing but what rounding says. Smaller: of a folded sheet
+/// rounding says whether its rim is a ridge or a crack.
+inline constexpr Real kBackToBack = Real(-0.99999);
+
+/// A corrected contact stays when its foot is off the triangle by no more than this (m). Larger: bodies are carried by
+/// neighbours beside them, a box before it has come to a step. Smaller: of a box on a fine mesh rounding drops corners
+/// that stand on an edge.
+inline constexpr Real kFootOff = kLinearSlop / 5;
 
 /// Parts of a compound may overlap by this share of their sizes (1) though overlap is refused. Larger: mass that is
 /// counted twice goes unseen. Smaller: parts that share a face are refused for their rounding, of which a gap keeps the

@@ -40,6 +40,10 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
       continue;
     }
     const Pose<D>&X_WA = pose[static_cast<std::size_t>(a.body)], &X_WB = pose[static_cast<std::size_t>(b.body)];
+    if (a.shape.surface() || b.shape.surface()) {
+      ofSurface(p, a, b, X_WA, X_WB, margin, work);
+      continue;
+    }
     // A plane has no box of its own: the other's is put to it.
     const auto near = [&](const Aabb<D>& boxA, const Aabb<D>& boxB) {
       ++work[WorkCount::partTests];
@@ -69,10 +73,50 @@ std::span<const ConvexPair<D>> ChildPairs<D>::of(std::span<const ShapePair> pair
   return m_pairs;
 }
 
+// Both are bounded, and one has few parts: what moves is no surface.
+template <int D>
+void ChildPairs<D>::ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
+                              const Pose<D>& X_WB, Real margin, WorkDone& work) {
+  const auto forNear = [&](const ShapeRecord<D>& of, const Pose<D>& X_WC, const Aabb<D>& box, const auto& f) {
+    forPartsNear(of.shape, of.X_CS, X_WC, box, m_near, work,
+                 [&](std::int32_t child, const ShapeView<D>& part, const Pose<D>& X_CP) {
+                   ++work[WorkCount::partTests];
+                   if (box.overlaps(boundingBox(part, X_WC * X_CP))) f(child, part, X_CP);
+                 });
+  };
+  if (b.shape.surface()) {
+    std::int32_t childA = 0;
+    forParts(a.shape, a.X_CS, [&](const ShapeView<D>& partA, const Pose<D>& X_CA) {
+      forNear(b, X_WB, boundingBox(partA, X_WA * X_CA).grown(margin),
+              [&](std::int32_t childB, const ShapeView<D>& partB, const Pose<D>& X_CB) {
+                m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
+              });
+      ++childA;
+    });
+    return;
+  }
+  m_boxes.clear();
+  Aabb<D> whole;
+  forParts(b.shape, b.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_CB) {
+    m_boxes.push_back(boundingBox(part, X_WB * X_CB).grown(margin));
+    whole = whole.merged(m_boxes.back());
+  });
+  forNear(a, X_WA, whole, [&](std::int32_t childA, const ShapeView<D>& partA, const Pose<D>& X_CA) {
+    const Aabb<D> boxA = boundingBox(partA, X_WA * X_CA);
+    std::int32_t childB = -1;
+    forParts(b.shape, b.X_CS, [&](const ShapeView<D>& partB, const Pose<D>& X_CB) {
+      ++childB, ++work[WorkCount::partTests];
+      if (!boxA.overlaps(m_boxes[static_cast<std::size_t>(childB)])) return;
+      m_pairs.push_back({p, childA, childB, partA, partB, X_CA, X_CB});
+    });
+  });
+}
+
 template <int D>
 void markKinds(const Shape<D>& shape, std::array<bool, kShapeKinds>& kinds) {
-  forParts(shape, Pose<D>{},
-           [&](const ShapeView<D>& v, const auto&) { kinds[static_cast<std::size_t>(v.kind)] = true; });
+  const auto mark = [&](const ShapeView<D>& v, const auto&) { kinds[static_cast<std::size_t>(v.kind)] = true; };
+  if (shape.surface()) return mark(shape.surfaceParts()[0].view, 0);  // all of one kind
+  forParts(shape, Pose<D>{}, mark);
 }
 
 void requirePairs(const std::function<bool(ShapeKind, ShapeKind)>& supports, const std::array<bool, kShapeKinds>& kinds,

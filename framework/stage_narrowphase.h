@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "framework/contact.h"
+#include "framework/parts_near.h"
 #include "framework/registry.h"
 #include "framework/work.h"
 
@@ -112,7 +113,12 @@ class ChildPairs {
 
  private:
   std::vector<ConvexPair<D>> m_pairs;
-  std::vector<Aabb<D>> m_boxes;  // of the second shape's parts
+  /// As `of`, one of the shapes being a surface.
+  void ofSurface(const ShapePair& p, const ShapeRecord<D>& a, const ShapeRecord<D>& b, const Pose<D>& X_WA,
+                 const Pose<D>& X_WB, Real margin, WorkDone& work);
+
+  std::vector<Aabb<D>> m_boxes;      // of the second shape's parts
+  std::vector<std::int32_t> m_near;  // numbers of a surface's parts
 };
 
 template <int D>

@@ -158,7 +158,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
     return !m_boxes.active(p.shapeA) && !m_boxes.active(p.shapeB);
   }
   template <class Holds>
-  std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const;
+  std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box, const Holds& holds) const;
   template <class Meets>
   std::vector<BodyRayHit<D>> rayHits(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
                                      const Meets& meets) const;

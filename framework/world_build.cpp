@@ -65,6 +65,10 @@ Handle World<D>::add(const BodyDef<D>& def) {
     if (s.shape.isPlane() && def.type != BodyType::fixed) {
       throw UserError(who + ": a plane has no end and cannot move; make the body fixed, or give it a box");
     }
+    if (s.shape.surface() && def.type != BodyType::fixed) {
+      throw UserError(who + ": a " + (D == 2 ? "chain" : "mesh") +
+                      " moves nothing; valid for bodies that move: convex shapes or a compound of them");
+    }
     markKinds(s.shape, kinds);
   }
   if (def.type == BodyType::dynamic && !(mass.mass > 0)) {

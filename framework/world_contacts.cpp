@@ -3,6 +3,7 @@
 // listeners.
 #include <algorithm>
 
+#include "framework/internal_edges.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -159,10 +160,12 @@ void World<D>::generate(std::span<const ShapePair> pairs, Real margin) {
   const auto children = m_children.of(pairs, m_shapes, m_bodies.pose, margin, work);
   const std::span<PairMemory> memory = recall(children);
   const std::span<const Manifold<D>> old = m_oldManifolds;
+  const std::size_t before = m_manifolds.size();
   stage<ContactGenerator>().generate(
       {children, m_shapes, m_bodies.pose, margin, m_settings.features.friction, m_settings.mixing, memory,
        m_settings.features.cache ? old : std::span<const Manifold<D>>()},
       m_manifolds, work);
+  correctSurfaceContacts<D>(m_shapes, m_bodies.pose, margin, before, m_manifolds);
   for (std::size_t i = 0; i < memory.size(); ++i) {
     m_asked.push_back(recordOf<D>(children[i], m_shapes));
     m_asked.back().memory = memory[i];

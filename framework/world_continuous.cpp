@@ -15,7 +15,8 @@ constexpr Real kNever = std::numeric_limits<Real>::infinity();
 
 template <int D>
 std::span<const typename FastParts<D>::Pair> World<D>::fastPairs(const Ways<D>& ways) {
-  const auto found = m_fast.find(ways, stage<ContinuousCollision>().threshold(), m_bodies, m_shapes, m_boxes);
+  const auto found =
+      m_fast.find(ways, stage<ContinuousCollision>().threshold(), m_bodies, m_shapes, m_boxes, m_profiler.frame().work);
   m_profiler.frame().work[WorkCount::sweptPairs] += found.size();
   return found;
 }

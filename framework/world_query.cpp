@@ -2,21 +2,45 @@
 // Questions about exact shapes at present poses.
 #include <algorithm>
 
+#include "framework/parts_near.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
+namespace {
 
-// The bodies, each once, of those proxies of whose shape a convex part holds; `holds` is asked with it and its pose.
+// meet(view, X_WP) for each part whose box, grown by rounding, the ray meets. A surface has two sides for rays: what
+// they enter by is told by their direction.
+template <int D, class Meet>
+void meetOfSurface(const Surface<D>& surface, const Pose<D>& X_WS, const Vec<D>& p, const Vec<D>& direction, Real maxT,
+                   std::vector<std::int32_t>& near, const Meet& meet) {
+  const Vec<D> start = X_WS.q.inverse() * Vec<D>(p - X_WS.p), along = X_WS.q.inverse() * direction;
+  const Real rounding = kTurnedBox * (p.cwiseAbs().maxCoeff() + X_WS.p.cwiseAbs().maxCoeff() + surface.reach());
+  WorkDone work;
+  surface.tree().find([&](const Aabb<D>& box) { return castRay(box.grown(rounding), start, along, maxT) >= 0; }, near,
+                      work);
+  for (const std::int32_t i : near) {
+    const PlacedView<D>& part = surface.parts()[static_cast<std::size_t>(i)];
+    meet(part.view, X_WS * part.X_SP);
+  }
+}
+
+}  // namespace
+
+// The bodies, each once, of those proxies of whose shape a convex part holds; `holds` is asked with it and its pose. Of
+// a surface those alone are asked that come near the box.
 template <int D>
 template <class Holds>
-std::vector<Handle> World<D>::bodiesOf(std::vector<ProxyId>& found, const Holds& holds) const {
+std::vector<Handle> World<D>::bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box, const Holds& holds) const {
   std::sort(found.begin(), found.end());
   std::vector<Handle> out;
+  std::vector<std::int32_t> near;
+  WorkDone work;
   for (ProxyId id : found) {
     const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(id)];
     const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
     bool held = false;
-    forParts(s.shape, X_WS, [&](const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
+    forPartsNear(s.shape, X_WS, {}, box, near, work,
+                 [&](std::int32_t, const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
     const Handle h = handle(s.body);
     if (held && std::find(out.begin(), out.end(), h) == out.end()) out.push_back(h);
   }
@@ -28,7 +52,8 @@ std::vector<Handle> World<D>::at(const Vec<D>& point) const {
   sync();
   std::vector<ProxyId> found;
   m_boxes.at(point, found);
-  return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
+  return bodiesOf(found, {point, point},
+                  [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
 }
 
 template <int D>
@@ -36,7 +61,7 @@ std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
   sync();
   std::vector<ProxyId> found;
   m_boxes.overlap(box, found);
-  return bodiesOf(found, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
+  return bodiesOf(found, box, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
 template <int D>
@@ -49,16 +74,22 @@ std::vector<BodyRayHit<D>> World<D>::rayHits(const Vec<D>& p, const Vec<D>& dire
   std::vector<RayHit<D>> found;
   m_boxes.ray(p, direction, maxT, found);  // the first box need not hold the first shape
   std::vector<BodyRayHit<D>> out;
+  std::vector<std::int32_t> near;
   for (const RayHit<D>& hit : found) {
     const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(hit.proxy)];
     const Handle body = handle(s.body);
     if (!meets(body, s)) continue;
     const Pose<D> X_WS = m_bodies.pose[static_cast<std::size_t>(s.body)] * s.X_CS;
     RayEntry<D> first;
-    forParts(s.shape, X_WS, [&](const auto& part, const Pose<D>& X_WP) {
+    const auto meet = [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
       const RayEntry<D> entry = rayEntry(part, X_WP, p, direction, maxT);
       if (entry.t >= 0 && (first.t < 0 || entry.t < first.t)) first = entry;
-    });
+    };
+    if (const Surface<D>* surface = s.shape.surface()) {
+      meetOfSurface(*surface, X_WS, p, direction, maxT, near, meet);
+    } else {
+      forParts(s.shape, X_WS, meet);
+    }
     if (first.t >= 0) out.push_back({body, s.index, first.t, first.normal, s.userData});
   }
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {

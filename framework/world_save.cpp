@@ -12,6 +12,7 @@
 
 #include "framework/curved_core.h"
 #include "framework/saved_state.h"
+#include "framework/surface.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -158,6 +159,13 @@ void convexFields(Archive& a, ShapeKind kind, Shape<D>& shape) {
       shape = Shape<D>::box(v.half, v.radius);
       break;
     case CoreClass::hull: {
+      if (v.kind == ShapeKind::triangle) {  // what else it has follows from its corners
+        std::vector<Vec<D>> corners;
+        if (!a.reading()) corners = v.hull->vertices;
+        a(corners);
+        shape = Shape<D>::ofCorners(v.kind, corners, v.radius);
+        break;
+      }
       Polytope<D> hull = a.reading() ? Polytope<D>{} : *v.hull;
       a(hull);
       if (a.reading()) shape = Shape<D>::polytope(std::make_shared<const Polytope<D>>(std::move(hull)), v.radius);
@@ -184,11 +192,27 @@ void fields(Archive& a, ShapePart<D>& part) {
   a(part.X_SP);
 }
 
+// As it was given: all else follows from that.
+template <int D>
+void surfaceFields(Archive& a, Shape<D>& shape) {
+  std::vector<Vec<D>> points;
+  std::vector<std::array<int, D>> corners;
+  if (!a.reading()) points = shape.surface()->points(), corners = shape.surface()->corners();
+  a(points, corners);
+  if (!a.reading()) return;
+  if constexpr (D == 3) {
+    shape = Shape<D>::mesh(points, corners);
+  } else {
+    shape = Shape<D>::chain(points, corners.size() == points.size());
+  }
+}
+
 template <int D>
 void fields(Archive& a, Shape<D>& shape) {
-  constexpr ShapeKind kCompound{255};  // in the place of a kind
-  ShapeKind kind = shape.convex() ? shape.kind() : kCompound;
+  constexpr ShapeKind kCompound{255}, kSurface{254};  // in the place of a kind
+  ShapeKind kind = shape.convex() ? shape.kind() : shape.surface() ? kSurface : kCompound;
   a(kind);
+  if (kind == kSurface) return surfaceFields(a, shape);
   if (kind != kCompound) return convexFields(a, kind, shape);
   std::vector<ShapePart<D>> parts(shape.parts().begin(), shape.parts().end());
   a(parts);

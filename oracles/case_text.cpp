@@ -45,7 +45,7 @@ std::string shapeText(const ShapeView<D>& s, const std::vector<Vec<D>>& given) {
       out << R"({"type": "box", "half_extents": )" << listed<D>(s.half);
       break;
     case CoreClass::hull:
-      out << R"({"type": "convex", "points": [)";
+      out << R"({"type": ")" << (s.kind == ShapeKind::triangle ? "triangle" : "convex") << R"(", "points": [)";
       for (std::size_t i = 0; i < points.size(); ++i) out << (i ? ", " : "") << listed<D>(points[i]);
       out << ']';
       break;

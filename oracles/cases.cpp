@@ -195,7 +195,8 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
       }
     } else if (type == "polygon" || type == "convex" || type == "triangle") {
       const std::vector<Vec<D>> points = at.points<D>(shape);
-      out.shape = Shape<D>::polytope(points, rounding);
+      const bool flat = D == 3 && type == "triangle";
+      out.shape = Shape<D>::ofCorners(flat ? ShapeKind::triangle : ShapeKind::polytope, points, rounding);
     } else if (type == "half_space") {
       out.shape = Shape<D>::plane();
     } else if (const auto curved = curvedNamed<D>(type)) {
@@ -208,7 +209,7 @@ CaseShape<D> readShape(const Place& at, const Json& shape, const Pose<D>& X_WC) 
     }
   } catch (const BadFile&) {
     throw;
-  } catch (const UserError& error) {  // without volume, for instance a triangle in 3D
+  } catch (const UserError& error) {  // without volume, for instance four points in a plane
     out.refusal = type + ": " + error.what();
   }
   return out;

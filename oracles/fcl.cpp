@@ -63,8 +63,9 @@ struct FclPlaced {
         geometry = std::make_shared<fcl::Ellipsoid<double>>(shape.half[0], shape.half[1], shape.half[2]);
         rounding = shape.radius;
         break;
-      case ShapeKind::plane:  // none is in the table of kinds
+      case ShapeKind::plane:  // none of them is in the table of kinds
       case ShapeKind::cone:
+      case ShapeKind::triangle:
       case ShapeKind::custom:
         break;
     }

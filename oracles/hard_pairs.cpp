@@ -177,9 +177,23 @@ class Drawer {  // no expression draws twice: the order would be the compiler's
       case CoreClass::hull:
         break;
     }
-    points = m_family->level ? prism() : m_family->nasty ? nasty() : cloud();
+    const bool flat = kind == ShapeKind::triangle;
+    points = flat ? corners() : m_family->level ? prism() : m_family->nasty ? nasty() : cloud();
     for (Vec<D>& p : points) p *= large, p[thinAxis] *= thin;
-    return Shape<D>::polytope(std::span<const Vec<D>>(points), rounding);
+    return Shape<D>::ofCorners(kind, points, rounding);
+  }
+
+  // Of a triangle: often in a plane across an axis, with two edges along the others.
+  std::vector<Vec<D>> corners() {
+    const Vec<D> h = half();
+    const bool anyhow = coin();
+    const int k = axis();
+    std::vector<Vec<D>> points;
+    for (int i = 0; i < 3; ++i) {
+      points.push_back(anyhow ? Vec<D>(h.cwiseProduct(direction())) : Vec<D>(-h));
+      if (i > 0 && !anyhow) points.back()[(k + i) % D] = 2 * h[(k + i) % D];
+    }
+    return points;
   }
 
   // A simplex, so that there is a volume, and up to twelve more points.

@@ -172,7 +172,7 @@ struct Sketch {
     }
     std::vector<Vec<D>> scaled;
     for (const Vec<D>& p : points) scaled.push_back(scale * p);
-    return Shape<D>::polytope(std::span<const Vec<D>>(scaled), scale * radius);
+    return Shape<D>::ofCorners(kind, scaled, scale * radius);
   }
 };
 
@@ -206,6 +206,11 @@ Sketch<D> drawSketch(Draw& draw, ShapeKind kind) {
   const Real rounding = draw.below(4) == 3 ? draw.real(0.01, 0.3) : Real(0);
   if (kind == ShapeKind::polytope) {
     s.points = drawPoints<D>(draw), s.radius = rounding;
+  } else if (kind == ShapeKind::triangle) {  // two edges along axes, the third corner anywhere near its place
+    const Vec<D> half = drawHalf<D>(draw);
+    s.points.assign(3, -half), s.radius = rounding;
+    s.points[1][0] = s.points[2][1] = 2 * half[0];
+    if (draw.coin()) s.points[2] += half.cwiseProduct(drawVector<D>(draw)) / 2;
   } else if (kind == ShapeKind::box || coreClass(kind) == CoreClass::curved) {
     s.half = drawHalf<D>(draw), s.radius = rounding;
   } else {

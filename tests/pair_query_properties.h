@@ -33,7 +33,7 @@ long double boundAlong(const Asked<D>& pair, const Vec<D>& direction) {
   n /= n.norm();
   const auto reach = [](const ShapeView<D>& shape, const V& d) {
     long double farthest = 0;
-    if (shape.kind == ShapeKind::polytope) {
+    if (shape.hull) {
       farthest = -std::numeric_limits<long double>::infinity();
       for (const Vec<D>& v : shape.hull->vertices) {
         farthest = std::max<long double>(farthest, v.template cast<long double>().dot(d));
@@ -93,16 +93,16 @@ Shape<D> resized(const Shape<D>& shape, Real k, Real r = 0) {
   }
   std::vector<Vec<D>> points;
   for (const Vec<D>& p : v.hull->vertices) points.push_back(k * p);
-  return Shape<D>::polytope(std::span<const Vec<D>>(points), k * v.radius + r);
+  return Shape<D>::ofCorners(v.kind, points, k * v.radius + r);
 }
 
 /// Its mirror image across the plane x_k = 0.
 template <int D>
 Shape<D> mirrored(const Shape<D>& shape, int k) {
-  if (shape.kind() != ShapeKind::polytope) return shape;
+  if (!shape.view().hull) return shape;
   std::vector<Vec<D>> points = shape.view().hull->vertices;
   for (Vec<D>& p : points) p[k] = -p[k];
-  return Shape<D>::polytope(std::span<const Vec<D>>(points), shape.view().radius);
+  return Shape<D>::ofCorners(shape.kind(), points, shape.view().radius);
 }
 inline Rot<2> mirrored(const Rot<2>& q, int) { return q.inverse(); }
 inline Rot<3> mirrored(const Rot<3>& q, int k) {
@@ -336,12 +336,12 @@ class PairQueryProperties {
   // Nor does the order in which the points of a hull were given.
   std::string vertexOrder(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {
     const auto reordered = [&](const Shape<D>& shape) {
-      if (shape.kind() != ShapeKind::polytope) return shape;
+      if (!shape.view().hull) return shape;
       std::vector<Vec<D>> points = shape.view().hull->vertices;
       for (std::size_t i = points.size(); i > 1; --i) {
         std::swap(points[i - 1], points[static_cast<std::size_t>(draw.below(static_cast<int>(i)))]);
       }
-      return Shape<D>::polytope(std::span<const Vec<D>>(points), shape.view().radius);
+      return Shape<D>::ofCorners(shape.kind(), points, shape.view().radius);
     };
     return near(askDistance({reordered(pair.a), reordered(pair.b), pair.X_AB}), answer.distance, 2);
   }

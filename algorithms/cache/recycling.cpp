@@ -119,6 +119,7 @@ class Recycling final : public ContactCache<D> {
 
   static bool flat(const Shape<D>& shape) {
     bool flat = true;
+    if (shape.surface()) return true;  // of segments or of triangles
     forParts(shape, Pose<D>{}, [&](const ShapeView<D>& part, const Pose<D>&) {
       flat = flat && part.radius == 0 && part.core() != CoreClass::curved && part.core() != CoreClass::point;
     });
@@ -127,6 +128,7 @@ class Recycling final : public ContactCache<D> {
 
   // Radius of a sphere around the shape's origin that contains it, m.
   static Real reach(const Shape<D>& shape) {
+    if (shape.surface()) return shape.surface()->reach();
     Real reach = 0;
     forParts(shape, Pose<D>{}, [&](const ShapeView<D>& part, const Pose<D>& X_SP) {
       reach = std::max(reach, X_SP.p.norm() + boundingRadius(part));

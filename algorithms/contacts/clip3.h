@@ -106,12 +106,49 @@ inline void addClipped(const Reference3& ref, std::span<const Side3> sides, cons
   }
 }
 
+/// The part of an edge between two vertices of `inc` inside the side planes of the reference face, with tolerances as
+/// for a face. When both are one vertex, that is a point, whose number needs no tolerance to be steady.
+inline void clipEdge(const Reference3& ref, const Core3& inc, const std::array<int, 2>& vertices,
+                     const PlacedPair<3>& pair, ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
+  const int ends = vertices[0] == vertices[1] ? 1 : 2;
+  const Real tolerance = ends == 1 ? Real(0) : pair.tolerance;
+  Real t[2] = {0, 1};
+  int cutBy[2] = {-1, -1};
+  const Vec<3>&a = inc.v[vertices[0]], &b = inc.v[vertices[1]];
+  ref.fillSides(scratch.sides);
+  for (int j = 0; j < ref.size(); ++j) {
+    const auto& [m, offset] = scratch.sides[static_cast<std::size_t>(j)];
+    const Real da = m.dot(a) - offset, db = m.dot(b) - offset;
+    if (da > tolerance && db > tolerance) return;
+    // An end within the tolerance stays where it is, even when the other one is cut off.
+    const Real cut1 = db < 0 ? da / (da - db) : Real(1), cut2 = da < 0 ? da / (da - db) : Real(0);
+    if (da > tolerance && cut1 > t[0]) t[0] = cut1, cutBy[0] = j;
+    if (db > tolerance && cut2 < t[1]) t[1] = cut2, cutBy[1] = j;
+  }
+  if (t[0] > t[1]) return;
+  for (int end = 0; end < ends; ++end) {
+    const int cut = cutBy[end];
+    const int vertex = vertices[static_cast<std::size_t>(end)];
+    const Vec<3> p = cut < 0 ? inc.v[vertex] : Vec<3>(a + t[end] * (b - a));
+    addClipped(ref, scratch.sides, p, cut < 0 ? kNoFeature : ref.edgeCode(cut), featureCode(vertex), pair.limit, out);
+  }
+}
+
+/// For a core without faces: a segment, or a point.
+inline void clipSegment(const Reference3& ref, const Core3& inc, const PlacedPair<3>& pair, ClipScratch3& scratch,
+                        std::vector<PatchPoint<3>>& out) {
+  clipEdge(ref, inc, {0, inc.vertexCount - 1}, pair, scratch, out);
+}
+
 /// Sutherland-Hodgman: the part of face `incFace` of `inc` inside the side planes of the reference face. A corner that
 /// lies outside by less than the pair's tolerance stays as it is: faces of equal size that lie on each other would
 /// otherwise get new corners, and lose their impulses, with every rounding.
 inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const PlacedPair<3>& pair,
                      ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
   const int begin = inc.face(incFace).begin, size = inc.faceSize(incFace);
+  if (size == 2) {  // a side of a triangle
+    return clipEdge(ref, inc, {inc.loop(begin), inc.loop(begin + 1)}, pair, scratch, out);
+  }
   auto& from = scratch.from;
   auto& to = scratch.to;
   from.clear();
@@ -148,32 +185,6 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
       incCode = featureCode(incVertex(k), incVertex(k + 1));
     }
     addClipped(ref, scratch.sides, c.p, refCode, incCode, pair.limit, out);
-  }
-}
-
-/// The same for a core without faces: a segment, or a point, whose one number needs no tolerance to be steady.
-inline void clipSegment(const Reference3& ref, const Core3& inc, const PlacedPair<3>& pair, ClipScratch3& scratch,
-                        std::vector<PatchPoint<3>>& out) {
-  const int ends = inc.vertexCount;
-  const Real tolerance = ends == 1 ? Real(0) : pair.tolerance;
-  Real t[2] = {0, 1};
-  int cutBy[2] = {-1, -1};
-  const Vec<3>&a = inc.v[0], &b = inc.v[ends - 1];
-  ref.fillSides(scratch.sides);
-  for (int j = 0; j < ref.size(); ++j) {
-    const auto& [m, offset] = scratch.sides[static_cast<std::size_t>(j)];
-    const Real da = m.dot(a) - offset, db = m.dot(b) - offset;
-    if (da > tolerance && db > tolerance) return;
-    // An end within the tolerance stays where it is, even when the other one is cut off.
-    const Real cut1 = db < 0 ? da / (da - db) : Real(1), cut2 = da < 0 ? da / (da - db) : Real(0);
-    if (da > tolerance && cut1 > t[0]) t[0] = cut1, cutBy[0] = j;
-    if (db > tolerance && cut2 < t[1]) t[1] = cut2, cutBy[1] = j;
-  }
-  if (t[0] > t[1]) return;
-  for (int end = 0; end < ends; ++end) {
-    const int cut = cutBy[end];
-    const Vec<3> p = cut < 0 ? inc.v[end] : Vec<3>(a + t[end] * (b - a));
-    addClipped(ref, scratch.sides, p, cut < 0 ? kNoFeature : ref.edgeCode(cut), featureCode(end), pair.limit, out);
   }
 }
 

@@ -11,8 +11,9 @@ inline void clipFacesAlong(const Core3& c1, const Core3& c2, const Vec<3>& n, bo
   const auto choose = [&](const Core3& c, const Vec<3>& d) { return faceAlong(c, d, around ? vertexAlong(c, d) : -1); };
   const int f1 = choose(c1, n), f2 = choose(c2, -n);
   const Real a1 = f1 < 0 ? Real(-1) : c1.n[f1].dot(n), a2 = f2 < 0 ? Real(-1) : -c2.n[f2].dot(n);
-  const bool first = a1 + kClearlyBetter >= a2;
-  if ((first ? a1 : a2) < kSteep) return;
+  const Real clips1 = f1 >= 0 && c1.hasArea(f1) ? a1 : Real(-1), clips2 = f2 >= 0 && c2.hasArea(f2) ? a2 : Real(-1);
+  const bool first = clips1 + kClearlyBetter >= clips2;
+  if ((first ? clips1 : clips2) < kSteep) return;
   const Reference3 reference{first ? c1 : c2, first ? f1 : f2, first ? n : Vec<3>(-n), first};
   const Core3& incident = first ? c2 : c1;
   if (incident.faceCount() == 0) {

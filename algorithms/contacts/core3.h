@@ -19,6 +19,8 @@ struct Core3 {
   int loop(int i) const { return topology->loop[static_cast<std::size_t>(i)]; }
   const Vec<3>& faceVertex(int f, int k) const { return v[loop(face(f).begin + k)]; }
   int faceSize(int f) const { return face(f).end - face(f).begin; }
+  /// False for a side of a flat triangle: nothing can be clipped against it, it is an edge.
+  bool hasArea(int f) const { return faceSize(f) > 2; }
 };
 
 /// Bits of a box's vertex number: 1 = +x, 2 = +y, 4 = +z. Faces: -x, +x, -y, +y, -z, +z.

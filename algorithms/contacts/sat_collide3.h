@@ -21,6 +21,7 @@ struct Scratch3 {
 inline bool clipAgainst(const Core3& c1, const Core3& c2, bool firstIsReference, int face, const Vec<3>& n,
                         Real separation, const PlacedPair<3>& pair, Scratch3& s) {
   const Core3 &ref = firstIsReference ? c1 : c2, &inc = firstIsReference ? c2 : c1;
+  if (!ref.hasArea(face)) return false;
   const Reference3 reference{ref, face, firstIsReference ? n : Vec<3>(-n), firstIsReference};
   auto& points = s.patch.points;
   s.patch.normal = n;
@@ -122,6 +123,13 @@ inline void satCollide(const PlacedPair<3>& pair, Scratch3& s, WorkDone& work) {
     clipFacing(c1, c2, n, {p1, p2, (p2 - p1).dot(n), closestFeature(c1, c2, e)}, pair, s.clip, out);
     return;
   }
+  for (const bool around : {false, true}) {  // a triangle's side leads: the other's face may be clipped
+    if (firstLeads ? c1.hasArea(axes.face1.face) : c2.hasArea(axes.face2.face)) break;
+    out.points.clear();
+    clipFacesAlong(c1, c2, out.normal, around, pair, s.clip, out);
+    if (out.reaches(best + pair.tolerance, false)) return;
+  }
+  out.points.clear();
   const Reference3 reference{firstLeads ? c1 : c2, firstLeads ? axes.face1.face : axes.face2.face,
                              firstLeads ? out.normal : Vec<3>(-out.normal), firstLeads};
   addForemost(reference, firstLeads ? c2 : c1, best, pair, s.clip, out.points);

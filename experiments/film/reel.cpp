@@ -41,7 +41,7 @@ Shape<D> shapeOf(const typename Recording<D>::Arrival::Part& p) {
     case CoreClass::box:
       return Shape<D>::box(p.half, p.radius);
     case CoreClass::hull:
-      return Shape<D>::polytope(p.vertices, p.radius);
+      return Shape<D>::ofCorners(p.kind, p.vertices, p.radius);
     case CoreClass::curved:
       if (p.kind == ShapeKind::custom) return Shape<D>::box(p.half, p.radius);
       return Shape<D>::curved(p.kind, {p.half.data(), std::min<std::size_t>(D, curvedKind<D>(p.kind).sizes.size())},

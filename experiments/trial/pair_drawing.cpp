@@ -67,12 +67,12 @@ Shape<D> drawShape(ShapeKind kind, double size, int vertices, Random& random) {
       break;
   }
   std::vector<Vec<D>> points;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < (kind == ShapeKind::triangle ? 3 : 12); ++i) {
     Vec<D> p;
     for (int d = 0; d < D; ++d) p[d] = static_cast<Real>(size * random.uniform(-1, 1));
     points.push_back(p);
   }
-  return Shape<D>::polytope(points);
+  return Shape<D>::ofCorners(kind, points);
 }
 
 Rot<2> drawRotation2(Random& random) { return Rot<2>::angle(random.uniform(-3.14159, 3.14159)); }

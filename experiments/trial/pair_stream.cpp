@@ -11,8 +11,11 @@ namespace {
 
 /// The convex part itself, which lives on when its body is gone.
 template <int D>
-const Shape<D>& partOf(const Shape<D>& shape, std::int32_t child) {
-  return shape.convex() ? shape : shape.parts()[static_cast<std::size_t>(child)].shape;
+Shape<D> partOf(const Shape<D>& shape, std::int32_t child) {
+  if (shape.convex()) return shape;
+  if (!shape.surface()) return shape.parts()[static_cast<std::size_t>(child)].shape;
+  const ShapeView<D>& view = shape.surfaceParts()[static_cast<std::size_t>(child)].view;
+  return view.hull ? Shape<D>::ofCorners(view.kind, view.hull->vertices) : Shape<D>::segment(view.half[0]);
 }
 
 /// Equal for equal shapes, whoever owns them.
@@ -98,19 +101,19 @@ bool PairCollector<D>::see(const Simulation<D>& simulation, long step, std::size
   for (const ConvexPair<D>& pair : children) {
     struct Side {
       PartOfBody part;
-      const Shape<D>* shape;
+      Shape<D> shape;
       Pose<D> X_CP;
     };
     const auto side = [&](std::int32_t slot, std::int32_t child, const Pose<D>& X_CP) {
       const ShapeRecord<D>& s = shapes[static_cast<std::size_t>(slot)];
       const std::uint32_t generation = bodies.generation[static_cast<std::size_t>(s.body)];
-      return Side{{s.body, generation, s.index, child}, &partOf(s.shape, child), X_CP};
+      return Side{{s.body, generation, s.index, child}, partOf(s.shape, child), X_CP};
     };
     Side a = side(pair.shapes.a, pair.childA, pair.X_CA), b = side(pair.shapes.b, pair.childB, pair.X_CB);
-    if (a.shape->kind() > b.shape->kind()) std::swap(a, b);
+    if (a.shape.kind() > b.shape.kind()) std::swap(a, b);
     const auto next = static_cast<std::uint32_t>(m_stream.pairs.size());
     const auto [at, isNew] = m_pairNumbers.emplace(std::pair(a.part, b.part), next);
-    if (isNew) m_stream.pairs.push_back({a.part, b.part, shapeNumber(*a.shape), shapeNumber(*b.shape)});
+    if (isNew) m_stream.pairs.push_back({a.part, b.part, shapeNumber(a.shape), shapeNumber(b.shape)});
     const Pose<D> X_CaCb = poseBetween(bodies.pose[static_cast<std::size_t>(a.part.body)],
                                        bodies.pose[static_cast<std::size_t>(b.part.body)]);
     m_stream.meetings.push_back({at->second, a.X_CP.inverse() * X_CaCb * b.X_CP});

@@ -154,7 +154,7 @@ Shape<D> readPairShape(const PairHeader& header, const json& from, const std::st
     for (const json& p : header.list(header.field(from, "points", where), where)) {
       points.push_back(columnOf<D>(header.numbers(p, where, D)));
     }
-    return Shape<D>::polytope(std::span<const Vec<D>>(points), rounding);
+    return Shape<D>::ofCorners(kind, points, rounding);
   } catch (const UserError& e) {  // of a factory: it does not know where
     const std::string what = e.what();
     if (what.starts_with(header.path + ": " + where)) throw;

@@ -49,6 +49,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     if (def.pinned) throw UserError("box2d: a body that is pinned and turns is not mapped");
     for (const ShapeDef<2>& s : def.shapes) {
       if (s.category > 0xffff) throw UserError("box2d: categories have 16 bits");
+      if (s.shape.surface()) throw UserError("box2d: no shape is a chain");
       forParts(s.shape, {}, [](const ShapeView<2>& part, const Pose<2>&) {
         const bool polygon = part.core() == CoreClass::box || part.core() == CoreClass::hull;
         if (!polygon && part.core() != CoreClass::point) {

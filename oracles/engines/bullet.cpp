@@ -110,6 +110,7 @@ class BulletWorld final : public EngineWorld<3> {
           s.mask != first.mask) {
         throw UserError("bullet: a body has one friction, restitution, category and mask, not one per shape");
       }
+      if (s.shape.surface()) throw UserError("bullet: a mesh of ours has one side, Bullet's has two");
       forParts(s.shape, {}, [](const ShapeView<3>& part, const Pose<3>&) {
         const bool rounded = part.radius > 0 && (part.core() == CoreClass::box || part.core() == CoreClass::curved);
         const bool strange = part.core() == CoreClass::curved && part.kind != ShapeKind::cylinder;

@@ -71,9 +71,9 @@ Shape<D> shape(Reader& r) {
       return Shape<D>::box(half, r.size());
     }
     case CoreClass::hull: {
-      std::vector<Vec<D>> points(D + 1 + r.byte() % 8);
+      std::vector<Vec<D>> points(kind == ShapeKind::triangle ? 3 : D + 1 + r.byte() % 8);
       for (Vec<D>& p : points) p = r.vector<D>();
-      return Shape<D>::polytope(points, r.size());
+      return Shape<D>::ofCorners(kind, points, r.size());
     }
     case CoreClass::curved: {
       std::vector<Real> sizes(curvedKind<D>(kind).sizes.size());
