@@ -106,7 +106,18 @@ TEST(Allocations, PlantedBugIsCaught) {
   EXPECT_EQ(allocationsOfWarmFrames<2>(bug), 20);
 }
 
-// A pile at rest, of boxes and of boxes put together from halves, with all stages at work.
+// Level at y = 0. The inner edge lies beside the bodies, so that who creeps comes to no new contacts.
+template <int D>
+Shape<D> twoParts() {
+  if constexpr (D == 2) {
+    return Shape<2>::chain(std::vector<Vec<2>>{{8, 0}, {5, 0}, {-2, 0}}, false);
+  } else {
+    const std::vector<Vec<3>> points = {{-2, 0, -7}, {-2, 0, 3}, {8, 0, 3}, {8, 0, -7}};
+    return Shape<3>::mesh(points, std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}});
+  }
+}
+
+// A pile at rest on a box and a surface, of boxes and of boxes put together from halves, with all stages at work.
 template <int D>
 long allocationsOfWarmSteps(const Pipeline& pipeline) {
   WorldSettings<D> settings;
@@ -123,6 +134,7 @@ long allocationsOfWarmSteps(const Pipeline& pipeline) {
   Vec<D> under = Vec<D>::Zero();
   under[1] = -5;
   add(BodyType::fixed, under, Shape<D>::box(Vec<D>::Constant(5)));
+  add(BodyType::fixed, Vec<D>::Zero(), twoParts<D>());
   Vec<D> half = Vec<D>::Constant(Real(0.5)), right = Vec<D>::Zero();
   const Shape<D> whole = Shape<D>::box(half);
   half[0] = right[0] = Real(0.25);
