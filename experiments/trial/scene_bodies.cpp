@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Bodies and shapes of scene files.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "experiments/trial/scene_parsed.h"
@@ -31,6 +33,30 @@ std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
   return points;
 }
 
+template <int D>
+Shape<D> readMesh(TableReader& shape, SceneNumbers& numbers) {
+  const std::vector<Vec<D>> points = readPoints<D>(shape, numbers);
+  const toml::node& list = shape.require("triangles");
+  if (!list.is_array()) shape.fail(list, "'triangles' is " + describe(list) + "; valid: a list of three numbers each");
+  numbers.count(list, "triangles", static_cast<long>(list.as_array()->size()));
+  std::vector<std::array<int, 3>> triangles;
+  for (const toml::node& n : *list.as_array()) {
+    const toml::array* corners = n.as_array();
+    if (!corners || corners->size() != 3) {
+      shape.fail(n, "a triangle is " + describe(n) + "; valid: a list of three numbers of points");
+    }
+    auto& triangle = triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const toml::node& corner = *corners->get(k);
+      const double value =
+          numbers.between(corner, "a corner", 0, std::max(0.0, static_cast<double>(points.size()) - 1));
+      if (value != std::floor(value)) shape.fail(corner, "a corner is " + asText(value) + "; valid: whole numbers");
+      triangle[k] = static_cast<int>(value);
+    }
+  }
+  return Shape<D>::mesh(points, triangles);
+}
+
 // A block of no turns may be one of the other dimension: it has the kinds of both, and each kind the sizes of both.
 template <int D>
 bool rehearseCurved(TableReader& shape, SceneNumbers& numbers, const std::string& kind) {
@@ -52,9 +78,15 @@ Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string
   if (kind == "polytope" && shape.find("file")) return readHull<D>(shape, numbers, rounding);
   if (kind == "polytope") return Shape<D>::polytope(readPoints<D>(shape, numbers), rounding);
   if (kind == "segment") return Shape<D>::segment(size("half_length"));
+  if (kind == "triangle") return Shape<D>::ofCorners(ShapeKind::triangle, readPoints<D>(shape, numbers), rounding);
+  if (kind == "mesh") return readMesh<D>(shape, numbers);
+  if (kind == "chain") {
+    const bool closed = shape.flag("closed", false);
+    return Shape<D>::chain(readPoints<D>(shape, numbers), closed);
+  }
   if (kind == "plane") return Shape<D>::plane();
   std::vector<std::string> valid = {"sphere", "circle", "box", "capsule", "polytope", "plane", "compound"};
-  if (D == 2) valid.push_back("segment");
+  for (const char* own : D == 2 ? std::array{"segment", "chain"} : std::array{"triangle", "mesh"}) valid.push_back(own);
   if (numbers.rehearsing()) {
     const bool planar = rehearseCurved<2>(shape, numbers, kind), solid = rehearseCurved<3>(shape, numbers, kind);
     if (planar || solid) return {};
@@ -85,7 +117,9 @@ Shape<D> readCompound(TableReader& shape, SceneNumbers& numbers) {
   for (const toml::table* t : shape.blocks("parts")) {
     TableReader part(*t, shape.file(), "a part");
     const std::string kind = part.requireString("kind");
-    if (kind == "plane" || kind == "compound") part.fail("a part is a " + kind + "; valid: convex shapes that end");
+    if (kind == "plane" || kind == "compound" || kind == "mesh" || kind == "chain") {
+      part.fail("a part is a " + kind + "; valid: convex shapes that end");
+    }
     const long n = numbers.whole(part, "repeat", 1, 0, kMostParts);
     numbers.count(part.raw(), "shapes", n);
     for (long i = 0; i < n; ++i) {
@@ -149,6 +183,9 @@ void checkMass(const BodyDef<D>& def, const TableReader& body) {
   MassProperties<D> all;
   for (const ShapeDef<D>& s : def.shapes) {
     if (s.shape.isPlane() && def.type != BodyType::fixed) body.fail("a plane moves; valid: type = \"fixed\"");
+    if (s.shape.surface() && def.type != BodyType::fixed) {
+      body.fail("a mesh or chain moves; valid: type = \"fixed\", or convex shapes and compounds of them");
+    }
     all = combined(all, transformed(massProperties(s.shape, s.density), s.X_BS));
   }
   if (def.type == BodyType::dynamic && (!(all.mass > 0) || !std::isfinite(all.mass))) {

@@ -61,7 +61,8 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
     if (spawn.step > 0) ++out["scripted"];
     if (spawn.removeAt >= 0) ++out["removed"];
     for (const ShapeDef<D>& s : b.shapes) {
-      ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : "compound")];
+      const std::string composite = s.shape.surface() ? (D == 2 ? "chain" : "mesh") : "compound";
+      ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : composite)];
     }
   }
   if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());

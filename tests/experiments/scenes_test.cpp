@@ -29,6 +29,14 @@ const std::map<std::string, Census> kExpected = {
     {"circle_rain", {{"fixed", 3}, {"fixed box", 3}, {"dynamic", 200}, {"dynamic sphere", 200}}},
     {"circle_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic sphere", 100}}},
     {"square_towers", {{"fixed", 1}, {"fixed box", 1}, {"dynamic", 100}, {"dynamic box", 100}}},
+    {"washboard",
+     {{"fixed", 2},
+      {"fixed box", 1},
+      {"fixed chain", 1},
+      {"dynamic", 18},
+      {"dynamic box", 6},
+      {"dynamic sphere", 6},
+      {"dynamic capsule", 6}}},
     {"compounds", {{"fixed", 2}, {"fixed box", 3}, {"dynamic", 12}, {"dynamic compound", 12}}},
     {"gears", {{"kinematic", 1}, {"kinematic compound", 1}, {"dynamic", 1}, {"dynamic compound", 1}, {"pinned", 1}}},
     {"cylinders", {{"fixed", 1}, {"fixed plane", 1}, {"dynamic", 6}, {"dynamic cylinder", 6}}},
@@ -73,6 +81,7 @@ TEST(Scenes, buildWhatTheirNamesSay) {
     if (file.has(3)) {
       Census solid = expected;
       if (name.starts_with("director")) solid["fixed"] = solid["fixed box"] = 6;  // a room has six walls
+      if (solid.erase("fixed chain")) solid["fixed mesh"] = 1;
       EXPECT_EQ(census(file.build<3>({}, file.defaultSeed())), solid);
     }
   }
