@@ -52,8 +52,9 @@ Shape<D> drawShape(Random& random, ShapeKind kind, int hullPoints) {
   }
   std::vector<Vec<D>> points;
   const Real radius = size();
+  if (kind == ShapeKind::triangle) hullPoints = 3;
   for (int k = 0; k < hullPoints; ++k) points.push_back(radius * drawDirection<D>(random));
-  return Shape<D>::polytope(std::span<const Vec<D>>(points));
+  return Shape<D>::ofCorners(kind, points);
 }
 
 /// Half of the pairs overlap, more or less: centres are up to 1.2 times the sum of the mean sizes apart. Thousands of

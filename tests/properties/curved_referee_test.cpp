@@ -155,8 +155,8 @@ void widths() {
 TEST(CurvedReferee, WidthIsAsPromised2) { widths<2>(); }
 TEST(CurvedReferee, WidthIsAsPromised3) { widths<3>(); }
 
-// Every competitor on every two kinds of which one is curved or a plane: nothing wrong, nothing refused. An approximate
-// pair query has the right side.
+// Every competitor on every two kinds of which one is curved, a plane or a triangle: nothing wrong, nothing refused. An
+// approximate pair query has the right side.
 template <int D>
 void methodsAreRight(StageKind stage, int count) {
   std::map<std::string, LedgerEntry> sums;
