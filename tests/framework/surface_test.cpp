@@ -75,27 +75,30 @@ TEST(Triangle, PointsAndRays) {
   const Shape<3> sharp = Shape<3>::triangle({0, 0, 0}, {0, 0, 2}, {2, 0, 0});
   const Shape<3> round = Shape<3>::triangle({0, 0, 0}, {0, 0, 2}, {2, 0, 0}, Real(0.25));
   const auto holds = [](const Shape<3>& s, const Vec<3>& p) { return containsPoint(s.view(), Pose<3>{}, p); };
-  EXPECT_TRUE(holds(sharp, {0.5, 0, 0.5}));
-  EXPECT_FALSE(holds(sharp, {0.5, 1e-3, 0.5}));
-  EXPECT_FALSE(holds(sharp, {3, 0, 0}));
-  EXPECT_TRUE(holds(round, {0.5, 0.24, 0.5}) && holds(round, {0.5, -0.24, 0.5}) && holds(round, {1.1, 0, 1.1}));
-  EXPECT_FALSE(holds(round, {0.5, 0.26, 0.5}) || holds(round, {1.3, 0, 1.3}) || holds(round, {-0.2, 0, -0.2}));
-  EXPECT_FALSE(holds(round, {-0.26, 0, 5}) || holds(round, {0, 0, 2.3}));  // on the line of an edge, beyond its end
+  EXPECT_TRUE(holds(sharp, at<3>(0.5, 0, 0.5)));
+  EXPECT_FALSE(holds(sharp, at<3>(0.5, 1e-3, 0.5)));
+  EXPECT_FALSE(holds(sharp, at<3>(3, 0, 0)));
+  EXPECT_TRUE(holds(round, at<3>(0.5, 0.24, 0.5)) && holds(round, at<3>(0.5, -0.24, 0.5)) &&
+              holds(round, at<3>(1.1, 0, 1.1)));
+  EXPECT_FALSE(holds(round, at<3>(0.5, 0.26, 0.5)) || holds(round, at<3>(1.3, 0, 1.3)) ||
+               holds(round, at<3>(-0.2, 0, -0.2)));
+  EXPECT_FALSE(holds(round, at<3>(-0.26, 0, 5)) ||
+               holds(round, at<3>(0, 0, 2.3)));  // on the line of an edge, beyond its end
   for (const Real side : {Real(1), Real(-1)}) {
     const auto meets = [&](const Shape<3>& s, const Vec<3>& p) {
       return rayEntry(s.view(), Pose<3>{}, p, Vec<3>(0, -side, 0), Real(10));
     };
-    EXPECT_NEAR(meets(sharp, {0.5, side, 0.5}).t, 1, 1e-6);
-    EXPECT_NEAR(meets(sharp, {0.5, side, 0.5}).normal[1], side, 1e-6);
-    EXPECT_LT(meets(sharp, {1.5, side, 1.5}).t, 0);
-    EXPECT_NEAR(meets(round, {0.5, side, 0.5}).t, 0.75, 1e-6);
-    EXPECT_LT(meets(round, {1.3, side, 1.3}).t, 0);
+    EXPECT_NEAR(meets(sharp, at<3>(0.5, double(side), 0.5)).t, 1, 1e-6);
+    EXPECT_NEAR(meets(sharp, at<3>(0.5, double(side), 0.5)).normal[1], side, 1e-6);
+    EXPECT_LT(meets(sharp, at<3>(1.5, double(side), 1.5)).t, 0);
+    EXPECT_NEAR(meets(round, at<3>(0.5, double(side), 0.5)).t, 0.75, 1e-6);
+    EXPECT_LT(meets(round, at<3>(1.3, double(side), 1.3)).t, 0);
   }
   const RayEntry<3> edgeOn = rayEntry(round.view(), Pose<3>{}, Vec<3>(-2, 0, 1), Vec<3>(1, 0, 0), Real(10));
   EXPECT_NEAR(edgeOn.t, 1.75, 1e-6);
-  EXPECT_TRUE(overlapsBox(sharp.view(), Pose<3>{}, Aabb<3>{{0.4, -1, 0.4}, {0.6, 1, 0.6}}));
-  EXPECT_FALSE(overlapsBox(sharp.view(), Pose<3>{}, Aabb<3>{{1.2, -1, 1.2}, {2, 1, 2}}));
-  EXPECT_FALSE(overlapsBox(sharp.view(), Pose<3>{}, Aabb<3>{{0, 0.1, 0}, {2, 1, 2}}));
+  EXPECT_TRUE(overlapsBox(sharp.view(), Pose<3>{}, Aabb<3>{at<3>(0.4, -1, 0.4), at<3>(0.6, 1, 0.6)}));
+  EXPECT_FALSE(overlapsBox(sharp.view(), Pose<3>{}, Aabb<3>{at<3>(1.2, -1, 1.2), at<3>(2, 1, 2)}));
+  EXPECT_FALSE(overlapsBox(sharp.view(), Pose<3>{}, Aabb<3>{at<3>(0, 0.1, 0), at<3>(2, 1, 2)}));
 }
 
 TEST(Mesh, Refuses) {
@@ -111,7 +114,7 @@ TEST(Mesh, Refuses) {
   refuses(mesh(kSquare, {{0, 1, 2}, {2, 2, 3}}), "mesh, triangle 1: its corners lie on one line");
   refuses(mesh(kSquare, {{0, 1, 2}, {0, 3, 2}}), "points 0 and 2: triangles 0 and 1 are wound oppositely");
   std::vector<Vec<3>> fin = kSquare;
-  fin.push_back({0.5, 1, 0.5});
+  fin.push_back(at<3>(0.5, 1, 0.5));
   refuses(mesh(fin, {{0, 1, 2}, {0, 2, 3}, {0, 2, 4}}), "points 0 and 2: it belongs to 3 triangles");
   refuses([] { Shape<2>::mesh(std::vector<Vec<2>>{}, Triangles{}); }, "mesh: exists in 3D only");
   EXPECT_NO_THROW(mesh(kSquare, kLevel)());
