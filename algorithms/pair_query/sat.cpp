@@ -27,7 +27,8 @@ class Sat final : public PairQuery<D> {
         .name = "sat",
         .summary = "separating axes: face normals, edge-edge normals, and nearest vertices when apart; no curved cores",
         .paper = "gottschalk1996",
-        .complexity = "boxes O(1); polytopes faces * vertices, and the edges that may prove more than the faces"};
+        .complexity =
+            "boxes O(1); polytopes faces + edges, and for the few that may prove more than the best the vertices"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {
@@ -35,8 +36,10 @@ class Sat final : public PairQuery<D> {
     return !hasPlane(a, b) || supportsPlane(a, b);
   }
 
+  bool remembers() const override { return D == 3; }
+
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
-             std::span<PairMemory>, WorkDone& work) override {
+             std::span<PairMemory> memory, WorkDone& work) override {
     work[WorkCount::pairQueries] += pairs.size();
     if (pairs.empty()) return;
     const bool boxes = pairs[0].a.core() == CoreClass::box && pairs[0].b.core() == CoreClass::box;
@@ -58,7 +61,7 @@ class Sat final : public PairQuery<D> {
       }
       BestAxis<D> best;
       if (pair.a.hull || pair.b.hull) {
-        m_polytope.run(pair, best, work);
+        m_polytope.run(pair, need, memory.empty() ? nullptr : &memory[i], best, work);
       } else {
         SatBoxes<D>(pair, need, best, work).run();
       }

@@ -14,7 +14,7 @@ class SatPolytope;
 template <>
 class SatPolytope<2> {
  public:
-  void run(const CorePair<2>& pair, BestAxis<2>& best, WorkDone& work) {
+  void run(const CorePair<2>& pair, QueryNeed, PairMemory*, BestAxis<2>& best, WorkDone& work) {
     fill(pair.a, Pose<2>{}.p, Mat<2>::Identity(), m_a);
     fill(pair.b, pair.p, pair.r, m_b);
     testNormals(m_a, m_b, 1, best, work);

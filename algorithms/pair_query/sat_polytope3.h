@@ -3,9 +3,10 @@
 // (Gregorius 2013), and for cores that are apart the directions between vertices and edges.
 #pragma once
 
-#include <vector>
+#include <array>
+#include <bit>
 
-#include "algorithms/pair_query/core_pair.h"
+#include "algorithms/pair_query/sat_features3.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
@@ -15,151 +16,176 @@ class SatPolytope;
 template <>
 class SatPolytope<3> {
  public:
-  void run(const CorePair<3>& pair, BestAxis<3>& best, WorkDone& work) {
+  /// `memory`, which may be null, holds the features whose axis was the best one.
+  void run(const CorePair<3>& pair, QueryNeed need, PairMemory* memory, BestAxis<3>& best, WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
-    fill(pair.a, Vec<3>::Zero(), Mat<3>::Identity(), m_a);
-    fill(pair.b, pair.p, pair.r, m_b);
-    best.tryDirection(pair, pair.p, work);  // most axes prove less, and are done with at once
-    testFaces(m_a, m_b, 1);
-    testFaces(m_b, m_a, -1);
-    m_ridgesA.clear(), m_ridgesB.clear();
-    if (!m_b.edges.empty()) pickRidges(m_a, m_b, m_ridgesA);
-    if (!m_ridgesA.empty()) pickRidges(m_b, m_a, m_ridgesB);
-    for (const Ridge& a : m_ridgesA) {
-      for (const Ridge& b : m_ridgesB) {
-        if (arcsMayCross(a, b)) testEdges(a, b);
-      }
-    }
-    if (best.bound > -kBoundRounding * pair.scale) tryVertices();
+    m_sideAlone = need == QueryNeed::boolean;
+    m_slack = kBoundRounding * pair.scale;
+    m_features = {};
+    m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
+    if (!(memory && recall(*memory))) search();
+    if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<3>::Unit(0), work);
+    if (memory) remember(*memory);
   }
 
  private:
-  struct Edge {
-    int v0, v1;
-    int f0 = -1, f1 = -1;  // its faces; a segment's edge has none
+  using Kind = SatFeatures::Kind;
+  using Plane = SatCore::Plane;
+
+  // Axes that prove no more than this are of no use. Where the side alone is asked, some face or pair of edges says
+  // that the cores are apart, or none does.
+  Real least() const { return m_sideAlone ? std::max(m_best->bound, -m_slack) : m_best->bound; }
+  bool isEnough() const { return m_sideAlone && m_best->bound > m_pair->radii(); }
+
+  void take(const Vec<3>& n, Real bound, const SatFeatures& features) {
+    if (bound > m_best->bound) m_features = features;
+    m_best->take(n, bound);
+  }
+
+  // --- memory --------------------------------------------------------------------------------------------------------
+
+  struct Stored {
+    SatFeatures features;
+    std::array<std::int32_t, 5> none{};
   };
-  struct Plane {
+
+  // The features that were best: whether they are is proved anew, so that any others are as good. True when they, or
+  // others near by, answer all; else what they prove is where the search starts from.
+  bool recall(const PairMemory& memory) {
+    const SatFeatures f = std::bit_cast<Stored>(memory.bytes).features;
+    if (!exist(f, m_a, m_b)) return false;
+    const Vec<3> way = wayBetween(f, m_a, m_b);
     Vec<3> n;
-    Real offset;
-    int below = 0;  // the vertex of the other core that bounds what n proves
-  };
-  struct Core {
-    std::vector<Vec<3>> vertices;
-    std::vector<Plane> faces;
-    std::vector<Edge> edges;
-  };
-  /// An edge that is looked at.
-  struct Ridge {
-    Vec<3> v0, v1;
-    Vec<3> direction;  // unit, v0 to v1
-    Vec<3> n0 = Vec<3>::Zero(), n1 = Vec<3>::Zero();
-    bool bare = false;
-  };
-
-  static void fill(const ShapeView<3>& shape, const Vec<3>& p, const Mat<3>& r, Core& core) {
-    core.vertices.clear(), core.faces.clear(), core.edges.clear();
-    const Vec<3>& h = shape.half;
-    switch (shape.core()) {
-      case CoreClass::hull:
-        return fillPolytope(*shape.hull, p, r, core);
-      case CoreClass::box:
-        return fillBox(h, p, r, core);
-      case CoreClass::point:
-        core.vertices.push_back(p);
-        return;
-      case CoreClass::segment:
-        core.vertices.push_back(p - h[0] * r.col(0));
-        core.vertices.push_back(p + h[0] * r.col(0));
-        core.edges.push_back({0, 1});
-        return;
-      case CoreClass::curved:
-      case CoreClass::plane:
-        LPC_ASSERT(false);  // has no list of edges
-        return;
-    }
+    if (!commonNormal(f, m_a, m_b, way, n)) return false;
+    project(n, f);
+    if (f.kind == Kind::edges) project(-n, f);
+    return isEnough() || (m_best->bound > -m_slack && closeGap(f));
+  }
+  void remember(PairMemory& memory) const {
+    Stored stored;
+    stored.features = m_features;
+    memory.bytes = std::bit_cast<decltype(memory.bytes)>(stored);
   }
 
-  static void fillPolytope(const Polytope<3>& hull, const Vec<3>& p, const Mat<3>& r, Core& core) {
-    for (const Vec<3>& v : hull.vertices) core.vertices.push_back(p + r * v);
-    for (const auto& f : hull.faces) {
-      const Vec<3> n = r * f.normal;
-      core.faces.push_back({n, f.offset + n.dot(p)});
-    }
-    for (const auto& e : hull.edges) core.edges.push_back({e.v0, e.v1, e.faceA, e.faceB});
-  }
+  // --- axes ----------------------------------------------------------------------------------------------------------
 
-  static void fillBox(const Vec<3>& h, const Vec<3>& p, const Mat<3>& r, Core& core) {
-    for (int bits = 0; bits < 8; ++bits) {
-      const Vec<3> v((bits & 1) ? h[0] : -h[0], (bits & 2) ? h[1] : -h[1], (bits & 4) ? h[2] : -h[2]);
-      core.vertices.push_back(p + r * v);
-    }
-    for (int k = 0; k < 3; ++k) {  // face 2 k looks along axis k, 2 k + 1 back
-      const Vec<3> n = r.col(k);
-      core.faces.push_back({n, n.dot(p) + h[k]});
-      core.faces.push_back({-n, h[k] - n.dot(p)});
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      for (const int si : {-1, 1}) {
-        for (const int sj : {-1, 1}) {
-          const int v0 = (si > 0 ? 1 << i : 0) | (sj > 0 ? 1 << j : 0);
-          const int fi = 2 * i + (si < 0), fj = 2 * j + (sj < 0);
-          // Right-handed: n0 x n1 is the edge's direction, as in a polytope's loops.
-          const bool turn = si * sj > 0;
-          core.edges.push_back({v0, v0 | (1 << k), turn ? fi : fj, turn ? fj : fi});
-        }
+  void search() {
+    Vec<3> n = m_pair->p;
+    if (m_features.kind == Kind::none && makeUnit<3>(n)) project(n, {});  // most axes prove less, and are done with
+    if (isEnough()) return;
+    m_a.fill(), m_b.fill();
+    testFaces();
+    if (isEnough()) return;
+    m_ridgesA.clear(), m_ridgesB.clear();
+    if (!m_b.edges().empty()) pickRidges(m_a, m_b, m_ridgesA);
+    if (!m_ridgesA.empty()) pickRidges(m_b, m_a, m_ridgesB);
+    for (const SatRidge& a : m_ridgesA) {
+      for (const SatRidge& b : m_ridgesB) {
+        if (arcsMayCross(a, b)) testEdges(a, b);
       }
     }
+    if (isEnough() || !(m_best->bound > -m_slack || !std::isfinite(m_best->bound))) return;
+    if (!closeGap(m_features)) tryVertices();
   }
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  // The vertex that bounded the last face is asked first: most faces prove less than the best for the same reason.
-  void testFaces(Core& of, const Core& other, Real sign) {
-    (*m_work)[WorkCount::axisTests] += of.faces.size();
-    int below = 0;
-    for (Plane& face : of.faces) {
-      Real bound = face.n.dot(other.vertices[at(below)]) - face.offset;
-      for (std::size_t i = 0; i < other.vertices.size() && bound > m_best->bound; ++i) {
-        const Real height = face.n.dot(other.vertices[i]) - face.offset;
-        if (height < bound) bound = height, below = static_cast<int>(i);
-      }
-      face.below = below;
-      m_best->take(sign * face.n, bound);
-    }
+  // Both cores' foremost vertices along the unit vector n.
+  std::pair<int, int> project(const Vec<3>& n, const SatFeatures& features) {
+    ++(*m_work)[WorkCount::axisTests];
+    const int a = m_a.foremost(n), b = m_b.foremost(-n);
+    take(n, n.dot(m_b.vertex(b) - m_a.vertex(a)), features);
+    return {a, b};
   }
 
-  Ridge ridge(const Core& core, const Edge& e) const {
-    Ridge out{core.vertices[at(e.v0)], core.vertices[at(e.v1)], {}};
-    out.direction = out.v1 - out.v0;
-    makeUnit<3>(out.direction);
-    out.bare = e.f0 < 0;
-    if (!out.bare) out.n0 = core.faces[at(e.f0)].n, out.n1 = core.faces[at(e.f1)].n;
-    return out;
+  // Most faces prove less than the best because of the ball in the other core: a plane proves no more than it leaves.
+  // The faces that look at its centre the most come first, since the more is proved the more are left out.
+  void testFaces() {
+    const int first[2] = {m_a.measure(m_b.centre), m_b.measure(m_a.centre)};
+    for (const bool ofA : {true, false}) {
+      m_low[ofA] = {}, m_known[ofA] = 1;
+      if (!(ofA ? m_a : m_b).heights.empty()) testFace(ofA, first[ofA ? 0 : 1]);
+      if (isEnough()) return;
+    }
+    for (const bool ofA : {true, false}) {
+      const SatCore &of = ofA ? m_a : m_b, &other = ofA ? m_b : m_a;
+      Real low = lowFor(other);
+      for (std::size_t k = 0; k < of.heights.size(); ++k) {
+        if (of.heights[k] <= low || of.below[k] >= 0) continue;
+        testFace(ofA, static_cast<int>(k));
+        if (isEnough()) return;
+        low = lowFor(other);
+      }
+    }
+  }
+  // A plane with the ball's centre no higher than this proves no more than the best.
+  Real lowFor(const SatCore& other) const { return least() + other.inner - kFaceRounding * m_pair->scale; }
+
+  // Of the vertices of the other core those are asked first that proved enough before, the last one foremost.
+  void testFace(bool ofA, int face) {
+    SatCore &of = ofA ? m_a : m_b, &other = ofA ? m_b : m_a;
+    const Plane plane = of.plane(of.faces()[at(face)]);
+    ++(*m_work)[WorkCount::axisTests];
+    std::array<int, kLowVertices>& low = m_low[ofA];
+    std::size_t &known = m_known[ofA], i = 0;
+    const auto height = [&](int v) { return plane.n.dot(other.vertices[at(v)]) - plane.offset; };
+    const Real enough = least();
+    Real bound = height(low[0]);
+    while (bound > enough && ++i < known) bound = height(low[i]);
+    if (i == known) {
+      if (known < low.size()) {
+        ++known;
+      } else {
+        --i;
+      }
+      bound = std::numeric_limits<Real>::infinity();
+      for (int v = 0; v < other.vertexCount(); ++v) {
+        const Real h = height(v);
+        if (h < bound) bound = h, low[i] = v;
+      }
+    }
+    std::rotate(low.data(), low.data() + i, low.data() + i + 1);
+    of.below[at(face)] = low[0];
+    const Real sign = ofA ? Real(1) : Real(-1);
+    take(sign * plane.n, bound,
+         ofA ? SatFeatures{Kind::faceOfA, face, low[0]} : SatFeatures{Kind::faceOfB, low[0], face});
   }
 
   // The edges whose normals may still prove more than the best. All normals of an edge are sums of those of its faces,
-  // made unit. If some vertex of the other core lies so low that both of these prove no more than c, then so does every
+  // made unit. If some point of the other core lies so low that both of these prove no more than c, then so does every
   // one between: of a negative c a longer sum makes less, of a positive one at most 1 / cos(half the angle) times as
-  // much.
-  void pickRidges(const Core& of, const Core& other, std::vector<Ridge>& out) const {
-    for (const Edge& e : of.edges) {
-      bool hopeless = false;
-      if (e.f0 >= 0) {
-        const Plane &f0 = of.faces[at(e.f0)], &f1 = of.faces[at(e.f1)];
-        Real c = m_best->bound;
-        if (c > 0) c *= std::sqrt(std::max(Real(0), (1 + f0.n.dot(f1.n)) / 2));
-        const Vec<3>& foot = of.vertices[at(e.v0)];
-        for (const int below : {f0.below, f1.below}) {
-          const Vec<3> v = other.vertices[at(below)] - foot;
-          hopeless = hopeless || (f0.n.dot(v) <= c && f1.n.dot(v) <= c);
-        }
+  // much. Such a point is a vertex that told it of a face, or the centre of the ball, which reaches lower by its
+  // radius.
+  void pickRidges(const SatCore& of, const SatCore& other, std::vector<SatRidge>& out) const {
+    const Real low = lowFor(other), surely = std::min(low, Real(0));
+    const Real* heights = of.heights.data();
+    for (std::size_t i = 0; i < of.edges().size(); ++i) {
+      const SatCore::Edge& e = of.edges()[i];
+      if (e.faceA >= 0) {
+        const Real higher = std::max(heights[e.faceA], heights[e.faceB]);
+        if (higher <= surely || isHopeless(of, other, e, higher, low)) continue;
       }
-      if (!hopeless) out.push_back(ridge(of, e));
+      out.emplace_back(of, static_cast<int>(i));
+      if (e.faceA >= 0) out.back().n0 = of.normal(e.faceA), out.back().n1 = of.normal(e.faceB);
     }
+  }
+  bool isHopeless(const SatCore& of, const SatCore& other, const SatCore::Edge& e, Real higher, Real low) const {
+    const Real most = least(), cosine = of.faces()[at(e.faceA)].normal.dot(of.faces()[at(e.faceB)].normal);
+    if (higher > 0 && low > 0 && 2 * higher * higher <= low * low * (1 + cosine)) return true;
+    const Real c = most > 0 ? most * std::sqrt(std::max(Real(0), (1 + cosine) / 2)) : most;
+    const Vec<3>& foot = of.vertices[at(e.v0)];
+    const Vec<3> n0 = of.normal(e.faceA), n1 = of.normal(e.faceB);
+    for (const int below : {of.below[at(e.faceA)], of.below[at(e.faceB)]}) {
+      if (below < 0) continue;
+      const Vec<3> v = other.vertices[at(below)] - foot;
+      if (n0.dot(v) <= c && n1.dot(v) <= c) return true;
+    }
+    return false;
   }
 
   // Do the arcs of normals of a and of -b meet on the sphere? Inclusive: an arc missed by rounding ends on a face
   // normal, which has been tested, and an arc taken wrongly costs one more test.
-  static bool arcsMayCross(const Ridge& a, const Ridge& b) {
+  static bool arcsMayCross(const SatRidge& a, const SatRidge& b) {
     if (a.bare && b.bare) return true;
     if (a.bare) return !sameSide(b.n0.dot(a.direction), b.n1.dot(a.direction), kArcSine);
     const Real a0 = a.n0.dot(b.direction), a1 = a.n1.dot(b.direction);
@@ -172,18 +198,18 @@ class SatPolytope<3> {
 
   // Nearly parallel edges give an axis of noise, exactly parallel ones none. Neither can do harm: the two points on the
   // edges only bound from above what the axis could prove, and then the whole cores are projected (core_pair.h).
-  void testEdges(const Ridge& a, const Ridge& b) {
+  void testEdges(const SatRidge& a, const SatRidge& b) {
     Vec<3> n = a.direction.cross(b.direction);
     if (n.squaredNorm() <= kParallelSine * kParallelSine || !makeUnit<3>(n)) return;
     removeAlong<3>(n, a.direction);
     n.normalize();
     const Real along = n.dot(b.v0 - a.v0);
     for (const Real sign : {Real(1), Real(-1)}) {
-      if (sign * along > m_best->bound) testAxis(sign * n);
+      if (sign * along > least()) testAxis(sign * n, {Kind::edges, a.number, b.number});
     }
   }
 
-  void testAxis(const Vec<3>& n) {
+  void testAxis(const Vec<3>& n, const SatFeatures& features) {
     ++(*m_work)[WorkCount::axisTests];
     Real farA = -std::numeric_limits<Real>::infinity();
     for (const Vec<3>& v : m_a.vertices) farA = std::max(farA, n.dot(v));
@@ -192,77 +218,110 @@ class SatPolytope<3> {
       bound = std::min(bound, n.dot(v) - farA);
       if (bound <= m_best->bound) return;
     }
-    m_best->take(n, bound);
+    take(n, bound, features);
+  }
+
+  // --- cores that are apart ------------------------------------------------------------------------------------------
+
+  // The way between two features is no shorter than the distance, and what its direction proves is no longer: where
+  // they meet, both are the distance. Else the features around the foremost vertices may have a shorter way. False
+  // when they have none; then m_way is the shortest that is known.
+  bool closeGap(SatFeatures features) {
+    m_way = features.kind == Kind::none ? m_pair->support(m_best->n) : wayBetween(features, m_a, m_b);
+    for (int i = 0; i < kMostTurns; ++i) {
+      const Real length = m_way.norm();
+      if (length - m_best->bound <= m_slack) return true;
+      Vec<3> n = m_way;
+      if (!makeUnit<3>(n)) return false;
+      const auto [a, b] = project(n, features);
+      if (length - m_best->bound <= m_slack) return true;
+      features = shorten(a, b);
+      if (features.kind == Kind::none) return false;
+    }
+    return false;
+  }
+
+  // The features at vertex a of A and b of B with the shortest way, if it is shorter than m_way.
+  SatFeatures shorten(int a, int b) {
+    SatFeatures nearest;
+    Real least2 = m_way.squaredNorm();
+    const auto offer = [&](const SatFeatures& f) {
+      const Vec<3> way = wayBetween(f, m_a, m_b);
+      if (way.squaredNorm() < least2) least2 = way.squaredNorm(), m_way = way, nearest = f;
+    };
+    offer({Kind::vertices, a, b});
+    for (const bool ofA : {true, false}) {
+      const SatCore& core = ofA ? m_a : m_b;
+      for (std::size_t k = 0; k < core.edges().size(); ++k) {
+        const SatCore::Edge& e = core.edges()[k];
+        const int number = static_cast<int>(k);
+        if (e.v0 != (ofA ? a : b) && e.v1 != (ofA ? a : b)) continue;
+        offer(ofA ? SatFeatures{Kind::edgeVertex, number, b} : SatFeatures{Kind::vertexEdge, a, number});
+        if (e.faceA < 0) continue;
+        // Of the two faces of an edge the one to its left; from the vertex on all of them are to the left of one.
+        const int face = e.v0 == (ofA ? a : b) ? e.faceA : e.faceB;
+        offer(ofA ? SatFeatures{Kind::faceOfA, face, b} : SatFeatures{Kind::faceOfB, a, face});
+      }
+    }
+    return nearest;
   }
 
   // Vertex against vertex or edge. With L the best bound, n its axis and U any distance that is attained, the nearest
   // points lie no deeper than U - L behind the supporting planes of n; all other features are left out.
   void tryVertices() {
     const Vec<3> n = m_best->n;
-    Real nearest = upperBound(n);
-    if (m_best->bound < nearest) {
-      pick(m_a, n, nearest - m_best->bound, m_verticesA, m_ridgesA);
-      pick(m_b, -n, nearest - m_best->bound, m_verticesB, m_ridgesB);
-    } else {
-      return;
-    }
-    nearest = std::numeric_limits<Real>::infinity();
-    const auto shorten = [&](const Vec<3>& v) { nearest = std::min(nearest, v.squaredNorm()); };
-    forDifferences(shorten);
+    const Real slab = m_way.norm() + kAttainedRounding * m_pair->scale - m_best->bound;
+    pick(m_a, n, slab, m_verticesA, m_ridgesA);
+    pick(m_b, -n, slab, m_verticesB, m_ridgesB);
+    Real nearest = std::numeric_limits<Real>::infinity();
+    forDifferences([&](const Vec<3>& v, const SatFeatures&) { nearest = std::min(nearest, v.squaredNorm()); });
     const Real tie = std::sqrt(nearest) * (1 + kTiePart) + kTieRounding * m_pair->scale;
-    forDifferences([&](const Vec<3>& v) {
-      if (v.squaredNorm() <= tie * tie) m_best->tryDirection(*m_pair, v, *m_work);
+    forDifferences([&](Vec<3> v, const SatFeatures& features) {
+      if (v.squaredNorm() <= tie * tie && makeUnit<3>(v)) project(v, features);
     });
-    if (!std::isfinite(m_best->bound)) m_best->tryDirection(*m_pair, Vec<3>::Unit(0), *m_work);
   }
 
-  Real upperBound(const Vec<3>& n) const {
-    if (!std::isfinite(m_best->bound)) return std::numeric_limits<Real>::max();
-    return m_pair->support(n).norm() + kAttainedRounding * m_pair->scale;
-  }
-
-  void pick(const Core& core, const Vec<3>& n, Real slab, std::vector<Vec<3>>& vertices,
-            std::vector<Ridge>& ridges) const {
+  void pick(const SatCore& core, const Vec<3>& n, Real slab, std::vector<int>& vertices,
+            std::vector<SatRidge>& ridges) const {
     vertices.clear(), ridges.clear();
     Real farthest = -std::numeric_limits<Real>::infinity();
     for (const Vec<3>& v : core.vertices) farthest = std::max(farthest, n.dot(v));
-    const auto near = [&](const Vec<3>& v) { return n.dot(v) >= farthest - slab; };
-    for (const Vec<3>& v : core.vertices) {
-      if (near(v)) vertices.push_back(v);
+    const auto near = [&](int i) { return !(n.dot(core.vertices[at(i)]) < farthest - slab); };
+    for (int i = 0; i < core.vertexCount(); ++i) {
+      if (near(i)) vertices.push_back(i);
     }
-    for (const Edge& e : core.edges) {
-      if (near(core.vertices[at(e.v0)]) || near(core.vertices[at(e.v1)])) ridges.push_back(ridge(core, e));
+    for (std::size_t i = 0; i < core.edges().size(); ++i) {
+      const SatCore::Edge& e = core.edges()[i];
+      if (near(e.v0) || near(e.v1)) ridges.emplace_back(core, static_cast<int>(i));
     }
   }
 
-  // f(pB - pA) for each picked vertex with each picked edge or vertex of the other core.
+  // f(pB - pA, features) for each picked vertex with each picked edge or vertex of the other core.
   template <class F>
   void forDifferences(F&& f) {
-    for (const Vec<3>& a : m_verticesA) {
-      for (const Ridge& e : m_ridgesB) f(toEdge(e, a));
+    for (const int a : m_verticesA) {
+      for (const SatRidge& e : m_ridgesB) f(toEdge(e, m_a.vertices[at(a)]), SatFeatures{Kind::vertexEdge, a, e.number});
     }
-    for (const Vec<3>& b : m_verticesB) {
-      for (const Ridge& e : m_ridgesA) f(-toEdge(e, b));
-      if (!m_a.edges.empty() && !m_b.edges.empty()) continue;
-      for (const Vec<3>& a : m_verticesA) f(b - a);
+    for (const int b : m_verticesB) {
+      const Vec<3>& v = m_b.vertices[at(b)];
+      for (const SatRidge& e : m_ridgesA) f(-toEdge(e, v), SatFeatures{Kind::edgeVertex, e.number, b});
+      if (!m_a.edges().empty() && !m_b.edges().empty()) continue;
+      for (const int a : m_verticesA) f(v - m_a.vertices[at(a)], SatFeatures{Kind::vertices, a, b});
     }
-  }
-  // From q to the edge's nearest point; across the edge to the last bit where that is inside.
-  static Vec<3> toEdge(const Ridge& e, const Vec<3>& q) {
-    const Vec<3> from0 = e.v0 - q, from1 = e.v1 - q;
-    if (from0.dot(e.direction) >= 0) return from0;
-    if (from1.dot(e.direction) <= 0) return from1;
-    Vec<3> v = from0.squaredNorm() < from1.squaredNorm() ? from0 : from1;
-    removeAlong<3>(v, e.direction);
-    return v;
   }
 
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
   WorkDone* m_work = nullptr;
-  Core m_a, m_b;
-  std::vector<Vec<3>> m_verticesA, m_verticesB;
-  std::vector<Ridge> m_ridgesA, m_ridgesB;  // those that may matter
+  bool m_sideAlone = false;
+  Real m_slack = 0;        // m
+  SatFeatures m_features;  // whose axis is the best
+  Vec<3> m_way = Vec<3>::Zero();
+  SatCore m_a, m_b;
+  std::array<std::array<int, kLowVertices>, 2> m_low{};  // of B's vertices, which are low for a face of A, second
+  std::array<std::size_t, 2> m_known{};
+  std::vector<int> m_verticesA, m_verticesB;
+  std::vector<SatRidge> m_ridgesA, m_ridgesB;  // those that may matter
 };
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -53,6 +53,19 @@ inline constexpr Real kParallelSine = 4 * kEpsilon;
 /// tested, is then as good.
 inline constexpr Real kArcSine = 64 * kEpsilon;
 
+/// What a face's vertices may lie below its plane by, and the rounding of heights above it (x scale). Larger: edges are
+/// measured by their own ends more often, which costs time only. Smaller: an edge is left out though one of its normals
+/// proves more by as much.
+inline constexpr Real kFaceRounding = 1024 * kEpsilon;
+
+/// Vertices that are asked first how little a face proves (count): those that told it of the faces before. Larger: more
+/// are asked in vain. Smaller: all are.
+inline constexpr std::size_t kLowVertices = 4;
+
+/// How often the way between two features of cores that are apart is made shorter by features around it (count).
+/// Larger: nothing, it ends when it is the shortest. Smaller: all features near by are tried, which costs time only.
+inline constexpr int kMostTurns = 32;
+
 // --- expanding polytope ---------------------------------------------------------------------------------------------
 
 /// A first simplex with an extent of no more than this (x scale) is flat, and the difference with it: only the normals

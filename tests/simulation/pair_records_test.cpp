@@ -87,7 +87,7 @@ TEST(PairRecords, ArePerPairOfParts) { parts<2>(), parts<3>(); }
 // What a scene does not need is not kept: nobody remembers, or no cache is wanted.
 template <int D>
 void none() {
-  for (const char* pipeline : {"contacts=sat_clip", "contacts=deepest_point{query=sat}", "contacts=query_clip"}) {
+  for (const char* pipeline : {"contacts=sat_clip", "contacts=deepest_point{query=mpr}", "contacts=query_clip"}) {
     WorldSettings<D> settings;
     settings.features.cache = std::string_view(pipeline) != "contacts=query_clip";
     World<D> world(Pipeline::parse(pipeline), settings);
