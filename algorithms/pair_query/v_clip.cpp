@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Zlib
+#include "algorithms/pair_query/plane_pair.h"
+#include "algorithms/pair_query/sat_boxes.h"
+#include "algorithms/pair_query/sat_polytope3.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using namespace pair_query;
+
+enum class FeatureKind : std::int32_t { vertex, edge, face };
+
+struct Feature {
+  FeatureKind kind = FeatureKind::vertex;
+  std::int32_t number = 0;
+};
+
+// Mirtich's walk: from a pair of features of the two cores to one of lower dimension or shorter distance, as long as
+// one of them lies outside of the Voronoi region of the other. It ends where both are inside, and then are the nearest,
+// or where a feature is seen to lie in the other core.
+class Walk {
+ public:
+  enum class End { apart, overlap, lost };
+
+  /// From these features, which become those where it ends.
+  End run(const SatCore& a, const SatCore& b, int steps, std::array<Feature, 2>& features, WorkDone& work) {
+    m_core = {&a, &b}, m_feature = &features;
+    for (int i = 0; i < steps; ++i) {
+      ++work[WorkCount::axisTests];
+      const Step step = next();
+      if (step == Step::done) return End::apart;
+      if (step == Step::overlap) return End::overlap;
+    }
+    return End::lost;
+  }
+
+ private:
+  enum class Step { moved, done, overlap };
+  using Kind = FeatureKind;
+
+  const SatCore& core(int i) const { return *m_core[static_cast<std::size_t>(i)]; }
+  Feature& feature(int i) const { return (*m_feature)[static_cast<std::size_t>(i)]; }
+  Step moveTo(int i, Kind kind, std::size_t number) {
+    feature(i) = {kind, static_cast<std::int32_t>(number)};
+    return Step::moved;
+  }
+
+  // A plane of the feature's Voronoi region: it lies within `height >= 0`, beyond is the region of `neighbour`.
+  struct Bound {
+    Vec<3> point, inward;
+    Feature neighbour;
+    Real height(const Vec<3>& q) const { return inward.dot(q - point); }
+  };
+
+  template <class F>
+  static void edgesWhere(const SatCore& core, F&& isOne, std::vector<std::size_t>& out) {
+    out.clear();
+    for (std::size_t k = 0; k < core.edges().size(); ++k) {
+      if (isOne(core.edges()[k])) out.push_back(k);
+    }
+  }
+  // Across the edge, in the plane of its face, into the face.
+  static Vec<3> intoFace(const SatCore& core, const SatCore::Edge& e, bool ofA) {
+    const Vec<3> along = core.vertex(e.v1) - core.vertex(e.v0);
+    return ofA ? Vec<3>(core.normal(e.faceA).cross(along)) : Vec<3>(along.cross(core.normal(e.faceB)));
+  }
+  void regionOf(int i, std::vector<Bound>& out) {
+    const SatCore& of = core(i);
+    const Feature f = feature(i);
+    out.clear();
+    const auto number = [](std::size_t k) { return static_cast<std::int32_t>(k); };
+    switch (f.kind) {
+      case Kind::vertex: {
+        edgesWhere(
+            of, [&](const SatCore::Edge& e) { return e.v0 == f.number || e.v1 == f.number; }, m_edges);
+        const Vec<3> v = m_origin = of.vertex(f.number);
+        for (const std::size_t k : m_edges) {
+          const SatCore::Edge& e = of.edges()[k];
+          out.push_back({v, v - of.vertex(e.v0 == f.number ? e.v1 : e.v0), {Kind::edge, number(k)}});
+        }
+        return;
+      }
+      case Kind::edge: {
+        const SatCore::Edge& e = of.edges()[static_cast<std::size_t>(f.number)];
+        const Vec<3> v0 = of.vertex(e.v0), v1 = of.vertex(e.v1);
+        m_origin = v0;
+        out.push_back({v0, v1 - v0, {Kind::vertex, e.v0}});
+        out.push_back({v1, v0 - v1, {Kind::vertex, e.v1}});
+        if (e.faceA < 0) return;
+        out.push_back({v0, -intoFace(of, e, true), {Kind::face, e.faceA}});
+        out.push_back({v0, -intoFace(of, e, false), {Kind::face, e.faceB}});
+        return;
+      }
+      case Kind::face: {
+        edgesWhere(
+            of, [&](const SatCore::Edge& e) { return e.faceA == f.number || e.faceB == f.number; }, m_edges);
+        for (const std::size_t k : m_edges) {
+          const SatCore::Edge& e = of.edges()[k];
+          out.push_back({of.vertex(e.v0), intoFace(of, e, e.faceA == f.number), {Kind::edge, number(k)}});
+        }
+        return;
+      }
+    }
+  }
+
+  Step next() {
+    const Kind kindA = feature(0).kind, kindB = feature(1).kind;
+    if (kindA == Kind::vertex && kindB == Kind::vertex) return vertices();
+    if (kindA == Kind::edge && kindB == Kind::edge) return edges();
+    const int higher = kindA > kindB ? 0 : 1;
+    if (feature(higher).kind == Kind::edge) return vertexAndEdge(1 - higher, higher);
+    return feature(1 - higher).kind == Kind::vertex ? vertexAndFace(1 - higher, higher)
+                                                    : edgeAndFace(1 - higher, higher);
+  }
+
+  Step vertices() {
+    for (const int i : {0, 1}) {
+      const Vec<3> q = core(1 - i).vertex(feature(1 - i).number);
+      regionOf(i, m_region);
+      for (const Bound& bound : m_region) {
+        if (bound.height(q) < 0) return feature(i) = bound.neighbour, Step::moved;
+      }
+    }
+    return Step::done;
+  }
+
+  Step vertexAndEdge(int v, int e) {
+    const Vec<3> q = core(v).vertex(feature(v).number);
+    regionOf(e, m_region);
+    for (const Bound& bound : m_region) {
+      if (bound.height(q) < 0) return feature(e) = bound.neighbour, Step::moved;
+    }
+    return clipBy(v, e);
+  }
+
+  Step edges() {
+    const Step first = clipBy(0, 1);
+    return first == Step::done ? clipBy(1, 0) : first;
+  }
+
+  // What is left of edge `e` in the region of the other feature, a vertex or an edge. Where it comes no nearer to it
+  // within than at one of its ends, the neighbour behind that end is nearer.
+  Step clipBy(int other, int e) {
+    regionOf(other, m_region);
+    Clip clip;
+    cut(e, clip);
+    if (clip.simply) return feature(other) = *clip.entry, Step::moved;
+    const Vec<3> way = clip.head - clip.tail;
+    const auto slope = [&](Real t) {  // of the distance, on the way along the edge
+      Vec<3> from = clip.tail + t * way - m_origin;
+      if (feature(other).kind == Kind::edge) {
+        Vec<3> along = m_region.front().inward;
+        if (makeUnit<3>(along)) from -= from.dot(along) * along;
+      }
+      return from.dot(way);
+    };
+    if (clip.entry && slope(clip.from) > 0) return feature(other) = *clip.entry, Step::moved;
+    if (clip.exit && slope(clip.to) < 0) return feature(other) = *clip.exit, Step::moved;
+    return Step::done;
+  }
+
+  struct Clip {
+    Vec<3> tail, head;
+    Real from = 0, to = 1;
+    const Feature *entry = nullptr, *exit = nullptr;  // behind the planes that cut it
+    bool simply = false;                              // all of it lies behind one plane
+  };
+  // By m_region. False when nothing is left.
+  bool cut(int e, Clip& clip) const {
+    const SatCore::Edge& edge = core(e).edges()[static_cast<std::size_t>(feature(e).number)];
+    clip.tail = core(e).vertex(edge.v0), clip.head = core(e).vertex(edge.v1);
+    for (const Bound& bound : m_region) {
+      const Real t = bound.height(clip.tail), h = bound.height(clip.head);
+      if (t < 0 && h < 0) {
+        clip.entry = clip.exit = &bound.neighbour, clip.simply = true;
+        return false;
+      }
+      if (t < 0 && t / (t - h) > clip.from) clip.from = t / (t - h), clip.entry = &bound.neighbour;
+      if (h < 0 && t / (t - h) < clip.to) clip.to = t / (t - h), clip.exit = &bound.neighbour;
+      if (clip.from > clip.to) return false;
+    }
+    return true;
+  }
+
+  Step vertexAndFace(int v, int f) {
+    const Vec<3> q = core(v).vertex(feature(v).number);
+    regionOf(f, m_region);
+    const Bound* worst = nullptr;
+    Real least = 0;
+    for (const Bound& bound : m_region) {
+      const Real height = bound.height(q) / bound.inward.norm();
+      if (height < least) least = height, worst = &bound;
+    }
+    if (worst) return feature(f) = worst->neighbour, Step::moved;
+    const Real height = heightOver(f, feature(f).number, q);
+    if (height > 0) {
+      regionOf(v, m_region);
+      for (const Bound& bound : m_region) {  // its inward vector leads from the other end of the edge to q
+        if (std::abs(heightOver(f, feature(f).number, q - bound.inward)) < height) {
+          return feature(v) = bound.neighbour, Step::moved;
+        }
+      }
+      return Step::done;
+    }
+    // Behind the face: within the core, or some face has it in front.
+    Real most = -std::numeric_limits<Real>::infinity();
+    std::size_t highest = 0;
+    for (std::size_t k = 0; k < core(f).faces().size(); ++k) {
+      const Real h = heightOver(f, static_cast<std::int32_t>(k), q);
+      if (h > most) most = h, highest = k;
+    }
+    if (!(most > 0)) return Step::overlap;
+    return moveTo(f, Kind::face, highest);
+  }
+
+  Step edgeAndFace(int e, int f) {
+    regionOf(f, m_region);
+    Clip clip;
+    const SatCore::Edge& edge = core(e).edges()[static_cast<std::size_t>(feature(e).number)];
+    if (!cut(e, clip)) {  // beside the face: its edge that is nearest
+      const SatRidge ridge(core(e), feature(e).number);
+      Real least2 = std::numeric_limits<Real>::infinity();
+      Feature nearest = m_region.front().neighbour;
+      for (const Bound& bound : m_region) {
+        const Real length2 = betweenEdges(ridge, SatRidge(core(f), bound.neighbour.number)).squaredNorm();
+        if (length2 < least2) least2 = length2, nearest = bound.neighbour;
+      }
+      return feature(f) = nearest, Step::moved;
+    }
+    const Vec<3> way = clip.head - clip.tail;
+    const Real from = heightOver(f, feature(f).number, clip.tail + clip.from * way);
+    const Real to = heightOver(f, feature(f).number, clip.tail + clip.to * way);
+    if (from * to <= 0) return Step::overlap;
+    if (std::abs(from) <= std::abs(to)) {
+      return clip.entry ? (feature(f) = *clip.entry, Step::moved)
+                        : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v0));
+    }
+    return clip.exit ? (feature(f) = *clip.exit, Step::moved)
+                     : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v1));
+  }
+
+  Real heightOver(int i, std::int32_t face, const Vec<3>& q) const {
+    const SatCore::Plane plane = core(i).plane(core(i).faces()[static_cast<std::size_t>(face)]);
+    return plane.n.dot(q) - plane.offset;
+  }
+
+  std::array<const SatCore*, 2> m_core{};
+  std::array<Feature, 2>* m_feature = nullptr;
+  std::vector<Bound> m_region;
+  Vec<3> m_origin = Vec<3>::Zero();  // of the region's feature: the vertex, the edge's first end
+  std::vector<std::size_t> m_edges;
+};
+
+// V-Clip (Mirtich 1998): the nearest features of the cores by a walk that begins at those of the last step. They are
+// taken for the nearest when the way between them is what its direction proves (core_pair.h). Who overlaps has none,
+// and the walk gives no depth: that, and what rounding makes the walk lose, is left to separating axes.
+template <int D>
+class VClip final : public PairQuery<D> {
+ public:
+  struct Params {
+    int iterations = 100;
+    void visit(ParamVisitor& v) {
+      v.integer("iterations", iterations, 1, 10000, "steps of the walk; then separating axes decide");
+    }
+  };
+  explicit VClip(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "v_clip",
+            .summary = "V-Clip's walk to the nearest features, and separating axes for the depth; no curved cores",
+            .paper = "mirtich1998",
+            .complexity = "apart, a few steps from the last features, each as long as the lists of edges; else as sat"};
+  }
+
+  bool supports(ShapeKind a, ShapeKind b) const override {
+    if (coreClass(a) == CoreClass::curved || coreClass(b) == CoreClass::curved) return false;
+    return !hasPlane(a, b) || supportsPlane(a, b);
+  }
+
+  bool remembers() const override { return true; }
+
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory> memory, WorkDone& work) override {
+    work[WorkCount::pairQueries] += pairs.size();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const CorePair<D> pair(pairs[i]);
+      if (hasPlane(pair.a.kind, pair.b.kind)) {
+        answers[i] = m_plane.answer(pair, work);
+        continue;
+      }
+      BestAxis<D> best;
+      if (!walk(pair, memory.empty() ? nullptr : &memory[i], best, work)) {
+        best = {};
+        if (pair.a.hull || pair.b.hull) {
+          m_axes.run(pair, need, nullptr, best, work);
+        } else {
+          SatBoxes<D>(pair, best, work).run();
+        }
+      }
+      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
+    }
+  }
+
+ private:
+  struct Stored {
+    std::uint32_t known = 0;  // 1: there are features; no others are taken
+    std::array<Feature, 2> features;
+    std::array<std::uint32_t, 3> none{};
+  };
+
+  static bool exists(const Feature& f, const SatCore& core) {
+    const auto within = [&](std::size_t count) { return f.number >= 0 && static_cast<std::size_t>(f.number) < count; };
+    switch (f.kind) {
+      case FeatureKind::vertex:
+        return within(static_cast<std::size_t>(core.vertexCount()));
+      case FeatureKind::edge:
+        return within(core.edges().size());
+      case FeatureKind::face:
+        return within(core.faces().size());
+    }
+    return false;  // a number from a file
+  }
+
+  // False when it has not found, and proved, the distance.
+  bool walk(const CorePair<D>& pair, PairMemory* memory, BestAxis<D>& best, WorkDone& work) {
+    m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
+    const Stored last = memory ? std::bit_cast<Stored>(memory->bytes) : Stored{};
+    std::array<Feature, 2> features = last.features;
+    if (last.known != 1 || !exists(features[0], m_a) || !exists(features[1], m_b)) {
+      ++work[WorkCount::supportCalls];
+      features[0] = {FeatureKind::vertex, m_a.foremost(pair.p)};
+      features[1] = {FeatureKind::vertex, m_b.foremost(-pair.p)};
+    }
+    const Walk::End end = m_walk.run(m_a, m_b, m_params.iterations, features, work);
+    if (memory) memory->bytes = std::bit_cast<decltype(memory->bytes)>(Stored{1, features, {}});
+    return end == Walk::End::apart && prove(pair, facing(features), best, work);
+  }
+
+  static SatFeatures facing(const std::array<Feature, 2>& f) {
+    using enum SatFeatures::Kind;
+    const auto kind = [&] {
+      if (f[0].kind == FeatureKind::face) return faceOfA;
+      if (f[1].kind == FeatureKind::face) return faceOfB;
+      if (f[0].kind == FeatureKind::edge) return f[1].kind == FeatureKind::edge ? edges : edgeVertex;
+      return f[1].kind == FeatureKind::edge ? vertexEdge : vertices;
+    };
+    return {kind(), f[0].number, f[1].number};
+  }
+
+  bool prove(const CorePair<D>& pair, const SatFeatures& features, BestAxis<D>& best, WorkDone& work) {
+    const Vec<D> way = wayBetween(features, m_a, m_b);
+    const Real length = way.norm(), slack = kBoundRounding * pair.scale;
+    Vec<D> n;
+    if (commonNormal(features, m_a, m_b, way, n)) best.tryDirection(pair, n.dot(way) < 0 ? Vec<D>(-n) : n, work);
+    if (length - best.bound > slack) best.tryDirection(pair, way, work);
+    return length - best.bound <= slack;
+  }
+
+  Params m_params;
+  SatCore m_a, m_b;
+  Walk m_walk;
+  SatPolytope<D> m_axes;
+  PlanePair<D> m_plane;
+  TouchingPoint m_touching;
+};
+
+}  // namespace
+
+LPC_REGISTER(PairQuery, VClip, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
