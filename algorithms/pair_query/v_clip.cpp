@@ -196,7 +196,7 @@ class Walk {
     if (height > 0) {
       regionOf(v, m_region);
       for (const Bound& bound : m_region) {  // its inward vector leads from the other end of the edge to q
-        if (std::abs(heightOver(f, feature(f).number, q - bound.inward)) < height) {
+        if (heightOver(f, feature(f).number, q - bound.inward) < height) {
           return feature(v) = bound.neighbour, Step::moved;
         }
       }

@@ -268,5 +268,35 @@ void memorySaves() {
 }
 TEST(PairQuery, MemorySavesSupportPoints) { memorySaves<2>(), memorySaves<3>(); }
 
+// The part of hulls that are apart whose features, asked about once more, are at once the nearest: one step, and one or
+// two directions that prove it.
+double arrived(const char* spec) {
+  const auto method = createStage<PairQuery<3>>(Spec::parse(spec));
+  PlainDraw draw(seedOf("hulls apart"));
+  double few = 0, apart = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const Shape<3> a = drawSketch<3>(draw, ShapeKind::polytope).build(1);
+    const Shape<3> b = drawSketch<3>(draw, ShapeKind::polytope).build(1);
+    const Pose<3> X{(sizeOf(a) + sizeOf(b)) * drawDirection<3>(draw), drawRotation<3>(draw)};
+    const PairView<3> pair{a.view(), b.view(), X};
+    PairAnswer<3> answer;
+    PairMemory memory;
+    WorkDone first, again;
+    method->query({&pair, 1}, QueryNeed::distance, {&answer, 1}, {&memory, 1}, first);
+    method->query({&pair, 1}, QueryNeed::distance, {&answer, 1}, {&memory, 1}, again);
+    if (answer.distance > 0) few += searched(again) <= 3, ++apart;
+  }
+  EXPECT_GT(apart, 500);
+  return few / apart;
+}
+// Right answers alone do not tell whether v_clip walks: where it does not arrive, separating axes give them.
+TEST(PairQuery, VClipWalks) {
+  const double walked = arrived("v_clip"), gaveUp = arrived("v_clip{iterations=1}");
+  std::printf("v_clip arrives on %.2f %%, on %.1f %% when it gives up at once\n", 100 * walked, 100 * gaveUp);
+  EXPECT_GT(walked, 0.99);
+  EXPECT_LT(gaveUp, 0.9) << "the planted bug was not caught";
+  recordPlantedBug("v_clip gives up at once", 1, 1);
+}
+
 }  // namespace pair_query_test
 }  // namespace lpc::inline LPC_PRECISION::test
