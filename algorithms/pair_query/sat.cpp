@@ -43,16 +43,20 @@ class Sat final : public PairQuery<D> {
     work[WorkCount::pairQueries] += pairs.size();
     if (pairs.empty()) return;
     const bool boxes = pairs[0].a.core() == CoreClass::box && pairs[0].b.core() == CoreClass::box;
+    if (!boxes) return oneByOne(pairs, need, answers, memory, work);
     forMostInLanes<D>(
-        boxes ? m_lanes : LaneUse::scalar, pairs, answers,
+        m_lanes, pairs, answers,
         [&](std::span<const PairView<3>> some, std::span<PairAnswer<3>> out) {
           return boxesInLanes(some, need, out, work);
         },
-        [&](std::span<const PairView<D>> some, std::span<PairAnswer<D>> out) { oneByOne(some, need, out, work); });
+        [&](std::span<const PairView<D>> some, std::span<PairAnswer<D>> out) {
+          oneByOne(some, need, out, {}, work);  // of boxes nothing is remembered
+        });
   }
 
  private:
-  void oneByOne(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers, WorkDone& work) {
+  void oneByOne(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+                std::span<PairMemory> memory, WorkDone& work) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {

@@ -294,7 +294,7 @@ class VClip final : public PairQuery<D> {
         if (pair.a.hull || pair.b.hull) {
           m_axes.run(pair, need, nullptr, best, work);
         } else {
-          SatBoxes<D>(pair, best, work).run();
+          SatBoxes<D>(pair, need, best, work).run();
         }
       }
       answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
