@@ -34,7 +34,12 @@ std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
 }
 
 template <int D>
-Shape<D> readMesh(TableReader& shape, SceneNumbers& numbers) {
+Shape<D> readSurface(TableReader& shape, SceneNumbers& numbers) {
+  if (D == 3 && shape.find("file")) {
+    const MeshFile mesh = readMesh(shape, numbers);
+    if (numbers.rehearsing()) return {};
+    if constexpr (D == 3) return Shape<D>::mesh(mesh.points, mesh.triangles);
+  }
   const std::vector<Vec<D>> points = readPoints<D>(shape, numbers);
   const toml::node& list = shape.require("triangles");
   if (!list.is_array()) shape.fail(list, "'triangles' is " + describe(list) + "; valid: a list of three numbers each");
@@ -79,7 +84,7 @@ Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string
   if (kind == "polytope") return Shape<D>::polytope(readPoints<D>(shape, numbers), rounding);
   if (kind == "segment") return Shape<D>::segment(size("half_length"));
   if (kind == "triangle") return Shape<D>::ofCorners(ShapeKind::triangle, readPoints<D>(shape, numbers), rounding);
-  if (kind == "mesh") return readMesh<D>(shape, numbers);
+  if (kind == "mesh") return readSurface<D>(shape, numbers);
   if (kind == "chain") {
     const bool closed = shape.flag("closed", false);
     return Shape<D>::chain(readPoints<D>(shape, numbers), closed);

@@ -22,7 +22,8 @@ std::string fileOf(TableReader& shape, SceneNumbers& numbers) {
   const std::string name = shape.requireString("file");
   if (shape.find("points")) shape.fail("it has 'file' and 'points'; valid: one of them");
   // Of a table that readMeshes took for no shape.
-  if (!numbers.meshes.count(name)) shape.fail("'file' is of no shape that has one; valid: kind = \"polytope\"");
+  if (!numbers.meshes.count(name))
+    shape.fail("'file' is of no shape that has one; valid: kind = \"polytope\", \"mesh\"");
   return name;
 }
 

@@ -320,6 +320,27 @@ TEST(MeshFile, BodiesThatAreNoneAreRefusedWithAdvice) {
   EXPECT_EQ(sceneSays<2>(w, scene("file = \"box.obj\"", "[2, 3]") + "repeat = 0\n"), "");
 }
 
+// The L that is no body is ground: with its concave edge, as it is.
+TEST(MeshFile, GroundIsAsItsFileHasIt) {
+  const Workspace w;
+  if (!isThere(w)) GTEST_SKIP() << "assimp is absent";
+  w.write("letter.obj", obj(kLetter, kLetterSides));
+  const auto ground = [](const std::string& rest, const std::string& dimensions = "[3]") {
+    return "name = \"t\"\nsummary = \"s\"\ndimensions = " + dimensions + "\n[[body]]\n" + rest +
+           "shapes = [{ kind = \"mesh\", file = \"letter.obj\", scale = 2 }]\n";
+  };
+  const auto spec = SceneFile::parse(ground("type = \"fixed\"\n"), w.path("t.toml")).build<3>({}, 1);
+  const Shape<3>& shape = spec.spawns.at(0).body.shapes.at(0).shape;
+  long triangles = 0;
+  forParts(shape, Pose<3>{}, [&](const ShapeView<3>& part, const Pose<3>&) { triangles += part.hull != nullptr; });
+  EXPECT_EQ(triangles, static_cast<long>(kLetterSides.size()));
+  const Aabb<3> box = boundingBox(shape, Pose<3>{});
+  EXPECT_EQ(box.hi, Vec<3>(4, 4, 2));
+  EXPECT_NE(sceneSays<3>(w, ground("") + "[[body]]\nshapes = [{ kind = \"sphere\", radius = 1 }]\n").find("t.toml"),
+            std::string::npos);
+  EXPECT_NE(sceneSays<2>(w, ground("type = \"fixed\"\n", "[2, 3]")).find("t.toml"), std::string::npos);
+}
+
 // All points lie on the hull, and a valley where it has a ridge.
 TEST(MeshFile, AValleyBetweenPointsOfTheHullIsSeen) {
   std::vector<Vec<3>> raised = kCorners;
