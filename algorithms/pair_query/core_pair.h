@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "algorithms/pair_query/hull_support.h"
 #include "algorithms/pair_query/tolerances.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
@@ -39,6 +40,19 @@ void removeAlong(Vec<D>& n, const Vec<D>& e) {
   n -= n.dot(e) * e;
 }
 
+/// coreSupport, of a hull with many vertices by several at a time, which finds the same one.
+template <int D>
+Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr) {
+  if constexpr (D == 3) {
+    if (shape.core() == CoreClass::hull && shape.hull->vertices.size() >= kManyVertices) {
+      const std::size_t best = farthestVertex(shape.hull->vertices, d);
+      if (hint) *hint = static_cast<int>(best);
+      return shape.hull->vertices[best];
+    }
+  }
+  return coreSupport(shape, d, hint);
+}
+
 template <int D>
 struct CorePair {
   const ShapeView<D>&a, &b;  // the pair's own: it must outlive this
@@ -56,16 +70,14 @@ struct CorePair {
 
   Real radii() const { return a.radius + b.radius; }
   /// The point of M that lies least far along n.
-  Vec<D> support(const Vec<D>& n) const {
-    return (p + r * coreSupport(b, Vec<D>(-(r.transpose() * n)))) - coreSupport(a, n);
-  }
+  Vec<D> support(const Vec<D>& n) const { return (p + r * farthest(b, Vec<D>(-(r.transpose() * n)))) - farthest(a, n); }
   /// L(n); n must be unit.
   Real bound(const Vec<D>& n) const {
     if (a.core() <= CoreClass::box && b.core() <= CoreClass::box) {  // their own mirror images
       return n.dot(p) - a.half.dot(n.cwiseAbs()) - b.half.dot((r.transpose() * n).cwiseAbs());
     }
     const Vec<D> back = -(r.transpose() * n);
-    return (n.dot(p) - coreSupport(b, back).dot(back)) - coreSupport(a, n).dot(n);
+    return (n.dot(p) - farthest(b, back).dot(back)) - farthest(a, n).dot(n);
   }
 
  private:

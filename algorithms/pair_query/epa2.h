@@ -13,6 +13,7 @@ namespace lpc::inline LPC_PRECISION::pair_query {
 struct EpaLimits {
   int faces;       // give up beyond
   Real tolerance;  // m
+  bool inside;     // whether the simplex holds the origin, but for rounding
 };
 
 template <int D>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/pair_query/epa2.h"
+#include "algorithms/pair_query/triple.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
@@ -17,23 +18,23 @@ class Epa<3> {
                   WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
     m_visible = kVisible * pair.scale;
-    m_points.clear(), m_faces.clear();
+    m_points.clear(), m_faces.clear(), m_queue.clear();
     m_doubt = 0;
+    // Who holds the origin is no deeper than the best bound says, and farther faces need not be looked at. From
+    // outside, faces that are farther now may have nearer ones behind them.
+    m_farthest =
+        limits.inside && best.bound < 0 ? limits.tolerance - best.bound : std::numeric_limits<Real>::infinity();
     if (!seed(start)) return QueryStatus::converged;  // flat: both normals of its plane are tested
     // Only bounds of true faces end the search: from outside, the polytope's own faces bound nothing from above.
     Real settled = -std::numeric_limits<Real>::infinity();
     while (true) {
-      int lowest = -1;
-      for (int i = 0; i < static_cast<int>(m_faces.size()); ++i) {
-        const Face& f = m_faces[at(i)];
-        if (f.alive && f.open && (lowest < 0 || f.offset < m_faces[at(lowest)].offset)) lowest = i;
-      }
+      const int lowest = takeLowest();
       if (lowest < 0 || -m_faces[at(lowest)].offset <= settled + limits.tolerance) return QueryStatus::converged;
-      Face& face = m_faces[at(lowest)];
-      const Vec<3> w = support(face.outward);
-      if (face.outward.dot(w) - face.offset <= limits.tolerance || isKnown(w)) {
-        settled = std::max(settled, -face.outward.dot(w));
-        face.open = false;  // a face of the difference itself: its own bound has been taken
+      const Face& face = m_faces[at(lowest)];
+      const Triple w(support(face.outward.vector()));
+      const Real height = dot(face.outward, w);
+      if (height - face.offset <= limits.tolerance || isKnown(w)) {
+        settled = std::max(settled, -height);  // a face of the difference itself: its own bound has been taken
         m_doubt = std::max(m_doubt, tiltError(face));
         continue;
       }
@@ -48,15 +49,22 @@ class Epa<3> {
 
  private:
   struct Face {
-    int v[3];         // counter-clockwise seen from outside
-    int neighbor[3];  // across the edge from v[i] to v[i + 1]
-    Vec<3> outward;
+    Triple outward;
     Real offset;
-    bool alive, open;
+    int v[3];                       // counter-clockwise seen from outside
+    int neighbor[3];                // across the edge from v[i] to v[i + 1],
+    unsigned char neighborEdge[3];  // which is this edge of the neighbor
+    bool alive;
   };
-  struct HorizonEdge {
-    int outer;     // the face that stays
-    int from, to;  // as in the face that goes
+  struct Queued {
+    Real offset;
+    int face;
+    bool operator<(const Queued& other) const {  // std's heaps have the last one on top
+      return offset > other.offset || (offset == other.offset && face > other.face);
+    }
+  };
+  struct FaceEdge {
+    int face, edge;
   };
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -69,17 +77,41 @@ class Epa<3> {
     return w;
   }
 
-  bool isKnown(const Vec<3>& w) const { return std::find(m_points.begin(), m_points.end(), w) != m_points.end(); }
+  bool isKnown(const Triple& w) const {
+    for (const Triple& p : m_points) {
+      if (p.x == w.x && p.y == w.y && p.z == w.z) return true;
+    }
+    return false;
+  }
 
   int addFace(int i, int j, int k) {
     ++(*m_work)[WorkCount::polytopeFaces];
-    const Vec<3>&a = m_points[at(i)], &b = m_points[at(j)], &c = m_points[at(k)];
-    Face f{{i, j, k}, {-1, -1, -1}, (b - a).cross(c - a), 0, true, true};
-    f.open = makeUnit<3>(f.outward);
+    const Triple a = m_points[at(i)], b = m_points[at(j)], c = m_points[at(k)];
+    const int made = static_cast<int>(m_faces.size());
+    Face& f = m_faces.emplace_back();
+    f.v[0] = i, f.v[1] = j, f.v[2] = k, f.alive = true;
+    Triple n = cross(b - a, c - a);
+    const bool hasNormal = makeUnit(n);
+    f.outward = n;
+    if (!hasNormal) return made;  // there is no way to go from it
     // The height of all three corners: a sliver's normal may lean.
-    f.offset = std::max({f.outward.dot(a), f.outward.dot(b), f.outward.dot(c)});
-    m_faces.push_back(f);
-    return static_cast<int>(m_faces.size()) - 1;
+    f.offset = std::max({dot(n, a), dot(n, b), dot(n, c)});
+    if (f.offset <= m_farthest) {
+      m_queue.push_back({f.offset, made});
+      std::push_heap(m_queue.begin(), m_queue.end());
+    }
+    return made;
+  }
+
+  // The nearest face that is left, of several the oldest; -1: none.
+  int takeLowest() {
+    while (!m_queue.empty()) {
+      std::pop_heap(m_queue.begin(), m_queue.end());
+      const int face = m_queue.back().face;
+      m_queue.pop_back();
+      if (m_faces[at(face)].alive) return face;
+    }
+    return -1;
   }
 
   void farther(const Vec<3>& w, const auto& height, Vec<3>& farthest) const {
@@ -87,9 +119,10 @@ class Epa<3> {
   }
 
   Real tiltError(const Face& f) const {
-    const Vec<3>&a = m_points[at(f.v[0])], &b = m_points[at(f.v[1])], &c = m_points[at(f.v[2])];
-    const Real longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const Real height = (b - a).cross(c - a).norm() / longest;
+    const Triple a = m_points[at(f.v[0])], b = m_points[at(f.v[1])], c = m_points[at(f.v[2])];
+    const auto square = [](const Triple& e) { return dot(e, e); };
+    const Real longest = std::sqrt(std::max({square(b - a), square(c - b), square(a - c)}));
+    const Real height = norm(cross(b - a, c - a)) / longest;
     return kEpsilon * m_pair->scale / height * m_pair->scale;
   }
 
@@ -126,85 +159,79 @@ class Epa<3> {
     const Real volume = (b - a).cross(c - a).dot(d - a);
     const Real longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (d - a).squaredNorm()}));
     if (!(std::abs(volume) > thinnest * longest * longest * longest)) return false;
-    m_points.assign({a, b, c, d});
+    m_points.assign({Triple(a), Triple(b), Triple(c), Triple(d)});
     if (volume > 0) std::swap(m_points[1], m_points[2]);
     // With d below the plane a b c: faces a b c, and d with each edge turned round.
     addFace(0, 1, 2), addFace(0, 3, 1), addFace(1, 3, 2), addFace(2, 3, 0);
-    constexpr int kNeighbors[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
-    for (int i = 0; i < 4; ++i) std::copy_n(kNeighbors[i], 3, m_faces[at(i)].neighbor);
+    join(0, 0, 1, 2), join(0, 1, 2, 2), join(0, 2, 3, 2), join(1, 0, 3, 1), join(1, 1, 2, 0), join(2, 1, 3, 0);
     return true;
+  }
+
+  // Across these edges the two faces are neighbors.
+  void join(int face, int edge, int other, int otherEdge) {
+    Face &f = m_faces[at(face)], &g = m_faces[at(other)];
+    f.neighbor[edge] = other, f.neighborEdge[edge] = static_cast<unsigned char>(otherEdge);
+    g.neighbor[otherEdge] = face, g.neighborEdge[otherEdge] = static_cast<unsigned char>(edge);
   }
 
   // A face that w lies beyond, or in whose plane w lies in line with the edge by which we came: the new triangle there
   // would have no normal.
-  bool isVisible(const Face& f, int edge, const Vec<3>& w) const {
-    const Real beyond = f.outward.dot(w) - f.offset;
+  bool isVisible(const Face& f, int edge, const Triple& w) const {
+    const Real beyond = dot(f.outward, w) - f.offset;
     if (beyond > m_visible) return true;
     if (beyond < -m_visible) return false;
-    const Vec<3>&a = m_points[at(f.v[edge])], &b = m_points[at(f.v[(edge + 1) % 3])];
-    const Vec<3> e = b - a;
-    return e.cross(w - a).norm() <= m_visible * e.norm();
+    const Triple a = m_points[at(f.v[edge])], b = m_points[at(f.v[(edge + 1) % 3])], e = b - a;
+    return norm(cross(e, w - a)) <= m_visible * norm(e);
   }
 
   // Walks over the visible faces from `face`, entered by its edge `edge`, and leaves the horizon in order.
-  void walk(int face, int edge, const Vec<3>& w) {
+  void walk(int face, int edge, const Triple& w) {
     Face& f = m_faces[at(face)];
     if (!f.alive) return;
     if (!isVisible(f, edge, w)) {
-      m_horizon.push_back({face, f.v[(edge + 1) % 3], f.v[edge]});
+      m_horizon.push_back({face, edge});
       return;
     }
     f.alive = false;
-    for (int k = 1; k <= 2; ++k) step(face, (edge + k) % 3, w);
+    constexpr int kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
+    step(f, kNext[edge], w), step(f, kLast[edge], w);
   }
-  void step(int face, int edge, const Vec<3>& w) {
-    const int next = m_faces[at(face)].neighbor[edge];
-    walk(next, edgeTo(next, face, m_faces[at(face)].v[(edge + 1) % 3]), w);
-  }
-  // The edge of `face` that starts at the vertex `from` and has `other` across.
-  int edgeTo(int face, int other, int from) const {
-    const Face& f = m_faces[at(face)];
-    for (int k = 0; k < 3; ++k) {
-      if (f.neighbor[k] == other && f.v[k] == from) return k;
-    }
-    return 0;
-  }
+  void step(const Face& f, int edge, const Triple& w) { walk(f.neighbor[edge], f.neighborEdge[edge], w); }
 
-  bool expand(int face, const Vec<3>& w) {
+  bool expand(int face, const Triple& w) {
     m_horizon.clear();
-    m_faces[at(face)].alive = false;
-    for (int k = 0; k < 3; ++k) step(face, k, w);
+    Face& f = m_faces[at(face)];
+    f.alive = false;
+    for (int k = 0; k < 3; ++k) step(f, k, w);
     const int count = static_cast<int>(m_horizon.size()), first = static_cast<int>(m_faces.size());
     if (count < 3) return false;
     for (int i = 0; i < count; ++i) {
       // Rounding has torn the visible faces apart: no honest expansion is left.
-      if (m_horizon[at(i)].to != m_horizon[at((i + 1) % count)].from) return false;
-      if (!m_faces[at(m_horizon[at(i)].outer)].alive) return false;
+      if (from(m_horizon[at(i)]) != to(m_horizon[at((i + 1) % count)])) return false;
+      if (!m_faces[at(m_horizon[at(i)].face)].alive) return false;
     }
     m_points.push_back(w);
     const int apex = static_cast<int>(m_points.size()) - 1;
     for (int i = 0; i < count; ++i) {
-      const HorizonEdge& h = m_horizon[at(i)];
-      const int made = addFace(h.from, h.to, apex);
-      Face& f = m_faces[at(made)];
-      f.neighbor[0] = h.outer;
-      f.neighbor[1] = first + (i + 1) % count;
-      f.neighbor[2] = first + (i + count - 1) % count;
-      Face& outer = m_faces[at(h.outer)];
-      for (int k = 0; k < 3; ++k) {
-        if (outer.v[k] == h.to && outer.v[(k + 1) % 3] == h.from) outer.neighbor[k] = made;
-      }
+      const FaceEdge outer = m_horizon[at(i)];
+      const int made = addFace(to(outer), from(outer), apex);
+      join(made, 0, outer.face, outer.edge);
+      if (i > 0) join(made, 2, made - 1, 1);
     }
+    join(first, 2, first + count - 1, 1);
     return true;
   }
+  int from(FaceEdge e) const { return m_faces[at(e.face)].v[e.edge]; }
+  int to(FaceEdge e) const { return m_faces[at(e.face)].v[(e.edge + 1) % 3]; }
 
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
   WorkDone* m_work = nullptr;
-  Real m_visible = 0, m_doubt = 0;
-  std::vector<Vec<3>> m_points;
+  Real m_visible = 0, m_doubt = 0, m_farthest = 0;
+  std::vector<Triple> m_points;
   std::vector<Face> m_faces;
-  std::vector<HorizonEdge> m_horizon;
+  std::vector<Queued> m_queue;      // a heap; with faces that are gone
+  std::vector<FaceEdge> m_horizon;  // of the faces that stay
 };
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -169,7 +169,7 @@ class GjkEpa final : public PairQuery<D> {
       return QueryStatus::converged;
     }
     if (capped) return QueryStatus::iterationLimit;
-    const EpaLimits limits{m_params.faces, tolerance};
+    const EpaLimits limits{m_params.faces, tolerance, inside};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
     if (curved) m_polish.improve(pair, best, work);
     // Near contact rounding says on which side GJK's origin is: the bound knows better.

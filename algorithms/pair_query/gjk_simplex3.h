@@ -3,6 +3,7 @@
 #pragma once
 
 #include "algorithms/pair_query/gjk_simplex2.h"
+#include "algorithms/pair_query/triple.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
@@ -20,10 +21,12 @@ inline Vec<3> footOnPlane(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, con
 /// keeps its meaning on slivers where barycentric coordinates from dot products do not; where it does not either, the
 /// three edges are there.
 inline void offerTriangle(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c, NearestFeature<3>& best) {
-  const Vec<3> n = (b - a).cross(c - a);
-  const Real ab = n.dot(a.cross(b - a)), bc = n.dot(b.cross(c - b)), ca = n.dot(c.cross(a - c));
-  Vec<3> unit = n;
-  if (ab > 0 && bc > 0 && ca > 0 && makeUnit<3>(unit)) return best.offer(footOnPlane(a, b, c, unit), {&a, &b, &c});
+  const Triple u(a), v(b), w(c), n = cross(v - u, w - u);
+  const Real ab = dot(n, cross(u, v - u)), bc = dot(n, cross(v, w - v)), ca = dot(n, cross(w, u - w));
+  Triple unit = n;
+  if (ab > 0 && bc > 0 && ca > 0 && makeUnit(unit)) {
+    return best.offer(footOnPlane(a, b, c, unit.vector()), {&a, &b, &c});
+  }
   if (!(ab > 0)) offerSegment<3>(a, b, best);
   if (!(bc > 0)) offerSegment<3>(b, c, best);
   if (!(ca > 0)) offerSegment<3>(c, a, best);
@@ -45,9 +48,11 @@ inline bool nearestOfSimplex(const Simplex<3>& s, NearestFeature<3>& best) {
       break;
   }
   // A face is passed over when the origin lies on its inner side, where the fourth corner is.
+  const std::array<Triple, 4> w = {Triple(s[0]), Triple(s[1]), Triple(s[2]), Triple(s[3])};
   const auto inner = [&](int i, int j, int k, int l) {
-    const Vec<3> n = (s[j] - s[i]).cross(s[k] - s[i]);
-    const Real corner = n.dot(s[l] - s[i]), origin = -n.dot(s[i]);
+    const auto at = [&](int m) { return w[static_cast<std::size_t>(m)]; };
+    const Triple n = cross(at(j) - at(i), at(k) - at(i));
+    const Real corner = dot(n, at(l) - at(i)), origin = -dot(n, at(i));
     return (corner > 0 && origin > 0) || (corner < 0 && origin < 0);
   };
   constexpr int kFaces[4][4] = {{3, 0, 1, 2}, {3, 1, 2, 0}, {3, 2, 0, 1}, {0, 1, 2, 3}};  // the newest point's first
@@ -64,8 +69,12 @@ inline bool featureDirection(const NearestFeature<3>& nearest, Vec<3>& n) {
   const Simplex<3>& s = nearest.feature;
   n = nearest.v;
   if (s.count == 3) {
-    const Vec<3> normal = (s[1] - s[0]).cross(s[2] - s[0]);
-    n = normal.dot(s[0]) < 0 ? Vec<3>(-normal) : normal;
+    const Triple a(s[0]);
+    Triple normal = cross(Triple(s[1]) - a, Triple(s[2]) - a);
+    if (dot(normal, a) < 0) normal = -normal;
+    if (!makeUnit(normal)) return false;
+    n = normal.vector();
+    return true;
   }
   return makeUnit<3>(n);
 }

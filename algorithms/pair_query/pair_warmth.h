@@ -49,11 +49,11 @@ Vec<D> cornerOf(const ShapeView<D>& shape, int number) {
   return v;
 }
 
-/// coreSupport with the number of the corner, kNoCorner where there is none.
+/// `farthest` with the number of the corner, kNoCorner where there is none.
 template <int D>
 Vec<D> supportCorner(const ShapeView<D>& shape, const Vec<D>& d, std::uint16_t& number) {
   int corner = -1;
-  const Vec<D> p = coreSupport(shape, d, &corner);
+  const Vec<D> p = farthest(shape, d, &corner);
   if (shape.core() != CoreClass::hull) {
     corner = 0;
     for (int k = 0; k < D; ++k) corner |= p[k] > 0 ? 1 << k : 0;
