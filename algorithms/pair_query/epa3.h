@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "algorithms/pair_query/epa2.h"
+#include "algorithms/pair_query/face_planes.h"
 #include "algorithms/pair_query/triple.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
@@ -20,10 +21,7 @@ class Epa<3> {
     m_visible = kVisible * pair.scale;
     m_points.clear(), m_faces.clear(), m_queue.clear();
     m_doubt = 0;
-    // Who holds the origin is no deeper than the best bound says, and farther faces need not be looked at. From
-    // outside, faces that are farther now may have nearer ones behind them.
-    m_farthest =
-        limits.inside && best.bound < 0 ? limits.tolerance - best.bound : std::numeric_limits<Real>::infinity();
+    m_inside = limits.inside, m_tolerance = limits.tolerance;
     if (!seed(start)) return QueryStatus::converged;  // flat: both normals of its plane are tested
     // Only bounds of true faces end the search: from outside, the polytope's own faces bound nothing from above.
     Real settled = -std::numeric_limits<Real>::infinity();
@@ -84,23 +82,49 @@ class Epa<3> {
     return false;
   }
 
-  int addFace(int i, int j, int k) {
-    ++(*m_work)[WorkCount::polytopeFaces];
-    const Triple a = m_points[at(i)], b = m_points[at(j)], c = m_points[at(k)];
-    const int made = static_cast<int>(m_faces.size());
+  void addFace(int i, int j, int k) {
     Face& f = m_faces.emplace_back();
     f.v[0] = i, f.v[1] = j, f.v[2] = k, f.alive = true;
-    Triple n = cross(b - a, c - a);
-    const bool hasNormal = makeUnit(n);
-    f.outward = n;
-    if (!hasNormal) return made;  // there is no way to go from it
-    // The height of all three corners: a sliver's normal may lean.
-    f.offset = std::max({dot(n, a), dot(n, b), dot(n, c)});
-    if (f.offset <= m_farthest) {
-      m_queue.push_back({f.offset, made});
-      std::push_heap(m_queue.begin(), m_queue.end());
+  }
+
+  // The planes of all faces from `first` on, which are then waiting.
+  void openFaces(int first) {
+    const int last = static_cast<int>(m_faces.size());
+    (*m_work)[WorkCount::polytopeFaces] += static_cast<std::uint64_t>(last - first);
+    // Who holds the origin is no deeper than the best bound says, and faces that are farther need not be looked at.
+    // From outside, one that is farther now may have nearer ones behind it.
+    const Real farthest =
+        m_inside && m_best->bound < 0 ? m_tolerance - m_best->bound : std::numeric_limits<Real>::infinity();
+    for (; first < last; first += FacePlanes::kFan) {
+      const int count = std::min(last - first, FacePlanes::kFan);
+      for (int i = 0; i < count; ++i) {
+        const Face& f = m_faces[at(first + i)];
+        put(f.v[0], i, m_planes.a), put(f.v[1], i, m_planes.b), put(f.v[2], i, m_planes.c);
+      }
+      m_planes.find(count);
+      for (int i = 0; i < count; ++i) openFace(first + i, i, farthest);
     }
-    return made;
+  }
+  void put(int point, int to, std::array<FacePlanes::Row, 3>& rows) const {
+    const Triple& p = m_points[at(point)];
+    rows[0][at(to)] = p.x, rows[1][at(to)] = p.y, rows[2][at(to)] = p.z;
+  }
+  // The offset is the height of all three corners: a sliver's normal may lean.
+  void openFace(int face, int i, Real farthest) {
+    Face& f = m_faces[at(face)];
+    f.outward = {m_planes.outward[0][at(i)], m_planes.outward[1][at(i)], m_planes.outward[2][at(i)]};
+    f.offset = m_planes.offset[at(i)];
+    const Real square = m_planes.square[at(i)];
+    if (!(square > kSafeSquare && square < 1 / kSafeSquare)) [[unlikely]] {
+      const Triple a = m_points[at(f.v[0])], b = m_points[at(f.v[1])], c = m_points[at(f.v[2])];
+      f.outward = cross(b - a, c - a);
+      f.offset = 0;
+      if (!makeUnit(f.outward)) return;  // there is no way to go from it
+      f.offset = std::max({dot(f.outward, a), dot(f.outward, b), dot(f.outward, c)});
+    }
+    if (!(f.offset <= farthest)) return;
+    m_queue.push_back({f.offset, face});
+    std::push_heap(m_queue.begin(), m_queue.end());
   }
 
   // The nearest face that is left, of several the oldest; -1: none.
@@ -163,6 +187,7 @@ class Epa<3> {
     if (volume > 0) std::swap(m_points[1], m_points[2]);
     // With d below the plane a b c: faces a b c, and d with each edge turned round.
     addFace(0, 1, 2), addFace(0, 3, 1), addFace(1, 3, 2), addFace(2, 3, 0);
+    openFaces(0);
     join(0, 0, 1, 2), join(0, 1, 2, 2), join(0, 2, 3, 2), join(1, 0, 3, 1), join(1, 1, 2, 0), join(2, 1, 3, 0);
     return true;
   }
@@ -214,11 +239,13 @@ class Epa<3> {
     const int apex = static_cast<int>(m_points.size()) - 1;
     for (int i = 0; i < count; ++i) {
       const FaceEdge outer = m_horizon[at(i)];
-      const int made = addFace(to(outer), from(outer), apex);
+      const int made = first + i;
+      addFace(to(outer), from(outer), apex);
       join(made, 0, outer.face, outer.edge);
       if (i > 0) join(made, 2, made - 1, 1);
     }
     join(first, 2, first + count - 1, 1);
+    openFaces(first);
     return true;
   }
   int from(FaceEdge e) const { return m_faces[at(e.face)].v[e.edge]; }
@@ -227,7 +254,9 @@ class Epa<3> {
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
   WorkDone* m_work = nullptr;
-  Real m_visible = 0, m_doubt = 0, m_farthest = 0;
+  Real m_visible = 0, m_doubt = 0, m_tolerance = 0;
+  bool m_inside = false;
+  FacePlanes m_planes;
   std::vector<Triple> m_points;
   std::vector<Face> m_faces;
   std::vector<Queued> m_queue;      // a heap; with faces that are gone
