@@ -11,9 +11,12 @@
 namespace lpc::inline LPC_PRECISION::pair_query {
 
 struct EpaLimits {
-  int faces;       // give up beyond
-  Real tolerance;  // m
-  bool inside;     // whether the simplex holds the origin, but for rounding
+  int faces, expansions;  // give up beyond
+  Real tolerance;         // m
+  Real part;              // of the depth, which may be left if that is more than the tolerance
+  bool inside;            // whether the simplex holds the origin, but for rounding
+
+  Real allowed(Real offset) const { return std::max(tolerance, part * std::abs(offset)); }
 };
 
 template <int D>
@@ -27,22 +30,25 @@ class Epa<2> {
     if (!seed(pair, start, best, work)) return QueryStatus::converged;  // flat: both normals of its line are tested
     // Only bounds of true edges end the search: from outside, the polygon's own edges bound nothing from above.
     Real settled = -std::numeric_limits<Real>::infinity();
-    while (true) {
+    for (int expansions = 0;;) {
       std::size_t lowest = m_edges.size();
       for (std::size_t i = 0; i < m_edges.size(); ++i) {
         if (m_edges[i].open && (lowest == m_edges.size() || m_edges[i].offset < m_edges[lowest].offset)) lowest = i;
       }
       if (lowest == m_edges.size()) return QueryStatus::converged;
       Edge& edge = m_edges[lowest];
-      if (-edge.offset <= settled + limits.tolerance) return QueryStatus::converged;
+      if (-edge.offset <= settled + limits.allowed(edge.offset)) return QueryStatus::converged;
       const Vec<2> w = support(pair, edge.outward, best, work);
       const bool known = std::any_of(m_edges.begin(), m_edges.end(), [&](const Edge& e) { return e.from == w; });
-      if (known || edge.outward.dot(w) - edge.offset <= limits.tolerance) {
+      if (known || edge.outward.dot(w) - edge.offset <= limits.allowed(edge.offset)) {
         settled = std::max(settled, -edge.outward.dot(w));
         edge.open = false;  // an edge of the difference itself: its own bound has been taken
         continue;
       }
-      if (static_cast<int>(m_edges.size()) >= limits.faces) return QueryStatus::iterationLimit;
+      if (static_cast<int>(m_edges.size()) >= limits.faces || expansions >= limits.expansions) {
+        return QueryStatus::iterationLimit;
+      }
+      ++expansions;
       const Vec<2> from = edge.from, to = m_edges[(lowest + 1) % m_edges.size()].from;
       edge = makeEdge(from, w, work);
       m_edges.insert(m_edges.begin() + static_cast<std::ptrdiff_t>(lowest) + 1, makeEdge(w, to, work));

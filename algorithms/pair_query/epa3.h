@@ -25,18 +25,23 @@ class Epa<3> {
     if (!seed(start)) return QueryStatus::converged;  // flat: both normals of its plane are tested
     // Only bounds of true faces end the search: from outside, the polytope's own faces bound nothing from above.
     Real settled = -std::numeric_limits<Real>::infinity();
-    while (true) {
+    for (int expansions = 0;;) {
       const int lowest = takeLowest();
-      if (lowest < 0 || -m_faces[at(lowest)].offset <= settled + limits.tolerance) return QueryStatus::converged;
+      if (lowest < 0) return QueryStatus::converged;
       const Face& face = m_faces[at(lowest)];
+      const Real allowed = limits.allowed(face.offset);
+      if (-face.offset <= settled + allowed) return QueryStatus::converged;
       const Triple w(support(face.outward.vector()));
       const Real height = dot(face.outward, w);
-      if (height - face.offset <= limits.tolerance || isKnown(w)) {
+      if (height - face.offset <= allowed || isKnown(w)) {
         settled = std::max(settled, -height);  // a face of the difference itself: its own bound has been taken
         m_doubt = std::max(m_doubt, tiltError(face));
         continue;
       }
-      if (static_cast<int>(m_faces.size()) >= limits.faces) return QueryStatus::iterationLimit;
+      if (static_cast<int>(m_faces.size()) >= limits.faces || expansions >= limits.expansions) {
+        return QueryStatus::iterationLimit;
+      }
+      ++expansions;
       if (!expand(lowest, w)) return QueryStatus::degenerate;
     }
   }

@@ -23,12 +23,18 @@ class GjkEpa final : public PairQuery<D> {
  public:
   enum class SimplexRule { voronoi, johnson, signedVolumes };
   enum class Accelerate { none, nesterov };
+  enum class Gap { best, last };
+  enum class Measure { size, distance };
   struct Params {
     SimplexRule simplex = SimplexRule::voronoi;
     Accelerate accelerate = Accelerate::none;
-    int iterations = 64;
-    int faces = 1024;
+    Gap gap = Gap::best;
+    Measure measure = Measure::size;
     Real tolerance = 0;
+    Real depthTolerance = 0;
+    int iterations = 64;
+    int expansions = 100000;
+    int faces = 1024;
     void visit(ParamVisitor& v) {
       v.choice(
           "simplex", simplex, {"voronoi", "johnson", "signed_volumes"},
@@ -36,10 +42,20 @@ class GjkEpa final : public PairQuery<D> {
           "1988), by signed volumes (Montanari et al. 2017)");
       v.choice("accelerate", accelerate, {"none", "nesterov"},
                "directions with momentum (Montaut et al. 2022), until they lead nowhere");
-      v.integer("iterations", iterations, 1, 10000, "support points of GJK");
-      v.integer("faces", faces, 8, 100000, "faces that EPA may make");
+      v.choice(
+          "gap", gap, {"best", "last"},
+          "what GJK's distance is compared with to end: the best bound proved so far (van den Bergen 2003), or that "
+          "of the last direction, the duality gap of Frank and Wolfe (Montaut et al. 2022)");
+      v.choice("measure", measure, {"size", "distance"},
+               "what the tolerances are parts of: the pair's largest coordinate, or the distance or depth itself");
       v.real("tolerance", tolerance, 0, Real(0.1), "1",
-             "gap of the distance that is left, against the largest coordinate; eight roundings at least");
+             "gap of the distance or depth that is left, as a part of the measure; eight roundings of the largest "
+             "coordinate at least");
+      v.real("depth_tolerance", depthTolerance, 0, Real(0.1), "1",
+             "gap of the depth that EPA leaves, as a part of the measure; the tolerance at least");
+      v.integer("iterations", iterations, 1, 10000, "support points of GJK");
+      v.integer("expansions", expansions, 0, 100000, "support points of EPA that become corners");
+      v.integer("faces", faces, 8, 100000, "faces that EPA may make");
     }
   };
   explicit GjkEpa(const Params& params) : m_params(params) {}
@@ -114,12 +130,22 @@ class GjkEpa final : public PairQuery<D> {
   QueryStatus search(const CorePair<D>& pair, QueryNeed need, const PairMemory* memory, BestAxis<D>& best,
                      WorkDone& work) {
     const bool curved = pair.a.curved || pair.b.curved;
-    const Real tolerance =
-        std::max(m_params.tolerance, kBoundRounding) * pair.scale * (curved ? kCurvedTolerance : Real(1));
+    const Real rounding = kBoundRounding * pair.scale * (curved ? kCurvedTolerance : Real(1));
+    // The gap that may be left of a distance or depth of about this length.
+    const auto allowed = [&](Real length) {
+      const Real whole = m_params.measure == Measure::size ? pair.scale : std::abs(length);
+      return std::isfinite(whole) ? std::max(m_params.tolerance * whole, rounding) : rounding;
+    };
+    // May the search for a distance end? `last` is the bound of the last direction.
+    Real last = -std::numeric_limits<Real>::infinity();
+    const auto isClosed = [&](Real length) {
+      return length - (m_params.gap == Gap::best ? best.bound : last) <= allowed(length);
+    };
     const auto support = [&](const Vec<D>& n) {
       work[WorkCount::supportCalls] += 2;
       const Vec<D> w = m_warmth.support(pair, n);
-      best.take(n, n.dot(w));
+      last = n.dot(w);
+      best.take(n, last);
       return w;
     };
     m_warmth.recall(pair, memory);
@@ -141,13 +167,13 @@ class GjkEpa final : public PairQuery<D> {
       // Three ends, any of which alone can be missed by rounding: the gap is closed, no new point, no descent. The
       // length shows only the square of a direction's lean: a bound that gets better is a descent, too.
       Vec<D> n;
-      if (length - best.bound <= tolerance || !featureDirection(nearest, n)) capped = false;
+      if (isClosed(length) || !featureDirection(nearest, n)) capped = false;
       if (!capped) break;
       if (momentum) n = withMomentum(i, nearest.v, newest, n, heading);
       const Real before = best.bound;
       const Vec<D> w = newest = support(n);
-      if (length - best.bound <= tolerance || nearest.feature.contains(w)) {
-        if (std::exchange(momentum, false) && length - best.bound > tolerance) continue;
+      if (isClosed(length) || nearest.feature.contains(w)) {
+        if (std::exchange(momentum, false) && !isClosed(length)) continue;
         capped = false;
         break;
       }
@@ -163,13 +189,19 @@ class GjkEpa final : public PairQuery<D> {
       nearest = next;
     }
     m_last = inside ? simplex : nearest.feature;
+    const Real tolerance = allowed(best.bound);
     if (!inside && std::sqrt(nearest.length2) - best.bound <= tolerance) return QueryStatus::converged;
     if (inside && need == QueryNeed::boolean) {
       if (best.n.isZero(0)) best.bound = -pair.scale;  // nothing was tried: only the sign counts
       return QueryStatus::converged;
     }
     if (capped) return QueryStatus::iterationLimit;
-    const EpaLimits limits{m_params.faces, tolerance, inside};
+    // From outside EPA goes on with the search for a distance.
+    const Real depthPart = inside ? std::max(m_params.tolerance, m_params.depthTolerance) : m_params.tolerance;
+    const bool ofSize = m_params.measure == Measure::size;
+    const EpaLimits limits{m_params.faces, m_params.expansions,
+                           ofSize ? std::max(depthPart * pair.scale, rounding) : rounding, ofSize ? Real(0) : depthPart,
+                           inside};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
     if (curved) m_polish.improve(pair, best, work);
     // Near contact rounding says on which side GJK's origin is: the bound knows better.
@@ -184,8 +216,8 @@ class GjkEpa final : public PairQuery<D> {
     const auto isShort = [&] { return !overlaps && std::isfinite(length) && length - best.bound > tolerance; };
     if (isShort()) m_local.improve(pair, best.n, length - best.bound, best, work);
     // The best direction may be an early one, and the last, which rounding spoilt, the nearer one.
-    if (Vec<D> last; isShort() && featureDirection(nearest, last)) {
-      m_local.improve(pair, last, length - pair.bound(last), best, work);
+    if (Vec<D> n; isShort() && featureDirection(nearest, n)) {
+      m_local.improve(pair, n, length - pair.bound(n), best, work);
     }
     // A bound that is short by a part of the length means a direction that is off by the root of twice that part: where
     // the length is near rounding, the vertices to try lie far from the plane reached.
