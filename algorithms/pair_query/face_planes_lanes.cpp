@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "algorithms/pair_query/face_planes_lanes.cpp"
 #include "hwy/foreach_target.h"
-// After foreach_target.h.
+// After the one that includes this file again and again.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();

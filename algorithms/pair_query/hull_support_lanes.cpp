@@ -5,7 +5,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "algorithms/pair_query/hull_support_lanes.cpp"
 #include "hwy/foreach_target.h"
-// After foreach_target.h.
+// After the one that includes this file again and again.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
