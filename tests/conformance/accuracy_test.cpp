@@ -16,7 +16,7 @@
 #include "tests/planted_bugs/pair_query_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test::accuracy_test {
-namespace {
+namespace accuracy_test {
 
 constexpr std::uint64_t kSeed = 2027;
 const std::string kPrecision = sizeof(Real) == 8 ? "f64" : "f32";
@@ -278,5 +278,5 @@ void print() {
 }
 TEST(Accuracy, DISABLED_print) { print<2>(), print<3>(); }
 
-}  // namespace
+}  // namespace accuracy_test
 }  // namespace lpc::inline LPC_PRECISION::test::accuracy_test

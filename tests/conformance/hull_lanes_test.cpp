@@ -9,7 +9,7 @@
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace hull_lanes_test {
 
 using namespace pair_query;
 
@@ -105,5 +105,5 @@ TEST(HullLanes, TripleIsAVector) {
   EXPECT_GT(otherOrder, 100) << "the order of additions would not be seen";
 }
 
-}  // namespace
+}  // namespace hull_lanes_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -15,7 +15,7 @@
 #include "tests/planted_bugs/pair_query_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test::metamorphic_test {
-namespace {
+namespace metamorphic_test {
 
 using namespace wrong_queries;
 
@@ -177,5 +177,5 @@ TEST(Metamorphic, PlantedBugsAreCaught3) {
   expectCaught("extra_vertices, 3D: one answer of two", entry[Tally::wrong] == 0);
 }
 
-}  // namespace
+}  // namespace metamorphic_test
 }  // namespace lpc::inline LPC_PRECISION::test::metamorphic_test

@@ -15,7 +15,7 @@
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace pair_lanes_test {
 
 using Kinds = std::pair<ShapeKind, ShapeKind>;
 constexpr Kinds kOfLanes[] = {
@@ -162,5 +162,5 @@ TEST(PairLanes, PlantedBugsAreSeen) {
   }
 }
 
-}  // namespace
+}  // namespace pair_lanes_test
 }  // namespace lpc::inline LPC_PRECISION::test

@@ -10,7 +10,7 @@
 #include "tests/generators.h"
 
 namespace lpc::inline LPC_PRECISION::test {
-namespace {
+namespace stopping_rules_test {
 
 template <int D>
 struct Pairs {
@@ -162,5 +162,5 @@ void limitsAreStatuses() {
 TEST(StoppingRules, LimitsAreStatuses2) { limitsAreStatuses<2>(); }
 TEST(StoppingRules, LimitsAreStatuses3) { limitsAreStatuses<3>(); }
 
-}  // namespace
+}  // namespace stopping_rules_test
 }  // namespace lpc::inline LPC_PRECISION::test
