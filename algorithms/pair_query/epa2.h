@@ -49,8 +49,9 @@ class Epa<2> {
         return QueryStatus::iterationLimit;
       }
       ++expansions;
-      const Vec<2> from = edge.from, to = m_edges[(lowest + 1) % m_edges.size()].from;
-      edge = makeEdge(from, w, work);
+      lowest = dropCornersWithin(lowest, w, kVisible * pair.scale);
+      const Vec<2> from = m_edges[lowest].from, to = m_edges[(lowest + 1) % m_edges.size()].from;
+      m_edges[lowest] = makeEdge(from, w, work);
       m_edges.insert(m_edges.begin() + static_cast<std::ptrdiff_t>(lowest) + 1, makeEdge(w, to, work));
     }
   }
@@ -78,6 +79,22 @@ class Epa<2> {
     Vec<2> outward(to[1] - from[1], from[0] - to[0]);
     const bool open = makeUnit<2>(outward);
     return {from, outward, outward.dot(from), open};
+  }
+
+  // Corners beside the edge `at` that w leaves inside: what a memory of others calls a corner may lie within. An edge
+  // that ends in one would be taken for the difference's own when its farthest point is a corner already there. The
+  // edge's new place.
+  std::size_t dropCornersWithin(std::size_t at, const Vec<2>& w, Real visible) {
+    const auto sees = [&](const Edge& e) { return e.outward.dot(w) - e.offset > visible; };
+    const std::size_t n = m_edges.size();
+    if (!sees(m_edges[(at + 1) % n]) && !sees(m_edges[(at + n - 1) % n])) return at;
+    std::rotate(m_edges.begin(), m_edges.begin() + static_cast<std::ptrdiff_t>(at), m_edges.end());
+    while (m_edges.size() > 2 && sees(m_edges[1])) m_edges.erase(m_edges.begin() + 1);
+    while (m_edges.size() > 2 && sees(m_edges.back())) {
+      m_edges[0].from = m_edges.back().from;
+      m_edges.pop_back();
+    }
+    return 0;
   }
 
   // A triangle that is not flat: from GJK's, or by supports across what there is of it.
