@@ -14,7 +14,7 @@ struct Asked {
   PairTruth<D> before = {}, after = {};
 };
 
-struct Answer {
+struct ImageAnswer {
   QueryStatus status;
   Real distance;
   Ending ending;
@@ -32,12 +32,12 @@ struct Answer {
 };
 
 template <int D>
-std::vector<Answer> ask(PairQuery<D>& method, const std::vector<PairView<D>>& views) {
+std::vector<ImageAnswer> ask(PairQuery<D>& method, const std::vector<PairView<D>>& views) {
   std::vector<PairAnswer<D>> answers(views.size());
   WorkDone work;
   method.query(views, QueryNeed::witnesses, answers, {}, work);
   const auto* witness = dynamic_cast<const Witness<D>*>(&method);
-  std::vector<Answer> out;
+  std::vector<ImageAnswer> out;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     out.push_back({answers[i].status, answers[i].distance, witness ? witness->endings()[i] : Ending::answered});
   }
@@ -46,7 +46,7 @@ std::vector<Answer> ask(PairQuery<D>& method, const std::vector<PairView<D>>& vi
 
 // See docs/verification.md: the two answers before each other.
 template <int D>
-Verdict compare(const Asked<D>& asked, const Answer& before, const Answer& after, AlgorithmRole role,
+Verdict compare(const Asked<D>& asked, const ImageAnswer& before, const ImageAnswer& after, AlgorithmRole role,
                 double tolerance) {
   if (!before.is() && !after.is()) return withoutAnswer(before.without());
   Verdict v;
@@ -60,11 +60,11 @@ Verdict compare(const Asked<D>& asked, const Answer& before, const Answer& after
     return t.answer.decided && 10 * t.answer.interval().width() <= tolerance * t.s;
   };
   const bool known = isKnown(asked.before) && (asked.sameTruth || isKnown(asked.after));
-  const auto hasValue = [&](const Answer& a) {
+  const auto hasValue = [&](const ImageAnswer& a) {
     return role == AlgorithmRole::competitor || a.status != QueryStatus::degenerate;
   };
   const bool values = hasValue(before) && hasValue(after);
-  const auto isCapped = [&](const Answer& a) { return hasValue(a) && a.status != QueryStatus::converged; };
+  const auto isCapped = [&](const ImageAnswer& a) { return hasValue(a) && a.status != QueryStatus::converged; };
   v.capped = isCapped(before) || isCapped(after);
   if (!known && (!values || !asked.sameTruth || v.capped)) {
     v.end = Tally::undecided;
@@ -127,7 +127,7 @@ void verifyRelations(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
       if (all[r].empty()) continue;
       std::vector<PairView<D>> views;
       for (const Asked<D>& a : all[r]) views.push_back(a.pairs.before.view()), views.push_back(a.pairs.after.view());
-      const std::vector<Answer> answers = range.ended ? std::vector<Answer>{} : ask(*method, views);
+      const std::vector<ImageAnswer> answers = range.ended ? std::vector<ImageAnswer>{} : ask(*method, views);
       key.value = kRelationNames[r];
       LedgerEntry& entry = out.ledger[key];
       entry.role = m.info.role;

@@ -304,12 +304,12 @@ class PairQueryProperties {
   }
 
   // The distance, asked with this memory, of the pair with B shifted along x.
-  double askWith(PairMemory& memory, const Asked<D>& pair, double shift = 0) {
+  double askWith(PairMemory& memory, const Asked<D>& pair, double shift = 0, QueryNeed need = QueryNeed::witnesses) {
     PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
     view.X_AB.p[0] += static_cast<Real>(shift);
     PairAnswer<D> warm;
     WorkDone work;
-    m_method.query({&view, 1}, QueryNeed::witnesses, {&warm, 1}, {&memory, 1}, work);
+    m_method.query({&view, 1}, need, {&warm, 1}, {&memory, 1}, work);
     return static_cast<double>(warm.distance);
   }
   // What is remembered of another place must not change the answer.
@@ -331,7 +331,16 @@ class PairQueryProperties {
       memory.bytes[28] = static_cast<std::byte>(draw.below(6));
       memory.bytes[30] = std::byte{0};
     }
-    return near(askWith(memory, pair), answer.distance, 2);
+    if (draw.coin()) {  // kinds and numbers of features
+      for (std::size_t i = 0; i < memory.bytes.size(); i += 4) {
+        memory.bytes[i] = static_cast<std::byte>(draw.below(8));
+        memory.bytes[i + 1] = memory.bytes[i + 2] = memory.bytes[i + 3] = std::byte{0};
+      }
+      if (draw.coin()) memory.bytes[0] = std::byte{1};
+    }
+    // Who asks for witnesses has a direction more to look at, which may mend what memory has spoilt.
+    const QueryNeed need = draw.coin() ? QueryNeed::witnesses : QueryNeed::distance;
+    return near(askWith(memory, pair, 0, need), answer.distance, 2);
   }
   // Nor does the order in which the points of a hull were given.
   std::string vertexOrder(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {

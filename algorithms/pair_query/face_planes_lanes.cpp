@@ -2,6 +2,7 @@
 #include "algorithms/pair_query/face_planes.h"
 
 #undef HWY_TARGET_INCLUDE
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
 #define HWY_TARGET_INCLUDE "algorithms/pair_query/face_planes_lanes.cpp"
 #include "hwy/foreach_target.h"
 // After the one that includes this file again and again.

@@ -189,7 +189,8 @@ class GjkEpa final : public PairQuery<D> {
       nearest = next;
     }
     m_last = inside ? simplex : nearest.feature;
-    const Real tolerance = allowed(best.bound);
+    const bool apart = !inside && std::isfinite(nearest.length2);
+    const Real tolerance = allowed(apart ? std::sqrt(nearest.length2) : best.bound);  // as the loop has it
     if (!inside && std::sqrt(nearest.length2) - best.bound <= tolerance) return QueryStatus::converged;
     if (inside && need == QueryNeed::boolean) {
       if (best.n.isZero(0)) best.bound = -pair.scale;  // nothing was tried: only the sign counts

@@ -3,6 +3,7 @@
 #include "framework/check.h"
 
 #undef HWY_TARGET_INCLUDE
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
 #define HWY_TARGET_INCLUDE "algorithms/pair_query/hull_support_lanes.cpp"
 #include "hwy/foreach_target.h"
 // After the one that includes this file again and again.

@@ -27,8 +27,9 @@ class Refinement {
     const bool round = pair.a.curved || pair.b.curved || pair.radii() > 0;
     const Real size = pair.scale + pair.radii();
     m_rounding = kBoundRounding * size;
-    m_tolerance = std::max(tolerance, kBoundRounding) * size * (round ? kCurvedTolerance : Real(1));
-    m_near = std::max(m_tolerance, kAttainedRounding * size);
+    const Real least = kBoundRounding * (round ? kCurvedTolerance : Real(1));
+    m_tolerance = std::max(tolerance, least) * size;
+    m_near = std::max(least, kAttainedRounding) * size;  // the side is owed whatever the tolerance
     m_center = (pair.p + pair.r * middle(pair.b)) - middle(pair.a);
     m_ray = -m_center;
     if (!makeUnit<D>(m_ray)) m_ray = Vec<D>::Unit(0);  // any way out will do

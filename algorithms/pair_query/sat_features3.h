@@ -59,11 +59,11 @@ inline Vec<3> toFace(const SatCore& core, int number, const Vec<3>& q) {
   const SatCore::Face& f = core.faces()[static_cast<std::size_t>(number)];
   const SatCore::Plane plane = core.plane(f);
   const std::span<const int> loop = core.loop(f);
-  bool above = true;
+  bool above = loop.size() > 2;  // the side of a triangle is a line: nothing stands above it
   Vec<3> u = core.vertex(loop.back()), nearest = u - q;
   for (const int next : loop) {
     const Vec<3> v = core.vertex(next);
-    if (!((v - u).cross(q - u).dot(plane.n) >= 0)) {
+    if (loop.size() == 2 || !((v - u).cross(q - u).dot(plane.n) >= 0)) {
       above = false;
       const Vec<3> e = v - u, from = u - q;
       const Real length2 = e.squaredNorm();

@@ -326,7 +326,9 @@ class VClip final : public PairQuery<D> {
     m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
     const Stored last = memory ? std::bit_cast<Stored>(memory->bytes) : Stored{};
     std::array<Feature, 2> features = last.features;
-    if (last.known != 1 || !exists(features[0], m_a) || !exists(features[1], m_b)) {
+    const bool faces =
+        features[0].kind == FeatureKind::face && features[1].kind == FeatureKind::face;  // no walk ends there
+    if (last.known != 1 || faces || !exists(features[0], m_a) || !exists(features[1], m_b)) {
       ++work[WorkCount::supportCalls];
       features[0] = {FeatureKind::vertex, m_a.foremost(pair.p)};
       features[1] = {FeatureKind::vertex, m_b.foremost(-pair.p)};

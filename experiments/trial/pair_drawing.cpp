@@ -63,7 +63,7 @@ Shape<D> drawShape(ShapeKind kind, double size, int vertices, Random& random) {
     case CoreClass::plane:
       return Shape<D>::plane();
     case CoreClass::hull:
-      if (vertices > 0) return drawHull<D>(vertices, size, random);
+      if (vertices > 0 && kind != ShapeKind::triangle) return drawHull<D>(vertices, size, random);
       break;
   }
   std::vector<Vec<D>> points;

@@ -100,14 +100,23 @@ TrialResult unsupported(const std::string& reason) {
 }
 
 template <int D>
+bool sameKinds(const PairView<D>& p, const PairView<D>& q) {
+  return p.a.kind == q.a.kind && p.b.kind == q.b.kind;
+}
+
+/// Pairs of the same kinds follow each other: a method is asked about one pair of kinds at a time.
+template <int D>
 void examine(Examination<D>& of, const std::vector<DrawnPair<D>>& pairs) {
   constexpr std::size_t kAtOnce = 1024;  // what is timed between two looks at the clock
   std::vector<PairView<D>> views;
   std::vector<PairAnswer<D>> answers;
-  for (std::size_t begin = 0; begin < pairs.size(); begin += kAtOnce) {
-    const std::size_t end = std::min(pairs.size(), begin + kAtOnce);
+  for (std::size_t begin = 0; begin < pairs.size(); begin += views.size()) {
     views.clear();
-    for (std::size_t i = begin; i < end; ++i) views.push_back(viewOf(pairs[i]));
+    for (std::size_t i = begin; i < std::min(pairs.size(), begin + kAtOnce); ++i) {
+      const PairView<D> view = viewOf(pairs[i]);
+      if (!views.empty() && !sameKinds(view, views.front())) break;
+      views.push_back(view);
+    }
     answers.assign(views.size(), {});
     of.time(
         views.size(), [&] { of.method().query(views, QueryNeed::witnesses, answers, {}, of.work); },
@@ -148,7 +157,8 @@ int verticesOf(const ShapeView<D>& shape) {
 constexpr std::size_t kMostMeetings = 300000;
 constexpr std::size_t kJudged = 2000;  // at most, of a stream: the referee takes longer than all methods
 
-/// The pairs that a world asks about, or as many drawn ones of the same kinds, each by itself.
+/// The pairs that a world asks about, or drawn ones of the same kinds, as many of each as are judged of these (one in
+/// `every`), each by itself.
 template <int D>
 TrialResult runStream(const json& t, const SceneFile& file) {
   const auto seed = t.at("seed").get<std::uint64_t>();
@@ -175,6 +185,9 @@ TrialResult runStream(const json& t, const SceneFile& file) {
       pairs.push_back(drawPair<D>(
           way, {like.a.kind, like.b.kind, static_cast<int>(pairs.size()), trueDistance<D>, vertices}, random));
     }
+    std::stable_sort(pairs.begin(), pairs.end(), [](const DrawnPair<D>& p, const DrawnPair<D>& q) {
+      return std::pair(p.a.kind(), p.b.kind()) < std::pair(q.a.kind(), q.b.kind());
+    });
     examine(examination, pairs);
     return examination.result();
   }

@@ -6,6 +6,7 @@
 #include "algorithms/pair_query/hull_support.h"
 #include "algorithms/pair_query/triple.h"
 #include "tests/draw.h"
+#include "tests/each_target.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -46,7 +47,7 @@ std::size_t lastFarthest(const std::vector<Vec<3>>& vertices, const Vec<3>& d) {
   return best;
 }
 TEST(HullLanes, FarthestVertexIsTheScans) {
-  EXPECT_TRUE(findsTheSame(farthestVertex));
+  forEachTarget([](std::int64_t target) { EXPECT_TRUE(findsTheSame(farthestVertex)) << hwy::TargetName(target); });
   expectCaught("of vertices that are equally far the last", findsTheSame(lastFarthest));
 }
 
@@ -82,7 +83,8 @@ bool planesAreTriples(void (*spoil)(FacePlanes&)) {
   return true;
 }
 TEST(HullLanes, PlanesAreThoseOfOneFace) {
-  EXPECT_TRUE(planesAreTriples([](FacePlanes&) {}));
+  forEachTarget(
+      [](std::int64_t target) { EXPECT_TRUE(planesAreTriples([](FacePlanes&) {})) << hwy::TargetName(target); });
   expectCaught("a plane that is off by one rounding",
                planesAreTriples([](FacePlanes& f) { f.offset[0] = std::nextafter(f.offset[0], Real(9)); }));
 }

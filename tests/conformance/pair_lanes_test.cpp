@@ -4,14 +4,13 @@
 #include "algorithms/pair_query/pair_lanes.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <bit>
 #include <cstdio>
-#include <functional>
 
 #include "oracles/hard_pairs.h"
 #include "tests/draw.h"
+#include "tests/each_target.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -69,16 +68,6 @@ int differences(PairQuery<3>& many, PairQuery<3>& one, std::span<const PairView<
     for (std::size_t i = 0; i < size; ++i) out += !sameBits(answers[i], wanted[i]);
   }
   return out;
-}
-
-// The best that the processor has, and each lesser one; then the best again.
-void forEachTarget(const std::function<void(std::int64_t)>& f) {
-  const std::int64_t all = hwy::SupportedTargets();
-  for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {
-    hwy::GetChosenTarget().Update(rest & -rest);
-    f(rest & -rest);
-  }
-  hwy::GetChosenTarget().Update(all);
 }
 
 constexpr QueryNeed kNeeds[] = {QueryNeed::boolean, QueryNeed::distance, QueryNeed::witnesses};

@@ -256,11 +256,13 @@ void memorySaves() {
       const Searched kept = passingBy<D>(*m.query, need, [](PairMemory&) {});
       std::printf("%dD %s, %s: %.0f support points and axes cold, %.0f warm\n", D, m.name.c_str(), text, kept.cold,
                   kept.warm);
-      // Two directions a query are no search that could be saved: sat, asked for the side, needs hardly more when cold.
-      EXPECT_LT(kept.warm, std::max(kept.cold / 2, 2 * kept.queries)) << m.name;
+      // Two or three directions a query are hardly a search that could be saved: sat, asked for the side, needs no more
+      // when cold. There memory must save something.
+      const auto allowed = [](const Searched& s) { return s.cold < 3 * s.queries ? 0.97 * s.cold : s.cold / 2; };
+      EXPECT_LT(kept.warm, allowed(kept)) << m.name;
       const Searched wiped = passingBy<D>(*m.query, need, [](PairMemory& memory) { memory = {}; });
       EXPECT_GT(wiped.warm, 0.99 * wiped.cold) << "the planted bug was not caught";
-      EXPECT_GE(wiped.warm, std::max(wiped.cold / 2, 2 * wiped.queries)) << "the planted bug was not caught";
+      EXPECT_GE(wiped.warm, allowed(wiped)) << "the planted bug was not caught";
       recordPlantedBug("memory that is wiped, " + m.name + " " + text + " " + std::to_string(D) + "D", 1, 1);
     }
   }
@@ -296,6 +298,41 @@ TEST(PairQuery, VClipWalks) {
   EXPECT_GT(walked, 0.99);
   EXPECT_LT(gaveUp, 0.9) << "the planted bug was not caught";
   recordPlantedBug("v_clip gives up at once", 1, 1);
+}
+
+// Beyond the end of an edge, in the plane of a flat hull: no face is above it, though the edge's own line is. Also when
+// memory says that the side there was the nearest feature.
+TEST(PairQuery, APointBesideATriangleInItsPlane) {
+  const std::vector<Vec<3>> corners = {{-10, 0, 0}, {10, 0, 0}, {0, 1, 0}};
+  const Shape<3> triangle = Shape<3>::ofCorners(ShapeKind::triangle, corners);
+  const Shape<3> point = Shape<3>::sphere(1);
+  PlainDraw draw(seedOf("beside a triangle"));
+  int asked = 0;
+  for (const Method<3>& m : methods<3>(AlgorithmRole::competitor)) {
+    if (m.info->guarantee != Guarantee::exact || !m.query->supports(ShapeKind::sphere, ShapeKind::triangle)) continue;
+    for (int turn = 0; turn < 400; ++turn) {
+      const Rot<3> q = turn == 0 ? Rot<3>{} : drawRotation<3>(draw);
+      // B's corners lie around its own origin: the ball is at (-11, 3, 0) of them.
+      const PairView<3> view{point.view(), triangle.view(), Pose<3>{q * Vec<3>(11, -3, 0), q}};
+      PairMemory memory;
+      if (turn % 2) {
+        for (std::size_t i = 0; i < memory.bytes.size(); i += 4)
+          memory.bytes[i] = static_cast<std::byte>(draw.below(7));
+      }
+      for (const QueryNeed need : {QueryNeed::distance, QueryNeed::boolean, QueryNeed::witnesses}) {
+        PairAnswer<3> answer;
+        WorkDone work;
+        m.query->query({&view, 1}, need, {&answer, 1}, {&memory, 1}, work);
+        if (need == QueryNeed::boolean) {
+          EXPECT_GT(answer.distance, 0) << m.name;
+        } else {
+          EXPECT_NEAR(answer.distance, std::sqrt(10.0) - 1, 30 * kPairTolerance) << m.name << " " << turn;
+        }
+      }
+      ++asked;
+    }
+  }
+  EXPECT_GE(asked, 3 * 400);
 }
 
 }  // namespace pair_query_test

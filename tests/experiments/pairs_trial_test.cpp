@@ -145,18 +145,22 @@ class Remembering final : public PairQuery<D> {
   void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>>, std::span<PairMemory> memory,
              WorkDone& work) override {
     work[WorkCount::axisTests] += pairs.size();
+    for (const PairView<D>& p : pairs) {  // counted: pairs of other kinds than the first
+      work[WorkCount::polytopeFaces] += p.a.kind != pairs[0].a.kind || p.b.kind != pairs[0].b.kind;
+    }
     for (PairMemory& m : memory)
       work[WorkCount::supportCalls] +=
           static_cast<std::uint64_t>(m.bytes[0] = std::byte(std::to_integer<int>(m.bytes[0]) + 1));
   }
 };
 
-TrialResult asked(const std::string& method, const std::string& stream, bool timed = false) {
+TrialResult asked(const std::string& method, const std::string& stream, bool timed = false,
+                  const std::string& scene = "vertical_stack", long from = 60) {
   Planner planner;
   const PlannedTrial t = planner.pairs({{"dimension", 2},
-                                        {"scene", "vertical_stack"},
-                                        {"n", 3},
-                                        {"from", 60},
+                                        {"scene", scene},
+                                        {"n", scene == "mixed_pile" ? 24 : 3},
+                                        {"from", from},
                                         {"steps", 4},
                                         {"timed", timed},
                                         {"pair_query", method},
@@ -176,6 +180,11 @@ TEST(PairsTrial, AStreamIsAskedInItsOrderWithWhatIsRemembered) {
   test::expectCaught("a stream without memory",
                      asked("planted_remembering", "cold").metrics.at("support_calls") == 2.5);
   EXPECT_EQ(asked("planted_remembering", "drawn").metrics.at("asked"), 12);
+  for (const char* stream : {"cold", "drawn"}) {  // of balls, capsules and boxes: one pair of kinds at a time
+    const auto mixed = asked("planted_remembering", stream, false, "mixed_pile", 60).metrics;
+    EXPECT_GT(mixed.at("asked"), 3) << stream;
+    EXPECT_EQ(mixed.at("polytope_faces"), 0) << stream;
+  }
   EXPECT_EQ(asked("sat", "cold").outcome, "ok");
   EXPECT_NE(asked("sat", "cold").hash, asked("sat", "drawn").hash);
   EXPECT_EQ(asked("sat", "warm").reason, "it remembers nothing of a pair");

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+// Kernels that Highway compiles for several instruction sets, under each that this processor has.
+#pragma once
+
+#include <hwy/targets.h>
+
+#include <cstdint>
+#include <functional>
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// f(target) with the best that the processor has, and each lesser one; then the best again.
+inline void forEachTarget(const std::function<void(std::int64_t)>& f) {
+  const std::int64_t all = hwy::SupportedTargets();
+  for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {
+    hwy::GetChosenTarget().Update(rest & -rest);
+    f(rest & -rest);
+  }
+  hwy::GetChosenTarget().Update(all);
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test
