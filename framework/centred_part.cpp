@@ -20,7 +20,7 @@ ShapePart<D> centredPart(const ShapePart<D>& part) {
   for (const Vec<D>& v : view.hull->vertices) points.push_back(v - middle);
   try {
     // Made anew: coordinates that are known better have faces that were merged for their rounding.
-    return {Shape<D>::polytope(std::span<const Vec<D>>(points), view.radius), part.X_SP * Pose<D>{middle, {}}};
+    return {Shape<D>::ofCorners(view.kind, points, view.radius), part.X_SP * Pose<D>{middle, {}}};
   } catch (const UserError&) {  // no hull with whole faces, of coordinates that are no longer rounded so coarsely
     return part;
   }

@@ -8,6 +8,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+constexpr std::size_t kMostFaceCorners = 64;  // that contact generators clip
+
 // Whole numbers from -3 to 3, made unit: 48 in the plane, 342 in space.
 template <int D>
 std::vector<Vec<D>> directions() {
@@ -39,7 +41,7 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
   }
   const Real slack = kSupportRounding * half.norm();
   const std::vector<Vec<D>> along = directions<D>();
-  std::vector<Vec<D>> farthest;
+  std::vector<Vec<D>> farthest, corners;
   for (const Vec<D>& d : along) {
     const Vec<D> p = core.support(d);
     if (!p.allFinite()) refuse("its support point along " + listed<D>(d) + " is not finite");
@@ -54,6 +56,15 @@ void requireConvexCore(const CurvedCore<D>& core, const std::string& who) {
     for (std::size_t k = 0; k < D; ++k) reach += q[k] * wide[k];
     if (!(std::abs(reach - static_cast<long double>(p.dot(d))) <= static_cast<long double>(slack))) {
       refuse("its two support functions differ along " + listed<D>(d));
+    }
+    core.supportFace(d, corners);
+    if (corners.empty() || corners.size() > kMostFaceCorners) {
+      refuse("its support face along " + listed<D>(d) + " has " + std::to_string(corners.size()) +
+             " corners; valid: 1 to " + std::to_string(kMostFaceCorners));
+    }
+    for (const Vec<D>& c : corners) {
+      if (c.allFinite() && ((c.cwiseAbs() - half).array() <= slack).all() && c.dot(d) <= p.dot(d) + slack) continue;
+      refuse("a corner of its support face along " + listed<D>(d) + " is " + listed<D>(c) + ", outside of the core");
     }
     farthest.push_back(p);
   }

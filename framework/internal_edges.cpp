@@ -8,6 +8,10 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+/// As kLeans, of a curved body, whose normals are found by steps that end (1, the sine). Larger: it is slowed by what
+/// is left. Smaller: where such steps end decides whether a standing cylinder has one point or four.
+constexpr Real kCurvedLeans = sizeof(Real) == 8 ? Real(1e-6) : Real(5e-3);
+
 /// What a normal becomes. All in the surface's frame.
 template <int D>
 struct Correction {
@@ -48,19 +52,20 @@ std::array<Lean<3>, 2> leansOf(const Surface<3>& surface, std::int32_t part, con
   return best;
 }
 
+// `least`: who leans by no more stands upright.
 template <int D>
-Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>& n) {
+Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>& n, Real least) {
   Correction<D> out;
   const Vec<D>& own = surface.normal(part);
   const Real up = n.dot(own);
   if (!(up >= -kAgainstSolid)) return out.verdict = Correction<D>::goes, out;
   const Vec<D> aside = n - up * own;
-  if (aside.norm() <= kLeans) return out;
+  if (aside.norm() <= least) return out;
   std::array<Lean<D>, 2> leans = leansOf(surface, part, aside);
   const auto normalOf = [&](const Lean<D>& lean) -> const Vec<D>& { return surface.normal(lean.border.neighbour); };
   // Where the neighbour lies level or rises there is nothing to lean over.
   for (Lean<D>& lean : leans) {
-    if (lean.by <= kLeans) {
+    if (lean.by <= least) {
       lean.by = 0;
     } else if (lean.border.neighbour >= 0) {
       const Vec<D>& other = normalOf(lean);
@@ -77,7 +82,7 @@ Correction<D> correct(const Surface<D>& surface, std::int32_t part, const Vec<D>
       out.normal.normalize();
     }
   }
-  Real farthest = kLeans;
+  Real farthest = least;
   const Vec<D> reached = out.normal;
   for (const Lean<D>& lean : leans) {
     if (!(lean.by > 0) || lean.border.neighbour < 0) continue;
@@ -108,8 +113,8 @@ bool standsOn(const Surface<D>& surface, std::int32_t part, const Vec<D>& foot, 
   return true;
 }
 
-// The points along the new normal. On a rounded core each moves around the core's point; a curved one has the point
-// that lies lowest. False: none is left.
+// The points along the new normal. On a rounded core each moves around the core's point; where a curved one touches at
+// one point, that is now the one that lies lowest. False: none is left.
 template <int D>
 bool measureAnew(Manifold<D>& m, bool isA, const Surface<D>& surface, const Correction<D>& correction,
                  const Vec<D>& old, std::span<const ShapeRecord<D>> shapes, std::span<const Pose<D>> pose,
@@ -125,12 +130,13 @@ bool measureAnew(Manifold<D>& m, bool isA, const Surface<D>& surface, const Corr
   X_OP = other.X_CS * X_OP;
   const std::int32_t part = isA ? m.childA : m.childB, count = m.count;
   const Vec<D>& n = correction.normal;
+  const bool rolls = view.core() == CoreClass::curved && count == 1;
   m.count = 0;
   for (std::int32_t i = 0; i < count; ++i) {
     ContactPoint<D> c = m.points[static_cast<std::size_t>(i)];
     Vec<D>&onMine = isA ? c.localA : c.localB, &onOther = isA ? c.localB : c.localA;
     Vec<D> q = X_SO * onOther + view.radius * (old - n);
-    if (view.core() == CoreClass::curved) {
+    if (rolls) {
       const Pose<D> X_SP = X_SO * X_OP;
       q = X_SP * coreSupport(view, Vec<D>(X_SP.q.inverse() * Vec<D>(-n))) - view.radius * n;
     }
@@ -139,7 +145,6 @@ bool measureAnew(Manifold<D>& m, bool isA, const Surface<D>& surface, const Corr
     if (!(c.separation <= margin) || !standsOn(surface, part, foot, correction)) continue;
     onMine = mine.X_CS * foot, onOther = X_OS * q;
     m.points[static_cast<std::size_t>(m.count++)] = c;
-    if (view.core() == CoreClass::curved) break;
   }
   for (std::int32_t i = m.count; i < count; ++i) m.points[static_cast<std::size_t>(i)] = {};
   const Vec<D> n_W = pose[static_cast<std::size_t>(mine.body)].q * (mine.X_CS.q * n);
@@ -158,7 +163,11 @@ bool correctManifold(Manifold<D>& m, std::span<const ShapeRecord<D>> shapes, std
   const ShapeRecord<D>& mine = shapes[static_cast<std::size_t>(a ? m.shapeA : m.shapeB)];
   const Rot<D> R_WS = pose[static_cast<std::size_t>(mine.body)].q * mine.X_CS.q;
   const Vec<D> n = R_WS.inverse() * (a ? m.normal : Vec<D>(-m.normal));
-  const Correction<D> correction = correct(surface, a ? m.childA : m.childB, n);
+  Pose<D> unused;
+  const ShapeView<D> view =
+      viewOf(shapes[static_cast<std::size_t>(a ? m.shapeB : m.shapeA)].shape, a ? m.childB : m.childA, unused);
+  const Real least = view.core() == CoreClass::curved ? kCurvedLeans : kLeans;
+  const Correction<D> correction = correct(surface, a ? m.childA : m.childB, n, least);
   if (correction.verdict == Correction<D>::stays) return true;
   return correction.verdict == Correction<D>::changes &&
          measureAnew(m, a != nullptr, surface, correction, n, shapes, pose, margin);

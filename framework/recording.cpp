@@ -80,7 +80,8 @@ bool getArrival(const Reading& reading, typename Recording<D>::Arrival& a) {
         !getRot(in, p.X_CS.q) || !get(in, vertices)) {
       return false;
     }
-    reading.require(static_cast<int>(p.kind) < kShapeKinds && kindExists(p.kind, D), "a shape of no known kind");
+    reading.require(static_cast<int>(p.kind) < kShapeKinds && (p.kind == ShapeKind::custom || kindExists(p.kind, D)),
+                    "a shape of no known kind");
     const bool turned = std::abs(lengthOf(p.X_CS.q) - 1) < kWrittenUnit;
     reading.require(p.X_CS.p.allFinite() && turned, "a shape has no place on its body");
     if (!isUnit(p.X_CS.q)) p.X_CS.q = p.X_CS.q.normalized();

@@ -14,8 +14,7 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr std::array<std::string_view, kShapeKinds> kKindNames = {
-    "sphere",    "capsule", "segment", "box",      "polytope", "cylinder",
-    "ellipsoid", "plane",   "cone",    "triangle", "custom"};
+    "sphere", "capsule", "segment", "box", "polytope", "cylinder", "ellipsoid", "plane", "cone", "triangle", "custom"};
 
 // One line of what was found and what would do; the comparison is written so that NaN is refused, too.
 void requireSize(const char* shape, const char* what, Real value, bool zeroAllowed) {
@@ -39,7 +38,11 @@ ShapeKind shapeKindFromName(std::string_view name) {
 
 bool kindExists(ShapeKind kind, int dimension) {
   if (kind == ShapeKind::custom) {
-    return dimension == 2 ? curvedKinds<2>().contains(kind) : curvedKinds<3>().contains(kind);
+    const auto isIn = [&](const auto& kinds) {  // a core without a size cannot be drawn, saved or scaled
+      const auto found = kinds.find(kind);
+      return found != kinds.end() && !found->second.sizes.empty();
+    };
+    return dimension == 2 ? isIn(curvedKinds<2>()) : isIn(curvedKinds<3>());
   }
   if (kind == ShapeKind::segment) return dimension == 2;
   const bool spatial = kind == ShapeKind::cylinder || kind == ShapeKind::cone || kind == ShapeKind::triangle;
@@ -155,7 +158,13 @@ Shape<D> Shape<D>::curved(ShapeKind kind, std::span<const Real> sizes, Real roun
   requireSize(name.c_str(), "rounding", rounding, true);
   Shape s;
   s.m_curved = made.create(sizes);
-  if (kind == ShapeKind::custom) requireConvexCore(*s.m_curved, name);
+  if (kind == ShapeKind::custom) {
+    requireConvexCore(*s.m_curved, name);
+    const std::span<const Real> kept = s.m_curved->sizes();
+    if (sizes.empty() || !std::equal(sizes.begin(), sizes.end(), kept.begin(), kept.end())) {
+      throw UserError(name + ": its sizes are not those that it was made of; valid: one or more, all of them kept");
+    }
+  }
   s.m_view.kind = kind, s.m_view.radius = rounding, s.m_view.half = s.m_curved->half();
   s.m_view.curved = s.m_curved.get();
   return s;

@@ -247,13 +247,13 @@ RayEntry<D> sharpBoxRay(const Vec<D>& half, const Vec<D>& p, const Vec<D>& d, Re
   return entry;
 }
 
-// Entry of a ray into a polytope without rounding, by clipping with its planes.
+// Entry of a ray into a polytope without rounding, by clipping with its planes, all of them farther out by `slack` (m).
 template <int D>
-RayEntry<D> planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d) {
+RayEntry<D> planesRay(const Polytope<D>& hull, const Vec<D>& p, const Vec<D>& d, Real slack) {
   RayEntry<D> enter{0};
   Real leave = kInf;
   forEachPlane(hull, [&](const Vec<D>& n, Real offset) {
-    const Real gap = offset - n.dot(p), speed = n.dot(d);
+    const Real gap = offset + slack - n.dot(p), speed = n.dot(d);
     if (speed < 0) {
       if (gap / speed >= enter.t) enter = {gap / speed, n};
     } else if (speed > 0) {
@@ -383,16 +383,19 @@ RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D
   if (!(d.squaredNorm() > 0)) return {};
   const bool sharp = !(shape.radius > 0);
   RayEntry<D> entry{kInf};
+  // Flat parts of a surface share their borders, each rounded around its own middle: no ray may pass between two.
+  const Real flatSlack = kTurnedBox * (p.cwiseAbs().maxCoeff() + X_WS.p.cwiseAbs().maxCoeff() + shape.half.maxCoeff());
   switch (shape.core()) {
     case CoreClass::point:
     case CoreClass::segment:  // without rounding a flat box
-      if (sharp) entry = sharpBoxRay<D>(shape.half, p, d, maxT);
+      if (sharp) entry = sharpBoxRay<D>(Vec<D>(shape.half + flatSlack * Vec<D>::Unit(0)), p, d, maxT);
       break;
     case CoreClass::box:
       entry = sharp ? sharpBoxRay<D>(shape.half, p, d, maxT) : boxFaceRay<D>(shape.half, shape.radius, p, d);
       break;
     case CoreClass::hull:
-      entry = sharp ? planesRay<D>(*shape.hull, p, d) : faceRay(*shape.hull, shape.radius, p, d);
+      entry = sharp ? planesRay<D>(*shape.hull, p, d, shape.kind == ShapeKind::triangle ? flatSlack : Real(0))
+                    : faceRay(*shape.hull, shape.radius, p, d);
       break;
     case CoreClass::curved:
       entry = curvedRay<D>(*shape.curved, shape.radius, p, d);

@@ -83,11 +83,11 @@ std::string impactFault(const MovingPair<D>& pair, Real duration, const TimeOfIm
   if (answer.status == QueryStatus::failed || answer.status == QueryStatus::refused) {
     out << "no answer";
   } else if (!(t >= 0 && t <= end)) {
-    out << "the time " << t << " is not within the motion";
-  } else if (t > bracket.met + rounding) {
-    out << "late: " << t << ", but they are in each other at " << bracket.met;
+    out << "no time of the motion: " << t;
   } else if (!answer.hit && answer.status == QueryStatus::converged && (bracket.met < end || t < end)) {
     out << "missed: they are in each other at " << bracket.met;
+  } else if (t > bracket.met + rounding) {
+    out << "late: " << t << ", but they are in each other at " << bracket.met;
   } else if (answer.hit) {
     const Seen<D> seen = look(pair, t);
     const double phi = seen.answer.interval().middle();

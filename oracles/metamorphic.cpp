@@ -114,6 +114,9 @@ Shape<3> mappedHull(const ShapeView<3>& shape, bool reflects, Real factor, MapPo
   for (auto& edge : hull->edges) {
     if (reflects) std::swap(edge.v0, edge.v1);
   }
+  if (shape.kind == ShapeKind::triangle) {
+    return Shape<3>::ofCorners(shape.kind, hull->vertices, factor * shape.radius);
+  }
   return Shape<3>::polytope(std::move(hull), factor * shape.radius);
 }
 
@@ -207,7 +210,7 @@ std::optional<RelatedPairs<D>> translated(const PosedPair<D>& pair, Random& rand
   for (const Vec<D>& v : view.hull->vertices) points.push_back(snap(v));
   PosedPair<D> before = pair;
   Shape<D>& hull = ofA ? before.a : before.b;
-  hull = Shape<D>::polytope(std::span<const Vec<D>>(points), view.radius);
+  hull = Shape<D>::ofCorners(view.kind, points, view.radius);
   before.X_AB.p = snap(pair.X_AB.p);
   if (!ofA) before.X_AB.q = exactTurn(random, before.X_AB.q);
   Vec<D> way;
@@ -239,7 +242,7 @@ std::vector<std::pair<int, int>> edgesOf(const Polytope<3>& hull) {
 template <int D>
 Shape<D> ofMorePoints(const Shape<D>& shape, std::vector<Vec<D>> points, Random& random) {
   const ShapeView<D>& v = shape.view();
-  if (v.core() != CoreClass::hull) return shape;
+  if (v.kind != ShapeKind::polytope) return shape;
   const auto& corners = v.hull->vertices;
   for (std::size_t n = 1 + random.below(3); n > 0; --n) points.push_back(points[random.below(points.size())]);
   for (const auto& [i, j] : edgesOf(*v.hull)) {

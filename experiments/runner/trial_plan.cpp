@@ -349,7 +349,8 @@ PlannedTrial Planner::streamOfPairs(json cell) {
   }
   if (!missing.empty()) out.unsupported = missing;
   code["oracles"] = oraclesHash();
-  cell["scene"] = file.name(), cell["scene_hash"] = hexHash(file.bytes()), cell["params"] = params, cell["code"] = code;
+  cell["scene"] = file.name(), cell["scene_hash"] = hexHash(file.content()), cell["params"] = params,
+  cell["code"] = code;
   out.canonical = std::move(cell);
   seal(out);
   return out;

@@ -9,7 +9,7 @@
 namespace lpc::inline LPC_PRECISION::test::custom_core_test {
 namespace {
 
-enum class Bug { none, notFinite, dented, smallBox, largeBox, otherHalf, noMass, noDirection };
+enum class Bug { none, notFinite, dented, smallBox, largeBox, otherHalf, noMass, noDirection, manyCorners, farCorner };
 Bug g_bug = Bug::none;
 
 // A ball of the radius sizes[0], with a bug.
@@ -44,7 +44,8 @@ class Ball final : public CurvedBase<D, Ball<D>> {
   }
 
   void supportFace(const Vec<D>& d, std::vector<Vec<D>>& corners) const override {
-    corners.assign(1, this->support(d));
+    corners.assign(g_bug == Bug::manyCorners ? 65 : 1, this->support(d));
+    if (g_bug == Bug::farCorner) corners[0] *= Real(1.5);
   }
   MassProperties<D> massProperties(Real density) const override {
     MassProperties<D> m = lpc::massProperties(Shape<D>::sphere(m_radius[0]).view(), density);
@@ -95,6 +96,8 @@ TEST(CustomCore, UnsoundOnesAreRefused) {
                                               {Bug::largeBox, "and it reaches 0.5"},
                                               {Bug::otherHalf, "its two support functions differ along ("},
                                               {Bug::noMass, "its mass is 0.0"},
+                                              {Bug::manyCorners, "has 65 corners; valid: 1 to 64"},
+                                              {Bug::farCorner, ", outside of the core"},
                                               {Bug::noDirection, "its support point of no direction is not finite"}};
   for (const auto& [bug, reason] : bugs) {
     g_bug = bug;

@@ -220,6 +220,61 @@ void restsAsOnTheBox() {
 TEST(Surface, RestsAsOnTheBox2) { restsAsOnTheBox<2>(); }
 TEST(Surface, RestsAsOnTheBox3) { restsAsOnTheBox<3>(); }
 
+// A level net of squares, 0.3 m wide, of two triangles each: faces and lines of curved bodies lie on dozens of them.
+Shape<3> finePlain() {
+  constexpr int kSide = 20;
+  std::vector<Vec<3>> points;
+  std::vector<std::array<int, 3>> triangles;
+  for (int i = 0; i <= kSide; ++i) {
+    for (int k = 0; k <= kSide; ++k) points.push_back(at<3>(0.3 * (i - kSide / 2), 0, 0.3 * (k - kSide / 2)));
+  }
+  for (int i = 0; i < kSide; ++i) {
+    for (int k = 0; k < kSide; ++k) {
+      const int a = i * (kSide + 1) + k, b = a + kSide + 1;
+      triangles.push_back({a, a + 1, b + 1}), triangles.push_back({a, b + 1, b});
+    }
+  }
+  return Shape<3>::mesh(points, triangles);
+}
+TEST(Surface, CurvedBodiesRestOnAFineMesh) {
+  const Real rod[2] = {Real(0.5), Real(0.25)}, cone[2] = {Real(0.25), Real(0.25)};
+  const Rot<3> up = Rot<3>::vector(at<3>(0, 0, 1.5707963267948966)), skew = Rot<3>::vector(at<3>(0, 0.6, 0));
+  const Shape<3> cylinder = Shape<3>::curved(ShapeKind::cylinder, rod);
+  const std::tuple<const char*, Shape<3>, Rot<3>, double> bodies[] = {
+      {"lying cylinder", cylinder, skew, 0.25},
+      {"standing cylinder", cylinder, up, 0.5},
+      {"standing cone", Shape<3>::curved(ShapeKind::cone, cone), up, 0.25}};
+  for (const auto& [name, shape, turn, height] : bodies) {
+    World<3> world = worldWith<3>("query_clip");
+    world.add(body<3>(finePlain(), Vec<3>::Zero(), BodyType::fixed));
+    BodyDef<3> def = body<3>(shape, at<3>(0.7, height, -0.9));
+    def.X_WB.q = turn, def.canSleep = false;
+    const Handle handle = world.add(def);
+    const Vec<3> axis = turn * at<3>(1, 0, 0);
+    for (int i = 0; i < 300; ++i) world.step(kDt);
+    const Pose<3> X = world.pose(handle);
+    EXPECT_NEAR(X.p[1], height, 2e-3) << name;
+    EXPECT_NEAR((X.q * at<3>(1, 0, 0)).dot(axis), 1, 1e-4) << name;
+    EXPECT_LT(world.motion(handle).v.norm(), 1e-3) << name;
+  }
+}
+
+// Straight down on what two parts share, edges and corners.
+TEST(Surface, RaysMeetSharedBorders) {
+  std::vector<Vec<2>> points;
+  for (int i = 100; i >= 0; --i) points.push_back(at<2>(0.1 * i, 0));
+  World<2> chain;
+  chain.add(body<2>(Shape<2>::chain(points, false), Vec<2>::Zero(), BodyType::fixed));
+  const std::vector<Vec<3>> corners = {at<3>(0, 0, 0), at<3>(0, 0, 1), at<3>(1, 0, 1), at<3>(1, 0, 0)};
+  const std::vector<std::array<int, 3>> halves = {{0, 1, 2}, {0, 2, 3}};
+  World<3> square;
+  square.add(body<3>(Shape<3>::mesh(corners, halves), Vec<3>::Zero(), BodyType::fixed));
+  for (int i = 1; i < 100; ++i) {
+    EXPECT_FALSE(chain.ray(at<2>(0.1 * i, 1), at<2>(0, -1), 2, true).empty()) << i;
+    EXPECT_FALSE(square.ray(at<3>(0.01 * i, 1, 0.01 * i), at<3>(0, -1, 0), 2, true).empty()) << i;
+  }
+}
+
 // The solid side pushes nobody in, and what is outside nobody through: half the box's width from its side a ball that
 // comes from below the middle is out as one that comes from above.
 template <int D>

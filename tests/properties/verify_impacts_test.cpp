@@ -73,6 +73,8 @@ void isFound(const std::string& name) {
 }
 TEST(VerifyImpacts, PlantedBugsAreFound) {
   isFound<LooksAtTheEnds>("who looks at the ends");
+  const std::vector<Method<2>> blind = {{"blind", {}, [] { return std::make_unique<LooksAtTheEnds<2>>(); }}};
+  EXPECT_GT(sumOf(asked<2>(blind, 6), "blind")[Tally::wrongSide], 0) << "who misses an impact is on the wrong side";
   isFound<WaitsForOverlap>("who waits for overlap");
   isFound<SpeedWithoutSign>("speed without sign");
   isFound<ForgetsTheFirst>("who forgets the first's motion");
