@@ -383,19 +383,24 @@ RayEntry<D> rayEntry(const ShapeView<D>& shape, const Pose<D>& X_WS, const Vec<D
   if (!(d.squaredNorm() > 0)) return {};
   const bool sharp = !(shape.radius > 0);
   RayEntry<D> entry{kInf};
-  // Flat parts of a surface share their borders, each rounded around its own middle: no ray may pass between two.
-  const Real flatSlack = kTurnedBox * (p.cwiseAbs().maxCoeff() + X_WS.p.cwiseAbs().maxCoeff() + shape.half.maxCoeff());
+  // Flat parts of a surface share their borders, each rounded around its own middle: no ray may pass between two, so
+  // that a miss is asked again with them wider.
+  const Real wider = kTurnedBox * (p.cwiseAbs().maxCoeff() + X_WS.p.cwiseAbs().maxCoeff() + shape.half.maxCoeff());
+  const auto missed = [&] { return !(entry.t >= 0 && entry.t < kInf); };
   switch (shape.core()) {
     case CoreClass::point:
     case CoreClass::segment:  // without rounding a flat box
-      if (sharp) entry = sharpBoxRay<D>(Vec<D>(shape.half + flatSlack * Vec<D>::Unit(0)), p, d, maxT);
+      if (sharp) entry = sharpBoxRay<D>(shape.half, p, d, maxT);
+      if (shape.kind == ShapeKind::segment && missed()) {
+        entry = sharpBoxRay<D>(Vec<D>(shape.half + wider * Vec<D>::Unit(0)), p, d, maxT);
+      }
       break;
     case CoreClass::box:
       entry = sharp ? sharpBoxRay<D>(shape.half, p, d, maxT) : boxFaceRay<D>(shape.half, shape.radius, p, d);
       break;
     case CoreClass::hull:
-      entry = sharp ? planesRay<D>(*shape.hull, p, d, shape.kind == ShapeKind::triangle ? flatSlack : Real(0))
-                    : faceRay(*shape.hull, shape.radius, p, d);
+      entry = sharp ? planesRay<D>(*shape.hull, p, d, 0) : faceRay(*shape.hull, shape.radius, p, d);
+      if (shape.kind == ShapeKind::triangle && sharp && missed()) entry = planesRay<D>(*shape.hull, p, d, wider);
       break;
     case CoreClass::curved:
       entry = curvedRay<D>(*shape.curved, shape.radius, p, d);

@@ -130,6 +130,7 @@ class LibccdGjk final : public LibccdWitness {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
       v.real("tolerance", tolerance, Real(1e-14), 1, "1", "EPA stops below; libccd's own default is 1e-4");
+      PairFrameParams::visit(v);
     }
   };
   explicit LibccdGjk(const Params& params) : LibccdWitness(params.frame), m_params(params) {}
@@ -185,6 +186,7 @@ class LibccdMpr final : public LibccdWitness {
     Real tolerance = Real(1e-8);
     void visit(ParamVisitor& v) {
       v.real("tolerance", tolerance, Real(1e-14), 1, "1", "the portal stops below; libccd's own default is 1e-4");
+      PairFrameParams::visit(v);
     }
   };
   explicit LibccdMpr(const Params& params) : LibccdWitness(params.frame), m_params(params) {}

@@ -320,7 +320,7 @@ class PairQueryProperties {
     return near(askWith(memory, pair), answer.distance, 2);
   }
   // Nor what somebody else has written there.
-  std::string foreign(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {
+  std::string foreign(const Asked<D>& pair, const PairAnswer<D>&, Draw& draw) {
     if (pair.a.kind() > pair.b.kind()) return "";
     PairMemory memory;
     for (std::byte& b : memory.bytes) b = static_cast<std::byte>(draw.below(256));
@@ -340,7 +340,8 @@ class PairQueryProperties {
     }
     // Who asks for witnesses has a direction more to look at, which may mend what memory has spoilt.
     const QueryNeed need = draw.coin() ? QueryNeed::witnesses : QueryNeed::distance;
-    return near(askWith(memory, pair, 0, need), answer.distance, 2);
+    PairMemory cold;
+    return near(askWith(memory, pair, 0, need), askWith(cold, pair, 0, need), 2);
   }
   // Nor does the order in which the points of a hull were given.
   std::string vertexOrder(const Asked<D>& pair, const PairAnswer<D>& answer, Draw& draw) {

@@ -280,7 +280,7 @@ TEST(CommandLine, listsEverything) {
   EXPECT_TRUE(found);
   EXPECT_GE(all["scenes"].size(), 15u);
   EXPECT_GE(all["sweeps"].size(), 9u);
-  ASSERT_EQ(all["shapes"].size(), 9u);
+  ASSERT_EQ(all["shapes"].size(), 10u);
   EXPECT_EQ(all["shapes"][5]["sizes"], (nlohmann::json{"half_length", "radius"}));
 }
 

@@ -85,7 +85,7 @@ TEST(Shape, Names) {
   } catch (const UserError& e) {
     EXPECT_STREQ(e.what(),
                  "there is no shape 'prism'; valid: sphere, capsule, segment, box, polytope, cylinder, "
-                 "ellipsoid, plane, cone, triangle");
+                 "ellipsoid, plane, cone, triangle, custom");
   }
 }
 

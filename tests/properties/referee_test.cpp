@@ -257,7 +257,7 @@ TEST(Referee, EveryExpectedValueOfTheCorpus) {
         },
         c.geometry);
   }
-  EXPECT_EQ(compared, 83);
+  EXPECT_EQ(compared, 84);
   EXPECT_EQ(curved, 9);
 }
 
