@@ -143,10 +143,11 @@ class Chipmunk final : public IsolatedWitness<2> {
     Snippet out{.flags = "-lchipmunk", .head = "#include <chipmunk/chipmunk.h>\n#include <cmath>\n#include <cstdio>\n"};
     out.body = "  cpBody* body = cpBodyNewStatic();  // its pose is not looked at\n";
     if (pair.a.core() == CoreClass::point) {
+      const Vec<2> centre = placeOfA().p;
       out.body += placed("b", pair.b, placeOfB(pair)) +
                   "  cpPointQueryInfo nearest;\n"
                   "  cpShapePointQuery(b, cpv(" +
-                  literals(placeOfA().p.cast<double>().transpose()) +
+                  literals(centre.cast<double>().transpose()) +
                   "), &nearest);  // the circle's centre\n"
                   "  double distance = nearest.distance - " +
                   literal(static_cast<double>(pair.a.radius)) +
