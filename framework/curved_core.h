@@ -32,7 +32,8 @@ class CurvedCore {
       const std::array<long double, static_cast<std::size_t>(D)>& d) const = 0;
   /// The flat or straight part of the surface that meets a plane with outward normal d best, as contact generators clip
   /// it: one corner where there is none, two of a straight line, or a convex polygon inscribed in a flat face,
-  /// counter-clockwise seen from outside, of up to 64 corners. The i-th corner stays the i-th while d changes little. Any length of d.
+  /// counter-clockwise seen from outside, of up to 64 corners. The i-th corner stays the i-th while d changes little.
+  /// Any length of d.
   virtual void supportFace(const Vec<D>& d, std::vector<Vec<D>>& corners) const = 0;
   /// Of the solid core, in its own frame.
   virtual MassProperties<D> massProperties(Real density) const = 0;

@@ -47,9 +47,8 @@ enum class CoreClass : unsigned char {
 };
 constexpr CoreClass coreClass(ShapeKind kind) {
   constexpr std::array<CoreClass, kShapeKinds> kClass = {
-      CoreClass::point,  CoreClass::segment, CoreClass::segment, CoreClass::box,    CoreClass::hull,
-      CoreClass::curved, CoreClass::curved,  CoreClass::plane,   CoreClass::curved, CoreClass::hull,
-      CoreClass::curved};
+      CoreClass::point,  CoreClass::segment, CoreClass::segment, CoreClass::box,  CoreClass::hull,  CoreClass::curved,
+      CoreClass::curved, CoreClass::plane,   CoreClass::curved,  CoreClass::hull, CoreClass::curved};
   return kClass[static_cast<std::size_t>(kind)];
 }
 /// Is there such a kind in this dimension? A segment is a curve without area, a cylinder has no planar twin but the

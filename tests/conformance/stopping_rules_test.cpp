@@ -33,7 +33,8 @@ Pairs<D> drawPairs(bool apart) {
     const ShapeKind kind = D == 3 && out.views.size() % 4 == 0 ? ShapeKind::cylinder : ShapeKind::polytope;
     const Shape<D> a = drawSketch<D>(draw, ShapeKind::polytope).build(1), b = drawSketch<D>(draw, kind).build(1);
     const Real size = sizeOf(a) + sizeOf(b);
-    const PairView<D> view{a.view(), b.view(), {draw.real(0, 1) * size * drawDirection<D>(draw), drawRotation<D>(draw)}};
+    const PairView<D> view{
+        a.view(), b.view(), {draw.real(0, 1) * size * drawDirection<D>(draw), drawRotation<D>(draw)}};
     PairAnswer<D> answer = queryPair<D>(*made<D>("gjk_epa"), view.a, view.b, view.X_AB);
     const Real core = answer.distance + view.a.radius + view.b.radius;
     if (answer.status != QueryStatus::converged || (apart ? core < size / 100 : core > -size / 100)) continue;

@@ -1,5 +1,5 @@
 edit(framework/shape.h "  custom\n}" "  custom,\n  bicone\n}")
 edit(framework/shape.h "kShapeKinds = 11" "kShapeKinds = 12")
-edit(framework/shape.h "      CoreClass::curved};" "      CoreClass::curved, CoreClass::curved};")
+edit(framework/shape.h "CoreClass::hull, CoreClass::curved};" "CoreClass::hull, CoreClass::curved, CoreClass::curved};")
 edit(framework/shape.cpp "kind == ShapeKind::triangle;" "kind == ShapeKind::triangle || kind == ShapeKind::bicone;")
 edit(framework/shape.cpp "\"custom\"}" "\"custom\", \"bicone\"}")
