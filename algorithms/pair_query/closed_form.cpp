@@ -3,15 +3,18 @@
 
 #include "algorithms/pair_query/pair_lanes.h"
 #include "algorithms/pair_query/plane_pair.h"
+#include "algorithms/pair_query/point_round.h"
+#include "algorithms/pair_query/thin_triangle.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 using namespace pair_query;
 
-// Points, segments and boxes among each other, box against box left out: the nearest points in closed form, the deepest
-// axis from the few there are. Near contact the difference of the nearest points is all rounding, and so is its
-// direction; then, and only then, the axes are tried too, and the best proved bound wins (core_pair.h).
+// Points, segments and boxes among each other, box against box left out, points and segments against triangles, and
+// points against cylinders and cones: the nearest points in closed form, the deepest axis from the few there are. Near
+// contact the difference of the nearest points is all rounding, and so is its direction; then, and only then, the axes
+// are tried too, and the best proved bound wins (core_pair.h).
 template <int D>
 class ClosedForm final : public PairQuery<D> {
  public:
@@ -23,7 +26,9 @@ class ClosedForm final : public PairQuery<D> {
 
   static AlgorithmInfo info() {
     return {.name = "closed_form",
-            .summary = "formulas for rounded points, segments and boxes, box-box left out, and for planes",
+            .summary =
+                "formulas for rounded points and segments with each other, boxes and triangles, points with cylinders "
+                "and cones, and for planes",
             .paper = "ericson2004",
             .complexity = "O(1)"};
   }
@@ -32,6 +37,8 @@ class ClosedForm final : public PairQuery<D> {
     if (hasPlane(a, b)) return supportsPlane(a, b);
     const CoreClass first = coreClass(a), second = coreClass(b);
     const bool thin = first == CoreClass::point || first == CoreClass::segment;
+    if (b == ShapeKind::triangle) return thin;
+    if (b == ShapeKind::cylinder || b == ShapeKind::cone) return first == CoreClass::point;
     return thin && (second == CoreClass::point || second == CoreClass::segment || second == CoreClass::box);
   }
 
@@ -68,6 +75,8 @@ class ClosedForm final : public PairQuery<D> {
       BestAxis<D> best;
       if (classB == CoreClass::box) {
         pointA ? pointBox(pair, best) : segmentBox(pair, best, work);
+      } else if (classB == CoreClass::curved || classB == CoreClass::hull) {
+        if constexpr (D == 3) classB == CoreClass::hull ? thinTriangle(pair, best, work) : pointRound(pair, best, work);
       } else {
         pointA ? pointSegment(pair, best, work) : segmentSegment(pair, need, best, work);
       }
@@ -128,17 +137,7 @@ class ClosedForm final : public PairQuery<D> {
   static void segmentSegment(const CorePair<D>& pair, QueryNeed need, BestAxis<D>& best, WorkDone& work) {
     const Vec<D>&p = pair.p, u = pair.r.col(0);
     const Real lA = pair.a.half[0], lB = pair.b.half[0];
-    // A lies on its own x axis: the parts of u across it, and the common normal, carry no cancellation.
-    const Real across2 = u.tail(D - 1).squaredNorm(), shift = -p.tail(D - 1).dot(u.tail(D - 1));
-    Real tB = across2 > 0 ? std::clamp(shift / across2, -lB, lB) : overlapMiddle(pair);
-    const Real tA = std::clamp(p[0] + tB * u[0], -lA, lA);
-    tB = std::clamp((tA * Vec<D>::Unit(0) - p).dot(u), -lB, lB);
-    const auto difference = [&](Real onB) {
-      Vec<D> v = p + onB * u;
-      v[0] -= std::clamp(v[0], -lA, lA);
-      return v;
-    };
-    const Vec<D> v = difference(tB);
+    const Vec<D> v = segmentGap<D>(p, u, lA, lB);
     if (proves(pair, v, best)) return;
     // Of a boolean the difference says enough where it is clearly shorter than the radii.
     if (need == QueryNeed::boolean && best.bound > -std::numeric_limits<Real>::infinity() &&
@@ -152,18 +151,15 @@ class ClosedForm final : public PairQuery<D> {
       best.tryDirection(pair, common, work);
       best.tryDirection(pair, -common, work);
     }
-    for (const Real end : {-lB, lB}) best.tryDirection(pair, difference(end), work);
+    for (const Real end : {-lB, lB}) {
+      Vec<D> toEnd = p + end * u;
+      toEnd[0] -= std::clamp(toEnd[0], -lA, lA);
+      best.tryDirection(pair, toEnd, work);
+    }
     for (const Real end : {-lA, lA}) {
       const Vec<D> toB = p - end * Vec<D>::Unit(0);
       best.tryDirection(pair, toB + std::clamp(-toB.dot(u), -lB, lB) * u, work);
     }
-  }
-
-  // Of parallel segments: the middle of the stretch that they share, as a place on B.
-  static Real overlapMiddle(const CorePair<D>& pair) {
-    const Real lA = pair.a.half[0], lB = pair.b.half[0], c = pair.p[0];
-    const Real x = (std::max(-lA, c - lB) + std::min(lA, c + lB)) / 2;
-    return std::clamp(pair.r(0, 0) > 0 ? x - c : c - x, -lB, lB);
   }
 
   // The squared distance of a point of the segment from the box is convex and piecewise quadratic along the segment;
