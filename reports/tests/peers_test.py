@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the chart of ours beside packaged libraries: who fails is never a peer that is right, and no lead within the
+noise. Run by ctest, or python3 reports/tests/peers_test.py."""
+
+import sys
+import unittest
+import unittest.mock
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import noise  # noqa: E402
+import with_store  # noqa: E402
+from charts import peers  # noqa: E402
+
+# Of each pair: {method: (ns a query, failures of 96)}.
+CALLS = {("box", "box"): {"sat": (100, 0), "closed_form": (50, 3), "libccd_mpr": (210, 0), "fcl": (40, 5)},
+         ("box", "sphere"): {"sat": (100, 0), "fcl": (101, 0)},
+         ("sphere", "sphere"): {"sat": (100, 0), "fcl": (20, 96)},
+         ("capsule", "box"): {"libccd_mpr": (10, 0)}}
+
+
+def fill(maker):
+    maker.sweep("pair_queries", "pairs", pair_query="stage")
+    for (a, b), calls in CALLS.items():
+        for method, (ns, wrong) in calls.items():
+            for repeat in range(5):
+                axes = {"kind": "pairs", "dimension": 3, "pair_query": method, "kind_a": a, "kind_b": b, "precision": "f64",
+                        "timed": True, "repeat": repeat}
+                maker.trial("pair_queries", axes, {"ns_per_query": ns * (1 + 0.02 * (repeat % 2)), "median_error": 0.0,
+                                                   "p99_error": 0.0, "max_error": 0.5 if wrong else 1e-16, "failed": 0,
+                                                   "refused": 0, "wrong_boolean": 0, "wrong": wrong, "asked": 96},
+                            "wrong" if wrong else "ok")
+
+
+class Peers(with_store.WithStore):
+    def one(self):
+        found = self.made(peers, fill)
+        self.assertEqual(len(found), 1)
+        return found[0]
+
+    def test_who_fails_is_no_peer_that_is_right(self):
+        made = self.one()
+        self.assertEqual(made.finding, "Of 3 questions that ours answer without a failure, on 2 a library fails nowhere, either: "
+                         "ours is faster than the fastest such on 1 (2.1 times, on box–box, 3D against libccd_mpr), slower "
+                         "on 0, within the noise on 1; on 1 every library fails, and on 1 of these one is faster than ours.")
+        self.assertIn("On box–box, 3D, sat takes 1/2.1 of the time of libccd_mpr", made.headline.text)
+        row = made.table[(made.table["question"] == "box–box, 3D") & (made.table["library"] == "fcl")].iloc[0]
+        self.assertEqual((row["ours"], row["failures [1]"]), ("sat", 5))  # closed_form is faster, and fails
+        self.assertAlmostEqual(row["ratio [1]"], 0.4, places=1)
+        hollow = [line for line in made.figure.axes[0].lines if line.get_markerfacecolor() == "none"]
+        self.assertEqual(len(hollow), 2)
+        with unittest.mock.patch.object(peers, "right", lambda row: row["peers"][0]):
+            self.assertIn("slower on 2", self.one().finding, "the planted bug: whoever is fastest is right")
+
+    def test_no_lead_within_the_noise(self):
+        with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: True):
+            self.assertIn("faster than the fastest such on 2", self.one().finding, "the planted bug: every difference counts")
+
+
+if __name__ == "__main__":
+    unittest.main()
