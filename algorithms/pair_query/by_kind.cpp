@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Zlib
+#include <memory>
+
+#include "framework/registry.h"
+#include "framework/stage_narrowphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// What engines do: for each pair of kinds the method that is measured to be the fastest of those that are exact on it
+// (docs/pair_queries.md): a formula where there is one, axes for boxes and in 2D for all that has edges, and for what
+// is left one method that answers everything.
+template <int D>
+class ByKind final : public PairQuery<D> {
+ public:
+  struct Params {
+    Spec rest{"gjk_epa", {}};
+    void visit(ParamVisitor& v) {
+      v.stage("rest", rest, StageKind::pairQuery, "answers pairs that are neither closed_form's nor boxes");
+    }
+  };
+  explicit ByKind(const Params& params)
+      : m_formulas(createStage<PairQuery<D>>(Spec{"closed_form", {}})),
+        m_axes(createStage<PairQuery<D>>(Spec{"sat", {}})),
+        m_rest(createStage<PairQuery<D>>(params.rest)) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "by_kind",
+            .summary = "closed_form where it has a formula, sat for boxes and in 2D for polygons, another for the rest",
+            .paper = "ericson2004",
+            .complexity = "as the method that is asked"};
+  }
+
+  bool supports(ShapeKind a, ShapeKind b) const override {
+    return m_formulas->supports(a, b) || m_axes->supports(a, b) || m_rest->supports(a, b);
+  }
+
+  // A pair keeps its kinds, and with them its method: nobody reads what another has written.
+  bool remembers() const override { return m_formulas->remembers() || m_axes->remembers() || m_rest->remembers(); }
+
+  void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
+             std::span<PairMemory> memory, WorkDone& work) override {
+    if (!pairs.empty()) chosen(pairs[0].a.kind, pairs[0].b.kind).query(pairs, need, answers, memory, work);
+  }
+
+ private:
+  PairQuery<D>& chosen(ShapeKind a, ShapeKind b) {
+    if (m_formulas->supports(a, b)) return *m_formulas;
+    const bool boxes = coreClass(a) == CoreClass::box && coreClass(b) == CoreClass::box;
+    if (m_axes->supports(a, b) && (D == 2 || boxes || !m_rest->supports(a, b))) return *m_axes;
+    return *m_rest;
+  }
+
+  std::unique_ptr<PairQuery<D>> m_formulas, m_axes, m_rest;
+};
+
+}  // namespace
+
+LPC_REGISTER(PairQuery, ByKind, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
