@@ -45,12 +45,11 @@ enum class CoreClass : unsigned char {
   curved,  // known by its support function and its support faces alone
   plane    // a half-space, y <= 0 in its own frame: unbounded, for bodies that never move
 };
-constexpr CoreClass coreClass(ShapeKind kind) {
-  constexpr std::array<CoreClass, kShapeKinds> kClass = {
-      CoreClass::point,  CoreClass::segment, CoreClass::segment, CoreClass::box,  CoreClass::hull,  CoreClass::curved,
-      CoreClass::curved, CoreClass::plane,   CoreClass::curved,  CoreClass::hull, CoreClass::curved};
-  return kClass[static_cast<std::size_t>(kind)];
-}
+/// Of each kind; by itself, since one inside of `coreClass` would be written to the stack for each question.
+inline constexpr std::array<CoreClass, kShapeKinds> kCoreClasses = {
+    CoreClass::point,  CoreClass::segment, CoreClass::segment, CoreClass::box,  CoreClass::hull,  CoreClass::curved,
+    CoreClass::curved, CoreClass::plane,   CoreClass::curved,  CoreClass::hull, CoreClass::curved};
+constexpr CoreClass coreClass(ShapeKind kind) { return kCoreClasses[static_cast<std::size_t>(kind)]; }
 /// Is there such a kind in this dimension? A segment is a curve without area, a cylinder has no planar twin but the
 /// box, a cone none but a polygon, and so has a triangle; `custom` is there as soon as a plugin has registered it
 /// (framework/curved_core.h).

@@ -8,13 +8,13 @@ namespace lpc::inline LPC_PRECISION::contacts {
 /// A convex polygon in frame 1, counter-clockwise. A capsule's core is a box of no height: its two end "edges" have no
 /// length, but their normals are needed to see that cores on one line are apart.
 struct Core2 {
-  const Vec<2>* v;
+  const Vec<2>* v;  // read as Xy
   const Vec<2>* n;  // unit, outward, of the edge from vertex i to i + 1
   int count;
 };
 
 struct Edge2 {
-  Vec<2> a, b;
+  Xy a, b;
   int ia, ib;
 };
 
@@ -39,8 +39,8 @@ inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& sto
       storage.v.resize(std::max<std::size_t>(hull.vertices.size(), storage.v.size()));
       storage.n.resize(storage.v.size());
       for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
-        storage.v[i] = *X_12 * hull.vertices[i];
-        storage.n[i] = X_12->q * hull.normals[i];
+        placed(*X_12, hull.vertices[i]).to(storage.v[i]);
+        turned(X_12->q, hull.normals[i]).to(storage.n[i]);
       }
       return {storage.v.data(), storage.n.data(), count};
     }
@@ -55,12 +55,12 @@ inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& sto
   }
   const Pose<2> X = X_12 ? *X_12 : Pose<2>{};
   storage.v.resize(std::max<std::size_t>(storage.v.size(), 4));
-  const Vec<2> half = coreHalf(s);
-  const Vec<2> x = X.q * Vec<2>(1, 0), y(-x[1], x[0]);
-  const Vec<2> hx = half[0] * x, hy = half[1] * y;
-  storage.v[0] = X.p - hx - hy, storage.v[1] = X.p + hx - hy;
-  storage.v[2] = X.p + hx + hy, storage.v[3] = X.p - hx + hy;
-  storage.n[0] = -y, storage.n[1] = x, storage.n[2] = y, storage.n[3] = -x;
+  const Xy half = coreHalf(s), p = X.p;
+  const Xy x = turned(X.q, {1, 0}), y = x.left();
+  const Xy hx = half.x() * x, hy = half.y() * y;
+  (p - hx - hy).to(storage.v[0]), (p + hx - hy).to(storage.v[1]);
+  (p + hx + hy).to(storage.v[2]), (p - hx + hy).to(storage.v[3]);
+  (-y).to(storage.n[0]), x.to(storage.n[1]), y.to(storage.n[2]), (-x).to(storage.n[3]);
   return {storage.v.data(), storage.n.data(), 4};
 }
 
@@ -76,12 +76,12 @@ inline Core2 makeFacing2(const ShapeView<2>& s, const Pose<2>* X_12, const Vec<2
 }
 
 /// The edge of `c` whose normal is most along `d`.
-inline int edgeAlong(const Core2& c, const Vec<2>& d) {
+inline int edgeAlong(const Core2& c, const Xy& d) {
   int best = 0;
-  Real bestDot = c.n[0].dot(d);
+  Real most = dot(c.n[0], d);
   for (int i = 1; i < c.count; ++i) {
-    const Real dot = c.n[i].dot(d);
-    if (dot > bestDot) best = i, bestDot = dot;
+    const Real along = dot(c.n[i], d);
+    if (along > most) best = i, most = along;
   }
   return best;
 }

@@ -15,7 +15,7 @@ struct Scratch2 {
 /// Clips the reference edge, given by its polygon and number, with the other polygon's edge that faces it.
 inline void clipAgainst(const Core2& c1, const Core2& c2, bool firstIsReference, int edge, const PlacedPair<2>& pair,
                         Patch2& out) {
-  const Vec<2> n = firstIsReference ? c1.n[edge] : Vec<2>(-c2.n[edge]);
+  const Xy n = firstIsReference ? Xy(c1.n[edge]) : -Xy(c2.n[edge]);
   const int edge1 = firstIsReference ? edge : edgeAlong(c1, n);
   const int edge2 = firstIsReference ? edgeAlong(c2, -n) : edge;
   clipEdges(edgeOf(c1, edge1), edgeOf(c2, edge2), n, pair, out);
@@ -61,7 +61,7 @@ inline void satCollide(const PlacedPair<2>& pair, Scratch2& scratch, WorkDone& w
     if (good()) return;
   }
   // Two corners: no edge faces the other's nearest point.
-  const Vec<2> n = firstIsBest ? c1.n[axis1.edge] : Vec<2>(-c2.n[axis2.edge]);
+  const Xy n = firstIsBest ? Xy(c1.n[axis1.edge]) : -Xy(c2.n[axis2.edge]);
   const Edge2 e1 = edgeOf(c1, firstIsBest ? axis1.edge : edgeAlong(c1, n));
   const Edge2 e2 = edgeOf(c2, firstIsBest ? edgeAlong(c2, -n) : axis2.edge);
   // Overlapping cores come here only by rounding, at an edge's very end.

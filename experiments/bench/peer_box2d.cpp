@@ -10,11 +10,16 @@ namespace {
 b2Vec2 vector(const Vec<2>& v) { return {static_cast<float>(v[0]), static_cast<float>(v[1])}; }
 
 // b2CollidePolygons, in float: every edge of both polygons against every vertex, then one clip. It stops where the
-// polygons, each with its skin of a centimetre, are apart, as ours do at the margin.
+// polygons, each with its skin of a centimetre, are apart, as ours do at the margin. Its manifold is a reference edge
+// and points of the other polygon; `inWorld`: with the normal in the world, the points there and their separations,
+// which Box2D's solver asks for in each step and which ours have from the start. Neither mixes friction nor names the
+// bodies, as ours does.
 class Box2dPolygons final : public ManifoldPeer {
  public:
+  explicit Box2dPolygons(bool inWorld) : m_inWorld(inWorld) {}
   void build(const std::vector<Shape<2>>& shapes, const std::vector<Pose<2>>& poses) override {
-    m_shapes.resize(shapes.size()), m_poses.resize(shapes.size()), m_manifolds.resize(shapes.size() / 2);
+    m_shapes.resize(shapes.size()), m_poses.resize(shapes.size());
+    m_manifolds.resize(shapes.size() / 2), m_worldManifolds.resize(shapes.size() / 2);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       const ShapeView<2>& s = shapes[i].view();
       if (s.hull) {
@@ -34,17 +39,23 @@ class Box2dPolygons final : public ManifoldPeer {
       const std::size_t a = 2 * k, b = a + 1;
       b2CollidePolygons(&m_manifolds[k], &m_shapes[a], m_poses[a], &m_shapes[b], m_poses[b]);
       points += m_manifolds[k].pointCount;
+      if (!m_inWorld || m_manifolds[k].pointCount == 0) continue;
+      m_worldManifolds[k].Initialize(&m_manifolds[k], m_poses[a], m_shapes[a].m_radius, m_poses[b],
+                                     m_shapes[b].m_radius);
     }
     return points;
   }
 
  private:
+  bool m_inWorld;
   std::vector<b2PolygonShape> m_shapes;
   std::vector<b2Transform> m_poses;
   std::vector<b2Manifold> m_manifolds;
+  std::vector<b2WorldManifold> m_worldManifolds;
 };
 
-const ManifoldPeerRegistrar box2dPolygons({"peer_box2d", [] { return std::make_unique<Box2dPolygons>(); }});
+const ManifoldPeerRegistrar box2dPolygons({"peer_box2d", [] { return std::make_unique<Box2dPolygons>(false); }});
+const ManifoldPeerRegistrar box2dInWorld({"peer_box2d_world", [] { return std::make_unique<Box2dPolygons>(true); }});
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::bench
