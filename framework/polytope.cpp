@@ -317,7 +317,9 @@ std::shared_ptr<Polytope<3>> assemble(std::span<const Vec<3>> points, const Clou
     hull->faces.push_back(face);
   }
   const bool closed = open.empty() && hull->vertices.size() + hull->faces.size() == hull->edges.size() + 2;
-  return closed ? hull : nullptr;
+  if (!closed) return nullptr;
+  linkVertices(*hull);
+  return hull;
 }
 
 }  // namespace

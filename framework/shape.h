@@ -81,11 +81,31 @@ struct Polytope<3> {
     int v0, v1;  // as they follow each other in faceA's loop
     int faceA, faceB;
   };
+  /// An edge as one of its vertices sees it.
+  struct Spoke {
+    int to, edge;
+  };
   std::vector<Vec<3>> vertices;
   std::vector<Face> faces;
   std::vector<int> loop;
   std::vector<Edge> edges;  // each once
+
+  // Follow from the above (`linkVertices`).
+  std::vector<Spoke> spokes;    // those of vertex i: spokes[firstSpoke[i]..firstSpoke[i + 1])
+  std::vector<int> firstSpoke;  // one more than there are vertices
+  // A vertex whose neighbours all lie this much (m) deeper along some unit direction is the farthest along it, also as
+  // computed: what rounding has left of convexity. Infinite where that proves nothing.
+  Real slack = std::numeric_limits<Real>::infinity();
+
+  std::span<const Spoke> spokesOf(int vertex) const {
+    const int* first = firstSpoke.data() + vertex;
+    return {spokes.data() + first[0], static_cast<std::size_t>(first[1] - first[0])};
+  }
 };
+
+/// Fills what follows of a hull from its vertices, faces and edges. One with numbers that do not exist, from a damaged
+/// file, is left without.
+void linkVertices(Polytope<3>& hull);
 
 /// The hull of `points` (m), by monotone chain in 2D and Qhull in 3D. Points that lie on the hull within rounding are
 /// dropped. Throws UserError when there are fewer than D+1 points, all lie on one line (plane), or one is not finite.

@@ -41,6 +41,15 @@ inline constexpr double kDentDepth = 8;
 /// merges more. Larger: hulls that leave points outside. Smaller, or fewer: clouds are refused that have a hull.
 inline constexpr double kHullTries[] = {1, 4, 16};
 
+/// What rounding may take from the height of a hull's vertex above or below another one or a face (1, of the farthest
+/// coordinate): two sums of three products each. Larger: climbs along a hull's edges stop at more vertices that are as
+/// high, and look at all instead. Smaller: one ends at a vertex that is not the farthest.
+inline constexpr double kHeightRounding = 4 * double(std::numeric_limits<Real>::epsilon());
+
+/// Three corners of a face, seen from the hull's middle, turn left when their determinant is above this part of the cube
+/// of the hull's radius (1). Larger: hulls with narrow faces are never climbed on. Smaller: a turn made of rounding.
+inline constexpr double kLeftTurn = 16 * double(std::numeric_limits<Real>::epsilon());
+
 /// A hull whose middle is farther from its frame's origin than this many times its size is moved to its middle (1).
 /// Larger: float answers about hulls that are off by more than 1e-5 of their size. Smaller: hulls and saves that were
 /// right change by a rounding.

@@ -54,6 +54,7 @@ std::shared_ptr<const Polytope<3>> flatTriangle(const std::array<Vec<3>, 3>& cor
     out->edges.push_back({i, j, 0, 2 + i});
     out->edges.push_back({j, i, 1, 2 + i});
   }
+  linkVertices(*out);
   return out;
 }
 

@@ -136,7 +136,10 @@ void fields(Archive& a, Features& f) {
 void fields(Archive& a, Polytope<2>& p) { a(p.vertices, p.normals); }
 void fields(Archive& a, Polytope<3>::Face& f) { a(f.normal, f.offset, f.begin, f.end); }
 void fields(Archive& a, Polytope<3>::Edge& e) { a(e.v0, e.v1, e.faceA, e.faceB); }
-void fields(Archive& a, Polytope<3>& p) { a(p.vertices, p.faces, p.loop, p.edges); }
+void fields(Archive& a, Polytope<3>& p) {
+  a(p.vertices, p.faces, p.loop, p.edges);
+  if (a.reading()) linkVertices(p);
+}
 
 // A hull is stored as it is and not as points: hulling it again might order its vertices anew.
 template <int D>

@@ -114,6 +114,7 @@ Shape<3> mappedHull(const ShapeView<3>& shape, bool reflects, Real factor, MapPo
   for (auto& edge : hull->edges) {
     if (reflects) std::swap(edge.v0, edge.v1);
   }
+  linkVertices(*hull);
   if (shape.kind == ShapeKind::triangle) {
     return Shape<3>::ofCorners(shape.kind, hull->vertices, factor * shape.radius);
   }

@@ -12,8 +12,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "algorithms/pair_query/hull_climb.h"
 #include "algorithms/pair_query/hull_support.h"
-#include "algorithms/pair_query/tolerances.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
 
@@ -40,14 +40,17 @@ void removeAlong(Vec<D>& n, const Vec<D>& e) {
   n -= n.dot(e) * e;
 }
 
-/// coreSupport, of a hull with many vertices by several at a time, which finds the same one.
+/// coreSupport, of a hull with many vertices by several at a time, or by a climb from where the last one ended: all
+/// find the same one.
 template <int D>
-Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr) {
+Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr, int* climb = nullptr) {
   if constexpr (D == 3) {
     if (shape.core() == CoreClass::hull && shape.hull->vertices.size() >= kManyVertices) {
-      const std::size_t best = farthestVertex(shape.hull->vertices, d);
-      if (hint) *hint = static_cast<int>(best);
-      return shape.hull->vertices[best];
+      int best = climb && shape.hull->vertices.size() >= kClimbVertices ? climbToFarthest(*shape.hull, d, *climb) : -1;
+      if (best < 0) best = static_cast<int>(farthestVertex(shape.hull->vertices, d));
+      if (hint) *hint = best;
+      if (climb) *climb = best;
+      return shape.hull->vertices[static_cast<std::size_t>(best)];
     }
   }
   return coreSupport(shape, d, hint);
@@ -55,10 +58,11 @@ Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr)
 
 template <int D>
 struct CorePair {
-  const ShapeView<D>&a, &b;  // the pair's own: it must outlive this
-  Vec<D> p;                  // p_AB
-  Mat<D> r;                  // R_AB
-  Real scale;                // m; coordinates are rounded to about kEpsilon * scale
+  const ShapeView<D>&a, &b;             // the pair's own: it must outlive this
+  Vec<D> p;                             // p_AB
+  Mat<D> r;                             // R_AB
+  Real scale;                           // m; coordinates are rounded to about kEpsilon * scale
+  std::array<int, 2>* climb = nullptr;  // vertices from which climbs on A and B begin; null: all are looked at
 
   explicit CorePair(const PairView<D>& pair) : CorePair(pair.a, pair.b, pair.X_AB.p, pair.X_AB.q.matrix(), 0) {
     scale = std::max({a.half.maxCoeff(), b.half.maxCoeff(), p.cwiseAbs().maxCoeff()});
@@ -70,15 +74,20 @@ struct CorePair {
 
   Real radii() const { return a.radius + b.radius; }
   /// The point of M that lies least far along n.
-  Vec<D> support(const Vec<D>& n) const { return (p + r * farthest(b, Vec<D>(-(r.transpose() * n)))) - farthest(a, n); }
+  Vec<D> support(const Vec<D>& n) const {
+    return (p + r * farthest(b, Vec<D>(-(r.transpose() * n)), nullptr, climbOnB())) -
+           farthest(a, n, nullptr, climbOnA());
+  }
   /// L(n); n must be unit.
   Real bound(const Vec<D>& n) const {
     if (a.core() <= CoreClass::box && b.core() <= CoreClass::box) {  // their own mirror images
       return n.dot(p) - a.half.dot(n.cwiseAbs()) - b.half.dot((r.transpose() * n).cwiseAbs());
     }
     const Vec<D> back = -(r.transpose() * n);
-    return (n.dot(p) - farthest(b, back).dot(back)) - farthest(a, n).dot(n);
+    return (n.dot(p) - farthest(b, back, nullptr, climbOnB()).dot(back)) - farthest(a, n, nullptr, climbOnA()).dot(n);
   }
+  int* climbOnA() const { return climb ? climb->data() : nullptr; }
+  int* climbOnB() const { return climb ? climb->data() + 1 : nullptr; }
 
  private:
   CorePair(const ShapeView<D>& first, const ShapeView<D>& second, const Vec<D>& place, const Mat<D>& turn, Real size)

@@ -25,11 +25,13 @@ class GjkEpa final : public PairQuery<D> {
   enum class Accelerate { none, nesterov };
   enum class Gap { best, last };
   enum class Measure { size, distance };
+  enum class Support { scan, climb };
   struct Params {
     SimplexRule simplex = SimplexRule::voronoi;
     Accelerate accelerate = Accelerate::none;
     Gap gap = Gap::best;
     Measure measure = Measure::size;
+    Support support = Support::scan;
     Real tolerance = 0;
     Real depthTolerance = 0;
     int iterations = 64;
@@ -48,6 +50,12 @@ class GjkEpa final : public PairQuery<D> {
           "of the last direction, the duality gap of Frank and Wolfe (Montaut et al. 2022)");
       v.choice("measure", measure, {"size", "distance"},
                "what the tolerances are parts of: the pair's largest coordinate, or the distance or depth itself");
+      if constexpr (D == 3) {
+        v.choice(
+            "support", support, {"scan", "climb"},
+            "how a hull's farthest vertex is found: by a look at all, or, the same one, by a climb along the edges "
+            "from the last one (Cameron 1997)");
+      }
       v.real("tolerance", tolerance, 0, Real(0.1), "1",
              "gap of the distance or depth that is left, as a part of the measure; eight roundings of the largest "
              "coordinate at least");
@@ -81,11 +89,13 @@ class GjkEpa final : public PairQuery<D> {
              std::span<PairMemory> memory, WorkDone& work) override {
     work[WorkCount::pairQueries] += pairs.size();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const CorePair<D> pair(pairs[i]);
+      CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {
         answers[i] = m_plane.answer(pair, work);
         continue;
       }
+      std::array<int, 2> climb{};
+      if (m_params.support == Support::climb) pair.climb = &climb;
       PairMemory* remembered = memory.empty() ? nullptr : &memory[i];
       BestAxis<D> best;
       const QueryStatus status = search(pair, need, remembered, best, work);

@@ -51,9 +51,9 @@ Vec<D> cornerOf(const ShapeView<D>& shape, int number) {
 
 /// `farthest` with the number of the corner, kNoCorner where there is none.
 template <int D>
-Vec<D> supportCorner(const ShapeView<D>& shape, const Vec<D>& d, std::uint16_t& number) {
+Vec<D> supportCorner(const ShapeView<D>& shape, const Vec<D>& d, std::uint16_t& number, int* climb) {
   int corner = -1;
-  const Vec<D> p = farthest(shape, d, &corner);
+  const Vec<D> p = farthest(shape, d, &corner, climb);
   if (shape.core() != CoreClass::hull) {
     corner = 0;
     for (int k = 0; k < D; ++k) corner |= p[k] > 0 ? 1 << k : 0;
@@ -84,6 +84,7 @@ class PairWarmth {
         return;
       }
       m_simplex.push(difference(pair, cornerOf(pair.a, c.a), cornerOf(pair.b, c.b)));
+      if (pair.climb) *pair.climb = {c.a, c.b};
       m_seen.push_back({m_simplex[m_simplex.count - 1], c});
     }
   }
@@ -97,7 +98,8 @@ class PairWarmth {
   Vec<D> support(const CorePair<D>& pair, const Vec<D>& n) {
     if (!m_kept) return pair.support(n);
     CornerPair c;
-    const Vec<D> a = supportCorner(pair.a, n, c.a), b = supportCorner(pair.b, Vec<D>(-(pair.r.transpose() * n)), c.b);
+    const Vec<D> a = supportCorner(pair.a, n, c.a, pair.climbOnA());
+    const Vec<D> b = supportCorner(pair.b, Vec<D>(-(pair.r.transpose() * n)), c.b, pair.climbOnB());
     m_seen.push_back({difference(pair, a, b), c});
     return m_seen.back().point;
   }

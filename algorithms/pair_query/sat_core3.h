@@ -29,6 +29,7 @@ class SatCore {
   int vertexCount() const { return static_cast<int>(m_corners.size()); }
   std::span<const Face> faces() const { return m_faces; }
   std::span<const Edge> edges() const { return m_edges; }
+  std::span<const Polytope<3>::Spoke> spokes(int vertex) const { return m_hull->spokesOf(vertex); }
   std::span<const int> loop(const Face& f) const {
     return m_loop.subspan(static_cast<std::size_t>(f.begin), static_cast<std::size_t>(f.end - f.begin));
   }
@@ -89,48 +90,56 @@ class SatCore {
   std::vector<int> below;  // the vertex of the other core that bounds what the face proves; -1: it was not tested
 
  private:
+  // What is no hull is made once, and then given its sizes.
   void read(const ShapeView<3>& shape) {
     const Vec<3>& h = shape.half;
-    if (shape.core() == CoreClass::hull) return view(*shape.hull);
-    m_own.vertices.clear(), m_own.faces.clear(), m_own.edges.clear(), m_own.loop.clear();
     switch (shape.core()) {
-      case CoreClass::box:
-        readBox(h);
-        break;
-      case CoreClass::point:
-        m_own.vertices.push_back(Vec<3>::Zero());
-        break;
-      case CoreClass::segment:
-        m_own.vertices.push_back({-h[0], 0, 0});
-        m_own.vertices.push_back({h[0], 0, 0});
-        m_own.edges.push_back({0, 1, -1, -1});  // an edge without faces
-        break;
       case CoreClass::hull:
-        break;
+        return view(*shape.hull);
+      case CoreClass::box:
+        if (m_box.vertices.empty()) makeBox();
+        for (std::size_t bits = 0; bits < 8; ++bits) {
+          m_box.vertices[bits] = {(bits & 1) ? h[0] : -h[0], (bits & 2) ? h[1] : -h[1], (bits & 4) ? h[2] : -h[2]};
+        }
+        for (int k = 0; k < 6; ++k) m_box.faces[static_cast<std::size_t>(k)].offset = h[k / 2];
+        return view(m_box);
+      case CoreClass::segment:
+        if (m_segment.vertices.empty()) {
+          m_segment.vertices.resize(2);
+          m_segment.edges.push_back({0, 1, -1, -1});  // an edge without faces
+          linkVertices(m_segment);
+        }
+        m_segment.vertices = {{-h[0], 0, 0}, {h[0], 0, 0}};
+        return view(m_segment);
+      case CoreClass::point:
+        if (m_point.vertices.empty()) {
+          m_point.vertices.push_back(Vec<3>::Zero());
+          linkVertices(m_point);
+        }
+        return view(m_point);
       case CoreClass::curved:
       case CoreClass::plane:
         LPC_ASSERT(false);  // has no list of edges
         break;
     }
-    view(m_own);
   }
 
   void view(const Polytope<3>& hull) {
+    LPC_ASSERT(hull.firstSpoke.size() == hull.vertices.size() + 1);
+    m_hull = &hull;
     m_corners = hull.vertices, m_faces = hull.faces, m_edges = hull.edges, m_loop = hull.loop;
   }
 
   // Corner number `bits` has the signs of its bits; face 2 k looks along axis k, 2 k + 1 back.
-  void readBox(const Vec<3>& h) {
-    for (int bits = 0; bits < 8; ++bits) {
-      m_own.vertices.push_back({(bits & 1) ? h[0] : -h[0], (bits & 2) ? h[1] : -h[1], (bits & 4) ? h[2] : -h[2]});
-    }
+  void makeBox() {
+    m_box.vertices.resize(8);
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
       for (const int sign : {1, -1}) {
-        const int at = sign > 0 ? 1 << k : 0, begin = static_cast<int>(m_own.loop.size());
+        const int at = sign > 0 ? 1 << k : 0, begin = static_cast<int>(m_box.loop.size());
         const int first = sign > 0 ? i : j, second = sign > 0 ? j : i;  // counter-clockwise from outside
-        for (const int v : {at, at | 1 << first, at | 1 << i | 1 << j, at | 1 << second}) m_own.loop.push_back(v);
-        m_own.faces.push_back({Vec<3>(Real(sign) * Vec<3>::Unit(k)), h[k], begin, begin + 4});
+        for (const int v : {at, at | 1 << first, at | 1 << i | 1 << j, at | 1 << second}) m_box.loop.push_back(v);
+        m_box.faces.push_back({Vec<3>(Real(sign) * Vec<3>::Unit(k)), 0, begin, begin + 4});
       }
       for (const int si : {-1, 1}) {
         for (const int sj : {-1, 1}) {
@@ -138,12 +147,14 @@ class SatCore {
           const int fi = 2 * i + (si < 0), fj = 2 * j + (sj < 0);
           // Right-handed: n0 x n1 is the edge's direction, as in a polytope's loops.
           const bool turn = si * sj > 0;
-          m_own.edges.push_back({v0, v0 | (1 << k), turn ? fi : fj, turn ? fj : fi});
+          m_box.edges.push_back({v0, v0 | (1 << k), turn ? fi : fj, turn ? fj : fi});
         }
       }
     }
+    linkVertices(m_box);
   }
 
+  const Polytope<3>* m_hull = nullptr;
   std::span<const Vec<3>> m_corners;  // in its own frame
   std::span<const Face> m_faces;
   std::span<const Edge> m_edges;
@@ -151,7 +162,7 @@ class SatCore {
   Vec<3> m_p = Vec<3>::Zero();
   Mat<3> m_r = Mat<3>::Identity();
   bool m_placed = true;  // its frame is A's
-  Polytope<3> m_own;
+  Polytope<3> m_box, m_segment, m_point;
   std::vector<Vec<3>> m_moved;
 };
 

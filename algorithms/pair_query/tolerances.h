@@ -31,6 +31,16 @@ inline constexpr Real kBoundRounding = 8 * kEpsilon;
 /// vertices and edges are tried. Smaller: the nearest feature may be left out.
 inline constexpr Real kAttainedRounding = 64 * kEpsilon;
 
+// --- climbs on hulls (hull_climb.h) ---------------------------------------------------------------------------------
+
+/// On a hull with fewer vertices all are looked at (count). Larger: climbs that would be faster are not made. Smaller:
+/// climbs that are slower than a look at all.
+inline constexpr std::size_t kClimbVertices = 64;
+
+/// A climb that has found so many vertices as high as its highest gives up (count). Larger: time, and no more where the
+/// hull is round. Smaller: along the normal of a face with more corners all vertices are looked at.
+inline constexpr std::size_t kMostLevel = 8;
+
 // --- features -------------------------------------------------------------------------------------------------------
 
 /// Vertices that lie no farther behind the foremost one belong to the supporting feature (x scale). Larger: witnesses

@@ -12,12 +12,25 @@
 namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame); of a
-/// curved core the corners of its support face that do, or its support point.
+/// curved core the corners of its support face that do, or its support point. `climb`: as in CorePair.
 template <int D>
-void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, std::vector<Vec<D>>& out) {
+void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, std::vector<Vec<D>>& out,
+                        const int* climb = nullptr) {
   out.clear();
   switch (shape.core()) {
     case CoreClass::hull: {
+      if constexpr (D == 3) {
+        HullPeak peak;
+        if (climb && shape.hull->vertices.size() >= kClimbVertices && climbToPeak(*shape.hull, n, *climb, band, peak)) {
+          const Real farthest = shape.hull->vertices[static_cast<std::size_t>(peak.vertices[0])].dot(n);
+          std::sort(peak.vertices.begin(), peak.vertices.begin() + peak.count);
+          for (std::size_t k = 0; k < peak.count; ++k) {
+            const Vec<D>& v = shape.hull->vertices[static_cast<std::size_t>(peak.vertices[k])];
+            if (v.dot(n) >= farthest - band) out.push_back(v);
+          }
+          return;
+        }
+      }
       Real farthest = -std::numeric_limits<Real>::infinity();
       for (const Vec<D>& v : shape.hull->vertices) farthest = std::max(farthest, v.dot(n));
       for (const Vec<D>& v : shape.hull->vertices) {
@@ -130,7 +143,7 @@ class TouchingPoint {
   static void place(const CorePair<D>& pair, const BestAxis<D>& best, const Vec<D>& common, PairAnswer<D>& answer) {
     answer.normal = best.n;
     answer.distance = best.bound - pair.radii();
-    const Real height = coreSupport(pair.a, answer.normal).dot(answer.normal) + pair.a.radius;
+    const Real height = farthest(pair.a, best.n, nullptr, pair.climbOnA()).dot(best.n) + pair.a.radius;
     answer.pA = common + height * answer.normal;
     answer.pB = answer.pA + answer.distance * answer.normal;
   }
@@ -141,8 +154,8 @@ class TouchingPoint {
   void gather(const CorePair<D>& pair, const Vec<D>& n, Real band) {
     auto& a = vertices<D>(m_a2, m_a3);
     auto& b = vertices<D>(m_b2, m_b3);
-    supportingVertices<D>(pair.a, n, band, a);
-    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, b);
+    supportingVertices<D>(pair.a, n, band, a, pair.climbOnA());
+    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, b, pair.climbOnB());
     for (Vec<D>& v : b) v = pair.p + pair.r * v;
   }
   // The corners of a curved face are a few of its rim: adds the one that lies towards the other feature.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "algorithms/pair_query/pair_warmth.h"
 #include "algorithms/pair_query/plane_pair.h"
 #include "algorithms/pair_query/sat_boxes.h"
 #include "algorithms/pair_query/sat_polytope3.h"
@@ -45,38 +46,41 @@ class Walk {
     return Step::moved;
   }
 
-  // A plane of the feature's Voronoi region: it lies within `height >= 0`, beyond is the region of `neighbour`.
+  // A plane of the feature's Voronoi region: it lies within `height >= 0`, beyond is the region of `neighbour`; where
+  // the feature is a face, of the edge that leaves that vertex.
   struct Bound {
     Vec<3> point, inward;
     Feature neighbour;
     Real height(const Vec<3>& q) const { return inward.dot(q - point); }
   };
 
-  template <class F>
-  static void edgesWhere(const SatCore& core, F&& isOne, std::vector<std::size_t>& out) {
-    out.clear();
-    for (std::size_t k = 0; k < core.edges().size(); ++k) {
-      if (isOne(core.edges()[k])) out.push_back(k);
+  // The edge of this face that leaves v in the direction in which the face's loop goes round.
+  static std::int32_t edgeFrom(const SatCore& core, int v, int face) {
+    for (const Polytope<3>::Spoke& s : core.spokes(v)) {
+      const SatCore::Edge& e = core.edges()[static_cast<std::size_t>(s.edge)];
+      if ((e.faceA == face && e.v0 == v) || (e.faceB == face && e.v1 == v)) return s.edge;
     }
+    LPC_ASSERT(false);
+    return 0;
   }
   // Across the edge, in the plane of its face, into the face.
   static Vec<3> intoFace(const SatCore& core, const SatCore::Edge& e, bool ofA) {
     const Vec<3> along = core.vertex(e.v1) - core.vertex(e.v0);
     return ofA ? Vec<3>(core.normal(e.faceA).cross(along)) : Vec<3>(along.cross(core.normal(e.faceB)));
   }
+  Feature beyond(int i, const Feature& neighbour) const {
+    if (feature(i).kind != Kind::face) return neighbour;
+    return {Kind::edge, edgeFrom(core(i), neighbour.number, feature(i).number)};
+  }
   void regionOf(int i, std::vector<Bound>& out) {
     const SatCore& of = core(i);
     const Feature f = feature(i);
     out.clear();
-    const auto number = [](std::size_t k) { return static_cast<std::int32_t>(k); };
     switch (f.kind) {
       case Kind::vertex: {
-        edgesWhere(
-            of, [&](const SatCore::Edge& e) { return e.v0 == f.number || e.v1 == f.number; }, m_edges);
         const Vec<3> v = m_origin = of.vertex(f.number);
-        for (const std::size_t k : m_edges) {
-          const SatCore::Edge& e = of.edges()[k];
-          out.push_back({v, v - of.vertex(e.v0 == f.number ? e.v1 : e.v0), {Kind::edge, number(k)}});
+        for (const Polytope<3>::Spoke& s : of.spokes(f.number)) {
+          out.push_back({v, v - of.vertex(s.to), {Kind::edge, s.edge}});
         }
         return;
       }
@@ -92,11 +96,14 @@ class Walk {
         return;
       }
       case Kind::face: {
-        edgesWhere(
-            of, [&](const SatCore::Edge& e) { return e.faceA == f.number || e.faceB == f.number; }, m_edges);
-        for (const std::size_t k : m_edges) {
-          const SatCore::Edge& e = of.edges()[k];
-          out.push_back({of.vertex(e.v0), intoFace(of, e, e.faceA == f.number), {Kind::edge, number(k)}});
+        const SatCore::Face& face = of.faces()[static_cast<std::size_t>(f.number)];
+        const Vec<3> normal = of.normal(f.number);
+        int last = of.loop(face).back();
+        Vec<3> from = of.vertex(last);
+        for (const int next : of.loop(face)) {
+          const Vec<3> to = of.vertex(next);
+          out.push_back({from, normal.cross(to - from), {Kind::vertex, last}});
+          last = next, from = to;
         }
         return;
       }
@@ -191,12 +198,14 @@ class Walk {
       const Real height = bound.height(q) / bound.inward.norm();
       if (height < least) least = height, worst = &bound;
     }
-    if (worst) return feature(f) = worst->neighbour, Step::moved;
-    const Real height = heightOver(f, feature(f).number, q);
+    if (worst) return feature(f) = beyond(f, worst->neighbour), Step::moved;
+    const SatCore::Plane plane = core(f).plane(core(f).faces()[static_cast<std::size_t>(feature(f).number)]);
+    const auto heightOf = [&](const Vec<3>& point) { return plane.n.dot(point) - plane.offset; };
+    const Real height = heightOf(q);
     if (height > 0) {
       regionOf(v, m_region);
       for (const Bound& bound : m_region) {  // its inward vector leads from the other end of the edge to q
-        if (heightOver(f, feature(f).number, q - bound.inward) < height) {
+        if (heightOf(q - bound.inward) < height) {
           return feature(v) = bound.neighbour, Step::moved;
         }
       }
@@ -220,10 +229,11 @@ class Walk {
     if (!cut(e, clip)) {  // beside the face: its edge that is nearest
       const SatRidge ridge(core(e), feature(e).number);
       Real least2 = std::numeric_limits<Real>::infinity();
-      Feature nearest = m_region.front().neighbour;
+      Feature nearest = beyond(f, m_region.front().neighbour);
       for (const Bound& bound : m_region) {
-        const Real length2 = betweenEdges(ridge, SatRidge(core(f), bound.neighbour.number)).squaredNorm();
-        if (length2 < least2) least2 = length2, nearest = bound.neighbour;
+        const Feature rim = beyond(f, bound.neighbour);
+        const Real length2 = betweenEdges(ridge, SatRidge(core(f), rim.number)).squaredNorm();
+        if (length2 < least2) least2 = length2, nearest = rim;
       }
       return feature(f) = nearest, Step::moved;
     }
@@ -232,10 +242,10 @@ class Walk {
     const Real to = heightOver(f, feature(f).number, clip.tail + clip.to * way);
     if (from * to <= 0) return Step::overlap;
     if (std::abs(from) <= std::abs(to)) {
-      return clip.entry ? (feature(f) = *clip.entry, Step::moved)
+      return clip.entry ? (feature(f) = beyond(f, *clip.entry), Step::moved)
                         : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v0));
     }
-    return clip.exit ? (feature(f) = *clip.exit, Step::moved)
+    return clip.exit ? (feature(f) = beyond(f, *clip.exit), Step::moved)
                      : moveTo(e, Kind::vertex, static_cast<std::size_t>(edge.v1));
   }
 
@@ -248,12 +258,13 @@ class Walk {
   std::array<Feature, 2>* m_feature = nullptr;
   std::vector<Bound> m_region;
   Vec<3> m_origin = Vec<3>::Zero();  // of the region's feature: the vertex, the edge's first end
-  std::vector<std::size_t> m_edges;
 };
 
 // V-Clip (Mirtich 1998): the nearest features of the cores by a walk that begins at those of the last step. They are
 // taken for the nearest when the way between them is what its direction proves (core_pair.h). Who overlaps has none,
-// and the walk gives no depth: that, and what rounding makes the walk lose, is left to separating axes.
+// and the walk gives no depth: that, and what rounding makes the walk lose, is left to separating axes. The direction
+// is proved by climbs that begin at those features (hull_climb.h), so that of hulls that have hardly moved a few
+// vertices are looked at.
 template <int D>
 class VClip final : public PairQuery<D> {
  public:
@@ -269,7 +280,7 @@ class VClip final : public PairQuery<D> {
     return {.name = "v_clip",
             .summary = "V-Clip's walk to the nearest features, and separating axes for the depth; no curved cores",
             .paper = "mirtich1998",
-            .complexity = "apart, a few steps from the last features, each as long as the lists of edges; else as sat"};
+            .complexity = "apart, a few steps from the last features, each around these alone; else as sat"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {
@@ -283,11 +294,13 @@ class VClip final : public PairQuery<D> {
              std::span<PairMemory> memory, WorkDone& work) override {
     work[WorkCount::pairQueries] += pairs.size();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const CorePair<D> pair(pairs[i]);
+      CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {
         answers[i] = m_plane.answer(pair, work);
         continue;
       }
+      std::array<int, 2> climb{};
+      pair.climb = &climb;
       BestAxis<D> best;
       if (!walk(pair, memory.empty() ? nullptr : &memory[i], best, work)) {
         best = {};
@@ -330,12 +343,19 @@ class VClip final : public PairQuery<D> {
         features[0].kind == FeatureKind::face && features[1].kind == FeatureKind::face;  // no walk ends there
     if (last.known != 1 || faces || !exists(features[0], m_a) || !exists(features[1], m_b)) {
       ++work[WorkCount::supportCalls];
-      features[0] = {FeatureKind::vertex, m_a.foremost(pair.p)};
-      features[1] = {FeatureKind::vertex, m_b.foremost(-pair.p)};
+      features[0] = foremost(pair.a, pair.p, pair.climbOnA());
+      features[1] = foremost(pair.b, Vec<D>(-(pair.r.transpose() * pair.p)), pair.climbOnB());
     }
     const Walk::End end = m_walk.run(m_a, m_b, m_params.iterations, features, work);
+    *pair.climb = {cornerOf(features[0], m_a), cornerOf(features[1], m_b)};
     if (memory) memory->bytes = std::bit_cast<decltype(memory->bytes)>(Stored{1, features, {}});
     return end == Walk::End::apart && prove(pair, facing(features), best, work);
+  }
+
+  static Feature foremost(const ShapeView<D>& shape, const Vec<D>& d, int* climb) {
+    std::uint16_t corner = 0;
+    supportCorner<D>(shape, d, corner, climb);
+    return {FeatureKind::vertex, corner == kNoCorner ? 0 : corner};
   }
 
   static SatFeatures facing(const std::array<Feature, 2>& f) {
@@ -356,6 +376,17 @@ class VClip final : public PairQuery<D> {
     if (commonNormal(features, m_a, m_b, way, n)) best.tryDirection(pair, n.dot(way) < 0 ? Vec<D>(-n) : n, work);
     if (length - best.bound > slack) best.tryDirection(pair, way, work);
     return length - best.bound <= slack;
+  }
+  static int cornerOf(const Feature& f, const SatCore& core) {
+    switch (f.kind) {
+      case FeatureKind::vertex:
+        break;
+      case FeatureKind::edge:
+        return core.edges()[static_cast<std::size_t>(f.number)].v0;
+      case FeatureKind::face:
+        return core.loop(core.faces()[static_cast<std::size_t>(f.number)])[0];
+    }
+    return f.number;
   }
 
   Params m_params;

@@ -116,6 +116,14 @@ std::string wrong(const Points<3>& points, const Polytope<3>& hull) {
     }
     if (!follows) return "an edge against its faceA";
   }
+  if (hull.spokes.size() != directed.size()) return "edges and neighbours differ";
+  for (int v = 0; v < static_cast<int>(hull.vertices.size()); ++v) {
+    if (static_cast<int>(hull.spokesOf(v).size()) != uses[static_cast<std::size_t>(v)]) return "a neighbour is missing";
+    for (const auto& s : hull.spokesOf(v)) {
+      const auto& e = hull.edges[static_cast<std::size_t>(s.edge)];
+      if (std::minmax(e.v0, e.v1) != std::minmax(v, s.to)) return "a neighbour across another edge";
+    }
+  }
   return "";
 }
 
@@ -245,6 +253,7 @@ TEST(Hull, PlantedBugsAreCaught) {
   break3("3D: a loop is clockwise", [](Polytope<3>& h) { std::swap(h.loop[0], h.loop[1]); });
   break3("3D: a face lies a little inside", [](Polytope<3>& h) { h.faces[0].offset -= Real(1e-4); });
   break3("3D: an edge names the wrong face", [](Polytope<3>& h) { std::swap(h.edges[0].faceA, h.edges[0].faceB); });
+  break3("3D: a vertex has another's neighbour", [](Polytope<3>& h) { std::swap(h.spokes.front(), h.spokes.back()); });
 }
 
 // About as many roundings thick as told: rounding is that of the largest coordinate, which lies between 0.8 and 1.7.
