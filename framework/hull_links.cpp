@@ -13,8 +13,9 @@
 // them, v. If a vertex w besides T were not below v: what of Q's surface lies no lower than v - t is connected, and so
 // there is a path on it, from above v to above w, that is never lower. Its shadow on S leaves the corners that T cuts
 // off its faces, somewhere between two neighbours of T, which are lower than v - slack: on Q's surface it is lower
-// there than v - slack + t. So `slack` is 2 t, and what rounding takes from heights. The shadow needs an S that is seen
-// once in each direction from c, with faces that are convex from there: that is tested, corner by corner.
+// there than v - slack + t. So `slack` is 2 t, and what rounding takes from heights; with `slack + band` T has all that
+// lie no lower than v - band. The shadow needs an S that is seen once in each direction from c, with faces that are
+// convex from there: that is tested, corner by corner.
 #include <algorithm>
 #include <limits>
 

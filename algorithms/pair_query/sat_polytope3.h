@@ -252,10 +252,9 @@ class SatPolytope<3> {
     offer({Kind::vertices, a, b});
     for (const bool ofA : {true, false}) {
       const SatCore& core = ofA ? m_a : m_b;
-      for (std::size_t k = 0; k < core.edges().size(); ++k) {
-        const SatCore::Edge& e = core.edges()[k];
-        const int number = static_cast<int>(k);
-        if (e.v0 != (ofA ? a : b) && e.v1 != (ofA ? a : b)) continue;
+      for (const Polytope<3>::Spoke& s : core.spokes(ofA ? a : b)) {
+        const int number = s.edge;
+        const SatCore::Edge& e = core.edges()[at(number)];
         offer(ofA ? SatFeatures{Kind::edgeVertex, number, b} : SatFeatures{Kind::vertexEdge, a, number});
         if (e.faceA < 0) continue;
         // Of the two faces of an edge the one to its left; from the vertex on all of them are to the left of one.
