@@ -46,11 +46,16 @@ template <int D>
 Vec<D> farthest(const ShapeView<D>& shape, const Vec<D>& d, int* hint = nullptr, int* climb = nullptr) {
   if constexpr (D == 3) {
     if (shape.core() == CoreClass::hull && shape.hull->vertices.size() >= kManyVertices) {
-      int best = climb && shape.hull->vertices.size() >= kClimbVertices ? climbToFarthest(*shape.hull, d, *climb) : -1;
-      if (best < 0) best = static_cast<int>(farthestVertex(shape.hull->vertices, d));
-      if (hint) *hint = best;
-      if (climb) *climb = best;
-      return shape.hull->vertices[static_cast<std::size_t>(best)];
+      if (climb && shape.hull->vertices.size() >= kClimbVertices) {
+        if (const int top = climbToFarthest(*shape.hull, d, *climb); top >= 0) {
+          *climb = top;
+          if (hint) *hint = top;
+          return shape.hull->vertices[static_cast<std::size_t>(top)];
+        }
+      }
+      const std::size_t best = farthestVertex(shape.hull->vertices, d);
+      if (hint) *hint = static_cast<int>(best);
+      return shape.hull->vertices[best];
     }
   }
   return coreSupport(shape, d, hint);

@@ -53,8 +53,8 @@ class GjkEpa final : public PairQuery<D> {
       if constexpr (D == 3) {
         v.choice(
             "support", support, {"scan", "climb"},
-            "how a hull's farthest vertex is found: by a look at all, or, the same one, by a climb along the edges "
-            "from the last one (Cameron 1997)");
+            "in 3D, how a hull's farthest vertex is found: by a look at all, or, the same one, by a climb along its "
+            "edges from the last one (Cameron 1997)");
       }
       v.real("tolerance", tolerance, 0, Real(0.1), "1",
              "gap of the distance or depth that is left, as a part of the measure; eight roundings of the largest "

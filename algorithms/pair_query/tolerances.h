@@ -35,7 +35,7 @@ inline constexpr Real kAttainedRounding = 64 * kEpsilon;
 
 /// On a hull with fewer vertices all are looked at (count). Larger: climbs that would be faster are not made. Smaller:
 /// climbs that are slower than a look at all.
-inline constexpr std::size_t kClimbVertices = 64;
+inline constexpr std::size_t kClimbVertices = 96;
 
 /// A climb that has found so many vertices as high as its highest gives up (count). Larger: time, and no more where the
 /// hull is round. Smaller: along the normal of a face with more corners all vertices are looked at.

@@ -60,6 +60,14 @@ void declare(json& failures, const Registered& entry) {
   }
 }
 
+/// What a method can be told in this dimension alone.
+void addParams(json& params, const Registered& entry) {
+  for (json& p : describeParams(entry.params)) {
+    const auto same = [&](const json& known) { return known["name"] == p["name"]; };
+    if (std::none_of(params.begin(), params.end(), same)) params.push_back(std::move(p));
+  }
+}
+
 json describeAlgorithms() {
   json out = json::array();
   for (const auto& [key, entry] : Registry::instance().all()) {
@@ -71,6 +79,7 @@ json describeAlgorithms() {
     if (known) {
       (*known)["dimensions"].push_back(entry.dimension);
       declare((*known)["failures"], entry);
+      addParams((*known)["params"], entry);
       continue;
     }
     json failures = json::array();

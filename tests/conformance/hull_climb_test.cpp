@@ -115,7 +115,7 @@ bool climbsAsItScans(bool unlinked) {
   const auto drawHull = [&] {
     std::vector<Vec<3>> points;
     const bool grid = draw.coin();
-    for (int i = 80 + draw.below(100); i > 0; --i) {
+    for (int i = 120 + draw.below(100); i > 0; --i) {
       const Vec<3> v = drawVector<3>(draw);
       points.push_back(grid ? Vec<3>((6 * v).array().round()) : Vec<3>(6 * v / std::max(v.norm(), Real(1e-3))));
     }

@@ -270,14 +270,16 @@ TEST(CommandLine, listsEverything) {
   const Outcome out = w.lpc("list --json");
   ASSERT_EQ(out.code, 0);
   const auto all = nlohmann::json::parse(out.text);
-  bool found = false;
+  bool found = false, ofSpaceAlone = false;
   for (const auto& a : all["algorithms"]) {
+    for (const auto& p : a["params"]) ofSpaceAlone = ofSpaceAlone || (a["name"] == "gjk_epa" && p["name"] == "support");
     if (a["name"] != "sort_and_sweep") continue;
     found = true;
     EXPECT_EQ(a["dimensions"], (nlohmann::json{2, 3}));
     EXPECT_EQ(a["params"][0]["name"], "axis");
   }
   EXPECT_TRUE(found);
+  EXPECT_TRUE(ofSpaceAlone) << "a parameter that a method of both dimensions has in 3D alone";
   EXPECT_GE(all["scenes"].size(), 15u);
   EXPECT_GE(all["sweeps"].size(), 9u);
   ASSERT_EQ(all["shapes"].size(), 10u);
