@@ -112,6 +112,22 @@ Real80 facetDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80,
   return best;
 }
 
+// The same of the facet's own normal alone, a tenth of the work: what rounding may have taken off is taken off as a
+// whole. -infinity of a facet without a normal.
+template <int D>
+Real80 planeDistance(const InnerPolytope<Real80, D>& p, const InnerFacet<Real80, D>& f) {
+  Real80 least = std::numeric_limits<Real80>::infinity(), reach = 0;
+  for (const int v : f.v) {
+    Real80 size = 0;
+    for (const Real80 x : p.at(v)) size += std::abs(x);
+    least = std::min(least, dot(f.normal, p.at(v))), reach = std::max(reach, size);
+  }
+  if (!(f.square > 0)) return -std::numeric_limits<Real80>::infinity();
+  // D products and sums, the square's, its root's and the quotient's: ten halves of kUlp, each of no more than reach.
+  const Real80 distance = least / std::sqrt(f.square) - 16 * Bounded::kUlp * reach;
+  return std::isfinite(distance) ? distance : -std::numeric_limits<Real80>::infinity();
+}
+
 // Does the surface, closed as it was made, wind around the origin? Each facet that turns the right way for certain adds
 // to the angle under which the surface is seen, which is a multiple of the full one; the others are too small to take
 // that away.
@@ -136,25 +152,67 @@ bool windsAround(const InnerPolytope<Real80, D>& p, const std::vector<Real80>& d
   return unsure < sure;
 }
 
+// The facets that are alive, in their order, each by the bits that double holds of it: nearly all of them can be passed
+// over by these. With all facets that ever were, in long double, this was half of the referee's time.
+template <int D>
+struct AliveFacets {
+  struct Facet {
+    std::array<double, static_cast<std::size_t>(D)> normal;
+    double offset, size;  // size: the sum of the normal's coordinates, without signs
+    int index;
+  };
+  std::vector<Facet> facets;
+  std::size_t known = 0;  // of the polytope's
+
+  void follow(const InnerPolytope<Real80, D>& p) {
+    for (; known < p.facets.size(); ++known) {
+      const InnerFacet<Real80, D>& f = p.facets[known];
+      Facet g{.normal = {}, .offset = static_cast<double>(f.offset), .size = 0, .index = static_cast<int>(known)};
+      for (std::size_t k = 0; k < D; ++k) {
+        g.normal[k] = static_cast<double>(f.normal[k]), g.size += std::abs(g.normal[k]);
+      }
+      facets.push_back(g);
+    }
+  }
+
+  /// Is `w`, whose coordinates are at most `reach`, below the plane for certain? Each product and sum here is off by
+  /// few roundings of the largest, kDoubt of which leave room. NaN is not certain.
+  static bool isBelow(const Facet& f, const std::array<double, static_cast<std::size_t>(D)>& w, double reach) {
+    constexpr double kDoubt = 32 * std::numeric_limits<double>::epsilon();
+    double height = -f.offset;
+    for (std::size_t k = 0; k < D; ++k) height += f.normal[k] * w[k];
+    const double most = f.size * reach + std::abs(f.offset);
+    return height < -kDoubt * most && f.size > kSafe && most > kSafe && most < 1 / kSafe;
+  }
+  static constexpr double kSafe = 1e-200;  // what underflow or overflow takes from lengths within it is no digit
+};
+
 // As in expansion3.h, but for points that are known within `error`: a facet in whose plane the new vertex lies within
 // that stays, and a new one may be as thin as it comes. The surface stays closed: each edge that is left alone gets a
 // facet.
-void growWithin(InnerPolytope<Real80, 3>& p, const Difference<Real80, 3>::Vertex& w, int seen, Real80 error) {
+void growWithin(InnerPolytope<Real80, 3>& p, AliveFacets<3>& alive, const Difference<Real80, 3>::Vertex& w, int seen,
+                Real80 error) {
+  alive.follow(p);
+  std::array<double, 3> at;
+  double reach = 0;
+  for (std::size_t k = 0; k < 3; ++k) at[k] = static_cast<double>(w.m[k]), reach = std::max(reach, std::abs(at[k]));
   std::vector<std::pair<int, int>> edges;
-  for (std::size_t i = 0; i < p.facets.size(); ++i) {
-    InnerFacet<Real80, 3>& f = p.facets[i];
-    if (!f.alive) continue;
-    if (static_cast<int>(i) != seen && !(dot(f.normal, w.m) - f.offset > 8 * error * std::sqrt(f.square))) continue;
+  std::erase_if(alive.facets, [&](const AliveFacets<3>::Facet& g) {
+    if (g.index != seen && AliveFacets<3>::isBelow(g, at, reach)) return false;
+    InnerFacet<Real80, 3>& f = p.facets[static_cast<std::size_t>(g.index)];
+    if (g.index != seen && !(dot(f.normal, w.m) - f.offset > 8 * error * std::sqrt(f.square))) return false;
     f.alive = false;
     for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(f.v[k], f.v[(k + 1) % 3]);
-  }
+    return true;
+  });
   const int last = static_cast<int>(p.vertices.size());
   p.vertices.push_back(w);
   for (const auto& [i, j] : edges) {
     if (std::find(edges.begin(), edges.end(), std::pair(j, i)) == edges.end()) addFacet(p, i, j, last);
   }
 }
-void growWithin(InnerPolytope<Real80, 2>& p, const Difference<Real80, 2>::Vertex& w, int seen, Real80) {
+void growWithin(InnerPolytope<Real80, 2>& p, AliveFacets<2>&, const Difference<Real80, 2>::Vertex& w, int seen,
+                Real80) {
   grow(p, w, seen);
 }
 
@@ -175,17 +233,29 @@ template <int D>
 Real80 depth(Sampled<D>& m, const Simplex<Real80, D>& s, Real80 rounding, Real80 aim) {
   InnerPolytope<Real80, D> p;
   startPolytope(s, p);
-  std::vector<Real80> distance;
+  AliveFacets<D> alive;
+  std::vector<Real80> distance;  // no facet is nearer; of those that were never the nearest, by their planes alone
+  std::vector<bool> settled;     // by facetDistance
   using Entry = std::pair<Real80, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> nearest;
-  Real80 proved = -1;
-  for (int round = 0; static_cast<int>(p.facets.size()) < kMostFacets; ++round) {
+  // Measures who is new and leaves the nearest on top, settled; false when none is left.
+  const auto findNearest = [&] {
     for (std::size_t i = distance.size(); i < p.facets.size(); ++i) {
-      distance.push_back(facetDistance<D>(p, p.facets[i]));
+      distance.push_back(planeDistance<D>(p, p.facets[i])), settled.push_back(false);
       nearest.emplace(distance.back(), static_cast<int>(i));
     }
-    while (!nearest.empty() && !p.facets[static_cast<std::size_t>(nearest.top().second)].alive) nearest.pop();
-    if (nearest.empty()) break;
+    while (!nearest.empty()) {
+      const auto i = static_cast<std::size_t>(nearest.top().second);
+      if (p.facets[i].alive && settled[i]) return true;
+      nearest.pop();
+      if (!p.facets[i].alive) continue;
+      settled[i] = true, distance[i] = std::max(distance[i], facetDistance<D>(p, p.facets[i]));
+      nearest.emplace(distance[i], static_cast<int>(i));
+    }
+    return false;
+  };
+  Real80 proved = -1;
+  for (int round = 0; static_cast<int>(p.facets.size()) < kMostFacets && findNearest(); ++round) {
     const auto [least, next] = nearest.top();
     // What is there is proved from time to time: a later facet may be one on which nothing can be told.
     const bool done = (rounding - least) - m.lower() <= aim;
@@ -195,9 +265,9 @@ Real80 depth(Sampled<D>& m, const Simplex<Real80, D>& s, Real80 rounding, Real80
     const InnerFacet<Real80, D> f = p.facets[static_cast<std::size_t>(next)];
     const auto w = m.support(f.normal);
     if (!(dot(f.normal, w.m) > f.offset)) continue;  // a facet of M, as far as these numbers go
-    growWithin(p, w, next, m.error());
+    growWithin(p, alive, w, next, m.error());
   }
-  for (std::size_t i = distance.size(); i < p.facets.size(); ++i) distance.push_back(facetDistance<D>(p, p.facets[i]));
+  findNearest();
   return std::max(proved, ballInside<D>(p, distance, m.error()));
 }
 
