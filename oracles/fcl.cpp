@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cone.h>
 #include <fcl/geometry/shape/convex.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
@@ -63,8 +64,12 @@ struct FclPlaced {
         geometry = std::make_shared<fcl::Ellipsoid<double>>(shape.half[0], shape.half[1], shape.half[2]);
         rounding = shape.radius;
         break;
+      case ShapeKind::cone:  // around the middle of its height, the tip up, as ours
+        geometry = std::make_shared<fcl::Cone<double>>(shape.half[1], 2 * shape.half[0]);
+        lieAlongX();
+        rounding = shape.radius;
+        break;
       case ShapeKind::plane:  // none of them is in the table of kinds
-      case ShapeKind::cone:
       case ShapeKind::triangle:
       case ShapeKind::custom:
         break;
@@ -87,6 +92,8 @@ std::string fclPlaced(const std::string& name, const ShapeView<3>& shape, const 
     type = "Box", sizes = literals(2 * half.transpose());
   } else if (shape.kind == ShapeKind::cylinder) {
     type = "Cylinder", sizes = literal(half[1]) + ", " + literal(2 * half[0]);
+  } else if (shape.kind == ShapeKind::cone) {
+    type = "Cone", sizes = literal(half[1]) + ", " + literal(2 * half[0]);
   } else if (shape.kind == ShapeKind::ellipsoid) {
     type = "Ellipsoid", sizes = literals(half.transpose());
   } else {
@@ -105,7 +112,8 @@ std::string fclPlaced(const std::string& name, const ShapeView<3>& shape, const 
     sizes = "std::make_shared<std::vector<Eigen::Vector3d>>(vertices_" + name + "), " +
             std::to_string(shape.hull->faces.size()) + ", std::make_shared<std::vector<int>>(faces_" + name + ")";
   }
-  const bool alongZ = shape.core() == CoreClass::segment || shape.kind == ShapeKind::cylinder;
+  const bool alongZ =
+      shape.core() == CoreClass::segment || shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone;
   if (alongZ) pose.topLeftCorner<3, 3>() = pose.topLeftCorner<3, 3>().eval() * turnFromZ();
   if (shape.core() != CoreClass::point && shape.core() != CoreClass::segment) {
     rounding += static_cast<double>(shape.radius);
@@ -243,7 +251,10 @@ class FclLibccd final : public FclWitness<D> {
         ErrorBar{polytope, polytope, 1e-15}, ErrorBar{sphere, cylinder, 2e-5},    ErrorBar{capsule, cylinder, 6e-6},
         ErrorBar{box, cylinder, 4e-6},       ErrorBar{polytope, cylinder, 3e-6},  ErrorBar{cylinder, cylinder, 7e-6},
         ErrorBar{sphere, ellipsoid, 5e-5},   ErrorBar{capsule, ellipsoid, 2e-5},  ErrorBar{box, ellipsoid, 5e-6},
-        ErrorBar{polytope, ellipsoid, 6e-6}, ErrorBar{cylinder, ellipsoid, 6e-6}, ErrorBar{ellipsoid, ellipsoid, 7e-6}};
+        ErrorBar{polytope, ellipsoid, 6e-6}, ErrorBar{cylinder, ellipsoid, 6e-6}, ErrorBar{ellipsoid, ellipsoid, 7e-6},
+        ErrorBar{sphere, cone, 5e-6},        ErrorBar{capsule, cone, 5e-6},       ErrorBar{box, cone, 6e-7},
+        ErrorBar{polytope, cone, 2e-6},      ErrorBar{cylinder, cone, 4e-6},      ErrorBar{ellipsoid, cone, 7e-6},
+        ErrorBar{cone, cone, 3e-6}};
     return kBars;
   }
 
@@ -274,17 +285,20 @@ class FclLibccdCollide final : public FclWitness<D> {
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},     ErrorBar{sphere, capsule, 1e-15},
-                                         ErrorBar{sphere, box, 1e-15},        ErrorBar{sphere, polytope, 2e-1},
-                                         ErrorBar{capsule, capsule, 2e-1},    ErrorBar{capsule, box, 2e-1},
-                                         ErrorBar{capsule, polytope, 2e-1},   ErrorBar{box, box, 3e-3},
-                                         ErrorBar{box, polytope, 8e-2},       ErrorBar{polytope, polytope, 9e-2},
-                                         ErrorBar{sphere, cylinder, 1e-15},   ErrorBar{capsule, cylinder, 2e-1},
-                                         ErrorBar{box, cylinder, 2e-1},       ErrorBar{polytope, cylinder, 2e-1},
-                                         ErrorBar{cylinder, cylinder, 2e-1},  ErrorBar{sphere, ellipsoid, 2e-1},
-                                         ErrorBar{capsule, ellipsoid, 2e-1},  ErrorBar{box, ellipsoid, 2e-1},
-                                         ErrorBar{polytope, ellipsoid, 1e-1}, ErrorBar{cylinder, ellipsoid, 2e-1},
-                                         ErrorBar{ellipsoid, ellipsoid, 2e-1}};
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},      ErrorBar{sphere, capsule, 1e-15},
+                                         ErrorBar{sphere, box, 1e-15},         ErrorBar{sphere, polytope, 2e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},     ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 2e-1},    ErrorBar{box, box, 3e-3},
+                                         ErrorBar{box, polytope, 8e-2},        ErrorBar{polytope, polytope, 9e-2},
+                                         ErrorBar{sphere, cylinder, 1e-15},    ErrorBar{capsule, cylinder, 2e-1},
+                                         ErrorBar{box, cylinder, 2e-1},        ErrorBar{polytope, cylinder, 2e-1},
+                                         ErrorBar{cylinder, cylinder, 2e-1},   ErrorBar{sphere, ellipsoid, 2e-1},
+                                         ErrorBar{capsule, ellipsoid, 2e-1},   ErrorBar{box, ellipsoid, 2e-1},
+                                         ErrorBar{polytope, ellipsoid, 1e-1},  ErrorBar{cylinder, ellipsoid, 2e-1},
+                                         ErrorBar{ellipsoid, ellipsoid, 2e-1}, ErrorBar{sphere, cone, 2e-1},
+                                         ErrorBar{capsule, cone, 3e-1},        ErrorBar{box, cone, 3e-1},
+                                         ErrorBar{polytope, cone, 1e-1},       ErrorBar{cylinder, cone, 2e-1},
+                                         ErrorBar{ellipsoid, cone, 2e-1},      ErrorBar{cone, cone, 2e-1}};
     return kBars;
   }
 
@@ -308,24 +322,27 @@ class FclIndep final : public FclWitness<D> {
             .paper = "",
             .complexity = "GJK and EPA",
             .guarantee = Guarantee::approximate,
-            .failures = {{.when = "capsules or polytopes deep in one another",
+            .failures = {{.when = "capsules, cones or polytopes deep in one another",
                           .symptom = "EPA ends early: a depth that is off by up to a third of the size",
                           .test = "Witnesses.FclIndepDepthOfCapsulesIsOff"}},
             .role = AlgorithmRole::witness};
   }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
-    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},     ErrorBar{sphere, capsule, 1e-15},
-                                         ErrorBar{sphere, box, 1e-15},        ErrorBar{sphere, polytope, 1e-1},
-                                         ErrorBar{capsule, capsule, 2e-1},    ErrorBar{capsule, box, 2e-1},
-                                         ErrorBar{capsule, polytope, 1e-1},   ErrorBar{box, box, 5e-3},
-                                         ErrorBar{box, polytope, 7e-2},       ErrorBar{polytope, polytope, 6e-2},
-                                         ErrorBar{sphere, cylinder, 1e-15},   ErrorBar{capsule, cylinder, 2e-1},
-                                         ErrorBar{box, cylinder, 2e-1},       ErrorBar{polytope, cylinder, 2e-1},
-                                         ErrorBar{cylinder, cylinder, 3e-1},  ErrorBar{sphere, ellipsoid, 2e-1},
-                                         ErrorBar{capsule, ellipsoid, 2e-1},  ErrorBar{box, ellipsoid, 2e-1},
-                                         ErrorBar{polytope, ellipsoid, 2e-1}, ErrorBar{cylinder, ellipsoid, 3e-1},
-                                         ErrorBar{ellipsoid, ellipsoid, 3e-1}};
+    static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},      ErrorBar{sphere, capsule, 1e-15},
+                                         ErrorBar{sphere, box, 1e-15},         ErrorBar{sphere, polytope, 1e-1},
+                                         ErrorBar{capsule, capsule, 2e-1},     ErrorBar{capsule, box, 2e-1},
+                                         ErrorBar{capsule, polytope, 1e-1},    ErrorBar{box, box, 5e-3},
+                                         ErrorBar{box, polytope, 7e-2},        ErrorBar{polytope, polytope, 6e-2},
+                                         ErrorBar{sphere, cylinder, 1e-15},    ErrorBar{capsule, cylinder, 2e-1},
+                                         ErrorBar{box, cylinder, 2e-1},        ErrorBar{polytope, cylinder, 2e-1},
+                                         ErrorBar{cylinder, cylinder, 3e-1},   ErrorBar{sphere, ellipsoid, 2e-1},
+                                         ErrorBar{capsule, ellipsoid, 2e-1},   ErrorBar{box, ellipsoid, 2e-1},
+                                         ErrorBar{polytope, ellipsoid, 2e-1},  ErrorBar{cylinder, ellipsoid, 3e-1},
+                                         ErrorBar{ellipsoid, ellipsoid, 3e-1}, ErrorBar{sphere, cone, 3e-1},
+                                         ErrorBar{capsule, cone, 2e-1},        ErrorBar{box, cone, 1e-1},
+                                         ErrorBar{polytope, cone, 8e-2},       ErrorBar{cylinder, cone, 2e-1},
+                                         ErrorBar{ellipsoid, cone, 2e-1},      ErrorBar{cone, cone, 2e-1}};
     return kBars;
   }
 

@@ -289,6 +289,7 @@ TEST(Witnesses, FclDistanceOfCubesIsWrong) {  // FCL issue 508: unit cubes; the 
 }
 TEST(Witnesses, FclIndepDepthOfCapsulesIsOff) {
   EXPECT_GT(worstError("fcl_indep", ShapeKind::capsule, ShapeKind::capsule), 0.05);
+  EXPECT_GT(worstError("fcl_indep", ShapeKind::sphere, ShapeKind::cone), 0.05);
 }
 TEST(Witnesses, BulletDepthOfAlignedBoxesIsOff) {
   const Shape<3> box = Shape<3>::box({Real(0.5), Real(0.625), Real(0.75)});
