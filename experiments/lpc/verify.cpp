@@ -142,7 +142,8 @@ void addVerify(CommandLine& app, Session& session) {
   const auto seeded = [&](const char* name, auto& value, const char* meaning) -> Option& {
     return ofSeeded.emplace_back(command.option(name, value, meaning));
   };
-  seeded("--pairs", o.pairs, "pairs per two kinds of shape, sets of boxes, velocity problems, in blocks of 200")
+  seeded("--pairs", o.pairs,
+         "pairs per two kinds of shape, sets of boxes, velocity problems, in blocks of 200 (--metamorphic: of 10)")
       .showDefault()
       .range(1L, 1000000000L);
   seeded("--minutes", o.minutes, "goes on with further blocks until then").range(0.01, 1e5);

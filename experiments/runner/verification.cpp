@@ -208,7 +208,7 @@ class Verification {
                 {"dimension", m.ledger.dimension},
                 {"label", m.ledger.method},
                 {"seed", m_options.seed},
-                {"size", kVerifyBlock},
+                {"size", m_blockSize},
                 {"block", block},
                 {"code", m.code}};
     if (m_options.metamorphic) key["relations"] = true;
@@ -246,7 +246,7 @@ class Verification {
     while (!InterruptGuard::interrupted()) {
       if (m_subject == m_subjects.size()) m_subject = 0, m_round += m_blocksPerJob, m_block = m_round;
       const bool timeIsOver = m_options.minutes > 0 && seconds() > 60 * m_options.minutes;
-      const long blocks = (m_options.pairs + kVerifyBlock - 1) / kVerifyBlock;
+      const long blocks = (m_options.pairs + m_blockSize - 1) / m_blockSize;
       if (timeIsOver || (m_options.minutes <= 0 && m_round >= blocks)) return false;
       const long all = m_options.minutes > 0 ? std::numeric_limits<long>::max() : blocks;
       const long end = std::min(m_round + m_blocksPerJob, all);
@@ -265,14 +265,14 @@ class Verification {
         job.methods = missing;
         job.blocks.insert(job.blocks.end(), blocksOfMissing.begin(), blocksOfMissing.end());
       }
-      const auto count = static_cast<int>(m_block - first) * kVerifyBlock;
+      const auto count = static_cast<int>(m_block - first) * m_blockSize;
       if (m_block >= end) ++m_subject, m_block = m_round;
       if (job.methods.empty()) {
         m_summary.skipped += count;
         continue;
       }
       job.count = count;
-      m_again.push_back({m_nextJob, static_cast<int>(first) * kVerifyBlock, count, job.methods, {}});
+      m_again.push_back({m_nextJob, static_cast<int>(first) * m_blockSize, count, job.methods, {}});
       m_jobs[m_nextJob++] = std::move(job);
       return true;
     }
@@ -325,7 +325,7 @@ class Verification {
     if (!last && now - m_shown < (m_tty ? 0.25 : 10)) return;
     m_shown = now;
     const double all = static_cast<double>(m_subjects.size()) *
-                       static_cast<double>((m_options.pairs + kVerifyBlock - 1) / kVerifyBlock * kVerifyBlock);
+                       static_cast<double>((m_options.pairs + m_blockSize - 1) / m_blockSize * m_blockSize);
     const double rest = all - static_cast<double>(m_summary.asked + m_summary.skipped);
     std::string left = "?";
     if (m_options.minutes > 0) {
@@ -347,6 +347,7 @@ class Verification {
   WorkerPool m_pool;
   bool m_tty;
   std::size_t m_subject = 0;
+  const int m_blockSize = m_options.metamorphic ? kRelationsBlock : kVerifyBlock;
   long m_blocksPerJob = kBlocksPerJob, m_round = 0, m_block = 0;
   std::map<std::size_t, VerifyJob> m_jobs;
   std::map<std::size_t, Part> m_parts;  // at work, by their number in the pool

@@ -13,8 +13,9 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// Inputs are booked in blocks of this many.
-inline constexpr int kVerifyBlock = 200;
+/// Inputs are booked in blocks of this many; with their images, of which there are a dozen, in smaller ones: of a
+/// witness that hangs on one question of seven for half a second each, a block must end within minutes.
+inline constexpr int kVerifyBlock = 200, kRelationsBlock = 10;
 
 /// Of these the last is not asked unless it is named.
 inline constexpr StageKind kVerifiedStages[] = {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase,

@@ -98,6 +98,32 @@ void looselyOnEllipsoids() {
 }
 TEST(ApproximatePairQuery, SideOfEllipsoidsWhateverTheTolerance) { looselyOnEllipsoids<2>(), looselyOnEllipsoids<3>(); }
 
+// Boxes that lie on one another, in each other by less than both margins: their faces tell the depth, and nobody
+// expands.
+std::uint64_t facesOnContacts(const std::string& spec) {
+  const auto method = createStage<PairQuery<3>>(Spec::parse(spec));
+  PlainDraw draw(seedOf("margins on contacts"));
+  WorkDone work;
+  for (int i = 0; i < 200; ++i) {
+    const auto half = [&] { return Vec<3>(draw.real(0.25, 0.75), draw.real(0.25, 0.75), draw.real(0.25, 0.75)); };
+    const Vec<3> a = half(), b = half();
+    const Real depth = Real(0.04) * draw.real(0.01, 1);  // a tenth of the least half extent is 0.025
+    const Shape<3> A = Shape<3>::box(a, 0), B = Shape<3>::box(b, 0);
+    const Pose<3> X_AB{{Real(0.2) * draw.real(-1, 1), a[1] + b[1] - depth, 0}, Rot<3>::vector({0, draw.real(0, 3), 0})};
+    const std::array pair{PairView<3>{A.view(), B.view(), X_AB}};
+    std::array<PairAnswer<3>, 1> answer;
+    method->query(pair, QueryNeed::witnesses, answer, {}, work);
+    EXPECT_NEAR(answer[0].distance, -depth, kPairTolerance * 4) << spec;
+  }
+  return work[WorkCount::polytopeFaces];
+}
+TEST(ApproximatePairQuery, MarginsSpareExpansions) {
+  EXPECT_EQ(facesOnContacts("core_margin"), 0u);
+  EXPECT_GT(facesOnContacts("core_margin{margin=0.001}"), 0u) << "a margin that is not there was not caught";
+  EXPECT_GT(facesOnContacts("gjk_epa"), 0u);
+  recordPlantedBug("approximate: a margin that is not there", 1, 200);
+}
+
 // It fails a verification by its side or by giving no answer; its distances are booked as wrong, and forgiven.
 TEST(ApproximatePairQuery, FailsAVerificationByItsSideAlone) {
   LedgerKey key = subjectOf(StageKind::pairQuery, 3, "mpr{tolerance=1e-9}");
