@@ -65,11 +65,11 @@ template <int D>
 class CoreMargin final : public PairQuery<D> {
  public:
   struct Params {
-    Real margin = Real(0.1);
+    Real margin = kCoreMargin;
     int iterations = 64;
     int faces = 1024;
     void visit(ParamVisitor& v) {
-      v.real("margin", margin, Real(0.001), Real(0.9), "1",
+      v.real("margin", margin, Real(0.01), Real(0.9), "1",
              "taken off boxes, as a part of the smallest half extent, and off polytopes, of the ball around their "
              "middle");
       v.integer("iterations", iterations, 1, 10000, "support points of GJK");

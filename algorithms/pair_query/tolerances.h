@@ -76,6 +76,12 @@ inline constexpr std::size_t kLowVertices = 4;
 /// Larger: nothing, it ends when it is the shortest. Smaller: all features near by are tried, which costs time only.
 inline constexpr int kMostTurns = 32;
 
+// --- cores with a margin --------------------------------------------------------------------------------------------
+
+/// What core_margin takes off a shape unless told (1, part of its smallest half extent). Larger: edges and corners that
+/// are nearest give depths farther from the least. Smaller: shapes are deeper in each other than it, and need EPA.
+inline constexpr Real kCoreMargin = Real(0.1);
+
 // --- expanding polytope ---------------------------------------------------------------------------------------------
 
 /// A first simplex with an extent of no more than this (x scale) is flat, and the difference with it: only the normals

@@ -119,7 +119,7 @@ std::uint64_t facesOnContacts(const std::string& spec) {
 }
 TEST(ApproximatePairQuery, MarginsSpareExpansions) {
   EXPECT_EQ(facesOnContacts("core_margin"), 0u);
-  EXPECT_GT(facesOnContacts("core_margin{margin=0.001}"), 0u) << "a margin that is not there was not caught";
+  EXPECT_GT(facesOnContacts("core_margin{margin=0.01}"), 0u) << "a margin that is not there was not caught";
   EXPECT_GT(facesOnContacts("gjk_epa"), 0u);
   recordPlantedBug("approximate: a margin that is not there", 1, 200);
 }
