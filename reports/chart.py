@@ -123,7 +123,7 @@ class Context:
     def __init__(self, store):
         self.store = store
         self.ids = []  # of all charts made so far, kept or not
-        self._looks = {}
+        self._looks, self._varying = {}, {}
         self.floors = {}  # (sweep, metric) -> noise.Floor, once it is asked for
 
     def check(self, module):
@@ -144,7 +144,9 @@ class Context:
             return False
         if about.report and name not in about.report:
             return False
-        several = load.varying(self.store, cells)
+        if sweep not in self._varying:
+            self._varying[sweep] = load.varying(self.store, cells)
+        several = self._varying[sweep]
         low, high = needs.methods
         if not about.report and (not low <= cells["method"].nunique() <= high or any(
                 axis in needs.fixed or about.roles.get(axis) in needs.fixed for axis in several)):

@@ -29,14 +29,13 @@ def trials(store):
     """One row per planned trial (timed repeats apart), with its outcome or "not run"."""
     rows = []
     for entry in store.planned.itertuples():
-        known = entry.key in store.trials.index
-        trial = store.trials.loc[entry.key] if known else None
+        trial = store.by_key.get(entry.key)
         axes = {k: v for k, v in entry.axes.items() if k not in REPEATS}
         named = {**axes, "method": store.method_of(entry.sweep, axes)}
         rows.append({"sweep": entry.sweep, "cell": describe(named, _order(axes)),
-                     "timed": bool(entry.axes.get("timed", False)), "outcome": trial["outcome"] if known else NOT_RUN,
-                     "step": trial["step"] if known else np.nan,
-                     "reason": (trial["reason"] or "") if known else "planned, no result in the store"})
+                     "timed": bool(entry.axes.get("timed", False)), "outcome": trial.outcome if trial else NOT_RUN,
+                     "step": trial.step if trial else np.nan,
+                     "reason": (trial.reason or "") if trial else "planned, no result in the store"})
     return pd.DataFrame(rows, columns=["sweep", "cell", "timed", "outcome", "step", "reason"])
 
 

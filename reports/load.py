@@ -127,7 +127,8 @@ class Store:
         self.metrics, self.described_series = self._read_metrics("metric"), self._read_metrics("series")
         self._sweeps = {row[0]: _sweep(*row) for row in
                         self.db.execute("SELECT name, kind, summary, baseline, roles FROM sweep")}
-        self._cells, self._method_axes, self._roles = {}, {}, None
+        self._cells, self._axes, self._method_axes, self._roles = {}, {}, {}, None
+        self.by_key = {trial.Index: trial for trial in self.trials.itertuples()}  # pandas looks up a hundred times slower
 
     def _read_trials(self):
         trials = pd.read_sql("SELECT * FROM trial", self.db, index_col="key")
@@ -173,7 +174,7 @@ class Store:
     def _roles_of_trials(self):
         found, role_of = {}, {(entry["stage"], entry["name"]): entry["role"] for entry in self.algorithms}
         for entry in self.planned[self.planned["key"].isin(self.trials.index)].itertuples():
-            named = _named(self.trials.at[entry.key, "canonical"])
+            named = _named(self.by_key[entry.key].canonical)
             roles = [role_of.get((stage, name), stage if stage == "engine" else None) for stage, name in named]
             found.setdefault(self.method_of(entry.sweep, entry.axes), set()).update(filter(None, roles))
         return {label: theirs(roles) for label, roles in found.items() if roles}
@@ -181,7 +182,7 @@ class Store:
     def declared(self, key):
         """The properties that a trial's methods say they fail (info().failures). A failure whose `when` begins with a choice
         and a colon, "friction=box: ...", is one of this choice alone; each is one of the dimensions that it names."""
-        canonical = self.trials.at[key, "canonical"]
+        canonical = self.by_key[key].canonical
         named, dimension = set(_named(canonical)), canonical.get("dimension")
         def applies(failure):
             if dimension not in failure.get("dimensions", (dimension,)):  # older stores do not say
@@ -196,6 +197,13 @@ class Store:
 
     def sweep(self, name):
         return self._sweeps.get(name) or Sweep(name, "")
+
+    def axes(self, sweep):
+        """Names of all axes that tell its cells apart."""
+        if sweep not in self._axes:
+            planned = self.planned[self.planned["sweep"] == sweep]["axes"]
+            self._axes[sweep] = {name for axes in planned for name in axes} - set(WITHIN_CELL)
+        return self._axes[sweep]
 
     def method_axes(self, sweep):
         if sweep not in self._method_axes:
@@ -263,34 +271,34 @@ class Store:
 
     def _cell(self, sweep, entries):
         axes = {k: v for k, v in entries[0].axes.items() if k not in WITHIN_CELL}
-        have = [entry.key for entry in entries if entry.key in self.trials.index]
-        trials = self.trials.loc[have]
+        trials = [self.by_key[entry.key] for entry in entries if entry.key in self.by_key]
         kind = self.sweep(sweep).kind
         cell = {"sweep": sweep, **axes, "method": self.method_of(sweep, axes), "planned_trials": len(entries),
-                "finished_trials": len(have), "outcome": NOT_RUN, "reason": "planned, no result in the store",
+                "finished_trials": len(trials), "outcome": NOT_RUN, "reason": "planned, no result in the store",
                 "step": np.nan, "key": None, "key_timed": None, "machine": None, "keys": [], "hashes": [],
                 "seeds": list(dict.fromkeys(entry.axes.get("seed") for entry in entries)), "failed_seeds": 0,
                 "refused_repeats": 0,
                 **{_free(name, axes): np.nan for name, m in self.metrics.items() if m.kind in (kind, "any") and "*" not in name}}
-        if not have:
+        if not trials:
             return cell
-        worst = max(trials.itertuples(), key=severity)
+        worst = max(trials, key=severity)
         cell.update(outcome=worst.outcome, reason=worst.reason or "", step=np.nan if worst.step is None else worst.step)
-        if len(have) < len(entries):
-            cell["reason"] = "; ".join(filter(None, [cell["reason"], f"{len(entries) - len(have)} of {len(entries)} "
+        if len(trials) < len(entries):
+            cell["reason"] = "; ".join(filter(None, [cell["reason"], f"{len(entries) - len(trials)} of {len(entries)} "
                                                      "trials not run"]))
-        timed = trials[trials["timed"] == 1]
+        timed = [trial for trial in trials if trial.timed == 1]
         seed_of = {entry.key: entry.axes.get("seed") for entry in entries}
         bad = self._facts(cell, axes, trials, seed_of)
-        if len(timed):
+        if timed:
             # Machines do not mix: times come from the machine with most repeats; one_machine tells how many others there are.
-            machine = timed["machine"].mode().iloc[0] if timed["machine"].notna().any() else None
-            same = timed if machine is None else timed[timed["machine"] == machine]
-            cell.update(key_timed=same.index[0], machine=machine, refused_repeats=len(timed) - len(same))
-            for name in dict.fromkeys(name for metrics in same["metrics"] for name in metrics if self.is_time(name)):
+            machines = [trial.machine for trial in timed if not pd.isna(trial.machine)]
+            machine = min(machines, key=lambda number: (-machines.count(number), number)) if machines else None
+            same = {trial.Index: trial.metrics for trial in timed if machine is None or trial.machine == machine}
+            cell.update(key_timed=next(iter(same)), machine=machine, refused_repeats=len(timed) - len(same))
+            for name in dict.fromkeys(name for metrics in same.values() for name in metrics if self.is_time(name)):
                 repeats, of_seeds = {}, {}  # a repeat is one round over all cells
                 for entry in entries:
-                    value = same["metrics"][entry.key].get(name) if entry.key in same.index else None
+                    value = same[entry.key].get(name) if entry.key in same else None
                     if value is not None:
                         repeats.setdefault(entry.axes.get("repeat"), {})[entry.axes.get("seed")] = value
                         of_seeds.setdefault(entry.axes.get("seed"), []).append(value)
@@ -298,7 +306,7 @@ class Store:
                     cell[_free(name, axes) + " seeds"] = [math.nan if seed in bad else middle(of_seeds.get(seed, []))
                                                           for seed in cell["seeds"]]
                 values = over_seeds(repeats, bad)
-                cell[_free(name, axes)] = float(np.median(values)) if values else np.nan
+                cell[_free(name, axes)] = median(values) if values else np.nan
                 cell[_free(name, axes) + " runs"] = values
         return cell
 
@@ -306,7 +314,7 @@ class Store:
         """What does not depend on the hour, from one trial of each seed: medians over the seeds that are ok, and all values.
         The key is that of the first seed that is ok, whose series and poses stand for the cell. Returns the others."""
         of_seed, bad = {}, set()
-        for trial in trials.sort_values("timed", kind="stable").itertuples():  # untimed first
+        for trial in sorted(trials, key=lambda trial: trial.timed == 1):  # untimed first
             of_seed.setdefault(seed_of[trial.Index], trial)
             if trial.outcome != "ok":
                 bad.add(seed_of[trial.Index])
@@ -317,7 +325,7 @@ class Store:
         good = [trial for seed, trial in of_seed.items() if seed not in bad] or list(of_seed.values())
         cell["key"] = good[0].Index
         cell["arithmetic"] = tuple(good[0].canonical.get(name) for name in ("dimension", "precision"))
-        any_timed = bool((trials["timed"] == 1).any())
+        any_timed = any(trial.timed == 1 for trial in trials)
         for name in dict.fromkeys(name for trial in good for name in trial.metrics):
             if self.is_time(name) and any_timed:
                 continue
@@ -343,7 +351,13 @@ def severity(trial):
 def middle(values):
     """The median of those that are numbers; one value stays what it is."""
     values = [value for value in values if value is not None and value == value]
-    return values[0] if len(values) == 1 else float(np.median(values)) if values else math.nan
+    return values[0] if len(values) == 1 else median(values) if values else math.nan
+
+
+def median(values):
+    """That of numpy, which takes twenty times as long on as few values as a cell has."""
+    ordered, half = sorted(values), len(values) // 2
+    return float(ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2)
 
 
 def over_seeds(repeats, bad):
@@ -353,7 +367,7 @@ def over_seeds(repeats, bad):
     of_seeds = ok if any(ok) else list(repeats.values())
     counted = max(of_seeds, key=len, default={}).keys()
     whole = [of_seed for of_seed in of_seeds if counted and counted <= of_seed.keys()]
-    return [float(np.median([of_seed[seed] for seed in counted])) for of_seed in whole]
+    return [median([of_seed[seed] for seed in counted]) for of_seed in whole]
 
 
 def theirs(roles):
@@ -402,8 +416,7 @@ def split(cells, names, sort=False):
 
 def axes_of(store, cells):
     """Names of all axes that the sweeps of these cells have."""
-    planned = store.planned[store.planned["sweep"].isin(cells["sweep"].unique())]
-    return {name for axes in planned["axes"] for name in axes} - set(WITHIN_CELL)
+    return set().union(*map(store.axes, dict.fromkeys(cells["sweep"])))
 
 
 def one_machine(store, cells):

@@ -28,8 +28,7 @@ class Trial:
 
     def __init__(self, store, key):
         self.store, self.key = store, key
-        self.row = store.trials.loc[key]
-        self.metrics, self.canonical = self.row["metrics"], self.row["canonical"]
+        self.metrics, self.canonical = store.by_key[key].metrics, store.by_key[key].canonical
 
     def series(self, name):
         return self.store.series(self.key, name)
@@ -162,7 +161,7 @@ def add(store, cells, names):
         if entry.compute and len(cells):
             values = [[math.nan if key is None else _value(entry, Trial(store, key)) for key in keys or [None]]
                       for keys in cells["keys"]]
-            ok = [[store.trials["outcome"].get(key) == "ok" for key in keys] for keys in cells["keys"]]
+            ok = [[key in store.by_key and store.by_key[key].outcome == "ok" for key in keys] for keys in cells["keys"]]
             cells[name] = [middle([v for v, good in zip(mine, fine) if good] or mine) for mine, fine in zip(values, ok)]
             if any(len(mine) > 1 for mine in values):
                 cells[name + " seeds"] = [[v if good else math.nan for v, good in zip(mine, fine)]

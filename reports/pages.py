@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Zlib
 """The page: one HTML file with the charts beside it, that opens from disk without a server or script."""
 
+import multiprocessing
+import os
 import shlex
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import jinja2
@@ -48,6 +51,27 @@ def save(figure, path):
     ending = path.suffix[1:]
     made_by = {"svg": {"Date": None, "Creator": "LPC reports"}, "png": {"Software": "LPC reports"}}
     whole(path, lambda target: figure.savefig(target, format=ending, dpi=150, metadata=made_by.get(ending, {})))
+
+
+def save_all(pictures):
+    """[(figure, path)], by one process per core: most of the time of a report is spent here."""
+    global _pictures
+    _pictures = pictures  # figures cannot be sent: the processes are copies of this one, which has them
+    cores = min(len(os.sched_getaffinity(0)), len(pictures))
+    if cores < 2:
+        for place in range(len(pictures)):
+            _save(place)
+        return
+    with ProcessPoolExecutor(cores, multiprocessing.get_context("fork")) as pool:
+        for _ in pool.map(_save, range(len(pictures))):
+            pass
+
+
+_pictures = []
+
+
+def _save(place):
+    save(*_pictures[place])
 
 
 def save_table(rows, about, path):
@@ -97,18 +121,17 @@ def write_charts(store, charts, out):
     pictures, tables = out / "charts", out / "tables"
     folder(pictures)
     folder(tables)
-    written = []
+    drawn = [chart for chart in charts if chart.figure is not None]
+    save_all([(chart.figure, pictures / (chart.id + ending)) for chart in drawn
+              for ending in (".svg", ".png")])  # PNG for where SVG does not go
+    for chart in drawn:
+        plt.close(chart.figure)
     for chart in charts:
-        if chart.figure is not None:
-            for ending in (".svg", ".png"):  # PNG for where SVG does not go
-                save(chart.figure, pictures / (chart.id + ending))
-            plt.close(chart.figure)
-            written.append(pictures / f"{chart.id}.svg")
         if len(chart.table):
             about = {"id": chart.id, "title": chart.title, "question": chart.section, "finding": chart.finding,
                      "sweep": chart.sweep}
             save_table(chart.table, {**about, **source(store)}, tables / chart.id)
-    return written
+    return [pictures / f"{chart.id}.svg" for chart in drawn]
 
 
 def write_headlines(charts, out):

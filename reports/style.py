@@ -327,7 +327,6 @@ def direct_labels(ax, ends, size=8.5):
     """Labels right of the axes at the ends of lines, pushed apart so that none overlap. ends: (y, text, colour)."""
     if not ends:
         return
-    ax.figure.canvas.draw()
     to_axes = ax.transAxes.inverted()
     height = ax.get_window_extent().height
     gap = size * 1.3 * ax.figure.dpi / 72 / height

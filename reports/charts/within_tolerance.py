@@ -30,24 +30,28 @@ def of_store(context):
 def outside(rows, decade):
     """How many questions of these rows failed, had the tolerance been 10^decade: those without an answer, with an error from
     there on, or on the wrong side without a value. At the referee's own tolerance these are the failures of the ledger."""
-    return sum(_outside(row, decade) for _, row in rows.iterrows())
+    return sum(by[decade] for by in _outside(rows))
 
 
-def _outside(row, decade):
-    beyond = lambda at: sum(n for name, n in row["histogram"].items() if name != "zero" and int(name) >= at)  # noqa: E731
-    sides = max(0, int(row["wrong"]) - beyond(round(math.log10(failure.TOLERANCE[row["precision"]]))))
-    return sum(int(row[name]) for name in failure.UNANSWERED) + sides + beyond(decade)
+def _outside(rows):
+    """Of each row {decade: failures}."""
+    for histogram, wrong, precision, *unanswered in zip(*(rows[name] for name in ("histogram", "wrong", "precision",
+                                                                                 *failure.UNANSWERED))):
+        counts = [(int(name), n) for name, n in histogram.items() if name != "zero"]
+        beyond = lambda at: sum(n for error, n in counts if error >= at)  # noqa: E731,B023
+        always = sum(map(int, unanswered)) + max(0, int(wrong) - beyond(round(math.log10(failure.TOLERANCE[precision]))))
+        yield {decade: always + beyond(decade) for decade in DECADES}
 
 
 def shares(rows):
     """One row per method and pair of kinds, and one for all pairs: share of the questions that failed, by decade."""
     found = []
-    for method, part in rows.groupby("method", sort=True):
+    for method, part in rows.assign(failed=list(_outside(rows))).groupby("method", sort=True):
         pairs = [("–".join(pair), of) for pair, of in part.groupby(["kind_a", "kind_b"], sort=True)]
         for pair, of in [(EVERYTHING, part), *pairs]:
             asked = int(of["asked"].sum())
             found.append({"pair": pair, "method": method, "role": of["role"].iloc[0], "asked": asked,
-                          **{decade: outside(of, decade) / asked for decade in DECADES}})
+                          **{decade: sum(by[decade] for by in of["failed"]) / asked for decade in DECADES}})
     return pd.DataFrame(found)
 
 

@@ -2,7 +2,9 @@
 """Tests of the page and its tables. Run by ctest, or python3 reports/tests/page_test.py. Every check that guards a promise is
 seen to fail on a planted bug."""
 
+import contextlib
 import csv
+import io
 import json
 import math
 import random
@@ -10,6 +12,8 @@ import re
 import sys
 import tempfile
 import unittest
+import unittest.mock
+import warnings
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -258,14 +262,38 @@ class Words(unittest.TestCase):
         style.plt.close(made.figure)
 
 
-class Tables(unittest.TestCase):
+class WholeReport(unittest.TestCase):
+    """Of a store with all themes: the report itself, and its charts before they are written."""
+
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
-        synthetic_store.write(Path(cls.folder.name) / "store.db")
-        cls.store = load.Store(Path(cls.folder.name) / "store.db")
-        cls.charts = make.all_charts(chart.Context(cls.store))
+        path, cls.out = Path(cls.folder.name) / "store.db", Path(cls.folder.name) / "out"
+        synthetic_store.write(path)
+        cls.store, real, cls.charts, cls.said = load.Store(path), make.all_charts, [], io.StringIO()
+
+        def kept(*arguments):
+            cls.charts = real(*arguments)
+            return cls.charts
+
+        with unittest.mock.patch.object(make, "all_charts", kept), contextlib.redirect_stderr(cls.said), (
+                contextlib.redirect_stdout(io.StringIO())) as printed, warnings.catch_warnings():
+            warnings.simplefilter("always")
+            cls.code = make.main(["--store", str(path), "--out", str(cls.out)])
+        cls.printed = printed.getvalue()
+
+    def test_page_names_every_failure_and_links_exist(self):
+        self.assertEqual((self.code, self.said.getvalue()), (0, ""))
+        page = (self.out / "index.html").read_text(encoding="utf-8")
+        self.assertEqual(self.printed.strip(), str(self.out / "index.html"))
+        for source in page.split('src="')[1:]:
+            self.assertTrue((self.out / source.split('"')[0]).is_file(), source)
+        for word in ("Invented CPU 9000", "g++ 12.2.0", "-ffp-contract=off", "abc1234", "not run", "diverged",
+                     "3 pairs that naive has not", "build/release/bin/lpc sweep resolvers --store",
+                     "build/release/bin/lpc verify --stage pair_query --dimension 3"):
+            self.assertIn(word, page)
+        self.assertNotIn("http", page.replace("http-equiv", ""), "the page must open from disk alone")
 
     def test_no_letters_overlap_or_are_cut_off(self):
         for made in self.charts:
