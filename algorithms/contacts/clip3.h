@@ -8,13 +8,14 @@ namespace lpc::inline LPC_PRECISION::contacts {
 /// A corner of the clipped face. The edges that meet in it are edge k of the incident face, or ~j for edge j of the
 /// reference face.
 struct ClipVertex3 {
-  Vec<3> p;
+  Triple p;
   int in, out;
 };
 
 struct Side3 {
-  Vec<3> m;  // unit, outward
+  Triple m;  // unit, outward
   Real offset;
+  Triple from, edge;  // the corner where it begins, and the way to the next
 };
 
 struct Patch3 {
@@ -33,8 +34,13 @@ struct Patch3 {
 };
 
 struct ClipScratch3 {
-  std::vector<ClipVertex3> from, to;
+  std::vector<ClipVertex3> corners;  // all that there have been
+  std::vector<int> from, to;         // the face's, in turn: places in `corners`
+  std::vector<Real> beyond;          // how far each lies beyond a side, m
+  // Of the reference face:
   std::vector<Side3> sides;
+  Triple normal, outward;
+  Real cosine = 1;  // between both
 };
 
 /// The reference face as clipping sees it; `outward` is the direction along which points are projected onto it, not
@@ -47,36 +53,20 @@ struct Reference3 {
 
   int size() const { return core.faceSize(face); }
   int vertex(int k) const { return core.loop(core.face(face).begin + (k < size() ? k : 0)); }
-  /// The planes through the face's edges along `outward`.
-  void fillSides(std::vector<Side3>& sides) const {
-    sides.clear();
-    for (int j = 0; j < size(); ++j) {
-      const Vec<3>& v = core.v[vertex(j)];
-      Vec<3> m = (core.v[vertex(j + 1)] - v).cross(outward);
-      const Real length = m.norm();
-      if (length > 0) m /= length;
-      sides.push_back({m, m.dot(v)});
+  /// Into the scratch: the face, and the planes through its edges along `outward`.
+  void fill(ClipScratch3& s) const {
+    const int begin = core.face(face).begin, count = size();
+    s.sides.resize(static_cast<std::size_t>(count));
+    s.normal = Triple(core.n[face]), s.outward = Triple(outward), s.cosine = dot(s.normal, s.outward);
+    Triple from(core.v[core.loop(begin)]);
+    for (int j = 0; j < count; ++j) {
+      const Triple to(core.v[core.loop(begin + (j + 1 < count ? j + 1 : 0))]), edge = to - from;
+      Triple m = cross(edge, s.outward);
+      const Real length = norm(m);
+      if (length > 0) m = {m.x / length, m.y / length, m.z / length};
+      s.sides[static_cast<std::size_t>(j)] = {m, dot(m, from), from, edge};
+      from = to;
     }
-  }
-  /// The point of the face's plane that lies under p, and p's height above it along `outward`.
-  Vec<3> under(const Vec<3>& p, Real& height) const {
-    const Vec<3>& n = core.n[face];
-    height = n.dot(p - core.v[vertex(0)]) / n.dot(outward);
-    return p - height * outward;
-  }
-  Vec<3> nearestOnRim(const Vec<3>& p) const {
-    Vec<3> best = p;
-    Real least = std::numeric_limits<Real>::infinity();
-    for (int j = 0; j < size(); ++j) {
-      const Vec<3>& a = core.v[vertex(j)];
-      const Vec<3> d = core.v[vertex(j + 1)] - a;
-      const Real length2 = d.squaredNorm();
-      const Real t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, Real(0), Real(1)) : Real(0);
-      const Vec<3> q = a + t * d;
-      const Real distance2 = (p - q).squaredNorm();
-      if (distance2 < least) best = q, least = distance2;
-    }
-    return best;
   }
   std::uint32_t edgeCode(int j) const { return featureCode(vertex(j), vertex(j + 1)); }
   /// Of the vertex between two of its edges, or of the first edge when they do not meet.
@@ -88,22 +78,40 @@ struct Reference3 {
   }
 };
 
+/// The point of the reference face's plane that lies under p, and p's height above it along `outward`.
+inline Triple under(const ClipScratch3& s, const Triple& p, Real& height) {
+  height = dot(s.normal, p - s.sides[0].from) / s.cosine;
+  return p - height * s.outward;
+}
+inline Triple nearestOnRim(const ClipScratch3& s, const Triple& p) {
+  Triple best = p;
+  Real least = std::numeric_limits<Real>::infinity();
+  for (const Side3& side : s.sides) {
+    const Triple& d = side.edge;
+    const Real length2 = dot(d, d);
+    const Real t = length2 > 0 ? std::clamp(dot(p - side.from, d) / length2, Real(0), Real(1)) : Real(0);
+    const Triple q = side.from + t * d, way = p - q;
+    const Real distance2 = dot(way, way);
+    if (distance2 < least) best = q, least = distance2;
+  }
+  return best;
+}
+
 /// A corner that lies beside the face, within tolerance, has its witness on the rim: the two are then not quite one
 /// above the other, but both lie on their shapes.
-inline void addClipped(const Reference3& ref, std::span<const Side3> sides, const Vec<3>& p, std::uint32_t refCode,
+inline void addClipped(bool refIsFirst, const ClipScratch3& s, const Triple& p, std::uint32_t refCode,
                        std::uint32_t incCode, Real limit, std::vector<PatchPoint<3>>& out) {
   Real height = 0;
-  Vec<3> base = ref.under(p, height);
+  Triple base = under(s, p, height);
   bool beside = false;
-  for (const Side3& side : sides) beside = beside || side.m.dot(p) > side.offset;
-  if (beside) base = ref.nearestOnRim(base);
-  height = ref.outward.dot(p - base);
+  for (const Side3& side : s.sides) beside = beside || dot(side.m, p) > side.offset;
+  if (beside) base = nearestOnRim(s, base);
+  height = dot(s.outward, p - base);
   if (!(height <= limit)) return;
-  if (ref.first) {
-    out.push_back({base, p, height, featureNumber(refCode, incCode)});
-  } else {
-    out.push_back({p, base, height, featureNumber(incCode, refCode)});
-  }
+  PatchPoint<3>& added = out.emplace_back();
+  base.store(refIsFirst ? added.p1 : added.p2), p.store(refIsFirst ? added.p2 : added.p1);
+  added.separation = height;
+  added.feature = refIsFirst ? featureNumber(refCode, incCode) : featureNumber(incCode, refCode);
 }
 
 /// The part of an edge between two vertices of `inc` inside the side planes of the reference face, with tolerances as
@@ -114,11 +122,11 @@ inline void clipEdge(const Reference3& ref, const Core3& inc, const std::array<i
   const Real tolerance = ends == 1 ? Real(0) : pair.tolerance;
   Real t[2] = {0, 1};
   int cutBy[2] = {-1, -1};
-  const Vec<3>&a = inc.v[vertices[0]], &b = inc.v[vertices[1]];
-  ref.fillSides(scratch.sides);
+  const Triple a(inc.v[vertices[0]]), b(inc.v[vertices[1]]);
+  ref.fill(scratch);
   for (int j = 0; j < ref.size(); ++j) {
-    const auto& [m, offset] = scratch.sides[static_cast<std::size_t>(j)];
-    const Real da = m.dot(a) - offset, db = m.dot(b) - offset;
+    const Side3& side = scratch.sides[static_cast<std::size_t>(j)];
+    const Real da = dot(side.m, a) - side.offset, db = dot(side.m, b) - side.offset;
     if (da > tolerance && db > tolerance) return;
     // An end within the tolerance stays where it is, even when the other one is cut off.
     const Real cut1 = db < 0 ? da / (da - db) : Real(1), cut2 = da < 0 ? da / (da - db) : Real(0);
@@ -129,8 +137,8 @@ inline void clipEdge(const Reference3& ref, const Core3& inc, const std::array<i
   for (int end = 0; end < ends; ++end) {
     const int cut = cutBy[end];
     const int vertex = vertices[static_cast<std::size_t>(end)];
-    const Vec<3> p = cut < 0 ? inc.v[vertex] : Vec<3>(a + t[end] * (b - a));
-    addClipped(ref, scratch.sides, p, cut < 0 ? kNoFeature : ref.edgeCode(cut), featureCode(vertex), pair.limit, out);
+    const Triple p = cut < 0 ? Triple(inc.v[vertex]) : a + t[end] * (b - a);
+    addClipped(ref.first, scratch, p, cut < 0 ? kNoFeature : ref.edgeCode(cut), featureCode(vertex), pair.limit, out);
   }
 }
 
@@ -149,31 +157,50 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
   if (size == 2) {  // a side of a triangle
     return clipEdge(ref, inc, {inc.loop(begin), inc.loop(begin + 1)}, pair, scratch, out);
   }
-  auto& from = scratch.from;
-  auto& to = scratch.to;
-  from.clear();
-  ref.fillSides(scratch.sides);
-  for (int k = 0; k < size; ++k) from.push_back({inc.v[inc.loop(begin + k)], k == 0 ? size - 1 : k - 1, k});
+  ref.fill(scratch);
+  // Places are plain pointers into what is large enough: `push_back` took longer than the arithmetic.
+  scratch.corners.resize(static_cast<std::size_t>(size)), scratch.from.resize(scratch.corners.size());
+  for (int k = 0; k < size; ++k) {
+    scratch.corners[static_cast<std::size_t>(k)] = {Triple(inc.v[inc.loop(begin + k)]), k == 0 ? size - 1 : k - 1, k};
+    scratch.from[static_cast<std::size_t>(k)] = k;
+  }
   const Real tolerance = pair.tolerance;
-  for (int j = 0; j < ref.size() && !from.empty(); ++j) {
-    const auto& [m, offset] = scratch.sides[static_cast<std::size_t>(j)];
-    to.clear();
-    const ClipVertex3* p = &from.back();
-    Real dp = m.dot(p->p) - offset;
-    for (const ClipVertex3& q : from) {
-      const Real dq = m.dot(q.p) - offset;
+  int count = size, made = size;
+  for (int j = 0; j < ref.size() && count > 0; ++j) {
+    const Side3& side = scratch.sides[static_cast<std::size_t>(j)];
+    scratch.beyond.resize(static_cast<std::size_t>(count));
+    const int* from = scratch.from.data();
+    Real* beyond = scratch.beyond.data();
+    bool inside = true;
+    for (int i = 0; i < count; ++i) {
+      beyond[i] = dot(side.m, scratch.corners[static_cast<std::size_t>(from[i])].p) - side.offset;
+      inside &= beyond[i] <= tolerance;
+    }
+    if (inside) continue;
+    // A corner stays or not, and there may be a new one before it.
+    scratch.to.resize(static_cast<std::size_t>(2 * count));
+    scratch.corners.resize(static_cast<std::size_t>(made + count));
+    int* to = scratch.to.data();
+    ClipVertex3* corners = scratch.corners.data();
+    int left = 0, last = count - 1;
+    for (int i = 0; i < count; last = i, ++i) {
+      const Real dp = beyond[last], dq = beyond[i];
       const bool leaves = dp < 0 && dq > tolerance, enters = dp > tolerance && dq < 0;
       if (leaves || enters) {
-        const Vec<3> x = p->p + dp / (dp - dq) * (q.p - p->p);
-        to.push_back(leaves ? ClipVertex3{x, p->out, ~j} : ClipVertex3{x, ~j, p->out});
+        const ClipVertex3 &p = corners[from[last]], &q = corners[from[i]];
+        ClipVertex3& x = corners[made];
+        x.p = p.p + dp / (dp - dq) * (q.p - p.p);
+        x.in = leaves ? p.out : ~j, x.out = leaves ? ~j : p.out;
+        to[left++] = made++;
       }
-      if (dq <= tolerance) to.push_back(q);
-      p = &q, dp = dq;
+      if (dq <= tolerance) to[left++] = from[i];
     }
-    std::swap(from, to);
+    std::swap(scratch.from, scratch.to);
+    count = left;
   }
   const auto incVertex = [&](int k) { return inc.loop(begin + (k < size ? k : 0)); };
-  for (const ClipVertex3& c : from) {
+  for (int i = 0; i < count; ++i) {
+    const ClipVertex3& c = scratch.corners[static_cast<std::size_t>(scratch.from[static_cast<std::size_t>(i)])];
     std::uint32_t refCode = kNoFeature, incCode = kNoFeature;
     if (c.in >= 0 && c.out >= 0) {
       incCode = featureCode(incVertex(c.out));
@@ -184,7 +211,7 @@ inline void clipFace(const Reference3& ref, const Core3& inc, int incFace, const
       refCode = ref.edgeCode(~std::min(c.in, c.out));
       incCode = featureCode(incVertex(k), incVertex(k + 1));
     }
-    addClipped(ref, scratch.sides, c.p, refCode, incCode, pair.limit, out);
+    addClipped(ref.first, scratch, c.p, refCode, incCode, pair.limit, out);
   }
 }
 
@@ -194,15 +221,16 @@ inline void addForemost(const Reference3& ref, const Core3& inc, Real separation
                         ClipScratch3& scratch, std::vector<PatchPoint<3>>& out) {
   int best = -1;
   Real least = std::numeric_limits<Real>::infinity();
-  ref.fillSides(scratch.sides);
+  ref.fill(scratch);
   for (int v = 0; v < inc.vertexCount; ++v) {
+    const Triple p(inc.v[v]);
     Real height = 0, outside = 0;
-    ref.under(inc.v[v], height);
+    under(scratch, p, height);
     if (height > separation + pair.tolerance) continue;
-    for (const Side3& side : scratch.sides) outside = std::max(outside, side.m.dot(inc.v[v]) - side.offset);
+    for (const Side3& side : scratch.sides) outside = std::max(outside, dot(side.m, p) - side.offset);
     if (outside < least) best = v, least = outside;
   }
-  if (best >= 0) addClipped(ref, scratch.sides, inc.v[best], kNoFeature, featureCode(best), pair.limit, out);
+  if (best >= 0) addClipped(ref.first, scratch, Triple(inc.v[best]), kNoFeature, featureCode(best), pair.limit, out);
 }
 
 }  // namespace lpc::inline LPC_PRECISION::contacts

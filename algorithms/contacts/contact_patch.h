@@ -12,10 +12,20 @@
 
 #include "algorithms/contacts/tolerances.h"
 #include "algorithms/contacts/xy.h"
+#include "algorithms/pair_query/triple.h"
 #include "framework/curved_core.h"
 #include "framework/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
+
+using pair_query::Triple;
+
+/// A vector for arithmetic on its numbers one by one (triple.h says why).
+template <int D>
+using Plain = std::conditional_t<D == 3, Triple, Vec<2>>;
+inline Real sumOfSizes(const Vec<2>& v) { return v.lpNorm<1>(); }
+inline void store(const Vec<2>& v, Vec<2>& out) { out = v; }
+inline void store(const Triple& v, Vec<3>& out) { v.store(out); }
 
 /// Witnesses on the two cores, in the frame of shape 1, and (p2 - p1) . n.
 template <int D>
@@ -24,6 +34,9 @@ struct PatchPoint {
   Real separation;        // of the cores, m
   std::uint64_t feature;  // see featureNumber()
 };
+
+inline bool isNoTurn(const Rot<2>& q) { return q.c == 1 && q.s == 0; }
+inline bool isNoTurn(const Rot<3>& q) { return q.w == 1 && q.x == 0 && q.y == 0 && q.z == 0; }
 
 /// A feature of a shape is a vertex (i, i) or an edge (i, j); none is (65535, 65535). Two bytes each, shape A's
 /// feature above B's. So a number does not depend on which face served as reference, and a vertex keeps its number when
@@ -77,7 +90,7 @@ Real coreThickness(const ShapeView<D>& s) {
 /// Some length not below a quarter of the core's reach from its own origin; a plane's is 0.
 template <int D>
 Real coreReach(const ShapeView<D>& s) {
-  if (s.core() != CoreClass::hull) return s.half.template lpNorm<1>();
+  if (s.core() != CoreClass::hull) return sumOfSizes(Plain<D>(s.half));
   const auto& v = s.hull->vertices;
   return v[0].template lpNorm<1>() + (v[v.size() / 2] - v[0]).template lpNorm<1>();
 }
@@ -95,17 +108,35 @@ PlacedPair<D> placePair(const ContactInput<D>& in, const ConvexPair<D>& pair, Re
   const Pose<D>& X_W1 = poseOf(out.swapped ? pair.shapes.b : pair.shapes.a);
   const Pose<D>& X_W2 = poseOf(out.swapped ? pair.shapes.a : pair.shapes.b);
   const Pose<D>&X_C1 = out.X_C1(), &X_C2 = out.X_C2();
-  out.R_W1 = X_W1.q * X_C1.q;
+  out.R_W1 = isNoTurn(X_C1.q) ? X_W1.q : X_W1.q * X_C1.q;
   const Rot<D> R_1W = out.R_W1.inverse();
   // Bodies are subtracted first: far from the origin their difference is exact, the sum of pose and offset is not.
-  out.X_12.p = R_1W * ((X_W2.p - X_W1.p) + (X_W2.q * X_C2.p - X_W1.q * X_C1.p));
-  out.X_12.q = R_1W * (X_W2.q * X_C2.q);
+  const Plain<D> between = Plain<D>(X_W2.p) - Plain<D>(X_W1.p), p1 = X_W1.q * Plain<D>(X_C1.p),
+                 p2 = X_W2.q * Plain<D>(X_C2.p), p_12 = R_1W * Plain<D>(between + (p2 - p1));
+  store(p_12, out.X_12.p);
+  out.X_12.q = R_1W * (isNoTurn(X_C2.q) ? X_W2.q : X_W2.q * X_C2.q);
   const ShapeView<D>&s1 = out.view1(), &s2 = out.view2();
   out.limit = in.margin + s1.radius + s2.radius;
-  out.rounding = kNoise * (coreReach(s1) + coreReach(s2) + out.X_12.p.template lpNorm<1>());
+  out.rounding = kNoise * (coreReach(s1) + coreReach(s2) + sumOfSizes(p_12));
   out.tolerance = std::max(std::min(bias, kThinPart * std::min(coreThickness(s1), coreThickness(s2))), out.rounding);
   return out;
 }
+
+/// X * v. Most shapes lie in their body's frame as they are: then it is a sum.
+template <int D>
+Plain<D> atPose(const Pose<D>& X, const Plain<D>& v) {
+  const Plain<D> p(X.p);
+  if (isNoTurn(X.q)) return p + v;
+  return p + X.q * v;
+}
+
+/// A manifold that is made where it shall be, and not copied there.
+template <int D>
+struct StartedManifold {
+  const ContactInput<D>& in;
+  const ConvexPair<D>& pair;
+  operator Manifold<D>() const { return startManifold(in, pair); }
+};
 
 /// Appends the manifold with these points (at most kManifoldPoints) and the unit normal n_12 (in frame 1).
 template <int D>
@@ -113,27 +144,29 @@ void addPatch(const ContactInput<D>& in, const PlacedPair<D>& placed, const Vec<
               std::vector<Manifold<D>>& fresh) {
   if (points.empty()) return;
   LPC_ASSERT(points.size() <= static_cast<std::size_t>(kManifoldPoints<D>));
-  fresh.push_back(startManifold(in, *placed.pair));
-  Manifold<D>& m = fresh.back();
+  Manifold<D>& m = fresh.emplace_back(StartedManifold<D>{in, *placed.pair});
   const Real r1 = placed.view1().radius, r2 = placed.view2().radius;
-  const Vec<D> n_W = placed.R_W1 * n;
-  m.normal = placed.swapped ? Vec<D>(-n_W) : n_W;
+  const Plain<D> n_1(n), n_W = placed.R_W1 * n_1;
+  store(placed.swapped ? Plain<D>(-n_W) : n_W, m.normal);
   m.count = static_cast<std::int32_t>(points.size());
   if (placed.swapped) {
     for (PatchPoint<D>& p : points) p.feature = p.feature << 32 | p.feature >> 32;
   }
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    for (std::size_t k = i; k > 0 && points[k].feature < points[k - 1].feature; --k)
-      std::swap(points[k], points[k - 1]);
-  }
-  const Pose<D> X_21 = placed.X_12.inverse();
+  std::array<std::size_t, static_cast<std::size_t>(kManifoldPoints<D>)> order{};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const PatchPoint<D>& p = points[i];
+    std::size_t k = i;
+    for (; k > 0 && points[i].feature < points[order[k - 1]].feature; --k) order[k] = order[k - 1];
+    order[k] = i;
+  }
+  const Rot<D> R_21 = placed.X_12.q.inverse();
+  const Plain<D> p_21 = -(R_21 * Plain<D>(placed.X_12.p));
+  const Pose<D>&X_C1 = placed.X_C1(), &X_C2 = placed.X_C2();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PatchPoint<D>& p = points[order[i]];
     ContactPoint<D>& c = m.points[i];
-    const Vec<D> local1 = placed.X_C1() * Vec<D>(p.p1 + r1 * n);
-    const Vec<D> local2 = placed.X_C2() * (X_21 * Vec<D>(p.p2 - r2 * n));
-    c.localA = placed.swapped ? local2 : local1;
-    c.localB = placed.swapped ? local1 : local2;
+    const Plain<D> p_1 = Plain<D>(p.p1) + r1 * n_1, p_2 = p_21 + R_21 * Plain<D>(Plain<D>(p.p2) - r2 * n_1);
+    store(atPose<D>(X_C1, p_1), placed.swapped ? c.localB : c.localA);
+    store(atPose<D>(X_C2, p_2), placed.swapped ? c.localA : c.localB);
     c.separation = p.separation - r1 - r2;
     c.feature = p.feature;
     if (i > 0 && c.feature <= m.points[i - 1].feature) c.feature = m.points[i - 1].feature + 1;

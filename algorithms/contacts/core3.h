@@ -66,9 +66,35 @@ struct Storage3 {
   std::vector<Vec<3>> v = std::vector<Vec<3>>(8), n = std::vector<Vec<3>>(6);
 };
 
+/// Most cores are boxes, and to make them took as long as to find their axes: hence number by number (triple.h).
+inline Core3 makeBox3(const Vec<3>& half, const Pose<3>* X_12, Storage3& storage) {
+  if (storage.v.size() < 8) storage.v.resize(8);
+  Vec<3>* v = storage.v.data();
+  Vec<3>* n = storage.n.data();
+  if (X_12) {
+    const Mat<3> R = X_12->q.matrix();
+    const Triple p(X_12->p), e[3] = {Triple(R(0, 0), R(1, 0), R(2, 0)), Triple(R(0, 1), R(1, 1), R(2, 1)),
+                                     Triple(R(0, 2), R(1, 2), R(2, 2))};
+    const Triple x = half[0] * e[0], y = half[1] * e[1], z = half[2] * e[2];
+    const Triple beside[4] = {p - y - z, p + y - z, p - y + z, p + y + z};
+    for (int k = 0; k < 4; ++k) (beside[k] - x).store(v[2 * k]), (beside[k] + x).store(v[2 * k + 1]);
+    for (int k = 0; k < 3; ++k) (-e[k]).store(n[2 * k]), e[k].store(n[2 * k + 1]);
+  } else {
+    const Real x = half[0], y = half[1], z = half[2], zero = 0;  // 0 - 0 is no -0
+    Triple(zero - x, zero - y, zero - z).store(v[0]), Triple(x, zero - y, zero - z).store(v[1]);
+    Triple(zero - x, y, zero - z).store(v[2]), Triple(x, y, zero - z).store(v[3]);
+    Triple(zero - x, zero - y, z).store(v[4]), Triple(x, zero - y, z).store(v[5]);
+    Triple(zero - x, y, z).store(v[6]), Triple(x, y, z).store(v[7]);
+    const Triple ex(1, 0, 0), ey(0, 1, 0), ez(0, 0, 1);
+    (-ex).store(n[0]), ex.store(n[1]), (-ey).store(n[2]), ey.store(n[3]), (-ez).store(n[4]), ez.store(n[5]);
+  }
+  return {v, n, &boxTopology(), 8};
+}
+
 /// Shape 2 is brought into frame 1 by X_12; for shape 1 that is null, and a hull is not copied. Not for planes and
 /// curved cores.
 inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& storage) {
+  if (s.core() == CoreClass::box) return makeBox3(s.half, X_12, storage);
   const Mat<3> R = X_12 ? X_12->q.matrix() : Mat<3>::Identity();
   const Vec<3> p = X_12 ? X_12->p : Vec<3>::Zero();
   if (storage.v.size() < 8) storage.v.resize(8);
@@ -83,14 +109,6 @@ inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& sto
       v[0] = p - h, v[1] = p + h;
       return {v, n, &segmentTopology(), 2};
     }
-    case CoreClass::box: {
-      const Vec<3> x = s.half[0] * R.col(0), y = s.half[1] * R.col(1), z = s.half[2] * R.col(2);
-      const Vec<3> mm = p - y - z, pm = p + y - z, mp = p - y + z, pp = p + y + z;
-      v[0] = mm - x, v[1] = mm + x, v[2] = pm - x, v[3] = pm + x;
-      v[4] = mp - x, v[5] = mp + x, v[6] = pp - x, v[7] = pp + x;
-      for (int k = 0; k < 3; ++k) n[2 * k] = -R.col(k), n[2 * k + 1] = R.col(k);
-      return {v, n, &boxTopology(), 8};
-    }
     case CoreClass::hull: {
       const Polytope<3>& hull = *s.hull;
       const std::size_t vertices = hull.vertices.size(), faces = hull.faces.size();
@@ -102,9 +120,10 @@ inline Core3 makeCore3(const ShapeView<3>& s, const Pose<3>* X_12, Storage3& sto
       for (std::size_t i = 0; i < vertices; ++i) storage.v[i] = R * hull.vertices[i] + p;
       return {storage.v.data(), storage.n.data(), &hull, static_cast<int>(vertices)};
     }
+    case CoreClass::box:
     case CoreClass::curved:
     case CoreClass::plane:
-      LPC_ASSERT(false);  // has no list of faces
+      LPC_ASSERT(false);  // made above, or has no list of faces
       break;
   }
   return {};
@@ -145,25 +164,27 @@ inline Core3 makeFacing3(const ShapeView<3>& s, const Pose<3>* X_12, const Vec<3
 
 /// The face of `c` whose normal is most along `d`; with a vertex, only among the faces around it.
 inline int faceAlong(const Core3& c, const Vec<3>& d, int vertex = -1) {
+  const Triple towards(d);
   int best = -1;
   Real bestDot = -std::numeric_limits<Real>::infinity();
   for (int f = 0; f < c.faceCount(); ++f) {
-    const Real dot = c.n[f].dot(d);
-    if (!(dot > bestDot)) continue;
+    const Real along = dot(Triple(c.n[f]), towards);
+    if (!(along > bestDot)) continue;
     bool around = vertex < 0;
     for (int k = c.face(f).begin; !around && k < c.face(f).end; ++k) around = c.loop(k) == vertex;
-    if (around) best = f, bestDot = dot;
+    if (around) best = f, bestDot = along;
   }
   return best;
 }
 
 /// The vertex of `c` that lies farthest along `d`.
 inline int vertexAlong(const Core3& c, const Vec<3>& d) {
+  const Triple towards(d);
   int best = 0;
-  Real bestDot = c.v[0].dot(d);
+  Real bestDot = dot(Triple(c.v[0]), towards);
   for (int i = 1; i < c.vertexCount; ++i) {
-    const Real dot = c.v[i].dot(d);
-    if (dot > bestDot) best = i, bestDot = dot;
+    const Real along = dot(Triple(c.v[i]), towards);
+    if (along > bestDot) best = i, bestDot = along;
   }
   return best;
 }

@@ -20,16 +20,19 @@ class QueryBatches {
   /// their cores, and always has a unit normal.
   template <class Use>
   void run(const ContactInput<D>& in, Real bias, WorkDone& work, const Use& use) {
-    for (auto& group : m_groups) group.clear();
-    m_placed.clear();
+    for (const std::size_t kinds : m_used) m_groups[kinds].clear();
+    m_used.clear(), m_placed.clear();
     for (std::size_t i = 0; i < in.pairs.size(); ++i) {
       m_placed.push_back(placePair(in, in.pairs[i], bias));
       const auto k1 = static_cast<std::size_t>(m_placed.back().view1().kind);
       const auto k2 = static_cast<std::size_t>(m_placed.back().view2().kind);
-      m_groups[kShapeKinds * k1 + k2].push_back(i);
+      const std::size_t kinds = kShapeKinds * k1 + k2;
+      if (m_groups[kinds].empty()) m_used.push_back(kinds);
+      m_groups[kinds].push_back(i);
     }
-    for (const auto& group : m_groups) {
-      if (group.empty()) continue;
+    std::sort(m_used.begin(), m_used.end());
+    for (const std::size_t kinds : m_used) {
+      const auto& group = m_groups[kinds];
       ask(in, group, work);
       for (std::size_t i = 0; i < group.size(); ++i) {
         const PlacedPair<D>& placed = m_placed[group[i]];
@@ -59,6 +62,7 @@ class QueryBatches {
 
   std::unique_ptr<PairQuery<D>> m_query;
   std::array<std::vector<std::size_t>, kShapeKinds * kShapeKinds> m_groups;
+  std::vector<std::size_t> m_used;  // those that are not empty
   std::vector<PlacedPair<D>> m_placed;
   std::vector<PairView<D>> m_views;
   std::vector<PairAnswer<D>> m_answers;

@@ -91,43 +91,45 @@ inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real least, Real li
   return best;
 }
 
-/// Two boxes in closed form: 15 axes (Gottschalk 1996).
+/// Two boxes in closed form: 15 axes (Gottschalk 1996). Their numbers are the compiler's, as in sat_boxes.h.
 inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, const Mat<3>& R, Real limit, Real bias,
                     Axes3& axes) {
-  Mat<3> A;
-  for (int c = 0; c < 3; ++c) {
-    for (int r = 0; r < 3; ++r) A(r, c) = std::abs(R(r, c));
-  }
-  for (int i = 0; i < 3; ++i) {
-    const Real s = std::abs(p[i]) - (half1[i] + A(i, 0) * half2[0] + A(i, 1) * half2[1] + A(i, 2) * half2[2]);
-    if (s > limit) return false;
-    if (s > axes.face1.separation) axes.face1 = {2 * i + (p[i] > 0), s};
-  }
-  for (int j = 0; j < 3; ++j) {
-    const Real t = p[0] * R(0, j) + p[1] * R(1, j) + p[2] * R(2, j);
-    const Real s = std::abs(t) - (half2[j] + A(0, j) * half1[0] + A(1, j) * half1[1] + A(2, j) * half1[2]);
-    if (s > limit) return false;
-    if (s > axes.face2.separation) axes.face2 = {2 * j + (t < 0), s};
-  }
+  const Triple h1(half1), h2(half2), t1(p);
+  const auto size = [&](int r, int c) __attribute__((always_inline)) { return std::abs(R(r, c)); };
+  const auto offer = [&](FaceAxis3 & best, int face, Real s) __attribute__((always_inline)) {
+    if (s > best.separation) best = {face, s};
+  };
+  FaceAxis3 face1, face2;
+  const auto offerFaces = [&]<int k>() __attribute__((always_inline)) {
+    const Real s1 = std::abs(p[k]) - (half1[k] + size(k, 0) * h2.x + size(k, 1) * h2.y + size(k, 2) * h2.z);
+    const Real t = t1.x * R(0, k) + t1.y * R(1, k) + t1.z * R(2, k);
+    const Real s2 = std::abs(t) - (half2[k] + size(0, k) * h1.x + size(1, k) * h1.y + size(2, k) * h1.z);
+    offer(face1, 2 * k + (p[k] > 0), s1), offer(face2, 2 * k + (t < 0), s2);
+  };
+  offerFaces.template operator()<0>(), offerFaces.template operator()<1>(), offerFaces.template operator()<2>();
+  if (face1.separation > limit || face2.separation > limit) return false;
+  axes.face1 = face1, axes.face2 = face2;
   // Only an edge axis that beats the faces clearly will be used. Separations of edge axes are compared unnormalised.
-  Real best = std::max(axes.face1.separation, axes.face2.separation) + bias;
+  Real best = std::max(face1.separation, face2.separation) + bias;
   int bestI = -1, bestJ = -1;
   Real bestT = 0;
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = i == 2 ? 0 : i + 1, i2 = i == 0 ? 2 : i - 1;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = j == 2 ? 0 : j + 1, j2 = j == 0 ? 2 : j - 1;
-      const Real norm2 = R(i1, j) * R(i1, j) + R(i2, j) * R(i2, j);  // of the axis a_i x b_j
-      if (norm2 <= kParallelSine * kParallelSine) continue;
-      const Real t = p[i2] * R(i1, j) - p[i1] * R(i2, j);
-      const Real reach = half1[i1] * A(i2, j) + half1[i2] * A(i1, j) + half2[j1] * A(i, j2) + half2[j2] * A(i, j1);
-      const Real s = std::abs(t) - reach;
-      if (s < 0 ? best >= 0 || s * s >= best * best * norm2 : best > 0 && s * s <= best * best * norm2) continue;
-      best = s / std::sqrt(norm2);
-      bestI = i, bestJ = j, bestT = t;
-      if (best > limit) return false;
-    }
-  }
+  const auto offerEdges = [&]<int i, int j>() __attribute__((always_inline)) {
+    constexpr int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    const Real norm2 = R(i1, j) * R(i1, j) + R(i2, j) * R(i2, j);  // of the axis a_i x b_j
+    const Real t = p[i2] * R(i1, j) - p[i1] * R(i2, j);
+    const Real reach =
+        half1[i1] * size(i2, j) + half1[i2] * size(i1, j) + half2[j1] * size(i, j2) + half2[j2] * size(i, j1);
+    const Real s = std::abs(t) - reach, squares = best * best * norm2;
+    if (s < 0 ? best >= 0 || s * s >= squares : best > 0 && s * s <= squares) return;
+    if (norm2 <= kParallelSine * kParallelSine) return;
+    best = s / std::sqrt(norm2);
+    bestI = i, bestJ = j, bestT = t;
+  };
+  const auto offerAll = [&]<int... e>(std::integer_sequence<int, e...>) __attribute__((always_inline)) {
+    (offerEdges.template operator()<e / 3, e % 3>(), ...);
+  };
+  offerAll(std::make_integer_sequence<int, 9>());
+  if (best > limit && bestI >= 0) return false;
   if (bestI < 0) return true;
   const int i1 = bestI == 2 ? 0 : bestI + 1, i2 = bestI == 0 ? 2 : bestI - 1;
   Vec<3> n;

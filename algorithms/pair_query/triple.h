@@ -16,8 +16,11 @@ struct Triple {
   Triple(Real first, Real second, Real third) : x(first), y(second), z(third) {}
   explicit Triple(const Vec<3>& v) : x(v[0]), y(v[1]), z(v[2]) {}
   Vec<3> vector() const { return {x, y, z}; }
+  /// One by one, as they are.
+  void store(Vec<3>& v) const { v[0] = x, v[1] = y, v[2] = z; }
 };
 
+inline Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Triple operator-(const Triple& a) { return {-a.x, -a.y, -a.z}; }
 inline Triple operator*(Real s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
@@ -26,10 +29,20 @@ inline Real dot(const Triple& a, const Triple& b) {
   const Real x = a.x * b.x, y = a.y * b.y, z = a.z * b.z;
   return sizeof(Real) == 8 ? (x + y) + z : x + (y + z);
 }
+using lpc::cross;  // of Eigen's vectors: not hidden by this one
 inline Triple cross(const Triple& a, const Triple& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline Real norm(const Triple& a) { return std::sqrt(dot(a, a)); }
+/// |x| + |y| + |z|.
+inline Real sumOfSizes(const Triple& a) {
+  const Real x = std::abs(a.x), y = std::abs(a.y), z = std::abs(a.z);
+  return sizeof(Real) == 8 ? (x + y) + z : x + (y + z);
+}
+inline Triple operator*(const Rot<3>& q, const Triple& v) {
+  const Triple u(q.x, q.y, q.z), t = Real(2) * cross(u, v);
+  return v + q.w * t + cross(u, t);
+}
 
 /// As of a Vec.
 inline bool makeUnit(Triple& v) {
