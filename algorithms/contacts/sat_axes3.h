@@ -91,7 +91,7 @@ inline EdgeAxis3 bestEdges(const Core3& c1, const Core3& c2, Real least, Real li
   return best;
 }
 
-/// Two boxes in closed form: 15 axes (Gottschalk 1996). Their numbers are the compiler's, as in sat_boxes.h.
+/// Two boxes in closed form: 15 axes (Gottschalk 1996). Their numbers are the compiler's, as in sat_boxes3.h.
 inline bool boxAxes(const Vec<3>& half1, const Vec<3>& half2, const Vec<3>& p, const Mat<3>& R, Real limit, Real bias,
                     Axes3& axes) {
   const Triple h1(half1), h2(half2), t1(p);

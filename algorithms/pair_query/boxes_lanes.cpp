@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Boxes, as SatBoxes has them (sat_boxes.h says why each step is there). Pairs whose features meet in more than a point
+// Boxes, as SatBoxes has them (sat_boxes3.h says why each step is there). Pairs whose features meet in more than a point
 // are left: their witness is the middle of a polygon.
 #include "algorithms/pair_query/pair_lanes.h"
 

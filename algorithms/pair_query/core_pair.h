@@ -69,8 +69,8 @@ struct CorePair {
   Real scale;                           // m; coordinates are rounded to about kEpsilon * scale
   std::array<int, 2>* climb = nullptr;  // vertices from which climbs on A and B begin; null: all are looked at
 
-  explicit CorePair(const PairView<D>& pair) : CorePair(pair.a, pair.b, pair.X_AB.p, pair.X_AB.q.matrix(), 0) {
-    scale = std::max({a.half.maxCoeff(), b.half.maxCoeff(), p.cwiseAbs().maxCoeff()});
+  explicit CorePair(const PairView<D>& pair) : a(pair.a), b(pair.b), p(pair.X_AB.p), r(pair.X_AB.q.matrix()), scale(0) {
+    for (int k = 0; k < D; ++k) scale = std::max({scale, a.half[k], b.half[k], std::abs(p[k])});
   }
   /// Others in their places, at the same scale.
   CorePair withShapes(const ShapeView<D>& first, const ShapeView<D>& second) const {

@@ -69,7 +69,7 @@ class Sat final : public PairQuery<D> {
       } else {
         SatBoxes<D>(pair, need, best, work).run();
       }
-      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
+      finishAnswer<D>(pair, best, QueryStatus::converged, need, m_touching, answers[i]);
     }
   }
 

@@ -143,6 +143,14 @@ class TouchingPoint {
   static void place(const CorePair<D>& pair, const BestAxis<D>& best, const Vec<D>& common, PairAnswer<D>& answer) {
     answer.normal = best.n;
     answer.distance = best.bound - pair.radii();
+    if constexpr (D == 3) {
+      if (pair.a.core() == CoreClass::box) {  // number by number: triple.h
+        const Triple n(best.n), corner = BoxPair3::foremost(Triple(pair.a.half), n);
+        const Triple pA = Triple(common) + (dot(corner, n) + pair.a.radius) * n;
+        pA.store(answer.pA), (pA + answer.distance * n).store(answer.pB);
+        return;
+      }
+    }
     const Real height = farthest(pair.a, best.n, nullptr, pair.climbOnA()).dot(best.n) + pair.a.radius;
     answer.pA = common + height * answer.normal;
     answer.pB = answer.pA + answer.distance * answer.normal;
@@ -317,16 +325,26 @@ class TouchingPoint {
   std::vector<Planar> m_polygonA, m_polygonB, m_clip, m_scratch;
 };
 
-/// Finishes an answer from its best axis: radii, normal, witnesses if asked.
+/// Finishes an answer, where it stays, from its best axis: radii, normal, witnesses if asked.
 template <int D>
-PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, QueryNeed need,
-                         TouchingPoint& touching) {
-  PairAnswer<D> answer;
+void finishAnswer(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, QueryNeed need,
+                  TouchingPoint& touching, PairAnswer<D>& answer) {
   answer.status = status;
   answer.normal = best.n;
   answer.distance = best.bound - pair.radii();
   if (!std::isfinite(answer.distance)) answer.status = QueryStatus::failed;  // no direction has a number: a NaN came in
-  if (need == QueryNeed::witnesses) touching.find(pair, best, answer);
+  if (need == QueryNeed::witnesses) {
+    touching.find(pair, best, answer);
+  } else {
+    answer.pA = answer.pB = Vec<D>::Zero();
+  }
+}
+
+template <int D>
+PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, QueryNeed need,
+                         TouchingPoint& touching) {
+  PairAnswer<D> answer;
+  finishAnswer(pair, best, status, need, touching, answer);
   return answer;
 }
 

@@ -16,6 +16,7 @@ struct Triple {
   Triple(Real first, Real second, Real third) : x(first), y(second), z(third) {}
   explicit Triple(const Vec<3>& v) : x(v[0]), y(v[1]), z(v[2]) {}
   Vec<3> vector() const { return {x, y, z}; }
+  Real operator[](int k) const { return k == 0 ? x : k == 1 ? y : z; }
   /// One by one, as they are.
   void store(Vec<3>& v) const { v[0] = x, v[1] = y, v[2] = z; }
 };
