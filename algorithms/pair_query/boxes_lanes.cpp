@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Boxes, as SatBoxes has them (sat_boxes3.h says why each step is there). Pairs whose features meet in more than a point
-// are left: their witness is the middle of a polygon.
+// Boxes, as SatBoxes has them (sat_boxes3.h says why each step is there). Pairs whose features meet in more than a
+// point are left: their witness is the middle of a polygon.
 #include "algorithms/pair_query/pair_lanes.h"
 
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
@@ -20,6 +20,7 @@ class BoxLanes {
     m_widest = m_bound = none;
     m_axis = m_tests = all(0);
     m_n = {{all(0), all(0), all(0)}};
+    m_short = hn::Not(none == none);
     m_left = hn::Not(in.halfA[0] > all(0));  // flat boxes have no edges along what they lack
     for (int k = 0; k < 3; ++k) {
       m_left = hn::Or(m_left, hn::Not(hn::And(in.halfA[k] > all(0), in.halfB[k] > all(0))));
@@ -45,6 +46,7 @@ class BoxLanes {
     takeWidest();
     Mask apart = m_bound > all(-kBoundRounding) * in.scale;
     if (m_need == QueryNeed::boolean) apart = hn::And(apart, m_bound <= in.radiusA + in.radiusB);
+    if (any(apart)) apart = hn::AndNot(hn::AndNot(m_short, attained()), apart);
     if (any(apart)) tryCorners(apart);
   }
 
@@ -90,6 +92,7 @@ class BoxLanes {
     const Mask crossed = length2 > all(kParallelSine * kParallelSine);
     m_tests = m_tests + hn::IfThenElseZero(crossed, all(1));
     const Mask close = hn::And(crossed, length2 < all(kShortNormal * kShortNormal));
+    m_short = hn::Or(m_short, close);
     if (any(close)) {
       const Lane3 axis = across(e / 3, e % 3);
       take(axis / hn::Sqrt(dot(axis, axis)), close);
@@ -132,6 +135,38 @@ class BoxLanes {
       n = choose(m_axis == all(static_cast<Real>(k)), unit, n);
     }
     take(n, m_axis >= zero);
+  }
+
+  HWY_INLINE Mask axisIs(int number) const { return m_axis == all(static_cast<Real>(number)); }
+  HWY_INLINE Mask attained() const {
+    const LanePairs& in = m_in;
+    const Lane3 back = -turnedBack(in.r, m_n);
+    const Lane3 onA = withSignOf(in.halfA, m_n), onB = withSignOf(in.halfB, back);
+    const Lane3 from = in.p + turned(in.r, onB), inB = turnedBack(in.r, onA - in.p);
+    Mask aboveA[3], aboveB[3];
+    for (int k = 0; k < 3; ++k) {
+      aboveA[k] = hn::Abs(from[k]) <= in.halfA[k], aboveB[k] = hn::Abs(inB[k]) <= in.halfB[k];
+    }
+    Mask out = hn::Not(m_n[0] == m_n[0]);
+    for (int k = 0; k < 3; ++k) {
+      const int l = (k + 1) % 3, m = (k + 2) % 3;
+      out = hn::Or(out, hn::And(axisIs(k), hn::And(aboveA[l], aboveA[m])));
+      out = hn::Or(out, hn::And(axisIs(3 + k), hn::And(aboveB[l], aboveB[m])));
+    }
+    const Mask edges = m_axis >= all(6);
+    if (!any(edges)) return out;
+    // Edge i of A, j of B.
+    const Mask i0 = m_axis < all(9), i1 = m_axis < all(12);
+    const Lane number = m_axis - choose(i0, all(6), choose(i1, all(9), all(12)));
+    const Mask j0 = number == all(0), j1 = number == all(1);
+    const auto ofA = [&](const Lane3& v) HWY_ATTR { return choose(i0, v[0], choose(i1, v[1], v[2])); };
+    const auto ofB = [&](const Lane3& v) HWY_ATTR { return choose(j0, v[0], choose(j1, v[1], v[2])); };
+    const Lane3 u = {{ofB(row(in.r, 0)), ofB(row(in.r, 1)), ofB(row(in.r, 2))}}, w = from - onA;
+    const Lane cosine = ofA(u), sine2 = dot(u, u) - cosine * cosine, alongA = ofA(w), alongB = dot(w, u);
+    const Lane t = (alongA * cosine - alongB) / sine2, s = alongA + t * cosine;
+    Mask cross = hn::And(edges, sine2 > all(kCrossingSine * kCrossingSine));
+    cross = hn::And(cross, hn::Abs(ofA(onA) + s) <= ofA(in.halfA));
+    return hn::Or(out, hn::And(cross, hn::Abs(ofB(onB) + t) <= ofB(in.halfB)));
   }
 
   // A box's corners in the other's frame, as far behind the foremost along the best axis as `lag` says (m).
@@ -217,7 +252,7 @@ class BoxLanes {
   Lane m_gap[9], m_length2[9], m_distance[9];
   Lane m_bound, m_tests;
   Lane3 m_n;
-  Mask m_left;
+  Mask m_left, m_short;
 };
 
 HWY_INLINE std::uint64_t answerBoxes(const PairView<3>* pairs, QueryNeed need, PairAnswer<3>* answers, WorkDone& work) {

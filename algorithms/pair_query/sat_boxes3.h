@@ -25,11 +25,13 @@ class SatBoxes3 {
   // Axes by number: A's, B's, then the common normals of edge i of A and j of B.
   struct Widest {
     Real gap = -std::numeric_limits<Real>::infinity();
+    Real square = 0;  // of the gap, with its sign: an axis that is clearly behind it is seen without a root
     int axis = 0;
 
     void offer(Real offered, int number) {
       if (offered > gap) gap = offered, axis = number;
     }
+    void settle() { square = gap * std::abs(gap) * (gap > 0 ? 1 - kSameLength : Real(1)); }
   };
 
   void find() {
@@ -39,13 +41,15 @@ class SatBoxes3 {
     Widest widest;
     offerFaces<0>(flat, flatBack, widest), offerFaces<1>(flat, flatBack, widest), offerFaces<2>(flat, flatBack, widest);
     m_tests += 6;
+    widest.settle();
     offerAllEdges(flatBack, widest, std::make_integer_sequence<int, 9>());
     takeWidest(widest.axis);
     m_work[WorkCount::axisTests] += static_cast<std::uint64_t>(m_tests);
     // Apart, an axis proves the distance only where the nearest features are vertex and face or edge and edge: what is
-    // left are pairs with a vertex in them. Flat cores in one plane are apart at a bound of zero, but for rounding.
+    // left are pairs of vertices, and of a vertex and an edge. Flat cores in one plane are apart at a bound of zero,
+    // but for rounding.
     if (m_need == QueryNeed::boolean && m_bound > m_pair.radii()) return;  // any axis proves the side
-    if (m_bound > -kBoundRounding * m_pair.scale) tryCorners();
+    if (m_bound > -kBoundRounding * m_pair.scale && (m_short || !isAttained(widest.axis))) tryCorners();
   }
 
   template <int k>
@@ -65,18 +69,22 @@ class SatBoxes3 {
     const BoxPair3& in = m_boxes;
     const Triple& u = in.r[j];
     const Real length2 = u[k] * u[k] + u[l] * u[l];
-    if (!(in.hA[i] > 0 && in.hB[j] > 0 && length2 > kParallelSine * kParallelSine)) return;
+    if (!(in.hA[i] > 0 && in.hB[j] > 0)) return;
+    if (!(length2 >= kShortNormal * kShortNormal)) return offerShort(i, u, length2);
     ++m_tests;
-    if (length2 < kShortNormal * kShortNormal) {  // products of rounded numbers, divided by little
-      const Triple axis = across(i, u);
-      const Real length = norm(axis);
-      return take({axis.x / length, axis.y / length, axis.z / length});
-    }
     const Real along = std::abs(u[k] * in.p[l] - u[l] * in.p[k]);
     const Real reach = in.hA[k] * flat[j][l] + in.hA[l] * flat[j][k] + in.hB[m] * flat[n][i] + in.hB[n] * flat[m][i];
     const Real gap = along - reach;
-    if (gap < 0 && (widest.gap >= 0 || gap * gap > widest.gap * widest.gap * length2)) return;  // without a root
+    if (gap * std::abs(gap) < widest.square * length2) return;
     widest.offer(gap / std::sqrt(length2), 6 + e);
+    widest.settle();
+  }
+  void offerShort(int i, const Triple& u, Real length2) {
+    if (!(length2 > kParallelSine * kParallelSine)) return;
+    ++m_tests, m_short = true;  // products of rounded numbers, divided by little
+    const Triple axis = across(i, u);
+    const Real length = norm(axis);
+    take({axis.x / length, axis.y / length, axis.z / length});
   }
   template <int... e>
   void offerAllEdges(const Triple* flat, Widest& widest, std::integer_sequence<int, e...>) {
@@ -108,6 +116,27 @@ class SatBoxes3 {
     if (!makeUnit(n)) return;
     ++m_work[WorkCount::axisTests];
     takeBound(n, dot(n, m_boxes.p) - dot(m_boxes.hA, sizes(n)) - dot(m_boxes.hB, sizes(m_boxes.back(n))));
+  }
+
+  // Do the features that the axis belongs to lie above each other: a vertex above the face, or edges that cross? Then
+  // their distance is the bound, and no corner is nearer.
+  bool isAttained(int number) const {
+    const BoxPair3& in = m_boxes;
+    const Triple back = -in.back(m_n), onA = in.foremost(in.hA, m_n), onB = in.foremost(in.hB, back);
+    if (number >= 3 && number < 6) return isAbove(number - 3, in.back(onA - in.p), in.hB);
+    const Triple from = in.p + in.turned(onB);
+    if (number < 3) return isAbove(number, from, in.hA);
+    const int i = (number - 6) / 3, j = (number - 6) % 3;
+    const Triple &u = in.r[j], &e = unit(i), &f = unit(j);
+    const Triple w = from - onA;  // w + t u - s e_i is across both lines
+    const Real cosine = dot(e, u), sine2 = dot(u, u) - cosine * cosine, alongA = dot(e, w), alongB = dot(w, u);
+    if (!(sine2 > kCrossingSine * kCrossingSine)) return false;
+    const Real t = (alongA * cosine - alongB) / sine2, s = alongA + t * cosine;
+    return std::abs(dot(e, onA) + s) <= dot(e, in.hA) && std::abs(dot(f, onB) + t) <= dot(f, in.hB);
+  }
+  static bool isAbove(int face, const Triple& q, const Triple& half) {
+    const bool x = std::abs(q.x) <= half.x, y = std::abs(q.y) <= half.y, z = std::abs(q.z) <= half.z;
+    return (x | (face == 0)) & (y | (face == 1)) & (z | (face == 2));
   }
 
   // A box's corners in the other's frame. A core's corners count once, `flat` axes have one end.
@@ -192,6 +221,7 @@ class SatBoxes3 {
   Triple m_n;
   Real m_bound = -std::numeric_limits<Real>::infinity();
   int m_tests = 0;
+  bool m_short = false;  // an axis without a number has been tried
 };
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query
