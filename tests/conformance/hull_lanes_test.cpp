@@ -4,7 +4,7 @@
 
 #include "algorithms/pair_query/face_planes.h"
 #include "algorithms/pair_query/hull_support.h"
-#include "algorithms/pair_query/triple.h"
+#include "algorithms/pair_query/touching_boxes3.h"
 #include "tests/draw.h"
 #include "tests/each_target.h"
 #include "tests/expect_caught.h"
@@ -101,6 +101,17 @@ TEST(HullLanes, TripleIsAVector) {
     Triple triple(a);
     ASSERT_EQ(makeUnit<3>(unit), makeUnit(triple));
     ASSERT_EQ(triple.vector(), unit);
+    ASSERT_EQ((Triple(a) + Triple(b)).vector(), a + b);
+    ASSERT_EQ(sumOfSizes(Triple(a)), a.lpNorm<1>());
+    const Rot<3> q = Rot<3>::vector(b);
+    ASSERT_EQ((q * Triple(a)).vector(), q * a);
+    // Products with a matrix, of which Eigen takes two rows at a time.
+    const Shape<3> ball = Shape<3>::sphere(1);
+    const PairView<3> view{ball.view(), ball.view(), {b, q}};
+    const CorePair<3> pair(view);
+    const BoxPair3 boxes(pair);
+    ASSERT_EQ(boxes.turned(Triple(a)).vector(), pair.r * a);
+    ASSERT_EQ(boxes.back(Triple(a)).vector(), pair.r.transpose() * a);
     const Real x = a[0] * b[0], y = a[1] * b[1], z = a[2] * b[2];
     otherOrder += a.dot(b) != (sizeof(Real) == 8 ? x + (y + z) : (x + y) + z);
   }
