@@ -46,8 +46,9 @@ inline constexpr double kHullTries[] = {1, 4, 16};
 /// high, and look at all instead. Smaller: one ends at a vertex that is not the farthest.
 inline constexpr double kHeightRounding = 4 * double(std::numeric_limits<Real>::epsilon());
 
-/// Three corners of a face, seen from the hull's middle, turn left when their determinant is above this part of the cube
-/// of the hull's radius (1). Larger: hulls with narrow faces are never climbed on. Smaller: a turn made of rounding.
+/// Three corners of a face, seen from the hull's middle, turn left when their determinant is above this part of the
+/// cube of the hull's radius (1). Larger: hulls with narrow faces are never climbed on. Smaller: a turn made of
+/// rounding.
 inline constexpr double kLeftTurn = 16 * double(std::numeric_limits<Real>::epsilon());
 
 /// A hull whose middle is farther from its frame's origin than this many times its size is moved to its middle (1).
