@@ -68,6 +68,7 @@ struct CorePair {
   Mat<D> r;                             // R_AB
   Real scale;                           // m; coordinates are rounded to about kEpsilon * scale
   std::array<int, 2>* climb = nullptr;  // vertices from which climbs on A and B begin; null: all are looked at
+  HullPair* hulls = nullptr;            // of two hulls, for who asks for many supports without a climb; null: one by one
 
   explicit CorePair(const PairView<D>& pair) : a(pair.a), b(pair.b), p(pair.X_AB.p), r(pair.X_AB.q.matrix()), scale(0) {
     for (int k = 0; k < D; ++k) scale = std::max({scale, a.half[k], b.half[k], std::abs(p[k])});
@@ -80,6 +81,9 @@ struct CorePair {
   Real radii() const { return a.radius + b.radius; }
   /// The point of M that lies least far along n.
   Vec<D> support(const Vec<D>& n) const {
+    if constexpr (D == 3) {
+      if (hulls) return hulls->support(p, r, n).point;
+    }
     return (p + r * farthest(b, Vec<D>(-(r.transpose() * n)), nullptr, climbOnB())) -
            farthest(a, n, nullptr, climbOnA());
   }

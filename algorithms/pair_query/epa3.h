@@ -19,8 +19,8 @@ class Epa<3> {
                   WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
     m_visible = kVisible * pair.scale;
-    m_points.clear(), m_faces.clear(), m_queue.clear();
-    m_doubt = 0;
+    m_points.clear();
+    m_count = m_waitingCount = 0, m_doubt = 0;
     m_inside = limits.inside, m_tolerance = limits.tolerance;
     if (!seed(start)) return QueryStatus::converged;  // flat: both normals of its plane are tested
     // Only bounds of true faces end the search: from outside, the polytope's own faces bound nothing from above.
@@ -38,7 +38,7 @@ class Epa<3> {
         m_doubt = std::max(m_doubt, tiltError(face));
         continue;
       }
-      if (static_cast<int>(m_faces.size()) >= limits.faces || expansions >= limits.expansions) {
+      if (m_count >= limits.faces || expansions >= limits.expansions) {
         return QueryStatus::iterationLimit;
       }
       ++expansions;
@@ -54,21 +54,11 @@ class Epa<3> {
   struct Face {
     Triple outward;
     Real offset;
-    int v[3];                       // counter-clockwise seen from outside
-    int neighbor[3];                // across the edge from v[i] to v[i + 1],
-    unsigned char neighborEdge[3];  // which is this edge of the neighbor
-    bool alive;
+    int v[3];     // counter-clockwise seen from outside
+    int edge[3];  // across the edge from v[i] to v[i + 1]: 4 x the neighbor, and which of its edges this is
+    bool gone;
   };
-  struct Queued {
-    Real offset;
-    int face;
-    bool operator<(const Queued& other) const {  // std's heaps have the last one on top
-      return offset > other.offset || (offset == other.offset && face > other.face);
-    }
-  };
-  struct FaceEdge {
-    int face, edge;
-  };
+  static constexpr Real kNever = std::numeric_limits<Real>::infinity();
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -81,66 +71,89 @@ class Epa<3> {
   }
 
   bool isKnown(const Triple& w) const {
-    for (const Triple& p : m_points) {
-      if (p.x == w.x && p.y == w.y && p.z == w.z) return true;
-    }
-    return false;
+    bool known = false;
+    for (const Triple& p : m_points) known |= (p.x == w.x) & (p.y == w.y) & (p.z == w.z);
+    return known;
   }
 
-  void addFace(int i, int j, int k) {
-    Face& f = m_faces.emplace_back();
-    f.v[0] = i, f.v[1] = j, f.v[2] = k, f.alive = true;
+  int addFace(int i, int j, int k) {
+    Face& f = m_faces[at(m_count)];
+    f.v[0] = i, f.v[1] = j, f.v[2] = k, f.gone = false;
+    m_turn[at(m_count)] = kNever;
+    return m_count++;
   }
 
-  // The planes of all faces from `first` on, which are then waiting.
-  void openFaces(int first) {
-    const int last = static_cast<int>(m_faces.size());
-    (*m_work)[WorkCount::polytopeFaces] += static_cast<std::uint64_t>(last - first);
-    // Who holds the origin is no deeper than the best bound says, and faces that are farther need not be looked at.
-    // From outside, one that is farther now may have nearer ones behind it.
-    const Real farthest =
-        m_inside && m_best->bound < 0 ? m_tolerance - m_best->bound : std::numeric_limits<Real>::infinity();
-    for (; first < last; first += FacePlanes::kFan) {
-      const int count = std::min(last - first, FacePlanes::kFan);
-      for (int i = 0; i < count; ++i) {
+  // The planes of the fan of faces from `first` on, around their last corner, each one's second the next one's first;
+  // they become neighbors. False when rounding has torn the visible faces apart: no honest expansion is left.
+  bool openFan(int first) {
+    (*m_work)[WorkCount::polytopeFaces] += static_cast<std::uint64_t>(m_count - first);
+    const Triple apex = m_points.back();
+    const Real farthest = farthestToLook();
+    m_planes.apex = {apex.x, apex.y, apex.z};
+    bool torn = false;
+    for (int before = m_count - 1; first < m_count; first += FacePlanes::kFan) {
+      const int count = std::min(m_count - first, FacePlanes::kFan);
+      for (int i = 0; i < count; before = first + i++) {
         const Face& f = m_faces[at(first + i)];
-        put(f.v[0], i, m_planes.a), put(f.v[1], i, m_planes.b), put(f.v[2], i, m_planes.c);
+        torn |= (m_faces[at(before)].v[1] != f.v[0]) | m_faces[at(f.edge[0] >> 2)].gone;
+        join(first + i, 2, before, 1);
+        put(f.v[0], i);
       }
+      put(m_faces[at(before)].v[1], count);
       m_planes.find(count);
-      for (int i = 0; i < count; ++i) openFace(first + i, i, farthest);
+      for (int i = 0; i < count; ++i) {
+        const auto k = at(i);
+        Face& f = m_faces[at(first + i)];
+        f.outward = {m_planes.outward[0][k], m_planes.outward[1][k], m_planes.outward[2][k]};
+        f.offset = m_planes.offset[k];
+        const Real square = m_planes.square[k];
+        const bool safe = (square > kSafeSquare) & (square < 1 / kSafeSquare);
+        if (safe || makePlane(f)) wait(first + i, farthest);
+      }
     }
+    return !torn;
   }
-  void put(int point, int to, std::array<FacePlanes::Row, 3>& rows) const {
+  void put(int point, int to) {
     const Triple& p = m_points[at(point)];
-    rows[0][at(to)] = p.x, rows[1][at(to)] = p.y, rows[2][at(to)] = p.z;
+    m_planes.ring[0][at(to)] = p.x, m_planes.ring[1][at(to)] = p.y, m_planes.ring[2][at(to)] = p.z;
   }
-  // The offset is the height of all three corners: a sliver's normal may lean.
-  void openFace(int face, int i, Real farthest) {
-    Face& f = m_faces[at(face)];
-    f.outward = {m_planes.outward[0][at(i)], m_planes.outward[1][at(i)], m_planes.outward[2][at(i)]};
-    f.offset = m_planes.offset[at(i)];
-    const Real square = m_planes.square[at(i)];
-    if (!(square > kSafeSquare && square < 1 / kSafeSquare)) [[unlikely]] {
-      const Triple a = m_points[at(f.v[0])], b = m_points[at(f.v[1])], c = m_points[at(f.v[2])];
-      f.outward = cross(b - a, c - a);
-      f.offset = 0;
-      if (!makeUnit(f.outward)) return;  // there is no way to go from it
-      f.offset = std::max({dot(f.outward, a), dot(f.outward, b), dot(f.outward, c)});
-    }
-    if (!(f.offset <= farthest)) return;
-    m_queue.push_back({f.offset, face});
-    std::push_heap(m_queue.begin(), m_queue.end());
+  // The offset is the height of all three corners: a sliver's normal may lean. False: there is no way to go from it.
+  bool makePlane(Face& f) const {
+    const Triple a = m_points[at(f.v[0])], b = m_points[at(f.v[1])], c = m_points[at(f.v[2])];
+    f.outward = cross(b - a, c - a);
+    f.offset = 0;
+    if (!makeUnit(f.outward)) return false;
+    f.offset = std::max({dot(f.outward, a), dot(f.outward, b), dot(f.outward, c)});
+    return true;
+  }
+  // Who holds the origin is no deeper than the best bound says, and faces that are farther need not be looked at.
+  // From outside, one that is farther now may have nearer ones behind it.
+  Real farthestToLook() const { return m_inside && m_best->bound < 0 ? m_tolerance - m_best->bound : kNever; }
+  // Here as in the list of those who wait no branch hangs on where a face lies: half of them would be taken wrongly,
+  // and that costs more than the rest.
+  void wait(int face, Real farthest) {
+    const Real offset = m_faces[at(face)].offset;
+    m_turn[at(face)] = offset;
+    m_waiting[at(m_waitingCount)] = face;
+    m_waitingCount += offset <= farthest;
   }
 
-  // The nearest face that is left, of several the oldest; -1: none.
+  // The nearest face that is left, of several the oldest; -1: none. A look at all: those that are gone leave the list,
+  // and the bound keeps it short.
   int takeLowest() {
-    while (!m_queue.empty()) {
-      std::pop_heap(m_queue.begin(), m_queue.end());
-      const int face = m_queue.back().face;
-      m_queue.pop_back();
-      if (m_faces[at(face)].alive) return face;
+    Real least = kNever;
+    int lowest = -1, kept = 0;
+    for (int i = 0; i < m_waitingCount; ++i) {
+      const int face = m_waiting[at(i)];
+      const Real turn = m_turn[at(face)];
+      m_waiting[at(kept)] = face;
+      kept += turn < kNever;
+      lowest = turn < least ? face : lowest;
+      least = turn < least ? turn : least;
     }
-    return -1;
+    m_waitingCount = kept;
+    if (lowest >= 0) m_turn[at(lowest)] = kNever;
+    return lowest;
   }
 
   void farther(const Vec<3>& w, const auto& height, Vec<3>& farthest) const {
@@ -150,8 +163,8 @@ class Epa<3> {
   Real tiltError(const Face& f) const {
     const Triple a = m_points[at(f.v[0])], b = m_points[at(f.v[1])], c = m_points[at(f.v[2])];
     const auto square = [](const Triple& e) { return dot(e, e); };
-    const Real longest = std::sqrt(std::max({square(b - a), square(c - b), square(a - c)}));
-    const Real height = norm(cross(b - a, c - a)) / longest;
+    const Real longest2 = std::max({square(b - a), square(c - b), square(a - c)});
+    const Real height = std::sqrt(square(cross(b - a, c - a)) / longest2);
     return kEpsilon * m_pair->scale / height * m_pair->scale;
   }
 
@@ -191,17 +204,27 @@ class Epa<3> {
     m_points.assign({Triple(a), Triple(b), Triple(c), Triple(d)});
     if (volume > 0) std::swap(m_points[1], m_points[2]);
     // With d below the plane a b c: faces a b c, and d with each edge turned round.
+    makeRoom();
     addFace(0, 1, 2), addFace(0, 3, 1), addFace(1, 3, 2), addFace(2, 3, 0);
-    openFaces(0);
+    const Real farthest = farthestToLook();
+    for (int i = 0; i < 4; ++i) {
+      if (makePlane(m_faces[at(i)])) wait(i, farthest);
+    }
+    (*m_work)[WorkCount::polytopeFaces] += 4;
     join(0, 0, 1, 2), join(0, 1, 2, 2), join(0, 2, 3, 2), join(1, 0, 3, 1), join(1, 1, 2, 0), join(2, 1, 3, 0);
     return true;
   }
 
+  // For the four first, or as many as a walk may make: it takes three steps, and two from each face that it sees.
+  void makeRoom() {
+    const std::size_t most = 3 * at(m_count) + 4;
+    if (m_faces.size() < most) m_faces.resize(2 * most), m_turn.resize(2 * most), m_waiting.resize(2 * most);
+  }
+
   // Across these edges the two faces are neighbors.
   void join(int face, int edge, int other, int otherEdge) {
-    Face &f = m_faces[at(face)], &g = m_faces[at(other)];
-    f.neighbor[edge] = other, f.neighborEdge[edge] = static_cast<unsigned char>(otherEdge);
-    g.neighbor[otherEdge] = face, g.neighborEdge[otherEdge] = static_cast<unsigned char>(edge);
+    m_faces[at(face)].edge[edge] = 4 * other + otherEdge;
+    m_faces[at(other)].edge[otherEdge] = 4 * face + edge;
   }
 
   // A face that w lies beyond, or in whose plane w lies in line with the edge by which we came: the new triangle there
@@ -214,47 +237,31 @@ class Epa<3> {
     return norm(cross(e, w - a)) <= m_visible * norm(e);
   }
 
-  // Walks over the visible faces from `face`, entered by its edge `edge`, and leaves the horizon in order.
-  void walk(int face, int edge, const Triple& w) {
-    Face& f = m_faces[at(face)];
-    if (!f.alive) return;
-    if (!isVisible(f, edge, w)) {
-      m_horizon.push_back({face, edge});
-      return;
-    }
-    f.alive = false;
+  // Walks over the visible faces from the one behind this edge of it, and makes, in order, a face from each edge of the
+  // horizon to the new point.
+  void walk(int edge, const Triple& w) {
     constexpr int kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
-    step(f, kNext[edge], w), step(f, kLast[edge], w);
+    const int face = edge >> 2, k = edge & 3;
+    Face& f = m_faces[at(face)];
+    if (f.gone) return;
+    if (isVisible(f, k, w)) {
+      f.gone = true, m_turn[at(face)] = kNever;
+      walk(f.edge[kNext[k]], w), walk(f.edge[kLast[k]], w);
+    } else {
+      join(addFace(f.v[kNext[k]], f.v[k], static_cast<int>(m_points.size()) - 1), 0, face, k);
+    }
   }
-  void step(const Face& f, int edge, const Triple& w) { walk(f.neighbor[edge], f.neighborEdge[edge], w); }
 
   bool expand(int face, const Triple& w) {
-    m_horizon.clear();
-    Face& f = m_faces[at(face)];
-    f.alive = false;
-    for (int k = 0; k < 3; ++k) step(f, k, w);
-    const int count = static_cast<int>(m_horizon.size()), first = static_cast<int>(m_faces.size());
-    if (count < 3) return false;
-    for (int i = 0; i < count; ++i) {
-      // Rounding has torn the visible faces apart: no honest expansion is left.
-      if (from(m_horizon[at(i)]) != to(m_horizon[at((i + 1) % count)])) return false;
-      if (!m_faces[at(m_horizon[at(i)].face)].alive) return false;
-    }
+    const int first = m_count;
+    makeRoom();
     m_points.push_back(w);
-    const int apex = static_cast<int>(m_points.size()) - 1;
-    for (int i = 0; i < count; ++i) {
-      const FaceEdge outer = m_horizon[at(i)];
-      const int made = first + i;
-      addFace(to(outer), from(outer), apex);
-      join(made, 0, outer.face, outer.edge);
-      if (i > 0) join(made, 2, made - 1, 1);
-    }
-    join(first, 2, first + count - 1, 1);
-    openFaces(first);
-    return true;
+    Face& f = m_faces[at(face)];
+    f.gone = true;
+    for (int k = 0; k < 3; ++k) walk(f.edge[k], w);
+    if (m_count - first < 3) return false;
+    return openFan(first);
   }
-  int from(FaceEdge e) const { return m_faces[at(e.face)].v[e.edge]; }
-  int to(FaceEdge e) const { return m_faces[at(e.face)].v[(e.edge + 1) % 3]; }
 
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
@@ -263,9 +270,11 @@ class Epa<3> {
   bool m_inside = false;
   FacePlanes m_planes;
   std::vector<Triple> m_points;
-  std::vector<Face> m_faces;
-  std::vector<Queued> m_queue;      // a heap; with faces that are gone
-  std::vector<FaceEdge> m_horizon;  // of the faces that stay
+  std::vector<Face> m_faces;  // the first m_count
+  int m_count = 0;
+  std::vector<Real> m_turn;    // the offset of a face that waits, else kNever
+  std::vector<int> m_waiting;  // the first m_waitingCount, with faces that are gone
+  int m_waitingCount = 0;
 };
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -9,16 +9,17 @@
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
-/// Up to kFan triangles a b c, each coordinate in a row of its own, and their planes, with the same numbers from every
-/// instruction set and from Triple.
+/// Up to kFan triangles around an apex, each one's second corner the next one's first, coordinates in rows of their
+/// own, and their planes, with the same numbers from every instruction set and from Triple.
 struct FacePlanes {
   static constexpr int kFan = 8;
   using Row = std::array<Real, kFan>;
 
-  std::array<Row, 3> a{}, b{}, c{};
+  std::array<std::array<Real, kFan + 1>, 3> ring{};  // triangle i: ring i, ring i + 1, apex
+  std::array<Real, 3> apex{};
   std::array<Row, 3>
       outward{};  // unit where `square` is neither 0, nor infinite, nor beyond kSafeSquare; else unusable
-  Row square{};   // of the normal (b - a) x (c - a)
+  Row square{};   // of the normal (b - a) x (c - a) of a triangle a b c
   Row offset{};   // the largest of outward . a, b and c
 
   /// Of the first `count`.

@@ -21,9 +21,8 @@ struct LaneTriple {
   Lanes x, y, z;
 };
 
-HWY_INLINE LaneTriple load(const std::array<FacePlanes::Row, 3>& rows, std::size_t at) {
-  const Tag d;
-  return {hn::LoadU(d, &rows[0][at]), hn::LoadU(d, &rows[1][at]), hn::LoadU(d, &rows[2][at])};
+HWY_INLINE LaneTriple load(const Tag d, const FacePlanes& f, std::size_t at) {
+  return {hn::LoadU(d, &f.ring[0][at]), hn::LoadU(d, &f.ring[1][at]), hn::LoadU(d, &f.ring[2][at])};
 }
 HWY_INLINE LaneTriple minus(const LaneTriple& u, const LaneTriple& v) {
   return {hn::Sub(u.x, v.x), hn::Sub(u.y, v.y), hn::Sub(u.z, v.z)};
@@ -41,8 +40,9 @@ HWY_INLINE Lanes larger(Lanes u, Lanes v) { return hn::IfThenElse(hn::Gt(v, u), 
 
 void findPlanes(FacePlanes& f, int count) {
   const Tag d;
+  const LaneTriple c{hn::Set(d, f.apex[0]), hn::Set(d, f.apex[1]), hn::Set(d, f.apex[2])};
   for (std::size_t at = 0; at < static_cast<std::size_t>(count); at += hn::Lanes(d)) {
-    const LaneTriple a = load(f.a, at), b = load(f.b, at), c = load(f.c, at);
+    const LaneTriple a = load(d, f, at), b = load(d, f, at + 1);
     const LaneTriple n = crossed(minus(b, a), minus(c, a));
     const Lanes square = dotted(n, n), length = hn::Sqrt(square);
     const LaneTriple unit{hn::Div(n.x, length), hn::Div(n.y, length), hn::Div(n.z, length)};

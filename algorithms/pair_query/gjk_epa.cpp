@@ -96,6 +96,12 @@ class GjkEpa final : public PairQuery<D> {
       }
       std::array<int, 2> climb{};
       if (m_params.support == Support::climb) pair.climb = &climb;
+      if constexpr (D == 3) {
+        if (!pair.climb && pair.a.core() == CoreClass::hull && pair.b.core() == CoreClass::hull) {
+          m_hulls.begin(pair.a.hull->vertices, pair.b.hull->vertices);
+          pair.hulls = &m_hulls;
+        }
+      }
       PairMemory* remembered = memory.empty() ? nullptr : &memory[i];
       BestAxis<D> best;
       const QueryStatus status = search(pair, need, remembered, best, work);
@@ -154,13 +160,13 @@ class GjkEpa final : public PairQuery<D> {
     const auto support = [&](const Vec<D>& n) {
       work[WorkCount::supportCalls] += 2;
       const Vec<D> w = m_warmth.support(pair, n);
-      last = n.dot(w);
+      last = along<D>(n, w);
       best.take(n, last);
       return w;
     };
     m_warmth.recall(pair, memory);
     Simplex<D> simplex = m_warmth.simplex();
-    NearestFeature<D> nearest;
+    NearestFeature<D> nearest, next;
     // Who was apart, and is asked for no more, is so most likely along the same direction.
     const bool began = simplex.count == D + 1 || (simplex.count > 0 && need != QueryNeed::boolean);
     if (!began) simplex.count = 0, simplex.push(support(firstDirection(pair)));
@@ -189,7 +195,7 @@ class GjkEpa final : public PairQuery<D> {
       }
       simplex = nearest.feature;
       simplex.push(w);
-      NearestFeature<D> next;
+      next.length2 = std::numeric_limits<Real>::infinity();
       inside = nearestPoint(simplex, next);
       if (inside || (!(next.length2 < nearest.length2) && !(best.bound > before))) {
         if (!inside && std::exchange(momentum, false)) continue;
@@ -238,6 +244,7 @@ class GjkEpa final : public PairQuery<D> {
   }
 
   Params m_params;
+  HullPair m_hulls;
   PairWarmth<D> m_warmth;
   Simplex<D> m_last;  // of GJK: what the nearest point lies on, or what holds the origin
   Epa<D> m_epa;

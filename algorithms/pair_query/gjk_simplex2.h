@@ -14,13 +14,32 @@ struct Simplex {
   std::array<Vec<D>, static_cast<std::size_t>(D) + 1> w;
   int count = 0;
 
-  const Vec<D>& operator[](int i) const { return w[static_cast<std::size_t>(i)]; }
-  void push(const Vec<D>& point) { w[static_cast<std::size_t>(count++)] = point; }
-  bool contains(const Vec<D>& point) const {
-    for (int i = 0; i < count; ++i) {
-      if ((*this)[i] == point) return true;
+  Simplex() {
+    for (Vec<D>& v : w) v.setZero();
+  }
+  Simplex(const Simplex& other) { *this = other; }
+  /// Number by number, as triple.h has it: points are copied when they have just been made. All of them: how many there
+  /// are, no processor foresees.
+  Simplex& operator=(const Simplex& other) {
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      for (int k = 0; k < D; ++k) w[i][k] = other.w[i][k];
     }
-    return false;
+    count = other.count;
+    return *this;
+  }
+  const Vec<D>& operator[](int i) const { return w[static_cast<std::size_t>(i)]; }
+  void push(const Vec<D>& point) {
+    Vec<D>& place = w[static_cast<std::size_t>(count++)];
+    for (int k = 0; k < D; ++k) place[k] = point[k];
+  }
+  bool contains(const Vec<D>& point) const {
+    bool found = false;
+    for (int i = 0; i <= D; ++i) {
+      bool same = i < count;
+      for (int k = 0; k < D; ++k) same &= (*this)[i][k] == point[k];
+      found |= same;
+    }
+    return found;
   }
 };
 

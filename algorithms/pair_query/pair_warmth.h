@@ -98,6 +98,15 @@ class PairWarmth {
   Vec<D> support(const CorePair<D>& pair, const Vec<D>& n) {
     if (!m_kept) return pair.support(n);
     CornerPair c;
+    if constexpr (D == 3) {
+      if (pair.hulls) {
+        const HullSupport w = pair.hulls->support(pair.p, pair.r, n);
+        if (w.a < kNoCorner) c.a = static_cast<std::uint16_t>(w.a);
+        if (w.b < kNoCorner) c.b = static_cast<std::uint16_t>(w.b);
+        m_seen.push_back({w.point, c});
+        return w.point;
+      }
+    }
     const Vec<D> a = supportCorner(pair.a, n, c.a, pair.climbOnA());
     const Vec<D> b = supportCorner(pair.b, Vec<D>(-(pair.r.transpose() * n)), c.b, pair.climbOnB());
     m_seen.push_back({difference(pair, a, b), c});

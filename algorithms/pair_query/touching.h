@@ -31,6 +31,7 @@ void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, s
           return;
         }
       }
+      if constexpr (D == 3) return verticesWithin(shape.hull->vertices, n, band, out);
       Real farthest = -std::numeric_limits<Real>::infinity();
       for (const Vec<D>& v : shape.hull->vertices) farthest = std::max(farthest, v.dot(n));
       for (const Vec<D>& v : shape.hull->vertices) {

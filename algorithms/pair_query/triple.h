@@ -23,6 +23,7 @@ struct Triple {
 
 inline Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Triple operator-(const Triple& a) { return {-a.x, -a.y, -a.z}; }
 inline Triple operator*(Real s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
 
@@ -43,6 +44,21 @@ inline Real sumOfSizes(const Triple& a) {
 inline Triple operator*(const Rot<3>& q, const Triple& v) {
   const Triple u(q.x, q.y, q.z), t = Real(2) * cross(u, v);
   return v + q.w * t + cross(u, t);
+}
+
+/// As of Vecs.
+inline void removeAlong(Triple& n, const Triple& e) {
+  n = n - dot(n, e) * e;
+  n = n - dot(n, e) * e;
+}
+/// a . b of vectors that may have just been written.
+template <int D>
+Real along(const Vec<D>& a, const Vec<D>& b) {
+  if constexpr (D == 3) {
+    return dot(Triple(a), Triple(b));
+  } else {
+    return a.dot(b);
+  }
 }
 
 /// As of a Vec.

@@ -2,6 +2,8 @@
 // What is done for several vertices or faces at a time gives the very numbers that one at a time gives.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "algorithms/pair_query/face_planes.h"
 #include "algorithms/pair_query/hull_support.h"
 #include "algorithms/pair_query/touching_boxes3.h"
@@ -51,26 +53,107 @@ TEST(HullLanes, FarthestVertexIsTheScans) {
   expectCaught("of vertices that are equally far the last", findsTheSame(lastFarthest));
 }
 
+// Of two hulls, of few vertices and of many, what a search asks again and again: the numbers of the vectors' own
+// arithmetic, also from the second time on.
+using PairSearch = HullSupport (*)(HullPair&, const CorePair<3>&, const Vec<3>&);
+
+bool supportsAreVectors(PairSearch search) {
+  PlainDraw draw(8);
+  HullPair hulls;
+  for (int n = 0; n < 300; ++n) {
+    const bool onGrid = n % 2 == 0;
+    const auto place = [&] {
+      const Vec<3> v = drawVector<3>(draw);
+      return onGrid ? Vec<3>((2 * v).array().round()) : v;
+    };
+    Polytope<3> a, b;
+    for (int i = 0, count = 1 + draw.below(n % 3 == 0 ? 20 : 70); i < count; ++i) a.vertices.push_back(place());
+    for (int i = 0, count = 1 + draw.below(70); i < count; ++i) b.vertices.push_back(place());
+    PairView<3> view;
+    view.a.kind = view.b.kind = ShapeKind::polytope, view.a.hull = &a, view.b.hull = &b;
+    view.X_AB = {drawVector<3>(draw), drawRotation<3>(draw)};
+    const CorePair<3> pair(view);
+    hulls.begin(a.vertices, b.vertices);
+    for (int i = 0; i < 4; ++i) {
+      const Vec<3> d = place();
+      int onA = -1, onB = -1;
+      const Vec<3> v = coreSupport(view.b, Vec<3>(-(pair.r.transpose() * d)), &onB), u = coreSupport(view.a, d, &onA);
+      const HullSupport found = search(hulls, pair, d);
+      if (found.a != static_cast<std::size_t>(onA) || found.b != static_cast<std::size_t>(onB)) return false;
+      if (found.point != Vec<3>((pair.p + pair.r * v) - u) || found.point != pair.support(d)) return false;
+    }
+  }
+  return true;
+}
+HullSupport asked(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
+  return hulls.support(pair.p, pair.r, n);
+}
+// The second time it still looks at the vertices of the pair before.
+HullSupport askedStale(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
+  static HullPair first;
+  static bool begun = false;
+  if (!std::exchange(begun, true)) first = hulls;
+  return (pair.p[0] > 0 ? first : hulls).support(pair.p, pair.r, n);
+}
+HullSupport askedFromTheOtherEnd(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
+  HullSupport found = hulls.support(pair.p, pair.r, n);
+  const Vec<3> v = pair.r * pair.b.hull->vertices[found.b];
+  found.point = pair.p + (v - pair.a.hull->vertices[found.a]);
+  return found;
+}
+TEST(HullLanes, SupportsOfTwoHullsAreThoseOfVectors) {
+  forEachTarget([](std::int64_t target) { EXPECT_TRUE(supportsAreVectors(asked)) << hwy::TargetName(target); });
+  expectCaught("rows of a pair before", supportsAreVectors(askedStale));
+  expectCaught("three numbers added in another order", supportsAreVectors(askedFromTheOtherEnd));
+}
+
+// Vertices near the farthest, as one by one finds them, in their order.
+using Gather = void (*)(const std::vector<Vec<3>>&, const Vec<3>&, Real, std::vector<Vec<3>>&);
+
+bool gathersTheSame(Gather gather) {
+  PlainDraw draw(9);
+  std::vector<Vec<3>> vertices, found, near;
+  for (int n = 0; n < 1000; ++n) {
+    const auto onGrid = [&] { return Vec<3>((2 * drawVector<3>(draw)).array().round()); };
+    vertices.clear(), found.clear(), near.clear();
+    for (int i = 0, count = 1 + draw.below(40); i < count; ++i) vertices.push_back(onGrid());
+    const Vec<3> d = onGrid();
+    const Real band = draw.below(3);
+    Real farthest = vertices[0].dot(d);
+    for (const Vec<3>& v : vertices) farthest = std::max(farthest, v.dot(d));
+    for (const Vec<3>& v : vertices) {
+      if (v.dot(d) >= farthest - band) near.push_back(v);
+    }
+    gather(vertices, d, band, found);
+    if (found != near) return false;
+  }
+  return true;
+}
+void gatherInside(const std::vector<Vec<3>>& vertices, const Vec<3>& d, Real band, std::vector<Vec<3>>& out) {
+  verticesWithin(vertices, d, band > 0 ? std::nextafter(band, Real(0)) : band, out);
+}
+TEST(HullLanes, VerticesNearTheFarthestAreTheScans) {
+  forEachTarget([](std::int64_t target) { EXPECT_TRUE(gathersTheSame(verticesWithin)) << hwy::TargetName(target); });
+  expectCaught("those on the border of the band are left out", gathersTheSame(gatherInside));
+}
+
 // Planes of fans of each size, and those of triangles without one, to the last bit.
 bool planesAreTriples(void (*spoil)(FacePlanes&)) {
   PlainDraw draw(6);
-  const auto put = [](std::array<FacePlanes::Row, 3>& rows, std::size_t i, const Vec<3>& v) {
-    for (std::size_t k = 0; k < 3; ++k) rows[k][i] = v[static_cast<int>(k)];
-  };
   for (int n = 0; n < 2000; ++n) {
     const int count = 1 + draw.below(FacePlanes::kFan);
     FacePlanes planes;
-    std::vector<std::array<Vec<3>, 3>> corners;
-    for (int i = 0; i < count; ++i) {
-      corners.push_back({drawVector<3>(draw), drawVector<3>(draw), drawVector<3>(draw)});
-      if (draw.below(10) == 0) corners.back()[1] = corners.back()[0];
-      const auto at = static_cast<std::size_t>(i);
-      put(planes.a, at, corners[at][0]), put(planes.b, at, corners[at][1]), put(planes.c, at, corners[at][2]);
+    std::vector<Vec<3>> ring;
+    const Vec<3> apex = drawVector<3>(draw);
+    for (int k = 0; k < 3; ++k) planes.apex[static_cast<std::size_t>(k)] = apex[k];
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(count); ++i) {
+      ring.push_back(i > 0 && draw.below(10) == 0 ? ring.back() : drawVector<3>(draw));
+      for (std::size_t k = 0; k < 3; ++k) planes.ring[k][i] = ring[i][static_cast<int>(k)];
     }
     planes.find(count);
     spoil(planes);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Triple a(corners[i][0]), b(corners[i][1]), c(corners[i][2]);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const Triple a(ring[i]), b(ring[i + 1]), c(apex);
       Triple normal = cross(b - a, c - a);
       if (planes.square[i] != dot(normal, normal)) return false;
       if (!makeUnit(normal)) continue;
