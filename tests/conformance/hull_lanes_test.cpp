@@ -118,7 +118,7 @@ bool gathersTheSame(Gather gather) {
     vertices.clear(), found.clear(), near.clear();
     for (int i = 0, count = 1 + draw.below(40); i < count; ++i) vertices.push_back(onGrid());
     const Vec<3> d = onGrid();
-    const Real band = draw.below(3);
+    const Real band = Real(draw.below(3));
     Real farthest = vertices[0].dot(d);
     for (const Vec<3>& v : vertices) farthest = std::max(farthest, v.dot(d));
     for (const Vec<3>& v : vertices) {
