@@ -23,7 +23,6 @@ struct Triple {
 
 inline Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Triple operator-(const Triple& a) { return {-a.x, -a.y, -a.z}; }
 inline Triple operator*(Real s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
 
