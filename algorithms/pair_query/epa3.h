@@ -95,7 +95,8 @@ class Epa<3> {
       const int count = std::min(m_count - first, FacePlanes::kFan);
       for (int i = 0; i < count; before = first + i++) {
         const Face& f = m_faces[at(first + i)];
-        torn |= (m_faces[at(before)].v[1] != f.v[0]) | m_faces[at(f.edge[0] >> 2)].gone;
+        torn |= m_faces[at(before)].v[1] != f.v[0];
+        torn |= m_faces[at(f.edge[0] >> 2)].gone;
         join(first + i, 2, before, 1);
         put(f.v[0], i);
       }
