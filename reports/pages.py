@@ -4,7 +4,9 @@
 import multiprocessing
 import os
 import shlex
+import warnings
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import jinja2
@@ -59,19 +61,29 @@ def save_all(pictures):
     _pictures = pictures  # figures cannot be sent: the processes are copies of this one, which has them
     cores = min(len(os.sched_getaffinity(0)), len(pictures))
     if cores < 2:
-        for place in range(len(pictures)):
-            _save(place)
+        for figure, path in pictures:
+            save(figure, path)
         return
-    with ProcessPoolExecutor(cores, multiprocessing.get_context("fork")) as pool:
-        for _ in pool.map(_save, range(len(pictures))):
-            pass
+    try:
+        with ProcessPoolExecutor(cores, multiprocessing.get_context("fork")) as pool:
+            for said in pool.map(_save, range(len(pictures))):
+                for message, category in said:  # of a copy nobody would hear them
+                    warnings.warn(message, category, stacklevel=2)
+    except BrokenProcessPool as error:
+        raise UserError(f"a process that writes pictures was ended from outside, as when memory is short: {error}") from error
+    finally:
+        _pictures = []
 
 
 _pictures = []
 
 
 def _save(place):
-    save(*_pictures[place])
+    """Writes one; returns what was warned of."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        save(*_pictures[place])
+    return [(str(warning.message), warning.category) for warning in said]
 
 
 def save_table(rows, about, path):

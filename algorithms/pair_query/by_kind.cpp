@@ -14,29 +14,23 @@ template <int D>
 class ByKind final : public PairQuery<D> {
  public:
   struct Params {
-    Spec rest{"gjk_epa", {}};
-    void visit(ParamVisitor& v) {
-      v.stage("rest", rest, StageKind::pairQuery, "answers pairs that are neither closed_form's nor boxes");
-    }
+    void visit(ParamVisitor&) {}
   };
-  explicit ByKind(const Params& params)
-      : m_formulas(createStage<PairQuery<D>>(Spec{"closed_form", {}})),
-        m_axes(createStage<PairQuery<D>>(Spec{"sat", {}})),
-        m_rest(createStage<PairQuery<D>>(params.rest)) {}
+  explicit ByKind(const Params&) {}
 
   static AlgorithmInfo info() {
     return {.name = "by_kind",
-            .summary = "closed_form where it has a formula, sat for boxes and in 2D for polygons, another for the rest",
+            .summary = "closed_form where it has a formula, sat for boxes and in 2D for polygons, gjk_epa for the rest",
             .paper = "ericson2004",
             .complexity = "as the method that is asked"};
   }
 
   bool supports(ShapeKind a, ShapeKind b) const override {
-    return m_formulas->supports(a, b) || m_axes->supports(a, b) || m_rest->supports(a, b);
+    return m_formulas->supports(a, b) || m_rest->supports(a, b);
   }
 
   // A pair keeps its kinds, and with them its method: nobody reads what another has written.
-  bool remembers() const override { return m_formulas->remembers() || m_axes->remembers() || m_rest->remembers(); }
+  bool remembers() const override { return true; }
 
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
              std::span<PairMemory> memory, WorkDone& work) override {
@@ -47,11 +41,13 @@ class ByKind final : public PairQuery<D> {
   PairQuery<D>& chosen(ShapeKind a, ShapeKind b) {
     if (m_formulas->supports(a, b)) return *m_formulas;
     const bool boxes = coreClass(a) == CoreClass::box && coreClass(b) == CoreClass::box;
-    if (m_axes->supports(a, b) && (D == 2 || boxes || !m_rest->supports(a, b))) return *m_axes;
+    if (boxes || (D == 2 && m_axes->supports(a, b))) return *m_axes;
     return *m_rest;
   }
 
-  std::unique_ptr<PairQuery<D>> m_formulas, m_axes, m_rest;
+  std::unique_ptr<PairQuery<D>> m_formulas = createStage<PairQuery<D>>(Spec{"closed_form", {}}),
+                                m_axes = createStage<PairQuery<D>>(Spec{"sat", {}}),
+                                m_rest = createStage<PairQuery<D>>(Spec{"gjk_epa", {}});
 };
 
 }  // namespace

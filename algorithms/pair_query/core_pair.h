@@ -68,7 +68,7 @@ struct CorePair {
   Mat<D> r;                             // R_AB
   Real scale;                           // m; coordinates are rounded to about kEpsilon * scale
   std::array<int, 2>* climb = nullptr;  // vertices from which climbs on A and B begin; null: all are looked at
-  HullPair* hulls = nullptr;            // of two hulls, for who asks for many supports without a climb; null: one by one
+  HullPair* hulls = nullptr;  // of two hulls, for who asks for many supports without a climb; null: one by one
 
   explicit CorePair(const PairView<D>& pair) : a(pair.a), b(pair.b), p(pair.X_AB.p), r(pair.X_AB.q.matrix()), scale(0) {
     for (int k = 0; k < D; ++k) scale = std::max({scale, a.half[k], b.half[k], std::abs(p[k])});

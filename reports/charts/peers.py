@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 import failure
 import metrics
 import noise
-from chart import Chart, Headline, Needs, dimension_of, identifier, listing, plural
-from load import one_machine
+from chart import Chart, Headline, Needs, describe, dimension_of, identifier, listing, plural
+from load import one_machine, varying
 from style import WIDTH, ZeroLog, legend_right, legend_room, plt, times
 from table import quantity
 
@@ -21,7 +21,7 @@ TIME = "ns_per_query"
 NEEDS = Needs("pairs", metrics=(TIME, "max_error"), also="ours and a witness on the same pairs of shapes")
 ABSENT = Chart("peers", SECTION, "Beside packaged libraries", "No timed sweep asks ours and witnesses about the same pairs.",
                "pair_queries")
-WHAT = ("dimension", "pair", "vertices", "drawing")  # a row
+WHAT = ("dimension", "pair", "vertices", "drawing")  # a row, besides what else differs in the sweep
 
 
 def of_sweep(context, cells):
@@ -32,15 +32,18 @@ def of_sweep(context, cells):
                          pair=["–".join(sorted((str(a), str(b)))) for a, b in zip(cells["kind_a"], cells["kind_b"])],
                          ours=[context.store.role(m) == "competitor" for m in cells["method"]],
                          failures=failure.in_pairs(cells))
-    cells = cells[cells["outcome"].isin(["ok", "wrong"]).to_numpy() & np.isfinite(metrics.column(cells, TIME))]
+    asked = metrics.column(cells, "asked")
+    known = np.isfinite(metrics.column(cells, TIME)) & np.isfinite(cells["failures"]) & (asked > 0)
+    others = varying(context.store, cells, ("dimension", "kind_a", "kind_b", "vertices", "drawing", "n"))
+    cells = cells[cells["outcome"].isin(["ok", "wrong"]).to_numpy() & known]
     least = noise.floor_of(context, cells["sweep"].iloc[0], TIME) if len(cells) else 1.0
-    rows = rows_of(cells, least)
+    rows = rows_of(cells, least, others)
     return [_chart(context, cells, rows, refused)] if rows else []
 
 
-def rows_of(cells, least):
+def rows_of(cells, least, others=()):
     """One entry per question that one of ours answers without a failure and a witness answers at all."""
-    what = [name for name in WHAT if name in cells]
+    what = [name for name in WHAT if name in cells] + list(others)
     found = []
     for key, part in cells.groupby(what, sort=True, dropna=False):
         ours = part[part["ours"] & (part["failures"] == 0)]
@@ -48,7 +51,8 @@ def rows_of(cells, least):
         if not len(ours) or not len(peers):
             continue
         best = ours.loc[ours[TIME].idxmin()]
-        row = {"what": _named(dict(zip(what, key))), "ours": best, "peers": []}
+        where = describe(part.iloc[0], others)
+        row = {"what": _named(dict(zip(what, key))) + (f", {where}" if where else ""), "ours": best, "peers": []}
         for _, peer in peers.sort_values(TIME, kind="stable").iterrows():
             row["peers"].append({"name": peer["method"], "ratio": float(peer[TIME] / best[TIME]), "cell": peer,
                                  "share": float(peer["failures"] / peer["asked"]),

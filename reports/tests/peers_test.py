@@ -21,22 +21,24 @@ CALLS = {("box", "box"): {"sat": (100, 0), "closed_form": (50, 3), "libccd_mpr":
          ("capsule", "box"): {"libccd_mpr": (10, 0)}}
 
 
-def fill(maker):
+def fill(maker, precisions=("f64",), asked=96):
     maker.sweep("pair_queries", "pairs", pair_query="stage")
-    for (a, b), calls in CALLS.items():
-        for method, (ns, wrong) in calls.items():
-            for repeat in range(5):
-                axes = {"kind": "pairs", "dimension": 3, "pair_query": method, "kind_a": a, "kind_b": b, "precision": "f64",
-                        "timed": True, "repeat": repeat}
-                maker.trial("pair_queries", axes, {"ns_per_query": ns * (1 + 0.02 * (repeat % 2)), "median_error": 0.0,
-                                                   "p99_error": 0.0, "max_error": 0.5 if wrong else 1e-16, "failed": 0,
-                                                   "refused": 0, "wrong_boolean": 0, "wrong": wrong, "asked": 96},
-                            "wrong" if wrong else "ok")
+    cells = [(pair, method, call, precision) for pair, calls in CALLS.items() for method, call in calls.items()
+             for precision in precisions if precision == "f64" or method == "sat"]
+    for (a, b), method, (ns, wrong), precision in cells:
+        ns = ns / 10 if precision == "f32" else ns
+        for repeat in range(5):
+            axes = {"kind": "pairs", "dimension": 3, "pair_query": method, "kind_a": a, "kind_b": b, "precision": precision,
+                    "timed": True, "repeat": repeat}
+            maker.trial("pair_queries", axes, {"ns_per_query": ns * (1 + 0.02 * (repeat % 2)), "median_error": 0.0,
+                                               "p99_error": 0.0, "max_error": 0.5 if wrong else 1e-16, "failed": 0,
+                                               "refused": 0, "wrong_boolean": 0, "wrong": wrong, "asked": asked},
+                        "wrong" if wrong else "ok")
 
 
 class Peers(with_store.WithStore):
-    def one(self):
-        found = self.made(peers, fill)
+    def one(self, **kwargs):
+        found = self.made(peers, lambda maker: fill(maker, **kwargs))
         self.assertEqual(len(found), 1)
         return found[0]
 
@@ -57,6 +59,13 @@ class Peers(with_store.WithStore):
     def test_no_lead_within_the_noise(self):
         with unittest.mock.patch.object(noise, "tells", lambda a, b, metric, least: True):
             self.assertIn("faster than the fastest such on 2", self.one().finding, "the planted bug: every difference counts")
+
+    def test_another_precision_is_another_question(self):
+        self.assertEqual(self.one(precisions=("f64", "f32")).finding.split(":")[0],
+                         self.one().finding.split(":")[0], "who is fast in f32 would be ours, and libraries answer in f64")
+
+    def test_who_was_asked_nothing_is_no_row(self):
+        self.assertEqual([chart.figure for chart in self.made(peers, lambda maker: fill(maker, asked=0))], [None])
 
 
 if __name__ == "__main__":

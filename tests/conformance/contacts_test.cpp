@@ -76,6 +76,26 @@ void pairsAreIndependent() {
   }
 }
 
+// A body at NaN is nowhere: nothing touches it, and nothing hangs.
+template <int D>
+void nowhereIsNoContact() {
+  PlainDraw draw(8);
+  for (int i = 0; i < 400; ++i) {
+    ContactScene<D> scene = drawScene<D>(draw);
+    const ShapePair pair{0, 1};
+    ChildPairs<D> childPairs;
+    WorkDone work;
+    const auto children = childPairs.of({&pair, 1}, scene.shapes, scene.pose, scene.margin, work);
+    scene.pose[static_cast<std::size_t>(i % 2)].p[i % D] = std::numeric_limits<Real>::quiet_NaN();
+    for (const Registered* r : Registry::instance().list(StageKind::contacts, D)) {
+      std::vector<Manifold<D>> fresh;
+      createStage<ContactGenerator<D>>({r->info.name, {}})
+          ->generate({children, scene.shapes, scene.pose, scene.margin, true}, fresh, work);
+      for (const Manifold<D>& m : fresh) EXPECT_EQ(m.count, 0) << r->info.name << ", " << D << "D, scene " << i;
+    }
+  }
+}
+
 template <int D, template <int> class Bug, class Property>
 void catches(const std::string& name, const Property& property, int cases) {
   Bug<D> bug;
@@ -279,6 +299,11 @@ TEST(Contacts, DeclaredFailuresAreTested) {
 }
 
 // The answer must not depend on the order of the pairs, on what was asked before, or on how many are asked at once.
+TEST(Contacts, NowhereIsNoContact) {
+  nowhereIsNoContact<2>();
+  nowhereIsNoContact<3>();
+}
+
 TEST(Contacts, PairsAreIndependent) {
   pairsAreIndependent<2>();
   pairsAreIndependent<3>();

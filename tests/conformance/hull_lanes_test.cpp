@@ -91,8 +91,12 @@ HullSupport asked(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
 // The second time it still looks at the vertices of the pair before.
 HullSupport askedStale(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
   static HullPair first;
+  static std::array<Polytope<3>, 2> kept;  // a HullPair reads the vertices where they are
   static bool begun = false;
-  if (!std::exchange(begun, true)) first = hulls;
+  if (!std::exchange(begun, true)) {
+    kept = {*pair.a.hull, *pair.b.hull};
+    first.begin(kept[0].vertices, kept[1].vertices);
+  }
   return (pair.p[0] > 0 ? first : hulls).support(pair.p, pair.r, n);
 }
 HullSupport askedFromTheOtherEnd(HullPair& hulls, const CorePair<3>& pair, const Vec<3>& n) {
