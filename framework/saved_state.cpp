@@ -2,7 +2,9 @@
 #include "framework/saved_state.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <vector>
 
 #include "framework/shape_tolerances.h"
 #include "framework/user_numbers.h"
@@ -77,10 +79,26 @@ void checkHull(const Polytope<3>& hull) {
     end = f.end;
   }
   require(end == static_cast<std::int64_t>(hull.loop.size()), "a polytope's faces do not share out its corners");
+  // Who walks along edges takes for granted that one runs as its first face does, and against its second.
+  std::vector<std::array<int, 3>> sides;
+  for (std::size_t f = 0; f < hull.faces.size(); ++f) {
+    const auto& face = hull.faces[f];
+    for (int i = face.begin; i < face.end; ++i) {
+      const int next = i + 1 < face.end ? i + 1 : face.begin;
+      sides.push_back(
+          {hull.loop[static_cast<std::size_t>(i)], hull.loop[static_cast<std::size_t>(next)], static_cast<int>(f)});
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  const auto isSide = [&](int from, int to, int face) {
+    return std::binary_search(sides.begin(), sides.end(), std::array<int, 3>{from, to, face});
+  };
   for (const auto& e : hull.edges) {
     require(holds(hull.vertices, e.v0) && holds(hull.vertices, e.v1) && e.v0 != e.v1 && holds(hull.faces, e.faceA) &&
                 holds(hull.faces, e.faceB),
             "a polytope's edge with an end or a face that does not exist");
+    require(isSide(e.v0, e.v1, e.faceA) && isSide(e.v1, e.v0, e.faceB),
+            "a polytope's edge that is no side of its faces");
   }
 }
 

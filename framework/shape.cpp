@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 #include <string>
 
 #include "framework/check.h"
@@ -93,6 +94,14 @@ template <int D>
 Shape<D> Shape<D>::polytope(std::shared_ptr<const Polytope<D>> hull, Real rounding) {
   if (!hull) throw UserError("polytope: there is no hull");
   requireSize("polytope", "rounding", rounding, true);
+  if constexpr (D == 3) {
+    if (hull->firstSpoke.size() != hull->vertices.size() + 1) {  // made by hand
+      auto linked = std::make_shared<Polytope<3>>(*hull);
+      linkVertices(*linked);
+      if (linked->firstSpoke.empty()) throw UserError("polytope: a face or an edge of a vertex that does not exist");
+      hull = std::move(linked);
+    }
+  }
   Shape s;
   s.m_view.kind = ShapeKind::polytope, s.m_view.radius = rounding, s.m_view.hull = hull.get();
   for (const Vec<D>& v : hull->vertices) s.m_view.half = s.m_view.half.cwiseMax(v.cwiseAbs()).eval();

@@ -212,7 +212,6 @@ class BoxLanes {
     takeIfBetter(n, m_in.bound(n), asked);
   }
 
-  // The scalar code passes over corners that lie too far behind to be the nearest; here it would take longer to ask.
   HWY_INLINE void tryCorners(Mask apart) {
     const Lane infinity = all(std::numeric_limits<Real>::infinity()), slack = all(kBoundRounding) * m_in.scale;
     Lane least2[2] = {infinity, infinity};

@@ -140,7 +140,7 @@ class Epa<3> {
   }
 
   // The nearest face that is left, of several the oldest; -1: none. A look at all: those that are gone leave the list,
-  // and the bound keeps it short.
+  // and the bound keeps it short, but from outside and in round cores that share a centre, where nearly all faces wait.
   int takeLowest() {
     Real least = kNever;
     int lowest = -1, kept = 0;

@@ -165,15 +165,15 @@ HWY_INLINE std::size_t farthestInRows(const HullPair::Hull& hull, Real dx, Real 
   return indexOf(fartherOrFirst(low, high));
 }
 
+std::size_t findOne(HullPair::Hull& hull, int asked, const Real* HWY_RESTRICT n) {
+  if (asked == 0) return farthestOf(hull.vertices, hull.count, n[0], n[1], n[2]);
+  if (asked == 1) fillRows(hull);
+  return farthestInRows(hull, n[0], n[1], n[2]);
+}
+
 void findBoth(HullPair::Hull& a, HullPair::Hull& b, int asked, const Real* HWY_RESTRICT n,
               const Real* HWY_RESTRICT back, HullSupport& out) {
-  if (asked == 0) {
-    out.a = farthestOf(a.vertices, a.count, n[0], n[1], n[2]);
-    out.b = farthestOf(b.vertices, b.count, back[0], back[1], back[2]);
-    return;
-  }
-  if (asked == 1) fillRows(a), fillRows(b);
-  out.a = farthestInRows(a, n[0], n[1], n[2]), out.b = farthestInRows(b, back[0], back[1], back[2]);
+  out.a = findOne(a, asked, n), out.b = findOne(b, asked, back);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -211,17 +211,21 @@ std::size_t farthestOfFew(const HullPair::Hull& hull, const Real* n) {
 
 }  // namespace
 
+HWY_EXPORT(findOne);
 HWY_EXPORT(findBoth);
 HullSupport HullPair::support(const Vec<3>& p, const Mat<3>& rotation, const Vec<3>& n) {
   const Real *r = rotation.data(), x = n[0], y = n[1], z = n[2], along[3] = {x, y, z};
   const Real back[3] = {-summed(r[0] * x, r[1] * y, r[2] * z), -summed(r[3] * x, r[4] * y, r[5] * z),
                         -summed(r[6] * x, r[7] * y, r[8] * z)};
   HullSupport out;
-  if (m_a.count < kManyVertices || m_b.count < kManyVertices) {
-    out.a = farthestOfFew(m_a, along), out.b = farthestOfFew(m_b, back);
+  const bool fewA = m_a.count < kManyVertices, fewB = m_b.count < kManyVertices;
+  if (!fewA && !fewB) {
+    HWY_DYNAMIC_DISPATCH(findBoth)(m_a, m_b, m_asked, along, back, out);
   } else {
-    HWY_DYNAMIC_DISPATCH(findBoth)(m_a, m_b, m_asked++, along, back, out);
+    out.a = fewA ? farthestOfFew(m_a, along) : HWY_DYNAMIC_DISPATCH(findOne)(m_a, m_asked, along);
+    out.b = fewB ? farthestOfFew(m_b, back) : HWY_DYNAMIC_DISPATCH(findOne)(m_b, m_asked, back);
   }
+  ++m_asked;
   const Real *u = m_a.vertices + 3 * out.a, *v = m_b.vertices + 3 * out.b;
   // As Eigen adds what a matrix makes of a vector: the first two rows column by column, the last one like a float's.
   out.point[0] = (p[0] + summed(r[0] * v[0], r[3] * v[1], r[6] * v[2])) - u[0];

@@ -139,7 +139,7 @@ class SatBoxes3 {
     return (x | (face == 0)) & (y | (face == 1)) & (z | (face == 2));
   }
 
-  // A box's corners in the other's frame. A core's corners count once, `flat` axes have one end.
+  // A box's corners in the other's frame. Along an axis without extent both ends are one corner.
   struct Corners {
     Real x[kCorners], y[kCorners], z[kCorners];
     Real length2[kCorners];  // of the way to the other box

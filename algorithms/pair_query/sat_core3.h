@@ -105,7 +105,7 @@ class SatCore {
         return view(m_box);
       case CoreClass::segment:
         if (m_segment.vertices.empty()) {
-          m_segment.vertices.resize(2);
+          m_segment.vertices.assign(2, Vec<3>::Zero());
           m_segment.edges.push_back({0, 1, -1, -1});  // an edge without faces
           linkVertices(m_segment);
         }
@@ -132,7 +132,7 @@ class SatCore {
 
   // Corner number `bits` has the signs of its bits; face 2 k looks along axis k, 2 k + 1 back.
   void makeBox() {
-    m_box.vertices.resize(8);
+    m_box.vertices.assign(8, Vec<3>::Zero());
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
       for (const int sign : {1, -1}) {

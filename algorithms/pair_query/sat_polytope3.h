@@ -23,7 +23,8 @@ class SatPolytope<3> {
     m_slack = kBoundRounding * pair.scale;
     m_features = {};
     m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
-    if (!(memory && recall(*memory))) search();
+    const bool somewhere = pair.p.allFinite() && pair.r.allFinite();  // else no bound would end the search
+    if (somewhere && !(memory && recall(*memory))) search();
     if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<3>::Unit(0), work);
     if (memory) remember(*memory);
   }

@@ -352,6 +352,18 @@ TEST(Hull, RefusesWhatHasNoVolume) {
   if (sizeof(Real) == 8) refuses<2>({{Real(-1e200), 0}, {Real(1e200), 0}, {0, Real(1e200)}}, "the points span");
 }
 
+// Who fills a hull in by hand has given what it is made of; what follows from that is made with the shape.
+TEST(Hull, MadeByHandKnowsItsNeighbours) {
+  const Hull<3> whole = hullOf<3>({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  Polytope<3> hand = *whole;
+  hand.spokes.clear(), hand.firstSpoke.clear();
+  const Shape<3> made = Shape<3>::polytope(std::make_shared<const Polytope<3>>(hand));
+  EXPECT_EQ(made.view().hull->firstSpoke, whole->firstSpoke);
+  EXPECT_EQ(made.view().hull->slack, whole->slack);
+  hand.edges[0].v0 = 4;
+  EXPECT_THROW(Shape<3>::polytope(std::make_shared<const Polytope<3>>(hand)), UserError);
+}
+
 TEST(Hull, SmallAndFar) {
   const Real far = sizeof(Real) == 8 ? Real(1e6) : Real(1e3), size = sizeof(Real) == 8 ? Real(1e-3) : Real(0.1);
   Points<3> points;
