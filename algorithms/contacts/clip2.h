@@ -82,8 +82,6 @@ inline void closestOfEdges(const Edge2& e1, const Edge2& e2, const Xy& axis, boo
     const Xy on1 = onSegment(v2, e1, nearB);
     offer(on1, v2, nearB ? e1.ib : e1.ia, end ? e2.ib : e2.ia);
   }
-  axis.to(out.normal);
-  if (!(best < std::numeric_limits<Real>::infinity())) return;  // NaN: nowhere
   const Real distance = std::sqrt(best);
   // Nearer than rounding, the direction between the witnesses is noise; the separating axis is not.
   const Xy between = p2 - p1;

@@ -69,6 +69,8 @@ inline PlacedPair<2> placePair<2>(const ContactInput<2>& in, const ConvexPair<2>
   out.limit = in.margin + s1.radius + s2.radius;
   out.rounding = kNoise * (size1.reach + size2.reach + (std::abs(p_12.x()) + std::abs(p_12.y())));
   out.tolerance = std::max(std::min(bias, kThinPart * std::min(size1.thickness, size2.thickness)), out.rounding);
+  constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+  if (!(out.rounding < kInfinity)) out.limit = -kInfinity;  // a body that is nowhere: nothing touches it
   return out;
 }
 

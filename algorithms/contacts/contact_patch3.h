@@ -31,6 +31,8 @@ inline PlacedPair<3> placePair(const ContactInput<3>& in, const ConvexPair<3>& p
   out.limit = in.margin + s1.radius + s2.radius;
   out.rounding = kNoise * (coreReach(s1) + coreReach(s2) + sumOfSizes(p_12));
   out.tolerance = std::max(std::min(bias, kThinPart * std::min(coreThickness(s1), coreThickness(s2))), out.rounding);
+  constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+  if (!(out.rounding < kInfinity)) out.limit = -kInfinity;  // a body that is nowhere: nothing touches it
   return out;
 }
 

@@ -29,8 +29,9 @@ class ByKind final : public PairQuery<D> {
     return m_formulas->supports(a, b) || m_rest->supports(a, b);
   }
 
-  // A pair keeps its kinds, and with them its method: nobody reads what another has written.
-  bool remembers() const override { return true; }
+  // A pair keeps its kinds, and with them its method: nobody reads what another has written. In 2D only curved pairs
+  // would be remembered.
+  bool remembers() const override { return D == 3; }
 
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
              std::span<PairMemory> memory, WorkDone& work) override {

@@ -222,7 +222,9 @@ void bugsAreCaught() {
   Measured right;
   measure<D>(ShapeKind::box, ShapeKind::box, competitors<D>(), right);
   Table rows;
-  for (const auto& [row, error] : right.errors) rows[row] = table().at(row);
+  for (const auto& [row, error] : right.errors) {
+    if (table().contains(row)) rows[row] = table().at(row);  // else of a method that is new
+  }
   EXPECT_EQ(lines(faults(rows, right.errors, D)), "");
   for (const auto& [row, bound] : rows) {
     Table loose = rows, stale = rows, without = rows;
