@@ -49,7 +49,7 @@ int collidePointBox(const PlacedPair<D>& pair, Vec<D>& n, PatchPoint<D>& out) {
     p2[axis] = n_21[axis] * half[axis];
     distance = std::abs(c[axis]) - half[axis];
   }
-  if (distance > pair.limit) return 0;
+  if (!(distance <= pair.limit)) return 0;
   n = -(pair.X_12.q * n_21);
   out = {Vec<D>::Zero(), pair.X_12 * p2, distance, featureNumber(featureCode(0), kNoFeature)};
   return 1;
