@@ -156,12 +156,16 @@ def _chart(context, cells, dimension, where, refused):
     least = noise.floor_of(context, sweep, TIME)
     shown = [TIME] + [name for name in WORK if (metrics.column(cells, name) > 0).any()]
     legend_width = legend_room(map(context.name, methods), 1.75)
-    figure, axes = grid_of_axes(len(drawings), len(shown), 2.3, legend_width, left=0.8, gap_x=0.75, gap_y=0.75, bottom=0.55)
+    figure, axes = grid_of_axes(len(drawings), len(shown), 2.3, legend_width, left=0.8, gap_x=0.75, gap_y=0.95, bottom=0.55,
+                                top=0.75)
     lines, bad = [], ~cells["outcome"].isin(["ok", "wrong"]).to_numpy()
     for column, metric in enumerate(shown):
         for row, drawing in enumerate(drawings):
             ax, part = axes[row][column], cells[cells["drawing"] == drawing]
             doers = [m for m in methods if metric == TIME or (metrics.column(part[part["method"] == m], metric) > 0).any()]
+            if not doers:  # of pairs apart nobody makes faces
+                ax.set_visible(False)
+                continue
             curves = {m: curve(part[part["method"] == m], metric) for m in doers}
             everything = np.concatenate([values for _, values in curves.values()] or [np.array([])])
             everything = everything[np.isfinite(everything)]
