@@ -47,6 +47,8 @@ NOT_RUN = {
     "reports/claims.py --into docs/claims.md": "reports_claims runs the same",
     "reports/make.py --store results/evidence.db --page docs/evidence.md":
         "of sweeps that take minutes; reports_docs_page does it with a small store",
+    "reports/make.py --store results/pairs.db --page docs/pair_queries.md":
+        "of sweeps that take minutes; reports_docs_page does it with a small store",
 }
 # The same in a second or two.
 INSTEAD = {
@@ -65,6 +67,9 @@ INSTEAD = {
     "lpc sweep resolvers --store results/mine.db": "lpc sweep resolvers --store results/mine.db --dry-run",
     **{f"lpc sweep {name} --store results/evidence.db": f"lpc sweep {name} --store results/evidence.db --dry-run"
        for name in ("beyond", "breaking_map", "cache_solver", "ensembles", "equal_cost", "orders", "problems", "reference")},
+    **{f"lpc sweep {name} --store results/pairs.db": f"lpc sweep {name} --store results/pairs.db --dry-run"
+       for name in ("pair_queries", "pair_queries_curved", "hull_sizes", "streams", "tolerance_cost",
+                    "continuous")},
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
     "lpc verify --stage velocity": "lpc verify --stage velocity --dimension 2 --methods siconos",
