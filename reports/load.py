@@ -128,7 +128,7 @@ class Store:
         self._sweeps = {row[0]: _sweep(*row) for row in
                         self.db.execute("SELECT name, kind, summary, baseline, roles FROM sweep")}
         self._cells, self._axes, self._method_axes, self._roles = {}, {}, {}, None
-        self.by_key = {trial.Index: trial for trial in self.trials.itertuples()}  # pandas looks up a hundred times slower
+        self.by_key = {trial.Index: trial for trial in self.trials.itertuples()}  # pandas looks up far slower
 
     def _read_trials(self):
         trials = pd.read_sql("SELECT * FROM trial", self.db, index_col="key")
@@ -355,7 +355,7 @@ def middle(values):
 
 
 def median(values):
-    """That of numpy, which takes twenty times as long on as few values as a cell has."""
+    """That of numpy, which is slow on as few values as a cell has."""
     ordered, half = sorted(values), len(values) // 2
     return float(ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2)
 

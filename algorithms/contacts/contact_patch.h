@@ -44,11 +44,11 @@ struct PlacedPair {
   const ConvexPair<D>* pair;
   Rot<D> R_W1;
   Pose<D> X_12;
-  bool swapped;    // shape 1 is on body B
-  bool framed;     // 2D: a shape has a frame other than its body's
-  Real limit;      // core separations beyond it are no contacts, m
-  Real rounding;   // below this, lengths are noise, m
-  Real tolerance;  // depths that differ by less than this are alike, m
+  bool swapped;        // shape 1 is on body B
+  bool framed = true;  // 2D: a shape has a frame other than its body's
+  Real limit;          // core separations beyond it are no contacts, m
+  Real rounding;       // below this, lengths are noise, m
+  Real tolerance;      // depths that differ by less than this are alike, m
 
   const ShapeView<D>& view1() const { return swapped ? pair->b : pair->a; }
   const ShapeView<D>& view2() const { return swapped ? pair->a : pair->b; }

@@ -16,7 +16,7 @@ inline PlacedPair<3> placePair(const ContactInput<3>& in, const ConvexPair<3>& p
   };
   PlacedPair<3> out;
   out.pair = &pair;
-  out.swapped = pair.a.kind > pair.b.kind, out.framed = true;
+  out.swapped = pair.a.kind > pair.b.kind;
   const Pose<3>& X_W1 = poseOf(out.swapped ? pair.shapes.b : pair.shapes.a);
   const Pose<3>& X_W2 = poseOf(out.swapped ? pair.shapes.a : pair.shapes.b);
   const Pose<3>&X_C1 = out.X_C1(), &X_C2 = out.X_C2();

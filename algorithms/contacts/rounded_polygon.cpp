@@ -376,7 +376,7 @@ class RoundedPolygon final : public ContactGenerator<D> {
  private:
   Params m_params;
   // Pairs are placed, collided and added by so many (count): each of the three is one long chain of operations, and
-  // only what is next to it keeps a processor busy meanwhile. One by one a pair of boxes took a tenth longer.
+  // only what is next to it keeps a processor busy meanwhile. One by one a pair of boxes took longer.
   static constexpr std::size_t kBlock = 16;
   std::array<PlacedPair<D>, kBlock> m_placed;
   std::array<Patch2, kBlock> m_patches;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Contacts of boxes and octagons that touch, in 2D: ours and the peers' on the same pairs, one after the other in one
 // run. The group contacts/ has all kinds, of which half are far from each other; a step spends its time on these.
-// Shapes, poses and pairs are made before, of ours (about 15 ns a pair in a step) and of the peers'. Ours writes whole
+// Shapes, poses and pairs are made before, of ours and of the peers'. Ours writes whole
 // manifolds, with bodies, mixed friction, the normal in the world, points on both bodies and their separations.
 #include <cmath>
 
