@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,9 @@ struct ShapeDef {
   std::uint64_t userData = 0;  // the user's own: kept, saved and shown, never read
 };
 
-/// A body as a user adds it. Mass, centre of mass and inertia follow from its shapes and their densities.
+/// A body as a user adds it. Mass, centre of mass and inertia follow from its shapes and their densities, unless they
+/// are given. Without shapes a body meets nothing: with a mass it is a point that forces and joints move, without one
+/// fixed.
 template <int D>
 struct BodyDef {
   BodyType type = BodyType::dynamic;
@@ -47,9 +50,20 @@ struct BodyDef {
   bool rotatable = true;
   bool canSleep = true;
   bool awake = true;
-  std::vector<ShapeDef<D>> shapes;
-  std::string name;            // for people; may be empty
+  std::vector<ShapeDef<D>> shapes = {};
+  std::string name = {};       // for people; may be empty
   std::uint64_t userData = 0;  // as a shape's
+  Real gravityScale = 1;       // of the world's gravity: 0 floats, below 0 it rises
+  /// In the body's own frame, in place of what the shapes say; an inertia of zero does not turn. Of a body that is not
+  /// dynamic the centre alone counts.
+  std::optional<MassProperties<D>> mass = {};
+
+  /// A body that never moves, of one shape: the 2009 engine's createStatic.
+  static BodyDef fixed(const ShapeDef<D>& shape, const Pose<D>& X_WB = {}) {
+    BodyDef def;
+    def.type = BodyType::fixed, def.X_WB = X_WB, def.shapes = {shape};
+    return def;
+  }
 };
 
 template <int D>
@@ -73,9 +87,11 @@ struct Bodies {
   std::vector<Inertia<D>> invInertiaBody;  // body frame; zero for bodies that may not turn
   std::vector<Vec<D>> center;              // p_BC, the centre of mass in the body's own frame
   std::vector<BodyType> type;
-  std::vector<std::uint8_t> used, awake, canSleep, pinned;
-  std::vector<std::array<Real, 2>> sleep;   // the sleep policy's two scalars
-  std::vector<std::array<Real, 6>> solver;  // the solver's own; zeros for a new body
+  std::vector<std::uint8_t> used, awake, canSleep, pinned, rotatable;
+  std::vector<Real> gravityScale;
+  std::vector<std::optional<MassProperties<D>>> givenMass;  // by the user, in the body's own frame
+  std::vector<std::array<Real, 2>> sleep;                   // the sleep policy's two scalars
+  std::vector<std::array<Real, 6>> solver;                  // the solver's own; zeros for a new body
   std::vector<std::uint32_t> generation;
   std::vector<std::uint64_t> userData;
 
@@ -97,6 +113,7 @@ struct ShapeRecord {
   Real friction = 0, restitution = 0;
   std::uint32_t category = 1, mask = ~0u;
   std::uint64_t userData = 0;
+  Real density = 0;  // kg/m^D, for whoever weighs the body anew
 };
 
 }  // namespace lpc::inline LPC_PRECISION

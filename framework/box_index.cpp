@@ -42,7 +42,7 @@ void BoxIndex<D>::refresh(std::size_t shape, const ShapeRecord<D>& record, const
 }
 
 template <int D>
-void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies) {
+void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, bool sleepers) {
   if (!m_stale) return;
   m_stale = false;
   if (m_change.size() < shapes.size()) {  // a saved world may end in free slots
@@ -60,7 +60,7 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
       if (shapes[s].shape.isPlane()) {
         m_planes.push_back({static_cast<ProxyId>(s), bodies.pose[body] * shapes[s].X_CS});
       }
-      const bool active = bodies.awake[body] && bodies.type[body] != BodyType::fixed;
+      const bool active = (bodies.awake[body] || sleepers) && bodies.type[body] != BodyType::fixed;
       const bool moved = active || m_touched[body];
       if (moved || (m_change[s] & added)) refresh(s, shapes[s], bodies.pose[body]);
       if (moved || m_proxies.active[s]) m_moved.push_back(static_cast<ProxyId>(s));

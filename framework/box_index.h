@@ -27,7 +27,8 @@ class BoxIndex {
   void touch(std::size_t body);
   /// Those of all who move are.
   void outdate() { m_stale = true; }
-  void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies);
+  /// With `sleepers` those who sleep are active, too.
+  void sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& bodies, bool sleepers);
 
   // As of the last sync().
   const Proxies<D>& proxies() const { return m_proxies; }

@@ -23,7 +23,7 @@ StateInvariants<D> stateInvariants(const Simulation<D>& world) {
     if (b.type[i] != BodyType::dynamic) continue;
     const double mass = b.mass[i];
     out.kinetic += 0.5 * mass * v.squaredNorm();
-    out.potential -= mass * gravity.dot(p);
+    out.potential -= mass * double(b.gravityScale[i]) * gravity.dot(p);
     out.momentum += mass * v;
     if constexpr (D == 2) {
       out.angularMomentum[0] += mass * (p[0] * v[1] - p[1] * v[0]);

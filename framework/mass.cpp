@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // Closed forms in double. Capsules by the parts they are made of, polytopes by simplices from their own middle.
+#include <Eigen/Cholesky>
 #include <numbers>
 
 #include "framework/curved_core.h"
+#include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -10,6 +12,18 @@ Inertia<3> rotateInertia(const Rot<3>& q, const Inertia<3>& inertia) {
   const Mat<3> r = q.matrix();
   return r * inertia * r.transpose();
 }
+
+bool isInertia(const Inertia<2>& inertia) { return inertia(0, 0) >= 0; }
+
+// By second moments, which are half the trace less the inertia: they are of a solid when none is below zero.
+bool isInertia(const Inertia<3>& inertia) {
+  const Real trace = inertia.trace(), rounding = kUnitTolerance * trace;
+  if (!((inertia - inertia.transpose()).cwiseAbs().maxCoeff() <= rounding)) return false;
+  if (!(trace > 0)) return (inertia.array() == 0).all();
+  const Mat<3> second = (trace / 2 + rounding) * Mat<3>(Mat<3>::Identity()) - inertia;
+  return Eigen::LLT<Mat<3>>(second).info() == Eigen::Success;
+}
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;

@@ -21,6 +21,11 @@ MassProperties<D> massProperties(const ShapeView<D>& shape, Real density);
 template <int D>
 MassProperties<D> massProperties(const Shape<D>& shape, Real density);
 
+/// Of some solid, within rounding: not negative, and in 3D symmetric with no principal value above the sum of the
+/// others.
+bool isInertia(const Inertia<2>& inertia);
+bool isInertia(const Inertia<3>& inertia);
+
 /// The same seen from a frame A in which the shape's frame has pose X_AS.
 template <int D>
 MassProperties<D> transformed(const MassProperties<D>& m, const Pose<D>& X_AS);

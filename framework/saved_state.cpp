@@ -33,18 +33,25 @@ template <int D>
 void checkBodies(const Bodies<D>& b, std::size_t userForces) {
   const std::size_t n = b.pose.size();
   require(n <= std::size_t(std::numeric_limits<std::int32_t>::max()), "more bodies than can be counted");
-  for (const std::size_t size : {b.motion.size(), b.mass.size(), b.invInertiaBody.size(), b.center.size(),
-                                 b.type.size(), b.used.size(), b.awake.size(), b.canSleep.size(), b.pinned.size(),
-                                 b.sleep.size(), b.solver.size(), b.generation.size(), b.userData.size(), userForces}) {
+  for (const std::size_t size :
+       {b.motion.size(), b.mass.size(), b.invInertiaBody.size(), b.center.size(), b.type.size(), b.used.size(),
+        b.awake.size(), b.canSleep.size(), b.pinned.size(), b.sleep.size(), b.solver.size(), b.generation.size(),
+        b.userData.size(), b.rotatable.size(), b.gravityScale.size(), b.givenMass.size(), userForces}) {
     require(size == n, "the tables of bodies have unequal lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {
     require(b.type[i] <= BodyType::dynamic, "a body of no known type");
-    require(isFlag(b.used[i]) && isFlag(b.awake[i]) && isFlag(b.canSleep[i]) && isFlag(b.pinned[i]),
+    require(isFlag(b.used[i]) && isFlag(b.awake[i]) && isFlag(b.canSleep[i]) && isFlag(b.pinned[i]) &&
+                isFlag(b.rotatable[i]),
             "a body's flag is neither 0 nor 1");
     require(isAmount(b.mass[i]), "a mass is no finite number >= 0");
     require(!b.used[i] || b.type[i] != BodyType::dynamic || b.mass[i] > 0, "a dynamic body without mass");
     require(b.center[i].allFinite(), "a centre of mass is not finite");
+    require(std::isfinite(b.gravityScale[i]), "a body's share of gravity is not finite");
+    const auto& given = b.givenMass[i];
+    require(!given || (isAmount(given->mass) && given->center.allFinite() && given->inertia.allFinite() &&
+                       isInertia(given->inertia)),
+            "a body's given mass is of no body");
   }
 }
 
@@ -113,7 +120,8 @@ void checkShapes(const SavedState<D>& saved, const ContactGenerator<D>& contacts
       if (part.kind == ShapeKind::polytope) checkHull(*part.hull);  // a triangle was made anew
     });
     require(s.X_CS.p.allFinite() && isUnit(s.X_CS.q), "a shape has no place on its body");
-    require(isAmount(s.friction) && isAmount(s.restitution), "friction or restitution is no finite number >= 0");
+    require(isAmount(s.friction) && isAmount(s.restitution) && isAmount(s.density),
+            "friction, restitution or density is no finite number >= 0");
     require(!s.shape.isPlane() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,
             "a plane on a body that is not fixed");
     require(!s.shape.surface() || saved.bodies.type[static_cast<std::size_t>(s.body)] == BodyType::fixed,

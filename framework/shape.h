@@ -191,6 +191,11 @@ class Shape {
   std::span<const PlacedView<D>> surfaceParts() const;
   /// Has no end, or no inside: only a fixed body may have it.
   bool staysFixed() const { return isPlane() || m_surface; }
+  /// A copy of it: equal numbers, and hulls, parts and surfaces that are shared and not only alike.
+  bool same(const Shape& o) const {
+    return m_view.kind == o.m_view.kind && m_view.radius == o.m_view.radius && m_view.half == o.m_view.half &&
+           m_hull == o.m_hull && m_curved == o.m_curved && m_compound == o.m_compound && m_surface == o.m_surface;
+  }
 
  private:
   ShapeView<D> m_view;

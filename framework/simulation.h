@@ -31,6 +31,9 @@ struct WorldSettings {
   Real margin = kContactMargin;
   Features features{};
   MixRules mixing{};
+  /// Contacts of bodies that sleep are made anew in each step, as if these were awake. Off, a sleeping pair keeps those
+  /// that it fell asleep with: the switch `findSleepingContacts` of the 2009 engine.
+  bool sleepingContacts = false;
 };
 
 template <int D>

@@ -131,8 +131,16 @@ void World<D>::addListener(ContactListener<D>* listener) {
   m_listeners.push_back(listener);
 }
 template <int D>
+void World<D>::addListener(Handle body, ContactListener<D>* listener) {
+  const std::size_t i = slotOf(body);
+  if (!listener) throw UserError("world: the listener is null");
+  if (i >= m_bodyListeners.size()) m_bodyListeners.resize(i + 1);
+  m_bodyListeners[i].push_back(listener);
+}
+template <int D>
 void World<D>::removeListener(ContactListener<D>* listener) {
   std::erase(m_listeners, listener);
+  for (auto& of : m_bodyListeners) std::erase(of, listener);
 }
 
 template class World<2>;

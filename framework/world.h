@@ -5,7 +5,9 @@
 #include <functional>
 #include <iosfwd>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "framework/box_index.h"
@@ -24,6 +26,11 @@ namespace lpc::inline LPC_PRECISION {
 template <int D>
 class World;
 
+/// What a contact's solver is told of the two materials.
+struct PairMaterial {
+  Real friction = 0, restitution = 0;
+};
+
 /// Is told about contacts, before the solver, in the order of the manifolds. A pair begins in the first step in which
 /// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent. A pair is one of shapes:
 /// where shapes have several convex parts, it is told of once, with its first manifold; the others follow that one.
@@ -31,6 +38,9 @@ template <int D>
 class ContactListener {
  public:
   virtual ~ContactListener() = default;
+  /// May change the material of this pair for this step, before begin or persist is told. It comes as the two shapes
+  /// and the world's mixing rules make it, whatever was changed in the step before.
+  virtual void mix(const World<D>&, const Manifold<D>&, PairMaterial&) {}
   /// False: the contact is kept, and reported again next step, but not solved (a veto, for this step).
   virtual bool begin(const World<D>&, const Manifold<D>&) { return true; }
   virtual bool persist(const World<D>&, const Manifold<D>&) { return true; }
@@ -76,8 +86,35 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void removeJoint(Handle joint) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
-  void addListener(ContactListener<D>* listener);  // not owned
-  void removeListener(ContactListener<D>* listener);
+  Handle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }  // a bare shape is a fixed body
+  /// Of all contacts, or of those of one body alone. Not owned. Who is registered twice for a pair is told once; the
+  /// world's listeners come first, then those of body A, then those of B.
+  void addListener(ContactListener<D>* listener);
+  void addListener(Handle body, ContactListener<D>* listener);
+  void removeListener(ContactListener<D>* listener);  // wherever it is registered; those of a body go with the body
+
+  // --- changing what is there, between steps -------------------------------------------------------------------------
+  /// What a body is now: added to an empty world, the same body.
+  BodyDef<D> definition(Handle body) const;
+  /// Makes the body what `def` says, and wakes it and those that touch it. It keeps its handle, its joints, and the
+  /// contacts of each shape that is as it was on the body; other shapes are new ones. What `def` leaves as
+  /// `definition` gave it stays, so a body whose centre of mass moves goes on as the same rigid motion. Throws
+  /// UserError, and has changed nothing, for what add() would refuse, and for a joint between two that do not move.
+  void change(Handle body, const BodyDef<D>& def);
+  /// Makes one body of two, both dynamic or both fixed: the shapes of `other` come behind those of `into`, where they
+  /// are, its joints hold `into`, and it is gone, with joints of the two with each other. Both momenta stay. Throws
+  /// UserError, and has changed nothing, for other types and for what change() would refuse.
+  void merge(Handle into, Handle other);
+  /// Makes one body of each shape, where it is and moving as it moved: the first keeps handle and joints. Returns all,
+  /// in the order of the shapes. A mass that was given is forgotten. Throws UserError, and has changed nothing, where a
+  /// shape alone is no body.
+  std::vector<Handle> takeApart(Handle body);
+  /// For coming steps; all wake. Throws UserError for one that is not finite.
+  void setGravity(const Vec<D>& gravity);
+  /// Other algorithms from the next step on: bodies, contacts with their impulses, and joints stay; what the former
+  /// stages kept for themselves is forgotten. Throws UserError, and has changed nothing, as the constructor and add()
+  /// would.
+  void exchange(const Pipeline& pipeline);
 
   // --- running -------------------------------------------------------------------------------------------------------
   void step(Real dt) override;
@@ -96,7 +133,12 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   /// A force (N) at a world point, or a torque, for the coming step only. Wakes the body.
   void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override;
   void applyTorque(Handle body, const Ang<D>& torque) override;
+  /// Changes velocities at once: an impulse (N s) at a world point, or an angular one (N m s). Wakes the body. What is
+  /// not dynamic takes none, a pinned one no linear part.
+  void applyImpulse(Handle body, const Vec<D>& impulse, const Vec<D>& point);
+  void applyAngularImpulse(Handle body, const Ang<D>& impulse);
   void wake(Handle body);
+  void wakeAll();
   /// The user's own number, as BodyDef gave it or as it was set last. A step neither reads nor changes it.
   std::uint64_t userData(Handle body) const;
   void setUserData(Handle body, std::uint64_t data);
@@ -111,6 +153,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   // --- queries on exact shapes, through the broadphase ---------------------------------------------------------------
   std::vector<Handle> at(const Vec<D>& point) const;
   std::vector<Handle> overlap(const Aabb<D>& box) const;
+  bool contains(Handle body, const Vec<D>& point) const;
+  bool intersects(Handle body, const Aabb<D>& box) const;
   /// Hits of p + t * direction, 0 <= t <= maxT, nearest first; with firstOnly at most one. Throws UserError for a point
   /// or direction that is not finite and a maxT below zero; an infinite one will do.
   std::vector<BodyRayHit<D>> ray(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly) const;
@@ -149,16 +193,36 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const override;  // Forces
   std::size_t slotOf(Handle body) const;  // throws UserError for a handle of nobody
   std::size_t freeBodySlot();
+  struct Weighed {  // a definition that was checked
+    MassProperties<D> mass;
+    Inertia<D> invInertia = Inertia<D>::Zero();
+    std::vector<ShapeDef<D>> shapes;  // each near its own frame's origin
+  };
+  Weighed weigh(const BodyDef<D>& def, std::int32_t inPlaceOf) const;  // a body's slot, -1: of nobody
+  void write(std::size_t body, const BodyDef<D>& def, const Weighed& weighed);
+  void requireStages(const StageSet<D>& stages, const Pipeline& pipeline, const std::array<bool, kShapeKinds>& kinds,
+                     const std::string& who) const;
+  void indexShapes();
   void putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
+  void fillShape(std::size_t slot, const ShapeDef<D>& def, std::int32_t body, std::int32_t index);
+  void freeShape(std::size_t slot);
+  bool sameShape(const ShapeRecord<D>& record, const ShapeDef<D>& def) const;  // in the same place on its body
+  void moveCenter(std::size_t body, const Vec<D>& by);
+  template <class Gone>
+  void endContacts(const Gone& gone);
+  template <class F>
+  void forListeners(const Manifold<D>& m, const F& f) const;
   void countKinds(const Shape<D>& shape, int change);
   void touched(std::size_t body);  // by the user: its boxes are stale, and it wakes
-  void sync() const { m_boxes.sync(m_shapes, m_bodies); }
+  void sync() const { m_boxes.sync(m_shapes, m_bodies, m_settings.sleepingContacts); }
   template <class Pair>  // a manifold or a record
   bool resting(const Pair& p) const {
     return !m_boxes.active(p.shapeA) && !m_boxes.active(p.shapeB);
   }
   template <class Holds>
   std::vector<Handle> bodiesOf(std::vector<ProxyId>& found, const Aabb<D>& box, const Holds& holds) const;
+  template <class Holds>
+  bool anyPart(Handle body, const Aabb<D>& box, const Holds& holds) const;
   template <class Meets>
   std::vector<BodyRayHit<D>> rayHits(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
                                      const Meets& meets) const;
@@ -177,6 +241,14 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   }
   void makeContacts();
   Real marginOf(const ShapePair& pair) const;
+  PairMaterial mixed(const Manifold<D>& m) const;  // as its shapes and the mixing rules make it
+  bool quiet(const Manifold<D>& m) const {         // neither of its bodies moves by itself
+    const auto moves = [&](std::int32_t body) {
+      const auto i = static_cast<std::size_t>(body);
+      return m_bodies.awake[i] && m_bodies.type[i] != BodyType::fixed;
+    };
+    return !moves(m.bodyA) && !moves(m.bodyB);
+  }
   void generate(std::span<const ShapePair> pairs, Real margin);
   std::span<PairMemory> recall(std::span<const ConvexPair<D>> children);
   void remember();
@@ -256,8 +328,47 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
 
   std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
   std::vector<ContactListener<D>*> m_listeners;
+  std::vector<std::vector<ContactListener<D>*>> m_bodyListeners;  // by body slot; shorter where the rest has none
   VelocityWatcher<D>* m_watcher = nullptr;
   Profiler m_profiler;
 };
+
+// f(listener) for each who hears of this pair, once.
+template <int D>
+template <class F>
+void World<D>::forListeners(const Manifold<D>& m, const F& f) const {
+  for (ContactListener<D>* l : m_listeners) f(*l);
+  const auto of = [&](std::int32_t body) {
+    const auto i = static_cast<std::size_t>(body);
+    return i < m_bodyListeners.size() ? std::span<ContactListener<D>* const>(m_bodyListeners[i])
+                                      : std::span<ContactListener<D>* const>();
+  };
+  const auto among = [](std::span<ContactListener<D>* const> list, const ContactListener<D>* l) {
+    return std::find(list.begin(), list.end(), l) != list.end();
+  };
+  for (ContactListener<D>* l : of(m.bodyA)) {
+    if (!among(m_listeners, l)) f(*l);
+  }
+  for (ContactListener<D>* l : of(m.bodyB)) {
+    if (!among(m_listeners, l) && !among(of(m.bodyA), l)) f(*l);
+  }
+}
+
+// Contacts of a body that goes, or of shapes of it: who touched them hears of it, and listeners, who may still ask both
+// bodies for their user data. `gone` is asked about manifolds and records.
+template <int D>
+template <class Gone>
+void World<D>::endContacts(const Gone& gone) {
+  std::optional<decltype(Manifold<D>{}.shapeKey())> told;  // once for each pair of shapes
+  std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
+    const std::int32_t whose = gone(m);
+    if (whose < 0) return false;
+    if (std::exchange(told, m.shapeKey()) == m.shapeKey()) return true;
+    m_events.push_back({SleepEvent::bodyRemoved, m.bodyA == whose ? m.bodyB : m.bodyA, whose});
+    forListeners(m, [&](ContactListener<D>& l) { l.end(*this, m); });
+    return true;
+  });
+  std::erase_if(m_records, [&](const PairRecord& r) { return gone(r) >= 0; });
+}
 
 }  // namespace lpc::inline LPC_PRECISION

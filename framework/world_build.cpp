@@ -27,6 +27,16 @@ void checkShape(const ShapeDef<D>& s, const std::string& who) {
   checkAmount(s.restitution, who, "restitution");
 }
 
+template <int D>
+void checkGivenMass(const MassProperties<D>& m, const std::string& who) {
+  checkAmount(m.mass, who, "the mass (kg)");
+  if (!m.center.allFinite() || !m.inertia.allFinite()) throw UserError(who + ": its centre or inertia is not finite");
+  if (isInertia(m.inertia)) return;
+  throw UserError(who + ": no body has such an inertia; valid: " +
+                  (D == 2 ? "a number >= 0"
+                          : "a symmetric matrix whose principal values are >= 0, none above the sum of the others"));
+}
+
 }  // namespace
 
 template <int D>
@@ -38,27 +48,29 @@ std::size_t World<D>::freeBodySlot() {
   b.invMass.push_back(0), b.mass.push_back(0);
   b.invInertia.push_back(Inertia<D>::Zero()), b.invInertiaBody.push_back(Inertia<D>::Zero());
   b.type.push_back(BodyType::fixed);
-  b.used.push_back(0), b.awake.push_back(0), b.canSleep.push_back(0), b.pinned.push_back(0);
+  b.used.push_back(0), b.awake.push_back(0), b.canSleep.push_back(0), b.pinned.push_back(0), b.rotatable.push_back(0);
+  b.gravityScale.push_back(0), b.givenMass.emplace_back();
   b.sleep.push_back({}), b.solver.push_back({}), b.generation.push_back(0), b.userData.push_back(0);
   m_userForces.emplace_back();
   return i;
 }
 
 template <int D>
-Handle World<D>::add(const BodyDef<D>& def) {
+typename World<D>::Weighed World<D>::weigh(const BodyDef<D>& def, std::int32_t inPlaceOf) const {
   const std::string who = def.name.empty() ? "body" : "body '" + def.name + "'";
   checkPose(def.X_WB, who);
   checkMotion(Motion<D>{def.velocity, def.angularVelocity}, who);
-  MassProperties<D> mass;
+  if (!std::isfinite(def.gravityScale)) throw UserError(who + ": the gravity scale is not finite");
+  Weighed w;
+  w.shapes = def.shapes;
   std::array<bool, kShapeKinds> kinds{};
-  std::vector<ShapeDef<D>> shapes = def.shapes;
-  for (ShapeDef<D>& s : shapes) {
+  for (ShapeDef<D>& s : w.shapes) {
     checkShape(s, who);
     const ShapePart<D> near = centredPart<D>({s.shape, s.X_BS});
     s.shape = near.shape, s.X_BS = near.X_SP;
     const MassProperties<D> part = transformed(massProperties(s.shape, s.density), s.X_BS);
-    mass = combined(mass, part);
-    if (!isFinite(part) || !isFinite(mass)) {
+    w.mass = combined(w.mass, part);
+    if (!isFinite(part) || !isFinite(w.mass)) {
       throw UserError(who + ": its mass, " + std::to_string(part.mass) +
                       " kg, or its inertia is beyond what numbers hold; valid: smaller ones");
     }
@@ -71,38 +83,70 @@ Handle World<D>::add(const BodyDef<D>& def) {
     }
     markKinds(s.shape, kinds);
   }
-  if (def.type == BodyType::dynamic && !(mass.mass > 0)) {
-    throw UserError(who + ": a dynamic body needs mass; give it a shape with density > 0, or make it fixed");
+  if (def.mass) {
+    checkGivenMass(*def.mass, who);
+    w.mass = *def.mass;
   }
-  std::optional<Inertia<D>> invInertia = Inertia<D>(Inertia<D>::Zero());
+  if (def.type == BodyType::dynamic && !(w.mass.mass > 0)) {
+    throw UserError(who + ": a dynamic body needs mass; give it one, or a shape with density > 0, or make it fixed");
+  }
   if (def.type == BodyType::dynamic) {
-    if (def.rotatable && mass.inertia.trace() > 0) invInertia = inverseInertia<D>(mass.inertia);
-    if (!std::isfinite(1 / mass.mass) || !invInertia) {
+    std::optional<Inertia<D>> inverse = Inertia<D>(Inertia<D>::Zero());
+    if (def.rotatable && w.mass.inertia.trace() > 0) inverse = inverseInertia<D>(w.mass.inertia);
+    if (!std::isfinite(1 / w.mass.mass) || !inverse) {
       char kilograms[32];
-      std::snprintf(kilograms, sizeof kilograms, "%g", double(mass.mass));
+      std::snprintf(kilograms, sizeof kilograms, "%g", double(w.mass.mass));
       throw UserError(who + ": its mass, " + kilograms +
                       " kg, or its inertia has no inverse that numbers hold; valid: larger ones");
     }
+    w.invInertia = *inverse;
   }
-  for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || m_kindCount[k] > 0;
-  requireContacts(stage<ContactGenerator>(), kinds, who + ": contacts=" + m_pipeline[StageKind::contacts].name);
-  if (m_settings.features.continuous) {
-    requireCasts(stage<ContinuousCollision>(), kinds, who + ": continuous=" + m_pipeline[StageKind::continuous].name);
+  std::array<int, kShapeKinds> others = m_kindCount;
+  for (const ShapeRecord<D>& s : m_shapes) {
+    if (inPlaceOf < 0 || s.body != inPlaceOf) continue;
+    forParts(s.shape, Pose<D>{},
+             [&](const ShapeView<D>& v, const auto&) { --others[static_cast<std::size_t>(v.kind)]; });
   }
+  for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || others[k] > 0;
+  requireStages(m_stages, m_pipeline, kinds, who + ": ");
+  return w;
+}
 
-  const std::size_t i = freeBodySlot();
+template <int D>
+void World<D>::requireStages(const StageSet<D>& stages, const Pipeline& pipeline,
+                             const std::array<bool, kShapeKinds>& kinds, const std::string& who) const {
+  requireContacts(stages.template get<ContactGenerator<D>>(), kinds,
+                  who + "contacts=" + pipeline[StageKind::contacts].name);
+  if (!m_settings.features.continuous) return;
+  requireCasts(stages.template get<ContinuousCollision<D>>(), kinds,
+               who + "continuous=" + pipeline[StageKind::continuous].name);
+}
+
+// All of a body but its shapes, where it is and how it moves.
+template <int D>
+void World<D>::write(std::size_t i, const BodyDef<D>& def, const Weighed& weighed) {
   auto& b = m_bodies;
   const bool dynamic = def.type == BodyType::dynamic;
   b.used[i] = 1, b.type[i] = def.type;
   b.awake[i] = def.awake || !dynamic, b.canSleep[i] = def.canSleep && dynamic, b.pinned[i] = def.pinned;
-  b.center[i] = mass.center;
-  b.pose[i] = {def.X_WB * mass.center, def.X_WB.q};
+  b.rotatable[i] = def.rotatable, b.gravityScale[i] = def.gravityScale, b.givenMass[i] = def.mass;
+  b.center[i] = weighed.mass.center;
+  b.mass[i] = dynamic ? weighed.mass.mass : Real(0);
+  b.invInertiaBody[i] = weighed.invInertia;
+  b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = def.userData;
+}
+
+template <int D>
+Handle World<D>::add(const BodyDef<D>& def) {
+  const Weighed weighed = weigh(def, -1);
+  const std::size_t i = freeBodySlot();
+  write(i, def, weighed);
+  auto& b = m_bodies;
+  b.pose[i] = {def.X_WB * b.center[i], def.X_WB.q};
   b.motion[i] = def.type == BodyType::fixed ? Motion<D>{} : Motion<D>{def.velocity, def.angularVelocity};
-  b.mass[i] = dynamic ? mass.mass : Real(0);
-  b.invInertiaBody[i] = *invInertia;
-  b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = def.userData, m_userForces[i] = {};
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    putShape(shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
+  m_userForces[i] = {};
+  for (std::size_t s = 0; s < weighed.shapes.size(); ++s) {
+    putShape(weighed.shapes[s], static_cast<std::int32_t>(i), static_cast<std::int32_t>(s));
   }
   return handle(static_cast<std::int32_t>(i));
 }
@@ -114,18 +158,31 @@ void World<D>::countKinds(const Shape<D>& shape, int change) {
 }
 
 template <int D>
+void World<D>::fillShape(std::size_t slot, const ShapeDef<D>& def, std::int32_t body, std::int32_t index) {
+  const Vec<D>& center = m_bodies.center[static_cast<std::size_t>(body)];
+  m_shapes[slot] = {def.shape,    {def.X_BS.p - center, def.X_BS.q},
+                    body,         index,
+                    def.friction, def.restitution,
+                    def.category, def.mask,
+                    def.userData, def.density};
+}
+
+template <int D>
 void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t index) {
   const std::size_t i = m_shapeSlots.take(m_visits);
   if (i == m_shapes.size()) m_shapes.emplace_back();
   countKinds(def.shape, 1);
   m_fast.forget(i);
-  const Vec<D>& center = m_bodies.center[static_cast<std::size_t>(body)];
-  m_shapes[i] = {def.shape,    {def.X_BS.p - center, def.X_BS.q},
-                 body,         index,
-                 def.friction, def.restitution,
-                 def.category, def.mask,
-                 def.userData};
+  fillShape(i, def, body, index);
   m_boxes.add(i, m_shapes[i]);
+}
+
+template <int D>
+void World<D>::freeShape(std::size_t slot) {
+  countKinds(m_shapes[slot].shape, -1);
+  m_shapes[slot] = ShapeRecord<D>{};
+  m_shapeSlots.give(slot, m_visits);
+  m_boxes.remove(slot);
 }
 
 template <int D>
@@ -133,21 +190,9 @@ void World<D>::remove(Handle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
   m_visits += m_shapes.size() + m_manifolds.size() + m_records.size() + m_joints.size();
-  std::optional<decltype(Manifold<D>{}.shapeKey())> told;  // once for each pair of shapes
-  std::erase_if(m_manifolds, [&](const Manifold<D>& m) {
-    if (m.bodyA != slot && m.bodyB != slot) return false;
-    if (std::exchange(told, m.shapeKey()) == m.shapeKey()) return true;
-    m_events.push_back({SleepEvent::bodyRemoved, m.bodyA == slot ? m.bodyB : m.bodyA, slot});
-    for (ContactListener<D>* l : m_listeners) l->end(*this, m);  // who may still ask both for their user data
-    return true;
-  });
-  std::erase_if(m_records, [&](const PairRecord& r) { return r.bodyA == slot || r.bodyB == slot; });
+  endContacts([&](const auto& pair) { return pair.bodyA == slot || pair.bodyB == slot ? slot : -1; });
   for (std::size_t s = 0; s < m_shapes.size(); ++s) {
-    if (m_shapes[s].body != slot) continue;
-    countKinds(m_shapes[s].shape, -1);
-    m_shapes[s] = ShapeRecord<D>{};
-    m_shapeSlots.give(s, m_visits);
-    m_boxes.remove(s);
+    if (m_shapes[s].body == slot) freeShape(s);
   }
   for (std::size_t j = 0; j < m_joints.size(); ++j) {
     const JointRecord<D>& joint = m_joints[j];
@@ -155,10 +200,12 @@ void World<D>::remove(Handle body) {
     removeJoint({static_cast<std::int32_t>(j), joint.generation});
   }
   std::erase_if(m_events, [&](const SleepEvent& e) { return e.body == slot; });
+  if (i < m_bodyListeners.size()) m_bodyListeners[i].clear();
   auto& b = m_bodies;
   b.pose[i] = {}, b.motion[i] = {}, b.invMass[i] = b.mass[i] = 0, b.center[i] = Vec<D>::Zero();
   b.invInertia[i] = b.invInertiaBody[i] = Inertia<D>::Zero();
-  b.type[i] = BodyType::fixed, b.used[i] = b.awake[i] = b.canSleep[i] = b.pinned[i] = 0;
+  b.type[i] = BodyType::fixed, b.used[i] = b.awake[i] = b.canSleep[i] = b.pinned[i] = b.rotatable[i] = 0;
+  b.gravityScale[i] = 0, b.givenMass[i].reset();
   b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = 0, m_userForces[i] = {};
   ++b.generation[i];
   m_bodySlots.give(i, m_visits);
@@ -228,15 +275,21 @@ void World<D>::finishJoints(Real dt) {
 }
 
 // The members of this file; the class as a whole is instantiated in world.cpp.
-#define LPC_INSTANTIATE(D)                                                          \
-  template std::size_t World<D>::freeBodySlot();                                    \
-  template Handle World<D>::add(const BodyDef<D>&);                                 \
-  template void World<D>::countKinds(const Shape<D>&, int);                         \
-  template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t); \
-  template void World<D>::remove(Handle);                                           \
-  template Handle World<D>::add(const JointDef<D>&);                                \
-  template void World<D>::removeJoint(Handle);                                      \
-  template void World<D>::breakJoint(std::size_t);                                  \
+#define LPC_INSTANTIATE(D)                                                                                         \
+  template std::size_t World<D>::freeBodySlot();                                                                   \
+  template typename World<D>::Weighed World<D>::weigh(const BodyDef<D>&, std::int32_t) const;                      \
+  template void World<D>::write(std::size_t, const BodyDef<D>&, const Weighed&);                                   \
+  template void World<D>::requireStages(const StageSet<D>&, const Pipeline&, const std::array<bool, kShapeKinds>&, \
+                                        const std::string&) const;                                                 \
+  template void World<D>::fillShape(std::size_t, const ShapeDef<D>&, std::int32_t, std::int32_t);                  \
+  template void World<D>::freeShape(std::size_t);                                                                  \
+  template Handle World<D>::add(const BodyDef<D>&);                                                                \
+  template void World<D>::countKinds(const Shape<D>&, int);                                                        \
+  template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t);                                \
+  template void World<D>::remove(Handle);                                                                          \
+  template Handle World<D>::add(const JointDef<D>&);                                                               \
+  template void World<D>::removeJoint(Handle);                                                                     \
+  template void World<D>::breakJoint(std::size_t);                                                                 \
   template void World<D>::finishJoints(Real)
 LPC_INSTANTIATE(2);
 LPC_INSTANTIATE(3);

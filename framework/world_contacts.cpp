@@ -2,8 +2,10 @@
 // From pairs of boxes to the manifolds that a solver sees, and who is told: pairs, cache.select, contacts, cache.carry,
 // listeners.
 #include <algorithm>
+#include <utility>
 
 #include "framework/internal_edges.h"
+#include "framework/user_numbers.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -213,6 +215,31 @@ void World<D>::makeContacts() {
 }
 
 template <int D>
+PairMaterial World<D>::mixed(const Manifold<D>& m) const {
+  const ShapeRecord<D>&a = m_shapes[static_cast<std::size_t>(m.shapeA)],
+        &b = m_shapes[static_cast<std::size_t>(m.shapeB)];
+  return {m_settings.features.friction ? lpc::mix(m_settings.mixing.friction, a.friction, b.friction) : Real(0),
+          lpc::mix(m_settings.mixing.restitution, a.restitution, b.restitution)};
+}
+
+namespace {
+
+// A world may stop in a step with an exception of its user's making, and no other.
+void checkMaterial(const PairMaterial& m) {
+  checkAmount(m.friction, "a listener's mix", "friction");
+  checkAmount(m.restitution, "a listener's mix", "restitution");
+}
+
+// What was begun, vetoed or mixed stays so.
+template <int D>
+void hear(Manifold<D>& m, const Manifold<D>& said) {
+  m.begun = said.begun, m.ignored = said.ignored;
+  m.friction = said.friction, m.restitution = said.restitution;
+}
+
+}  // namespace
+
+template <int D>
 void World<D>::tellListeners() {
   const auto asleep = [&](std::int32_t body) { return !m_bodies.awake[static_cast<std::size_t>(body)]; };
   // Only sleeping bodies need events, and seldom are there any.
@@ -223,7 +250,7 @@ void World<D>::tellListeners() {
   std::span<const Manifold<D>> old = m_oldManifolds;
   const auto end = [&] {
     wakeEvent(SleepEvent::contactLost, old[0], 0);
-    for (ContactListener<D>* l : m_listeners) l->end(*this, old[0]);
+    forListeners(old[0], [&](ContactListener<D>& l) { l.end(*this, old[0]); });
     old = old.subspan(firstPair(old).size());
   };
   for (std::span<Manifold<D>> rest = m_manifolds; !rest.empty();) {
@@ -235,6 +262,10 @@ void World<D>::tellListeners() {
     const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
     old = old.subspan(before.size());
     if (resting(m)) continue;
+    if (known && quiet(m)) {  // made anew for sleepers: what was said of it stays
+      for (Manifold<D>& child : pair) hear(child, before[0]);
+      continue;
+    }
     for (Manifold<D>& child : pair) child.begun = !known, child.ignored = 0;
     if (!known) {
       wakeEvent(SleepEvent::contactBegun, m, approachSpeed<D>(pair, m_bodies));
@@ -242,10 +273,19 @@ void World<D>::tellListeners() {
       const Real growth = smallestSeparation<D>(pair) - smallestSeparation<D>(before);
       if (growth > 0 && m_lastDt > 0) wakeEvent(SleepEvent::separationGrown, m, growth / m_lastDt);
     }
-    for (ContactListener<D>* l : m_listeners) {
-      if (known ? l->persist(*this, m) : l->begin(*this, m)) continue;
+    PairMaterial material;
+    bool heard = false;
+    forListeners(m, [&](ContactListener<D>& l) {
+      if (!std::exchange(heard, true)) material = mixed(m);
+      l.mix(*this, m, material);
+    });
+    if (!heard) continue;
+    checkMaterial(material);
+    for (Manifold<D>& child : pair) child.friction = material.friction, child.restitution = material.restitution;
+    forListeners(m, [&](ContactListener<D>& l) {
+      if (known ? l.persist(*this, m) : l.begin(*this, m)) return;
       for (Manifold<D>& child : pair) child.ignored = 1;
-    }
+    });
   }
   while (!old.empty()) end();
 }
@@ -268,7 +308,7 @@ void World<D>::again() {
   for (Manifold<D>& m : m_manifolds) {
     while (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() < m.shapeKey()) ++o;
     if (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() == m.shapeKey()) {
-      m.begun = m_oldManifolds[o].begun, m.ignored = m_oldManifolds[o].ignored;
+      hear(m, m_oldManifolds[o]);
     } else {
       m.begun = 1;
     }
@@ -284,6 +324,7 @@ void World<D>::again() {
   template std::span<PairMemory> World<D>::recall(std::span<const ConvexPair<D>>); \
   template void World<D>::remember();                                              \
   template Real World<D>::marginOf(const ShapePair&) const;                        \
+  template PairMaterial World<D>::mixed(const Manifold<D>&) const;                 \
   template void World<D>::generate(std::span<const ShapePair>, Real);              \
   template void World<D>::tellListeners();                                         \
   template void World<D>::collectActive();                                         \

@@ -64,6 +64,33 @@ std::vector<Handle> World<D>::overlap(const Aabb<D>& box) const {
   return bodiesOf(found, box, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
 }
 
+// Of one body, which need not be asked of the broadphase.
+template <int D>
+template <class Holds>
+bool World<D>::anyPart(Handle body, const Aabb<D>& box, const Holds& holds) const {
+  const std::size_t i = slotOf(body);
+  std::vector<std::int32_t> near;
+  WorkDone work;
+  bool held = false;
+  for (const ShapeRecord<D>& s : m_shapes) {
+    if (s.body != body.slot) continue;
+    forPartsNear(s.shape, m_bodies.pose[i] * s.X_CS, {}, box, near, work,
+                 [&](std::int32_t, const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
+  }
+  return held;
+}
+
+template <int D>
+bool World<D>::contains(Handle body, const Vec<D>& point) const {
+  return anyPart(body, {point, point},
+                 [&](const auto& shape, const Pose<D>& X_WS) { return containsPoint(shape, X_WS, point); });
+}
+
+template <int D>
+bool World<D>::intersects(Handle body, const Aabb<D>& box) const {
+  return anyPart(body, box, [&](const auto& shape, const Pose<D>& X_WS) { return overlapsBox(shape, X_WS, box); });
+}
+
 template <int D>
 template <class Meets>
 std::vector<BodyRayHit<D>> World<D>::rayHits(const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
@@ -116,6 +143,8 @@ std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>& p, const Vec<D>& directio
 #define LPC_INSTANTIATE(D)                                                                           \
   template std::vector<Handle> World<D>::at(const Vec<D>&) const;                                    \
   template std::vector<Handle> World<D>::overlap(const Aabb<D>&) const;                              \
+  template bool World<D>::contains(Handle, const Vec<D>&) const;                                     \
+  template bool World<D>::intersects(Handle, const Aabb<D>&) const;                                  \
   template std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>&, const Vec<D>&, Real, bool) const; \
   template std::vector<BodyRayHit<D>> World<D>::ray(const Vec<D>&, const Vec<D>&, Real, bool, const RayFilter<D>&) const
 LPC_INSTANTIATE(2);

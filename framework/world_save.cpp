@@ -18,7 +18,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD7";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD8";  // a change of the format is a new number
 
 /// Before the world itself, so that what was damaged is told before it is read.
 struct Header {
@@ -58,6 +58,11 @@ class Archive {
         if (reading()) x.push_back({});
         value(x[i]);
       }
+    } else if constexpr (requires { x.has_value(); }) {
+      bool there = x.has_value();
+      value(there);
+      if (reading() && there) x.emplace();
+      if (there) value(*x);
     } else if constexpr (requires { std::tuple_size<T>::value; }) {  // an array
       for (auto& e : x) value(e);
     } else {
@@ -106,6 +111,10 @@ template <int D>
 void fields(Archive& a, Wrench<D>& w) {
   a(w.force, w.torque);
 }
+template <int D>
+void fields(Archive& a, MassProperties<D>& m) {
+  a(m.mass, m.center, m.inertia);
+}
 void fields(Archive& a, SleepEvent& e) { a(e.kind, e.body, e.other, e.speed); }
 template <int D>
 void fields(Archive& a, ContactPoint<D>& c) {
@@ -127,7 +136,7 @@ void fields(Archive& a, JointRecord<D>& j) {
 template <int D>
 void fields(Archive& a, Bodies<D>& b) {
   a(b.pose, b.motion, b.mass, b.invInertiaBody, b.center, b.type, b.used, b.awake, b.canSleep, b.pinned, b.sleep,
-    b.solver, b.generation, b.userData);
+    b.solver, b.generation, b.userData, b.rotatable, b.gravityScale, b.givenMass);
 }
 void fields(Archive& a, Features& f) {
   a(f.friction, f.rotation, f.restitution, f.cache, f.joints, f.sleeping, f.continuous);
@@ -224,11 +233,12 @@ void fields(Archive& a, Shape<D>& shape) {
 template <int D>
 void fields(Archive& a, ShapeRecord<D>& s) {
   a(s.body);
-  if (s.body >= 0) a(s.shape, s.X_CS, s.index, s.friction, s.restitution, s.category, s.mask, s.userData);
+  if (s.body >= 0) a(s.shape, s.X_CS, s.index, s.friction, s.restitution, s.category, s.mask, s.userData, s.density);
 }
 template <int D>
 void fields(Archive& a, WorldSettings<D>& s) {
-  a(s.gravity, s.restitutionThreshold, s.margin, s.features, s.mixing.friction, s.mixing.restitution);
+  a(s.gravity, s.restitutionThreshold, s.margin, s.features, s.mixing.friction, s.mixing.restitution,
+    s.sleepingContacts);
 }
 
 template <int D>
@@ -305,17 +315,15 @@ void World<D>::load(std::istream& in) {
 
   // New stages instead of the old ones' structures, which hold no history.
   m_stages = StageSet<D>(m_pipeline);
-  m_boxes = BoxIndex<D>(stage<Broadphase>(), m_settings.margin);
-  m_fast = FastParts<D>();
   m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
   m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
   m_jointSlots.read(m_joints, [](const JointRecord<D>& j) { return !j.kind; });
   m_kindCount = {};
-  for (std::size_t i = 0; i < m_shapes.size(); ++i) {
-    if (m_shapes[i].body < 0) continue;
-    countKinds(m_shapes[i].shape, 1);
-    m_boxes.add(i, m_shapes[i]);
+  for (const ShapeRecord<D>& shape : m_shapes) {
+    if (shape.body >= 0) countKinds(shape.shape, 1);
   }
+  m_bodyListeners.clear();  // of bodies that were
+  indexShapes();
 }
 
 template void World<2>::save(std::ostream&) const;

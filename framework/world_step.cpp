@@ -45,7 +45,7 @@ void World<D>::eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Real mass = m_bodies.mass[i];
     out[i] = m_userForces[i];
-    out[i].force += mass * m_settings.gravity;
+    out[i].force += mass * m_bodies.gravityScale[i] * m_settings.gravity;
   }
   for (const auto& f : m_forces) f->apply(state, t, out);
 }

@@ -39,7 +39,9 @@ bool GhostHits<D>::misses(const Simulation<D>& world, const Manifold<D>& m, Real
       if (number++ == child) view = part, motion.X_CS = X_CP;
     });
     motion.X_WC = m_pose[body], motion.motion = m_motion[body];
-    if (world.bodies().type[body] == BodyType::dynamic) motion.motion.v += dt * world.settings().gravity;
+    if (world.bodies().type[body] == BodyType::dynamic) {
+      motion.motion.v += dt * world.bodies().gravityScale[body] * world.settings().gravity;
+    }
   };
   MovingPair<D> pair;
   moving(m.shapeA, m.childA, pair.a, pair.A);

@@ -182,6 +182,36 @@ ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::tab
   return def;
 }
 
+// By hand, in place of what the shapes say. What is not given is theirs, as if they had this mass.
+template <int D>
+void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
+  const toml::node *mass = body.find("mass"), *center = body.find("center"), *inertia = body.find("inertia");
+  if (!mass) {
+    if (center || inertia) body.fail(center ? *center : *inertia, "a centre or inertia without a 'mass' (kg)");
+    return;
+  }
+  MassProperties<D> given;
+  for (const ShapeDef<D>& s : def.shapes) {
+    given = combined(given, transformed(massProperties(s.shape, s.density), s.X_BS));
+  }
+  const Real kilograms = static_cast<Real>(numbers.between(*mass, "mass", 0, kLargest));
+  given.inertia *= given.mass > 0 ? kilograms / given.mass : Real(0);
+  given.mass = kilograms;
+  if (center) given.center = numbers.vector<D>(*center);
+  if (inertia) {
+    if constexpr (D == 2) {
+      given.inertia(0, 0) = static_cast<Real>(numbers.between(*inertia, "inertia", 0, kLargest));
+    } else {
+      given.inertia = numbers.vector<3>(*inertia).asDiagonal();
+    }
+    if (!numbers.rehearsing() && !isInertia(given.inertia)) {
+      body.fail(*inertia, std::string("no body has such an inertia; valid: ") +
+                              (D == 2 ? "a number >= 0" : "three numbers >= 0, none above the sum of the others"));
+    }
+  }
+  def.mass = given;
+}
+
 // As World::add would, who knows no place.
 template <int D>
 void checkMass(const BodyDef<D>& def, const TableReader& body) {
@@ -193,6 +223,7 @@ void checkMass(const BodyDef<D>& def, const TableReader& body) {
     }
     all = combined(all, transformed(massProperties(s.shape, s.density), s.X_BS));
   }
+  if (def.mass) all = *def.mass;
   if (def.type == BodyType::dynamic && (!(all.mass > 0) || !std::isfinite(all.mass))) {
     body.fail("a dynamic body has a mass of " + asText(all.mass) + " kg; valid: finite and above 0, or another type");
   }
@@ -329,12 +360,16 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
   def.canSleep = body.flag("can_sleep", true);
   def.awake = body.flag("awake", true);
   const std::vector<const toml::table*> shapes = body.blocks("shapes");
-  if (shapes.empty()) body.fail("a body needs 'shapes'");
+  if (shapes.empty() && def.type == BodyType::dynamic && !body.find("mass")) {
+    body.fail("a body needs 'shapes', or a 'mass' without any");
+  }
   for (const toml::table* t : shapes) {
     TableReader shape(*t, body.file(), "a shape");
     numbers.count(*t, "shapes");
     def.shapes.push_back(readShape<D>(shape, numbers, defaults));
   }
+  def.gravityScale = static_cast<Real>(numbers.number(body, "gravity_scale", 1));
+  readMass(body, numbers, def);
   if (!numbers.rehearsing()) checkMass(def, body);
   return def;
 }

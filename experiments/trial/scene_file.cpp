@@ -84,6 +84,7 @@ class Builder {
     }
     real(m_top, "restitution_threshold", m_scene.settings.restitutionThreshold);
     real(m_top, "margin", m_scene.settings.margin);
+    m_scene.settings.sleepingContacts = m_numbers.whole(m_top, "sleeping_contacts", 0, 0, 1) != 0;
     m_scene.steps = m_numbers.whole(m_top, "steps", m_scene.steps, 0, kMaxSteps);
     if (const toml::table* t = m_top.table("limits")) {
       TableReader limits(*t, m_parsed.path, "[limits]");

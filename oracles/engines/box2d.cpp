@@ -75,6 +75,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     d.linearVelocity = vector(motionOf(slot).v);
     d.angularVelocity = static_cast<float>(motionOf(slot).w[0]);
     d.fixedRotation = !turns(slot);
+    d.gravityScale = static_cast<float>(def.gravityScale);
     b2Body* body = m_bodies[slot] = m_world.CreateBody(&d);
     forBodyParts(slot, [&](const ShapeView<2>& part, const Pose<2>& X_CS, const ShapeRecord<2>& s) {
       addShape(*body, part, X_CS, s);

@@ -192,6 +192,7 @@ class BulletWorld final : public EngineWorld<3> {
     putMotion(slot, motionOf(slot));
     m_world.addRigidBody(b.body.get(), static_cast<int>(record ? record->category : 0u),
                          static_cast<int>(record ? record->mask : 0u));
+    b.body->setGravity(vector(Vec<3>(def.gravityScale * settings().gravity)));  // adding it has set the world's
   }
   static void addShapes(Body& b, const std::vector<std::pair<ShapeView<3>, Pose<3>>>& parts) {
     const Pose<3> X_PC = b.X_CP.inverse();

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Zlib
+// What listeners may change of one contact, and whom they hear of.
+#include <gtest/gtest.h>
+
+#include "tests/expect_caught.h"
+#include "tests/small_worlds.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+constexpr Real kDt = Real(1) / 60;
+
+template <class T>
+struct ListenerTest : testing::Test {};
+template <int Dim>
+struct In {
+  static constexpr int D = Dim;
+};
+using Dimensions = testing::Types<In<2>, In<3>>;
+TYPED_TEST_SUITE(ListenerTest, Dimensions);
+
+template <int D>
+struct Mixer final : ContactListener<D> {
+  std::int32_t of = -1;  // this body alone
+  PairMaterial to, came;
+  int mixed = 0, begun = 0, persisted = 0;
+  bool forgets = false;  // a planted bug: writes once
+  void mix(const World<D>&, const Manifold<D>& m, PairMaterial& material) override {
+    if (of >= 0 && m.bodyA != of && m.bodyB != of) return;
+    came = material;
+    if (forgets && mixed++ > 0) return;
+    ++mixed;
+    material = to;
+  }
+  bool begin(const World<D>&, const Manifold<D>&) override { return ++begun, true; }
+  bool persist(const World<D>&, const Manifold<D>&) override { return ++persisted, true; }
+};
+
+// Two boxes slide on one floor, of which a listener takes the friction of one: it alone goes on.
+template <int D>
+bool oneSlides(bool forgets) {
+  World<D> world;
+  addGround(world);
+  std::array<Handle, 2> boxes;
+  for (std::size_t i = 0; i < 2; ++i) {
+    BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(-15, 0.5, 4 * double(i)));
+    if (D == 2 && i == 1) def.X_WB.p[0] = 0;
+    def.velocity = at<D>(3, 0);
+    boxes[i] = world.add(def);
+  }
+  Mixer<D> slippery;
+  slippery.of = boxes[1].slot, slippery.forgets = forgets;
+  world.addListener(&slippery);
+  for (int i = 0; i < 90; ++i) world.step(kDt);
+  EXPECT_NEAR(double(slippery.came.friction), 0.5, 1e-6);  // as the shapes have it, in every step
+  return std::abs(world.motion(boxes[0]).v[0]) < 0.01 && world.motion(boxes[1]).v[0] > 2.99;
+}
+
+TYPED_TEST(ListenerTest, ChangesTheFrictionOfOneContact) {
+  EXPECT_TRUE(oneSlides<TypeParam::D>(false));
+  expectCaught("a friction that is changed in the first step alone", oneSlides<TypeParam::D>(true));
+}
+
+TYPED_TEST(ListenerTest, ChangesTheRestitutionOfOneContact) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addGround(world);
+  const Handle dead = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-3, 3)));
+  const Handle lively = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3, 3)));
+  Mixer<D> bouncy;
+  bouncy.to = {.friction = 0, .restitution = 1};
+  world.addListener(lively, &bouncy);
+  Real highest = 0;
+  bool hit = false;
+  for (int i = 0; i < 120; ++i) {
+    world.step(kDt);
+    hit = hit || bouncy.begun > 0;
+    if (hit && bouncy.begun == 1) highest = std::max(highest, world.pose(lively).p[1]);
+  }
+  EXPECT_LT(world.pose(dead).p[1], 0.6);
+  EXPECT_GT(highest, 2.7);
+}
+
+TYPED_TEST(ListenerTest, OfABodyHearsOfItAlone) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  const Handle ground = addGround(world);
+  std::vector<Handle> balls;
+  for (int i = 0; i < 3; ++i) balls.push_back(world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3 * i, 0.5))));
+  Mixer<D> one, all, twice;
+  one.to = all.to = twice.to = {Real(0.5), 0};
+  world.addListener(balls[1], &one);
+  world.addListener(ground, &all);
+  world.addListener(ground, &twice), world.addListener(balls[0], &twice), world.addListener(&twice);
+  world.step(kDt);
+  EXPECT_EQ(one.begun, 1);
+  EXPECT_EQ(all.begun, 3);
+  EXPECT_EQ(twice.begun, 3);  // once for each pair, however often it is registered
+  world.removeListener(&all);
+  world.remove(balls[1]);  // with its listeners
+  const Handle next = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3, 0.5)));
+  EXPECT_EQ(next.slot, balls[1].slot);
+  world.step(kDt);
+  EXPECT_EQ(one.begun + one.persisted, 1);
+  EXPECT_EQ(all.begun + all.persisted, 3);
+  EXPECT_THROW(world.addListener(balls[1], &one), UserError);
+  EXPECT_THROW(world.addListener(balls[0], nullptr), UserError);
+}
+
+TYPED_TEST(ListenerTest, WhatIsNoMaterialIsRefused) {
+  constexpr int D = TypeParam::D;
+  for (const Real bad : {Real(-1), std::numeric_limits<Real>::quiet_NaN()}) {
+    World<D> world;
+    addGround(world);
+    world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
+    Mixer<D> mixer;
+    mixer.to.friction = bad;
+    world.addListener(&mixer);
+    EXPECT_THROW(world.step(kDt), UserError);
+  }
+}
+
+// Of sleepers that are asked anew in every step: they sleep on, silently, and what was changed of their contacts stays.
+TYPED_TEST(ListenerTest, SleepersContactsAreMadeWhereAsked) {
+  constexpr int D = TypeParam::D;
+  std::array<std::uint64_t, 2> tests{};
+  std::array<std::uint64_t, 2> hashes{};
+  for (const bool anew : {false, true}) {
+    WorldSettings<D> settings;
+    settings.sleepingContacts = anew;
+    World<D> world(Pipeline::parse("sleep=split_average"), settings);
+    addGround(world);
+    for (int i = 0; i < 4; ++i) {
+      world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5 + i)));
+    }
+    Mixer<D> mixer;
+    mixer.to = {Real(0.9), 0};
+    world.addListener(&mixer);
+    for (int i = 0; i < 240; ++i) world.step(kDt);
+    ASSERT_EQ(world.profiler().frame().awake, 0);
+    const int heard = mixer.mixed;
+    world.step(kDt);
+    EXPECT_EQ(mixer.mixed, heard);
+    EXPECT_EQ(world.profiler().frame().awake, 0);
+    ASSERT_EQ(world.manifolds().size(), 4u);
+    for (const Manifold<D>& m : world.manifolds()) EXPECT_EQ(m.friction, Real(0.9));
+    tests[anew] = static_cast<std::uint64_t>(world.profiler().frame().pairs);
+    hashes[anew] = world.hash();
+  }
+  EXPECT_EQ(tests[0], 0u);
+  EXPECT_EQ(tests[1], 4u);
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
