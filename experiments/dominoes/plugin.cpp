@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/plugin.h"
+
+LPC_PLUGIN;
