@@ -350,7 +350,7 @@ TYPED_TEST(ChangeTest, StagesAreExchangedAtRunTime) {
   constexpr int D = TypeParam::D;
   for (const StageKind kind : kWorldStages) {
     for (const Registered* r : Registry::instance().list(kind, D)) {
-      if (r->info.role != AlgorithmRole::competitor) continue;
+      if (!competes(*r)) continue;
       World<D> world(Pipeline::parse("sleep=split_average"));
       addHeap<D>(world, 4, 3);
       for (int i = 0; i < 30; ++i) world.step(kDt);
