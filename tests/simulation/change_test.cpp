@@ -5,6 +5,7 @@
 #include "framework/invariants.h"
 #include "framework/shape_between.h"
 #include "tests/draw.h"
+#include "tests/every_solver.h"
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
