@@ -36,6 +36,23 @@ inline void listSlots(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
   }
 }
 
+/// The same, those that are awake first; returns their number. Of the others no two need be compared.
+template <int D>
+inline std::size_t listActiveFirst(const Proxies<D>& proxies, std::vector<ProxyId>& slots) {
+  slots.clear();
+  std::size_t awake = 0;
+  for (const bool active : {true, false}) {
+    for (ProxyId i = 0; i < proxies.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if ((proxies.active[k] != 0) == active && !proxies.isFree(i) && proxies.lo[0][k] <= proxies.hi[0][k]) {
+        slots.push_back(i);
+      }
+    }
+    if (active) awake = slots.size();
+  }
+  return awake;
+}
+
 /// Appends the pair if the exact closed boxes overlap and the two may collide: Proxies::boxesOverlap and mayCollide.
 template <int D>
 inline void emitIfPair(const GatheredBox<D>& a, const GatheredBox<D>& b, std::vector<ProxyPair>& out) {

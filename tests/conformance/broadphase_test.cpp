@@ -94,6 +94,9 @@ TEST(BroadphasePlantedBugs, OpenBoxes) { expectRefused<OpenBoxes>("open boxes");
 TEST(BroadphasePlantedBugs, ForgetsCenterLine) { expectRefused<ForgetsCenterLine>("forgets the centre line"); }
 TEST(BroadphasePlantedBugs, StaleSlot) { expectRefused<StaleSlot>("stale slot"); }
 TEST(BroadphasePlantedBugs, Duplicates) { expectRefused<Duplicates>("duplicates"); }
+TEST(BroadphasePlantedBugs, TruncatesCells) { expectRefused<TruncatesCells>("truncates cells"); }
+TEST(BroadphasePlantedBugs, ForgetsTheCell) { expectRefused<ForgetsTheCell>("forgets the cell"); }
+TEST(BroadphasePlantedBugs, OneSideOfPlane) { expectRefused<OneSideOfPlane>("one side of the plane"); }
 TEST(BroadphasePlantedBugs, WakesTheDead) { expectRefused<WakesTheDead>("wakes the dead"); }
 TEST(BroadphasePlantedBugs, MeetsTheLost) { expectRefused<MeetsTheLost>("meets the lost"); }
 TEST(BroadphasePlantedBugs, InnerSpheres) { expectRefused<InnerSpheres>("inner spheres", Guarantee::conservative); }
@@ -131,6 +134,22 @@ class Boxes {
     broadphase->update(m_proxies, {});
     broadphase->findPairs(m_proxies, pairs, work);
     return {pairs.size(), work[WorkCount::boxTests]};
+  }
+
+  /// Sort moves of the last step, after as many in each of which all boxes went by `shift`.
+  std::uint64_t movesAfter(const char* spec, const Vec<D>& shift, int steps) const {
+    const auto broadphase = createStage<Broadphase<D>>(Spec::parse(spec));
+    Proxies<D> proxies = m_proxies;
+    std::vector<ProxyPair> pairs;
+    for (int step = 0;; ++step) {
+      WorkDone work;
+      broadphase->update(proxies, {});
+      broadphase->findPairs(proxies, pairs, work);
+      if (step == steps) return work[WorkCount::sortMoves];
+      for (ProxyId i = 0; i < proxies.size(); ++i) {
+        proxies.setBox(i, {proxies.box(i).lo + shift, proxies.box(i).hi + shift});
+      }
+    }
   }
 
  private:
@@ -177,6 +196,72 @@ std::map<std::string, std::function<void()>> declaredFailures() {
              }
              EXPECT_GE(row.run("uniform_grid").boxTests, kAllPairs / 7);
              EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
+           }},
+          {"hash_many_large_work",
+           [] {
+             Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
+             Real x = 0;
+             for (int i = 0; i < kCount; ++i) {
+               const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
+               row.add(along<D>(0, x + half), Vec<D>::Constant(half));
+               x += 2 * half + 1;
+             }
+             EXPECT_GE(row.run("spatial_hash").boxTests, kAllPairs / 2);
+             EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
+           }},
+          {"hash_crowded_cell_work",
+           [] {
+             Boxes<D> row;  // nothing overlaps, and 40 % are so small that all of them stand in one cell
+             for (int i = 0; i < kCount; ++i) {
+               const bool small = i % 5 < 2;
+               row.add(along<D>(0, static_cast<Real>(i) * (small ? Real(0.002) : -2)),
+                       Vec<D>::Constant(small ? Real(0.0005) : Real(0.5)));
+             }
+             EXPECT_GE(row.run("spatial_hash").boxTests, kAllPairs / 7);
+             EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
+           }},
+          {"hash_planks_work",
+           [] {
+             Boxes<D> pile;
+             Vec<D> plank = Vec<D>::Constant(Real(0.05));
+             plank[0] = 5;
+             for (int i = 0; i < kCount; ++i) pile.add(along<D>(1, Real(0.2) * static_cast<Real>(i)), plank);
+             EXPECT_GE(pile.run("spatial_hash").boxTests, kAllPairs / 5);
+             EXPECT_LT(pile.run("bsp").boxTests, kAllPairs / 20);
+           }},
+          {"hash_collisions_work",
+           [] {
+             Boxes<D> row;
+             for (int i = 0; i < kCount; ++i)
+               row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
+             EXPECT_GE(row.run("spatial_hash{table=0.0078125}").boxTests, kAllPairs / 5);
+             EXPECT_LT(row.run("spatial_hash").boxTests, kAllPairs / 100);
+           }},
+          {"bsp_flying_crowd_work",
+           [] {
+             Boxes<D> row;
+             for (int i = 0; i < kCount; ++i)
+               row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
+             const std::uint64_t anew = row.movesAfter("bsp", Vec<D>::Zero(), 0);
+             EXPECT_LT(row.movesAfter("bsp", along<D>(0, Real(0.1)), 1), anew * 2 / 3);
+             EXPECT_GE(row.movesAfter("bsp", along<D>(0, Real(3000)), 1), anew);
+           }},
+          {"bsp_lattice_work",
+           [] {
+             Boxes<D> lattice;  // as many sticks along each axis; in 3D they pass each other
+             constexpr int kSide = D == 2 ? 250 : 13;
+             for (int axis = 0; axis < D; ++axis) {
+               for (int i = 0; i < (D == 2 ? kSide : kSide * kSide); ++i) {
+                 Vec<D> at = Vec<D>::Constant(Real(0.3) * static_cast<Real>(axis)), half = Vec<D>::Constant(Real(0.05));
+                 at[(axis + 1) % D] += static_cast<Real>(i % kSide);
+                 at[(axis + 2) % D] += static_cast<Real>(i / kSide);
+                 at[axis] = 0, half[axis] = 500;
+                 lattice.add(at, half);
+               }
+             }
+             const auto n = static_cast<std::uint64_t>(D == 2 ? D * kSide : D * kSide * kSide);
+             EXPECT_EQ(lattice.run("bsp").boxTests, n * (n - 1) / 2);
+             EXPECT_EQ(lattice.run("bsp").pairs, D == 2 ? n * n / 4 : 0);
            }},
           {"tree_centre_line_work", [] {
              Boxes<D> tower;

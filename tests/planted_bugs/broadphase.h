@@ -85,6 +85,43 @@ class Duplicates final : public PlantedBug<D> {
   }
 };
 
+/// A hash that rounds toward zero to the number of a cell, 4 m wide and along x, and asks by metres in which of them a
+/// pair counts: on the negative side that is the next one, in which nobody stands.
+template <int D>
+class TruncatesCells final : public PlantedBug<D> {
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    const Aabb<D> p = proxies.box(a), q = proxies.box(b);
+    const Real begin = std::max(p.lo[0], q.lo[0]) / 4, cell = std::trunc(begin);
+    return proxies.boxesOverlap(a, b) && cell <= begin;
+  }
+};
+
+/// A hash that does not compare the cells of boxes in a slot: cells along x, 4 m wide, take turns in seven slots, and
+/// a pair is reported in each of those in which both stand.
+template <int D>
+class ForgetsTheCell final : public PlantedBug<D> {
+ public:
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
+    PlantedBug<D>::findPairs(proxies, out, work);
+    for (std::size_t k = 0, n = out.size(); k < n; ++k) {
+      const auto wide = [&](ProxyId i) {
+        const Aabb<D> box = proxies.box(i);
+        return std::floor(box.hi[0] / 4) - std::floor(box.lo[0] / 4) >= 7;
+      };
+      if (wide(out[k].a) || wide(out[k].b)) out.push_back(out[k]);
+    }
+  }
+};
+
+/// A tree that puts boxes across its plane, here x = 0, on the side on which they begin and on no other.
+template <int D>
+class OneSideOfPlane final : public PlantedBug<D> {
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    const auto below = [&](ProxyId i) { return proxies.lo[0][static_cast<std::size_t>(i)] < 0; };
+    return proxies.boxesOverlap(a, b) && below(a) == below(b);
+  }
+};
+
 /// Reports pairs of which neither is awake.
 template <int D>
 class WakesTheDead final : public PlantedBug<D> {
@@ -184,6 +221,19 @@ class Bottomless final : public PlantedBug<D> {
     });
     work[WorkCount::nodeVisits] += alike ? 1000 : out.size();
   }
+};
+
+/// A tree that is kept and only grows: each step leaves it a node more for each box.
+template <int D>
+class OnlyGrows final : public PlantedBug<D> {
+ public:
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
+    PlantedBug<D>::findPairs(proxies, out, work);
+    work[WorkCount::nodeVisits] += m_nodes += static_cast<std::uint64_t>(proxies.size());
+  }
+
+ private:
+  std::uint64_t m_nodes = 0;
 };
 
 /// An empty box, of a body that has become NaN, is compared the wrong way round and meets everything.
