@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 #include <bit>
-#include <cmath>
 
 #include "algorithms/broadphase/gathered_box.h"
 #include "algorithms/broadphase/packed_box.h"
