@@ -174,6 +174,16 @@ class OpenQuery final : public Broadphase<D> {
   }
 };
 
+/// A tree of fat boxes that answers with them.
+template <int D>
+class FatAnswers final : public Broadphase<D> {
+ public:
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, WorkDone&) override {}
+  void overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const override {
+    Broadphase<D>::overlap(proxies, box.grown(Real(1)), out);
+  }
+};
+
 /// A ray that also looks behind itself.
 template <int D>
 class LooksBack final : public Broadphase<D> {
@@ -197,6 +207,7 @@ void expectRefused(const std::string& name) {
       500);
 }
 TEST(BroadphasePlantedBugs, OpenQuery) { expectRefused<OpenQuery>("open query"); }
+TEST(BroadphasePlantedBugs, FatAnswers) { expectRefused<FatAnswers>("fat answers"); }
 TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }
 
 }  // namespace broadphase_query_test
