@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "framework/stage_broadphase.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// A tree of fat boxes that lives from step to step (Presson's btDbvt in Bullet; Catto 2019). A box is taken out and put
+// in again only when it leaves its fat one, where it adds the least surface to the tree (branch and bound), and
+// rotations on the way up keep sorted insertions from making a list.
+//
+// The pairs whose fat boxes overlap are kept, too. So a step costs the tests of those, and queries for the few that
+// were put in again or whose filters or activity changed: all pairs of these are dropped and found anew.
+template <int D>
+class DynamicTree final : public Broadphase<D> {
+ public:
+  struct Params {
+    Real margin = Real(0.1), stretch = 4;
+    bool rotate = true;
+    void visit(ParamVisitor& v) {
+      v.real("margin", margin, 0, 10, "m", "by which a fat box is larger on every side");
+      v.real("stretch", stretch, 0, 100, "1", "steps ahead that a fat box reaches, at most by the size of its box");
+      v.flag("rotate", rotate, "exchange nodes on the way up from an insertion where that lessens the surface");
+    }
+  };
+  explicit DynamicTree(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "dynamic_tree",
+            .summary = "tree of fat boxes kept from step to step, and the pairs of these",
+            .paper = "catto2019",
+            .complexity = "pairs of fat boxes + log n per box that leaves its own",
+            .failures = {{.when = "all boxes leave their fat ones in each step, since they are fast or turn",
+                          .symptom = "all are taken out and put in again",
+                          .test = "tree_all_fast_work"},
+                         {.when = "rotate=false and boxes that come in sorted order",
+                          .symptom = "a deep tree: each insertion visits many nodes",
+                          .test = "tree_sorted_insertion_work"},
+                         {.when = "boxes that have changed places again and again",
+                          .symptom = "a tree that a new one would not be",
+                          .test = "tree_history_work"}}};
+  }
+
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
+    const auto n = static_cast<std::size_t>(proxies.size());
+    if (n > m_leaf.size()) {
+      m_leaf.resize(n, kNone), m_changed.resize(n, 0), m_tight.resize(n);
+      m_nodes.reserve(2 * n), m_heap.reserve(2 * n), m_free.reserve(2 * n), m_list.reserve(n);
+    }
+    for (const ProxyId i : changes.removed) takeOut(i);
+    for (const ProxyId i : changes.added) place(proxies, i);
+    for (const ProxyId i : changes.moved) place(proxies, i);
+    if (proxies.active != m_active || proxies.category != m_category || proxies.mask != m_mask) {
+      m_active.resize(proxies.active.size()), m_category.resize(m_active.size()), m_mask.resize(m_active.size());
+      for (std::size_t i = 0; i < n; ++i) {
+        const bool same = proxies.active[i] == m_active[i] && proxies.category[i] == m_category[i];
+        if (!same || proxies.mask[i] != m_mask[i]) note(static_cast<ProxyId>(i));
+      }
+      m_active = proxies.active, m_category = proxies.category, m_mask = proxies.mask;
+    }
+  }
+
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
+    const auto emit = [&](const ProxyPair& pair) {
+      const Aabb<D>&a = m_tight[static_cast<std::size_t>(pair.a)], &b = m_tight[static_cast<std::size_t>(pair.b)];
+      if (a.overlaps(b)) out.push_back(pair);
+    };
+    std::size_t kept = 0;
+    for (const ProxyPair pair : m_pairs) {
+      if (m_changed[static_cast<std::size_t>(pair.a)] | m_changed[static_cast<std::size_t>(pair.b)]) continue;
+      m_pairs[kept++] = pair;
+      emit(pair);
+    }
+    m_pairs.resize(kept);
+    for (const ProxyId i : m_list) {
+      const std::int32_t leaf = m_leaf[static_cast<std::size_t>(i)];
+      if (leaf == kNone) continue;
+      const Aabb<D> fat = node(leaf).box;
+      m_visits += visit([&](const Aabb<D>& box) { return box.overlaps(fat); },
+                        [&](ProxyId j) {
+                          // Of two that changed, the pair is found from both.
+                          if (j == i || (j < i && m_changed[static_cast<std::size_t>(j)])) return;
+                          if (!proxies.mayCollide(i, j)) return;
+                          m_pairs.push_back({std::min(i, j), std::max(i, j)});
+                          emit(m_pairs.back());
+                        });
+    }
+    for (const ProxyId i : m_list) m_changed[static_cast<std::size_t>(i)] = 0;
+    m_list.clear();
+    work[WorkCount::boxTests] += m_pairs.size();
+    work[WorkCount::nodeVisits] += std::exchange(m_visits, 0);
+    work[WorkCount::sortMoves] += std::exchange(m_moves, 0);
+  }
+
+  void overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const override {
+    visit([&](const Aabb<D>& b) { return b.overlaps(box); },
+          [&](ProxyId i) {
+            if (proxies.box(i).overlaps(box)) out.push_back(i);
+          });
+  }
+  void ray(const Proxies<D>& proxies, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+           std::vector<RayHit<D>>& out) const override {
+    RayHit<D> first{-1, maxT};
+    const auto meets = [&](const Aabb<D>& b) {
+      const Real t = castRay(b, p, direction, maxT);
+      return t >= 0 && !(firstOnly && t > first.t);
+    };
+    visit(meets, [&](ProxyId i) {
+      const Real t = castRay(proxies.box(i), p, direction, maxT);
+      if (t < 0) return;
+      if (!firstOnly) {
+        out.push_back({i, t});
+      } else if (first.proxy < 0 || t < first.t || (t == first.t && i < first.proxy)) {
+        first = {i, t};
+      }
+    });
+    if (first.proxy >= 0) out.push_back(first);
+  }
+  void sweep(const Proxies<D>& proxies, const Aabb<D>& box, const Vec<D>& displacement,
+             std::vector<RayHit<D>>& out) const override {
+    visit([&](const Aabb<D>& b) { return castBox(box, displacement, Real(1), b) >= 0; },
+          [&](ProxyId i) {
+            const Real t = castBox(box, displacement, Real(1), proxies.box(i));
+            if (t >= 0) out.push_back({i, t});
+          });
+  }
+
+ private:
+  static constexpr std::int32_t kNone = -1;
+
+  struct Node {
+    Aabb<D> box;
+    std::int32_t parent;
+    std::array<std::int32_t, 2> child;  // of a leaf: kNone and its slot
+    std::int32_t height;                // 0 of a leaf
+
+    bool isLeaf() const { return child[0] == kNone; }
+  };
+  struct Candidate {
+    Real inherited;  // surface that all nodes above would gain
+    std::int32_t node;
+    bool operator<(const Candidate& o) const {  // a heap has its largest in front
+      return inherited != o.inherited ? inherited > o.inherited : node > o.node;
+    }
+  };
+
+  Node& node(std::int32_t at) { return m_nodes[static_cast<std::size_t>(at)]; }
+  const Node& node(std::int32_t at) const { return m_nodes[static_cast<std::size_t>(at)]; }
+
+  // Half of the surface, of the border in 2D. Bounded, or differences of two that overflow would not be numbers.
+  static Real surface(const Aabb<D>& box) {
+    const Vec<D> size = box.hi - box.lo;
+    Real half = size[0] + size[1];
+    if constexpr (D == 3) half = size[0] * size[1] + half * size[2];
+    return std::min(half, std::numeric_limits<Real>::max() / 4);
+  }
+
+  void note(ProxyId i) {
+    std::uint8_t& changed = m_changed[static_cast<std::size_t>(i)];
+    if (!changed) m_list.push_back(i);
+    changed = 1;
+  }
+
+  void place(const Proxies<D>& proxies, ProxyId i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Aabb<D> box = proxies.box(i);
+    const bool known = m_leaf[k] != kNone;
+    if (known && box.lo == m_tight[k].lo && box.hi == m_tight[k].hi) return;
+    const Vec<D> way = known ? ahead(m_tight[k], box) : Vec<D>(Vec<D>::Zero());
+    m_tight[k] = box;
+    if (proxies.isFree(i) || !(box.lo[0] <= box.hi[0])) {
+      takeOut(i);
+      return;
+    }
+    std::int32_t start = m_root;
+    if (known) {
+      // Also when it was made for a larger or faster one: it would meet others for ever.
+      const Aabb<D>& fat = node(m_leaf[k]).box;
+      const Real most = kMostMargins * m_params.margin + 2 * way.cwiseAbs().maxCoeff();
+      if (fat.contains(box) && box.grown(most).contains(fat)) return;
+      start = takeOut(i);
+    }
+    Aabb<D> fat = box.grown(m_params.margin);
+    for (int d = 0; d < D; ++d) (way[d] > 0 ? fat.hi : fat.lo)[d] += way[d];
+    note(i);
+    ++m_moves;
+    m_leaf[k] = newNode({fat, kNone, {kNone, i}, 0});
+    insert(m_leaf[k], start);
+  }
+
+  // The way of the next steps, if they are like the last; no longer than the box, since a teleport is no motion.
+  Vec<D> ahead(const Aabb<D>& was, const Aabb<D>& is) const {
+    const Real most = (is.hi - is.lo).maxCoeff();
+    Vec<D> way;
+    for (int d = 0; d < D; ++d) {
+      const Real step = (is.lo[d] - was.lo[d]) / 2 + (is.hi[d] - was.hi[d]) / 2;
+      way[d] = m_params.stretch * step;
+      if (!(std::abs(way[d]) <= most)) way[d] = step < 0 ? -most : most;
+    }
+    return way;
+  }
+
+  // Returns the lowest node left of those above.
+  std::int32_t takeOut(ProxyId i) {
+    std::int32_t& leaf = m_leaf[static_cast<std::size_t>(i)];
+    if (leaf == kNone) return m_root;
+    note(i);
+    const std::int32_t parent = node(leaf).parent;
+    std::int32_t above = kNone;
+    if (parent == kNone) {
+      m_root = kNone;
+    } else {
+      const std::int32_t sibling = node(parent).child[node(parent).child[0] == leaf ? 1 : 0];
+      replace(parent, sibling);
+      m_free.push_back(parent);
+      above = node(sibling).parent;
+      for (std::int32_t at = above; at != kNone && fit(at); at = node(at).parent) ++m_visits;
+    }
+    m_free.push_back(std::exchange(leaf, kNone));
+    return above == kNone ? m_root : above;
+  }
+
+  std::int32_t newNode(const Node& made) {
+    if (m_free.empty()) {
+      m_nodes.push_back(made);
+      return static_cast<std::int32_t>(m_nodes.size()) - 1;
+    }
+    const std::int32_t at = m_free.back();
+    m_free.pop_back();
+    node(at) = made;
+    return at;
+  }
+  // `by` comes to where `at` is.
+  void replace(std::int32_t at, std::int32_t by) {
+    const std::int32_t parent = node(at).parent;
+    node(by).parent = parent;
+    if (parent == kNone) {
+      m_root = by;
+    } else {
+      node(parent).child[node(parent).child[0] == at ? 0 : 1] = by;
+    }
+  }
+  // Whether anything was new; if not, nothing is above.
+  bool fit(std::int32_t at) {
+    Node& n = node(at);
+    const Node &a = node(n.child[0]), &b = node(n.child[1]);
+    const Aabb<D> box = a.box.merged(b.box);
+    const std::int32_t height = 1 + std::max(a.height, b.height);
+    const bool changed = box.lo != n.box.lo || box.hi != n.box.hi || height != n.height;
+    n.box = box, n.height = height;
+    return changed;
+  }
+
+  // The search begins at the lowest node from `start` up that the new box does not enlarge: one that has hardly moved
+  // comes to be near its old place.
+  void insert(std::int32_t leaf, std::int32_t start) {
+    if (m_root == kNone) {
+      m_root = leaf;
+      return;
+    }
+    const Aabb<D> box = node(leaf).box;
+    while (start != m_root && !node(start).box.contains(box)) ++m_visits, start = node(start).parent;
+    const std::int32_t sibling = bestSibling(box, start);
+    const std::int32_t above = newNode({{}, kNone, {sibling, leaf}, 0});
+    replace(sibling, above);
+    node(sibling).parent = node(leaf).parent = above;
+    for (std::int32_t at = above; at != kNone && fit(at); at = node(at).parent) {
+      ++m_visits;
+      if (m_params.rotate) rotate(at);
+    }
+  }
+
+  // The node beside which a new leaf adds the least surface: its own parent's, and what the nodes above gain. Best
+  // first; a subtree is left out when even a leaf in it could not be better.
+  std::int32_t bestSibling(const Aabb<D>& box, std::int32_t start) {
+    const Real own = surface(box);
+    std::int32_t best = start;
+    Real least = std::numeric_limits<Real>::infinity();
+    m_heap.assign(1, {Real(0), start});
+    while (!m_heap.empty()) {
+      const Candidate c = m_heap.front();
+      if (c.inherited + own >= least) break;
+      std::pop_heap(m_heap.begin(), m_heap.end()), m_heap.pop_back();
+      ++m_visits;
+      const Node& n = node(c.node);
+      const Real direct = surface(n.box.merged(box));
+      if (c.inherited + direct < least) least = c.inherited + direct, best = c.node;
+      if (n.isLeaf()) continue;
+      const Real inherited = c.inherited + (direct - surface(n.box));
+      if (inherited + own >= least) continue;
+      for (const std::int32_t child : n.child) {
+        m_heap.push_back({inherited, child});
+        std::push_heap(m_heap.begin(), m_heap.end());
+      }
+    }
+    // Equal boxes have equal costs on every level. On the lowest, on the side of the lower child, they make no list.
+    while (!node(best).isLeaf()) {
+      const auto [a, b] = node(best).child;
+      const std::int32_t lower = node(a).height <= node(b).height ? a : b;
+      const Real whole = surface(node(best).box.merged(box));
+      if (surface(node(best).box) < whole || surface(node(lower).box.merged(box)) > own) break;
+      best = lower;
+    }
+    return best;
+  }
+
+  // Exchanges a child with a child of the other, if that lessens the surface of the node between, by the most.
+  void rotate(std::int32_t at) {
+    Real most = 0;
+    std::int32_t low = kNone, high = kNone;
+    for (const int side : {0, 1}) {
+      const std::int32_t upper = node(at).child[static_cast<std::size_t>(side)];
+      const Node& between = node(node(at).child[static_cast<std::size_t>(1 - side)]);
+      if (between.isLeaf()) continue;
+      const Real now = surface(between.box);
+      for (const int which : {0, 1}) {
+        const std::int32_t stays = between.child[static_cast<std::size_t>(1 - which)];
+        const Real gain = now - surface(node(stays).box.merged(node(upper).box));
+        if (gain > most) most = gain, high = upper, low = between.child[static_cast<std::size_t>(which)];
+      }
+    }
+    if (low == kNone) return;
+    const std::int32_t between = node(low).parent;
+    node(between).child[node(between).child[0] == low ? 0 : 1] = high;
+    node(at).child[node(at).child[0] == high ? 0 : 1] = low;
+    node(high).parent = between, node(low).parent = at;
+    fit(between);
+    fit(at);
+  }
+
+  // found(slot) of each leaf whose fat box and all boxes above it hold meets(box); returns the nodes that were asked.
+  // By links to the parents: no stack, since who comes in which order decides how deep the tree is.
+  template <class Meets, class Found>
+  std::uint64_t visit(const Meets& meets, const Found& found) const {
+    std::uint64_t visits = 0;
+    for (std::int32_t at = m_root; at != kNone;) {
+      ++visits;
+      const Node& n = node(at);
+      if (meets(n.box)) {
+        if (!n.isLeaf()) {
+          at = n.child[0];
+          continue;
+        }
+        found(n.child[1]);
+      }
+      std::int32_t parent = n.parent;
+      while (parent != kNone && node(parent).child[1] == at) at = parent, parent = node(at).parent;
+      at = parent == kNone ? kNone : node(parent).child[1];
+    }
+    return visits;
+  }
+
+  static constexpr Real kMostMargins = 4;  // of a fat box around what is in it, as in Box2D
+
+  Params m_params;
+  std::int32_t m_root = kNone;
+  std::vector<Node> m_nodes;
+  std::vector<std::int32_t> m_free;  // nodes
+  std::vector<Candidate> m_heap;     // scratch of bestSibling
+  std::vector<std::int32_t> m_leaf;  // by slot, as the following
+  std::vector<Aabb<D>> m_tight;      // as of the last update
+  std::vector<std::uint8_t> m_changed, m_active;
+  std::vector<std::uint32_t> m_category, m_mask;
+  std::vector<ProxyId> m_list;              // who changed since the last findPairs
+  std::vector<ProxyPair> m_pairs;           // may collide, and their fat boxes overlap
+  std::uint64_t m_visits = 0, m_moves = 0;  // since the last findPairs
+};
+
+}  // namespace
+
+LPC_REGISTER(Broadphase, DynamicTree, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
