@@ -316,8 +316,8 @@ class RebuiltBvh final : public Broadphase<D> {
     }
     if (border == 0) return halve(range, spread.axis);  // surfaces beyond the numbers
     const auto from = m_items.begin();
-    const auto middle = std::stable_partition(from + range.begin, from + range.end,
-                                              [&](const Item& item) { return binOf(item) < border; });
+    const auto middle =
+        std::partition(from + range.begin, from + range.end, [&](const Item& item) { return binOf(item) < border; });
     return static_cast<std::int32_t>(middle - from);
   }
   static Real cost(const Bin& b) {

@@ -7,6 +7,7 @@
 
 #include "framework/random.h"
 #include "framework/world.h"
+#include "tests/conformance/broadphase_variants.h"
 #include "tests/every_solver.h"
 
 namespace {
@@ -85,8 +86,10 @@ long allocationsOfWarmFrames(Broadphase<D>& broadphase) {
 template <int D>
 void checkBroadphases() {
   for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
-    const auto broadphase = createStage<Broadphase<D>>(Spec{algorithm->info.name, {}});
-    EXPECT_EQ(allocationsOfWarmFrames(*broadphase), 0) << algorithm->info.name;
+    for (const Spec& spec : variants(*algorithm)) {
+      const auto broadphase = createStage<Broadphase<D>>(spec);
+      EXPECT_EQ(allocationsOfWarmFrames(*broadphase), 0) << spec.text();
+    }
   }
 }
 TEST(Allocations, Broadphases2) { checkBroadphases<2>(); }
