@@ -234,84 +234,86 @@ class OnlyGrows final : public PlantedBug<D> {
 
  private:
   std::uint64_t m_nodes = 0;
-  /// A tree that is only refitted, never built again: the more has moved, the more of its nodes overlap.
-  template <int D>
-  class WearsOut final : public PlantedBug<D> {
-   public:
-    void update(const Proxies<D>&, const ProxyChanges& changes) override { m_moved += changes.moved.size(); }
-    void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
-      PlantedBug<D>::findPairs(proxies, out, work);
-      work[WorkCount::nodeVisits] += m_moved;
+};
+
+/// A tree that is only refitted, never built again: the more has moved, the more of its nodes overlap.
+template <int D>
+class WearsOut final : public PlantedBug<D> {
+ public:
+  void update(const Proxies<D>&, const ProxyChanges& changes) override { m_moved += changes.moved.size(); }
+  void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
+    PlantedBug<D>::findPairs(proxies, out, work);
+    work[WorkCount::nodeVisits] += m_moved;
+  }
+
+ private:
+  std::size_t m_moved = 0;
+};
+
+/// A tree of two levels that is refitted from a parent whose box it forgot: slots by fours, and the box of each four
+/// as it was built, which who moves out of it is no longer found in.
+template <int D>
+class ForgetsParent final : public PlantedBug<D> {
+ public:
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
+    const auto parents = static_cast<std::size_t>(proxies.size() / 4 + 1);
+    const bool anew = !changes.added.empty() || !changes.removed.empty() || m_parent.size() != parents;
+    if (!anew) return;
+    m_parent.assign(parents, Aabb<D>{});
+    for (ProxyId i = 0; i < proxies.size(); ++i) {
+      if (!proxies.isFree(i)) parent(i) = parent(i).merged(proxies.box(i));
     }
+  }
 
-   private:
-    std::size_t m_moved = 0;
-  };
+ private:
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    return parent(a).overlaps(parent(b)) && proxies.boxesOverlap(a, b);
+  }
+  Aabb<D>& parent(ProxyId i) { return m_parent[static_cast<std::size_t>(i / 4)]; }
+  std::vector<Aabb<D>> m_parent;
+};
 
-  /// A tree of two levels that is refitted from a parent whose box it forgot: slots by fours, and the box of each four
-  /// as it was built, which who moves out of it is no longer found in.
-  template <int D>
-  class ForgetsParent final : public PlantedBug<D> {
-   public:
-    void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
-      const auto parents = static_cast<std::size_t>(proxies.size() / 4 + 1);
-      const bool anew = !changes.added.empty() || !changes.removed.empty() || m_parent.size() != parents;
-      if (!anew) return;
-      m_parent.assign(parents, Aabb<D>{});
-      for (ProxyId i = 0; i < proxies.size(); ++i) {
-        if (!proxies.isFree(i)) parent(i) = parent(i).merged(proxies.box(i));
+/// Pairs of fat boxes are kept from step to step; who leaves its own gets a new one, but the pairs are not found
+/// anew.
+template <int D>
+class KeepsFatPairs final : public PlantedBug<D> {
+ public:
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
+    m_fat.resize(static_cast<std::size_t>(proxies.size()));
+    for (const auto list : {changes.added, changes.moved}) {
+      for (const ProxyId i : list) {
+        Aabb<D>& fat = m_fat[static_cast<std::size_t>(i)];
+        const bool isNew = list.data() == changes.added.data();
+        if (isNew || !fat.contains(proxies.box(i))) fat = proxies.box(i).grown(Real(0.1));
+        m_anew = m_anew || isNew;
       }
     }
-
-   private:
-    bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
-      return parent(a).overlaps(parent(b)) && proxies.boxesOverlap(a, b);
-    }
-    Aabb<D>& parent(ProxyId i) { return m_parent[static_cast<std::size_t>(i / 4)]; }
-    std::vector<Aabb<D>> m_parent;
-  };
-
-  /// Pairs of fat boxes are kept from step to step; who leaves its own gets a new one, but the pairs are not found
-  /// anew.
-  template <int D>
-  class KeepsFatPairs final : public PlantedBug<D> {
-   public:
-    void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
-      m_fat.resize(static_cast<std::size_t>(proxies.size()));
-      for (const auto list : {changes.added, changes.moved}) {
-        for (const ProxyId i : list) {
-          Aabb<D>& fat = m_fat[static_cast<std::size_t>(i)];
-          const bool isNew = list.data() == changes.added.data();
-          if (isNew || !fat.contains(proxies.box(i))) fat = proxies.box(i).grown(Real(0.1));
-          m_anew = m_anew || isNew;
-        }
-      }
-      if (!m_anew && changes.removed.empty()) return;
-      m_pairs.clear(), m_anew = false;
-      for (ProxyId a = 0; a < proxies.size(); ++a) {
-        for (ProxyId b = a + 1; b < proxies.size(); ++b) {
-          if (fat(a).overlaps(fat(b))) m_pairs.push_back({a, b});
-        }
+    if (!m_anew && changes.removed.empty()) return;
+    m_pairs.clear(), m_anew = false;
+    for (ProxyId a = 0; a < proxies.size(); ++a) {
+      for (ProxyId b = a + 1; b < proxies.size(); ++b) {
+        if (fat(a).overlaps(fat(b))) m_pairs.push_back({a, b});
       }
     }
+  }
 
-   private:
-    bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
-      return std::binary_search(m_pairs.begin(), m_pairs.end(), ProxyPair{a, b}) && proxies.boxesOverlap(a, b);
-    }
-    const Aabb<D>& fat(ProxyId i) const { return m_fat[static_cast<std::size_t>(i)]; }
-    std::vector<Aabb<D>> m_fat;
-    std::vector<ProxyPair> m_pairs;
-    bool m_anew = false;
-  };
+ private:
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    return std::binary_search(m_pairs.begin(), m_pairs.end(), ProxyPair{a, b}) && proxies.boxesOverlap(a, b);
+  }
+  const Aabb<D>& fat(ProxyId i) const { return m_fat[static_cast<std::size_t>(i)]; }
+  std::vector<Aabb<D>> m_fat;
+  std::vector<ProxyPair> m_pairs;
+  bool m_anew = false;
+};
 
-  /// An empty box, of a body that has become NaN, is compared the wrong way round and meets everything.
-  template <int D>
-  class MeetsTheLost final : public PlantedBug<D> {
-    bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
-      const Aabb<D> p = proxies.box(a), q = proxies.box(b);
-      return proxies.boxesOverlap(a, b) || (p.lo[0] > p.hi[0]) != (q.lo[0] > q.hi[0]);
-    }
-  };
+/// An empty box, of a body that has become NaN, is compared the wrong way round and meets everything.
+template <int D>
+class MeetsTheLost final : public PlantedBug<D> {
+  bool meet(const Proxies<D>& proxies, ProxyId a, ProxyId b) override {
+    const Aabb<D> p = proxies.box(a), q = proxies.box(b);
+    return proxies.boxesOverlap(a, b) || (p.lo[0] > p.hi[0]) != (q.lo[0] > q.hi[0]);
+  }
+};
 
 }  // namespace lpc::inline LPC_PRECISION::test
