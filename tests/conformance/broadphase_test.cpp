@@ -208,193 +208,189 @@ Boxes<D> scattered(Random& random) {
 
 template <int D>
 std::map<std::string, std::function<void()>> declaredFailures() {
-  return {
-    {"sphere_planks_false_pairs",
-     [] {
-       Boxes<D> pile;
-       Vec<D> plank = Vec<D>::Constant(Real(0.05));
-       plank[0] = 5;
-       for (int i = 0; i < kCount; ++i) pile.add(along<D>(1, Real(0.2) * static_cast<Real>(i)), plank);
-       EXPECT_EQ(pile.run("naive").pairs, 0u);
-       EXPECT_GT(pile.run("naive_sphere").pairs, 20u * kCount);
-     }},
-        {"sweep_shared_interval_work",
-         [] {
-           Boxes<D> tower;
-           for (int i = 0; i < kCount; ++i) tower.add(along<D>(1, static_cast<Real>(i)), Vec<D>::Constant(Real(0.5)));
-           EXPECT_GE(tower.run("sort_and_sweep{axis=0}").boxTests, kAllPairs);
-           EXPECT_LT(tower.run("sort_and_sweep{axis=1}").boxTests, kAllPairs / 5);
-           EXPECT_LT(tower.run("sort_and_sweep").boxTests, kAllPairs / 5);
-         }},
-        {"grid_many_large_work",
-         [] {
-           Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
-           Real x = 0;
-           for (int i = 0; i < kCount; ++i) {
-             const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
-             row.add(along<D>(0, x + half), Vec<D>::Constant(half));
-             x += 2 * half + 1;
-           }
-           EXPECT_GE(row.run("uniform_grid").boxTests, kAllPairs / 7);
-           EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
-         }},
-        {"hash_many_large_work",
-         [] {
-           Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
-           Real x = 0;
-           for (int i = 0; i < kCount; ++i) {
-             const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
-             row.add(along<D>(0, x + half), Vec<D>::Constant(half));
-             x += 2 * half + 1;
-           }
-           EXPECT_GE(row.run("spatial_hash").boxTests, kAllPairs / 2);
-           EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
-         }},
-        {"hash_crowded_cell_work",
-         [] {
-           Boxes<D> row;  // nothing overlaps, and 40 % are so small that all of them stand in one cell
-           for (int i = 0; i < kCount; ++i) {
-             const bool small = i % 5 < 2;
-             row.add(along<D>(0, static_cast<Real>(i) * (small ? Real(0.002) : -2)),
-                     Vec<D>::Constant(small ? Real(0.0005) : Real(0.5)));
-           }
-           EXPECT_GE(row.run("spatial_hash").boxTests, kAllPairs / 7);
-           EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
-         }},
-        {"hash_planks_work",
-         [] {
-           Boxes<D> pile;
-           Vec<D> plank = Vec<D>::Constant(Real(0.05));
-           plank[0] = 5;
-           for (int i = 0; i < kCount; ++i) pile.add(along<D>(1, Real(0.2) * static_cast<Real>(i)), plank);
-           EXPECT_GE(pile.run("spatial_hash").boxTests, kAllPairs / 5);
-           EXPECT_LT(pile.run("bsp").boxTests, kAllPairs / 20);
-         }},
-        {"hash_collisions_work",
-         [] {
-           Boxes<D> row;
-           for (int i = 0; i < kCount; ++i) row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
-           EXPECT_GE(row.run("spatial_hash{table=0.0078125}").boxTests, kAllPairs / 5);
-           EXPECT_LT(row.run("spatial_hash").boxTests, kAllPairs / 100);
-         }},
-        {"bsp_flying_crowd_work",
-         [] {
-           Boxes<D> row;
-           for (int i = 0; i < kCount; ++i) row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
-           const std::uint64_t anew = row.movesAfter("bsp", Vec<D>::Zero(), 0);
-           EXPECT_LT(row.movesAfter("bsp", along<D>(0, Real(0.1)), 1), anew * 2 / 3);
-           EXPECT_GE(row.movesAfter("bsp", along<D>(0, Real(3000)), 1), anew);
-         }},
-        {"bsp_lattice_work",
-         [] {
-           Boxes<D> lattice;  // as many sticks along each axis; in 3D they pass each other
-           constexpr int kSide = D == 2 ? 250 : 13;
-           for (int axis = 0; axis < D; ++axis) {
-             for (int i = 0; i < (D == 2 ? kSide : kSide * kSide); ++i) {
-               Vec<D> at = Vec<D>::Constant(Real(0.3) * static_cast<Real>(axis)), half = Vec<D>::Constant(Real(0.05));
-               at[(axis + 1) % D] += static_cast<Real>(i % kSide);
-               at[(axis + 2) % D] += static_cast<Real>(i / kSide);
-               at[axis] = 0, half[axis] = 500;
-               lattice.add(at, half);
+  return {{"sphere_planks_false_pairs",
+           [] {
+             Boxes<D> pile;
+             Vec<D> plank = Vec<D>::Constant(Real(0.05));
+             plank[0] = 5;
+             for (int i = 0; i < kCount; ++i) pile.add(along<D>(1, Real(0.2) * static_cast<Real>(i)), plank);
+             EXPECT_EQ(pile.run("naive").pairs, 0u);
+             EXPECT_GT(pile.run("naive_sphere").pairs, 20u * kCount);
+           }},
+          {"sweep_shared_interval_work",
+           [] {
+             Boxes<D> tower;
+             for (int i = 0; i < kCount; ++i) tower.add(along<D>(1, static_cast<Real>(i)), Vec<D>::Constant(Real(0.5)));
+             EXPECT_GE(tower.run("sort_and_sweep{axis=0}").boxTests, kAllPairs);
+             EXPECT_LT(tower.run("sort_and_sweep{axis=1}").boxTests, kAllPairs / 5);
+             EXPECT_LT(tower.run("sort_and_sweep").boxTests, kAllPairs / 5);
+           }},
+          {"grid_many_large_work",
+           [] {
+             Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
+             Real x = 0;
+             for (int i = 0; i < kCount; ++i) {
+               const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
+               row.add(along<D>(0, x + half), Vec<D>::Constant(half));
+               x += 2 * half + 1;
              }
-           }
-           const auto n = static_cast<std::uint64_t>(D == 2 ? D * kSide : D * kSide * kSide);
-           EXPECT_EQ(lattice.run("bsp").boxTests, n * (n - 1) / 2);
-           EXPECT_EQ(lattice.run("bsp").pairs, D == 2 ? n * n / 4 : 0);
-         }},
-    {
-      "tree_centre_line_work", [] {
-        {"tree_centre_line_work",
-         [] {
-           Boxes<D> tower;
-           for (int i = 0; i < kCount; ++i) {
-             tower.add(along<D>(1, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.75)));
-           }
-           EXPECT_GE(tower.run("region_tree{mode=tight}").boxTests, kAllPairs * 9 / 10);
-           EXPECT_LT(tower.run("region_tree{mode=loose}").boxTests, kAllPairs / 20);
-           EXPECT_LT(tower.run("region_tree{mode=multi}").boxTests, kAllPairs / 20);
-         }},
-            {"morton_far_crowd_work",
-             [] {
-               for (const int far : {1, kCount / 10}) {
-                 Random random(3);
-                 Boxes<D> crowd;
-                 for (int i = 0; i < kCount; ++i) {
-                   Vec<D> center = anywhere<D>(random);
-                   if (i < far) center.array() += Real(1e7);
-                   crowd.add(center, Vec<D>::Constant(Real(0.5)));
-                 }
-                 const std::uint64_t tests = crowd.run("rebuilt_bvh{build=morton,leaf=4}").boxTests;
-                 if (far == 1) {
-                   EXPECT_LT(tests, kAllPairs / 5);
-                 } else {
-                   EXPECT_GE(tests, kAllPairs / 2);
-                 }
-                 EXPECT_LT(crowd.run("rebuilt_bvh{build=median,leaf=4}").boxTests, kAllPairs / 5);
-                 EXPECT_LT(crowd.run("rebuilt_bvh{build=sah,leaf=4}").boxTests, kAllPairs / 5);
+             EXPECT_GE(row.run("uniform_grid").boxTests, kAllPairs / 7);
+             EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
+           }},
+          {"hash_many_large_work",
+           [] {
+             Boxes<D> row;  // nothing overlaps, and 40 % are fifty times as large as the rest
+             Real x = 0;
+             for (int i = 0; i < kCount; ++i) {
+               const Real half = i % 5 < 2 ? Real(25) : Real(0.5);
+               row.add(along<D>(0, x + half), Vec<D>::Constant(half));
+               x += 2 * half + 1;
+             }
+             EXPECT_GE(row.run("spatial_hash").boxTests, kAllPairs / 2);
+             EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
+           }},
+          {"hash_crowded_cell_work",
+           [] {
+             Boxes<D> row;  // nothing overlaps, and 40 % are so small that all of them stand in one cell
+             for (int i = 0; i < kCount; ++i) {
+               const bool small = i % 5 < 2;
+               row.add(along<D>(0, static_cast<Real>(i) * (small ? Real(0.002) : -2)),
+                       Vec<D>::Constant(small ? Real(0.0005) : Real(0.5)));
+             }
+             EXPECT_GE(row.run("spatial_hash").boxTests, kAllPairs / 7);
+             EXPECT_LT(row.run("sort_and_sweep").boxTests, kAllPairs / 10);
+           }},
+          {"hash_planks_work",
+           [] {
+             Boxes<D> pile;
+             Vec<D> plank = Vec<D>::Constant(Real(0.05));
+             plank[0] = 5;
+             for (int i = 0; i < kCount; ++i) pile.add(along<D>(1, Real(0.2) * static_cast<Real>(i)), plank);
+             EXPECT_GE(pile.run("spatial_hash").boxTests, kAllPairs / 5);
+             EXPECT_LT(pile.run("bsp").boxTests, kAllPairs / 20);
+           }},
+          {"hash_collisions_work",
+           [] {
+             Boxes<D> row;
+             for (int i = 0; i < kCount; ++i)
+               row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
+             EXPECT_GE(row.run("spatial_hash{table=0.0078125}").boxTests, kAllPairs / 5);
+             EXPECT_LT(row.run("spatial_hash").boxTests, kAllPairs / 100);
+           }},
+          {"bsp_flying_crowd_work",
+           [] {
+             Boxes<D> row;
+             for (int i = 0; i < kCount; ++i)
+               row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
+             const std::uint64_t anew = row.movesAfter("bsp", Vec<D>::Zero(), 0);
+             EXPECT_LT(row.movesAfter("bsp", along<D>(0, Real(0.1)), 1), anew * 2 / 3);
+             EXPECT_GE(row.movesAfter("bsp", along<D>(0, Real(3000)), 1), anew);
+           }},
+          {"bsp_lattice_work",
+           [] {
+             Boxes<D> lattice;  // as many sticks along each axis; in 3D they pass each other
+             constexpr int kSide = D == 2 ? 250 : 13;
+             for (int axis = 0; axis < D; ++axis) {
+               for (int i = 0; i < (D == 2 ? kSide : kSide * kSide); ++i) {
+                 Vec<D> at = Vec<D>::Constant(Real(0.3) * static_cast<Real>(axis)), half = Vec<D>::Constant(Real(0.05));
+                 at[(axis + 1) % D] += static_cast<Real>(i % kSide);
+                 at[(axis + 2) % D] += static_cast<Real>(i / kSide);
+                 at[axis] = 0, half[axis] = 500;
+                 lattice.add(at, half);
                }
-             }},
-            {"refit_shuffled_work",
-             [] {
-               Random random(4);
-               const Boxes<D> boxes = scattered<D>(random);
-               const auto elsewhere = [&](ProxyId) { return anywhere<D>(random); };
-               const std::uint64_t anew = boxes.runAged("rebuilt_bvh", 10, elsewhere).boxTests;
-               EXPECT_EQ(anew, boxes.run("rebuilt_bvh").boxTests);
-               EXPECT_GE(boxes.runAged("rebuilt_bvh{refit=10}", 10, elsewhere).boxTests, 3 * anew);
-               EXPECT_EQ(boxes.runAged("rebuilt_bvh{refit=9}", 10, elsewhere).boxTests, anew);
-             }},
-            {"tree_all_fast_work",
-             [] {
-               Random random(5);
-               const Boxes<D> boxes = scattered<D>(random);
-               const auto beyond = [&](ProxyId i) { return Vec<D>(boxes.center(i) + along<D>(0, 3)); };
-               const auto fast = boxes.runAged("dynamic_tree", 1, beyond);
-               EXPECT_EQ(fast.moves, std::uint64_t{kCount});
-               EXPECT_GE(fast.visits, 20u * kCount);
-               const auto resting = boxes.runAged("dynamic_tree", 10, [&](ProxyId i) { return boxes.center(i); });
-               EXPECT_EQ(resting.moves, 0u);
-               EXPECT_EQ(resting.visits, 0u);
-             }},
-            {"tree_sorted_insertion_work",
-             [] {
-               Boxes<D> row;
-               for (int i = 0; i < kCount; ++i)
-                 row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
-               EXPECT_GE(row.run("dynamic_tree{rotate=false}").visits, kAllPairs);
-               EXPECT_LT(row.run("dynamic_tree").visits, kAllPairs / 4);
-             }},
-        {
-          "tree_history_work", [] {
-            Random random(6);
-            const Boxes<D> boxes = scattered<D>(random);
-            const auto elsewhere = [&](ProxyId) { return anywhere<D>(random); };
-            const std::uint64_t anew = boxes.run("dynamic_tree").visits;
-            const std::uint64_t aged = boxes.runAged("dynamic_tree", 100, elsewhere).visits;
-            EXPECT_GT(aged, anew);
-            EXPECT_LT(aged, 2 * anew);
-          }
-        }
-      };
-    }
+             }
+             const auto n = static_cast<std::uint64_t>(D == 2 ? D * kSide : D * kSide * kSide);
+             EXPECT_EQ(lattice.run("bsp").boxTests, n * (n - 1) / 2);
+             EXPECT_EQ(lattice.run("bsp").pairs, D == 2 ? n * n / 4 : 0);
+           }},
+          {"tree_centre_line_work",
+           [] {
+             Boxes<D> tower;
+             for (int i = 0; i < kCount; ++i) {
+               tower.add(along<D>(1, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.75)));
+             }
+             EXPECT_GE(tower.run("region_tree{mode=tight}").boxTests, kAllPairs * 9 / 10);
+             EXPECT_LT(tower.run("region_tree{mode=loose}").boxTests, kAllPairs / 20);
+             EXPECT_LT(tower.run("region_tree{mode=multi}").boxTests, kAllPairs / 20);
+           }},
+          {"morton_far_crowd_work",
+           [] {
+             for (const int far : {1, kCount / 10}) {
+               Random random(3);
+               Boxes<D> crowd;
+               for (int i = 0; i < kCount; ++i) {
+                 Vec<D> center = anywhere<D>(random);
+                 if (i < far) center.array() += Real(1e7);
+                 crowd.add(center, Vec<D>::Constant(Real(0.5)));
+               }
+               const std::uint64_t tests = crowd.run("rebuilt_bvh{build=morton,leaf=4}").boxTests;
+               if (far == 1) {
+                 EXPECT_LT(tests, kAllPairs / 5);
+               } else {
+                 EXPECT_GE(tests, kAllPairs / 2);
+               }
+               EXPECT_LT(crowd.run("rebuilt_bvh{build=median,leaf=4}").boxTests, kAllPairs / 5);
+               EXPECT_LT(crowd.run("rebuilt_bvh{build=sah,leaf=4}").boxTests, kAllPairs / 5);
+             }
+           }},
+          {"refit_shuffled_work",
+           [] {
+             Random random(4);
+             const Boxes<D> boxes = scattered<D>(random);
+             const auto elsewhere = [&](ProxyId) { return anywhere<D>(random); };
+             const std::uint64_t anew = boxes.runAged("rebuilt_bvh", 10, elsewhere).boxTests;
+             EXPECT_EQ(anew, boxes.run("rebuilt_bvh").boxTests);
+             EXPECT_GE(boxes.runAged("rebuilt_bvh{refit=10}", 10, elsewhere).boxTests, 3 * anew);
+             EXPECT_EQ(boxes.runAged("rebuilt_bvh{refit=9}", 10, elsewhere).boxTests, anew);
+           }},
+          {"tree_all_fast_work",
+           [] {
+             Random random(5);
+             const Boxes<D> boxes = scattered<D>(random);
+             const auto beyond = [&](ProxyId i) { return Vec<D>(boxes.center(i) + along<D>(0, 3)); };
+             const auto fast = boxes.runAged("dynamic_tree", 1, beyond);
+             EXPECT_EQ(fast.moves, std::uint64_t{kCount});
+             EXPECT_GE(fast.visits, 20u * kCount);
+             const auto resting = boxes.runAged("dynamic_tree", 10, [&](ProxyId i) { return boxes.center(i); });
+             EXPECT_EQ(resting.moves, 0u);
+             EXPECT_EQ(resting.visits, 0u);
+           }},
+          {"tree_sorted_insertion_work",
+           [] {
+             Boxes<D> row;
+             for (int i = 0; i < kCount; ++i)
+               row.add(along<D>(0, static_cast<Real>(2 * i)), Vec<D>::Constant(Real(0.5)));
+             EXPECT_GE(row.run("dynamic_tree{rotate=false}").visits, kAllPairs);
+             EXPECT_LT(row.run("dynamic_tree").visits, kAllPairs / 4);
+           }},
+          {"tree_history_work", [] {
+             Random random(6);
+             const Boxes<D> boxes = scattered<D>(random);
+             const auto elsewhere = [&](ProxyId) { return anywhere<D>(random); };
+             const std::uint64_t anew = boxes.run("dynamic_tree").visits;
+             const std::uint64_t aged = boxes.runAged("dynamic_tree", 100, elsewhere).visits;
+             EXPECT_GT(aged, anew);
+             EXPECT_LT(aged, 2 * anew);
+           }}};
+}
 
-    template <int D>
-    void checkDeclaredFailures() {
-      const auto known = declaredFailures<D>();
-      for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
-        for (const FailureMode& failure : algorithm->info.failures) {
-          SCOPED_TRACE(algorithm->info.name + " declares: " + failure.when + " -> " + failure.symptom);
-          const auto it = known.find(failure.test);
-          if (it == known.end()) {
-            ADD_FAILURE() << "there is no test '" << failure.test << "': add it to declaredFailures";
-          } else {
-            it->second();
-          }
-        }
+template <int D>
+void checkDeclaredFailures() {
+  const auto known = declaredFailures<D>();
+  for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
+    for (const FailureMode& failure : algorithm->info.failures) {
+      SCOPED_TRACE(algorithm->info.name + " declares: " + failure.when + " -> " + failure.symptom);
+      const auto it = known.find(failure.test);
+      if (it == known.end()) {
+        ADD_FAILURE() << "there is no test '" << failure.test << "': add it to declaredFailures";
+      } else {
+        it->second();
       }
     }
-    TEST(BroadphaseFailures, TwoDimensions) { checkDeclaredFailures<2>(); }
-    TEST(BroadphaseFailures, ThreeDimensions) { checkDeclaredFailures<3>(); }
+  }
+}
+TEST(BroadphaseFailures, TwoDimensions) { checkDeclaredFailures<2>(); }
+TEST(BroadphaseFailures, ThreeDimensions) { checkDeclaredFailures<3>(); }
 
-  }  // namespace broadphase_test
+}  // namespace broadphase_test
 }  // namespace lpc::inline LPC_PRECISION::test
