@@ -111,6 +111,8 @@ class JointKind : public Stage {
   virtual void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const = 0;
   /// After a step: may update `state`.
   virtual void finish(JointRecord<D>& /*joint*/, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
+  /// Of a new joint, after begin(): the massBetween() its bodies, kg.
+  virtual void weigh(JointRecord<D>& /*joint*/, Real /*mass*/) const {}
 };
 
 /// The joint of a definition between bodies at these poses. Throws UserError for an unknown kind or parameter, forces
@@ -128,6 +130,15 @@ struct JointError {
 template <int D>
 Pose<D> poseOf(const Bodies<D>& bodies, std::int32_t body) {
   return body < 0 ? Pose<D>{} : bodies.pose[static_cast<std::size_t>(body)];
+}
+
+/// The mass (kg) that two bodies have against each other, m M / (m + M): what a spring between them swings. Of those
+/// that do not move, the other's own. a -1: the world.
+template <int D>
+Real massBetween(const Bodies<D>& bodies, std::int32_t a, std::int32_t b) {
+  const Real mA = a < 0 ? Real(0) : bodies.mass[static_cast<std::size_t>(a)];
+  const Real mB = bodies.mass[static_cast<std::size_t>(b)];
+  return mA > 0 && mB > 0 ? mA * (mB / (mA + mB)) : mA + mB;
 }
 
 /// Rows of a joint at the bodies' present poses; none where it is free or broken.

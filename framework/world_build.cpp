@@ -219,6 +219,7 @@ Handle World<D>::add(const JointDef<D>& def) {
   if (def.bodyA == def.bodyB) throw UserError("world: a joint needs two bodies, or the world and a body");
   if (!moves(b) && (toWorld || !moves(a))) throw UserError("world: a joint of two bodies that do not move");
   JointRecord<D> j = makeJoint(def, poseOf(m_bodies, def.bodyA.slot), m_bodies.pose[b]);
+  j.kind->weigh(j, massBetween(m_bodies, j.bodyA, j.bodyB));
   const std::size_t i = m_jointSlots.take(m_visits);
   if (i == m_joints.size()) m_joints.emplace_back();
   j.generation = m_joints[i].generation;

@@ -94,6 +94,7 @@ struct ImpactScene {
     JointDef<D> def{.kind = kind, .X_WJ = X_WJa, .X_WJb = X_WJb};
     def.bodyA.slot = a, def.bodyB.slot = b;
     joints.push_back(makeJoint(def, poseOf(bodies, a), pose(b)));
+    joints.back().kind->weigh(joints.back(), massBetween(bodies, a, b));
   }
 
   const Pose<D>& pose(int i) const { return bodies.pose[static_cast<std::size_t>(i)]; }

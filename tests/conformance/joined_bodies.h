@@ -37,7 +37,7 @@ std::vector<std::string> everyKind() {
        {"hinge{lower=-0.1,upper=0.2}", "hinge{lower=0,upper=0}", "hinge{motor_speed=2,motor_torque=3}",
         "hinge{stiffness=20,damping=1}", "distance{mode=spring,damping=3}", "prismatic{lower=-0.1,upper=0.2}",
         "prismatic{motor_speed=2,motor_force=3,stiffness=20}", "wheel{lower=0,upper=0,stiffness=0,damping=0}",
-        "cone_twist{swing=0.1,twist=0.1,friction=2}"}) {
+        "cone_twist{swing=0.1,twist=0.1,friction=2}", "gear{ratio=-2.5}", "mouse{max_force=30}"}) {
     specs.push_back(more);
   }
   return specs;
@@ -101,11 +101,28 @@ void join(ImpactScene<D>& s, const Kind<D>& kind, int a, int b, const Pose<D>& X
     j.state = {};
     j.X_CaJ = {A * X_WJ.p, A.q * X_WJ.q};
     j.X_CbJ = {B * Vec<D>(X_WJ.p + way), B.q * X_WJ.q};
-    kind->begin(j, X_WA, s.pose(b));
+    kind->begin(j, X_WA, s.pose(b)), kind->weigh(j, massBetween(s.bodies, a, b));
   };
   place(apart);
   if (strained(s.rows(j))) place(Vec<D>::Zero());  // a kind whose ends are one point
   s.joints.push_back(j);
+}
+
+/// The state of joints that are made anew, from where the bodies are: the same seen from elsewhere, but for what counts
+/// against the world.
+template <int D>
+void beginAnew(ImpactScene<D>& s) {
+  for (JointRecord<D>& j : s.joints) {
+    j.kind->begin(j, poseOf(s.bodies, j.bodyA), s.pose(j.bodyB));
+    j.kind->weigh(j, massBetween(s.bodies, j.bodyA, j.bodyB));
+  }
+}
+
+/// Do its torques balance without the world?
+template <int D>
+bool balanced(const JointRows<D>& rows) {
+  return std::all_of(rows.all().begin(), rows.all().end(),
+                     [](const ConstraintRow<D>& row) { return !row.angular || row.absent() || row.armA == row.armB; });
 }
 
 /// Bodies 0 and 1, joined; body 0 may be fixed.

@@ -78,6 +78,7 @@ ImpactScene<D> heavier(ImpactScene<D> s, Real k) {
     s.bodies.mass[i] *= k, s.bodies.invMass[i] /= k;
     s.bodies.invInertiaBody[i] /= k, s.bodies.invInertia[i] /= k;
   }
+  for (JointRecord<D>& j : s.joints) j.kind->weigh(j, massBetween(s.bodies, j.bodyA, j.bodyB));
   return s;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Hinges, welds, springs, slides, wheels, motors and cones with a formula.
+// Hinges, welds, springs, slides, wheels, motors, cones, gears and pointers with a formula.
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test::joint_kinds_test {
@@ -266,6 +266,59 @@ void softBeam() {
   }
 }
 TEST_F(KnownAnswer, soft_beam) { softBeam<2>(), softBeam<3>(); }
+
+// A torque T turns the larger of two wheels, and by gears the smaller one: T / (I + I' / ratio^2). What it has turned
+// by after many turns is what it was told.
+template <int D>
+void gearPair() {
+  const double ratio = -2.5, torque = 3;
+  for (const char* solver : kBoth) {
+    World<D> world = worldOf<D>(solver);
+    const auto wheel = [&](double x, double side, const std::string& kind) {
+      BodyDef<D> def = body<D>(Shape<D>::box(Vec<D>::Constant(Real(side / 2))), at<D>(x, 0));
+      const Handle h = world.add(def);
+      world.add(JointDef<D>{.kind = kind, .bodyB = h, .X_WJ = {at<D>(x, 0), {}}});
+      return h;
+    };
+    const Handle a = wheel(0, 1, "hinge{motor_speed=1000,motor_torque=" + std::to_string(torque) + "}");
+    const Handle b = wheel(2, 0.5, "hinge");
+    world.add(JointDef<D>{.kind = "gear{ratio=" + std::to_string(ratio) + "}", .bodyA = a, .bodyB = b});
+    while (world.stepCount() < 60) world.step(Real(1) / 60);
+    const auto spin = [&](Handle h) { return double(world.motion(h).w[kAngDim<D> - 1]); };
+    const double inertia = 1.0 / 6, small = std::pow(0.5, D) * 0.25 / 6;
+    known(in<D>("speed of A after 1 s, rad/s"), solver, torque / (inertia + small / (ratio * ratio)), spin(a));
+    known(in<D>("speed of A over that of B"), solver, -ratio, spin(a) / spin(b));
+    while (world.stepCount() < 240) world.step(Real(1) / 60);
+    const auto turned = [&](std::size_t joint) { return double(world.joints()[joint].state[0]); };
+    known(in<D>("off after 4 s, rad"), solver, 0, turned(0) + ratio * turned(1));
+  }
+}
+TEST_F(KnownAnswer, gear_pair) { gearPair<2>(), gearPair<3>(); }
+
+// What a pointer holds hangs m g / k below it, by its frequency g / (2 pi f)^2 whatever it weighs; of half the
+// weight's force it falls by half of g.
+template <int D>
+void mouseHold() {
+  const double hertz = 1, hang = kG / std::pow(2 * kPi * hertz, 2);
+  for (const char* solver : kBoth) {
+    for (const double mass : {1.0, 1000.0}) {
+      World<D> world = worldOf<D>(solver);
+      BodyDef<D> def = cube<D>(at<D>(0, 0));
+      def.shapes[0].density *= Real(mass);
+      const Handle held = world.add(def);
+      world.add(JointDef<D>{.kind = "mouse{hertz=1,damping_ratio=0.7,max_force=1e6}", .bodyB = held});
+      while (world.stepCount() < 600) world.step(Real(1) / 60);
+      known(in<D>(mass > 1 ? "1000 kg hang below, m" : "1 kg hangs below, m"), solver, hang,
+            -double(world.pose(held).p[1]));
+    }
+    World<D> world = worldOf<D>(solver);
+    const Handle held = world.add(cube<D>(at<D>(0, 0)));
+    world.add(JointDef<D>{.kind = "mouse{max_force=" + std::to_string(kG / 2) + "}", .bodyB = held});
+    while (world.stepCount() < 60) world.step(Real(1) / 60);
+    known(in<D>("speed of a fall at half the weight, m/s"), solver, kG / 2, -double(world.motion(held).v[1]));
+  }
+}
+TEST_F(KnownAnswer, mouse_hold) { mouseHold<2>(), mouseHold<3>(); }
 
 // A rod out level on a cone of 30 degrees falls to its rim, and rests there: the rim bears the moment of the weight.
 // One beside the bone twists it to its limit.

@@ -10,17 +10,18 @@ namespace lpc::inline LPC_PRECISION::test {
 
 enum class JointBug {
   none,
-  pulls,      // a stop that holds both ways
-  endless,    // a motor whose torque has no limit
-  oneBody,    // turns B and not A
-  jumps,      // its angle forgets whole turns
-  wrongSign,  // pushes away from where it should be
-  ownAxes,    // rows along the world's axes where they should turn with the bodies
-  drives,     // moves what it should hold
-  yields,     // a spring where it should be rigid: a compliance in absolute units
-  turnsLeft,  // each impulse turns B a little to the left
-  ages,       // changes with every step, however short
-  noArm,      // forgets B's arm where A is the world
+  pulls,       // a stop that holds both ways
+  endless,     // a motor or a spring whose force has no limit
+  oneBody,     // turns B and not A
+  jumps,       // its angle forgets whole turns
+  weightless,  // goes by no mass
+  wrongSign,   // pushes away from where it should be
+  ownAxes,     // rows along the world's axes where they should turn with the bodies
+  drives,      // moves what it should hold
+  yields,      // a spring where it should be rigid: a compliance in absolute units
+  turnsLeft,   // each impulse turns B a little to the left
+  ages,        // changes with every step, however short
+  noArm,       // forgets B's arm where A is the world
   dividesByNothing
 };
 
@@ -37,6 +38,9 @@ class WrongJoint final : public JointKind<D> {
     if (m_bug == JointBug::jumps) joint.state[0] = 0;
     if (m_bug == JointBug::ages) joint.state[0] += Real(1e-5);
   }
+  void weigh(JointRecord<D>& joint, Real mass) const override {
+    m_right->weigh(joint, m_bug == JointBug::weightless ? Real(1) : mass);
+  }
   void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const override {
     m_right->rows(joint, X_WA, X_WB, out);
     for (int i = 0; i < out.count; ++i) spoil(out.row[static_cast<std::size_t>(i)], joint.bodyA < 0);
@@ -49,13 +53,14 @@ class WrongJoint final : public JointKind<D> {
     switch (m_bug) {
       case JointBug::none:
       case JointBug::jumps:
+      case JointBug::weightless:
       case JointBug::ages:
         break;
       case JointBug::pulls:
         if (stop) row.lo = -kNoLimit, row.hi = kNoLimit;
         break;
       case JointBug::endless:
-        if (row.law == RowLaw::motor) row.lo = -kNoLimit, row.hi = kNoLimit;
+        if (row.law != RowLaw::rigid && !row.absent()) row.lo = -kNoLimit, row.hi = kNoLimit;
         break;
       case JointBug::oneBody:
         row.armA.setZero();
