@@ -342,8 +342,9 @@ struct Geared {
 
   Geared(const Kind<D>& kind, const std::string& text, const std::string& driven)
       : solver(createStage<Solver<D>>(Spec::parse(text))) {
-    for (int i = 0; i < 2; ++i)
-      scene.add(i + 1, Ang<D>::Constant(Real(i + 1) / 2), {Real(2 * i) * Vec<D>::Unit(0), {}});
+    for (const Real i : {Real(0), Real(1)}) {
+      scene.add(i + 1, Ang<D>::Constant((i + 1) / 2), {2 * i * Vec<D>::Unit(0), {}});
+    }
     scene.join("hinge", -1, 0, scene.pose(0), scene.pose(0));
     scene.join(driven, -1, 1, scene.pose(1), scene.pose(1));
     join<D>(scene, kind, 0, 1, {}, Vec<D>::Zero());

@@ -160,6 +160,49 @@ void tellsTheTime() {
 }
 TEST(JointScenes, TheClocksHandsKeepTheirRatios) { tellsTheTime<2>(), tellsTheTime<3>(); }
 
+// Lifted and carried by its end, below the pointer by g / (2 pi f)^2 when nearly still; dropped, it lies. Of less force
+// than half the weight, which its end has, it stays.
+template <int D>
+void carries() {
+  const auto end = [](const Play<D>& play) -> Vec<D> {
+    return play.world.pose(play.body("plank")) * Vec<D>(Real(0.9) * Vec<D>::Unit(0));
+  };
+  Play<D> play("pointer", {{"hertz", 1}, {"drop", 10000}});
+  play.steps(1800);
+  const Vec<D> away = play.world.pose(play.body("hand")).p - end(play);
+  EXPECT_NEAR(away[0], 0, 0.02);
+  EXPECT_NEAR(away[1], 9.8 / (4 * kPi * kPi), 0.01);
+  Play<D> drops("pointer", {});
+  drops.steps(480);
+  EXPECT_GT(end(drops)[1], 2.9);
+  EXPECT_NEAR(end(drops)[0], 2.9, 0.1);
+  drops.steps(120);
+  EXPECT_LT(end(drops)[1], 0.3);
+  const double weight = 9.8 * double(drops.world.mass(drops.body("plank")));
+  Play<D> weak("pointer", {{"force", 0.4 * weight}});
+  weak.steps(120);
+  EXPECT_NEAR(end(weak)[1], 0.1, 0.01);
+}
+TEST(JointScenes, ThePointerCarriesByItsForce) { carries<2>(), carries<3>(); }
+
+// Closed, and pulled at for two seconds, each tooth is where it was to a tenth of a head; without the slider the rows
+// part.
+TEST(JointScenes, TheZipCloses) {
+  const auto worst = [](const ParameterValues& values) {
+    Play<2> play("zip", values);
+    EXPECT_LT(worstJoint(play, 600), 0.05);
+    double out = 0;
+    for (int i = 0; i < 12; ++i) {  // the left row from body 2 on, then the right one
+      const bool left = i < 6;
+      const Vec<2> closed(Real(left ? -0.9 : 0.9), Real((left ? 1 : 1.5) + i % 6));
+      out = std::max(out, double((play.world.pose(play.director.body(2 + i)).p - closed).norm()));
+    }
+    return out;
+  };
+  EXPECT_LT(worst({}), 0.15);
+  EXPECT_GT(worst({{"speed", 0}}), 3);
+}
+
 // All of preset 8: the pendulum swings through, of the cradle one ball leaves for the one that came, the seesaw tips to
 // its weight, the vehicle crosses the bridge.
 TEST(JointScenes, TheReportsJointsDoWhatItSays) {
