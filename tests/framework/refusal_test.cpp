@@ -112,6 +112,7 @@ std::vector<Refusal<D>> refusals() {
     joint("no spring", kind + "{rest=1,stiffness=0}");
   }
   joint("no width", "cone_twist{swing=0}");
+  joint("ratio 0", "gear{ratio=0}");
   joint("only brakes", "motor{mode=friction,x=1}");
   joint("only brakes", "motor{mode=friction,angular_damping=1}");
   joint("no length", "distance");
