@@ -4,53 +4,46 @@
 #include <algorithm>
 
 namespace lpc::inline LPC_PRECISION {
-namespace {
-
-// A point of the body's own frame, seen from its centre of mass.
-template <int D>
-Vec<D> fromCenter(const Simulation<D>& world, Handle body, const Vec<D>& p) {
-  return p - world.bodies().center[static_cast<std::size_t>(body.slot)];
-}
-
-}  // namespace
+namespace {}  // namespace
 
 template <int D>
 Director<D>::Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {
   const auto comes = [&](int spawn) { return spawn < 0 ? 0 : m_scene.spawns.at(static_cast<std::size_t>(spawn)).step; };
-  for (std::size_t i = 0; i < m_scene.joints.size(); ++i) {
-    const auto& j = m_scene.joints[i];
-    m_joints.emplace_back(std::max({j.step, comes(j.bodyA), comes(j.bodyB)}), i);
-  }
-  std::sort(m_joints.begin(), m_joints.end());  // those of one step in the order of the file
+  const auto inTurn = [&](const auto& list) {  // those of one step in the order of the file
+    std::vector<std::pair<long, std::size_t>> turns;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      turns.emplace_back(std::max({list[i].step, comes(list[i].bodyA), comes(list[i].bodyB)}), i);
+    }
+    std::sort(turns.begin(), turns.end());
+    return turns;
+  };
+  m_joints = inTurn(m_scene.joints), m_forces = inTurn(m_scene.forces);
 }
 
 template <int D>
 void Director<D>::advance(Simulation<D>& world) {
   const long step = world.stepCount();
-  const std::size_t first = m_next;
   for (; m_next < m_scene.spawns.size() && m_scene.spawns[m_next].step <= step; ++m_next) {
     m_handles.push_back(world.add(m_scene.spawns[m_next].body));
   }
-  const auto came = [&](int a, int b) {  // the later of the two came in this call
-    const auto last = static_cast<std::size_t>(std::max(a, b));
-    return last >= first && last < m_next;
-  };
   for (; m_nextJoint < m_joints.size() && m_joints[m_nextJoint].first <= step; ++m_nextJoint) {
     const auto& j = m_scene.joints[m_joints[m_nextJoint].second];
     JointDef<D> def = j.def;
     def.bodyA = body(j.bodyA), def.bodyB = body(j.bodyB);
     world.add(def);
   }
-  if (m_next > first) {
-    for (const auto& s : m_scene.springs) {
-      if (!came(s.bodyA, s.bodyB)) continue;
-      auto spring = std::make_shared<Spring<D>>();
-      spring->bodyA = body(s.bodyA), spring->bodyB = body(s.bodyB);
-      spring->localA = s.bodyA < 0 ? s.localA : fromCenter(world, spring->bodyA, s.localA);
-      spring->localB = fromCenter(world, spring->bodyB, s.localB);
-      spring->restLength = s.restLength, spring->stiffness = s.stiffness, spring->damping = s.damping;
-      world.add(std::move(spring));
-    }
+  std::erase_if(m_ending, [&](const Ending& e) {
+    if (e.step > step) return false;
+    const ForceRecord<D>& f = world.forces()[static_cast<std::size_t>(e.force.slot)];
+    if (f.kind && f.generation == e.force.generation) world.removeForce(e.force);  // else it went with a body
+    return true;
+  });
+  for (; m_nextForce < m_forces.size() && m_forces[m_nextForce].first <= step; ++m_nextForce) {
+    const auto& f = m_scene.forces[m_forces[m_nextForce].second];
+    ForceDef<D> def = f.def;
+    def.bodyA = body(f.bodyA), def.bodyB = body(f.bodyB);
+    const Handle force = world.add(def);
+    if (f.removeAt >= 0) m_ending.push_back({f.removeAt, force});
   }
   for (; m_nextEvent < m_scene.events.size() && m_scene.events[m_nextEvent].step <= step; ++m_nextEvent) {
     const auto& event = m_scene.events[m_nextEvent];

@@ -5,8 +5,8 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// Plays a scene's script: bodies come, are joined, pushed and set, and go at step numbers, never at clock times, so
-/// every run is the same (the 2009 report, 6.6.1).
+/// Plays a scene's script: bodies come, are joined, pushed and set, forces come and go at step numbers, never at clock
+/// times, so every run is the same (the 2009 report, 6.6.1).
 template <int D>
 class Director {
  public:
@@ -21,8 +21,13 @@ class Director {
  private:
   SceneSpec<D> m_scene;
   std::vector<Handle> m_handles;
-  std::vector<std::pair<long, std::size_t>> m_joints;  // when each is due, sorted
-  std::size_t m_next = 0, m_nextJoint = 0, m_nextEvent = 0;
+  std::vector<std::pair<long, std::size_t>> m_joints, m_forces;  // when each is due, sorted
+  std::size_t m_next = 0, m_nextJoint = 0, m_nextForce = 0, m_nextEvent = 0;
+  struct Ending {
+    long step;
+    Handle force;
+  };
+  std::vector<Ending> m_ending;  // forces that are there and end
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -4,51 +4,39 @@
 namespace lpc::inline LPC_PRECISION {
 
 template <int D>
-void Spring<D>::apply(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const {
-  struct End {
-    Vec<D> p = Vec<D>::Zero(), arm = Vec<D>::Zero(), v = Vec<D>::Zero();
-    std::size_t slot = 0;
-    bool moves = false, gone = false;
+ForceRecord<D> makeForce(const ForceDef<D>& def, const Bodies<D>& bodies) {
+  const Spec spec = Spec::parse(def.kind);
+  ForceRecord<D> force;
+  force.kind = createStage<ForceKind<D>>(spec);
+  force.spec = Registry::instance().find(StageKind::force, D, spec.name).canonical(spec).text();
+  force.bodyA = def.bodyA.slot, force.bodyB = def.bodyB.slot;
+  const ForceEnds ends = force.kind->ends();
+  const auto refuse = [&](const std::string& why) { throw UserError("force '" + spec.name + "' " + why); };
+  const bool toAll = force.bodyB < 0;
+  if (!ends.from && force.bodyA >= 0) refuse("comes from no body; valid: b alone, the body that it acts on");
+  if (!ends.all && toAll) refuse("acts on one body; valid: b, its name");
+  if (!toAll && force.bodyA == force.bodyB)
+    refuse("between a body and itself; valid: two bodies, or the world and one");
+  const auto moves = [&](std::int32_t body) {
+    return body >= 0 && movedByForces(bodies, static_cast<std::size_t>(body));
   };
-  const auto look = [&](const Handle& body, const Vec<D>& local) {
-    End end;
-    end.p = local;
-    if (body.slot < 0) return end;  // a point of the world
-    end.slot = static_cast<std::size_t>(body.slot);
-    end.gone = end.slot >= state.pose.size() || !state.bodies.used[end.slot] ||
-               state.bodies.generation[end.slot] != body.generation;
-    if (end.gone) return end;
-    const Motion<D>& motion = state.motion[end.slot];
-    end.arm = state.pose[end.slot].q * local;
-    end.p = state.pose[end.slot].p + end.arm;
-    end.v = motion.v + cross(motion.w, end.arm);
-    end.moves = state.bodies.type[end.slot] == BodyType::dynamic;
-    return end;
+  if (!toAll && !moves(force.bodyA) && !moves(force.bodyB)) refuse("on bodies that do not move");
+  if (!ends.anchors && (def.anchorA || def.anchorB)) refuse("acts at no point; valid: no anchors");
+  if (toAll && def.anchorB) refuse("on all bodies acts at their centres of mass; valid: no anchor on b");
+  const auto local = [&](std::int32_t body, const std::optional<Vec<D>>& anchor) -> Vec<D> {
+    if (!anchor) return Vec<D>::Zero();
+    if (!anchor->allFinite()) refuse("has an anchor that is not finite");
+    return body < 0 ? *anchor : Vec<D>(*anchor - bodies.center[static_cast<std::size_t>(body)]);
   };
-  const End a = look(bodyA, localA), b = look(bodyB, localB);
-  if (a.gone || b.gone) return;  // an end was removed from the world: the spring has come off
-  const Vec<D> apart = b.p - a.p;
-  const Real length = apart.norm();
-  if (!(length > 0)) return;  // no direction to push in
-  const Vec<D> n = apart / length;
-  const Vec<D> force = (stiffness * (length - restLength) + damping * (b.v - a.v).dot(n)) * n;  // on A
-  if (a.moves) out[a.slot].force += force, out[a.slot].torque += cross(a.arm, force);
-  if (b.moves) out[b.slot].force -= force, out[b.slot].torque -= cross(b.arm, force);
+  force.localA = local(force.bodyA, def.anchorA), force.localB = local(force.bodyB, def.anchorB);
+  const auto pose = [&](std::int32_t body) {
+    return body < 0 ? Pose<D>{} : bodies.pose[static_cast<std::size_t>(body)];
+  };
+  force.kind->begin(force, pose(force.bodyA), pose(force.bodyB));
+  return force;
 }
 
-template <int D>
-void Drag<D>::apply(const ForceState<D>& state, Real, std::span<Wrench<D>> out) const {
-  for (std::size_t i = 0; i < state.motion.size(); ++i) {
-    if (!state.bodies.used[i] || state.bodies.type[i] != BodyType::dynamic) continue;
-    const Motion<D>& motion = state.motion[i];
-    out[i].force -= (linear + quadratic * motion.v.norm()) * motion.v;
-    out[i].torque -= (linear + quadratic * motion.w.norm()) * motion.w;
-  }
-}
-
-template class Spring<2>;
-template class Spring<3>;
-template class Drag<2>;
-template class Drag<3>;
+template ForceRecord<2> makeForce(const ForceDef<2>&, const Bodies<2>&);
+template ForceRecord<3> makeForce(const ForceDef<3>&, const Bodies<3>&);
 
 }  // namespace lpc::inline LPC_PRECISION

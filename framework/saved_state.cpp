@@ -187,6 +187,14 @@ void requireSound(const SavedState<D>& saved, const ContactGenerator<D>& contact
     require(isUnit(j.X_CaJ.q) && isUnit(j.X_CbJ.q), "a joint's frame is no rotation");
     require(j.X_CaJ.p.allFinite() && j.X_CbJ.p.allFinite(), "a joint's frame is at no finite place");
   }
+  for (const ForceRecord<D>& f : saved.forces) {
+    if (!f.kind) continue;
+    const ForceEnds ends = f.kind->ends();
+    require((f.bodyA == -1 || (ends.from && isBody(saved.bodies, f.bodyA))) &&
+                (f.bodyB == -1 ? ends.all : isBody(saved.bodies, f.bodyB) && f.bodyA != f.bodyB),
+            "a force of a body that does not exist");
+    require(f.localA.allFinite() && f.localB.allFinite(), "a force's anchor is at no finite place");
+  }
   checkManifolds(saved);
   checkRecords(saved);
   for (const SleepEvent& e : saved.events) {

@@ -21,6 +21,7 @@ struct SavedState {
   Real time = 0, lastDt = 0;
   std::int64_t steps = 0;
   std::vector<PairRecord> records;
+  std::vector<ForceRecord<D>> forces;
 };
 
 /// Throws UserError when a step could not run on this: a number that is indexed by and points at nothing, arrays of

@@ -24,10 +24,11 @@ struct SceneSpec {
     JointDef<D> def;  // without the bodies' handles
     long step = 0;    // not before this step
   };
-  struct SpringDef {
-    int bodyA = -1, bodyB = -1;
-    Vec<D> localA = Vec<D>::Zero(), localB = Vec<D>::Zero();  // in the bodies' own frames; world for -1
-    Real restLength = 0, stiffness = 0, damping = 0;
+  struct Force {
+    int bodyA = -1, bodyB = -1;  // -1: nobody
+    ForceDef<D> def;             // without the bodies' handles
+    long step = 0;               // not before this step
+    long removeAt = -1;          // before this step; -1 = never
   };
   /// What else a script does, before this step and after what comes in it. The kinds of a scene file's [[event]] are
   /// entries of a table (experiments/trial/scene_event.cpp).
@@ -61,7 +62,7 @@ struct SceneSpec {
   std::vector<Spawn> spawns;  // sorted by step
   std::vector<Joint> joints;  // made when the later of their bodies comes
   std::vector<Event> events;  // sorted by step
-  std::vector<SpringDef> springs;
+  std::vector<Force> forces;  // made when the later of their bodies comes
   Limits limits;
   std::optional<Slope> slope;
   bool seeded = false;  // whether the seed decided anything: another one is then another scene

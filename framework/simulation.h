@@ -46,9 +46,12 @@ class Simulation {
   virtual Handle add(const BodyDef<D>& def) = 0;
   /// Also for a body with itself, two that do not move, frames and limits that make no such joint.
   virtual Handle add(const JointDef<D>& def) = 0;
+  /// Also for ends that the kind has not, or that cannot be its ends.
+  virtual Handle add(const ForceDef<D>& def) = 0;
   virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
-  virtual void remove(Handle body) = 0;  // and its joints
+  virtual void remove(Handle body) = 0;  // and its joints and forces
   virtual void removeJoint(Handle joint) = 0;
+  virtual void removeForce(Handle force) = 0;
 
   // --- what a script does to bodies, between steps -------------------------------------------------------------------
   // All four throw UserError for a body that is gone and for numbers that are not finite.
@@ -72,6 +75,7 @@ class Simulation {
   virtual const Bodies<D>& bodies() const = 0;
   virtual std::span<const ShapeRecord<D>> shapes() const = 0;
   virtual std::span<const JointRecord<D>> joints() const = 0;
+  virtual std::span<const ForceRecord<D>> forces() const = 0;
   /// Nothing where contacts are not told: their impulses and anchors are an engine's own affair.
   virtual std::optional<std::span<const Manifold<D>>> contacts() const = 0;
   virtual const WorldSettings<D>& settings() const = 0;

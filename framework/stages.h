@@ -24,6 +24,7 @@ enum class StageKind {
   integrator,
   sleep,
   joint,
+  force,
   engine
 };
 
@@ -50,6 +51,7 @@ inline constexpr StageInfo kStages[] = {
     {StageKind::integrator, "integrator", "solver", ""},
     {StageKind::sleep, "sleep", "sleep", "none"},
     {StageKind::joint, "joint", "solver", ""},
+    {StageKind::force, "force", "force", ""},
     {StageKind::engine, "engine", "engine", ""},
 };
 inline constexpr int kStageKinds = static_cast<int>(std::size(kStages));

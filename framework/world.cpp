@@ -119,11 +119,11 @@ void World<D>::follow(std::span<const Pose<D>> X_WC, std::span<const Motion<D>> 
 template <int D>
 void World<D>::add(std::shared_ptr<const ForceGenerator<D>> generator) {
   if (!generator) throw UserError("world: the force generator is null");
-  m_forces.push_back(std::move(generator));
+  m_generators.push_back(std::move(generator));
 }
 template <int D>
 void World<D>::remove(const ForceGenerator<D>* generator) {
-  std::erase_if(m_forces, [&](const auto& f) { return f.get() == generator; });
+  std::erase_if(m_generators, [&](const auto& f) { return f.get() == generator; });
 }
 template <int D>
 void World<D>::addListener(ContactListener<D>* listener) {

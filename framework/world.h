@@ -84,6 +84,9 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void remove(Handle body) override;
   Handle add(const JointDef<D>& def) override;
   void removeJoint(Handle joint) override;
+  /// Wakes those whom it acts on, as does removing it. Who falls asleep again feels it no more.
+  Handle add(const ForceDef<D>& def) override;
+  void removeForce(Handle force) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
   Handle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }  // a bare shape is a fixed body
@@ -168,6 +171,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   std::span<const PairRecord> pairRecords() const { return m_records; }  // sorted by key; none where nobody remembers
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
   std::span<const JointRecord<D>> joints() const override { return m_joints; }
+  std::span<const ForceRecord<D>> forces() const override { return m_forces; }
   const Proxies<D>& proxies() const { return m_boxes.proxies(); }  // as of the last step or query
   const WorldSettings<D>& settings() const override { return m_settings; }
   const Pipeline& pipeline() const { return m_pipeline; }
@@ -262,6 +266,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   }
   void finishJoints(Real dt);
   void releaseJoint(const JointRecord<D>& joint);  // tells those whom it held
+  void wakeActedOn(const ForceRecord<D>& force);
 
   /// For instance stage<Solver>(): what the pipeline says.
   template <template <int> class S>
@@ -277,6 +282,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   Bodies<D> m_bodies;
   std::vector<ShapeRecord<D>> m_shapes;
   std::vector<JointRecord<D>> m_joints;
+  std::vector<ForceRecord<D>> m_forces;
   std::vector<Manifold<D>> m_manifolds;
   std::vector<PairRecord> m_records;
   std::vector<Wrench<D>> m_userForces;  // for the coming step, by body slot
@@ -286,12 +292,14 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
 
   // Derived from the state; the boxes are brought up to date by sync() when somebody asks.
   mutable BoxIndex<D> m_boxes;
-  SlotTable m_bodySlots, m_shapeSlots, m_jointSlots;
+  SlotTable m_bodySlots, m_shapeSlots, m_jointSlots, m_forceSlots;
   std::array<int, kShapeKinds> m_kindCount{};  // of convex parts
   std::uint64_t m_visits = 0;                  // WorkCount::eventVisits since the last step
 
   // Scratch and indices, rebuilt in each step.
   std::vector<Manifold<D>> m_oldManifolds;
+  std::vector<Manifold<D>> m_lastContacts;  // of the step before, for forces that read them
+  Real m_dt = 0;                            // of the step that is made
   std::vector<PairRecord> m_oldRecords;
   std::vector<PairMemory> m_memory;
   ContactOrder m_order;
@@ -326,7 +334,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   std::vector<int> m_active;
   std::vector<std::uint8_t> m_awakeBefore;
 
-  std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
+  std::vector<std::shared_ptr<const ForceGenerator<D>>> m_generators;
   std::vector<ContactListener<D>*> m_listeners;
   std::vector<std::vector<ContactListener<D>*>> m_bodyListeners;  // by body slot; shorter where the rest has none
   VelocityWatcher<D>* m_watcher = nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a world is built of: bodies with their shapes, and joints. A definition is checked as a whole before anything
-// changes.
+// What a world is built of: bodies with their shapes, joints, and forces. A definition is checked as a whole before
+// anything changes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -189,7 +189,7 @@ template <int D>
 void World<D>::remove(Handle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
-  m_visits += m_shapes.size() + m_manifolds.size() + m_records.size() + m_joints.size();
+  m_visits += m_shapes.size() + m_manifolds.size() + m_records.size() + m_joints.size() + m_forces.size();
   endContacts([&](const auto& pair) { return pair.bodyA == slot || pair.bodyB == slot ? slot : -1; });
   for (std::size_t s = 0; s < m_shapes.size(); ++s) {
     if (m_shapes[s].body == slot) freeShape(s);
@@ -198,6 +198,11 @@ void World<D>::remove(Handle body) {
     const JointRecord<D>& joint = m_joints[j];
     if (!joint.kind || (joint.bodyA != slot && joint.bodyB != slot)) continue;
     removeJoint({static_cast<std::int32_t>(j), joint.generation});
+  }
+  for (std::size_t f = 0; f < m_forces.size(); ++f) {
+    const ForceRecord<D>& force = m_forces[f];
+    if (!force.kind || (force.bodyA != slot && force.bodyB != slot)) continue;
+    removeForce({static_cast<std::int32_t>(f), force.generation});
   }
   std::erase_if(m_events, [&](const SleepEvent& e) { return e.body == slot; });
   if (i < m_bodyListeners.size()) m_bodyListeners[i].clear();
@@ -257,6 +262,43 @@ void World<D>::breakJoint(std::size_t slot) {
   j.broken = 1, j.impulse.fill(0);
 }
 
+template <int D>
+Handle World<D>::add(const ForceDef<D>& def) {
+  for (const Handle& body : {def.bodyA, def.bodyB}) {
+    if (body != Handle{}) slotOf(body);
+  }
+  ForceRecord<D> force = makeForce(def, m_bodies);
+  const std::size_t i = m_forceSlots.take(m_visits);
+  if (i == m_forces.size()) m_forces.emplace_back();
+  force.generation = m_forces[i].generation;
+  m_forces[i] = std::move(force);
+  wakeActedOn(m_forces[i]);
+  return {static_cast<std::int32_t>(i), m_forces[i].generation};
+}
+
+template <int D>
+void World<D>::removeForce(Handle force) {
+  const auto i = static_cast<std::size_t>(force.slot);
+  if (force.slot < 0 || i >= m_forces.size() || !m_forces[i].kind || m_forces[i].generation != force.generation) {
+    throw UserError("world: there is no force with handle " + std::to_string(force.slot) + " (removed?)");
+  }
+  wakeActedOn(m_forces[i]);
+  m_forces[i] = ForceRecord<D>{};
+  m_forces[i].generation = force.generation + 1;
+  m_forceSlots.give(i, m_visits);
+}
+
+template <int D>
+void World<D>::wakeActedOn(const ForceRecord<D>& force) {
+  const auto wakes = [&](std::size_t body) {
+    if (!m_bodies.awake[body]) touched(body);
+  };
+  forEachActedOn(force, m_bodies, wakes);
+  if (force.bodyA >= 0 && movedByForces(m_bodies, static_cast<std::size_t>(force.bodyA))) {
+    wakes(static_cast<std::size_t>(force.bodyA));
+  }
+}
+
 // Whole turns are counted, and what was too much breaks.
 template <int D>
 void World<D>::finishJoints(Real dt) {
@@ -290,6 +332,9 @@ void World<D>::finishJoints(Real dt) {
   template void World<D>::remove(Handle);                                                                          \
   template Handle World<D>::add(const JointDef<D>&);                                                               \
   template void World<D>::removeJoint(Handle);                                                                     \
+  template Handle World<D>::add(const ForceDef<D>&);                                                               \
+  template void World<D>::removeForce(Handle);                                                                     \
+  template void World<D>::wakeActedOn(const ForceRecord<D>&);                                                      \
   template void World<D>::breakJoint(std::size_t);                                                                 \
   template void World<D>::finishJoints(Real)
 LPC_INSTANTIATE(2);

@@ -134,6 +134,13 @@ void fields(Archive& a, JointRecord<D>& j) {
   a(j.bodyA, j.bodyB, j.collide, j.broken, j.X_CaJ, j.X_CbJ, j.breakForce, j.breakTorque, j.impulse, j.memory, j.state);
 }
 template <int D>
+void fields(Archive& a, ForceRecord<D>& f) {
+  a(f.spec, f.generation);  // no spec: a free slot
+  if (f.spec.empty()) return;
+  if (a.reading()) f.kind = createStage<ForceKind<D>>(Spec::parse(f.spec));
+  a(f.bodyA, f.bodyB, f.localA, f.localB);
+}
+template <int D>
 void fields(Archive& a, Bodies<D>& b) {
   a(b.pose, b.motion, b.mass, b.invInertiaBody, b.center, b.type, b.used, b.awake, b.canSleep, b.pinned, b.sleep,
     b.solver, b.generation, b.userData, b.rotatable, b.gravityScale, b.givenMass);
@@ -243,8 +250,8 @@ void fields(Archive& a, WorldSettings<D>& s) {
 
 template <int D>
 void fields(Archive& a, SavedState<D>& s) {
-  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps,
-    s.records);
+  a(s.settings, s.bodies, s.shapes, s.joints, s.manifolds, s.userForces, s.events, s.time, s.lastDt, s.steps, s.records,
+    s.forces);
 }
 
 }  // namespace
@@ -252,7 +259,7 @@ void fields(Archive& a, SavedState<D>& s) {
 template <int D>
 void World<D>::save(std::ostream& out) const {
   SavedState<D> s{m_settings, m_bodies, m_shapes, m_joints, m_manifolds, m_userForces,
-                  m_events,   m_time,   m_lastDt, m_steps,  m_records};
+                  m_events,   m_time,   m_lastDt, m_steps,  m_records,   m_forces};
   std::ostringstream body;
   Archive inner(body);
   inner(s);
@@ -310,7 +317,7 @@ void World<D>::load(std::istream& in) {
   m_settings = s.settings, m_bodies = std::move(s.bodies), m_shapes = std::move(s.shapes),
   m_joints = std::move(s.joints);
   m_manifolds = std::move(s.manifolds), m_userForces = std::move(s.userForces), m_events = std::move(s.events);
-  m_records = std::move(s.records);
+  m_records = std::move(s.records), m_forces = std::move(s.forces);
   m_time = s.time, m_lastDt = s.lastDt, m_steps = static_cast<long>(s.steps);
 
   // New stages instead of the old ones' structures, which hold no history.
@@ -318,6 +325,7 @@ void World<D>::load(std::istream& in) {
   m_bodySlots.read(m_bodies.used, [](std::uint8_t used) { return used == 0; });
   m_shapeSlots.read(m_shapes, [](const ShapeRecord<D>& r) { return r.body < 0; });
   m_jointSlots.read(m_joints, [](const JointRecord<D>& j) { return !j.kind; });
+  m_forceSlots.read(m_forces, [](const ForceRecord<D>& f) { return !f.kind; });
   m_kindCount = {};
   for (const ShapeRecord<D>& shape : m_shapes) {
     if (shape.body >= 0) countKinds(shape.shape, 1);

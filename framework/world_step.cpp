@@ -47,7 +47,9 @@ void World<D>::eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out
     out[i] = m_userForces[i];
     out[i].force += mass * m_bodies.gravityScale[i] * m_settings.gravity;
   }
-  for (const auto& f : m_forces) f->apply(state, t, out);
+  const ForceState<D> known{state.bodies, state.pose, state.motion, m_dt, m_lastContacts, m_lastDt};
+  applyForces(forces(), known, t, out);
+  for (const auto& f : m_generators) f->apply(known, t, out);
 }
 
 template <int D>
@@ -57,6 +59,11 @@ void World<D>::step(Real dt) {
   }
   if (dt == 0) return;
   const Clock::time_point start = Clock::now();
+  m_dt = dt;
+  m_lastContacts.clear();  // a solver changes impulses while it asks for forces
+  if (std::any_of(m_forces.begin(), m_forces.end(), [](const auto& f) { return f.kind && f.kind->readsContacts(); })) {
+    m_lastContacts = m_manifolds;
+  }
   m_profiler.beginFrame(m_steps);
   m_profiler.frame().work[WorkCount::eventVisits] += std::exchange(m_visits, 0);
   {

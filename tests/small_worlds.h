@@ -2,8 +2,11 @@
 // A few worlds that tests share: small, quick, and with everything that a step can meet.
 #pragma once
 
+#include <charconv>
+#include <initializer_list>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "framework/random.h"
 #include "framework/world.h"
@@ -30,6 +33,25 @@ BodyDef<D> body(const Shape<D>& shape, const Vec<D>& position, BodyType type = B
 template <int D>
 JointDef<D> pivot(Handle bodyA, Handle bodyB, const Vec<D>& anchor) {
   return {.kind = "pivot", .bodyA = bodyA, .bodyB = bodyB, .X_WJ = {anchor, {}}};
+}
+
+/// A kind of force with these parameters, each the shortest text that reads back as the same number.
+inline std::string forceKind(std::string name, std::initializer_list<std::pair<const char*, double>> numbers) {
+  Spec spec{std::move(name), {}};
+  for (const auto& [key, value] : numbers) {
+    char text[32];
+    spec.set(key, {{text, std::to_chars(text, text + sizeof text, static_cast<Real>(value)).ptr}, {}});
+  }
+  return spec.text();
+}
+inline std::string springKind(double stiffness, double restLength = 0, double damping = 0) {
+  return forceKind("spring", {{"stiffness", stiffness}, {"rest_length", restLength}, {"damping", damping}});
+}
+/// Of the 2009 report: the same two numbers on both velocities.
+inline std::string dragKind(double linear, double quadratic) {
+  return forceKind(
+      "drag",
+      {{"linear", linear}, {"quadratic", quadratic}, {"angular_linear", linear}, {"angular_quadratic", quadratic}});
 }
 
 template <int D>

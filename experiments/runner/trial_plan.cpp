@@ -167,7 +167,8 @@ const Planner::Defaults* Planner::built(const SceneFile& file, const ParameterVa
   if (const auto it = m_built.find(id); it != m_built.end()) return &it->second;
   const auto defaults = [](const auto& spec) {
     Defaults found{spec.dt, spec.steps, {}, spec.seeded};
-    for (const auto& joint : spec.joints) found.jointKinds.insert(joint.def.kind);
+    for (const auto& joint : spec.joints) found.kinds.emplace(StageKind::joint, joint.def.kind);
+    for (const auto& force : spec.forces) found.kinds.emplace(StageKind::force, force.def.kind);
     return found;
   };
   try {
@@ -216,9 +217,7 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
     if (!cell.dt) defaults.dt = found->dt;
     if (!cell.steps) defaults.steps = found->steps;
     out.seeded = found->seeded;
-    for (const std::string& kind : found->jointKinds) {
-      code.update(codeHashes(StageKind::joint, Spec::parse(kind), dimension));
-    }
+    for (const auto& [stage, kind] : found->kinds) code.update(codeHashes(stage, Spec::parse(kind), dimension));
   }
   if (!missing.empty()) out.unsupported = missing;
   out.canonical = {{"kind", "world"},
@@ -341,9 +340,7 @@ PlannedTrial Planner::streamOfPairs(json cell) {
   canonicalJoint(code, missing, file, params, dimension);
   if (!file.has(dimension)) missing = "scene " + file.name() + " does not exist in " + std::to_string(dimension) + "D";
   if (const Defaults* found = missing.empty() ? built(file, params, seed, dimension, missing) : nullptr) {
-    for (const std::string& kind : found->jointKinds) {
-      code.update(codeHashes(StageKind::joint, Spec::parse(kind), dimension));
-    }
+    for (const auto& [stage, kind] : found->kinds) code.update(codeHashes(stage, Spec::parse(kind), dimension));
     Pipeline world;  // that makes the stream
     for (const StageKind stage : kWorldStages) canonicalStage(code, missing, stage, world[stage], dimension);
   }

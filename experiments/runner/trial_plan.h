@@ -59,7 +59,7 @@ class Planner {
   struct Defaults {
     double dt;
     long steps;
-    std::set<std::string> jointKinds;  // with their parameters
+    std::set<std::pair<StageKind, std::string>> kinds;  // of joints and forces, with their parameters
     bool seeded = true;
   };
   /// nullptr, and `unsupported` says why, where the kind of joint that the parameters choose does not fit.

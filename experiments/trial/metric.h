@@ -20,7 +20,7 @@ enum class TrialNeed {
   timing,      // a timed trial; others do not hold the metric at all
   joints,      // a scene with joints
   slope,       // a scene that says which body slides down which slope: [measures.slope]
-  isolation,   // free bodies alone in space: no gravity, no springs, nobody fixed
+  isolation,   // free bodies alone in space: no gravity, no forces, nobody fixed
   driftLimit,  // a scene that says how far bodies may drift, so that they should rest: [limits]
 };
 /// What a chart that is given nothing else takes first: costs and errors.

@@ -67,7 +67,7 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
   }
   if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
   for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
-  if (!scene.springs.empty()) out["spring"] = static_cast<int>(scene.springs.size());
+  for (const auto& force : scene.forces) ++out["force " + Spec::parse(force.def.kind).name];
   return out;
 }
 

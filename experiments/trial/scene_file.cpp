@@ -14,7 +14,6 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr long kMaxSteps = 1000000000;
 constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops around others of no turn";
 constexpr double kRightAngle = 1.5707963267948966;  // rad
 
@@ -112,7 +111,10 @@ class Builder {
     sortSpawns();
     if (const toml::table* t = m_top.table("measures")) measures(*t);
     for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
-    for (const toml::table* t : m_top.blocks("spring")) springBlock(*t);
+    for (const toml::table* t : m_top.blocks("force")) forceBlock(*t);
+    if (const toml::node* old = m_top.find("spring")) {
+      m_top.fail(*old, "there is no [[spring]]; valid: [[force]] with kind = \"spring\" and its parameters = { ... }");
+    }
     for (const toml::table* t : events) eventBlock(*t, false);
     checkUses();
     std::stable_sort(m_scene.events.begin(), m_scene.events.end(),
@@ -402,33 +404,30 @@ class Builder {
     m_numbers.count(block.raw(), "joints");
     typename SceneSpec<D>::Joint joint;
     joint.bodyA = bodyOf(block, "a", true), joint.bodyB = bodyOf(block, "b", false);
-    checkTwo(block, "joint", joint.bodyA, joint.bodyB);
+    checkTwo(block, joint.bodyA, joint.bodyB);
     joint.def = readJoint<D>(block, m_numbers, m_chosenJoint);
     return joint;
   }
-  void checkTwo(const TableReader& block, const std::string& what, int bodyA, int bodyB) const {
+  void checkTwo(const TableReader& block, int bodyA, int bodyB) const {
     if (m_numbers.rehearsing()) return;
     const auto moves = [&](int body) {
       return body >= 0 && m_scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::dynamic;
     };
     if (bodyA == bodyB) {
-      block.fail("a " + what + " of a body with itself; valid: two bodies, or \"world\" and one");
+      block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");
     }
-    if (!moves(bodyA) && !moves(bodyB)) block.fail("a " + what + " of two bodies that do not move");
+    if (!moves(bodyA) && !moves(bodyB)) block.fail("a joint of two bodies that do not move");
   }
-  void springBlock(const toml::table& table) {
-    TableReader block(table, m_parsed.path, "[[spring]]");
+  void forceBlock(const toml::table& table) {
+    TableReader block(table, m_parsed.path, "[[force]]");
     beginBlock();
     const auto once = [&] {
-      m_numbers.count(table, "springs");
-      typename SceneSpec<D>::SpringDef spring;
-      spring.bodyA = bodyOf(block, "a", true), spring.bodyB = bodyOf(block, "b", false);
-      checkTwo(block, "spring", spring.bodyA, spring.bodyB);
-      spring.localA = m_numbers.vector<D>(block, "local_a"), spring.localB = m_numbers.vector<D>(block, "local_b");
-      spring.restLength = static_cast<Real>(m_numbers.between(block, "rest_length", 0, 0, kLargest));
-      spring.stiffness = static_cast<Real>(m_numbers.between(block.require("stiffness"), "stiffness", 0, kLargest));
-      spring.damping = static_cast<Real>(m_numbers.between(block, "damping", 0, 0, kLargest));
-      m_scene.springs.push_back(spring);
+      m_numbers.count(table, "forces");
+      const int a = block.find("a") ? bodyOf(block, "a", true) : -1,
+                b = block.find("b") ? bodyOf(block, "b", false) : -1;
+      const auto force = readForce<D>(block, m_numbers, m_scene, a, b);
+      use(a, force.step, table), use(b, force.step, table);
+      m_scene.forces.push_back(force);
     };
     loops(block, once);
     endLoops(block, once);

@@ -83,7 +83,7 @@ class SceneFile {
   std::shared_ptr<const Parsed> m_parsed;
 };
 
-/// Bodies that ever come, by kind: "dynamic", "fixed", "dynamic sphere", "pinned", "pivot", "spring", ...
+/// Bodies that ever come, by kind: "dynamic", "fixed", "dynamic sphere", "pinned", "pivot", "force spring", ...
 template <int D>
 std::map<std::string, int> census(const SceneSpec<D>& scene);
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "experiments/trial/scene_parsed.h"
-#include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -50,16 +48,6 @@ Rot<3> readFrame(TableReader& joint, SceneNumbers& numbers, const Rot<3>& none) 
   return q * onto(ex, x, ez);
 }
 
-// What is wrong with a kind or its parameters is told with the place of the block.
-template <class Make>
-auto atBlock(const TableReader& joint, const Make& make) {
-  try {
-    return make();
-  } catch (const UserError& e) {
-    joint.fail(e.what());
-  }
-}
-
 constexpr const char* kChosen = "$joint";
 
 Spec readChosen(TableReader& joint, const std::string& chosen) {
@@ -68,44 +56,6 @@ Spec readChosen(TableReader& joint, const std::string& chosen) {
     joint.fail(*given, "'parameters' of a kind that is chosen; valid: in the text of the parameter 'joint'");
   }
   return atBlock(joint, [&] { return Spec::parse(chosen); });
-}
-
-// A block of no turns may be one of the other dimension.
-const Registered& kindOf(const std::string& name, const SceneNumbers& numbers, int dimension) {
-  const auto known = [&](int d) {
-    const auto all = Registry::instance().list(StageKind::joint, d);
-    return std::any_of(all.begin(), all.end(), [&](const Registered* r) { return r->info.name == name; });
-  };
-  const bool other = numbers.rehearsing() && !known(dimension) && known(5 - dimension);
-  return Registry::instance().find(StageKind::joint, other ? 5 - dimension : dimension, name);
-}
-
-// Numbers may be expressions, so what is a number is asked of the kind.
-Spec readKind(TableReader& joint, SceneNumbers& numbers, int dimension) {
-  Spec spec{joint.requireString("kind"), {}};
-  const Registered& kind = *atBlock(joint, [&] { return &kindOf(spec.name, numbers, dimension); });
-  const toml::table* given = joint.table("parameters");
-  if (!given) return spec;
-  for (const auto& [key, node] : inFileOrder(*given)) {
-    bool known = false;
-    std::string value = "0";  // of a name that the kind does not know, as it will say
-    for (const ParamInfo& p : kind.params) {
-      if (p.name != key) continue;
-      if (!p.choices.empty()) {
-        value = node->is_boolean() ? (**node->as_boolean() ? "true" : "false") : node->value_or(std::string("number"));
-        // As text it would be read with what follows a comma.
-        if (std::find(p.choices.begin(), p.choices.end(), value) == p.choices.end()) {
-          joint.fail(*node, "'" + key + "' is '" + value + "'" + validNames(p.choices, value));
-        }
-      } else {
-        value = asText(numbers.number(*node));
-      }
-      known = true;
-    }
-    if (known && numbers.rehearsing()) continue;  // it has no value
-    spec.set(key, {value, {}});
-  }
-  return spec;
 }
 
 }  // namespace
@@ -120,10 +70,10 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
   if (const toml::node* node = joint.find("break_force")) def.breakForce = static_cast<Real>(numbers.number(*node));
   if (const toml::node* node = joint.find("break_torque")) def.breakTorque = static_cast<Real>(numbers.number(*node));
   const bool isChosen = joint.requireString("kind") == kChosen;
-  def.kind = (isChosen ? readChosen(joint, chosen) : readKind(joint, numbers, D)).text();
+  def.kind = (isChosen ? readChosen(joint, chosen) : readKind(joint, numbers, StageKind::joint, D)).text();
   atBlock(joint, [&] {
     const Spec kind = Spec::parse(def.kind);
-    return kindOf(kind.name, numbers, D).create(kind);
+    return kindOf(StageKind::joint, kind.name, numbers, D).create(kind);
   });
   if (numbers.rehearsing()) return def;
   // What is left to go wrong is between the kind and the frames, but for forces to break at.

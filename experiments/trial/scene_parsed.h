@@ -42,7 +42,7 @@ void setFeature(Features& features, const std::string& name);
 /// Names of numbers that the scene language sets itself.
 inline constexpr const char* kSetNames[] = {"dimension", "k", "part", "step"};
 
-/// The most that a scene may have of each: bodies, shapes, points, joints, springs, events and turns of loops, all its
+/// The most that a scene may have of each: bodies, shapes, points, joints, forces, events and turns of loops, all its
 /// blocks together. The largest scenes of the field have some 100,000 bodies, so that more is a slip of the pen.
 inline constexpr long kMostOfEach = 1000000;
 
@@ -113,10 +113,32 @@ Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string&
 /// The [parameters] of a scene, in the order of its file.
 std::vector<SceneParameter> readParameters(TableReader& top);
 
+/// What is wrong with a kind or its parameters is told with the place of the block.
+template <class Make>
+auto atBlock(const TableReader& block, const Make& make) {
+  try {
+    return make();
+  } catch (const UserError& e) {
+    block.fail(e.what());
+  }
+}
+/// In a rehearsal it may be one of the other dimension.
+const Registered& kindOf(StageKind stage, const std::string& name, const SceneNumbers& numbers, int dimension);
+/// The `kind` of a block with its `parameters`.
+Spec readKind(TableReader& block, SceneNumbers& numbers, StageKind stage, int dimension);
+
 /// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block; but
 /// UnsupportedJoint where the kind is `chosen`, the text of the scene's parameter of kinds.
 template <int D>
 JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::string& chosen);
+
+/// The longest run, in steps.
+inline constexpr long kMaxSteps = 1000000000;
+
+/// One [[force]] block at one turn of its loops, between these places among the scene's spawns; -1: nobody.
+template <int D>
+typename SceneSpec<D>::Force readForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& scene, int bodyA,
+                                       int bodyB);
 
 /// A polytope by `file`.
 template <int D>

@@ -135,7 +135,7 @@ class WorldTrial {
     m_seen.start = stateInvariants(m_world);
     m_seen.energyMax = m_seen.start.kinetic + m_seen.start.potential;
     // In a room with walls momentum comes and goes; alone in space it must stay.
-    m_seen.isolated = m_scene.settings.gravity.norm() == 0 && m_scene.springs.empty();
+    m_seen.isolated = m_scene.settings.gravity.norm() == 0 && m_scene.forces.empty();
     Real highest = -std::numeric_limits<Real>::infinity();
     for (std::size_t i = 0; i < m_scene.spawns.size(); ++i) {
       const auto& spawn = m_scene.spawns[i];

@@ -3,6 +3,7 @@
 // and shows the poses that the engine has made. It never steps.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -42,7 +43,17 @@ class EngineWorld : public Simulation<D> {
     }
     return joint;
   }
-  void add(std::shared_ptr<const ForceGenerator<D>> generator) final { m_forces.push_back(std::move(generator)); }
+  Handle add(const ForceDef<D>& def) final {
+    refresh();
+    const Handle force = m_scene.add(def);
+    if (m_scene.forces()[static_cast<std::size_t>(force.slot)].kind->readsContacts()) {
+      m_scene.removeForce(force);
+      throw UserError("force '" + def.kind + "' acts by the loads of contacts, and an engine tells of none");
+    }
+    return force;
+  }
+  void removeForce(Handle force) final { m_scene.removeForce(force); }
+  void add(std::shared_ptr<const ForceGenerator<D>> generator) final { m_generators.push_back(std::move(generator)); }
   void remove(Handle body) final {
     refresh();
     if (m_scene.valid(body)) {  // else the scene says so
@@ -92,7 +103,7 @@ class EngineWorld : public Simulation<D> {
     if (dt == 0) return;
     if (!m_scene.joints().empty()) refresh();  // a hinge's whole turns are counted from step to step
     m_profiler.beginFrame(m_steps);
-    pushForces();
+    pushForces(dt);
     advance(dt);
     ++m_steps, m_time += dt, m_lastDt = dt, m_stale = true;
     breakJoints(dt);
@@ -104,6 +115,7 @@ class EngineWorld : public Simulation<D> {
   const Bodies<D>& bodies() const final { return refresh().bodies(); }
   std::span<const ShapeRecord<D>> shapes() const final { return m_scene.shapes(); }
   std::span<const JointRecord<D>> joints() const final { return m_scene.joints(); }
+  std::span<const ForceRecord<D>> forces() const final { return m_scene.forces(); }
   std::optional<std::span<const Manifold<D>>> contacts() const final { return std::nullopt; }
   const WorldSettings<D>& settings() const final { return m_scene.settings(); }
   int bodyCount() const final { return m_scene.bodyCount(); }
@@ -194,12 +206,17 @@ class EngineWorld : public Simulation<D> {
     return m_pushes[static_cast<std::size_t>(body.slot)];
   }
   // A script's pushes, and the scene's forces on top.
-  void pushForces() {
-    if (m_forces.empty() && !m_pushed) return;
-    const Bodies<D>& b = m_forces.empty() ? m_scene.bodies() : refresh().bodies();
+  void pushForces(Real dt) {
+    const auto records = m_scene.forces();
+    const bool acting = !m_generators.empty() ||
+                        std::any_of(records.begin(), records.end(), [](const auto& f) { return f.kind != nullptr; });
+    if (!acting && !m_pushed) return;
+    const Bodies<D>& b = acting ? refresh().bodies() : m_scene.bodies();
     m_pushes.resize(b.pose.size());
     m_wrenches = m_pushes;  // a force that throws leaves the script's pushes as they are
-    for (const auto& f : m_forces) f->apply({b, b.pose, b.motion}, m_time, m_wrenches);
+    const ForceState<D> state{b, b.pose, b.motion, dt};
+    applyForces(records, state, m_time, m_wrenches);
+    for (const auto& f : m_generators) f->apply(state, m_time, m_wrenches);
     for (std::size_t i = 0; i < m_wrenches.size(); ++i) {
       if (b.used[i] && b.type[i] == BodyType::dynamic) push(i, m_wrenches[i]);
       m_pushes[i] = {};
@@ -223,7 +240,7 @@ class EngineWorld : public Simulation<D> {
   mutable Profiler m_profiler;
   mutable bool m_stale = false;
   bool m_pushed = false;
-  std::vector<std::shared_ptr<const ForceGenerator<D>>> m_forces;
+  std::vector<std::shared_ptr<const ForceGenerator<D>>> m_generators;
   std::vector<Wrench<D>> m_pushes;    // for the coming step, by body slot
   std::vector<Wrench<D>> m_wrenches;  // scratch
   Real m_time = 0, m_lastDt = 0;

@@ -94,11 +94,11 @@ void chain(World<3>& world) {
   }
   BodyDef<3> rod = body<3>(Shape<3>::box({Real(1.2), Real(0.1), Real(0.3)}), at<3>(0.3, 3));
   rod.angularVelocity = {Real(0.2), Real(6), Real(0.1)};
-  auto spring = std::make_shared<Spring<3>>();
-  spring->bodyA = world.add(rod), spring->localA = {1, 0, 0}, spring->localB = {1, 5, 0};
-  spring->restLength = 1, spring->stiffness = 20, spring->damping = Real(0.3);
-  world.add(spring);
-  world.add(std::make_shared<Drag<3>>());
+  world.add(ForceDef<3>{.kind = "spring{stiffness=20,rest_length=1,damping=0.3}",
+                        .bodyB = world.add(rod),
+                        .anchorA = Vec<3>(1, 5, 0),
+                        .anchorB = Vec<3>(1, 0, 0)});
+  world.add(ForceDef<3>{.kind = "drag"});
 }
 
 void balls(World<3>& world) {

@@ -46,6 +46,11 @@ std::string joint(const std::string& parameter) {
          parameter + " }\n";
 }
 
+std::string spring(const std::string& parameter) {
+  return "[[body]]\nname = \"a\"\n" + kBall +
+         "[[force]]\na = \"world\"\nb = \"a\"\nkind = \"spring\"\nparameters = { " + parameter + " }\n";
+}
+
 TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
   const std::vector<Case> cases = {
       {"dt = 0\n", {"t.toml:4: ", "'dt' is 0 s", "above 0"}},
@@ -96,10 +101,9 @@ TEST(BadInput, NumbersOfScenesHaveAPlaceAndARange) {
       {"[[body]]\nname = \"a\"\n" + kBall + "[measures.slope]\nbody = \"a\"\nangle = 2\nfriction = 0\n",
        {"t.toml:9: ", "'angle' is 2", "0 to 1.57"}},
       {"[[body]]\nname = \"a\"\n" + kBall + "[measures.slpoe]\nbody = \"a\"\n", {"t.toml:", "slpoe", "slope"}},
-      {"[[body]]\nname = \"a\"\n" + kBall + "[[spring]]\na = \"world\"\nb = \"a\"\nstiffness = nan\n",
-       {"t.toml:10: ", "nan", "finite"}},
-      {"[[body]]\nname = \"a\"\n" + kBall + "[[spring]]\na = \"world\"\nb = \"a\"\nstiffness = 1\ndamping = -1\n",
-       {"t.toml:11: ", "'damping' is -1"}},
+      {spring("stiffness = nan"), {"t.toml:", "nan", "finite"}},
+      {spring("damping = -1"), {"t.toml:7: ", "'damping' of 'spring' is '-1'", "from 0"}},
+      {spring("stiffnes = 1"), {"t.toml:7: ", "'stiffnes'", "stiffness"}},
       {joint("stiffness = inf"), {"t.toml:", "inf", "finite"}},
       {joint("stiffness = -1"), {"t.toml:8: ", "'stiffness' of 'distance' is '-1'", "from 0 to 1e+12"}},
       {joint("stiffness = 1e300"), {"t.toml:8: ", "'1e+300'", "from 0 to 1e+12"}},
@@ -179,7 +183,7 @@ TEST(BadInput, AbsurdForcesEndTheRunAtTheirStep) {
   const auto spring = [&](const std::string& stiffness) {
     return kHead + "steps = 50\n[[body]]\nname = \"a\"\nposition = [10, 0]\n" + kBall +
            "[[body]]\nposition = [0, 9]\nfrom = 2\nname = \"late\"\n" + kBall +
-           "[[spring]]\na = \"a\"\nb = \"late\"\nstiffness = " + stiffness + "\n";
+           "[[force]]\nkind = \"spring\"\na = \"a\"\nb = \"late\"\nparameters = { stiffness = " + stiffness + " }\n";
   };
   w.write("large.toml", spring("1e30"));
   w.write("infinite.toml", spring("1e308"));

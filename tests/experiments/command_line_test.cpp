@@ -112,7 +112,7 @@ TEST(CommandLine, plotsPeaksAndDips) {
   w.write("swing.toml",
           "name = \"swing\"\nsummary = \"s\"\ndimensions = [2]\ndt = 0.01\nsteps = 900\ngravity = [0, 0, 0]\n"
           "[[body]]\nname = \"a\"\nposition = [0, 1]\nshapes = [{ kind = \"box\", half = [0.5, 0.5] }]\n"
-          "[[spring]]\na = \"world\"\nb = \"a\"\nstiffness = 39000\n");
+          "[[force]]\nkind = \"spring\"\nb = \"a\"\nparameters = { stiffness = 39000 }\n");
   const Outcome out = w.lpc("run swing.toml --plot height");
   ASSERT_EQ(out.code, 0) << out.text;
   const std::size_t from = out.text.find("\nheight m\n");

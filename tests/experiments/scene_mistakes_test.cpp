@@ -83,7 +83,7 @@ TEST(SceneMistakes, ProgramsEndInOneLineHoweverDeep) {
 // Caps over all blocks together, told with the place of the block that goes beyond them.
 TEST(SceneMistakes, ScenesWithoutAnEnd) {
   const std::string million = "repeat = { i = 1000000, j = 1000000 }\n", many = "more than 1000000 ";
-  const std::string spring = "[[spring]]\na = \"world\"\nb = \"a\"\nstiffness = 1\n";
+  const std::string spring = "[[force]]\na = \"world\"\nb = \"a\"\nkind = \"spring\"\n";
   const std::string push = "[[event]]\ndo = \"push\"\nbody = \"a\"\nimpulse = [1, 0]\nstep = 0\n";
   const std::string joints = "needs = [\"joints\"]\n";
   refused({
@@ -280,6 +280,9 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
   const std::string joints = "needs = [\"joints\"]\n", plane = "shapes = [{ kind = \"plane\" }]\n";
   const auto shape = [](const std::string& fields) { return "[[body]]\nshapes = [{ kind = " + fields + " }]\n"; };
   const std::string fixed = "type = \"fixed\"\n";
+  const auto force = [](const std::string& kind, const std::string& keys) {
+    return "[[force]]\nkind = \"" + kind + "\"\n" + keys;
+  };
   refused({
       {"[[body]]\nangle = 1e308\n" + kBall, {"t.toml:5: ", "'angle' is 1e+308", "-1e+05 to 1e+05 rad"}},
       {"[[body]]\nangle = [0, 0, -1e6]\n" + kBall, {"t.toml:5: ", "'angle' is -1e+06", "-1e+05 to 1e+05 rad"}},
@@ -300,10 +303,21 @@ TEST(SceneMistakes, NumbersBeyondTheArithmetic) {
       {joints + kNamed +
            "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"a\"\nb = \"a\"\nanchor = [0, 0]\n",
        {"t.toml:8: ", "a joint of a body with itself"}},
-      {kNamed + "[[spring]]\na = \"a\"\nb = \"a\"\nstiffness = 1\n", {"t.toml:7: ", "a spring of a body with itself"}},
-      {kNamed + "[[body]]\nname = \"wall\"\n" + fixed + kBall +
-           "[[spring]]\na = \"world\"\nb = \"wall\"\nstiffness = 1\n",
-       {"t.toml:11: ", "a spring of two bodies that do not move"}},
+      {kNamed + force("spring", "a = \"a\"\nb = \"a\"\n"), {"t.toml:7: ", "'spring' between a body and itself"}},
+      {kNamed + "[[body]]\nname = \"wall\"\n" + fixed + kBall + force("spring", "a = \"world\"\nb = \"wall\"\n"),
+       {"t.toml:11: ", "'spring' on bodies that do not move"}},
+      {kNamed + force("spring", "a = \"a\"\n"), {"t.toml:7: ", "'spring' acts on one body", "b, its name"}},
+      {kNamed + force("spring", "b = \"c\"\n"), {"t.toml:9: ", "no body named 'c'"}},
+      {kNamed + force("drag", "a = \"a\"\n"), {"t.toml:7: ", "'drag' comes from no body"}},
+      {kNamed + force("drag", "anchor_b = [1, 0]\nb = \"a\"\n"), {"t.toml:7: ", "'drag' acts at no point"}},
+      {kNamed + force("attraction", "anchor_b = [1, 0]\na = \"a\"\n"), {"t.toml:7: ", "centres of mass"}},
+      {kNamed + force("spring", "b = \"a\"\nparameters = { rest_length = 1 }\n"),
+       {"t.toml:7: ", "ends meet", "rest_length 0"}},
+      {kNamed + force("torque", "a = \"a\"\n"), {"t.toml:7: ", "turns one other"}},
+      {kNamed + force("drag", "from = 5\nuntil = 5\n"), {"t.toml:10: ", "'until' is 5", "a later one"}},
+      {"[[body]]\nname = \"b\"\nremove = 3\n" + kBall + force("drag", "b = \"b\"\nfrom = 4\n"),
+       {"t.toml:8: ", "'b' is not there", "removed at 3"}},
+      {kNamed + "[[spring]]\nb = \"a\"\nstiffness = 1\n", {"t.toml:7: ", "no [[spring]]", "[[force]] with kind"}},
       {kNamed + kPivot, {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},
       {kNamed + "[[event]]\ndo = \"joint\"\nstep = 1\nkind = \"pivot\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n",
        {"t.toml:7: ", "a joint", "'needs' with \"joints\""}},

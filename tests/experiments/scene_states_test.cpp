@@ -85,10 +85,13 @@ std::string hashOf(const SceneSpec<D>& scene) {
         hash.word(static_cast<std::uint64_t>(j.step));
     if (j.def.X_WJb) hash.pose(*j.def.X_WJb);
   }
-  for (const auto& s : scene.springs) {
-    hash.word(static_cast<std::uint64_t>(s.bodyA)), hash.word(static_cast<std::uint64_t>(s.bodyB));
-    hash.numbers(s.localA), hash.numbers(s.localB);
-    hash.number(s.restLength), hash.number(s.stiffness), hash.number(s.damping);
+  for (const auto& f : scene.forces) {
+    hash.word(static_cast<std::uint64_t>(f.bodyA)), hash.word(static_cast<std::uint64_t>(f.bodyB));
+    hash.text(f.def.kind);
+    for (const auto& anchor : {f.def.anchorA, f.def.anchorB}) {
+      if (anchor) hash.numbers(*anchor);
+    }
+    hash.word(static_cast<std::uint64_t>(f.step)), hash.word(static_cast<std::uint64_t>(f.removeAt));
   }
   for (const auto& e : scene.events) {
     hash.word(static_cast<std::uint64_t>(e.step)), hash.word(static_cast<std::uint64_t>(e.body));

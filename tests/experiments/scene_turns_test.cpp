@@ -54,8 +54,9 @@ TEST(SceneMistakes, BlocksOfNoTurns) {
        {"t.toml:8: ", "'pivt'", "pivot"}},
       {joints + kNamed + kPivot + "repeat = 0\nparameters = { speed = \"k\" }\n", {"t.toml:8: ", "'speed'"}},
       {joints + kNamed + kPivot + "repeat = 0\nbreak_force = \"k +\"\n", {"t.toml:14: ", "'k +'"}},
-      {kNamed + "[[spring]]\nrepeat = 0\na = \"world\"\nb = \"a[k +]\"\nstiffness = 1\n", {"t.toml:10: ", "'k +'"}},
-      {kNamed + "[[spring]]\nrepeat = 0\na = \"world\"\nb = \"a\"\nstiffnes = 1\n", {"t.toml:7: ", "'stiffness'"}},
+      {kNamed + "[[force]]\nrepeat = 0\na = \"world\"\nb = \"a[k +]\"\nkind = \"spring\"\n", {"t.toml:10: ", "'k +'"}},
+      {kNamed + "[[force]]\nrepeat = 0\nkind = \"drg\"\n", {"t.toml:7: ", "'drg'", "drag"}},
+      {kNamed + "[[force]]\nrepeat = 0\nkind = \"drag\"\nlinear = 1\n", {"t.toml:", "'linear'"}},
   });
   const std::string sound = R"toml(needs = ["joints", "rotation"]
 [parameters]
@@ -82,11 +83,13 @@ anchor = [0, 0]
 axis = ["n", "n", "n"]
 parameters = { lower = "1 / n", upper = "-1", motor_speed = "n" }
 break_force = "n - 1"
-[[spring]]
+[[force]]
 when = "n > 0"
+kind = "spring"
 a = "link[n - 1]"
 b = "link"
-stiffness = "-n"
+parameters = { stiffness = "-n" }
+until = "n - 1"
 [[event]]
 do = "remove"
 repeat = "n"

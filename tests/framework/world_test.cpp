@@ -173,10 +173,8 @@ TYPED_TEST(WorldTest, SpringHangsAtItsRestLengthPlusSag) {
   constexpr int D = TypeParam::D;
   World<D> world;
   const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, -2)));
-  auto spring = std::make_shared<Spring<D>>();
-  spring->bodyB = ball, spring->restLength = 1, spring->stiffness = 100 * world.mass(ball);
-  spring->damping = 10 * world.mass(ball);
-  world.add(std::shared_ptr<const ForceGenerator<D>>(spring));
+  const double m = double(world.mass(ball));
+  world.add(ForceDef<D>{.kind = springKind(100 * m, 1, 10 * m), .bodyB = ball});
   for (int i = 0; i < 1200; ++i) world.step(kDt);
   EXPECT_NEAR(world.pose(ball).p[1], -(1 + 9.81 / 100), 1e-3);
 }

@@ -53,10 +53,7 @@ struct Oscillator {
       : world(Pipeline::parse("solver=" + solver), floating()) {
     body = world.add(test::body<2>(Shape<2>::sphere(Real(0.1)), at<2>(10 + x, 0)));
     const double w = 2 * kPi, m = double(world.mass(body));
-    auto spring = std::make_shared<Spring<2>>();
-    spring->bodyB = body, spring->restLength = 10;
-    spring->stiffness = Real(w * w * m), spring->damping = Real(2 * zeta * w * m);
-    world.add(spring);
+    world.add(ForceDef<2>{.kind = springKind(w * w * m, 10, 2 * zeta * w * m), .bodyB = body});
   }
   static WorldSettings<2> floating() {
     WorldSettings<2> s;
@@ -288,10 +285,11 @@ void momenta() {
     const Handle b = world.add(def);
     def.X_WB.p = at<D>(2, 1.3), def.velocity = at<D>(0, 0);
     world.add(pivot<D>(b, world.add(def), at<D>(2, 0.8)));
-    auto spring = std::make_shared<Spring<D>>();
-    spring->bodyA = a, spring->bodyB = b, spring->localA = at<D>(0.1, 0.2), spring->localB = at<D>(-0.2, 0.1);
-    spring->restLength = Real(1.5), spring->stiffness = 20, spring->damping = Real(0.2);
-    world.add(spring);
+    world.add(ForceDef<D>{.kind = springKind(20, 1.5, 0.2),
+                          .bodyA = a,
+                          .bodyB = b,
+                          .anchorA = at<D>(0.1, 0.2),
+                          .anchorB = at<D>(-0.2, 0.1)});
     const Invariants<D> from = invariants(world);
     double p = 0, l = 0;
     for (int i = 0; i < 600; ++i) {

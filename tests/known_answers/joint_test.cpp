@@ -198,10 +198,8 @@ TEST_F(KnownAnswer, catenary) {
       const HangingChain exact = hangingChain(n, 10, 8);
       const double half = 5.0 / n, width = 0.02, weight = kG * width;  // N/m at 1 kg/m^2
       World<2> world = worldOf<2>(solver);
-      const auto drag = std::make_shared<Drag<2>>();
-      drag->linear = Real(0.5 * width * 2 * half),
-      drag->quadratic = 0;  // dies by half in 1.4 s, stable for the turning
-      world.add(drag);
+      // Dies by half in 1.4 s, stable for the turning.
+      world.add(ForceDef<2>{.kind = dragKind(0.5 * width * 2 * half, 0)});
       Handle last = addPost<2>(world, at<2>(-4, 0)), middle;
       Vec<2> end = at<2>(-4, 0);
       // Starts as a V, near the end state.

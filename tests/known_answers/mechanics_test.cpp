@@ -240,9 +240,7 @@ TEST_F(KnownAnswer, terminal_velocity) {
   const double a = 0.5, b = 0.25, v = (std::sqrt(a * a + 4 * b * kG) - a) / (2 * b);
   for (const char* solver : kSolvers) {
     World<2> world = worldOf<2>(solver);
-    const auto drag = std::make_shared<Drag<2>>();
-    drag->linear = Real(a), drag->quadratic = Real(b);
-    world.add(drag);
+    world.add(ForceDef<2>{.kind = dragKind(a, b)});
     const Handle box = world.add(body<2>(Shape<2>::box({Real(0.5), Real(0.5)}), at<2>(0, 0)));
     steps(world, 10);
     known("speed, m/s", solver, v, -double(world.motion(box).v[1]));

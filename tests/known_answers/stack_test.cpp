@@ -75,9 +75,7 @@ void pressedPair() {
       def.angularVelocity = Real(spin) * axis, def.velocity = cross(def.angularVelocity, def.X_WB.p);
       boxes[static_cast<std::size_t>(i)] = world.add(def);
     }
-    auto spring = std::make_shared<Spring<D>>();
-    spring->bodyA = boxes[0], spring->bodyB = boxes[1], spring->stiffness = Real(stiffness);
-    world.add(spring);
+    world.add(ForceDef<D>{.kind = springKind(stiffness), .bodyA = boxes[0], .bodyB = boxes[1]});
     const auto momentum = [&] { return double(invariants(world).angularMomentum[D == 2 ? 0 : 2]); };
     const double from = momentum();
     double least = from, back = 0, last = from;

@@ -69,6 +69,8 @@ class Twin final : public Simulation<D> {
     m_changes.torque(changed);
     m_inner->applyTorque(body, changed);
   }
+  Handle add(const ForceDef<D>& def) override { return m_inner->add(def); }
+  void removeForce(Handle force) override { m_inner->removeForce(force); }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override { m_inner->add(std::move(generator)); }
   void remove(Handle body) override { m_inner->remove(body); }
   void removeJoint(Handle joint) override { m_inner->removeJoint(joint); }
@@ -79,6 +81,7 @@ class Twin final : public Simulation<D> {
   const Bodies<D>& bodies() const override { return m_inner->bodies(); }
   std::span<const ShapeRecord<D>> shapes() const override { return m_inner->shapes(); }
   std::span<const JointRecord<D>> joints() const override { return m_inner->joints(); }
+  std::span<const ForceRecord<D>> forces() const override { return m_inner->forces(); }
   std::optional<std::span<const Manifold<D>>> contacts() const override { return m_inner->contacts(); }
   const WorldSettings<D>& settings() const override { return m_inner->settings(); }
   int bodyCount() const override { return m_inner->bodyCount(); }

@@ -1,23 +1,72 @@
 // SPDX-License-Identifier: Zlib
-// Springs and turned inertias with one bug each.
+// Forces and turned inertias with one bug each.
 #pragma once
+
+#include <memory>
+#include <vector>
 
 #include "framework/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 
-/// A spring of which one end pulls only, or whose pull has no arm.
+enum class ForceBug {
+  none,
+  oneEnd,        // B feels it and A does not
+  noArm,         // acts at B's anchor without a moment
+  remembers,     // a little more each time that it is asked
+  movesAll,      // pushes whom forces do not move
+  strays,        // acts on somebody else, too
+  dividesByGap,  // no number where two bodies are in one place
+  grows          // by a hundredth, where it may not
+};
+
 template <int D>
-struct SpoiledSpring final : ForceGenerator<D> {
-  enum class Bug { oneEnd, noArm };
-  Spring<D> spring;
-  Bug bug;
-  SpoiledSpring(const Spring<D>& s, Bug b) : spring(s), bug(b) {}
-  void apply(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const override {
-    spring.apply(state, t, out);
-    if (bug == Bug::oneEnd) out[0] = {};
-    if (bug == Bug::noArm) out[1].torque.setZero();
+class SpoiledForce final : public ForceKind<D> {
+ public:
+  SpoiledForce(std::shared_ptr<const ForceKind<D>> right, ForceBug bug) : m_right(std::move(right)), m_bug(bug) {}
+
+  ForceEnds ends() const override { return m_right->ends(); }
+  bool readsContacts() const override { return m_right->readsContacts(); }
+  void apply(const ForceRecord<D>& force, const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const override {
+    const std::vector<Wrench<D>> before(out.begin(), out.end());
+    m_right->apply(force, state, t, out);
+    const auto a = static_cast<std::size_t>(force.bodyA), b = static_cast<std::size_t>(force.bodyB);
+    switch (m_bug) {
+      case ForceBug::none:
+        break;
+      case ForceBug::oneEnd:
+        if (force.bodyA >= 0) out[a] = before[a];
+        break;
+      case ForceBug::noArm:
+        if (force.bodyB >= 0) out[b].torque = before[b].torque;
+        break;
+      case ForceBug::remembers:
+        ++m_times;
+        for (Wrench<D>& w : out) w.torque *= m_times, w.force *= m_times;
+        break;
+      case ForceBug::grows:
+        for (Wrench<D>& w : out) w.torque *= Real(1.01);
+        break;
+      case ForceBug::movesAll:
+        for (Wrench<D>& w : out) w.force[0] += 1;
+        break;
+      case ForceBug::strays:
+        for (std::size_t i = 0; i < out.size(); ++i) {
+          if (movedByForces(state.bodies, i)) out[i].force[0] += 1;
+        }
+        break;
+      case ForceBug::dividesByGap:
+        for (std::size_t i = 1; i < out.size(); ++i) {
+          out[i].force += (state.pose[i].p - state.pose[0].p) / (state.pose[i].p - state.pose[0].p).norm();
+        }
+        break;
+    }
   }
+
+ private:
+  std::shared_ptr<const ForceKind<D>> m_right;
+  ForceBug m_bug;
+  mutable Real m_times = 0;
 };
 
 /// R^T I R.

@@ -43,9 +43,7 @@ double springError(const std::string& solver, int steps, const Eigen::Vector2d& 
   BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.1)), at<D>(1.5, 0));
   def.velocity = at<D>(0, 1);
   const Handle ball = world.add(def);
-  auto spring = std::make_shared<Spring<D>>();
-  spring->bodyB = ball, spring->restLength = 1, spring->stiffness = 20 * world.mass(ball);
-  world.add(std::shared_ptr<const ForceGenerator<D>>(spring));
+  world.add(ForceDef<D>{.kind = springKind(20 * double(world.mass(ball)), 1), .bodyB = ball});
   for (int i = 0; i < steps; ++i) world.step(Real(1) / static_cast<Real>(steps));
   const Vec<D> p = world.pose(ball).p;
   return std::hypot(double(p[0]) - expected[0], double(p[1]) - expected[1]);

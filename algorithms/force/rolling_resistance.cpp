@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+#include <vector>
+
+#include "framework/force.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// What the report left open: a circle on a flat floor comes to rest. The load lies ahead of the contact by the
+// coefficient, so that a torque of coefficient times load is against the rolling, however fast it is. The load is that
+// of the step before: a first step has none, and a bounce has that of its blow.
+//
+// Of several contacts each may take the share of the speed that it has of the load, and no more: then a body's speed
+// becomes one between its own and its neighbours', and all of them together turn nothing round.
+template <int D>
+class RollingResistance final : public ForceKind<D> {
+ public:
+  struct Params {
+    Real coefficient = Real(0.01);
+    void visit(ParamVisitor& v) {
+      v.real("coefficient", coefficient, 0, Real(1e6), "m", "lever of the load against the rolling");
+    }
+  };
+  explicit RollingResistance(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "rolling_resistance",
+            .summary = "a torque of a lever times the load against the rolling of whatever touches",
+            .paper = "",
+            .complexity = "contacts"};
+  }
+
+  ForceEnds ends() const override { return {}; }
+  bool readsContacts() const override { return true; }
+
+  void apply(const ForceRecord<D>& force, const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
+    if (!(state.contactDt > 0)) return;
+    m_load.assign(state.pose.size(), 0);
+    for (const Manifold<D>& m : state.contacts) {
+      const Real load = loadOf(force, m);
+      m_load[static_cast<std::size_t>(m.bodyA)] += load, m_load[static_cast<std::size_t>(m.bodyB)] += load;
+    }
+    const Bodies<D>& bodies = state.bodies;
+    for (const Manifold<D>& m : state.contacts) {
+      const Real load = loadOf(force, m);
+      if (!(load > 0)) continue;
+      const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+      const Ang<D> rolling = withoutSpin(state.motion[b].w - state.motion[a].w, m.normal);
+      const Real speed = rolling.norm();
+      if (!(speed > 0)) continue;
+      const Ang<D> axis = rolling / speed;
+      const auto ease = [&](std::size_t i) {  // rad/s per N m s
+        if (!movedByForces(bodies, i)) return Real(0);
+        return axis.dot(rotateInertia(state.pose[i].q, bodies.invInertiaBody[i]) * axis);
+      };
+      const Real gain = (ease(a) + ease(b)) * state.dt, share = load / std::max(m_load[a], m_load[b]);
+      Real torque = m_params.coefficient * load / state.contactDt;
+      if (share * speed < torque * gain) torque = share * speed / gain;
+      if (movedByForces(bodies, a)) out[a].torque += torque * axis;
+      if (movedByForces(bodies, b)) out[b].torque -= torque * axis;
+    }
+  }
+
+ private:
+  // N s; 0 for a contact that is none of this force's.
+  static Real loadOf(const ForceRecord<D>& force, const Manifold<D>& m) {
+    if (m.ignored || (force.bodyB >= 0 && m.bodyA != force.bodyB && m.bodyB != force.bodyB)) return 0;
+    Real sum = 0;
+    for (int k = 0; k < m.count; ++k) sum += std::max(m.points[static_cast<std::size_t>(k)].impulse[0], Real(0));
+    return sum;
+  }
+  static Ang<2> withoutSpin(const Ang<2>& w, const Vec<2>&) { return w; }
+  static Ang<3> withoutSpin(const Ang<3>& w, const Vec<3>& n) { return w - w.dot(n) * n; }
+
+  Params m_params;
+  mutable std::vector<Real> m_load;  // scratch: of each body, N s
+};
+
+}  // namespace
+
+LPC_REGISTER(ForceKind, RollingResistance, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+#include <algorithm>
+
+#include "experiments/trial/scene_parsed.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+typename SceneSpec<D>::Force readForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& scene, int bodyA,
+                                       int bodyB) {
+  typename SceneSpec<D>::Force force;
+  force.bodyA = bodyA, force.bodyB = bodyB;
+  if (const toml::node* node = block.find("anchor_a")) force.def.anchorA = numbers.vector<D>(*node);
+  if (const toml::node* node = block.find("anchor_b")) force.def.anchorB = numbers.vector<D>(*node);
+  const Spec kind = readKind(block, numbers, StageKind::force, D);
+  force.def.kind = kind.text();
+  atBlock(block, [&] { return kindOf(StageKind::force, kind.name, numbers, D).create(kind); });
+  force.step = numbers.whole(block, "from", 0, 0, kMaxSteps);
+  force.removeAt = numbers.whole(block, "until", -1, -1, kMaxSteps);
+  if (numbers.rehearsing()) return force;
+  // What is left to go wrong is between the kind and its ends, as the file places them.
+  Bodies<D> ends;
+  const auto end = [&](int body) {
+    if (body < 0) return Handle{};
+    const auto& spawn = scene.spawns[static_cast<std::size_t>(body)];
+    force.step = std::max(force.step, spawn.step);
+    ends.used.push_back(1), ends.type.push_back(spawn.body.type);
+    ends.pose.push_back(spawn.body.X_WB), ends.center.push_back(Vec<D>::Zero());
+    return Handle{static_cast<std::int32_t>(ends.used.size()) - 1, 0};
+  };
+  ForceDef<D> between = force.def;
+  between.bodyA = end(bodyA), between.bodyB = bodyA == bodyB ? between.bodyA : end(bodyB);
+  atBlock(block, [&] { return makeForce(between, ends); });
+  if (force.removeAt >= 0 && force.removeAt <= force.step) {
+    block.fail(*block.find("until"), "'until' is " + std::to_string(force.removeAt) + ", and it comes at step " +
+                                         std::to_string(force.step) + "; valid: a later one");
+  }
+  return force;
+}
+
+template SceneSpec<2>::Force readForce(TableReader&, SceneNumbers&, const SceneSpec<2>&, int, int);
+template SceneSpec<3>::Force readForce(TableReader&, SceneNumbers&, const SceneSpec<3>&, int, int);
+
+}  // namespace lpc::inline LPC_PRECISION
