@@ -50,6 +50,27 @@ struct Played {
   Motion<D> motion(int spawn) const { return world.motion(director.body(spawn)); }
 };
 
+// Forces of the file come and go at their steps: three of eight. The first is there from the start, and twice as strong
+// on the other side.
+template <int D>
+bool forcesComeAndGo(const std::string& until) {
+  const std::string torque = "[[force]]\nkind = \"torque\"\nb = \"box\"\n";
+  const Played<D> p(scene<D>(torque + "parameters = { torque = \"4 / 2\" }\nfrom = 2\n" + until + torque +
+                             "repeat = 2\nparameters = { torque = \"-(k + 1)\" }\nuntil = 1\n"),
+                    8);
+  const auto i = static_cast<std::size_t>(p.director.body(0).slot);
+  constexpr int kLast = kAngDim<D> - 1;
+  const Real expected = Real(0.125) * (3 * 2 - 1 - 2) * p.world.bodies().invInertiaBody[i](kLast, kLast);
+  return std::abs(p.motion(0).w[kLast] - expected) < Real(1e-5);
+}
+TEST(SceneForces, ComeAndGo) {
+  EXPECT_TRUE(forcesComeAndGo<2>("until = 5\n") && forcesComeAndGo<3>("until = 5\n"));
+  expectCaught("a force that stays", forcesComeAndGo<2>(""));
+  const SceneSpec<2> pulls = scene<2>("[[force]]\nkind = \"attraction\"\na = \"peg\"\nuntil = 3\n");
+  EXPECT_EQ(pulls.forces.at(0).bodyB, -1);
+  EXPECT_EQ(census(pulls).at("force attraction"), 1);
+}
+
 template <int D>
 Vec<D> vec(Real x, Real y, Real z) {
   Vec<D> v = Vec<D>::Zero();

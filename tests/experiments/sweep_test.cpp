@@ -151,6 +151,24 @@ TEST(SweepRun, failuresAreRows) {
             std::string::npos);
 }
 
+// A kind of force that a plugin registers, by its name in a scene.
+TEST(SweepRun, scenesNameForcesOfPlugins) {
+  Workspace w;
+  w.write(
+      "push.toml",
+      "name = \"push\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 60\ngravity = [0, 0, 0]\n[[body]]\nname = \"a\"\n"
+      "shapes = [{ kind = \"box\", half = [0.5, 0.5] }]\n"
+      "[[force]]\nkind = \"planted_push\"\nb = \"a\"\nparameters = { force = 3 }\n");
+  const Outcome run = w.lpc("--plugin " + kPlugin + " run push.toml");
+  ASSERT_EQ(run.code, 0) << run.text;
+  const std::size_t at = run.text.find("max_speed");
+  ASSERT_NE(at, run.text.npos) << run.text;
+  EXPECT_NEAR(std::stod(run.text.substr(at + 9)), 3, 1e-6) << "3 N on 1 kg for a second";
+  const Outcome without = w.lpc("run push.toml");
+  EXPECT_EQ(without.code, 2);
+  EXPECT_NE(without.text.find("no force 'planted_push' in 2D"), without.text.npos) << without.text;
+}
+
 // The last line tells what became of all trials, each once: done before, run now by outcome, shared, and left.
 TEST(SweepRun, theLastLineAddsUp) {
   Workspace w;

@@ -123,6 +123,28 @@ std::vector<Refusal<D>> refusals() {
       {"breaks", [](W x) { x.add(JointDef<D>{.bodyA = x.handle(1), .bodyB = x.handle(2), .breakTorque = 0}); }});
   list.push_back({"no body", [](W x) { x.remove({77, 0}); }});
   list.push_back({"no joint", [](W x) { x.removeJoint({77, 0}); }});
+  const auto force = [&](const char* says, const std::string& kind, int a, int b, std::optional<Vec<D>> anchor = {}) {
+    list.push_back({says, [=](W x) {
+                      const auto of = [&](int slot) { return slot < 0 ? Handle{} : x.handle(slot); };
+                      x.add(ForceDef<D>{.kind = kind, .bodyA = of(a), .bodyB = of(b), .anchorB = anchor});
+                    }});
+  };
+  force("rolling_resistance", "rolling", -1, 1);
+  force("damping", "spring{dampin=1}", 1, 2);
+  force("a number from 0", "drag{linear=-1}", -1, 1);
+  force("itself", "spring", 1, 1);
+  force("do not move", "spring", -1, 0);
+  force("do not move", "drag", -1, 0);
+  force("one body", "spring", 1, -1);
+  force("comes from no body", "drag", 1, 2);
+  force("turns one other", "torque", 1, -1);
+  force(D == 2 ? "less than no torque" : "no length", D == 2 ? "torque{mode=speed,torque=-1}" : "torque{z=0}", -1, 1);
+  force("no target", "torque{speed=3}", -1, 1);
+  force("at no point", "wind", -1, 1, Vec<D>(Vec<D>::Zero()));
+  force("centres of mass", "attraction", 1, -1, Vec<D>(Vec<D>::Zero()));
+  force("not finite", "spring", 1, 2, Vec<D>(Vec<D>::Constant(kNan)));
+  list.push_back({"no body", [](W x) { x.add(ForceDef<D>{.bodyB = {77, 0}}); }});
+  list.push_back({"no force", [](W x) { x.removeForce({77, 0}); }});
   list.push_back({"null", [](W x) { x.add(std::shared_ptr<const ForceGenerator<D>>()); }});
   list.push_back({"null", [](W x) { x.addListener(nullptr); }});
   list.push_back({"naive", [](W) { World<D> w(Pipeline::parse("broadphase=none_such")); }});

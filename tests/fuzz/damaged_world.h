@@ -24,7 +24,7 @@ inline std::string sealed(std::string bytes) {
   return bytes;
 }
 
-/// Every class of shape, a joint, contacts, the slots of removed bodies, an event.
+/// Every class of shape, a joint, forces, contacts, the slots of removed bodies, an event.
 template <int D>
 void addEverything(World<D>& world) {
   world.add(body<D>(Shape<D>::plane(), at<D>(0, 0), BodyType::fixed));
@@ -48,6 +48,10 @@ void addEverything(World<D>& world) {
   world.add(body<D>(Shape<D>::compound(parts), at<D>(4, 0.4)));
   const Handle bob = world.add(body<D>(Shape<D>::capsule(Real(0.2), Real(0.1)), at<D>(1, 2)));
   world.add(pivot<D>(box, bob, at<D>(0.5, 1.5)));
+  const Handle off = world.add(ForceDef<D>{.kind = "drag"});
+  world.add(ForceDef<D>{.kind = "spring{rest_length=1}", .bodyA = box, .bodyB = bob, .anchorA = at<D>(0.1, 0.1)});
+  world.add(ForceDef<D>{.kind = "rolling_resistance"});
+  world.removeForce(off);
   for (int i = 0; i < 3; ++i) world.step(Real(1) / 60);
   world.remove(gone);
   world.applyForce(box, at<D>(1, 0), at<D>(0.1, 1));

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Kinds of force with a formula. Springs and drag are in the files of what they are for.
+#include "framework/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test::force_kinds_test {
 namespace {
 
+constexpr Real kDt = Real(1) / 60;
 const char* const kSolvers[] = {"split_solver", "soft_step", "avbd"};
 
 // A lever of c times the weight against the rolling: a = c g / (r (1 + k)), k = I / (m r^2), until it rests.

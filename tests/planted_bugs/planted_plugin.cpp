@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// Broadphases and pair queries with one failure each, for the tests of the runner: every one must end as a row with its
-// name.
+// Broadphases and pair queries with one failure each, and a force of one's own, for the tests of the runner: every one
+// must end as a row with its name.
 #include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 
+#include "framework/force.h"
 #include "framework/plugin.h"
 #include "framework/stage_broadphase.h"
 #include "framework/stage_narrowphase.h"
@@ -113,8 +114,31 @@ using Half = PlantedQuery<D, false>;
 template <int D>
 using Aborts = PlantedQuery<D, true>;
 
+/// No bug: what a scene names is found in a plugin, too.
+template <int D>
+class Push : public ForceKind<D> {
+ public:
+  struct Params {
+    Real force = 1;
+    void visit(ParamVisitor& v) { v.real("force", force, 0, 1000, "N", "along x"); }
+  };
+  explicit Push(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "planted_push", .summary = "a force along x", .paper = "", .complexity = "1"};
+  }
+  ForceEnds ends() const override { return {.all = false}; }
+  void apply(const ForceRecord<D>& force, const ForceState<D>&, Real, std::span<Wrench<D>> out) const override {
+    out[static_cast<std::size_t>(force.bodyB)].force[0] += m_params.force;
+  }
+
+ private:
+  Params m_params;
+};
+
 }  // namespace
 
+LPC_REGISTER(ForceKind, Push, 2);
 LPC_REGISTER(PairQuery, Half, 2);
 LPC_REGISTER(PairQuery, Aborts, 2);
 LPC_REGISTER(Broadphase, Hang, 2);

@@ -69,6 +69,41 @@ bool savedIsContinued(const std::string& pipeline) {
   return true;
 }
 
+// S3 of forces: one of each kind, on one body or on all, and the hole that a removed one has left. Saves of before had
+// none of them.
+template <int D>
+bool forcesAreSaved(bool lost) {
+  Run<D> a(""), b("");
+  addHeap(a.world, 6, 7);
+  const Handle first = a.world.handle(1), second = a.world.handle(2);
+  const Handle gone = a.world.add(ForceDef<D>{.kind = "drag"});
+  for (const Registered* r : Registry::instance().list(StageKind::force, D)) {
+    ForceDef<D> def{.kind = r->info.name};
+    const ForceEnds ends = createStage<ForceKind<D>>(Spec::parse(def.kind))->ends();
+    if (ends.from) def.bodyA = first, def.bodyB = second;
+    if (ends.anchors) def.anchorB = at<D>(0.1, 0.2);
+    a.world.add(def);
+  }
+  a.world.removeForce(gone);
+  a.steps(kSteps / 2);
+  const std::string bytes = saved(a.world);
+  std::istringstream in(bytes);
+  b.world.load(in);
+  if (saved(b.world) != bytes) return false;
+  for (std::size_t i = 0; lost && i < b.world.forces().size(); ++i) {
+    const ForceRecord<D>& f = b.world.forces()[i];
+    if (f.kind) b.world.removeForce({static_cast<std::int32_t>(i), f.generation});
+  }
+  const auto one = a.world.add(ForceDef<D>{.kind = "drag"}), other = b.world.add(ForceDef<D>{.kind = "drag"});
+  a.steps(kSteps / 2), b.steps(kSteps / 2);
+  return a.world.hash() == b.world.hash() && (lost || (one == other && saved(a.world) == saved(b.world)));
+}
+TEST(Replay, ForcesAreSaved) {
+  EXPECT_TRUE(forcesAreSaved<2>(false) && forcesAreSaved<3>(false));
+  expectCaught("Replay.ForcesAreSaved forces that nobody saves 2D", forcesAreSaved<2>(true));
+  expectCaught("Replay.ForcesAreSaved forces that nobody saves 3D", forcesAreSaved<3>(true));
+}
+
 // S4: a frame of the recording is the state of a run that went so far and no farther.
 template <int D>
 bool recordingIsTheRun(const std::string& pipeline) {
