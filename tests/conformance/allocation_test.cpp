@@ -138,6 +138,11 @@ long allocationsOfWarmSteps(const Pipeline& pipeline) {
   under[1] = -5;
   add(BodyType::fixed, under, Shape<D>::box(Vec<D>::Constant(5)));
   add(BodyType::fixed, Vec<D>::Zero(), twoParts<D>());
+  for (const Registered* kind : Registry::instance().list(StageKind::force, D)) {
+    if (createStage<ForceKind<D>>(Spec{kind->info.name, {}})->ends().from) continue;
+    world.add(
+        ForceDef<D>{.kind = kind->info.name == "wind" ? "wind{x=0}" : kind->info.name});  // on all, who stay at rest
+  }
   Vec<D> half = Vec<D>::Constant(Real(0.5)), right = Vec<D>::Zero();
   const Shape<D> whole = Shape<D>::box(half);
   half[0] = right[0] = Real(0.25);

@@ -151,7 +151,8 @@ struct Damaged : SavedState<D> {
                       1,
                       kDt,
                       1,
-                      {w.pairRecords().begin(), w.pairRecords().end()}} {}
+                      {w.pairRecords().begin(), w.pairRecords().end()},
+                      {w.forces().begin(), w.forces().end()}} {}
 
   std::string refusal() const {
     try {
@@ -221,6 +222,13 @@ std::vector<Damage<D>> damages() {
       {"a joint's flag", [](P p) { p.joints[0].broken = 2; }},
       {"breaks at no force", [](P p) { p.joints[0].breakTorque = kNan; }},
       {"no rotation", [](P p) { p.joints[0].X_CbJ.q = Rot<D>{0}; }},
+      {"a force of a body", [](P p) { p.forces[1].bodyA = p.bodies.size(); }},  // a spring's; 0 is a free slot
+      {"a force of a body", [](P p) { p.forces[1].bodyB = kFreeSlot; }},
+      {"a force of a body", [](P p) { p.forces[1].bodyB = -1; }},
+      {"a force of a body", [](P p) { p.forces[1].bodyB = p.forces[1].bodyA; }},
+      {"a force of a body", [](P p) { p.forces[2].bodyA = 0; }},
+      {"a force of a body", [](P p) { p.forces[2].bodyB = -2; }},
+      {"a force's anchor", [](P p) { p.forces[1].localB[0] = kNan; }},
       {"a contact of a body", [](P p) { p.manifolds[0].bodyB = p.bodies.size(); }},
       {"a contact of a body", [](P p) { p.manifolds[0].bodyA = -1; }},
       {"a contact of a body", [](P p) { std::swap(p.manifolds[0].bodyA, p.manifolds[0].bodyB); }},
