@@ -122,7 +122,7 @@ Shape<D> twoParts() {
 
 // A pile at rest on a box and a surface, of boxes and of boxes put together from halves, with all stages at work.
 template <int D>
-long allocationsOfWarmSteps(const Pipeline& pipeline) {
+long allocationsOfWarmSteps(const Pipeline& pipeline, const std::vector<std::string>& forces = {}) {
   WorldSettings<D> settings;
   settings.features.sleeping = false;
   World<D> world(pipeline, settings);
@@ -138,11 +138,7 @@ long allocationsOfWarmSteps(const Pipeline& pipeline) {
   under[1] = -5;
   add(BodyType::fixed, under, Shape<D>::box(Vec<D>::Constant(5)));
   add(BodyType::fixed, Vec<D>::Zero(), twoParts<D>());
-  for (const Registered* kind : Registry::instance().list(StageKind::force, D)) {
-    if (createStage<ForceKind<D>>(Spec{kind->info.name, {}})->ends().from) continue;
-    world.add(
-        ForceDef<D>{.kind = kind->info.name == "wind" ? "wind{x=0}" : kind->info.name});  // on all, who stay at rest
-  }
+  for (const std::string& kind : forces) world.add(ForceDef<D>{.kind = kind});
   Vec<D> half = Vec<D>::Constant(Real(0.5)), right = Vec<D>::Zero();
   const Shape<D> whole = Shape<D>::box(half);
   half[0] = right[0] = Real(0.25);
@@ -169,6 +165,30 @@ void checkWorlds() {
 }
 TEST(Allocations, Worlds2) { checkWorlds<2>(); }
 TEST(Allocations, Worlds3) { checkWorlds<3>(); }
+
+// Planted bug: a list that is made anew each time that it is asked.
+template <int D>
+class Forgets final : public ForceKind<D> {
+ public:
+  using Params = NoParams;
+  explicit Forgets(const Params&) {}
+  static AlgorithmInfo info() { return {.name = "forgets", .summary = "bug", .paper = "", .complexity = ""}; }
+  ForceEnds ends() const override { return {}; }
+  void apply(const ForceRecord<D>&, const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
+    const std::vector<Real> list(state.pose.size(), 0);
+    out[0].force[0] += list[0];
+  }
+};
+
+// Kinds that act on all, of whom none disturbs the pile.
+template <int D>
+void checkForces() {
+  const Pipeline usual;
+  EXPECT_EQ(allocationsOfWarmSteps<D>(usual, {"drag", "rolling_resistance", "torque{torque=0}", "wind{x=0}"}), 0);
+  static const Registrar<ForceKind, Forgets, D> registrar(__FILE__);
+  EXPECT_EQ(allocationsOfWarmSteps<D>(usual, {"forgets"}), 10);
+}
+TEST(Allocations, Forces) { checkForces<2>(), checkForces<3>(); }
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test
