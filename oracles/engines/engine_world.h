@@ -215,7 +215,7 @@ class EngineWorld : public Simulation<D> {
     m_pushes.resize(b.pose.size());
     m_wrenches = m_pushes;  // a force that throws leaves the script's pushes as they are
     const ForceState<D> state{b, b.pose, b.motion, dt};
-    applyForces(records, state, m_time, m_wrenches);
+    applyForces(records, state, m_time, std::span<Wrench<D>>(m_wrenches));
     for (const auto& f : m_generators) f->apply(state, m_time, m_wrenches);
     for (std::size_t i = 0; i < m_wrenches.size(); ++i) {
       if (b.used[i] && b.type[i] == BodyType::dynamic) push(i, m_wrenches[i]);
