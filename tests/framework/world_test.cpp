@@ -174,7 +174,9 @@ TYPED_TEST(WorldTest, SpringHangsAtItsRestLengthPlusSag) {
   World<D> world;
   const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, -2)));
   const double m = double(world.mass(ball));
-  world.add(ForceDef<D>{.kind = springKind(100 * m, 1, 10 * m), .bodyB = ball});
+  const std::string stiffness = std::to_string(100 * m), damping = std::to_string(10 * m);
+  world.add(
+      ForceDef<D>{.kind = "spring{rest_length=1,stiffness=" + stiffness + ",damping=" + damping + "}", .bodyB = ball});
   for (int i = 0; i < 1200; ++i) world.step(kDt);
   EXPECT_NEAR(world.pose(ball).p[1], -(1 + 9.81 / 100), 1e-3);
 }
