@@ -105,8 +105,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   /// UserError, and has changed nothing, for what add() would refuse, and for a joint between two that do not move.
   void change(Handle body, const BodyDef<D>& def);
   /// Makes one body of two, both dynamic or both fixed: the shapes of `other` come behind those of `into`, where they
-  /// are, its joints hold `into`, and it is gone, with joints of the two with each other. Both momenta stay. Throws
-  /// UserError, and has changed nothing, for other types and for what change() would refuse.
+  /// are, its joints and forces are those of `into`, and it is gone, with what is between the two. Both momenta stay.
+  /// Throws UserError, and has changed nothing, for other types and for what change() would refuse.
   void merge(Handle into, Handle other);
   /// Makes one body of each shape, where it is and moving as it moved: the first keeps handle and joints. Returns all,
   /// in the order of the shapes. A mass that was given is forgotten. Throws UserError, and has changed nothing, where a

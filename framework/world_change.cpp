@@ -66,6 +66,10 @@ void World<D>::moveCenter(std::size_t body, const Vec<D>& by) {
     if (!j.kind || (j.bodyA != slot && j.bodyB != slot)) continue;
     (j.bodyA == slot ? j.X_CaJ : j.X_CbJ).p -= by;
   }
+  for (ForceRecord<D>& f : m_forces) {
+    if (f.kind && f.bodyA == slot) f.localA -= by;
+    if (f.kind && f.bodyB == slot) f.localB -= by;
+  }
 }
 
 template <int D>
@@ -182,10 +186,17 @@ void World<D>::merge(Handle into, Handle other) {
     def.velocity = motion.v, def.angularVelocity = motion.w;
   }
   weigh(def, into.slot);  // throws before anything has changed
+  const Pose<D> X_AcBc = poseBetween(poseOf(m_bodies, into.slot), poseOf(m_bodies, other.slot));
+  const auto ofBoth = [&](std::int32_t from, std::int32_t to) {
+    return std::minmax(from, to) == std::minmax(into.slot, other.slot);
+  };
+  for (ForceRecord<D>& f : m_forces) {
+    if (!f.kind || ofBoth(f.bodyA, f.bodyB)) continue;  // goes with `other`
+    if (f.bodyA == other.slot) f.bodyA = into.slot, f.localA = X_AcBc * f.localA;
+    if (f.bodyB == other.slot) f.bodyB = into.slot, f.localB = X_AcBc * f.localB;
+  }
   for (JointRecord<D>& j : m_joints) {
-    if (!j.kind || (j.bodyA != other.slot && j.bodyB != other.slot)) continue;
-    if (j.bodyA == into.slot || j.bodyB == into.slot) continue;  // goes with `other`
-    const Pose<D> X_AcBc = poseBetween(poseOf(m_bodies, into.slot), poseOf(m_bodies, other.slot));
+    if (!j.kind || (j.bodyA != other.slot && j.bodyB != other.slot) || ofBoth(j.bodyA, j.bodyB)) continue;
     (j.bodyA == other.slot ? j.bodyA : j.bodyB) = into.slot;
     Pose<D>& X_CJ = j.bodyA == into.slot ? j.X_CaJ : j.X_CbJ;
     X_CJ = X_AcBc * X_CJ;

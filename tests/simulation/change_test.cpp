@@ -250,6 +250,22 @@ TYPED_TEST(ChangeTest, JointsFollow) {
   EXPECT_LT(double(turnOf(q).norm()), 0.5);  // the stop counts from where the joint was made
 }
 
+// A spring pulls at the same place, whose body ever that is now, and wherever its centre of mass.
+TYPED_TEST(ChangeTest, ForcesFollow) {
+  constexpr int D = TypeParam::D;
+  World<D> world({}, weightless<D>());
+  const Handle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
+  const Handle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
+  world.add(ForceDef<D>{.kind = "spring{stiffness=10}", .bodyB = b, .anchorA = at<D>(2, 3), .anchorB = at<D>(0, 1)});
+  world.add(ForceDef<D>{.kind = "spring{stiffness=10}", .bodyA = a, .bodyB = b});
+  world.merge(a, b);
+  EXPECT_EQ(std::count_if(world.forces().begin(), world.forces().end(), [](const auto& f) { return f.kind; }), 1);
+  world.step(kDt);  // by 2 m upwards at (2, 1): as a force and as a torque about (1, 0)
+  EXPECT_NEAR(world.motion(a).v[1], 20 * kDt / world.mass(a), 1e-5);
+  EXPECT_NEAR(world.motion(a).v[0], 0, 1e-6);
+  EXPECT_GT(world.motion(a).w[D == 3 ? 2 : 0], 0);
+}
+
 TYPED_TEST(ChangeTest, WhatMakesNoBodyIsRefusedAndChangesNothing) {
   constexpr int D = TypeParam::D;
   World<D> world;
