@@ -286,6 +286,8 @@ void World<D>::tellListeners() {
       if (known ? l.persist(*this, m) : l.begin(*this, m)) return;
       for (Manifold<D>& child : pair) child.ignored = 1;
     });
+    // Who slept on it has lost it, too.
+    if (known && m.ignored && !before[0].ignored) wakeEvent(SleepEvent::contactLost, m, 0);
   }
   while (!old.empty()) end();
 }

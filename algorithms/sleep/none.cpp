@@ -16,7 +16,9 @@ class None final : public SleepPolicy<D> {
             .summary = "keeps every body awake",
             .paper = "",
             .complexity = "bodies",
-            .failures = {{"anything that rests", "it costs as much as what moves", "Sleep.PendulumSleeps"}}};
+            .failures = {{"anything that rests", "it costs as much as what moves", "Sleep.PendulumSleeps"},
+                         {"a body rests beside one that does not", "it costs as much", "Sleep.OthersMaySleep"},
+                         {"a body is added asleep", "it wakes at once", "Sleep.GentleTouchWakesNobody"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>>) override {

@@ -2,6 +2,8 @@
 // Sleep policies with one bug each; the conformance test must see them.
 #pragma once
 
+#include <algorithm>
+
 #include "framework/stage_sleep.h"
 
 namespace lpc::inline LPC_PRECISION::test {
@@ -35,6 +37,46 @@ class WakesOnlyTheStruck final : public SleepPolicy<D> {
  public:
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>>) override {
     for (const SleepEvent& e : in.events) awake[static_cast<std::size_t>(e.body)] = 1;
+  }
+};
+
+/// What Millington's book says of sleeping, and nothing else: one average of v^2 + w^2, by the step as the 2009 report
+/// prints it; a touch by somebody awake with enough speed wakes the one who is touched.
+template <int D>
+class BookAlone final : public SleepPolicy<D> {
+ public:
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
+    const std::vector<std::uint8_t> before(awake.begin(), awake.end());
+    for (const Manifold<D>& m : in.manifolds) {
+      for (const auto& [from, to] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
+        const auto i = static_cast<std::size_t>(to), other = static_cast<std::size_t>(from);
+        if (before[i] || !before[other] || in.bodies.type[i] != BodyType::dynamic) continue;
+        if (in.bodies.motion[other].v.norm() > in.restitutionThreshold) awake[i] = 1, memory[i][0] = 2 * kEpsilon;
+      }
+    }
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (in.bodies.type[i] != BodyType::dynamic || !awake[i]) continue;
+      const Motion<D>& motion = in.bodies.motion[i];
+      memory[i][0] = (memory[i][0] + motion.v.squaredNorm() + motion.w.squaredNorm()) / 2;
+      if (memory[i][0] < kEpsilon && in.bodies.canSleep[i]) awake[i] = 0;
+      memory[i][0] = std::min(memory[i][0], 10 * kEpsilon);
+    }
+  }
+
+ private:
+  static constexpr Real kEpsilon = Real(0.3);
+};
+
+/// One island for all the world, through the ground: nobody sleeps while anybody moves.
+template <int D>
+class IslandOfTheGround final : public SleepPolicy<D> {
+ public:
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>>) override {
+    bool anybody = false;
+    for (const Motion<D>& m : in.bodies.motion) anybody = anybody || m.v.norm() > 0 || m.w.norm() > 0;
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (in.bodies.type[i] == BodyType::dynamic) awake[i] = anybody;
+    }
   }
 };
 

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Zlib
+#include <cmath>
+
+#include "algorithms/sleep/wake_rules.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// base^exponent, exponent > 0, from square roots alone: std::pow is not the same everywhere.
+double power(double base, double exponent) {
+  int scale = 0;
+  double rest = std::frexp(exponent, &scale), root = base, result = 1;
+  while (rest > 0) {
+    root = std::sqrt(root), rest *= 2;
+    if (rest >= 1) result *= root, rest -= 1;
+  }
+  for (; scale > 0; --scale) result *= result;
+  for (; scale < 0; ++scale) result = std::sqrt(result);
+  return result;
+}
+
+// Sleeping of Millington's book: one recency-weighted average of v^2 + w^2 for metres and
+// radians alike. The bias is that of his code, bias^dt a step, which forgets by seconds; the 2009 report prints it by
+// the step (6.5). The book wakes whom an awake body touches with a speed that must be resolved, and whom the user
+// pushes. With that alone a pile hangs in the air when its support goes, slow throws freeze at their tops and joints
+// pull at walls (BookAlone in tests/planted_bugs/sleep_twins.h), so who wakes and who may sleep are the repairs that
+// the report made.
+template <int D>
+class Millington final : public SleepPolicy<D> {
+ public:
+  struct Params {
+    Real epsilon = Real(0.3);
+    Real bias = Real(0.5);
+    Real wakeSeparation = Real(0.05);
+    void visit(ParamVisitor& v) {
+      v.real("epsilon", epsilon, 0, Real(1e12), "m^2/s^2",
+             "falls asleep below this average of v^2 + w^2, rad/s as m/s");
+      v.real("bias", bias, 0, Real(0.999), "1", "weight of the average so far after a second");
+      v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s", "wakes when a contact opens faster than this");
+    }
+  };
+  explicit Millington(const Params& params) : m_params(params), m_rules(params.wakeSeparation) {}
+
+  static AlgorithmInfo info() {
+    return {
+        .name = "millington",
+        .summary = "one recency-weighted average of v^2 + w^2, by seconds; wakes as split_average does",
+        .paper = "millington2007",
+        .complexity = "bodies + contacts; sweeps over the contacts while somebody may fall asleep",
+        .guarantee = Guarantee::approximate,
+        .failures = {{"a body slides or rolls on, slower than sqrt(`epsilon`)", "it freezes on its way",
+                      "Sleep.SteadySliderStaysAwake"},
+                     {"a ball rolls on at a centimetre per second", "it freezes, too", "Sleep.SlowRollerStaysAwake"},
+                     {"a body is moved by the repair of positions alone", "it falls asleep before its joint has closed",
+                      "Sleep.CreeperStaysAwake"},
+                     {"a sleeper is pushed slower than the restitution threshold, or its load grows",
+                      "it stands like a wall", "Sleep.SlowPushWakes"},
+                     {"an awake support is drawn away sideways", "its load stays where it is, like a wall",
+                      "Sleep.DraggedSupportWakes"},
+                     {"a body hangs on joints alone", "it never falls asleep", "Sleep.PendulumSleeps"}}};
+  }
+
+  void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
+    m_rules.byEvents(in, awake);
+    m_rules.byBlows(in, awake);
+    m_rules.byJoints(in, awake);
+    const auto bias = static_cast<Real>(power(double(m_params.bias), double(in.dt)));
+    m_calm.assign(awake.size(), 0);
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (!sleep::dynamic(in, static_cast<std::int32_t>(i))) continue;
+      if (m_rules.woken()[i] || !awake[i]) {
+        memory[i] = {};
+        continue;
+      }
+      const Motion<D>& motion = in.bodies.motion[i];
+      const Real now = motion.v.squaredNorm() + motion.w.squaredNorm();
+      m_calm[i] = sleep::recentAverage(memory[i][0], bias, now, m_params.epsilon) && in.bodies.canSleep[i];
+    }
+    m_rules.fallAsleep(in, m_calm, awake);
+  }
+
+ private:
+  Params m_params;
+  sleep::WakeRules<D> m_rules;
+  std::vector<std::uint8_t> m_calm;
+};
+
+}  // namespace
+
+LPC_REGISTER(SleepPolicy, Millington, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "framework/stage_sleep.h"
+#include "framework/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION::sleep {
+
+inline std::size_t index(std::int32_t slot) { return static_cast<std::size_t>(slot); }
+
+template <int D>
+bool dynamic(const SleepInput<D>& in, std::int32_t slot) {
+  return slot >= 0 && in.bodies.used[index(slot)] && in.bodies.type[index(slot)] == BodyType::dynamic;
+}
+
+template <int D>
+bool moves(const SleepInput<D>& in, std::int32_t slot) {
+  const Motion<D>& m = in.bodies.motion[index(slot)];
+  return m.v.squaredNorm() > 0 || m.w.squaredNorm() > 0;
+}
+
+/// A kinematic body that moves: it takes its load along at any speed, and would slide away under sleepers, or
+/// through them.
+template <int D>
+bool platform(const SleepInput<D>& in, std::int32_t slot) {
+  return in.bodies.type[index(slot)] == BodyType::kinematic && moves(in, slot);
+}
+
+/// f(body, holder) for each joint of a dynamic body with one that goes its own way.
+template <int D, class F>
+void forHeld(const SleepInput<D>& in, const F& f) {
+  for (const JointRecord<D>& j : in.joints) {
+    if (!j.active() || j.bodyA < 0 || dynamic(in, j.bodyA) == dynamic(in, j.bodyB)) continue;
+    dynamic(in, j.bodyA) ? f(j.bodyA, j.bodyB) : f(j.bodyB, j.bodyA);
+  }
+}
+
+/// A recency-weighted average, held less two thresholds: zeros, as a new body has them, mean "has just been woken" (the
+/// book and the 2009 report set an average of two thresholds then). Ten thresholds are the most, so that a fast one
+/// soon calms down. True when it is below the threshold.
+inline bool recentAverage(Real& stored, Real bias, Real now, Real threshold) {
+  const Real mean = bias * (stored + 2 * threshold) + (1 - bias) * now;
+  stored = std::min(mean, 10 * threshold) - 2 * threshold;
+  return mean < threshold;
+}
+
+/// Who wakes, and who of those that are calm may sleep: what is common to policies that ask each body by itself. Added
+/// to the rules of the 2009 report (6.5.1), because averages alone fall asleep in the air (with a threshold of 1.5 m/s
+/// every throw has 18 steps that are slow enough):
+/// - only a body that stands on something fixed, directly or over others, may fall asleep;
+/// - a blow wakes at once all those whom it can reach with enough speed: a sleeper weighs infinitely, so a neighbour
+///   left asleep would throw the blow back; a platform that moves reaches all of its load, at any speed;
+/// - bodies that are jointed sleep and wake together.
+/// Their use in a step: byEvents, byBlows, byJoints, fallAsleep.
+template <int D>
+class WakeRules {
+ public:
+  explicit WakeRules(Real wakeSeparation) : m_wakeSeparation(wakeSeparation) {}
+
+  /// By slot, since byEvents(): who was woken, and whom the user changed. Their memory begins anew.
+  std::span<const std::uint8_t> woken() const { return m_woken; }
+
+  void wake(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::int32_t slot) {
+    if (!dynamic(in, slot) || awake[index(slot)]) return;
+    awake[index(slot)] = 1;
+    m_woken[index(slot)] = 1;
+  }
+
+  // What users did is marked first, so that the contacts are walked once for all of it.
+  void byEvents(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+    m_woken.assign(awake.size(), 0);
+    bool changed = false;
+    m_flag.assign(awake.size(), 0), m_carried.assign(awake.size(), 0);
+    in.work[WorkCount::eventVisits] += in.events.size();
+    for (const SleepEvent& e : in.events) {
+      switch (e.kind) {
+        case SleepEvent::bodyRemoved:
+        case SleepEvent::jointRemoved:
+        case SleepEvent::contactLost:
+          wake(in, awake, e.body);
+          break;
+        case SleepEvent::userChange:
+          // What the user does to a body, also to a static one, reaches those who touch it. The body itself was woken
+          // by the world already.
+          if (dynamic(in, e.body)) m_woken[index(e.body)] = 1;
+          m_flag[index(e.body)] = 1, changed = true;
+          break;
+        case SleepEvent::contactBegun:
+          break;  // a blow is judged by the contact itself, begun or not
+        case SleepEvent::separationGrown:
+          if (e.speed > double(m_wakeSeparation)) wake(in, awake, e.body);
+          break;
+      }
+    }
+    if (!changed) return;
+    in.work[WorkCount::eventVisits] += in.manifolds.size() + in.joints.size();
+    for (const Manifold<D>& m : in.manifolds) {
+      for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
+        if (!m_flag[index(at)]) continue;
+        wake(in, awake, other);
+        if (!dynamic(in, at) && !m.ignored) m_carried[index(other)] = 1;
+      }
+    }
+    forHeld(in, [&](std::int32_t body, std::int32_t holder) {
+      if (m_flag[index(holder)]) wake(in, awake, body);
+    });
+  }
+
+  // In rounds, so that the order of contacts leaves no trace: the speeds that reach sleepers from those who were woken
+  // in the round before. Nobody is woken twice, so it ends.
+  void byBlows(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+    m_speed.assign(awake.size(), 0);
+    m_front.assign(awake.size(), 0);
+    for (const Manifold<D>& m : in.manifolds) {
+      if (m.ignored) continue;
+      if (platform(in, m.bodyA)) m_carried[index(m.bodyB)] = 1;
+      if (platform(in, m.bodyB)) m_carried[index(m.bodyA)] = 1;
+      const bool wakesB = awake[index(m.bodyA)] && dynamic(in, m.bodyB) && !awake[index(m.bodyB)];
+      const bool wakesA = awake[index(m.bodyB)] && dynamic(in, m.bodyA) && !awake[index(m.bodyA)];
+      if (!wakesA && !wakesB) continue;
+      const std::int32_t from = wakesB ? m.bodyA : m.bodyB, to = wakesB ? m.bodyB : m.bodyA;
+      if (!moves(in, from)) continue;
+      const Real speed = approach(in, m);
+      if (speed > in.restitutionThreshold) {
+        m_speed[index(to)] = std::max(m_speed[index(to)], speed * passedOn(in, from, to));
+      }
+    }
+    bool again = false;
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (m_speed[i] > 0 || m_woken[i]) awake[i] = 1, m_woken[i] = 1;
+      // What a platform or the user's hand takes along takes all along that touches it, at any speed.
+      if (m_carried[i] && dynamic(in, static_cast<std::int32_t>(i))) {
+        wake(in, awake, static_cast<std::int32_t>(i));
+        m_speed[i] = std::numeric_limits<Real>::infinity();
+      }
+      if (m_speed[i] > 0) m_front[i] = 1, again = true;
+    }
+    while (again) {
+      again = false;
+      m_next.assign(awake.size(), 0);
+      for (const Manifold<D>& m : in.manifolds) {
+        if (m.ignored) continue;
+        for (const auto& [from, to] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
+          if (!m_front[index(from)] || !dynamic(in, to) || awake[index(to)]) continue;
+          const Real speed = m_speed[index(from)];
+          if (!(speed > in.restitutionThreshold)) continue;
+          m_next[index(to)] = std::max(m_next[index(to)], speed * passedOn(in, from, to));
+        }
+      }
+      for (std::size_t i = 0; i < awake.size(); ++i) {
+        m_front[i] = m_next[i] > 0;
+        if (!m_front[i]) continue;
+        m_speed[i] = m_next[i], awake[i] = 1, m_woken[i] = 1, again = true;
+      }
+    }
+  }
+
+  void byJoints(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+    m_group = in.graph.jointedGroups();
+    if (in.joints.empty()) return;
+    forHeld(in, [&](std::int32_t body, std::int32_t holder) {
+      if (moves(in, holder)) wake(in, awake, body);
+    });
+    m_flag.assign(awake.size(), 0);
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      const auto slot = static_cast<std::int32_t>(i);
+      const bool restless = dynamic(in, slot) && awake[i] && moves(in, slot);
+      if (dynamic(in, slot) && (m_woken[i] || restless)) m_flag[index(m_group[i])] = 1;
+    }
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      const auto slot = static_cast<std::int32_t>(i);
+      if (dynamic(in, slot) && m_flag[index(m_group[i])]) wake(in, awake, slot);
+    }
+  }
+
+  /// Puts those of `calm` to sleep whom nothing keeps awake; takes out of it whom platforms and holders keep.
+  void fallAsleep(const SleepInput<D>& in, std::span<std::uint8_t> calm, std::span<std::uint8_t> awake) {
+    if (std::find(calm.begin(), calm.end(), 1) == calm.end()) return;
+    findSupported(in, awake);
+    for (const Manifold<D>& m : in.manifolds) {
+      for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
+        if (platform(in, other)) calm[index(at)] = 0;
+      }
+    }
+    forHeld(in, [&](std::int32_t body, std::int32_t holder) {
+      if (moves(in, holder)) calm[index(body)] = 0;
+    });
+    // A jointed group may sleep when all of it is calm and somebody in it stands.
+    m_flag.assign(awake.size(), 0);
+    m_next.assign(awake.size(), 0);
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (!dynamic(in, static_cast<std::int32_t>(i))) continue;
+      if (awake[i] && !calm[i]) m_flag[index(m_group[i])] = 1;
+      if (m_stands[i]) m_next[index(m_group[i])] = 1;
+    }
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (!calm[i]) continue;
+      const std::size_t group = index(m_group[i]);
+      if (!m_flag[group] && m_next[group] > 0) awake[i] = 0;
+    }
+  }
+
+ private:
+  // Speed of approach at the worst point, m/s.
+  static Real approach(const SleepInput<D>& in, const Manifold<D>& m) {
+    Real worst = 0;
+    const auto a = index(m.bodyA), b = index(m.bodyB);
+    for (int i = 0; i < m.count; ++i) {
+      const ContactPoint<D>& c = m.points[index(i)];
+      const Vec<D> rA = in.bodies.pose[a].q * c.localA, rB = in.bodies.pose[b].q * c.localB;
+      const Vec<D> v = in.bodies.motion[b].v + cross(in.bodies.motion[b].w, rB) - in.bodies.motion[a].v -
+                       cross(in.bodies.motion[a].w, rA);
+      worst = std::max(worst, -v.dot(m.normal));
+    }
+    return worst;
+  }
+
+  // How much faster than the striker the struck one can be: 2M/(M+m) after an elastic blow.
+  static Real passedOn(const SleepInput<D>& in, std::int32_t from, std::int32_t to) {
+    const Real striker = in.bodies.mass[index(from)], struck = in.bodies.mass[index(to)];
+    return striker > 0 ? 2 * striker / (striker + struck) : Real(2);
+  }
+
+  // Who stands on something fixed: static bodies, sleepers, and whoever rests on one who stands. Fixed point by sweeps
+  // to and fro, two for a pile whose slots rise or fall with height.
+  void findSupported(const SleepInput<D>& in, std::span<const std::uint8_t> awake) {
+    m_stands.assign(awake.size(), 0);
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      const auto slot = static_cast<std::int32_t>(i);
+      m_stands[i] = in.bodies.used[i] && (dynamic(in, slot) ? !awake[i] : !moves(in, slot));
+    }
+    const Real g = in.gravity.norm();
+    const auto visit = [&](const Manifold<D>& m) {
+      if (m.ignored || bool(m_stands[index(m.bodyA)]) == bool(m_stands[index(m.bodyB)])) return false;
+      const std::int32_t from = m_stands[index(m.bodyA)] ? m.bodyA : m.bodyB;
+      const std::int32_t to = from == m.bodyA ? m.bodyB : m.bodyA;
+      if (!dynamic(in, to)) return false;
+      Real nearest = kContactMargin;
+      for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[index(i)].separation);
+      if (nearest > kLinearSlop) return false;  // near, but it does not carry
+      // Carried means pushed against gravity; without gravity any touch will do.
+      const Real down = m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
+      if (g > 0 && down < Real(0.1) * g) return false;
+      m_stands[index(to)] = 1;
+      return true;
+    };
+    for (bool again = true; again;) {
+      again = false;
+      for (const Manifold<D>& m : in.manifolds) again = visit(m) || again;
+      for (std::size_t i = in.manifolds.size(); again && i-- > 0;) visit(in.manifolds[i]);
+    }
+  }
+
+  Real m_wakeSeparation;
+  // Scratch of one decision, by body slot.
+  std::vector<std::uint8_t> m_woken, m_carried, m_stands, m_flag, m_front;
+  std::span<const std::int32_t> m_group;  // of jointed bodies; -1 where a body is not dynamic
+  std::vector<Real> m_speed, m_next;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::sleep

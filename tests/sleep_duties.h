@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Zlib
+// What every sleep policy owes, each on a little world of its own: a duty returns whether it holds, so that wrong twins
+// can be seen to fail.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/stage_sleep.h"
+
+namespace lpc::inline LPC_PRECISION::test::sleep_test {
+
+inline constexpr Real kG = Real(9.81), kDt = Real(1) / 60;
+
+// A little world without a solver: the test says who moves how and who touches whom.
+template <int D>
+struct Stage {
+  Bodies<D> bodies;
+  std::vector<Manifold<D>> manifolds;
+  std::vector<JointRecord<D>> joints;
+  std::vector<SleepEvent> events;
+  Vec<D> gravity = -kG * Vec<D>::Unit(1);
+  Real dt = kDt;
+  WorkDone work;
+
+  int add(BodyType type, bool awake = true, Real mass = 1) {
+    bodies.pose.push_back({}), bodies.motion.push_back({});
+    bodies.mass.push_back(type == BodyType::dynamic ? mass : Real(0));
+    bodies.type.push_back(type), bodies.used.push_back(1), bodies.awake.push_back(awake);
+    bodies.canSleep.push_back(type == BodyType::dynamic), bodies.sleep.push_back({});
+    return bodies.size() - 1;
+  }
+  void touch(int a, int b, const Vec<D>& n_AB, Real separation = 0) {
+    Manifold<D> m;
+    m.bodyA = a, m.bodyB = b, m.normal = n_AB, m.count = 1, m.points[0].separation = separation;
+    manifolds.push_back(m);
+  }
+  void stack(int lower, int upper) { touch(lower, upper, Vec<D>::Unit(1)); }
+  void join(int a, int b) {
+    JointRecord<D> j;
+    j.kind = createStage<JointKind<D>>(Spec{"pivot", {}});
+    j.bodyA = a, j.bodyB = b;
+    joints.push_back(j);
+  }
+  // One decision, and what the world does after it.
+  void decide(SleepPolicy<D>& policy) {
+    const std::vector<std::uint8_t> before = bodies.awake;
+    ContactGraph<D> graph;
+    graph.reset(bodies, manifolds, joints, work);
+    policy.decide({dt, bodies, manifolds, joints, events, Real(0.2), gravity, work, graph}, bodies.awake, bodies.sleep);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (before[i] && !bodies.awake[i]) bodies.motion[i] = {};
+    }
+    events.clear();
+  }
+  bool awake(int i) const { return bodies.awake[static_cast<std::size_t>(i)] != 0; }
+  Motion<D>& motion(int i) { return bodies.motion[static_cast<std::size_t>(i)]; }
+};
+
+template <int D>
+bool staysAwakeInFlight(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ball = s.add(BodyType::dynamic), wall = s.add(BodyType::fixed);
+  const int lower = s.add(BodyType::dynamic), upper = s.add(BodyType::dynamic);
+  s.touch(ball, wall, Vec<D>::Unit(0));  // the ball flies up along a wall
+  s.stack(lower, upper);                 // two boxes fly together, one on the other
+  for (int step = -60; step <= 60; ++step) {
+    for (const int i : {ball, lower, upper}) s.motion(i).v = -kG * kDt * Real(step) * Vec<D>::Unit(1);
+    s.decide(policy);
+    if (!s.awake(ball) || !s.awake(lower) || !s.awake(upper)) return false;
+  }
+  return true;
+}
+
+template <int D>
+bool staysAwakeWhenFast(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed), slider = s.add(BodyType::dynamic), top = s.add(BodyType::dynamic);
+  s.stack(ground, slider), s.stack(ground, top);
+  for (int step = 0; step < 200; ++step) {
+    s.motion(slider).v = 20 * Vec<D>::Unit(0), s.motion(top).w[0] = 20;
+    s.decide(policy);
+    if (!s.awake(slider) || !s.awake(top)) return false;
+  }
+  return true;
+}
+
+template <int D>
+bool neverSleepsAgainstWill(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed), body = s.add(BodyType::dynamic);
+  s.bodies.canSleep[static_cast<std::size_t>(body)] = 0;
+  s.stack(ground, body);
+  for (int step = 0; step < 200; ++step) s.decide(policy);
+  return s.awake(body) && s.awake(ground);
+}
+
+template <int D>
+bool wakesWhenSupportGoes(SleepPolicy<D>& policy) {
+  for (const auto kind :
+       {SleepEvent::bodyRemoved, SleepEvent::jointRemoved, SleepEvent::contactLost, SleepEvent::separationGrown}) {
+    Stage<D> s;
+    const int other = s.add(BodyType::dynamic), sleeper = s.add(BodyType::dynamic, false);
+    if (kind == SleepEvent::separationGrown) s.stack(other, sleeper);
+    s.events.push_back({kind, sleeper, other, 0.16});
+    s.decide(policy);
+    if (!s.awake(sleeper)) return false;
+  }
+  return true;
+}
+
+template <int D>
+bool wakesByTheUser(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed), sleeper = s.add(BodyType::dynamic, false);
+  s.stack(ground, sleeper);
+  s.events.push_back({SleepEvent::userChange, ground, -1, 0});  // the ground is moved away
+  s.decide(policy);
+  return s.awake(sleeper);
+}
+
+// A blow on a row of sleepers reaches the last one in the same step: a sleeper is a wall.
+template <int D>
+bool blowsGoThrough(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed);
+  std::vector<int> row;
+  for (int i = 0; i < 5; ++i) row.push_back(s.add(BodyType::dynamic, i == 0));
+  for (std::size_t i = 1; i < row.size(); ++i) s.touch(row[i - 1], row[i], Vec<D>::Unit(0));
+  for (const int i : row) s.stack(ground, i);
+  s.motion(row[0]).v = 2 * Vec<D>::Unit(0);
+  s.events.push_back({SleepEvent::contactBegun, row[1], row[0], 2.0});
+  s.decide(policy);
+  for (const int i : row) {
+    if (!s.awake(i)) return false;
+  }
+  return true;
+}
+
+// Steps until body i sleeps, -1 when it does not within 600.
+template <int D>
+int stepsToSleep(SleepPolicy<D>& policy, Stage<D>& s, int i, const std::function<void(int)>& move = {}) {
+  for (int step = 1; step <= 600; ++step) {
+    if (move) move(step);
+    s.decide(policy);
+    if (!s.awake(i)) return step;
+  }
+  return -1;
+}
+template <int D>
+Stage<D> resting(int& ground, int& body) {
+  Stage<D> s;
+  ground = s.add(BodyType::fixed), body = s.add(BodyType::dynamic);
+  s.stack(ground, body);
+  return s;
+}
+
+// A slider that gains speed all the time.
+template <int D>
+bool slowSliderStaysAwake(SleepPolicy<D>& policy) {
+  int ground, body;
+  auto s = resting<D>(ground, body);
+  const auto faster = [&](int step) { s.motion(body).v[0] = Real(0.05) * static_cast<Real>(step); };
+  return stepsToSleep<D>(policy, s, body, faster) == -1;
+}
+
+// Put right by a position resolver, a centimetre a step, without any velocity.
+template <int D>
+bool creeperStaysAwake(SleepPolicy<D>& policy) {
+  int ground, body;
+  auto s = resting<D>(ground, body);
+  const auto creep = [&](int) { s.bodies.pose[static_cast<std::size_t>(body)].p[0] += Real(0.01); };
+  return stepsToSleep<D>(policy, s, body, creep) == -1;
+}
+
+// Slides on at 0.2 m/s, which is no rest.
+template <int D>
+bool steadySliderStaysAwake(SleepPolicy<D>& policy) {
+  int ground, body;
+  auto s = resting<D>(ground, body);
+  return stepsToSleep<D>(policy, s, body, [&](int) { s.motion(body).v[0] = Real(0.2); }) == -1;
+}
+
+// A ball of 0.5 m that rolls 1 cm/s for ever.
+template <int D>
+bool slowRollerStaysAwake(SleepPolicy<D>& policy) {
+  int ground, ball;
+  auto s = resting<D>(ground, ball);
+  const auto roll = [&](int) { s.motion(ball).v[0] = Real(0.01), s.motion(ball).w[kAngDim<D> - 1] = Real(0.02); };
+  return stepsToSleep<D>(policy, s, ball, roll) == -1;
+}
+
+// A wheel spins in its place on a box that keeps still.
+template <int D>
+bool othersMaySleep(SleepPolicy<D>& policy) {
+  int ground, box;
+  auto s = resting<D>(ground, box);
+  const int wheel = s.add(BodyType::dynamic);
+  s.stack(box, wheel);
+  return stepsToSleep<D>(policy, s, box, [&](int) { s.motion(wheel).w[0] = 20; }) != -1;
+}
+
+// A pea comes to rest against one of two sleepers at 5 cm/s: the report (9.4.3) saw such wake whole heaps.
+template <int D>
+bool gentleTouchWakesNobody(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed), pea = s.add(BodyType::dynamic, true, Real(0.001));
+  const int touched = s.add(BodyType::dynamic, false), behind = s.add(BodyType::dynamic, false);
+  s.touch(pea, touched, Vec<D>::Unit(0)), s.touch(touched, behind, Vec<D>::Unit(0));
+  s.stack(ground, touched), s.stack(ground, behind);
+  s.motion(pea).v = Real(0.05) * Vec<D>::Unit(0);
+  s.events.push_back({SleepEvent::contactBegun, touched, pea, 0.05});
+  s.decide(policy);
+  return !s.awake(touched) && !s.awake(behind);
+}
+
+// Three sleepers on a lift, which starts at a speed that would be no blow; the ground below them is moved by hand.
+template <int D>
+bool liftWakesAStack(SleepPolicy<D>& policy) {
+  for (const bool byHand : {false, true}) {
+    Stage<D> s;
+    const int lift = s.add(byHand ? BodyType::fixed : BodyType::kinematic);
+    std::vector<int> stack;
+    for (int i = 0; i < 3; ++i) stack.push_back(s.add(BodyType::dynamic, false));
+    s.stack(lift, stack[0]), s.stack(stack[0], stack[1]), s.stack(stack[1], stack[2]);
+    s.events.push_back({SleepEvent::userChange, lift, -1, 0});
+    if (!byHand) s.motion(lift).v = Real(0.1) * Vec<D>::Unit(1);
+    s.decide(policy);
+    for (const int i : stack) {
+      if (!s.awake(i)) return false;
+    }
+  }
+  return true;
+}
+
+// A lift that already moves, at last touches sleepers; or it tows one by a joint.
+template <int D>
+bool platformsTakeAlong(SleepPolicy<D>& policy) {
+  for (const bool jointed : {false, true}) {
+    Stage<D> s;
+    const int lift = s.add(BodyType::kinematic), sleeper = s.add(BodyType::dynamic, false);
+    jointed ? s.join(lift, sleeper) : s.stack(lift, sleeper);
+    s.motion(lift).v = Real(1e-3) * Vec<D>::Unit(1);
+    for (int step = 0; step < 200; ++step) {
+      s.motion(sleeper).v = s.motion(lift).v;
+      s.decide(policy);
+      if (!s.awake(sleeper)) return false;
+    }
+  }
+  return true;
+}
+
+// A pulls B along by a joint, out from under a sleeper.
+template <int D>
+bool draggedSupportWakes(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed), tug = s.add(BodyType::dynamic), slab = s.add(BodyType::dynamic);
+  const int load = s.add(BodyType::dynamic, false);
+  s.stack(ground, slab), s.stack(slab, load), s.join(tug, slab);
+  for (int step = 0; step < 60 && !s.awake(load); ++step) {
+    s.motion(tug).v = s.motion(slab).v = Real(0.5) * Vec<D>::Unit(0);
+    s.decide(policy);
+  }
+  return s.awake(load);
+}
+
+// A vetoed contact with one who is fast is as good as none.
+template <int D>
+bool vetoedContactsAreNone(SleepPolicy<D>& policy) {
+  const auto sleeps = [&](bool touching) {
+    Stage<D> s;
+    const int wall = s.add(BodyType::fixed), sleeper = s.add(BodyType::dynamic, false);
+    const int fast = s.add(BodyType::dynamic), platform = s.add(BodyType::kinematic);
+    s.stack(wall, sleeper);
+    for (const int other : {fast, platform}) {
+      s.motion(other).v = 20 * Vec<D>::Unit(0);
+      if (touching) s.touch(other, sleeper, Vec<D>::Unit(0)), s.manifolds.back().ignored = 1;
+    }
+    s.decide(policy);
+    return !s.awake(sleeper);
+  };
+  return sleeps(true) == sleeps(false);
+}
+
+// A ton leans on a sleeper.
+template <int D>
+bool slowPushWakes(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ground = s.add(BodyType::fixed), pusher = s.add(BodyType::dynamic, true, 1000);
+  const int sleeper = s.add(BodyType::dynamic, false);
+  s.touch(pusher, sleeper, Vec<D>::Unit(0)), s.stack(ground, sleeper);
+  for (int step = 0; step < 100 && !s.awake(sleeper); ++step) {
+    s.motion(pusher).v = Real(0.19) * Vec<D>::Unit(0);
+    s.decide(policy);
+  }
+  return s.awake(sleeper);
+}
+
+// Half the step, the same time to sleep, to a step.
+template <int D>
+bool sleepsBySeconds(SleepPolicy<D>& policy) {
+  const auto seconds = [&](Real dt) {
+    int ground, body;
+    auto s = resting<D>(ground, body);
+    s.dt = dt;
+    const int steps = stepsToSleep<D>(policy, s, body);
+    return steps < 0 ? Real(1e9) : dt * static_cast<Real>(steps);
+  };
+  return std::abs(seconds(kDt) - seconds(kDt / 4)) < kDt;
+}
+
+// What hangs still may sleep.
+template <int D>
+bool pendulumSleeps(SleepPolicy<D>& policy) {
+  Stage<D> s;
+  const int ceiling = s.add(BodyType::fixed), bob = s.add(BodyType::dynamic);
+  s.join(ceiling, bob);
+  return stepsToSleep<D>(policy, s, bob) != -1;
+}
+
+template <int D>
+struct Duty {
+  const char* name;
+  bool (*holds)(SleepPolicy<D>&);
+};
+template <int D>
+constexpr Duty<D> kDuties[] = {{"Sleep.StaysAwakeInFlight", staysAwakeInFlight<D>},
+                               {"Sleep.StaysAwakeWhenFast", staysAwakeWhenFast<D>},
+                               {"Sleep.NeverAgainstWill", neverSleepsAgainstWill<D>},
+                               {"Sleep.WakesWhenSupportGoes", wakesWhenSupportGoes<D>},
+                               {"Sleep.WakesByTheUser", wakesByTheUser<D>},
+                               {"Sleep.BlowsGoThrough", blowsGoThrough<D>},
+                               {"Sleep.LiftWakesAStack", liftWakesAStack<D>},
+                               {"Sleep.PlatformsTakeAlong", platformsTakeAlong<D>},
+                               {"Sleep.VetoedContactsAreNone", vetoedContactsAreNone<D>},
+                               {"Sleep.SlowSliderStaysAwake", slowSliderStaysAwake<D>},
+                               {"Sleep.SteadySliderStaysAwake", steadySliderStaysAwake<D>},
+                               {"Sleep.SlowRollerStaysAwake", slowRollerStaysAwake<D>},
+                               {"Sleep.DraggedSupportWakes", draggedSupportWakes<D>},
+                               {"Sleep.OthersMaySleep", othersMaySleep<D>},
+                               {"Sleep.GentleTouchWakesNobody", gentleTouchWakesNobody<D>},
+                               {"Sleep.CreeperStaysAwake", creeperStaysAwake<D>},
+                               {"Sleep.SlowPushWakes", slowPushWakes<D>},
+                               {"Sleep.BySeconds", sleepsBySeconds<D>},
+                               {"Sleep.PendulumSleeps", pendulumSleeps<D>}};
+
+}  // namespace lpc::inline LPC_PRECISION::test::sleep_test
