@@ -42,6 +42,33 @@ double energyOfStep(const WorldSeen<D>& r) {
 }
 
 template <int D>
+const std::vector<double>& find(const WorldSeen<D>& seen, const std::string& name);
+
+/// The last step before which the scene's script acts: somebody comes, goes, or is acted on. -1: it never does.
+template <int D>
+long lastAct(const SceneSpec<D>& scene) {
+  long last = -1;
+  for (const auto& spawn : scene.spawns) last = std::max({last, spawn.step > 0 ? spawn.step : -1L, spawn.removeAt});
+  for (const auto& event : scene.events) last = std::max(last, event.step);
+  return last;
+}
+
+/// How many more bodies are awake at the most after the script's last act than before it, and how many steps after the
+/// first that it reached there are that many: the wave in which sleepers wake. NaN where the script does not act within
+/// the run.
+template <int D>
+struct Wave {
+  double woken = std::numeric_limits<double>::quiet_NaN(), steps = woken;
+  explicit Wave(const WorldSeen<D>& seen) {
+    const auto& awake = find(seen, "awake");
+    const long act = lastAct(seen.scene);
+    if (act < 1 || act >= static_cast<long>(awake.size())) return;
+    const auto from = awake.begin() + act, most = std::max_element(from, awake.end());
+    woken = *most - *(from - 1), steps = static_cast<double>(most - from);
+  }
+};
+
+template <int D>
 const std::vector<Measure<WorldSeen<D>>>& seriesEntries() {
   using R = const WorldSeen<D>&;
   static const std::vector<Measure<WorldSeen<D>>> kEntries = {
@@ -220,6 +247,15 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
         TrialNeed::driftLimit},
        [](R r) { return double(r.scene.limits.drift); }},
       {{"bodies", "bodies", "1", "most bodies of any step", kDetail, ""}, [](R r) { return r.largest("bodies"); }},
+      {{"awake_mean", "bodies awake, mean", "1", "dynamic bodies awake, mean over steps", kDetail, "sleeps more"},
+       [](R r) { return r.total("awake") / static_cast<double>(r.steps); }},
+      {{"woken", "woken by the last act", "1",
+        "how many more bodies are awake at the most after the script's last act than before it", kDetail,
+        "fewer wake for nothing"},
+       [](R r) { return Wave<D>(r).woken; }},
+      {{"wake_steps", "steps until all are woken", "1",
+        "steps from the script's last act to the first in which most bodies are awake", kDetail, "wakes sooner"},
+       [](R r) { return Wave<D>(r).steps; }},
       {{"contacts_end", "contact points at the end", "1", "contact points of the last step", kDetail, ""},
        [](R r) { return r.end("points"); }},
       {{"steps_done", "steps", "1", "steps until the end", kDetail, ""}, [](R r) { return double(r.steps); }},
