@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Zlib
+"""What sleeping saves against what it costs: how far bodies end from where they do when nobody sleeps, and how late those wake
+whom a script wakes. The 2009 report (9.4.3) tells a gain of 20 % "without harming verisimilitude", and no more."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+import metrics
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, methods
+from load import split, varying
+from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
+from table import quantity
+
+PLACE = 38
+SECTION = "What does sleeping save, and what does it cost?"
+COST, WAVE = "work_row_updates", "wake_steps"
+NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(COST, "awake_mean"),
+              also="a baseline that keeps everybody awake")
+ABSENT = Chart("sleeping", SECTION, "Sleeping", "No sweep of sleep policies with one that keeps everybody awake is in this "
+               "store.", "sleeping")
+SAVED, FAR, MIDDLE = "row updates saved", "largest distance", "median distance"  # columns of cells
+FLOOR = 1e-12  # m
+
+
+def of_sweep(context, cells):
+    cells = metrics.add(context.store, cells, (COST, "awake_mean", "woken", WAVE))
+    name, groups, made = context.baseline(cells), [c for c in ("scene", "dimension") if c in cells], []
+    for part in split(cells, groups):
+        inner = varying(context.store, part, groups)
+        for equal in split(part, inner, sort=True):
+            awake = equal[(equal["method"] == name) & equal["outcome"].eq("ok")]
+            # A baseline that lets somebody sleep shows no cost of sleeping.
+            if len(awake) == 1 and awake[COST].iloc[0] > 0 and _sleeps_least(equal, awake):
+                made.append(_chart(context, equal.drop_duplicates("method").copy(), awake.iloc[0],
+                                   describe(equal.iloc[0], groups + inner)))
+    return made
+
+
+def _sleeps_least(cells, awake):
+    return not (metrics.column(cells, "awake_mean") > float(awake["awake_mean"].iloc[0])).any()
+
+
+def at_the_end(context, key, dimension):
+    """{slot: position} after the last step whose poses were kept; the step."""
+    poses = context.store.poses(key, dimension)
+    last = max(poses)
+    return {row[0]: row[1:1 + dimension] for row in poses[last]}, last
+
+
+def distances(mine, other):
+    """(largest, median) over all bodies, m; NaN where one lacks a body."""
+    if set(mine) != set(other):
+        return math.nan, math.nan
+    far = [float(np.linalg.norm(mine[slot] - other[slot])) for slot in mine]
+    return max(far), float(np.median(far))
+
+
+def measured(context, cells, awake):
+    """The cells with SAVED, FAR and MIDDLE; what did not finish has none."""
+    dimension = int(metrics.Trial(context.store, awake["key"]).parameter("dimension"))
+    reference, last = at_the_end(context, awake["key"], dimension)
+    found = []
+    for _, cell in cells.iterrows():
+        if cell["outcome"] != "ok" or cell["key"] is None:
+            found.append((math.nan,) * 3)
+            continue
+        mine, step = at_the_end(context, cell["key"], dimension)
+        far = distances(mine, reference) if step == last else (math.nan, math.nan)
+        found.append((1 - cell[COST] / awake[COST], *far))
+    cells[[SAVED, FAR, MIDDLE]] = found
+    return cells
+
+
+def finding(cells, awake, where):
+    others = cells[cells["method"] != awake["method"]]
+    good = others[np.isfinite(metrics.column(others, SAVED))]
+    if not len(good):
+        return f"On {where} no policy that lets bodies sleep finishes."
+    most = good.loc[good[SAVED].idxmax()]
+    farthest = good.loc[good[FAR].idxmax()] if good[FAR].notna().any() else None
+    text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the row updates"
+    if farthest is not None:
+        free = [m for m, far in zip(good["method"], good[FAR]) if far <= FLOOR]
+        text += f"; its bodies end at most {si(most[FAR], 'm')} from where they end awake"
+        if farthest["method"] != most["method"]:
+            text += f", those of {farthest['method']} {si(farthest[FAR], 'm')}"
+        text += f"; {methods(free, sorted(good['method']))} {'moves' if len(free) == 1 else 'move'} nobody" if free else ""
+    late = good[good[WAVE].notna() & (good["woken"] > 0)]
+    if len(late):
+        slow, quick = late.loc[late[WAVE].idxmax()], late.loc[late[WAVE].idxmin()]
+        text += (f"; those who wake do so within {si(quick[WAVE])} steps by {quick['method']}" +
+                 (f" and {si(slow[WAVE])} by {slow['method']}" if slow[WAVE] > quick[WAVE] else ""))
+    failed = sorted(others[others["outcome"] != "ok"]["method"])
+    if failed:
+        text += f"; {methods(failed, sorted(cells['method']))} {'fails' if len(failed) == 1 else 'fail'}"
+    return f"{text}."
+
+
+def headline(cells, awake, where):
+    """What is saved for how much: of those that save half of what the best saves, who goes least far and who farthest."""
+    good = cells[(cells["method"] != awake["method"]) & np.isfinite(metrics.column(cells, FAR))]
+    good = good[good[SAVED] >= good[SAVED].max() / 2] if len(good) else good
+    if len(good) < 2 or good[SAVED].max() <= 0:
+        return None
+    near, far = good.loc[good[FAR].idxmin()], good.loc[good[FAR].idxmax()]
+    if far[FAR] < 2 * max(near[FAR], FLOOR):
+        return None
+    return Headline(f"On {where} sleeping by {near['method']} saves {si(100 * near[SAVED])} % of the row updates and moves "
+                    f"bodies by {si(near[FAR], 'm')} at the most, by {far['method']} {si(100 * far[SAVED])} % and "
+                    f"{si(far[FAR], 'm')}.",
+                    dict(zip(good["method"], good[FAR].astype(float))), "m", "largest distance from where bodies end awake",
+                    ends=final_states(good))
+
+
+def _chart(context, cells, awake, where):
+    cells = measured(context, cells, awake).sort_values("method")
+    labels, looks = list(cells["method"]), context.looks(cells)
+    others = cells[cells["method"] != awake["method"]]
+    waves = others[np.isfinite(metrics.column(others, WAVE)) & np.isfinite(metrics.column(others, SAVED))]
+    width = legend_room(map(context.name, others["method"]), 2.0)
+    figure, axes = grid_of_axes(1, 2 if len(waves) else 1, 2.8, width, left=0.95, gap_x=0.8)
+    ax, bad = axes[0][0], bool(others[FAR].isna().any())
+    up = ZeroLog(ax, "y", list(others[FAR].dropna()), "m", failures=bad, floor=FLOOR)
+    for _, cell in others.iterrows():
+        x = 100 * cell[SAVED] if math.isfinite(cell[SAVED]) else 0.0
+        ax.plot([x], [up.place(float(cell[FAR]))], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
+    ax.set_title("largest distance from the end without sleep")
+    if len(waves):
+        late = axes[0][1]
+        for _, cell in waves.iterrows():
+            late.plot([100 * cell[SAVED]], [cell[WAVE]], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
+        late.set_ylim(bottom=-0.05 * max(1.0, waves[WAVE].max()))
+        late.set_title("steps until those woken are awake")
+    for each in axes[0]:
+        each.set_xlabel("row updates saved (%)")
+    handles = [Line2D([], [], label=context.name(m), **{**looks(m), "linestyle": "none"}) for m in others["method"]]
+    legend_right(figure, handles, width)
+    table = {"policy": labels, "outcome": list(cells["outcome"])}
+    for title, unit, name in ((SAVED, "1", SAVED), ("largest distance from the end without sleep", "m", FAR),
+                              ("median over bodies", "m", MIDDLE), ("bodies awake, mean", "1", "awake_mean"),
+                              ("woken by the last act", "1", "woken"), ("steps until all are woken", "1", WAVE)):
+        table |= quantity(title, unit, metrics.column(cells, name))
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"What sleeping costs: {where}",
+                 finding(cells, awake, where), cells["sweep"].iloc[0], figure, pd.DataFrame(table), holes(cells, ["method"]),
+                 f"Across what a policy saves of the row updates of {context.name(awake['method'])}: a count without noise. Up "
+                 "how far a body ends at the most from where it ends when nobody sleeps; in scenes that forget their start it is "
+                 "another history, and no error. Where a script acts, how many steps later most bodies are awake: sleepers that "
+                 "wait for a gap wake one after the other.", headline=headline(cells, awake, where))
