@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 import metrics
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, methods
@@ -80,6 +81,8 @@ def finding(cells, awake, where):
     if not len(good):
         return f"On {where} no policy that lets bodies sleep finishes."
     most = good.loc[good[SAVED].idxmax()]
+    if most[SAVED] <= 0:
+        return f"On {where} nobody falls asleep."
     farthest = good.loc[good[FAR].idxmax()] if good[FAR].notna().any() else None
     text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the row updates"
     if farthest is not None:
@@ -88,7 +91,7 @@ def finding(cells, awake, where):
         if farthest["method"] != most["method"]:
             text += f", those of {farthest['method']} {si(farthest[FAR], 'm')}"
         text += f"; {methods(free, sorted(good['method']))} {'moves' if len(free) == 1 else 'move'} nobody" if free else ""
-    late = good[good[WAVE].notna() & (good["woken"] > 0)]
+    late = good[good[WAVE].notna() & (good["woken"] > 0) & (good[SAVED] > 0)]
     if len(late):
         slow, quick = late.loc[late[WAVE].idxmax()], late.loc[late[WAVE].idxmin()]
         text += (f"; those who wake do so within {si(quick[WAVE])} steps by {quick['method']}" +
@@ -133,6 +136,7 @@ def _chart(context, cells, awake, where):
         for _, cell in waves.iterrows():
             late.plot([100 * cell[SAVED]], [cell[WAVE]], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
         late.set_ylim(bottom=-0.05 * max(1.0, waves[WAVE].max()))
+        late.yaxis.set_major_locator(MaxNLocator(integer=True))
         late.set_title("steps until those woken are awake")
     for each in axes[0]:
         each.set_xlabel("row updates saved (%)")

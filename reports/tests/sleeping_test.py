@@ -67,6 +67,11 @@ class Sleeping(with_store.WithStore):
         self.assertTrue(made.finding.endswith("slow fails."), made.finding)
         self.assertIsNone(made.headline)
 
+    def test_where_nobody_sleeps_nothing_is_ranked(self):
+        made = self.made(sleeping, self.stack({name: (100, 5, 0, 0, 0.0) for name in POLICIES}))[0]
+        self.assertEqual(made.finding, "On stack, 2D nobody falls asleep.")
+        self.assertIsNone(made.headline)
+
     def test_a_baseline_that_sleeps_is_none(self):
         for fill in (self.stack(baseline="quick"), self.stack(baseline="none", outcomes={"none": "exploded"})):
             self.assertEqual(self.made(sleeping, fill), [sleeping.ABSENT])
