@@ -72,6 +72,12 @@ class Sleeping(with_store.WithStore):
         self.assertEqual(made.finding, "On stack, 2D nobody falls asleep.")
         self.assertIsNone(made.headline)
 
+    def test_a_sweep_of_something_else_has_no_chart(self):
+        context = self.context(self.stack())
+        for key in context.store.trials.index:
+            context.store.trials.at[key, "canonical"]["pipeline"] = "sleep=none"
+        self.assertEqual(sleeping.of_sweep(context, context.cells("mine")), [])
+
     def test_a_baseline_that_sleeps_is_none(self):
         for fill in (self.stack(baseline="quick"), self.stack(baseline="none", outcomes={"none": "exploded"})):
             self.assertEqual(self.made(sleeping, fill), [sleeping.ABSENT])
