@@ -15,7 +15,7 @@ template <int D>
 class TimerIsland final : public SleepPolicy<D> {
  public:
   struct Params {
-    Real linear = Real(0.05);
+    Real linear = Real(0.05);                  // of Box2D 3; 2 has 0.01
     Real angular = Real(0.03490658503988659);  // 2 degrees
     Real time = Real(0.5);
     Real wakeSeparation = Real(0.05);
