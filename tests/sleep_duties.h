@@ -29,7 +29,7 @@ struct Stage {
     bodies.pose.push_back({}), bodies.motion.push_back({});
     bodies.mass.push_back(type == BodyType::dynamic ? mass : Real(0));
     bodies.type.push_back(type), bodies.used.push_back(1), bodies.awake.push_back(awake);
-    bodies.canSleep.push_back(type == BodyType::dynamic), bodies.sleep.push_back({});
+    bodies.canSleep.push_back(type == BodyType::dynamic), bodies.sleep.push_back({}), bodies.gravityScale.push_back(1);
     return bodies.size() - 1;
   }
   void touch(int a, int b, const Vec<D>& n_AB, Real separation = 0) {
@@ -66,10 +66,16 @@ bool staysAwakeInFlight(SleepPolicy<D>& policy) {
   const int lower = s.add(BodyType::dynamic), upper = s.add(BodyType::dynamic);
   s.touch(ball, wall, Vec<D>::Unit(0));  // the ball flies up along a wall
   s.stack(lower, upper);                 // two boxes fly together, one on the other
+  const int ground = s.add(BodyType::fixed), balloon = s.add(BodyType::dynamic);
+  s.bodies.gravityScale.back() = -1;  // is thrown down, touches the ground and rises
+  s.stack(ground, balloon);
   for (int step = -60; step <= 60; ++step) {
     for (const int i : {ball, lower, upper}) s.motion(i).v = -kG * kDt * Real(step) * Vec<D>::Unit(1);
+    s.motion(balloon).v = -s.motion(ball).v;
     s.decide(policy);
-    if (!s.awake(ball) || !s.awake(lower) || !s.awake(upper)) return false;
+    for (const int i : {ball, lower, upper, balloon}) {
+      if (!s.awake(i)) return false;
+    }
   }
   return true;
 }

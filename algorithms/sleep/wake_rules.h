@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -243,9 +244,10 @@ class WakeRules {
       Real nearest = kContactMargin;
       for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[index(i)].separation);
       if (nearest > kLinearSlop) return false;  // near, but it does not carry
-      // Carried means pushed against gravity; without gravity any touch will do.
-      const Real down = m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
-      if (g > 0 && down < Real(0.1) * g) return false;
+      // Carried means pushed against its own share of gravity; without any a touch will do.
+      const Real share = in.bodies.gravityScale[index(to)];
+      const Real down = share * m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
+      if (g > 0 && share != 0 && down < Real(0.1) * std::abs(share) * g) return false;
       m_stands[index(to)] = 1;
       return true;
     };
