@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Zlib
+// What users set, and that it reaches what is made afterwards and nothing else.
+#include "framework/settings.h"
+
+#include <gtest/gtest.h>
+
+#include "framework/scene_spec.h"
+#include "framework/world.h"
+#include "tests/expect_caught.h"
+
+namespace lpc::inline LPC_PRECISION::settings_test {
+namespace {
+
+using test::expectCaught;
+
+template <int D>
+bool alike(const WorldSettings<D>& a, const WorldSettings<D>& b) {
+  return a.gravity == b.gravity && a.restitutionThreshold == b.restitutionThreshold && a.margin == b.margin &&
+         a.features == b.features && a.mixing == b.mixing;
+}
+template <int D>
+bool alike(const ShapeDef<D>& a, const ShapeDef<D>& b) {
+  return a.density == b.density && a.friction == b.friction && a.restitution == b.restitution &&
+         a.category == b.category && a.mask == b.mask && a.X_BS.p == b.X_BS.p;
+}
+
+template <int D>
+void defaults() {
+  const Settings s;
+  const ShapeDef<D> own;
+  EXPECT_TRUE(alike(s.world<D>(), WorldSettings<D>{}));
+  EXPECT_TRUE(alike(s.shape<D>(own.shape), own));
+  EXPECT_EQ(s.pipeline(), Pipeline{});
+  EXPECT_EQ(s.dt, SceneSpec<D>{}.dt);
+  EXPECT_EQ(s.air<D>(), nullptr);
+  for (Settings other : {Settings::lpc2009(D), [] {
+                           Settings bent;
+                           bent.gravity = -9;
+                           return bent;
+                         }()}) {
+    expectCaught("another gravity", alike(other.world<D>(), WorldSettings<D>{}));
+  }
+  expectCaught("another restitution", alike(Settings::lpc2009(D).shape<D>(own.shape), own));
+}
+TEST(Settings, AreWhatWorldsAndShapesAreByThemselves) { defaults<2>(), defaults<3>(); }
+
+// A.3.6, and A.4 for how the two of a pair become one.
+TEST(Settings, OfTheReport) {
+  const Settings s = Settings::lpc2009();
+  EXPECT_EQ(s.density, 1);
+  EXPECT_EQ(s.restitution, Real(0.4));
+  EXPECT_EQ(s.friction, Real(0.5));
+  EXPECT_EQ(s.gravity, Real(-9.8));
+  EXPECT_EQ(s.dt, Real(1) / 60);
+  EXPECT_EQ(kLinearSlop, Real(0.005)) << "the report's penetrationEpsilon";
+  EXPECT_EQ(s.restitutionThreshold, Real(0.2));
+  EXPECT_EQ(s.mixing, MixRules{});
+  EXPECT_FALSE(s.airResistance);
+  EXPECT_EQ(s.pipeline().text(), Pipeline::parse("broadphase=region_tree contacts=rounded_polygon cache=by_feature "
+                                                 "solver=split_solver{velocity=catto,position=split_impulse} "
+                                                 "sleep=split_average{linear=1.5,angular=0.01,bias=0.5}")
+                                     .text());
+  EXPECT_EQ(Settings::lpc2009(3).pipeline()[StageKind::contacts].name, "sat_clip");
+  EXPECT_EQ(Settings::named("2009").gravity, s.gravity);
+  try {
+    Settings::named("2008");
+    FAIL();
+  } catch (const UserError& e) {
+    EXPECT_STREQ(e.what(), "unknown settings '2008'; did you mean '2009'? valid: 2009");
+  }
+}
+
+TEST(Settings, SwitchAlgorithms) {
+  Settings s = Settings::lpc2009();
+  s.severalContacts = s.cacheContacts = s.sleeping = s.useRestitution = false;
+  EXPECT_EQ(s.pipeline()[StageKind::contacts].name, "deepest_point");
+  EXPECT_EQ(s.pipeline()[StageKind::cache].name, "none");
+  EXPECT_EQ(s.pipeline()[StageKind::sleep].name, "none");
+  EXPECT_FALSE(s.world<2>().features.restitution);
+  s.sleeping = true, s.linearSleepSpeed = Real(0.25), s.angularSleepSpeed = Real(0.5), s.sleepBias = Real(0.75);
+  EXPECT_EQ(s.pipeline()[StageKind::sleep].text(), "split_average{linear=0.25,angular=0.5,bias=0.75}");
+}
+
+template <int D>
+Handle addBox(World<D>& world, const Settings& s) {
+  BodyDef<D> box;
+  box.X_WB.p = 5 * Vec<D>::Unit(1);
+  box.shapes.push_back(s.shape<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5)))));
+  return world.add(box);
+}
+
+// Of three worlds, the second made after a change: who falls how fast after a second.
+template <int D>
+void afterwards() {
+  Settings s;
+  s.gravity = -8;
+  World<D> before(s.pipeline(), s.world<D>());
+  const Handle light = addBox<D>(before, s);
+  s.gravity = -2, s.density = 3, s.friction = Real(0.1);
+  World<D> after(s.pipeline(), s.world<D>());
+  const Handle heavy = addBox<D>(after, s), late = addBox<D>(before, s);
+  for (int i = 0; i < 64; ++i) before.step(Real(1) / 64), after.step(Real(1) / 64);
+  const auto falls = [](const World<D>& world, Handle body, Real speed) {
+    return std::abs(world.motion(body).v[1] + speed) < Real(1e-3);
+  };
+  EXPECT_TRUE(falls(before, light, 8));
+  EXPECT_TRUE(falls(after, heavy, 2));
+  EXPECT_TRUE(falls(before, late, 8)) << "a shape does not bring its world's settings";
+  expectCaught("a change that reaches a world that is there", falls(before, light, 2));
+  EXPECT_EQ(before.mass(light), 1);
+  EXPECT_EQ(after.mass(heavy), 3);
+  EXPECT_EQ(before.mass(late), 3);
+  EXPECT_EQ(before.shapes()[0].friction, Real(0.5));
+  EXPECT_EQ(before.shapes()[1].friction, Real(0.1));
+}
+TEST(Settings, ReachOnlyWhatIsMadeAfterwards) { afterwards<2>(), afterwards<3>(); }
+
+// v' = -c v / m: after one second exp(-0.5) of it is left, by steps of a 64th to 1 %.
+TEST(Settings, AirSlows) {
+  Settings s;
+  s.gravity = 0, s.airResistance = true, s.linearDrag = Real(0.5), s.quadraticDrag = 0;
+  World<2> world(s.pipeline(), s.world<2>());
+  world.add(s.air<2>());
+  const Handle box = addBox<2>(world, s);
+  world.setMotion(box, {.v = Vec<2>(4, 0)});
+  for (int i = 0; i < 64; ++i) world.step(Real(1) / 64);
+  EXPECT_NEAR(world.motion(box).v[0], 4 * 0.60653, 0.02);
+}
+
+template <int D>
+void rests() {
+  const Settings s = Settings::lpc2009(D);
+  World<D> world(s.pipeline(), s.world<D>());
+  BodyDef<D> ground;
+  ground.type = BodyType::fixed;
+  ground.X_WB.p = -Vec<D>::Unit(1);
+  Vec<D> half = Vec<D>::Constant(10);
+  half[1] = 1;
+  ground.shapes.push_back(s.shape<D>(Shape<D>::box(half)));
+  world.add(ground);
+  const Handle box = addBox<D>(world, s);
+  Real lowest = 5, highest = 0;  // after the first bounce
+  for (int i = 0; i < 300; ++i) {
+    world.step(s.dt);
+    lowest = std::min(lowest, world.pose(box).p[1]);
+    if (lowest < Real(0.6)) highest = std::max(highest, world.pose(box).p[1]);
+  }
+  EXPECT_NEAR(world.pose(box).p[1], 0.5, 0.01);
+  EXPECT_NEAR(highest - Real(0.5), 4.5 * 0.4 * 0.4, 0.1) << "it bounces with 0.4 of its speed";
+  EXPECT_FALSE(world.awake(box));
+}
+TEST(Settings, OfTheReportDropABox) { rests<2>(), rests<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::settings_test
