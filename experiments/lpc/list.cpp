@@ -55,6 +55,31 @@ json describeSweeps() {
   return out;
 }
 
+// Its parameters as those of an algorithm, since that is how they are printed.
+json describeScripts() {
+  json out = json::array();
+  for (const std::string& path : listToml("scripts")) {
+    const toml::table table = parseToml(readFile(path), path);
+    json params = json::array();
+    const toml::table none, *own = table["parameters"].as_table();
+    for (const auto& [name, node] : inFileOrder(own ? *own : none)) {
+      const auto& p = *node->as_table();
+      const auto number = [&p = p](const char* key) { return p[key].value_or(0.0); };
+      params.push_back({{"name", name},
+                        {"unit", "1"},
+                        {"meaning", p["meaning"].value_or(std::string())},
+                        {"default", asText(number("default"))},
+                        {"range", {number("min"), number("max")}},
+                        {"choices", json::array()}});
+    }
+    out.push_back({{"name", std::filesystem::path(path).stem().string()},
+                   {"summary", table["summary"].value_or(std::string())},
+                   {"path", path},
+                   {"params", params}});
+  }
+  return out;
+}
+
 // Every kind, and what a scene must say of the sizes of those that are curved.
 json describeShapes() {
   json out = json::array();
@@ -139,6 +164,7 @@ constexpr std::pair<const char*, const char*> kKinds[] = {{"distributions", "dis
                                                           {"shapes", "shapes"},
                                                           {"metrics", "metrics and series"},
                                                           {"scenes", "scenes"},
+                                                          {"scripts", "scripts of scenes"},
                                                           {"sweeps", "sweeps"}};
 
 json everything() {
@@ -149,6 +175,7 @@ json everything() {
           {"shapes", describeShapes()},
           {"metrics", describeMeasures()},
           {"scenes", describeScenes()},
+          {"scripts", describeScripts()},
           {"sweeps", describeSweeps()}};
 }
 

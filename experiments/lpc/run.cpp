@@ -31,7 +31,7 @@ namespace {
 using nlohmann::json;
 
 struct RunSceneOptions {
-  std::string scene, pipeline, precision = "f64", profile, record, plot, film;
+  std::string scene, script, pipeline, precision = "f64", profile, record, plot, film;
   std::vector<std::string> params;
   std::optional<int> dimension;
   std::optional<double> dt;
@@ -81,6 +81,9 @@ void print(const PlannedTrial& trial, const TrialResult& result) {
   std::printf("scene     %s in %dD, %s, dt %.6g s\n", trial.canonical["scene"].get<std::string>().c_str(),
               trial.canonical["dimension"].get<int>(), trial.canonical["precision"].get<std::string>().c_str(),
               trial.canonical["dt"].get<double>());
+  if (trial.canonical.contains("script")) {
+    std::printf("script    %s\n", trial.canonical["script"].get<std::string>().c_str());
+  }
   std::printf("pipeline  %s\n", trial.canonical["pipeline"].get<std::string>().c_str());
   std::printf("outcome   %s", result.outcome.c_str());
   if (result.outcome != "ok") std::printf(" at step %ld: %s", result.step, result.reason.c_str());
@@ -112,6 +115,7 @@ std::optional<std::string> answerOf(const std::string& program, const json& requ
 void runScene(const RunSceneOptions& o, Session& session) {
   if (!o.plot.empty()) requireSeries(o.plot);
   NamedFiles inputs = {{"the scene", findToml("scenes", o.scene)}};
+  if (!o.script.empty()) inputs.emplace_back("the script", findToml("scripts", o.script));
   for (const std::string& path : session.plugins) inputs.emplace_back("the plugin", path);
   for (const std::string& path : {o.record, o.profile}) {
     if (isOwnStream(path)) throw UserError(path + ": is another one for the worker that runs the scene; valid: a file");
@@ -119,13 +123,14 @@ void runScene(const RunSceneOptions& o, Session& session) {
   keepApart(inputs, {{"--record", o.record}, {"--profile", o.profile}, {"--film", o.film}});
   if (!o.film.empty()) filmKind(o.film);  // before the run, which may take hours
   WorldCell cell;
-  cell.params = readParameters(o.params);
+  cell.params = readParameters(o.params), cell.script = o.script;
   cell.dimension = o.dimension, cell.pipeline = o.pipeline, cell.precision = o.precision, cell.timed = true;
   cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   Planner planner;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
   json request = {{"trial", trial.canonical}, {"scene_file", trial.sceneFile}, {"progress", !o.asJson}};
+  if (!trial.scriptFile.empty()) request["script_file"] = trial.scriptFile;
   for (const std::string& path : session.plugins) {
     if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
   }
@@ -179,7 +184,9 @@ void runScene(const RunSceneOptions& o, Session& session) {
 void addRun(CommandLine& app, Session& session) {
   CommandLine command = app.subcommand("run", "Runs one scene and prints its metrics; exit code 1 when it fails");
   auto o = std::make_shared<RunSceneOptions>();
-  command.option("scene", o->scene, "name in experiments/scenes, or a TOML file").required();
+  command.option("scene", o->scene, "name in experiments/scenes, the number of a preset, or a TOML file").required();
+  command.option("--script", o->script,
+                 "plays in it: name in experiments/scripts, the number of a director's, or a file");
   command.option("--pipeline", o->pipeline,
                  "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");

@@ -16,6 +16,12 @@ namespace lpc::inline LPC_PRECISION {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+bool allDigits(const std::string& text) { return !text.empty() && text.find_first_not_of("0123456789") == text.npos; }
+
+}  // namespace
+
 std::string homeDirectory() {
   const char* home = std::getenv("LPC_HOME");
   return home && *home ? home : LPC_SOURCE_DIR;
@@ -49,11 +55,20 @@ std::vector<std::string> chartsOfSweeps() {
 std::string findToml(const std::string& folder, const std::string& nameOrPath) {
   std::error_code ignored;
   if (fs::is_regular_file(nameOrPath, ignored)) return nameOrPath;
-  std::vector<std::string> names;
+  std::vector<std::string> names, numbers;
+  const std::string numbered = folder == "scenes" ? "preset_" : "director_";
   for (const std::string& path : listToml(folder)) {
     const std::string name = fs::path(path).stem().string();
     if (name == nameOrPath) return path;
     names.push_back(name);
+    if (folder == "sweeps" || !name.starts_with(numbered)) continue;
+    numbers.push_back(name.substr(numbered.size()));
+    if (numbers.back() == nameOrPath) return path;
+  }
+  if (!numbers.empty() && allDigits(nameOrPath)) {
+    const auto before = [](const auto& a, const auto& b) { return std::pair(a.size(), a) < std::pair(b.size(), b); };
+    std::sort(numbers.begin(), numbers.end(), before);  // 2 stands before 10
+    throw UserError("there is no " + numbered + nameOrPath + validNames(numbers, ""));
   }
   throw UserError("there is no file '" + nameOrPath + "' and nothing of that name in experiments/" + folder +
                   validNames(names, nameOrPath));

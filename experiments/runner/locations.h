@@ -15,7 +15,8 @@ std::string homeDirectory();
 std::vector<std::string> listToml(const std::string& folder);
 /// Charts that are made of sweeps, the files of reports/charts, sorted by name.
 std::vector<std::string> chartsOfSweeps();
-/// A path that exists, or experiments/<folder>/NAME.toml. Throws UserError with the valid names.
+/// A path that exists, or experiments/<folder>/NAME.toml. A number is a name, too, as on the 2009 sandbox's command
+/// line: 5 is the scene preset_5, 1 the script director_1. Throws UserError with the valid names.
 std::string findToml(const std::string& folder, const std::string& nameOrPath);
 /// A path that exists, or experiments/problems/*.json. Throws UserError with the valid names.
 std::string findProblems(const std::string& nameOrPath);

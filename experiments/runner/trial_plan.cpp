@@ -155,15 +155,20 @@ long wholeNumber(const json& axes, const std::string& name, long lo, long hi) {
 
 std::string trialKey(const json& canonical) { return hexHash(canonical.dump()); }
 
-const SceneFile& Planner::scene(const std::string& nameOrPath) {
-  auto it = m_scenes.find(nameOrPath);
-  if (it == m_scenes.end()) it = m_scenes.emplace(nameOrPath, SceneFile::load(findToml("scenes", nameOrPath))).first;
+const SceneFile& Planner::scene(const std::string& nameOrPath, const std::string& script) {
+  const std::pair key(nameOrPath, script);
+  auto it = m_scenes.find(key);
+  if (it == m_scenes.end()) {
+    const std::string path = findToml("scenes", nameOrPath);
+    it = m_scenes.emplace(key, SceneFile::load(path, script.empty() ? "" : findToml("scripts", script))).first;
+  }
   return it->second;
 }
 
 const Planner::Defaults* Planner::built(const SceneFile& file, const ParameterValues& params, std::uint64_t seed,
                                         int dimension, std::string& unsupported) {
-  const std::string id = file.path() + json(params).dump() + std::to_string(seed) + "/" + std::to_string(dimension);
+  const std::string id = file.path() + '\0' + file.scriptPath() + json(params).dump() + std::to_string(seed) + "/" +
+                         std::to_string(dimension);
   if (const auto it = m_built.find(id); it != m_built.end()) return &it->second;
   const auto defaults = [](const auto& spec) {
     Defaults found{spec.dt, spec.steps, {}, spec.seeded};
@@ -182,9 +187,9 @@ const Planner::Defaults* Planner::built(const SceneFile& file, const ParameterVa
 }
 
 PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
-  const SceneFile& file = scene(name);
+  const SceneFile& file = scene(name, cell.script);
   PlannedTrial out;
-  out.sceneFile = file.path();
+  out.sceneFile = file.path(), out.scriptFile = file.scriptPath();
   const int dimension = cell.dimension.value_or(file.dimensions().at(0));
   if (dimension != 2 && dimension != 3) {
     throw UserError("the dimension is " + std::to_string(dimension) + "; valid: 2, 3");
@@ -235,6 +240,8 @@ PlannedTrial Planner::world(const std::string& name, const WorldCell& cell) {
                    {"timed", cell.timed},
                    {"code", code}};
   if (engine) out.canonical["engine"] = engineData;
+  // What it says is in the scene's hash.
+  if (!cell.script.empty()) out.canonical["script"] = std::filesystem::path(file.scriptPath()).stem().string();
   if (cell.posesEvery) out.canonical["poses_every"] = *cell.posesEvery;
   if (!cell.series) out.canonical["series"] = false;
   seal(out);

@@ -19,15 +19,16 @@ struct PlannedTrial {
   nlohmann::json axes;       // this cell's values as the sweep writes them
   nlohmann::json canonical;  // what the key is made of
   std::string key;
-  std::string sceneFile;
-  std::string unsupported;  // a reason when the cell cannot run at all
-  bool seeded = true;       // another seed is another trial; not so where a scene draws nothing
+  std::string sceneFile, scriptFile;  // the second empty: without one
+  std::string unsupported;            // a reason when the cell cannot run at all
+  bool seeded = true;                 // another seed is another trial; not so where a scene draws nothing
   bool timed() const { return canonical.value("timed", false); }
 };
 
 /// A world trial as asked for; what is left out comes from the scene.
 struct WorldCell {
   ParameterValues params;
+  std::string script;            // name or path; empty: none. Only `lpc run` hands it to its worker
   std::optional<int> dimension;  // none: the scene's first
   std::string pipeline;
   std::string precision = "f64";
@@ -44,7 +45,7 @@ struct WorldCell {
 /// Scene files are read once, and scenes are built once per set of parameters: to find mistakes before anything runs.
 class Planner {
  public:
-  const SceneFile& scene(const std::string& nameOrPath);
+  const SceneFile& scene(const std::string& nameOrPath, const std::string& script = "");
   /// Throws UserError for mistakes; a cell that is right but cannot run (an algorithm that exists only in the other
   /// dimension) gets `unsupported`.
   PlannedTrial world(const std::string& scene, const WorldCell& cell);
@@ -65,7 +66,7 @@ class Planner {
   /// nullptr, and `unsupported` says why, where the kind of joint that the parameters choose does not fit.
   const Defaults* built(const SceneFile& file, const ParameterValues& params, std::uint64_t seed, int dimension,
                         std::string& unsupported);
-  std::map<std::string, SceneFile> m_scenes;
+  std::map<std::pair<std::string, std::string>, SceneFile> m_scenes;  // by names of scene and script
   std::map<std::string, Defaults> m_built;
   std::map<std::string, std::pair<std::string, ProblemFile>> m_problems;  // with the hash of the bytes
 };

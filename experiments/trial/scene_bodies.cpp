@@ -161,10 +161,11 @@ ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers) {
 }
 
 template <int D>
-ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::table* defaults) {
-  ShapeDef<D> def;
+ShapeDef<D> readShape(TableReader& shape, SceneNumbers& numbers, const toml::table* defaults,
+                      const Settings& settings) {
   const ShapePart<D> placed = readPlaced<D>(shape, numbers);
-  def.shape = placed.shape, def.X_BS = placed.X_SP;
+  ShapeDef<D> def = settings.shape<D>(placed.shape);
+  def.X_BS = placed.X_SP;
   const auto material = [&](const char* key, Real& value) {
     if (const toml::node* n = shape.find(key)) {
       value = static_cast<Real>(numbers.between(*n, key, 0, kLargest));
@@ -339,7 +340,7 @@ Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& k
 }
 
 template <int D>
-BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults) {
+BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults, const Settings& settings) {
   BodyDef<D> def;
   const std::string type = body.string("type", "dynamic");
   if (type == "dynamic") {
@@ -366,7 +367,7 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
   for (const toml::table* t : shapes) {
     TableReader shape(*t, body.file(), "a shape");
     numbers.count(*t, "shapes");
-    def.shapes.push_back(readShape<D>(shape, numbers, defaults));
+    def.shapes.push_back(readShape<D>(shape, numbers, defaults, settings));
   }
   def.gravityScale = static_cast<Real>(numbers.number(body, "gravity_scale", 1));
   readMass(body, numbers, def);
@@ -382,7 +383,7 @@ template Ang<2> readAngle<2>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<3> readAngle<3>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<2> readAngular<2>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<3> readAngular<3>(TableReader&, SceneNumbers&, const std::string&);
-template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*);
-template BodyDef<3> readBody(TableReader&, SceneNumbers&, const toml::table*);
+template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
+template BodyDef<3> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
 
 }  // namespace lpc::inline LPC_PRECISION

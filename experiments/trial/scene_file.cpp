@@ -17,37 +17,6 @@ namespace {
 constexpr std::string_view kTurns = "turns of loops", kEmptyTurns = "turns of loops around others of no turn";
 constexpr double kRightAngle = 1.5707963267948966;  // rad
 
-std::string readLine(TableReader& top, const std::string& key) {
-  const std::string text = top.requireString(key);
-  if (oneLine(text) != text) top.fail(*top.find(key), "'" + key + "' is '" + text + "'; valid: one line of text");
-  return text;
-}
-
-void readHeader(TableReader& top, SceneFile::Parsed& out) {
-  out.name = readLine(top, "name"), out.summary = readLine(top, "summary");
-  const toml::node& dimensions = top.require("dimensions");
-  if (!dimensions.is_array())
-    top.fail(dimensions, "'dimensions' is " + describe(dimensions) + "; valid: [2], [3], [2, 3]");
-  for (const toml::node& n : *dimensions.as_array()) {
-    const auto d = n.value<std::int64_t>();
-    if (!d || (*d != 2 && *d != 3)) top.fail(n, "'dimensions' holds " + describe(n) + "; valid: 2, 3");
-    out.dimensions.push_back(static_cast<int>(*d));
-  }
-  if (out.dimensions.empty()) top.fail(dimensions, "'dimensions' is empty; valid: [2], [3], [2, 3]");
-  const long seed = top.integer("seed", 1);
-  if (seed < 0) top.fail(*top.find("seed"), "'seed' is " + std::to_string(seed) + "; valid: 0 or more");
-  out.seed = static_cast<std::uint64_t>(seed);
-  out.needs = featuresFromText("");
-  for (const std::string& need : top.strings("needs")) {
-    try {
-      setFeature(out.needs, need);
-    } catch (const UserError& e) {
-      top.fail(*top.find("needs"), e.what());
-    }
-  }
-  out.parameters = readParameters(top);
-}
-
 using Entries = std::vector<std::pair<std::string, const toml::node*>>;
 
 template <int D>
@@ -58,7 +27,8 @@ class Builder {
         m_numbers(parsed.path, seed, parsed.meshes),
         m_seed(seed),
         m_perturb(values.at(kPerturbParameter).number),
-        m_top(parsed.table, parsed.path, "the scene") {
+        m_top(parsed.table, parsed.path, "the scene"),
+        m_script(parsed.script, parsed.scriptPath, "the script") {
     for (const auto& [name, value] : values) {
       if (value.isText()) {
         m_chosenJoint = value.text;
@@ -71,6 +41,8 @@ class Builder {
 
   SceneSpec<D> build() {
     for (const char* done : {"name", "summary", "dimensions", "seed", "needs", "parameters"}) m_top.find(done);
+    for (const char* done : {"summary", "parameters"}) m_script.find(done);
+    if (m_top.find("settings")) startFromSettings();
     m_scene.name = m_parsed.name, m_scene.summary = m_parsed.summary;
     m_scene.settings.features = m_parsed.needs;
     if (const toml::node* g = m_top.find("gravity")) m_scene.settings.gravity = m_numbers.vector<D>(*g);
@@ -85,6 +57,7 @@ class Builder {
     real(m_top, "margin", m_scene.settings.margin);
     m_scene.settings.sleepingContacts = m_numbers.whole(m_top, "sleeping_contacts", 0, 0, 1) != 0;
     m_scene.steps = m_numbers.whole(m_top, "steps", m_scene.steps, 0, kMaxSteps);
+    m_scene.steps = m_numbers.whole(m_script, "steps", m_scene.steps, 0, kMaxSteps);  // it knows when it ends
     if (const toml::table* t = m_top.table("limits")) {
       TableReader limits(*t, m_parsed.path, "[limits]");
       real(limits, "drift", m_scene.limits.drift);
@@ -106,7 +79,9 @@ class Builder {
       defaults.finish();
     }
     for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t);
-    const std::vector<const toml::table*> events = m_top.blocks("event");
+    for (const toml::table* t : m_script.blocks("body")) bodyBlock(*t);
+    std::vector<const toml::table*> events = m_top.blocks("event");
+    for (const toml::table* t : m_script.blocks("event")) events.push_back(t);
     for (const toml::table* t : events) eventBlock(*t, true);
     sortSpawns();
     if (const toml::table* t = m_top.table("measures")) measures(*t);
@@ -119,13 +94,25 @@ class Builder {
     checkUses();
     std::stable_sort(m_scene.events.begin(), m_scene.events.end(),
                      [](const auto& a, const auto& b) { return a.step < b.step; });
-    m_top.finish();
+    m_top.finish(), m_script.finish();
     m_scene.seeded = m_numbers.expressions.drew();
     perturb(m_scene, m_perturb, m_seed);
     return std::move(m_scene);
   }
 
  private:
+  // What the file's own keys say stands above it.
+  void startFromSettings() {
+    const std::string name = m_top.requireString("settings");
+    try {
+      m_settings = Settings::named(name, D);
+    } catch (const UserError& e) {
+      m_top.fail(*m_top.find("settings"), e.what());
+    }
+    m_scene.settings = m_settings.world<D>();
+    m_scene.dt = m_settings.dt;
+  }
+
   // Runs `once` for every turn of the block's loops. `k` counts the turns over all loops and script steps.
   void loops(TableReader& block, const std::function<void()>& once) {
     const toml::node* repeat = block.find("repeat");
@@ -190,7 +177,11 @@ class Builder {
     return static_cast<long>(n);
   }
   // The steps from `from` before `until`.
-  void checkSteps(const TableReader& block, long from, long every, long until) const {
+  void checkSteps(TableReader& block, long from, long every, long until) const {
+    if (until < from) {
+      block.fail(*block.find("until"), "'until' is " + std::to_string(until) + "; valid: from step " +
+                                           std::to_string(from) + " on, when it begins");
+    }
     if (every > 0 && (until - from) / every > kMostOfEach) block.fail("more than 1000000 turns");
   }
   void local(const toml::node& node, const std::string& name, double value) {
@@ -245,7 +236,7 @@ class Builder {
   void addBody(TableReader& block, const std::string& name, long step, long removeAt) {
     typename SceneSpec<D>::Spawn spawn;
     spawn.step = step, spawn.removeAt = removeAt;
-    spawn.body = readBody<D>(block, m_numbers, m_defaults);
+    spawn.body = readBody<D>(block, m_numbers, m_defaults, m_settings);
     spawn.body.name = name;
     if (m_numbers.rehearsing()) return;
     if (removeAt >= 0 && removeAt < step) {
@@ -438,8 +429,9 @@ class Builder {
   std::uint64_t m_seed;
   double m_perturb;
   std::string m_chosenJoint;  // by the parameter `joint`; empty where there is none
-  TableReader m_top;
+  TableReader m_top, m_script;
   const toml::table* m_defaults = nullptr;
+  Settings m_settings;
   SceneSpec<D> m_scene;
   std::map<std::string, std::vector<int>> m_named;
   struct Use {  // of a body by an event
@@ -453,38 +445,6 @@ class Builder {
 };
 
 }  // namespace
-
-SceneFile SceneFile::load(const std::string& path) { return parse(readFile(path), path); }
-
-SceneFile SceneFile::parse(std::string bytes, const std::string& path) {
-  auto parsed = std::make_shared<Parsed>();
-  parsed->path = path;
-  parsed->bytes = std::move(bytes);
-  parsed->table = parseToml(parsed->bytes, path);
-  TableReader top(parsed->table, path, "the scene");
-  readHeader(top, *parsed);
-  parsed->meshes = readMeshes(parsed->table, path);
-  SceneFile file;
-  file.m_parsed = std::move(parsed);
-  return file;
-}
-
-const std::string& SceneFile::name() const { return m_parsed->name; }
-const std::string& SceneFile::summary() const { return m_parsed->summary; }
-const std::string& SceneFile::path() const { return m_parsed->path; }
-std::string SceneFile::content() const {
-  std::string all = m_parsed->bytes;
-  for (const auto& [name, file] : m_parsed->meshes) all += '\0' + name + '\0' + file.bytes;
-  return all;
-}
-const std::vector<int>& SceneFile::dimensions() const { return m_parsed->dimensions; }
-const std::vector<SceneParameter>& SceneFile::parameters() const { return m_parsed->parameters; }
-std::uint64_t SceneFile::defaultSeed() const { return m_parsed->seed; }
-const Features& SceneFile::needs() const { return m_parsed->needs; }
-bool SceneFile::has(int dimension) const {
-  const auto& d = m_parsed->dimensions;
-  return std::find(d.begin(), d.end(), dimension) != d.end();
-}
 
 template <int D>
 SceneSpec<D> SceneFile::build(const ParameterValues& given, std::uint64_t seed) const {

@@ -57,11 +57,16 @@ class SceneFile {
   /// Throw UserError with file and line.
   static SceneFile load(const std::string& path);
   static SceneFile parse(std::string bytes, const std::string& path);
+  /// With a script (experiments/scripts/*.toml), which plays in the scene. An empty path: without one.
+  static SceneFile load(const std::string& path, const std::string& scriptPath);
+  static SceneFile parse(std::string bytes, const std::string& path, std::string scriptBytes,
+                         const std::string& scriptPath);
 
   const std::string& name() const;
   const std::string& summary() const;
   const std::string& path() const;
-  /// Its bytes, and those of the files that it names: what a trial's key is made of.
+  const std::string& scriptPath() const;  // empty: without one
+  /// Its bytes, those of the files that it names, and its script's: what a trial's key is made of.
   std::string content() const;
   const std::vector<int>& dimensions() const;
   const std::vector<SceneParameter>& parameters() const;

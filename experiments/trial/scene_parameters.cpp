@@ -66,6 +66,20 @@ std::vector<SceneParameter> readParameters(TableReader& top) {
   return out;
 }
 
+void addScriptParameters(TableReader& script, SceneFile::Parsed& scene) {
+  std::vector<SceneParameter> own = readParameters(script);
+  own.pop_back();  // that of every scene
+  for (SceneParameter& p : own) {
+    for (const SceneParameter& other : scene.parameters) {
+      if (p.name != other.name) continue;
+      const toml::node& place = *script.table("parameters")->get(p.name);
+      script.fail(place, "parameter '" + p.name + "' is one of scene '" + scene.name + "', too; valid: another name");
+    }
+    if (scene.parameters.size() > kMostNames) script.fail(*script.find("parameters"), kTooManyNames);
+    scene.parameters.insert(scene.parameters.end() - 1, std::move(p));
+  }
+}
+
 const SceneParameter* SceneFile::parameter(std::string_view name) const {
   for (const SceneParameter& p : m_parsed->parameters) {
     if (p.name == name) return &p;

@@ -11,6 +11,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/mesh_file.h"
 #include "experiments/trial/scene_file.h"
+#include "framework/settings.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -23,6 +24,8 @@ using SceneMeshes = std::map<std::string, SceneMesh>;
 
 struct SceneFile::Parsed {
   std::string path, bytes, name, summary;
+  std::string scriptPath, scriptBytes;  // empty: without one
+  toml::table script;
   std::vector<int> dimensions;
   std::vector<SceneParameter> parameters;
   std::uint64_t seed = 1;
@@ -112,6 +115,8 @@ Ang<D> readAngular(TableReader& table, SceneNumbers& numbers, const std::string&
 
 /// The [parameters] of a scene, in the order of its file.
 std::vector<SceneParameter> readParameters(TableReader& top);
+/// Those of its script join them: of other names, since a script knows none of the scene's.
+void addScriptParameters(TableReader& script, SceneFile::Parsed& scene);
 
 /// What is wrong with a kind or its parameters is told with the place of the block.
 template <class Make>
@@ -146,9 +151,10 @@ Shape<D> readHull(TableReader& shape, SceneNumbers& numbers, Real rounding);
 /// Points and triangles by `file`, in metres; none in a rehearsal.
 MeshFile readMesh(TableReader& shape, SceneNumbers& numbers);
 
-/// One [[body]] block at one turn of its loops.
+/// One [[body]] block at one turn of its loops. What a shape does not say [defaults] do, and what they do not say the
+/// settings.
 template <int D>
-BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults);
+BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults, const Settings& settings);
 
 /// Moves every dynamic body from where the file puts it: each coordinate by up to `amount` (m) and each angle by up to
 /// `amount` (rad), drawn from a stream of its own, so that `rand` gives the same numbers with and without. A pinned

@@ -25,8 +25,8 @@ struct TrialResult {
   }
 };
 
-/// {"trial": {...what the key is made of...}, "scene_file": PATH of scene or problems, "plugins": [...], "profile":
-/// PATH, "record": PATH,
+/// {"trial": {...what the key is made of...}, "scene_file": PATH of scene or problems, "script_file": PATH of its
+/// script, "plugins": [...], "profile": PATH, "record": PATH,
 ///  "progress": bool}. Throws UserError for requests that make no sense.
 TrialResult runTrial(const nlohmann::json& request);
 

@@ -329,7 +329,7 @@ class WorldTrial {
 template <int D>
 TrialResult runWorld(const json& request) {
   const json& t = request.at("trial");
-  const SceneFile file = SceneFile::load(request.at("scene_file").get<std::string>());
+  const SceneFile file = SceneFile::load(request.at("scene_file"), request.value("script_file", ""));
   SceneSpec<D> scene = file.build<D>(t.at("params").get<ParameterValues>(), t.at("seed").get<std::uint64_t>());
   scene.dt = static_cast<Real>(t.at("dt").get<double>());
   scene.steps = t.at("steps").get<long>();

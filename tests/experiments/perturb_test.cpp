@@ -81,9 +81,12 @@ void everyScene() {
     EXPECT_TRUE(samePoses(still, file.build<D>({{"perturb", 0.0}}, seed)));
     EXPECT_EQ(fault(still, moved), "");
     EXPECT_TRUE(samePoses(moved, file.build<D>({{"perturb", kAmount}}, seed)));
-    EXPECT_FALSE(samePoses(moved, file.build<D>({{"perturb", kAmount}}, seed + 1)));
+    const bool moves = std::any_of(still.spawns.begin(), still.spawns.end(),
+                                   [](const auto& s) { return s.body.type == BodyType::dynamic; });
+    EXPECT_EQ(moves, file.name() != "preset_0") << "the one scene that is only a room";
+    EXPECT_NE(samePoses(moved, file.build<D>({{"perturb", kAmount}}, seed + 1)), moves);
     EXPECT_EQ(still.seeded, !samePoses(still, file.build<D>({}, seed + 1)));
-    EXPECT_TRUE(moved.seeded);
+    EXPECT_EQ(moved.seeded, moves);
     // Planted bugs: a step too far; each body that must not move does, a floor among them.
     SceneSpec<D> wrong = moved;
     wrong.spawns[0].body.X_WB.p[0] += Real(3 * kAmount);

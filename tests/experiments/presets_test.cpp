@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Zlib
+// The worlds of the 2009 sandbox by their numbers: found, of the report's settings, and doing what the report says.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "experiments/runner/locations.h"
+#include "experiments/trial/scene_file.h"
+#include "framework/director.h"
+#include "framework/settings.h"
+#include "framework/world.h"
+#include "tests/expect_caught.h"
+#include "tests/experiments/workspace.h"
+
+namespace lpc::inline LPC_PRECISION::presets_test {
+namespace {
+
+using test::expectCaught;
+
+template <int D>
+struct Play {
+  SceneSpec<D> scene;
+  World<D> world;
+  Director<D> director;
+
+  explicit Play(const std::string& name, const ParameterValues& values = {}, const std::string& pipeline = "",
+                std::uint64_t seed = 1)
+      : scene(SceneFile::load(findToml("scenes", name)).build<D>(values, seed)),
+        world(Pipeline::parse(pipeline), scene.settings),
+        director(scene) {}
+  void steps(long n) {
+    for (long i = 0; i < n; ++i) director.advance(world), world.step(scene.dt);
+  }
+  /// Of the i-th of that name.
+  Pose<D> pose(const std::string& name, int i = 0) const { return world.pose(director.body(spawn(name, i))); }
+  Vec<D> start(const std::string& name, int i = 0) const {
+    return scene.spawns[static_cast<std::size_t>(spawn(name, i))].body.X_WB.p;
+  }
+  int spawn(const std::string& name, int i) const {
+    for (std::size_t s = 0; s < scene.spawns.size(); ++s) {
+      if (scene.spawns[s].body.name == name && i-- == 0) return static_cast<int>(s);
+    }
+    throw UserError("no " + name);
+  }
+  int count(const std::string& name) const {
+    return static_cast<int>(
+        std::count_if(scene.spawns.begin(), scene.spawns.end(), [&](const auto& s) { return s.body.name == name; }));
+  }
+  Real moved(const std::string& name) const {  // the one that moved most
+    Real most = 0;
+    for (int i = 0; i < count(name); ++i) most = std::max(most, (pose(name, i).p - start(name, i)).norm());
+    return most;
+  }
+  /// How many of that name have their y axis nearer to the ground than to where it was.
+  int fallen(const std::string& name) const {
+    int out = 0;
+    for (int i = 0; i < count(name); ++i) out += (pose(name, i).q * Vec<D>::Unit(1))[1] < Real(0.7);
+    return out;
+  }
+};
+
+const std::string kSleep = "sleep=split_average";
+
+// --- by number -------------------------------------------------------------------------------------------------------
+
+TEST(Presets, ANumberIsAName) {
+  const auto found = [](const char* folder, const char* number) {
+    return std::filesystem::path(findToml(folder, number)).stem().string();
+  };
+  EXPECT_EQ(found("scenes", "5"), "preset_5");
+  EXPECT_EQ(found("scenes", "preset_5"), "preset_5");
+  EXPECT_EQ(found("scenes", "10"), "preset_10");
+  EXPECT_EQ(found("scripts", "1"), "director_1");
+  const auto refusal = [](const char* folder, const char* number) {
+    try {
+      return findToml(folder, number);
+    } catch (const UserError& e) {
+      return std::string(e.what());
+    }
+  };
+  for (const char* wrong : {"12", "05", "99999999999999999999"}) {
+    const std::string message = refusal("scenes", wrong);
+    EXPECT_TRUE(message.starts_with("there is no preset_" + std::string(wrong) + "; valid: 0, 1, 2, 3")) << message;
+    EXPECT_TRUE(message.ends_with("9, 10, 11")) << message;
+  }
+  EXPECT_EQ(refusal("scripts", "3"), "there is no director_3; valid: 0, 1, 2");
+  EXPECT_NE(refusal("scenes", "-1").find("nothing of that name"), std::string::npos) << "a sign is no number";
+  EXPECT_NE(refusal("sweeps", "1").find("nothing of that name"), std::string::npos) << "sweeps have no numbers";
+}
+
+TEST(Presets, ANumberRuns) {
+  test::Workspace w;
+  const test::Outcome run = w.lpc("run 4 --steps 2"), wrong = w.lpc("run 12");
+  EXPECT_EQ(run.code, 0) << run.text;
+  EXPECT_NE(run.text.find("preset_4 in 2D"), run.text.npos) << run.text;
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_EQ(std::count(wrong.text.begin(), wrong.text.end(), '\n'), 1) << wrong.text;
+}
+
+// --- settings --------------------------------------------------------------------------------------------------------
+
+SceneSpec<2> scene(const std::string& keys, const std::string& rest = "", const std::string& shape = "") {
+  return SceneFile::parse("name = \"t\"\nsummary = \"s\"\ndimensions = [2]\n" + keys + "\n" + rest +
+                              "\n[[body]]\nshapes = [{ kind = \"circle\", radius = 1" + shape + " }]\n",
+                          "t.toml")
+      .build<2>({}, 1);
+}
+// As `Settings::lpc2009` makes them.
+bool of2009(const SceneSpec<2>& s) {
+  const Settings report = Settings::lpc2009();
+  const ShapeDef<2>& shape = s.spawns.at(0).body.shapes.at(0);
+  return s.settings.gravity == Vec<2>(0, report.gravity) && s.dt == report.dt && s.settings.mixing == report.mixing &&
+         s.settings.restitutionThreshold == report.restitutionThreshold && shape.density == report.density &&
+         shape.restitution == report.restitution && shape.friction == report.friction;
+}
+
+TEST(Presets, SettingsOfASceneAreBelowItsOwnKeys) {
+  const std::string key = "settings = \"2009\"";
+  EXPECT_TRUE(of2009(scene(key)));
+  expectCaught("a scene without them", of2009(scene("")));
+  EXPECT_EQ(scene(key, "gravity = [0, -3]").settings.gravity, Vec<2>(0, -3));
+  EXPECT_EQ(scene(key, "dt = 0.5").dt, 0.5);
+  EXPECT_EQ(scene(key, "restitution_threshold = 3").settings.restitutionThreshold, 3);
+  EXPECT_EQ(scene(key, "[mixing]\nfriction = \"minimum\"").settings.mixing.friction, MixRule::minimum);
+  const auto shape = [](const SceneSpec<2>& s) { return s.spawns.at(0).body.shapes.at(0); };
+  const SceneSpec<2> both = scene(key, "[defaults]\nfriction = 0.25\nrestitution = 0.75", ", restitution = 0.125");
+  EXPECT_EQ(shape(both).friction, 0.25);
+  EXPECT_EQ(shape(both).restitution, 0.125);
+  EXPECT_EQ(shape(both).density, 1);
+  try {
+    scene("settings = \"209\"");
+    FAIL();
+  } catch (const UserError& e) {
+    EXPECT_STREQ(e.what(), "t.toml:4: unknown settings '209'; did you mean '2009'? valid: 2009");
+  }
+}
+
+TEST(Presets, AllHaveTheReports) {
+  for (const std::string number : {"0", "1", "2", "3", "4", "5", "6", "7", "9", "10", "11"}) {
+    const SceneSpec<2> s = SceneFile::load(findToml("scenes", number)).build<2>({}, 1);
+    EXPECT_EQ(s.settings.gravity, Vec<2>(0, Real(-9.8))) << number;
+    EXPECT_EQ(s.dt, Real(1) / 60) << number;
+    for (const auto& spawn : s.spawns) {
+      for (const auto& shape : spawn.body.shapes) EXPECT_EQ(shape.restitution, Real(0.4)) << number;
+    }
+  }
+}
+
+// --- what they do ----------------------------------------------------------------------------------------------------
+
+// "Technically this is mathematically correct"; with "a small random offset", the circles roll off, the squares stand.
+template <int D>
+void towers(const std::string& sleep) {
+  Play<D> aligned("2", {{"circles", 6}, {"squares", 6}}, sleep);
+  Play<D> offset("2", {{"circles", 6}, {"squares", 6}, {"perturb", 1e-3}});
+  aligned.steps(600), offset.steps(600);
+  EXPECT_LT(aligned.moved("circle"), 0.05);
+  EXPECT_LT(aligned.moved("square"), 0.1);
+  EXPECT_GT(offset.moved("circle"), 1);
+  EXPECT_LT(offset.moved("square"), 0.1);
+}
+TEST(Presets, ExactTowersOfCirclesStandAndOthersDoNot) { towers<2>(""), towers<2>(kSleep), towers<3>(""); }
+
+TEST(Presets, TheTowerOfDominoesIsStable) {
+  for (const std::string& pipeline : {std::string(), kSleep}) {
+    Play<2> play("3", {}, pipeline);
+    Real wobble = 0;
+    for (int i = 0; i < 600; ++i) play.steps(1), wobble = std::max(wobble, play.moved("lying"));
+    EXPECT_LT(wobble, play.scene.limits.drift);
+    EXPECT_EQ(wobble > Real(0.05), pipeline.empty()) << "the outermost wobble until slept: " << wobble;
+    EXPECT_LT(play.moved("standing"), 0.05);
+    EXPECT_LT(play.moved("lying"), 0.05);
+  }
+}
+
+// 0.5 m down, up again by 0.4^2 of it, and to rest.
+TEST(Presets, TheBoxFallsBouncesAndLies) {
+  Play<2> play("4");
+  Real up = 0;
+  bool down = false;
+  for (int i = 0; i < 300; ++i) {
+    play.steps(1);
+    const Real height = play.pose("box").p[1] - Real(0.5);
+    down = down || height < Real(0.02);
+    if (down) up = std::max(up, height);
+  }
+  EXPECT_NEAR(up, 0.16 * 0.5, 0.03);
+  EXPECT_NEAR(play.pose("box").p[1], 0.5, 0.006);
+  EXPECT_LT(std::abs(play.pose("box").q.radians()), 1e-3);
+}
+
+// The report's fifth explodes; ours sinks by the drop and stands. "Small row spacing" is the stabler of the two there.
+TEST(Presets, PyramidsFallAndStand) {
+  Play<2> play("5", {{"base", 10}});
+  play.steps(400);
+  EXPECT_LT(play.moved("box"), 0.5 + 0.3);
+  Play<2> spaced("6", {{"base", 10}});
+  spaced.steps(400);
+  EXPECT_LT(spaced.moved("box"), 0.5 + 9 * 0.05 + 0.3);
+}
+
+TEST(Presets, PinballEndsInItsHoppers) {
+  Play<2> play("7", {{"n", 50}, {"rows", 3}});
+  play.steps(900);
+  int caught = 0;
+  Real turned = 0;
+  for (int i = 0; i < 50; ++i) caught += play.pose("ball", i).p[1] < 2 && play.pose("ball", i).p[1] > 0;
+  for (int i = 0; i < play.count("spinner"); ++i) {
+    turned = std::max(turned, std::abs(play.pose("spinner", i).q.radians()));
+    EXPECT_LT((play.pose("spinner", i).p - play.start("spinner", i)).norm(), 1e-9) << "a pinned one stays";
+  }
+  EXPECT_GE(caught, 48) << "some may lie on a peg";
+  EXPECT_GT(turned, 0.3);
+}
+
+TEST(Presets, AllDominoesFall) {
+  Play<2> play("9");
+  play.steps(30);
+  EXPECT_EQ(play.fallen("domino"), 0) << "the circle is still on its slope";
+  play.steps(500);
+  EXPECT_EQ(play.fallen("domino"), 15);
+}
+
+// Those that slide do so with g (sin - mu cos), from where contacts have settled: in half a second each goes by a
+// quarter of that farther than in the one before. mu is the geometric mean with the slope's 0.5.
+bool slides(const std::array<double, 4>& frictions) {
+  Play<2> play("10");
+  std::array<std::array<Vec<2>, 4>, 3> at;
+  for (std::size_t k = 0; k < 3; ++k) {
+    play.steps(30);
+    for (int i = 0; i < 4; ++i) at[k][static_cast<std::size_t>(i)] = play.pose("rectangle", i).p;
+  }
+  bool right = true;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double farther = (at[2][i] - at[1][i]).norm() - (at[1][i] - at[0][i]).norm();
+    const double mu = std::sqrt(0.5 * frictions[i]), s = std::sqrt(0.2), c = 2 * s;  // tan = 0.5
+    right = right && std::abs(farther - std::max(0.0, 9.8 * (s - mu * c)) / 4) < 0.003;
+    if (mu > 0.5) right = right && (at[2][i] - play.start("rectangle", static_cast<int>(i))).norm() < 1e-3;
+  }
+  return right;
+}
+TEST(Presets, FourRectanglesSlideByTheirFriction) {
+  EXPECT_TRUE(slides({0.05, 0.2, 0.45, 0.8}));
+  expectCaught("a friction of 0.43 for 0.45", slides({0.05, 0.2, 0.43, 0.8}));
+  expectCaught("the last slides", slides({0.05, 0.2, 0.45, 0.45}));
+}
+
+TEST(Presets, TheChainOfDominoesThrowsItsBox) {
+  Play<2> play("11");
+  Real highest = play.start("thrown")[1];
+  for (int i = 0; i < 600; ++i) play.steps(1), highest = std::max(highest, play.pose("thrown").p[1]);
+  EXPECT_EQ(play.fallen("first"), play.count("first"));
+  EXPECT_EQ(play.fallen("second"), play.count("second"));
+  EXPECT_GT(std::abs(play.pose("lever").q.radians()), 0.3);
+  EXPECT_GT(play.pose("seesaw").q.radians(), 0.2) << "its left end is down";
+  EXPECT_GT(highest, play.start("thrown")[1] + 0.5);
+}
+
+TEST(Presets, JengaStandsAlsoWithoutABlock) {
+  const auto stands = [](auto& play) {
+    for (long i = 0; i < 300; ++i) play.steps(1);
+    const int last = play.count("block") - 1;
+    return (play.pose("block", last).p - play.start("block", last)).norm() < Real(0.05);
+  };
+  Play<3> whole("jenga_tower", {{"courses", 9}}), pulled("jenga_tower", {{"courses", 9}, {"pulled", 4}});
+  Play<2> cut("jenga_tower", {}, "solver=split_solver{velocity=catto{iterations=50}}");
+  EXPECT_TRUE(stands(whole));
+  EXPECT_TRUE(stands(pulled));
+  EXPECT_TRUE(stands(cut));
+  EXPECT_EQ(pulled.world.bodyCount(), whole.world.bodyCount() - 1);
+}
+
+TEST(Presets, NothingFallsThroughAFloorOfSpheres) {
+  Play<3> play("floor_of_spheres", {{"side", 12}, {"n", 16}});
+  play.steps(240);
+  const auto& bodies = play.world.bodies();
+  for (int i = 0; i < bodies.size(); ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    if (bodies.type[slot] != BodyType::dynamic) continue;
+    EXPECT_GT(bodies.pose[slot].p[1], 0) << i;
+  }
+}
+
+// Each row of the fan knocks over the next, so that all lie in the end.
+TEST(Presets, TheFanFallsAsAWhole) {
+  Play<3> play("many_dominoes_3d", {{"rows", 6}, {"particles", 10}});
+  play.steps(400);
+  EXPECT_EQ(play.count("domino"), 21);
+  EXPECT_EQ(play.fallen("domino"), 21);
+  EXPECT_EQ(play.count("particle"), 10);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::presets_test
