@@ -39,6 +39,7 @@ WorldSettings<D> Settings::world() const {
   out.restitutionThreshold = restitutionThreshold;
   out.features.restitution = useRestitution;
   out.mixing = mixing;
+  out.sleepingContacts = sleepingContacts;
   return out;
 }
 
@@ -65,18 +66,19 @@ ShapeDef<D> Settings::shape(const Shape<D>& of) const {
 }
 
 template <int D>
-std::shared_ptr<const ForceGenerator<D>> Settings::air() const {
-  if (!airResistance) return nullptr;
-  auto drag = std::make_shared<Drag<D>>();
-  drag->linear = linearDrag, drag->quadratic = quadraticDrag;
-  return drag;
+std::optional<ForceDef<D>> Settings::air() const {
+  if (!airResistance) return std::nullopt;
+  Spec drag{.name = "drag", .fields = {}};
+  drag.set("linear", shortest(linearDrag)), drag.set("angular_linear", shortest(linearDrag));
+  drag.set("quadratic", shortest(quadraticDrag)), drag.set("angular_quadratic", shortest(quadraticDrag));
+  return ForceDef<D>{.kind = drag.text()};
 }
 
 template WorldSettings<2> Settings::world() const;
 template WorldSettings<3> Settings::world() const;
 template ShapeDef<2> Settings::shape(const Shape<2>&) const;
 template ShapeDef<3> Settings::shape(const Shape<3>&) const;
-template std::shared_ptr<const ForceGenerator<2>> Settings::air() const;
-template std::shared_ptr<const ForceGenerator<3>> Settings::air() const;
+template std::optional<ForceDef<2>> Settings::air() const;
+template std::optional<ForceDef<3>> Settings::air() const;
 
 }  // namespace lpc::inline LPC_PRECISION

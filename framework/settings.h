@@ -3,7 +3,7 @@
 // change of a `Settings` reaches what is made of it afterwards, and no world or shape that is there.
 #pragma once
 
-#include <memory>
+#include <optional>
 #include <string_view>
 
 #include "framework/simulation.h"
@@ -13,7 +13,7 @@ namespace lpc::inline LPC_PRECISION {
 
 /// `Settings{}` is what World, Pipeline and ShapeDef are by themselves. The penetration that contacts keep on purpose,
 /// the report's penetrationEpsilon, is no setting: it is kLinearSlop, 0.005 m, from which other tolerances grow, and
-/// `slop` of the position resolvers. Nor are contacts between sleeping bodies.
+/// `slop` of the position resolvers.
 struct Settings {
   // --- new shapes ----------------------------------------------------------------------------------------------------
   Real density = 1;           // kg/m^D, above 0. Ratios beyond 100 within a pile: slow to converge, soft
@@ -50,6 +50,7 @@ struct Settings {
   Real angularSleepSpeed = Real(0.01);
   /// Weight of the average so far (1), 0 to 0.999. Larger: sleep comes late. Smaller: at the first still moment.
   Real sleepBias = Real(0.5);
+  bool sleepingContacts = false;  // on: those of sleepers are made anew in each step, at the cost of who is awake
 
   /// The numbers of the 2009 report's appendix A.3.6, and its algorithms: in 3D, where it had none that were right, the
   /// contacts of `sat_clip`.
@@ -63,9 +64,9 @@ struct Settings {
   Pipeline pipeline() const;
   template <int D>
   ShapeDef<D> shape(const Shape<D>& of) const;
-  /// To be added to a world; null where there is none.
+  /// To be added to a world, on all that moves and on its rotation; nothing where there is none.
   template <int D>
-  std::shared_ptr<const ForceGenerator<D>> air() const;
+  std::optional<ForceDef<D>> air() const;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -32,7 +32,7 @@ void defaults() {
   EXPECT_TRUE(alike(s.shape<D>(own.shape), own));
   EXPECT_EQ(s.pipeline(), Pipeline{});
   EXPECT_EQ(s.dt, SceneSpec<D>{}.dt);
-  EXPECT_EQ(s.air<D>(), nullptr);
+  EXPECT_FALSE(s.air<D>().has_value());
   for (Settings other : {Settings::lpc2009(D), [] {
                            Settings bent;
                            bent.gravity = -9;
@@ -120,7 +120,7 @@ TEST(Settings, AirSlows) {
   Settings s;
   s.gravity = 0, s.airResistance = true, s.linearDrag = Real(0.5), s.quadraticDrag = 0;
   World<2> world(s.pipeline(), s.world<2>());
-  world.add(s.air<2>());
+  world.add(s.air<2>().value());
   const Handle box = addBox<2>(world, s);
   world.setMotion(box, {.v = Vec<2>(4, 0)});
   for (int i = 0; i < 64; ++i) world.step(Real(1) / 64);
