@@ -206,7 +206,7 @@ TEST(JointScenes, TheZipCloses) {
 // All of preset 8: the pendulum swings through, of the cradle one ball leaves for the one that came, the seesaw tips to
 // its weight, the vehicle crosses the bridge.
 TEST(JointScenes, TheReportsJointsDoWhatItSays) {
-  Play<2> play("joints_demo", {}, "solver=split_solver{impact=sequential}");
+  Play<2> play("preset_8", {}, "solver=split_solver{impact=sequential}");
   const auto x = [&](int body) { return double(play.world.pose(play.director.body(body)).p[0]); };
   constexpr int kPendulum = 4, kBall = 7, kChassis = 28;
   ASSERT_EQ(play.scene.spawns[kChassis].body.name, "chassis");
