@@ -4,8 +4,6 @@
 #include <algorithm>
 
 namespace lpc::inline LPC_PRECISION {
-namespace {}  // namespace
-
 template <int D>
 Director<D>::Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {
   const auto comes = [&](int spawn) { return spawn < 0 ? 0 : m_scene.spawns.at(static_cast<std::size_t>(spawn)).step; };
@@ -22,9 +20,11 @@ Director<D>::Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {
 
 template <int D>
 void Director<D>::advance(Simulation<D>& world) {
-  const long step = world.stepCount();
+  if (m_begin < 0) m_begin = world.stepCount();
+  const long step = world.stepCount() - m_begin;
   for (; m_next < m_scene.spawns.size() && m_scene.spawns[m_next].step <= step; ++m_next) {
-    m_handles.push_back(world.add(m_scene.spawns[m_next].body));
+    const auto& spawn = m_scene.spawns[m_next];
+    m_handles.push_back(spawn.there == Handle{} ? world.add(spawn.body) : spawn.there);
   }
   for (; m_nextJoint < m_joints.size() && m_joints[m_nextJoint].first <= step; ++m_nextJoint) {
     const auto& j = m_scene.joints[m_joints[m_nextJoint].second];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <vector>
 
 #include "framework/world.h"
@@ -23,6 +24,14 @@ struct SavedState {
   std::vector<PairRecord> records;
   std::vector<ForceRecord<D>> forces;
 };
+
+/// What the first bytes of a saved world tell.
+struct SavedKind {
+  int dimension = 0;
+  int realBytes = 0;  // of its numbers: 8 in f64, 4 in f32
+};
+/// Throws UserError when they are of no saved world, or of one in another format.
+SavedKind savedKind(std::istream& in);
 
 /// Throws UserError when a step could not run on this: a number that is indexed by and points at nothing, arrays of
 /// unequal length, an enum's value without a name, a shape that cannot be one, kinds that the generator does not

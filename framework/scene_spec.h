@@ -17,6 +17,7 @@ struct SceneSpec {
     long step = 0;  // before this step; 0 = from the start
     BodyDef<D> body;
     long removeAt = -1;  // before this step; -1 = never
+    Handle there = {};   // of a body of the saved world; nobody: it comes by itself
   };
   /// Bodies are named by their place in `spawns`; -1 is the world.
   struct Joint {
@@ -56,6 +57,7 @@ struct SceneSpec {
   };
 
   std::string name, summary;
+  std::string saved;  // bytes of the world that it begins with (World::save), whose bodies come first in `spawns`
   WorldSettings<D> settings;  // with the features that the scene needs
   Real dt = Real(1) / 60;     // s
   long steps = 600;

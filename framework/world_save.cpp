@@ -272,8 +272,9 @@ void World<D>::save(std::ostream& out) const {
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-template <int D>
-void World<D>::load(std::istream& in) {
+namespace {
+
+Header readHeader(std::istream& in) {
   Header header{};
   header.magic = {};
   Archive outer(in);
@@ -284,6 +285,19 @@ void World<D>::load(std::istream& in) {
     throw UserError("load: the saved world has the format " + std::string(found) + ", this program reads " + kMagic);
   }
   outer(header.dimension, header.realBytes, header.size, header.checksum);
+  return header;
+}
+
+}  // namespace
+
+SavedKind savedKind(std::istream& in) {
+  const Header header = readHeader(in);
+  return {header.dimension, header.realBytes};
+}
+
+template <int D>
+void World<D>::load(std::istream& in) {
+  const Header header = readHeader(in);
   if (header.dimension != D || header.realBytes != static_cast<std::int32_t>(sizeof(Real))) {
     throw UserError("load: the saved world is " + std::to_string(header.dimension) + "D with " +
                     std::to_string(std::int64_t(8) * header.realBytes) + "-bit numbers, this one is " +

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -22,8 +24,11 @@
 #include "experiments/trial/metric.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/plugin.h"
+#include "experiments/trial/saved_scene.h"
 #include "experiments/trial/trial.h"
 #include "framework/names.h"
+#include "framework/settings.h"
+#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -32,13 +37,49 @@ using nlohmann::json;
 
 struct RunSceneOptions {
   std::string scene, script, pipeline, precision = "f64", profile, record, plot, film;
-  std::vector<std::string> params;
+  std::vector<std::string> params, saves;
   std::optional<int> dimension;
   std::optional<double> dt;
   std::optional<long> steps;
   std::optional<std::uint64_t> seed;
-  bool asJson = false, plots = false;
+  bool asJson = false, plots = false, noSleeping = false;
 };
+
+struct SaveRequest {
+  long step;
+  std::string scene;
+};
+
+// AT:FILE.toml.
+std::vector<SaveRequest> readSaves(const std::vector<std::string>& texts) {
+  std::vector<SaveRequest> out;
+  for (const std::string& text : texts) {
+    const std::size_t colon = text.find(':');
+    long step = -1;
+    const char* end = text.data() + std::min(colon, text.size());
+    const auto [stop, error] = std::from_chars(text.data(), end, step);
+    if (colon == text.npos || error != std::errc() || stop != end || step < 0) {
+      throw UserError("--save: '" + text + "'; valid: a step and a name, such as 100:later.toml");
+    }
+    out.push_back({step, text.substr(colon + 1)});
+    SavedScene::worldPath(out.back().scene);
+  }
+  return out;
+}
+
+// `2009` in front stands for the pipeline of that report, which what follows changes.
+std::string pipelineOf(const RunSceneOptions& o, int dimension) {
+  std::string text = o.pipeline;
+  if (text == "2009" || text.starts_with("2009 ")) {
+    Pipeline pipeline = Settings::named("2009", dimension).pipeline();
+    pipeline.replace(text.substr(4));
+    text = pipeline.text();
+  }
+  if (!o.noSleeping || engineOf(text)) return text;  // whole engines never sleep here
+  Pipeline pipeline = Pipeline::parse(text);
+  pipeline.replace("sleep=none");
+  return pipeline.text();
+}
 
 // Of the entry itself, or of the one that stands for several ("us_*").
 const MetricInfo* infoOf(const std::vector<DescribedMetric>& known, const char* what, const std::string& name) {
@@ -120,13 +161,20 @@ void runScene(const RunSceneOptions& o, Session& session) {
   for (const std::string& path : {o.record, o.profile}) {
     if (isOwnStream(path)) throw UserError(path + ": is another one for the worker that runs the scene; valid: a file");
   }
-  keepApart(inputs, {{"--record", o.record}, {"--profile", o.profile}, {"--film", o.film}});
+  const std::vector<SaveRequest> saves = readSaves(o.saves);
+  NamedFiles outputs = {{"--record", o.record}, {"--profile", o.profile}, {"--film", o.film}};
+  for (const SaveRequest& s : saves) {
+    outputs.emplace_back("--save", s.scene), outputs.emplace_back("--save", SavedScene::worldPath(s.scene));
+  }
+  keepApart(inputs, outputs);
   if (!o.film.empty()) filmKind(o.film);  // before the run, which may take hours
   WorldCell cell;
   cell.params = readParameters(o.params), cell.script = o.script;
-  cell.dimension = o.dimension, cell.pipeline = o.pipeline, cell.precision = o.precision, cell.timed = true;
-  cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   Planner planner;
+  const SceneFile& file = planner.scene(o.scene, o.script);
+  cell.dimension = o.dimension, cell.pipeline = pipelineOf(o, o.dimension.value_or(file.dimensions().at(0)));
+  cell.precision = o.precision, cell.timed = true;
+  cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
   json request = {{"trial", trial.canonical}, {"scene_file", trial.sceneFile}, {"progress", !o.asJson}};
@@ -135,6 +183,14 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
   }
   if (!o.profile.empty()) request["profile"] = o.profile;
+  for (const SaveRequest& s : saves) {
+    if (trial.canonical.contains("engine"))
+      throw UserError("--save: the state of an engine is its own; valid: a pipeline");
+    if (const long last = trial.canonical["steps"]; s.step > last) {
+      throw UserError("--save: the run has " + std::to_string(last) + " steps, no step " + std::to_string(s.step));
+    }
+    request["saves"].push_back({{"step", s.step}, {"scene", s.scene}});
+  }
   const InterruptGuard interrupts;
   // A film is made of a recording, which goes again where nobody has asked for it.
   std::optional<TemporaryRecording> temporary;
@@ -142,9 +198,11 @@ void runScene(const RunSceneOptions& o, Session& session) {
   const std::string recording = temporary ? temporary->path() : o.record;
   if (!recording.empty()) request["record"] = recording;
   std::vector<std::string> partial;  // what a worker that is killed leaves
-  for (const std::string& path : {o.record, o.profile}) {
+  std::vector<std::string> written = {o.record, o.profile};
+  for (const SaveRequest& s : saves) written.push_back(s.scene), written.push_back(SavedScene::worldPath(s.scene));
+  for (const std::string& path : written) {
     if (path.empty()) continue;
-    if (const std::string written = OutputFile::writtenAt(path); written != path) partial.push_back(written);
+    if (const std::string there = OutputFile::writtenAt(path); there != path) partial.push_back(there);
   }
   std::optional<std::string> answer;
   try {
@@ -170,6 +228,11 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (o.plots) printPlots(o, result);
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
     if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
+    for (const SaveRequest& s : saves) {
+      const bool reached = result.outcome == "ok" || s.step <= result.step;
+      std::printf(reached ? "saved     step %ld as %s\n" : "not saved step %ld as %s: the run did not get there\n",
+                  s.step, s.scene.c_str());
+    }
   }
   if (!o.film.empty() && result.outcome != "unsupported") {  // then nothing has moved
     // Before the film, which may yet fail.
@@ -188,7 +251,8 @@ void addRun(CommandLine& app, Session& session) {
   command.option("--script", o->script,
                  "plays in it: name in experiments/scripts, the number of a director's, or a file");
   command.option("--pipeline", o->pipeline,
-                 "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"");
+                 "algorithms, such as \"solver=soft_step{substeps=4} sleep=none\", or \"engine=box2d\"; 2009: those of "
+                 "the 2009 report");
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--dt", o->dt, "length of a step (s); default: the scene's");
   command.option("--steps", o->steps, "number of steps; default: the scene's");
@@ -198,6 +262,9 @@ void addRun(CommandLine& app, Session& session) {
   command.option("--precision", o->precision, "f64 or f32");
   command.option("--profile", o->profile, "writes times and counts per step as CSV");
   command.option("--record", o->record, "writes all poses of all steps");
+  command.option("--save", o->saves,
+                 "AT:FILE.toml, writes the world after AT steps as a scene that begins with it (may be repeated)");
+  command.flag("--no-sleeping", o->noSleeping, "keeps every body awake, whatever the pipeline says");
   command.option("--film", o->film,
                  "draws the run: NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, PNG files");
   Option plot = command.option("--plot", o->plot,

@@ -42,6 +42,8 @@ class Builder {
   SceneSpec<D> build() {
     for (const char* done : {"name", "summary", "dimensions", "seed", "needs", "parameters"}) m_top.find(done);
     for (const char* done : {"summary", "parameters"}) m_script.find(done);
+    m_top.find("saved");
+    if (!m_parsed.saved.empty()) startFromSaved(m_top, m_parsed, m_scene);
     if (m_top.find("settings")) startFromSettings();
     m_scene.name = m_parsed.name, m_scene.summary = m_parsed.summary;
     m_scene.settings.features = m_parsed.needs;
@@ -55,7 +57,8 @@ class Builder {
     }
     real(m_top, "restitution_threshold", m_scene.settings.restitutionThreshold);
     real(m_top, "margin", m_scene.settings.margin);
-    m_scene.settings.sleepingContacts = m_numbers.whole(m_top, "sleeping_contacts", 0, 0, 1) != 0;
+    m_scene.settings.sleepingContacts =
+        m_numbers.whole(m_top, "sleeping_contacts", m_scene.settings.sleepingContacts, 0, 1) != 0;
     m_scene.steps = m_numbers.whole(m_top, "steps", m_scene.steps, 0, kMaxSteps);
     m_scene.steps = m_numbers.whole(m_script, "steps", m_scene.steps, 0, kMaxSteps);  // it knows when it ends
     if (const toml::table* t = m_top.table("limits")) {
@@ -96,6 +99,9 @@ class Builder {
                      [](const auto& a, const auto& b) { return a.step < b.step; });
     m_top.finish(), m_script.finish();
     m_scene.seeded = m_numbers.expressions.drew();
+    if (m_perturb > 0 && !m_scene.saved.empty()) {
+      m_top.fail(*m_top.find("saved"), "'perturb' moves who starts, and a saved world has started; valid: perturb = 0");
+    }
     perturb(m_scene, m_perturb, m_seed);
     return std::move(m_scene);
   }

@@ -55,6 +55,7 @@ SceneFile SceneFile::parse(std::string bytes, const std::string& path, std::stri
   parsed->table = parseToml(parsed->bytes, path);
   TableReader top(parsed->table, path, "the scene");
   readHeader(top, *parsed);
+  parsed->saved = readSaved(top, *parsed);
   parsed->meshes = readMeshes(parsed->table, path);
   if (!scriptPath.empty()) {
     parsed->scriptPath = scriptPath, parsed->scriptBytes = std::move(scriptBytes);
@@ -78,6 +79,7 @@ const std::string& SceneFile::path() const { return m_parsed->path; }
 const std::string& SceneFile::scriptPath() const { return m_parsed->scriptPath; }
 std::string SceneFile::content() const {
   std::string all = m_parsed->bytes;
+  if (!m_parsed->saved.empty()) all += std::string("\0saved\0", 7) + m_parsed->saved;
   for (const auto& [name, file] : m_parsed->meshes) all += '\0' + name + '\0' + file.bytes;
   if (!m_parsed->scriptPath.empty()) all += std::string("\0script\0", 8) + m_parsed->scriptBytes;
   return all;

@@ -26,6 +26,7 @@ struct SceneFile::Parsed {
   std::string path, bytes, name, summary;
   std::string scriptPath, scriptBytes;  // empty: without one
   toml::table script;
+  std::string saved;  // bytes of the world that it begins with; empty: none
   std::vector<int> dimensions;
   std::vector<SceneParameter> parameters;
   std::uint64_t seed = 1;
@@ -38,6 +39,14 @@ struct SceneFile::Parsed {
 SceneMeshes readMeshes(const toml::table& scene, const std::string& path);
 
 inline constexpr double kLargest = std::numeric_limits<double>::max();
+
+/// Of the key `saved`. Throws UserError with its place for a file that is no saved world, or one of no dimension that
+/// the scene has.
+std::string readSaved(TableReader& top, const SceneFile::Parsed& scene);
+/// Begins the scene with that world: its settings, and its bodies as they are. One of the other precision is left to
+/// who can read it.
+template <int D>
+void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec<D>& scene);
 
 /// Throws UserError with the valid names.
 void setFeature(Features& features, const std::string& name);

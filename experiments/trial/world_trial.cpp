@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "experiments/trial/ghost_hits.h"
 #include "experiments/trial/output_file.h"
+#include "experiments/trial/saved_scene.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/trial.h"
 #include "experiments/trial/tunnelling.h"
@@ -40,10 +43,19 @@ std::string underscored(std::string name) {
 }
 
 template <int D>
-std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const WorldSettings<D>& settings) {
+std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const SceneSpec<D>& scene) {
   const std::string pipeline = trial.at("pipeline");
-  if (const auto engine = engineOf(pipeline)) return createStage<Engine<D>>(*engine)->start(settings);
-  return std::make_unique<World<D>>(Pipeline::parse(pipeline), settings);
+  if (const auto engine = engineOf(pipeline)) {
+    if (!scene.saved.empty()) throw UserError("a saved world is one of ours: no engine takes it");
+    return createStage<Engine<D>>(*engine)->start(scene.settings);
+  }
+  auto world = std::make_unique<World<D>>(Pipeline::parse(pipeline), scene.settings);
+  if (scene.saved.empty()) return world;
+  std::istringstream in(scene.saved);
+  world->load(in);
+  const std::string has = featuresText(world->settings().features), asked = featuresText(scene.settings.features);
+  if (has != asked) throw UserError("the saved world has the model '" + has + "' and keeps it; asked: '" + asked + "'");
+  return world;
 }
 
 // The velocity problem of a step, and what its answer leaves of it.
@@ -81,7 +93,7 @@ class WorldTrial {
         m_engine(request.at("trial").contains("engine")),
         m_scene(scene),
         m_director(std::move(scene)),
-        m_simulation(simulationOf(request.at("trial"), m_scene.settings)),
+        m_simulation(simulationOf(request.at("trial"), m_scene)),
         m_world(*m_simulation) {
     const auto open = [&](const char* name, std::unique_ptr<OutputFile>& file) {
       if (request.contains(name)) file = std::make_unique<OutputFile>(request.at(name).template get<std::string>());
@@ -89,6 +101,7 @@ class WorldTrial {
     // Not in timed trials: looking takes time within the step.
     if (auto* world = dynamic_cast<World<D>*>(m_simulation.get()); world && !m_timed) world->watch(&m_residual);
     open("record", m_recording), open("profile", m_profile);
+    for (const json& s : request.value("saves", json::array())) m_saves.emplace_back(s.at("step"), s.at("scene"));
     m_world.profiler().keepFrames(m_profile != nullptr);
   }
 
@@ -102,6 +115,7 @@ class WorldTrial {
     start();
     keepPoses(0);
     record();
+    save(0);
     long step = 0;
     for (; step < m_scene.steps && m_out.outcome == "ok"; ++step) {
       if (step > 0) m_director.advance(m_world);
@@ -112,6 +126,7 @@ class WorldTrial {
       observe(step, seconds);
       if ((step + 1) % m_poseEvery == 0 && step + 1 < m_scene.steps) keepPoses(step + 1);
       record();
+      save(step + 1);
       if (m_request.value("progress", false) && (step + 1) % 500 == 0) {
         std::fprintf(stderr, "step %ld of %ld, %d bodies\n", step + 1, m_scene.steps, m_world.bodyCount());
       }
@@ -122,10 +137,20 @@ class WorldTrial {
     for (const auto& file : {m_recording.get(), m_profile.get()}) {
       if (file) file->finish();
     }
+    for (SavedScene& s : m_saves) s.finish();
     return std::move(m_out);
   }
 
  private:
+  // The world after so many steps, before what its script does next.
+  void save(long step) {
+    for (SavedScene& s : m_saves) {
+      const auto* world = dynamic_cast<const World<D>*>(m_simulation.get());
+      if (!world) throw UserError("the state of an engine is its own: it cannot be saved");
+      if (s.step() == step) s.write(*world, m_scene, m_request.at("trial").at("pipeline"));
+    }
+  }
+
   void start() {
     m_seen.timed = m_timed;
     if (const double every = m_request.at("trial").value("poses_every", 0.0); every > 0) {
@@ -318,6 +343,7 @@ class WorldTrial {
   GhostHits<D> m_ghosts;
   Residual<D> m_residual;
   std::unique_ptr<OutputFile> m_recording, m_profile;
+  std::deque<SavedScene> m_saves;
   TrialResult m_out;
   std::vector<int> m_dynamic;
   int m_top = -1;

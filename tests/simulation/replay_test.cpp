@@ -311,6 +311,30 @@ void sameForAllBroadphases() {
 }
 TEST(Replay, EveryBroadphaseGivesTheSameTrajectory) { sameForAllBroadphases<2>(), sameForAllBroadphases<3>(); }
 
+// The 2009 engine lost both of a body of a light and a heavy shape.
+template <int D>
+void lightAndHeavy() {
+  World<D> world, loaded;
+  BodyDef<D> def = body<D>(Shape<D>::sphere(1), at<D>(1, 2));
+  def.shapes[0].density = Real(0.01), def.shapes[0].X_BS.p = at<D>(-3, 0);
+  def.shapes.push_back({.shape = Shape<D>::sphere(Real(0.5)), .X_BS = {at<D>(2, 0)}, .density = 100});
+  const Handle whole = world.add(def);
+  std::stringstream file(saved(world));
+  loaded.load(file);
+  EXPECT_EQ(loaded.bodies().center[0], world.bodies().center[0]);
+  EXPECT_GT(loaded.bodies().center[0][0], 1.9);  // at the heavy one
+  EXPECT_EQ(loaded.mass(whole), world.mass(whole));
+  world.at(Vec<D>::Zero()), loaded.at(Vec<D>::Zero());  // brings the boxes up to date
+  for (const ProxyId i : {0, 1}) {
+    EXPECT_EQ(loaded.proxies().box(i).lo, world.proxies().box(i).lo);
+    EXPECT_EQ(loaded.proxies().box(i).hi, world.proxies().box(i).hi);
+  }
+  const BodyDef<D> again = loaded.definition(whole);
+  EXPECT_EQ(again.shapes[0].density, Real(0.01));
+  EXPECT_EQ(again.shapes[1].density, 100);
+}
+TEST(Replay, ALightAndAHeavyShapeKeepTheirCentre) { lightAndHeavy<2>(), lightAndHeavy<3>(); }
+
 TEST(Replay, DamagedSavesAreRefusedAndChangeNothing) {
   World<2> world;
   addHeap(world, 3, 7);
