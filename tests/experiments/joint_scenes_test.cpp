@@ -217,6 +217,10 @@ TEST(JointScenes, TheReportsJointsDoWhatItSays) {
   EXPECT_LT(worstJoint(play, 492), 0.1);
   EXPECT_GT(turn(play.world.pose(play.body("see_saw")).q), 0.2);
   EXPECT_GT(x(kChassis), 10.7);
+  // The springs hold two boxes and one, of 1 kg each: after ten seconds they still swing about there.
+  const auto height = [&](const char* name) { return double(play.world.pose(play.body(name)).p[1]); };
+  EXPECT_NEAR(height("hung"), 10 - 3 - 2 * 9.8 / 40, 0.1);
+  EXPECT_NEAR(height("hung_below"), height("hung") - 2 - 9.8 / 40, 0.1);
 }
 
 }  // namespace

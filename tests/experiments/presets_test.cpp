@@ -138,11 +138,12 @@ TEST(Presets, SettingsOfASceneAreBelowItsOwnKeys) {
 }
 
 TEST(Presets, AllHaveTheReports) {
-  for (const std::string number : {"0", "1", "2", "3", "4", "5", "6", "7", "9", "10", "11"}) {
+  for (const std::string number : {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11"}) {
     const SceneSpec<2> s = SceneFile::load(findToml("scenes", number)).build<2>({}, 1);
     EXPECT_EQ(s.settings.gravity, Vec<2>(0, Real(-9.8))) << number;
     EXPECT_EQ(s.dt, Real(1) / 60) << number;
     for (const auto& spawn : s.spawns) {
+      if (number == "8" && spawn.body.name == "ball") continue;  // of the cradle: they keep their speed
       for (const auto& shape : spawn.body.shapes) EXPECT_EQ(shape.restitution, Real(0.4)) << number;
     }
   }
