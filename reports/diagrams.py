@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
+"""Draws two figures of the docs from the source, so that they cannot lag behind it: docs/figures/pipeline.svg, the stages in
+the order of World::step with who competes in each, and docs/figures/classes.svg, what derives from what. Standard library only.
+
+usage: reports/diagrams.py [--check]
+
+  --check   writes nothing; exit code 1 where a figure is not what the source says
+
+Example: reports/diagrams.py
+"""
+
+import re
+import sys
+from html import escape
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+FIGURES = ROOT / "docs" / "figures"
+CHAR, LINE, PAD = 6.8, 16, 10  # px, of the font below
+STYLE = ('<style>text{font:11px ui-monospace,Menlo,Consolas,monospace;fill:#222}.h{font-weight:bold}.s{fill:#666}'
+         'rect{fill:#f6f6f4;stroke:#999}.p{fill:#e4eef7;stroke:#7aa2c4}path{stroke:#999;fill:none}</style>')
+
+
+class UserError(Exception):
+    pass
+
+
+def source(path):
+    """The text of a file without its comments."""
+    text = (ROOT / path).read_text()
+    return re.sub(r"//[^\n]*", "", text)
+
+
+def stages():
+    """{enumerator: name} in the order of framework/stages.h."""
+    rows = re.findall(r'\{StageKind::(\w+), "(\w+)", "\w+", "(\w*)"\}', source("framework/stages.h"))
+    if not rows:
+        raise UserError("framework/stages.h has no rows of kStages that this reads")
+    return {kind: name for kind, name, _ in rows}
+
+
+def interfaces():
+    """{class: stage's name}: who says kStage = StageKind::..."""
+    names, found = stages(), {}
+    for path in sorted((ROOT / "framework").glob("*.h")):
+        text = source(path.relative_to(ROOT))
+        for match in re.finditer(r"class (\w+) : public Stage \{(.*?)kStage = StageKind::(\w+)", text, re.S):
+            found[match[1]] = names[match[3]]
+    return found
+
+
+def competitors(stage):
+    """Names in algorithms/STAGE, as their info() says; engines are in oracles/engines."""
+    folder = ROOT / ("oracles/engines" if stage == "engine" else f"algorithms/{stage}")
+    found = []
+    for path in sorted(folder.glob("*.cpp")):
+        text = source(path.relative_to(ROOT))
+        if "LPC_REGISTER(" in text:
+            found += re.findall(r'\.name = "(\w+)"', text)[:1]
+    return found
+
+
+def parts(stage):
+    """Stages that algorithms of this one hold: v.stage("query", query, StageKind::pairQuery, ...)."""
+    names = stages()
+    kinds = set()
+    for path in (ROOT / "algorithms" / stage).glob("*.cpp"):
+        kinds |= set(re.findall(r"v\.stage\(\"\w+\", \w+, StageKind::(\w+)", source(path.relative_to(ROOT))))
+    return [name for kind, name in names.items() if kind in kinds]
+
+
+def body_of(function):
+    """The body of World<D>::FUNCTION, whichever file has it."""
+    for path in sorted((ROOT / "framework").glob("world*.cpp")):
+        match = re.search(r"World<D>::" + function + r"\([^;{]*\)(?: const)? \{(.*?)\n\}", source(path.relative_to(ROOT)), re.S)
+        if match:
+            return match[1]
+    return ""
+
+
+def order():
+    """Stages in the order in which World::step comes to them: [(function of World, [stages])]."""
+    of = interfaces()
+    found, seen = [], set()
+    step = body_of("step")
+    for match in re.finditer(r"stage<(\w+)>\(\)|\b([a-z]\w+)\(", step):
+        names = []
+        if match[1]:
+            where, names = "step", [of[match[1]]]
+        else:
+            where, text = match[2], body_of(match[2])
+            names = [of[c] for c in re.findall(r"stage<(\w+)>\(\)", text) if c in of]
+            if where in ("findPairs",):  # asks its BoxIndex, which owns the boxes and asks the broadphase
+                names = ["broadphase", *names] if "m_boxes.findPairs" in text else names
+            if where == "makeContacts" and "generate(" in text:
+                names = [n for n in names if n != "cache"][:0] + ["cache", "contacts"]
+        fresh = [n for n in dict.fromkeys(names) if n not in seen]
+        if fresh:
+            seen |= set(fresh)
+            found.append((where, fresh))
+    of_world = re.findall(r'\{StageKind::\w+, "(\w+)", "\w+", "\w+"\}', source("framework/stages.h"))
+    missing = [name for name in of_world if name not in seen]
+    if missing:
+        raise UserError(f"World::step does not come to {', '.join(missing)}, as far as this reads it")
+    return found
+
+
+def wrapped(words, width):
+    lines = [""]
+    for word in words:
+        if lines[-1] and len(lines[-1]) + len(word) + 2 > width:
+            lines.append("")
+        lines[-1] += (", " if lines[-1] else "") + word
+    return lines if words else ["none"]
+
+
+def box(x, y, width, title, lines, kind="", note=""):
+    height = PAD + LINE * (1 + len(lines)) + PAD / 2
+    text = [f'<rect {kind} x="{x}" y="{y}" width="{width}" height="{height}" rx="4"/>',
+            f'<text class="h" x="{x + PAD}" y="{y + PAD + 8}">{escape(title)}</text>']
+    if note:
+        text.append(f'<text class="s" x="{x + width - PAD}" y="{y + PAD + 8}" text-anchor="end">{escape(note)}</text>')
+    text += [f'<text x="{x + PAD}" y="{y + PAD + 8 + LINE * (i + 1)}">{escape(line)}</text>' for i, line in enumerate(lines)]
+    return text, height
+
+
+def picture(width, height, content, label):
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" viewBox="0 0 {width:g} {height:g}" '
+            f'role="img" aria-label="{escape(label)}">\n'
+            '<rect x="0" y="0" width="100%" height="100%" style="fill:#fff;stroke:none"/>\n' + STYLE + "\n" + "\n".join(content) + "\n</svg>\n")
+
+
+def pipeline():
+    """A column of the stages of a step; beside each the stages that it holds."""
+    left, wide, beside = 20, 400, 460
+    fits = int((wide - 2 * PAD) / CHAR)
+    content, y = [], 20
+    for where, names in order():
+        for name in names:
+            said = "World::step" if where == "step" else f"World::{where}"
+            drawn, height = box(left, y, wide, name, wrapped(competitors(name), fits), note=said)
+            content += drawn
+            at = y
+            for part in parts(name):
+                held, tall = box(beside, at, wide, part, wrapped(competitors(part), fits), kind='class="p"')
+                content += held
+                content.append(f'<path d="M{left + wide} {y + 18} H{left + wide + 20} V{at + 18} H{beside}"/>')
+                at += tall + 8
+            bottom = max(y + height, at - 8)
+            content.append(f'<path d="M{left + wide / 2} {y + height} V{bottom + 16}"/>')
+            y = bottom + 16
+    content.pop()
+    y += 8
+    content.append(f'<text class="s" x="{left}" y="{y + 8}">Not called once a step, but named by scenes and programs:</text>')
+    y += 18
+    shown = {n for _, names in order() for n in names} | {p for _, names in order() for n in names for p in parts(n)}
+    for name in stages().values():
+        if name not in shown:
+            drawn, height = box(left, y, wide, name, wrapped(competitors(name), fits))
+            content += drawn
+            y += height + 10
+    return picture(beside + wide + 20, y + 10, content, "The stages of a step, in the order of World::step")
+
+
+def classes():
+    """Trees of what derives from what, of the framework's public headers and of engines; the state of a world beside them."""
+    children, about = {}, {}
+    for path in [*sorted((ROOT / "framework").glob("*.h")), ROOT / "oracles/engines/engine_world.h"]:
+        text = source(path.relative_to(ROOT))
+        for match in re.finditer(r"\b(?:class|struct) (\w+)(?: final)? : public (\w+)", text):
+            children.setdefault(match[2], []).append(match[1])
+            about[match[1]] = path.name
+    roots = sorted(set(children) - {c for made in children.values() for c in made})
+    content, y = [], 20
+
+    def draw(name, depth):
+        nonlocal y
+        x, top = 20 + depth * 30, y
+        of = interfaces().get(name)
+        note = f"  algorithms/{of}" if of and of != "engine" else "  oracles/engines" if of else f"  {about.get(name, '')}"
+        content.append(f'<text class="h" x="{x + 6}" y="{y + 12}">{escape(name)}</text>')
+        content.append(f'<text class="s" x="{x + 6 + CHAR * len(name)}" y="{y + 12}">{escape(note)}</text>')
+        y += 20
+        for child in sorted(children.get(name, [])):
+            content.append(f'<path d="M{x + 10} {top + 18} V{y + 8} H{x + 32}"/>')
+            draw(child, depth + 1)
+
+    for root in roots:
+        draw(root, 0)
+        y += 8
+    state = re.search(r"// State: what save\(\) writes\.\n(.*?)\n\n", (ROOT / "framework/world.h").read_text(), re.S)
+    if not state:
+        raise UserError("framework/world.h does not say what of World is its state")
+    members = [re.sub(r"\s+", " ", line.split("//")[0]).strip(" ;") for line in state[1].split("\n")]
+    lines = [re.sub(r"\bm_(\w+)", r"\1", m) for m in members if m]
+    title = "World: its state, all of it in a save"
+    width = max(len(line) for line in [*lines, title]) * CHAR + 2 * PAD
+    drawn, height = box(430, 20, width, title, lines, kind='class="p"')
+    content += drawn
+    return picture(430 + width + 20, max(y, height + 40), content, "What derives from what, and the state of a world")
+
+
+def main(words):
+    if words and words[0] in ("-h", "--help"):
+        print(__doc__.strip())
+        return 0
+    if words not in ([], ["--check"]):
+        print(f"diagrams.py: unknown argument '{words[0]}'; valid: --check, --help", file=sys.stderr)
+        return 2
+    stale = []
+    for name, draw in (("pipeline.svg", pipeline), ("classes.svg", classes)):
+        try:
+            text = draw()
+        except UserError as error:
+            print(f"diagrams.py: {error}", file=sys.stderr)
+            return 1
+        path = FIGURES / name
+        if words:
+            if not path.exists() or path.read_text() != text:
+                stale.append(path.relative_to(ROOT).as_posix())
+        else:
+            path.write_text(text)
+    if stale:
+        print(f"{', '.join(stale)}: not what the source says; run reports/diagrams.py", file=sys.stderr)
+    return 1 if stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
