@@ -128,7 +128,8 @@ def box(x, y, width, title, lines, kind="", note=""):
 def picture(width, height, content, label):
     return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" viewBox="0 0 {width:g} {height:g}" '
             f'role="img" aria-label="{escape(label)}">\n'
-            '<rect x="0" y="0" width="100%" height="100%" style="fill:#fff;stroke:none"/>\n' + STYLE + "\n" + "\n".join(content) + "\n</svg>\n")
+            '<rect x="0" y="0" width="100%" height="100%" style="fill:#fff;stroke:none"/>\n' + STYLE + "\n" +
+            "\n".join(content) + "\n</svg>\n")
 
 
 def pipeline():
