@@ -95,6 +95,85 @@ struct Director2 {
   }
 };
 
+// Below: layouts against one kind of method each.
+
+struct CentreLine {
+  static constexpr const char* kName = "centre_line";
+  static constexpr const char* kMeaning =
+      "every box lies across x = 0, the border on which trees of regions divide first";
+  void visit(ParamVisitor&) {}
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    // Of what is left of the room, so large that a box overlaps about one other.
+    Flock<D> flock = everywhere<D>(n, D == 2 ? 2.0 * n : std::sqrt(4.0 * n), random);
+    for (std::size_t i = 0; i < flock.place.size(); ++i) {
+      flock.place[i][0] = static_cast<Real>(random.uniform(-0.8, 0.8) * kHalf);
+      flock.velocity[i][0] = 0;
+    }
+    return flock;
+  }
+};
+
+struct Towers {
+  static constexpr const char* kName = "towers";
+  static constexpr const char* kMeaning =
+      "two towers so far apart that centres vary most along x, where all boxes of a tower overlap: against sweeps";
+  void visit(ParamVisitor&) {}
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    Flock<D> flock = everywhere<D>(n, n, random);
+    for (std::size_t i = 0; i < flock.place.size(); ++i) {
+      for (int d = 0; d < D; ++d) {
+        if (d == 1) continue;
+        flock.place[i][d] = static_cast<Real>(random.uniform(-0.4, 0.4) * kHalf);
+        flock.velocity[i][d] = 0;
+      }
+      flock.place[i][0] += static_cast<Real>(i % 2 ? n : -n);
+    }
+    return flock;
+  }
+};
+
+struct HugeGround {
+  static constexpr const char* kName = "huge_ground";
+  static constexpr const char* kMeaning = "uniform, and one box as large as the room: against cells of one size";
+  void visit(ParamVisitor&) {}
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    Flock<D> flock = everywhere<D>(n, sideFor<D>(n), random);
+    flock.place[0] = flock.velocity[0] = Vec<D>::Zero();
+    flock.half[0] = flock.room;
+    return flock;
+  }
+};
+
+struct Outlier {
+  static constexpr const char* kName = "outlier";
+  static constexpr const char* kMeaning = "uniform, and one box that got lost: against what spans all that there is";
+  int rooms = 1000;
+  void visit(ParamVisitor& v) { v.integer("rooms", rooms, 1, 1000000, "how far the box is, in sides of the room"); }
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    const double side = sideFor<D>(n);
+    Flock<D> flock = everywhere<D>(n, side, random);
+    flock.place[0] = Vec<D>::Constant(static_cast<Real>(rooms * side));
+    flock.velocity[0] = Vec<D>::Zero();
+    return flock;
+  }
+};
+
+struct BatchSpawn {
+  static constexpr const char* kName = "batch_spawn";
+  static constexpr const char* kMeaning = "all boxes come at once into a quarter of the room's side and fly apart";
+  void visit(ParamVisitor&) {}
+  template <int D>
+  Flock<D> make(int n, Random& random) const {
+    Flock<D> flock = everywhere<D>(n, sideFor<D>(n), random);
+    for (Vec<D>& p : flock.place) p /= 4;
+    return flock;
+  }
+};
+
 template <class E, int D>
 Flock<D> make(const Spec& spec, int n, std::uint64_t seed) {
   Random random(seed);
@@ -108,8 +187,10 @@ BoxDistribution distributionEntry() {
 }  // namespace
 
 const std::vector<BoxDistribution>& boxDistributions() {
-  static const std::vector<BoxDistribution> all = {distributionEntry<Uniform>(), distributionEntry<Cluster>(),
-                                                   distributionEntry<Director2>()};
+  static const std::vector<BoxDistribution> all = {distributionEntry<Uniform>(),   distributionEntry<Cluster>(),
+                                                   distributionEntry<Director2>(), distributionEntry<CentreLine>(),
+                                                   distributionEntry<Towers>(),    distributionEntry<HugeGround>(),
+                                                   distributionEntry<Outlier>(),   distributionEntry<BatchSpawn>()};
   return all;
 }
 

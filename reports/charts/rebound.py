@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Zlib
+"""How far a body that hits the ground is thrown back, where nothing is to bounce (2009 report, 9.1.5)."""
+
+import math
+
+import numpy as np
+import pandas as pd
+from matplotlib.lines import Line2D
+
+from chart import Chart, Headline, Needs, holes, listing
+from load import split
+from style import ZeroLog, caption_of_lines, grid_of_axes, legend_right, legend_room, one_line, plain_log, same, si
+from table import quantity
+
+PLACE = 32
+SECTION = "Do contacts bounce that should not?"
+ROUNDING = 1e-6  # m: below it nothing is thrown back
+NEEDS = Needs("world", varies=("height",), methods=(2, math.inf), series=("height",), also="`report` that names it")
+ABSENT = Chart("rebound", SECTION, "What is thrown back after a fall",
+               "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_springs")
+
+
+def of_sweep(context, cells):
+    if "rebound" not in context.store.sweep(cells["sweep"].iloc[0]).report:
+        return []
+    return [_chart(context, part) for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True)]
+
+
+def thrown(heights):
+    """(fall, rebound) in m of a body's height per step: how far it fell until it rested, and how far it rose again after its
+    lowest place. Both are measured from where it is in the end."""
+    heights = np.asarray(heights, float)
+    low = int(np.argmin(heights))
+    return float(heights[0] - heights[-1]), max(0.0, float(np.max(heights[low:]) - heights[-1]))
+
+
+def rows_of(context, cells):
+    found = []
+    for _, cell in cells.sort_values(["method", "height"]).iterrows():
+        track = context.store.series(cell["key"], "height") if cell["key"] is not None and cell["outcome"] == "ok" else None
+        fall, back = thrown(track) if track is not None and len(track) else (math.nan, math.nan)
+        back = back if back > ROUNDING or math.isnan(back) else 0.0
+        gravity = cell.get("gravity")
+        found.append({"method": cell["method"], "height": cell["height"], "fall": fall, "rebound": back,
+                      "speed": math.sqrt(2 * gravity * max(0.0, fall)) if gravity is not None and fall == fall else math.nan})
+    return pd.DataFrame(found)
+
+
+def finding(rows):
+    last = rows[rows["height"] == rows["height"].max()].dropna(subset=["rebound"])
+    if not len(last):
+        return "no fall was finished."
+    speed = si(float(last["speed"].iloc[0]), "m/s")
+    back = dict(zip(last["method"], last["rebound"]))
+    up = sorted((m for m in back if back[m] > 0), key=lambda m: -back[m])
+    still = [m for m in back if not back[m]]
+    said = [f"at {speed} " + listing(f"{m} throws the body back by {si(back[m], 'm')}" for m in up)] if up else []
+    said += [f"{listing(still)} {'throws' if len(still) == 1 else 'throw'} it back by no more than {si(ROUNDING, 'm')}"] if still else []
+    return "; ".join(said) + "."
+
+
+def _chart(context, cells):
+    sweep, rows = cells["sweep"].iloc[0], rows_of(context, cells)
+    dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
+    looks, methods = context.looks(cells), sorted(rows["method"].unique())
+    room = legend_room(map(context.name, methods), 1.75)
+    figure, panels = grid_of_axes(1, 1, 3.2, room, left=0.9)
+    ax = panels[0][0]
+    plain_log(ax, "x", rows["speed"].dropna(), "m/s")
+    scale = ZeroLog(ax, "y", rows["rebound"], "m")
+    tracks = {}
+    for method in methods:
+        mine = rows[rows["method"] == method].dropna(subset=["speed"])
+        tracks[method] = list(zip(mine["speed"], mine["rebound"]))
+    firsts = same({m: [v for _, v in track] for m, track in tracks.items()})
+    for method in dict.fromkeys(firsts.values()):
+        ax.plot([x for x, _ in tracks[method]], [scale.place(v) for _, v in tracks[method]], **looks(method))
+    words = one_line(ax, firsts, listing)
+    ax.set_xlabel("speed at which the ground is hit")
+    ax.set_ylabel("thrown back")
+    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in methods], room)
+    table = {"method": rows["method"], **quantity("fall", "m", rows["fall"]), **quantity("speed", "m/s", rows["speed"]),
+             **quantity("thrown back", "m", rows["rebound"]),
+             "share of the energy [1]": rows["rebound"] / rows["fall"]}
+    last = rows[rows["height"] == rows["height"].max()].dropna(subset=["rebound"])
+    back = dict(zip(last["method"], last["rebound"]))
+    most = max(back, key=back.get, default=None)
+    head = None if most is None or not back[most] or min(back.values()) == back[most] else Headline(
+        f"A box that hits the ground at {si(float(last['speed'].iloc[0]), 'm/s')} and is not to bounce is thrown back by "
+        f"{si(back[most], 'm')} with {most}; with {listing(m for m in back if back[m] == min(back.values()))} by "
+        f"{si(min(back.values()), 'm')}.", back, "m", "thrown back")
+    return Chart(f"{sweep}_rebound_{dimension}d", SECTION, f"What is thrown back after a fall, {dimension}D",
+                 f"In {dimension}D, {finding(rows)}", sweep, figure, pd.DataFrame(table), holes(cells, ["method", "height"]),
+                 "The highest place after the lowest, above that in the end, over the speed that the fall has without drag; what "
+                 f"is at most {si(ROUNDING, 'm')} is 0." + caption_of_lines([("Lines", words)]), headline=head)
