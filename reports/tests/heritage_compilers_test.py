@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the chart of compilers and levels: files whose medians are known. Run by ctest, or
+python3 reports/tests/heritage_compilers_test.py [PICTURE.png]."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import heritage_compilers  # noqa: E402
+
+TIMES = {("g++", "O0"): 20.0, ("g++", "O2"): 2.0, ("g++", "O3"): 1.0, ("clang++", "O0"): 20.1, ("clang++", "O3"): 0.5}  # ms
+
+
+class Compilers(unittest.TestCase):
+    def folder(self, times=None, repeats=3, steps=30, states="aa"):
+        made = tempfile.TemporaryDirectory()
+        self.addCleanup(made.cleanup)
+        names = heritage_compilers.PHASES
+        for (compiler, level), ms in (TIMES if times is None else times).items():
+            for repeat in range(1, repeats + 1):
+                lines = ["step,whole [s]," + ",".join(f"{name} [s]" for name in names) + ",bodies,contact points,state"]
+                for step in range(steps):
+                    whole = ms * 1e-3 * (1 + 0.02 * repeat) * (50 if step < heritage_compilers.WARM_UP else 1)
+                    state = states[compiler == "clang++"] * 16 if step + 1 == steps else ""
+                    lines.append(f"{step},{whole}," + ",".join(str(whole / 10) for _ in names) + f",326,900,{state}")
+                (Path(made.name) / f"{compiler}_{level}_{repeat}.csv").write_text("\n".join(lines) + "\n")
+        return Path(made.name)
+
+    def test_medians_and_ratios(self):
+        folder = self.folder()
+        self.assertEqual(heritage_compilers.finding(heritage_compilers.medians_of(folder)),
+                         "A resting pyramid of 325 boxes in 2D, with the stages of 2009: clang++ takes 520 µs a step at -O3 and 40 "
+                         "times of that at -O0; g++ takes 1.04 ms a step at -O3 and 20 times of that at -O0; -O2 is 2.0 times of "
+                         "-O3; at -O0 clang++ over g++ is alike within the noise; at -O3 clang++ over g++ is 0.5 times; all end "
+                         "in the same bits.")
+        target = Path(PICTURE) if PICTURE else folder / "picture.png"
+        self.assertEqual(heritage_compilers.draw(heritage_compilers.medians_of(folder), target), ([], []))
+        self.assertTrue(target.exists())
+
+    def test_the_planted_bug_other_bits_are_told(self):
+        self.assertIn("they end in 2 different states", heritage_compilers.finding(heritage_compilers.medians_of(
+            self.folder(states="ab"))))
+
+    def test_first_steps_do_not_count(self):
+        folder = self.folder(times={("g++", "O2"): 2.0}, repeats=1, steps=15)  # ten of these are fifty times as slow
+        self.assertAlmostEqual(heritage_compilers.medians_of(folder)["whole [s]"].iloc[0], 2.04e-3)
+        real, heritage_compilers.WARM_UP = heritage_compilers.WARM_UP, 0
+        try:
+            self.assertAlmostEqual(heritage_compilers.medians_of(folder)["whole [s]"].iloc[0], 50 * 2.04e-3)
+        finally:
+            heritage_compilers.WARM_UP = real
+
+    def test_nothing_there_is_a_mistake(self):
+        self.assertEqual(heritage_compilers.main([str(self.folder(times={}))]), 2)
+
+
+PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
+
+if __name__ == "__main__":
+    unittest.main()

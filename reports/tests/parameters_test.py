@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of what hangs on parameters: ratios over the defaults that are known. Run by ctest, or
+python3 reports/tests/parameters_test.py [PICTURE.png]."""
+
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
+from charts import parameters  # noqa: E402
+
+TIMES = {"grid": 100, "grid{cell=1}": 50, "grid{cell=8}": 400, "tree": 200, "tree{depth=4}": 204}
+
+
+class Parameters(with_store.WithStore):
+    @staticmethod
+    def boxes(of=None, repeats=4, noisy=0.02, hung=(), report=("parameters",)):
+        def fill(maker):
+            maker.sweep("broadphase_parameters", "boxes", broadphase="stage", report=list(report))
+            for distribution in ("uniform", "cluster"):
+                for method, ns in (of or TIMES).items():
+                    for repeat in range(repeats):
+                        axes = {"kind": "boxes", "dimension": 2, "distribution": distribution, "broadphase": method, "n": 1000,
+                                "precision": "f64", "timed": True, "repeat": repeat}
+                        failed = method in hung
+                        maker.trial("broadphase_parameters", axes, {} if failed else {
+                            "ns_per_frame_median": ns * 1e3 * (1 + noisy * (repeat % 2))}, *(("timeout", "long") if failed else ("ok",)))
+        return fill
+
+    def one(self, **about):
+        found = self.made(parameters, self.boxes(**about))
+        self.assertEqual(len(found), 1)
+        return found[0]
+
+    def test_gains_and_losses(self):
+        made = self.one()
+        if PICTURE:
+            made.figure.savefig(PICTURE)
+        self.assertEqual(made.finding, "Of 1,000 boxes, grid gains most by grid{cell=1} (0.5 times the time of its defaults on "
+                         "uniform boxes, 2D) and loses most by grid{cell=8} (4.0 times on uniform boxes, 2D); grid{cell=1} gains "
+                         "everywhere; no parameter of tree changes its time beyond the noise.")
+        self.assertEqual(made.headline.text, "On uniform boxes, 2D grid{cell=8} takes 4.0 times the time of grid with its defaults.")
+        self.assertEqual(list(made.table["over its defaults [1]"].dropna())[:2], [0.5, 4.0])
+
+    def test_the_planted_bug_noise_is_no_gain(self):
+        about = {"of": {"grid": 100, "grid{cell=1}": 90}, "noisy": 0.4}
+        self.assertIn("no parameter of grid changes its time beyond the noise", self.one(**about).finding)
+        real, parameters.noise.tells = parameters.noise.tells, lambda a, b, metric, least: True
+        try:
+            self.assertIn("grid gains most by grid{cell=1}", self.one(**about).finding)
+        finally:
+            parameters.noise.tells = real
+
+    def test_what_failed_is_told(self):
+        made = self.one(hung=("grid{cell=8}",))
+        self.assertIn("timeout (long)", " ".join(made.holes))
+        self.assertNotIn("cell=8", made.finding)
+
+    def test_only_where_a_sweep_asks(self):
+        self.assertEqual(self.made(parameters, synthetic_store.broadphase), [parameters.ABSENT])
+
+
+PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
+
+if __name__ == "__main__":
+    unittest.main()

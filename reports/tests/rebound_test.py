@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of what is thrown back after a fall: heights that are known. Run by ctest, or
+python3 reports/tests/rebound_test.py [PICTURE.png]."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import synthetic_store  # noqa: E402
+import with_store  # noqa: E402
+from charts import rebound  # noqa: E402
+
+
+def track(fall, back):
+    """Heights of a body that falls from 1 + fall, sinks a little, rises by `back` above its place of rest and comes back."""
+    return [1 + fall, 1 + fall / 2, 0.9, 1 + back, 1 + back / 2, 1, 1]
+
+
+class Rebound(with_store.WithStore):
+    @staticmethod
+    def drops(back=None, report=("rebound",)):
+        def fill(maker):
+            maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
+                             ("metric", "gravity", "world", "gravity", "m/s^2", "invented", "detail", "", ""))
+            maker.sweep("heritage_springs", "world", resolver="label", height="parameter", report=list(report))
+            for method, shares in (back or {"springy": (0, 0.1), "calm": (0, 0), "other": (0, 0)}).items():
+                for height, share in zip((2.25, 21), shares):
+                    fell = share is None
+                    maker.trial("heritage_springs", {"kind": "world", "scene": "box_drop", "dimension": 2, "height": height,
+                                                     "resolver": method, "precision": "f64", "timed": False, "repeat": 0},
+                                {"gravity": 10.0}, *(("exploded", "speed", 5) if fell else ("ok",)),
+                                series={} if fell else {"height": track(height - 1, share * (height - 1))})
+        return fill
+
+    def one(self, **about):
+        found = self.made(rebound, self.drops(**about))
+        self.assertEqual(len(found), 1)
+        return found[0]
+
+    def test_known_rebounds(self):
+        made = self.one()
+        if PICTURE:
+            made.figure.savefig(PICTURE)
+        self.assertEqual(made.finding, "In 2D, at 20 m/s springy throws the body back by 2 m; calm and other throw it back by no "
+                                       "more than 1 µm.")
+        self.assertEqual(made.headline.values, {"calm": 0.0, "other": 0.0, "springy": 2.0})
+        rows = made.table[made.table["method"] == "springy"]
+        self.assertAlmostEqual(rows["share of the energy [1]"].iloc[1], 0.1)
+        self.assertAlmostEqual(rows["speed [m/s]"].iloc[0], 5.0)
+
+    def test_the_planted_bug_the_fall_itself_is_no_rebound(self):
+        self.assertEqual(rebound.thrown([10, 5, 0.9, 1, 1]), (9.0, 0.0))
+        self.assertGreater(max([10, 5, 0.9, 1, 1]) - 1, 0, "as the highest place of the whole run would have it")
+
+    def test_who_failed_has_no_number(self):
+        made = self.one(back={"springy": (0, None), "calm": (0, 0.2)})
+        self.assertEqual(made.finding, "In 2D, at 20 m/s calm throws the body back by 4 m.")
+        self.assertTrue(math.isnan(made.table[made.table["method"] == "springy"]["thrown back [m]"].iloc[1]))
+        self.assertIn("exploded", " ".join(made.holes))
+
+    def test_only_where_a_sweep_asks(self):
+        self.assertEqual(self.made(rebound, synthetic_store.resolvers), [rebound.ABSENT])
+
+
+PICTURE = sys.argv.pop(1) if len(sys.argv) > 1 and sys.argv[1].endswith(".png") else None
+
+if __name__ == "__main__":
+    unittest.main()
