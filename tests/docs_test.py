@@ -30,6 +30,7 @@ ELSEWHERE = {
 }
 NOT_RUN = {
     "./experiments/run quick": "builds and sweeps for minutes",
+    "./experiments/run heritage": "builds and sweeps for minutes",
     "./tests/run": "it is what runs this",
     ".ci/install_packages": "installs",
     "cmake --preset release && cmake --build --preset release": "builds for minutes; this build stands for it",

@@ -73,6 +73,17 @@ TEST(Entries, WhatANameDrawsStays) {
   EXPECT_EQ(boxes<3>("cluster"), 0xef42594d5646a0aeu);
   EXPECT_EQ(boxes<2>("director_2"), 0xf6ded839a6f99ee3u);
   EXPECT_EQ(boxes<3>("director_2"), 0xcb02ba5f33a90f64u);
+  // Those against one kind of broadphase each came with entries.
+  EXPECT_EQ(boxes<2>("centre_line"), 0x40883aa04b9b3e30u);
+  EXPECT_EQ(boxes<3>("centre_line"), 0x239f5b16c59fd7e5u);
+  EXPECT_EQ(boxes<2>("towers"), 0xcb22ef2738bbc265u);
+  EXPECT_EQ(boxes<3>("towers"), 0xef41ba5189fae8acu);
+  EXPECT_EQ(boxes<2>("huge_ground"), 0x7759103232053fc0u);
+  EXPECT_EQ(boxes<3>("huge_ground"), 0x07d160c13ccb9373u);
+  EXPECT_EQ(boxes<2>("outlier"), 0xb69499fcc0ba8dd6u);
+  EXPECT_EQ(boxes<3>("outlier"), 0xc335ce84f8dac598u);
+  EXPECT_EQ(boxes<2>("batch_spawn"), 0x7776d964e83fd70cu);
+  EXPECT_EQ(boxes<3>("batch_spawn"), 0xb507353d45f5f3b5u);
   EXPECT_EQ(pairs<2>("in_turn"), 0xb208c28634ea0e13u);
   // Last bits of pairs that are made to touch are others by clang++: only steps are the same everywhere.
 #if !defined(__clang__)
@@ -159,8 +170,10 @@ TEST(Entries, PlansKnowThem) {
   EXPECT_EQ(errorOf([&] { hullsOf("polytope", 3); }), "axis 'vertices' is 3; valid: whole numbers from 4 to 4096");
   EXPECT_EQ(errorOf([&] { hullsOf("box", 8); }),
             "axis 'vertices' is of hulls; valid: with 'polytope' as kind_a or kind_b");
-  EXPECT_EQ(errorOf([&] { boxesOf("clusters"); }),
-            "unknown distribution 'clusters'; did you mean 'cluster'? valid: uniform, cluster, director_2");
+  EXPECT_EQ(
+      errorOf([&] { boxesOf("clusters"); }),
+      "unknown distribution 'clusters'; did you mean 'cluster'? valid: uniform, cluster, director_2, centre_line, "
+      "towers, huge_ground, outlier, batch_spawn");
   EXPECT_EQ(errorOf([&] { boxesOf("cluster{spread=0}"); }),
             "parameter 'spread' of 'cluster' is '0'; valid: a whole number from 1 to 100");
   EXPECT_EQ(errorOf([&] { boxesOf("uniform{side=3}"); }), "'uniform' has no parameter 'side'; valid: none");
