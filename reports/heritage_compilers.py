@@ -16,7 +16,8 @@ WARM_UP = 10  # steps that are not counted
 
 
 def medians_of(folder):
-    """A row per run: compiler, level, repeat, the medians of its steps (s), bodies, contact points and the hash of its last state."""
+    """A row per run: compiler, level, repeat, the medians of its steps (s), bodies, contact points and the hash of its last
+    state."""
     import pandas as pd
     rows = []
     for path in sorted(Path(folder).glob("*_*_*.csv")):
@@ -68,7 +69,8 @@ def finding(medians):
                 said.append(f"at -{one['level']} {one['compiler']} over {other['compiler']} is {ratio(one, other)}")
     ends = medians["state"].nunique()
     said.append("all end in the same bits" if ends == 1 else f"they end in {ends} different states")
-    return (f"A resting pyramid of {medians['bodies'].iloc[0] - 1} boxes in 2D, with the stages of 2009: " + "; ".join(said) + ".")
+    return (f"A resting pyramid of {medians['bodies'].iloc[0] - 1} boxes in 2D, with the stages of 2009: " + "; ".join(said) +
+            ".")
 
 
 def draw(medians, target):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The resting pyramid of the 2009 report's figures 7.6 and 7.7, in 2D and without sleeping: a program for each compiler and level
-// of optimisation, of the framework and the algorithms of 2009 alone. experiments/heritage/compilers builds and runs it.
-// usage: resting_pyramid BASE STEPS > steps.csv
+// The resting pyramid of the 2009 report's figures 7.6 and 7.7, in 2D and without sleeping: a program for each compiler
+// and level of optimisation, of the framework and the algorithms of 2009 alone. experiments/heritage/compilers builds
+// and runs it. usage: resting_pyramid BASE STEPS > steps.csv
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -60,7 +60,8 @@ def rows_of(cells):
             bodies = [float(b) for b in mine["bodies"]]
             row = {"scene": scene, "dimension": dimension, "method": method, "rungs": len(mine)}
             for name, metric in (("slow", SLOW), ("median", MEDIAN)):
-                times = [ms if outcome == "ok" else math.nan for ms, outcome in zip(metrics.column(mine, metric), mine["outcome"])]
+                good = (mine["outcome"] == "ok").to_numpy()
+                times = [ms if fine else math.nan for ms, fine in zip(metrics.column(mine, metric), good)]
                 # A run that failed may have no number of bodies: its rung is beyond those that have.
                 top = max([b for b in bodies if math.isfinite(b)], default=0) + 1
                 row[name], row[name + " known"] = largest([(b if math.isfinite(b) else top, ms) for b, ms in zip(bodies, times)])
@@ -77,7 +78,8 @@ def finding(rows):
     said = []
     for place in dict.fromkeys((row["scene"], row["dimension"]) for row in rows):
         mine = [row for row in rows if (row["scene"], row["dimension"]) == place]
-        told = [f"{row['method']} {words(row['slow'], row['slow known'])} (by the median {words(row['median'], row['median known'])})"
+        told = [f"{row['method']} {words(row['slow'], row['slow known'])} (by the median "
+                f"{words(row['median'], row['median known'])})"
                 for row in mine]
         said.append(f"on {place[0]} in {place[1]}D {listing(told)}")
     return ("Bodies whose slow steps, the 99th percentile, stay within a sixtieth of a second: " + "; ".join(said) + "."
@@ -87,7 +89,8 @@ def finding(rows):
 def _bar(ax, y, row, name, colour, height, alpha):
     number, known = row[name], row[name + " known"]
     if known in (WITHIN, TOP):
-        ax.barh(y, number, height=height, color=colour, alpha=alpha, hatch="///" if known == TOP else None, edgecolor="white", lw=0)
+        ax.barh(y, number, height=height, color=colour, alpha=alpha, hatch="///" if known == TOP else None, edgecolor="white",
+                lw=0)
     at = number if known in (WITHIN, TOP) else 0
     ax.annotate(words(number, known), (at, y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8)
     return at
@@ -103,7 +106,8 @@ def _chart(context, cells, refused):
         mine, most = [row for row in rows if (row["scene"], row["dimension"]) == place], 1.0
         for row in mine:
             y, colour = methods.index(row["method"]), looks(row["method"])["color"]
-            most = max(most, _bar(ax, y - 0.2, row, "slow", colour, 0.36, 0.95), _bar(ax, y + 0.2, row, "median", colour, 0.36, 0.45))
+            most = max(most, _bar(ax, y - 0.2, row, "slow", colour, 0.36, 0.95),
+                       _bar(ax, y + 0.2, row, "median", colour, 0.36, 0.45))
         ax.set_xlim(0, 1.42 * most)
         ax.set_ylim(len(methods) - 0.4, -0.6)
         ax.set_yticks(range(len(methods)), [context.name(m) for m in methods] if ax is axes[0][0] else [])
@@ -115,7 +119,7 @@ def _chart(context, cells, refused):
     legend_right(figure, [Patch(color="#555555", alpha=0.95, label="99th percentile"), Patch(color="#555555", alpha=0.45,
                           label="median"), Patch(facecolor="#555555", hatch="///", edgecolor="white", label="ladder ended"),
                           Line2D([], [], ls="none", label="<: the first rung\nwas too slow")], 1.9)
-    table = {"scene": [r["scene"] for r in rows], "dimension": [r["dimension"] for r in rows], "method": [r["method"] for r in rows],
+    table = {**{name: [r[name] for r in rows] for name in ("scene", "dimension", "method")},
              **quantity("bodies by the 99th percentile", "1", [r["slow"] for r in rows]),
              "how known": [r["slow known"] for r in rows],
              **quantity("bodies by the median", "1", [r["median"] for r in rows]),

@@ -60,7 +60,8 @@ def _chart(context, shown, left_out):
         tracks = {name: {cell["method"]: np.asarray(found, float) for _, cell in part.iterrows() if cell["key"] is not None
                          for found in [context.store.series(cell["key"], name)] if found is not None and len(found)}
                   for name in ("height", "drift")}
-        mine = [{"where": where, "method": cell["method"], "outcome": cell["outcome"], "tilt": float(cell.get("tilt_end", math.nan)),
+        mine = [{"where": where, "method": cell["method"], "outcome": cell["outcome"],
+                 "tilt": float(cell.get("tilt_end", math.nan)),
                  "height": tracks["height"][cell["method"]][-1], "drift": tracks["drift"][cell["method"]][-1],
                  "fell": fallen_at(tracks["height"][cell["method"]])}
                 for _, cell in part.iterrows() if cell["method"] in tracks["height"]]
@@ -92,5 +93,5 @@ def _chart(context, shown, left_out):
     return Chart(f"{sweep}_over_time_{dimension}d", SECTION, f"Height and drift over time, {dimension}D",
                  f"In {dimension}D " + "; ".join(said) + ".", sweep, figure, pd.DataFrame(table),
                  left_out + holes(cells, ["scene", "method"]),
-                 f"Of {over_steps.STRETCHES} stretches of the run the median height of the highest body and the largest distance of "
-                 "a body from where it came." + caption_of_lines(lines), headline=head)
+                 f"Of {over_steps.STRETCHES} stretches of the run the median height of the highest body and the largest "
+                 "distance of a body from where it came." + caption_of_lines(lines), headline=head)

@@ -34,7 +34,8 @@ def against_default(cells, least):
     """One row per panel and method that is not plain: its time over that with the defaults, and whether that is told."""
     rows = []
     for panel, part in cells.groupby("panel", sort=False):
-        plain = {cell["method"]: cell for _, cell in part.iterrows() if cell["method"] == cell["family"] and cell["outcome"] == "ok"}
+        plain = {cell["method"]: cell for _, cell in part.iterrows()
+                 if cell["method"] == cell["family"] and cell["outcome"] == "ok"}
         for _, cell in part.iterrows():
             base = plain.get(cell["family"])
             if base is None or cell["method"] == cell["family"] or cell["outcome"] != "ok":

@@ -55,7 +55,8 @@ def finding(rows):
     up = sorted((m for m in back if back[m] > 0), key=lambda m: -back[m])
     still = [m for m in back if not back[m]]
     said = [f"at {speed} " + listing(f"{m} throws the body back by {si(back[m], 'm')}" for m in up)] if up else []
-    said += [f"{listing(still)} {'throws' if len(still) == 1 else 'throw'} it back by no more than {si(ROUNDING, 'm')}"] if still else []
+    if still:
+        said.append(f"{listing(still)} {'throws' if len(still) == 1 else 'throw'} it back by no more than {si(ROUNDING, 'm')}")
     return "; ".join(said) + "."
 
 

@@ -68,9 +68,9 @@ def finding(runs, cells, floor):
     """Numbers of each run, then the ratios of whole runs, which have repeats."""
     if not runs:
         return "no run finished with times of its phases."
-    said = [f"{r['method']}: {si(r['before'], 's')} a step before the half, {si(r['peak'], 's')} at the peak, {si(r['end'], 's')} "
-            f"in the last tenth, {r['awake']} of {r['bodies']} bodies awake in the end and at least {r['least']} in each step of "
-            "the second half" for r in runs]
+    said = [f"{r['method']}: {si(r['before'], 's')} a step before the half, {si(r['peak'], 's')} at the peak, "
+            f"{si(r['end'], 's')} in the last tenth, {r['awake']} of {r['bodies']} bodies awake in the end and at least "
+            f"{r['least']} in each step of the second half" for r in runs]
     by, first, told = cells.set_index("method", drop=False), runs[0]["method"], []
     for run in runs[1:]:
         ratio = noise.said(by.loc[first], by.loc[run["method"]], COST, floor)
@@ -138,9 +138,9 @@ def _chart(context, cells, refused):
     return Chart(f"{sweep}_script_profile", SECTION, f"A script under the names of 2009: {sweep}, {where}",
                  f"On {where} " + finding(runs, cells, floor), sweep, figure, pd.DataFrame(rows),
                  refused + holes(cells, ["scene", "method"]),
-                 "Stacked medians of stretches of the run; the dotted line is the half, where the rain stops and the firework goes "
-                 f"off. {', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the rest. "
-                 f"Bodies are counted with ground and walls. {REPORTED.get(sweep, '')} " + noise.rule(floor), headline=told)
+                 "Stacked medians of stretches of the run; the dotted line is the half, where the rain stops and the firework "
+                 f"goes off. {', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
+                 f"rest. Bodies are counted with ground and walls. {REPORTED.get(sweep, '')} " + noise.rule(floor), headline=told)
 
 
 def _colour(phase):

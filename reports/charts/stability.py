@@ -78,8 +78,9 @@ def _chart(context, cells):
     head = None if held[least] == held[most] else Headline(
         f"Of {plural(len(places), 'scene')} in {dimension}D, each with and without what varies, {most} holds {held[most]} and "
         f"{least} {held[least]}.", {m: float(v) for m, v in held.items()}, quantity="scenes that stand", larger=True)
-    return Chart(identifier(f"{sweep} stability {dimension}d"), SECTION, f"What becomes of scenes under each method, {dimension}D",
+    return Chart(identifier(f"{sweep} stability {dimension}d"), SECTION,
+                 f"What becomes of scenes under each method, {dimension}D",
                  f"In {dimension}D {finding(rows, methods)}", sweep, figure,
                  pd.DataFrame(rows).drop(columns="told").rename(columns={"where": "scene"}), holes(cells, ["method", *axes]),
-                 "Each cell is one run: since when all bodies rest, where they do until the end, or the step at which the run ended, "
-                 "with its outcome. “moves”: it stands, and something is not at rest.", headline=head)
+                 "Each cell is one run: since when all bodies rest, where they do until the end, or the step at which the run "
+                 "ended, with its outcome. “moves”: it stands, and something is not at rest.", headline=head)

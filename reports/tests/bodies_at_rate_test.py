@@ -44,9 +44,9 @@ class BodiesAtRate(with_store.WithStore):
         if PICTURE:
             made.figure.savefig(PICTURE)
         # From a quarter of the limit at 100 to 2.5 times at 1000 the time is in proportion to the bodies.
-        self.assertEqual(made.finding, "Bodies whose slow steps, the 99th percentile, stay within a sixtieth of a second: on rain "
-                         "in 2D linear 200 (by the median 400), fast ≥ 1,000 (by the median ≥ 1,000), slow < 100 (by the median "
-                         "< 100) and hung ≥ 100 (by the median ≥ 100).")
+        self.assertEqual(made.finding, "Bodies whose slow steps, the 99th percentile, stay within a sixtieth of a second: on "
+                         "rain in 2D linear 200 (by the median 400), fast ≥ 1,000 (by the median ≥ 1,000), slow < 100 (by the "
+                         "median < 100) and hung ≥ 100 (by the median ≥ 100).")
         hatched = [patch for patch in made.figure.axes[0].patches if patch.get_hatch()]
         self.assertEqual(len(hatched), 4, "of fast and of hung")
 

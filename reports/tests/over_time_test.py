@@ -25,7 +25,8 @@ class OverTime(with_store.WithStore):
             maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                              ("metric", "tilt_end", "world", "turn at the end", "rad", "invented", "detail", "less", ""))
             maker.sweep("heritage_positions", "world", resolver="label", report=list(report))
-            for method, at in ({"naive+linear": 100, "catto+linear": None, "catto+ngs": None} if falls is None else falls).items():
+            usual = {"naive+linear": 100, "catto+linear": None, "catto+ngs": None}
+            for method, at in (usual if falls is None else falls).items():
                 down = np.zeros(STEPS) if at is None else (np.arange(STEPS) >= at) * 8.0
                 maker.trial("heritage_positions", {"kind": "world", "scene": "falling_stack", "dimension": 2, "resolver": method,
                                                    "precision": "f64", "timed": False, "repeat": 0},

@@ -28,7 +28,8 @@ class Parameters(with_store.WithStore):
                                 "precision": "f64", "timed": True, "repeat": repeat}
                         failed = method in hung
                         maker.trial("broadphase_parameters", axes, {} if failed else {
-                            "ns_per_frame_median": ns * 1e3 * (1 + noisy * (repeat % 2))}, *(("timeout", "long") if failed else ("ok",)))
+                            "ns_per_frame_median": ns * 1e3 * (1 + noisy * (repeat % 2))},
+                            *(("timeout", "long") if failed else ("ok",)))
         return fill
 
     def one(self, **about):
@@ -43,7 +44,8 @@ class Parameters(with_store.WithStore):
         self.assertEqual(made.finding, "Of 1,000 boxes, grid gains most by grid{cell=1} (0.5 times the time of its defaults on "
                          "uniform boxes, 2D) and loses most by grid{cell=8} (4.0 times on uniform boxes, 2D); grid{cell=1} gains "
                          "everywhere; no parameter of tree changes its time beyond the noise.")
-        self.assertEqual(made.headline.text, "On uniform boxes, 2D grid{cell=8} takes 4.0 times the time of grid with its defaults.")
+        self.assertEqual(made.headline.text, "On uniform boxes, 2D grid{cell=8} takes 4.0 times the time of grid with its "
+                                             "defaults.")
         self.assertEqual(list(made.table["over its defaults [1]"].dropna())[:2], [0.5, 4.0])
 
     def test_the_planted_bug_noise_is_no_gain(self):

@@ -84,7 +84,8 @@ predicted_rate|problems|predicted rate|1|detail|faster|""".splitlines()] + [
     ("series", "ns_per_solve", "problems", "time per solve", "ns", "cost", "", "timing")] + [
     ("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
     ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("max_penetration", ""),
-    ("penetration_poses", ""), ("mean_penetration", ""), ("height", ""), ("residual", ""), ("pairs", ""), ("bodies", ""), ("awake", ""),
+    ("penetration_poses", ""), ("mean_penetration", ""), ("height", ""), ("residual", ""), ("pairs", ""),
+    ("bodies", ""), ("awake", ""),
     ("seconds", "timing"), ("sec_*", "timing"))]
 GROUPS = {"broadphase": "broadphase", "pair_query": "narrowphase", "solver": "solver", "velocity": "solver", "position": "solver",
           "engine": "engine"}
