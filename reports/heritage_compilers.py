@@ -86,21 +86,21 @@ def draw(medians, target):
     for ax, compiler in zip(axes[0], compilers):
         part = builds[builds["compiler"] == compiler]
         below = np.zeros(len(part))
-        parts = {name: part[f"{name} [s]"].to_numpy() * 1e3 for name in PHASES}
-        parts["other"] = np.maximum(0, part["whole [s]"].to_numpy() * 1e3 - sum(parts.values()))
+        # Shares: at -O0 a step takes hundreds of times as long, and beside it no other bar would be seen.
+        whole = part["whole [s]"].to_numpy()
+        parts = {name: 100 * part[f"{name} [s]"].to_numpy() / whole for name in PHASES}
+        parts["other"] = np.maximum(0, 100 - sum(parts.values()))
         for name, values in parts.items():
             ax.bar(range(len(part)), values, bottom=below, color=colours[name], width=0.62, alpha=0.85)
             below = below + values
-        whole = part["whole [s]"].to_numpy() * 1e3
-        ax.errorbar(range(len(part)), whole, yerr=[whole - part["low [s]"] * 1e3, part["high [s]"] * 1e3 - whole], fmt="none",
-                    color="#333333", lw=1, capsize=3)
-        for x, (ms, high) in enumerate(zip(whole, part["high [s]"] * 1e3)):
-            ax.annotate(si(ms, "ms"), (x, max(ms, high)), xytext=(0, 4), textcoords="offset points", ha="center", fontsize=8.5)
+        for x, (_, build) in enumerate(part.iterrows()):
+            ax.annotate(f"{si(build['whole [s]'], 's')}\n{si(build['low [s]'], 's')} to {si(build['high [s]'], 's')}", (x, 100),
+                        xytext=(0, 4), textcoords="offset points", ha="center", fontsize=8)
         ax.set_xticks(range(len(part)), [f"-{level}" for level in part["level"]])
         ax.set_title(compiler)
         ax.grid(axis="x", visible=False)
-    axes[0][0].set_ylabel("time of a step (ms)")
-    axes[0][0].set_ylim(0, 1.15 * float(builds["high [s]"].max()) * 1e3)
+    axes[0][0].set_ylabel("share of the time of a step (%)")
+    axes[0][0].set_ylim(0, 122)
     legend_right(figure, [Patch(color=colours[name], alpha=0.85, label=name) for name in reversed(colours)], 1.75)
     pages.folder(Path(target).parent)
     pages.save(figure, Path(target))
