@@ -119,7 +119,7 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
   const auto when = [&](const std::string& text) {
     return head + "[[body]]\nrepeat = { i = 3 }\nwhen = '''" + text + "'''\n" + kBall;
   };
-  const std::vector<Case> cases = {
+  const std::vector<BadScene> cases = {
       {"i=1", {"'=='"}},
       {"n=5", {"'n=5'", "'=='"}},
       {"n = n", {"'=='"}},
@@ -183,7 +183,7 @@ TEST(SceneMistakes, ExpressionsThatMeanSomethingElse) {
       {"harmonic(n + 0.5)", {"finite"}},
       {"harmonic(1e300)", {"finite"}},
   };
-  for (const Case& c : cases) {
+  for (const BadScene& c : cases) {
     Parts parts = c.parts;
     parts.push_back("t.toml:8: ");
     refused({{when(c.text), parts}});
@@ -225,7 +225,7 @@ TEST(SceneMistakes, NamesThatAreTaken) {
   const auto parameter = [](const std::string& name) {
     return "[parameters]\n" + name + " = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";
   };
-  std::vector<Case> cases;
+  std::vector<BadScene> cases;
   for (const std::string name : {"k", "step", "part", "dimension"}) {
     cases.push_back({parameter(name), {"t.toml:5: ", "'" + name + "'", "dimension, k, part, step"}});
   }

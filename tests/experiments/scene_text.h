@@ -10,7 +10,7 @@
 namespace lpc::inline LPC_PRECISION::test {
 
 using Parts = std::vector<std::string>;
-struct Case {
+struct BadScene {
   std::string text;
   Parts parts;
 };
@@ -35,8 +35,8 @@ std::string messageOf(const std::string& text) {
 }
 
 template <int D>
-void refused(const std::vector<Case>& cases) {
-  for (const Case& c : cases) {
+void refused(const std::vector<BadScene>& cases) {
+  for (const BadScene& c : cases) {
     const std::string message = messageOf<D>(c.text);
     for (const std::string& part : c.parts) {
       EXPECT_NE(message.find(part), message.npos) << c.text.substr(0, 400) << "\n" << message;
@@ -45,6 +45,6 @@ void refused(const std::vector<Case>& cases) {
     EXPECT_LT(message.size(), 1600u);
   }
 }
-inline void refused(const std::vector<Case>& cases) { refused<2>(cases), refused<3>(cases); }
+inline void refused(const std::vector<BadScene>& cases) { refused<2>(cases), refused<3>(cases); }
 
 }  // namespace lpc::inline LPC_PRECISION::test
