@@ -24,6 +24,8 @@ PAGES = ["docs/manual.md", "README.md"] + sorted(
 # Sections whose files and commands another test takes from the page.
 ELSEWHERE = {
     ("docs/manual.md", "A first world in C++"): "tests/embedding/run.cmake",
+    ("docs/manual.md", "Worlds that change"): "tests/embedding/run.cmake",
+    ("docs/manual.md", "An example program"): "tests/embedding/run.cmake",
     ("docs/adding_an_algorithm.md", "In ten minutes: a broadphase"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "A resolver"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "Outside this tree"): "tests/embedding/run.cmake",

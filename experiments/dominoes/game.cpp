@@ -4,6 +4,7 @@
 #include <framework/shape_between.h>
 #include <framework/world.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <set>
@@ -27,7 +28,7 @@ class Score final : public ContactListener<3> {
     if (numberOf(world, m.bodyA) == kBall || numberOf(world, m.bodyB) == kBall) material.friction = 0;
   }
   bool begin(const World<3>& world, const Manifold<3>& m) override {
-    const auto [low, high] = std::minmax(numberOf(world, m.bodyA), numberOf(world, m.bodyB));
+    const auto [low, high] = std::minmax({numberOf(world, m.bodyA), numberOf(world, m.bodyB)});
     if (low >= 1 && high == low + 1) fallen.insert(high);
     return true;
   }
