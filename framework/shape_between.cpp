@@ -6,12 +6,12 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-// The smallest turn of the x axis into a direction (unit).
+// A turn of the x axis into a direction (unit).
 Rot<2> fromX(const Vec<2>& d) { return {d[0], d[1]}; }
 Rot<3> fromX(const Vec<3>& d) {
-  const Real w = 1 + d[0];                         // half of it is the squared cosine of half the angle
-  if (!(w > kUnitTolerance)) return {0, 0, 0, 1};  // back along x: half a turn about z
-  return Rot<3>{w, 0, -d[2], d[1]}.normalized();
+  // Half of 1 + x is the squared cosine of half the angle. Where that is small: half a turn about z, and then from -x.
+  if (d[0] >= 0) return Rot<3>{1 + d[0], 0, -d[2], d[1]}.normalized();
+  return Rot<3>{1 - d[0], 0, d[2], -d[1]}.normalized() * Rot<3>{0, 0, 0, 1};
 }
 
 template <int D>

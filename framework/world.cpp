@@ -3,6 +3,8 @@
 // world_contacts.cpp, world_step.cpp, world_save.cpp.
 #include "framework/world.h"
 
+#include <algorithm>
+
 #include "framework/user_numbers.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -128,14 +130,15 @@ void World<D>::remove(const ForceGenerator<D>* generator) {
 template <int D>
 void World<D>::addListener(ContactListener<D>* listener) {
   if (!listener) throw UserError("world: the listener is null");
-  m_listeners.push_back(listener);
+  if (std::find(m_listeners.begin(), m_listeners.end(), listener) == m_listeners.end()) m_listeners.push_back(listener);
 }
 template <int D>
 void World<D>::addListener(Handle body, ContactListener<D>* listener) {
   const std::size_t i = slotOf(body);
   if (!listener) throw UserError("world: the listener is null");
   if (i >= m_bodyListeners.size()) m_bodyListeners.resize(i + 1);
-  m_bodyListeners[i].push_back(listener);
+  auto& of = m_bodyListeners[i];
+  if (std::find(of.begin(), of.end(), listener) == of.end()) of.push_back(listener);
 }
 template <int D>
 void World<D>::removeListener(ContactListener<D>* listener) {

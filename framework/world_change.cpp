@@ -103,7 +103,13 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   const auto isGone = [&](std::int32_t shape) {
     return std::find(had.begin(), had.end(), static_cast<std::size_t>(shape)) != had.end();
   };
-  endContacts([&](const auto& pair) { return isGone(pair.shapeA) || isGone(pair.shapeB) ? slot : -1; });
+  // Two bodies that do not move have no contact, and nobody would end it.
+  const auto bothStay = [&](const auto& pair) {
+    if (def.type == BodyType::dynamic || (pair.bodyA != slot && pair.bodyB != slot)) return false;
+    return b.type[static_cast<std::size_t>(pair.bodyA == slot ? pair.bodyB : pair.bodyA)] != BodyType::dynamic;
+  };
+  endContacts(
+      [&](const auto& pair) { return isGone(pair.shapeA) || isGone(pair.shapeB) || bothStay(pair) ? slot : -1; });
 
   const BodyDef<D> before = definition(body);
   const Vec<D> by = weighed.mass.center - b.center[i];
@@ -135,6 +141,9 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   const std::size_t none = m_shapes.size();
   for (std::size_t k = 0; k < kept.size(); ++k) {
     if (kept[k] >= none) putShape(weighed.shapes[k], slot, static_cast<std::int32_t>(k));
+  }
+  for (JointRecord<D>& j : m_joints) {
+    if (j.kind && (j.bodyA == slot || j.bodyB == slot)) j.kind->weigh(j, massBetween(m_bodies, j.bodyA, j.bodyB));
   }
   touched(i);
 }
@@ -201,6 +210,11 @@ void World<D>::merge(Handle into, Handle other) {
     Pose<D>& X_CJ = j.bodyA == into.slot ? j.X_CaJ : j.X_CbJ;
     X_CJ = X_AcBc * X_CJ;
   }
+  // What was to push it in the coming step pushes both.
+  const auto a0 = static_cast<std::size_t>(into.slot), b0 = static_cast<std::size_t>(other.slot);
+  const Vec<D> arm = m_bodies.pose[b0].p - m_bodies.pose[a0].p, force = m_userForces[b0].force;
+  m_userForces[a0].torque += m_userForces[b0].torque + cross(arm, force);
+  m_userForces[a0].force += force;
   remove(other);
   change(into, def);
 }
@@ -215,6 +229,7 @@ std::vector<Handle> World<D>::takeApart(Handle body) {
     const Vec<D> center = weigh(part, body.slot).mass.center;  // throws before anything has changed
     const Vec<D> by = whole.X_WB.q * Vec<D>(center - m_bodies.center[static_cast<std::size_t>(body.slot)]);
     if (&s != &whole.shapes[0]) part.velocity += cross(whole.angularVelocity, by);
+    if (whole.pinned) part.velocity.setZero();
   }
   std::vector<Handle> out = {body};
   if (parts.empty()) return out;

@@ -273,13 +273,8 @@ void World<D>::tellListeners() {
       const Real growth = smallestSeparation<D>(pair) - smallestSeparation<D>(before);
       if (growth > 0 && m_lastDt > 0) wakeEvent(SleepEvent::separationGrown, m, growth / m_lastDt);
     }
-    PairMaterial material;
-    bool heard = false;
-    forListeners(m, [&](ContactListener<D>& l) {
-      if (!std::exchange(heard, true)) material = mixed(m);
-      l.mix(*this, m, material);
-    });
-    if (!heard) continue;
+    PairMaterial material = mixed(m);  // a cache may have kept what a listener, or its user, has changed since
+    forListeners(m, [&](ContactListener<D>& l) { l.mix(*this, m, material); });
     checkMaterial(material);
     for (Manifold<D>& child : pair) child.friction = material.friction, child.restitution = material.restitution;
     forListeners(m, [&](ContactListener<D>& l) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Draws two figures of the docs from the source, so that they cannot lag behind it: docs/figures/pipeline.svg, the stages in
-the order of World::step with who competes in each, and docs/figures/classes.svg, what derives from what. Standard library only.
+"""Draws two figures of the docs from the source, so that they cannot lag behind it: docs/drawings/pipeline.svg, the stages in
+the order of World::step with who competes in each, and docs/drawings/classes.svg, what derives from what. Standard library only.
 
 usage: reports/diagrams.py [--check]
 
@@ -16,7 +16,7 @@ from html import escape
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FIGURES = ROOT / "docs" / "figures"
+FIGURES = ROOT / "docs" / "drawings"
 CHAR, LINE, PAD = 6.8, 16, 10  # px, of the font below
 STYLE = ('<style>text{font:11px ui-monospace,Menlo,Consolas,monospace;fill:#222}.h{font-weight:bold}.s{fill:#666}'
          'rect{fill:#f6f6f4;stroke:#999}.p{fill:#e4eef7;stroke:#7aa2c4}path{stroke:#999;fill:none}</style>')

@@ -41,6 +41,7 @@ class Attraction final : public ForceKind<D> {
       if (other == force.bodyA) return;
       const ForceEnd<D> b(state, other, force.localB);
       const Vec<D> apart = b.p - a.p;
+      if (!(apart.norm() > 0)) return;  // no direction
       const Real r = std::max(apart.norm(), m_params.floor);
       Real share = m_params.strength * massA * massOf(state.bodies, other) / r;
       for (int i = 0; i < m_params.exponent; ++i) share /= r;

@@ -37,11 +37,14 @@ class RollingResistance final : public ForceKind<D> {
   void apply(const ForceRecord<D>& force, const ForceState<D>& state, Real, std::span<Wrench<D>> out) const override {
     if (!(state.contactDt > 0)) return;
     m_load.assign(state.pose.size(), 0);
+    const Bodies<D>& bodies = state.bodies;
     for (const Manifold<D>& m : state.contacts) {
       const Real load = loadOf(force, m);
-      m_load[static_cast<std::size_t>(m.bodyA)] += load, m_load[static_cast<std::size_t>(m.bodyB)] += load;
+      for (const std::int32_t body : {m.bodyA, m.bodyB}) {  // a floor carries all, and nobody turns it
+        const auto i = static_cast<std::size_t>(body);
+        if (movedByForces(bodies, i)) m_load[i] += load;
+      }
     }
-    const Bodies<D>& bodies = state.bodies;
     for (const Manifold<D>& m : state.contacts) {
       const Real load = loadOf(force, m);
       if (!(load > 0)) continue;
@@ -54,7 +57,9 @@ class RollingResistance final : public ForceKind<D> {
         if (!movedByForces(bodies, i)) return Real(0);
         return axis.dot(rotateInertia(state.pose[i].q, bodies.invInertiaBody[i]) * axis);
       };
-      const Real gain = (ease(a) + ease(b)) * state.dt, share = load / std::max(m_load[a], m_load[b]);
+      const Real gain = (ease(a) + ease(b)) * state.dt, most = std::max(m_load[a], m_load[b]);
+      if (!(most > 0)) continue;  // neither is moved by forces
+      const Real share = load / most;
       Real torque = m_params.coefficient * load / state.contactDt;
       if (share * speed < torque * gain) torque = share * speed / gain;
       if (movedByForces(bodies, a)) out[a].torque += torque * axis;

@@ -26,7 +26,8 @@ class TorqueGenerator final : public ForceKind<D> {
       if constexpr (D == 3) {
         constexpr const char* kNames[] = {"x", "y", "z"};
         for (int i = 0; i < 3; ++i)
-          v.real(kNames[i], axis[i], -1, 1, "1", "of the axis, in A's own frame, or the world's");
+          v.real(kNames[i], axis[i], -1, 1, "1",
+                 i < 2 ? "of the axis, in A's own frame, or the world's" : "of the axis; about x or y alone, z=0");
       }
     }
   };

@@ -229,7 +229,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
     if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
     for (const SaveRequest& s : saves) {
-      const bool reached = result.outcome == "ok" || s.step <= result.step;
+      const bool reached = result.outcome == "ok" || (result.outcome != "unsupported" && s.step <= result.step);
       std::printf(reached ? "saved     step %ld as %s\n" : "not saved step %ld as %s: the run did not get there\n",
                   s.step, s.scene.c_str());
     }

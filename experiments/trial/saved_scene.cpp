@@ -48,7 +48,7 @@ void SavedScene::write(const World<D>& world, const SceneSpec<D>& scene, const s
       << " steps, without what its script does later. It goes on bit for bit by\n"
       << "# --pipeline \"" << pipeline << "\"\n"
       << "name = \"" << name << "\"\n"
-      << "summary = \"" << scene.name << " after " << m_step << " steps\"\n"
+      << "summary = " << toml::value<std::string>(scene.name + " after " + std::to_string(m_step) + " steps") << '\n'
       << "dimensions = [" << D << "]\n"
       << "needs = [" << quoted(featuresText(world.settings().features)) << "]\n"
       << "saved = \"" << name << ".world\"\n"

@@ -25,7 +25,13 @@ typename SceneSpec<D>::Force readForce(TableReader& block, SceneNumbers& numbers
     const auto& spawn = scene.spawns[static_cast<std::size_t>(body)];
     force.step = std::max(force.step, spawn.step);
     ends.used.push_back(1), ends.type.push_back(spawn.body.type);
-    ends.pose.push_back(spawn.body.X_WB), ends.center.push_back(Vec<D>::Zero());
+    MassProperties<D> mass;  // as World::weigh has it
+    for (const ShapeDef<D>& s : spawn.body.shapes) {
+      mass = combined(mass, transformed(massProperties(s.shape, s.density), s.X_BS));
+    }
+    if (spawn.body.mass) mass = *spawn.body.mass;
+    ends.center.push_back(mass.center);
+    ends.pose.push_back({spawn.body.X_WB * mass.center, spawn.body.X_WB.q});
     return Handle{static_cast<std::int32_t>(ends.used.size()) - 1, 0};
   };
   ForceDef<D> between = force.def;

@@ -40,6 +40,8 @@ void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec
       top.fail(*own, "'" + std::string(key) + "' beside 'saved'; valid: what the saved world has");
     }
   }
+  if (!top.find("dt"))
+    top.fail(*top.find("saved"), "'saved' without 'dt' (s); valid: the step that it was saved at, or another");
   scene.saved = parsed.saved;
   if (kindOf(parsed.saved).realBytes != static_cast<int>(sizeof(Real))) return;
   World<D> world(Pipeline::parse("contacts=query_clip"));  // which has all shapes
@@ -56,7 +58,6 @@ void startFromSaved(TableReader& top, const SceneFile::Parsed& parsed, SceneSpec
              "the saved world needs '" + needs + "', the scene '" + featuresText(parsed.needs) + "'; valid: the same");
   }
   scene.settings = world.settings();
-  if (world.lastDt() > 0) scene.dt = world.lastDt();
   for (std::int32_t i = 0; i < world.bodies().size(); ++i) {
     if (!world.bodies().used[static_cast<std::size_t>(i)]) continue;
     const Handle body = world.handle(i);

@@ -160,7 +160,9 @@ class WorldTrial {
     m_seen.start = stateInvariants(m_world);
     m_seen.energyMax = m_seen.start.kinetic + m_seen.start.potential;
     // In a room with walls momentum comes and goes; alone in space it must stay.
-    m_seen.isolated = m_scene.settings.gravity.norm() == 0 && m_scene.forces.empty();
+    m_seen.isolated = m_scene.settings.gravity.norm() == 0 && m_scene.forces.empty() && m_scene.events.empty();
+    for (const ForceRecord<D>& f : m_world.forces()) m_seen.isolated = m_seen.isolated && !f.kind;
+    for (const JointRecord<D>& j : m_world.joints()) m_seen.isolated = m_seen.isolated && (!j.kind || j.bodyA >= 0);
     Real highest = -std::numeric_limits<Real>::infinity();
     for (std::size_t i = 0; i < m_scene.spawns.size(); ++i) {
       const auto& spawn = m_scene.spawns[i];

@@ -35,8 +35,8 @@ class Compilers(unittest.TestCase):
         self.assertEqual(heritage_compilers.finding(heritage_compilers.medians_of(folder)),
                          "A resting pyramid of 325 boxes in 2D, with the stages of 2009: clang++ takes 520 µs a step at -O3 and "
                          "40 times of that at -O0; g++ takes 1.04 ms a step at -O3 and 20 times of that at -O0; -O2 is 2.0 times "
-                         "of -O3; at -O0 clang++ over g++ is alike within the noise; at -O3 clang++ over g++ is 0.5 times; all end "
-                         "in the same bits.")
+                         "of -O3; at -O0 clang++ over g++ is alike within the noise; at -O3 clang++ over g++ is 0.5 times; "
+                         "all end in the same bits.")
         target = Path(PICTURE) if PICTURE else folder / "picture.png"
         self.assertEqual(heritage_compilers.draw(heritage_compilers.medians_of(folder), target), ([], []))
         self.assertTrue(target.exists())

@@ -239,7 +239,7 @@ TEST(BadInput, SweepsWithoutCellsOrWithWrongValues) {
       {boxes(good + "precision = \"f16\"\n"), {"s.toml:", "'f16'", "f64, f32"}},
       {"summary = \"s\"\nkind = \"pairs\"\n[axes]\ndimension = 2\npair_query = \"sat\"\nkind_a = 3\nkind_b = \"box\"\n",
        {"s.toml:", "'kind_a' is 3", "a name"}},
-      {"summary = \"s\"\nkind = \"world\"\n[axes]\nscene = 3\n", {"s.toml:4: ", "'3'", "pyramid"}},
+      {"summary = \"s\"\nkind = \"world\"\n[axes]\nscene = 33\n", {"s.toml:4: ", "no preset_33", "11"}},
       {world("dt = \"fast\"\n"), {"s.toml:", "'dt'", "fast", "numbers"}},
       {world("dt = -1\n"), {"s.toml:", "dt is -1 s", "above 0"}},
       {world("steps = -1\n"), {"s.toml:", "'steps' is -1"}},

@@ -41,7 +41,7 @@ TEST(CommandLine, writesTheNamesIntoAPage) {
   const Outcome out = w.lpc("list --into page.md");
   EXPECT_EQ(out.code, 0) << out.text;
   const std::string text = readFile(page);
-  EXPECT_TRUE(text.starts_with("above\n<!-- registry -->\n| stage | names |\n| --- | --- |\n| broadphase | naive, "));
+  EXPECT_TRUE(text.starts_with("above\n<!-- registry -->\n| stage | names |\n| --- | --- |\n| broadphase | bsp, "));
   EXPECT_TRUE(text.ends_with("|\n<!-- end -->\nbelow\n")) << text;
   EXPECT_NE(text.find("\n| cache | by_distance, by_feature, none, recycling |\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("libccd"), std::string::npos) << "a witness competes with nobody";

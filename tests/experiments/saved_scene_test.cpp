@@ -75,6 +75,8 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
   };
   with("gravity = [0, -1]\n", "'gravity' beside 'saved'");
   with("settings = \"2009\"\n", "'settings' beside 'saved'");
+  w.write("b.toml", scene.substr(0, scene.find("dt = ")) + "\n");
+  refused("./b.toml", "'saved' without 'dt'");
   w.write("a.world", world.substr(0, world.size() / 2));
   refused("./a.toml", "a.toml:");
   w.write("a.world", "LPCWORLD3" + world.substr(9));
@@ -105,6 +107,14 @@ TEST(SavedScene, WhatWasNotReachedIsNotWritten) {
   EXPECT_TRUE(std::filesystem::exists(w.path("a.toml")) && std::filesystem::exists(w.path("a.world")));
   EXPECT_FALSE(std::filesystem::exists(w.path("b.toml")) || std::filesystem::exists(w.path("b.world")));
   EXPECT_NE(out.text.find("not saved step 90"), std::string::npos) << out.text;
+  w.write("named.toml",
+          "name = \"a \\\"b\\\"\"\nsummary = \"f\"\ndimensions = [3]\nneeds = []\nsteps = 9\n"
+          "[[body]]\nshapes = [{ kind = \"ellipsoid\", half_x = 1, half_y = 1, half_z = 2 }]\n");
+  EXPECT_EQ(w.lpc("run ./named.toml --pipeline contacts=query_clip --save 5:c.toml").code, 0);
+  EXPECT_EQ(w.lpc("run ./c.toml --pipeline contacts=query_clip").code, 0);
+  const Outcome none = w.lpc("run ./named.toml --pipeline contacts=sat_clip --save 0:d.toml");
+  EXPECT_NE(none.text.find("not saved step 0"), std::string::npos) << none.text;
+  EXPECT_FALSE(std::filesystem::exists(w.path("d.toml")));
 }
 
 TEST(SavedScene, NothingSleepsWhereItIsAsked) {

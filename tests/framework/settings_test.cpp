@@ -16,7 +16,7 @@ using test::expectCaught;
 template <int D>
 bool alike(const WorldSettings<D>& a, const WorldSettings<D>& b) {
   return a.gravity == b.gravity && a.restitutionThreshold == b.restitutionThreshold && a.margin == b.margin &&
-         a.features == b.features && a.mixing == b.mixing;
+         a.features == b.features && a.mixing == b.mixing && a.sleepingContacts == b.sleepingContacts;
 }
 template <int D>
 bool alike(const ShapeDef<D>& a, const ShapeDef<D>& b) {
@@ -33,6 +33,10 @@ void defaults() {
   EXPECT_EQ(s.pipeline(), Pipeline{});
   EXPECT_EQ(s.dt, SceneSpec<D>{}.dt);
   EXPECT_FALSE(s.air<D>().has_value());
+  Settings anew;
+  anew.sleepingContacts = true;
+  EXPECT_TRUE(anew.world<D>().sleepingContacts);
+  EXPECT_FALSE(alike(anew.world<D>(), WorldSettings<D>{}));
   for (Settings other : {Settings::lpc2009(D), [] {
                            Settings bent;
                            bent.gravity = -9;

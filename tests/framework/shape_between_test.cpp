@@ -65,6 +65,12 @@ void capsules() {
     unturned.X_BS.q = Rot<D>{};
     if (k == 2) expectCaught("a capsule that is not turned", reachesBothEnds<D>(unturned, from, to));
   }
+  // Almost back along x, where half the angle has almost no cosine.
+  for (const double aside : {1e-3, 1e-6, 1e-9}) {
+    Vec<D> to = Vec<D>::Constant(static_cast<Real>(aside));
+    to[0] = -10;
+    EXPECT_TRUE(reachesBothEnds<D>(capsuleBetween<D>(Vec<D>::Zero(), to, Real(0.25)), Vec<D>::Zero(), to)) << aside;
+  }
   EXPECT_EQ(capsuleBetween<D>(Vec<D>::Zero(), Vec<D>::Zero(), 1).shape.kind(), ShapeKind::sphere);
 }
 

@@ -250,6 +250,93 @@ TYPED_TEST(ChangeTest, JointsFollow) {
   EXPECT_LT(double(turnOf(q).norm()), 0.5);  // the stop counts from where the joint was made
 }
 
+// Who changes a material changes that of the contacts that are there, whatever the cache keeps.
+TYPED_TEST(ChangeTest, AMaterialIsNewAtOnce) {
+  constexpr int D = TypeParam::D;
+  for (const Registered* cache : Registry::instance().list(StageKind::cache, D)) {
+    if (!competes(*cache)) continue;
+    World<D> world(Pipeline::parse("cache=" + cache->info.name));
+    addGround(world);
+    const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
+    for (int i = 0; i < 30; ++i) world.step(kDt);
+    BodyDef<D> def = world.definition(box);
+    def.shapes[0].friction = 0, def.velocity = at<D>(3, 0);
+    world.change(box, def);
+    for (int i = 0; i < 30; ++i) world.step(kDt);
+    EXPECT_NEAR(world.motion(box).v[0], 3, 1e-5) << cache->info.name;
+  }
+}
+
+TYPED_TEST(ChangeTest, WhoIsFixedOnAFloorTouchesItNoMore) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  addGround(world);
+  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
+  Ends<D> heard;
+  world.addListener(&heard);
+  for (int i = 0; i < 10; ++i) world.step(kDt);
+  BodyDef<D> def = world.definition(box);
+  def.type = BodyType::fixed;
+  world.change(box, def);
+  world.step(kDt);
+  EXPECT_TRUE(world.manifolds().empty());
+  EXPECT_EQ(heard.ends, 1);
+}
+
+TYPED_TEST(ChangeTest, AMouseKnowsWhatItDrags) {
+  constexpr int D = TypeParam::D;
+  std::array<Real, 2> reached{};
+  for (const bool later : {false, true}) {
+    World<D> world({}, weightless<D>());
+    BodyDef<D> light = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0)), heavy = light;
+    heavy.shapes[0].density = 100;
+    const Handle ball = world.add(later ? light : heavy);
+    world.add(JointDef<D>{.kind = "mouse{hertz=2,max_force=1e9}",
+                          .bodyB = ball,
+                          .X_WJ = {at<D>(1, 0), {}},
+                          .X_WJb = Pose<D>{at<D>(0, 0), {}}});
+    if (later) world.change(ball, heavy);
+    for (int i = 0; i < 30; ++i) world.step(kDt);
+    reached[later] = world.pose(ball).p[0];
+  }
+  EXPECT_NEAR(reached[0], reached[1], 1e-4);
+}
+
+TYPED_TEST(ChangeTest, WhatPushesOneOfTwoPushesBoth) {
+  constexpr int D = TypeParam::D;
+  World<D> world({}, weightless<D>());
+  const Handle a = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(0, 0)));
+  const Handle b = world.add(body<D>(Shape<D>::sphere(Real(0.4)), at<D>(2, 0)));
+  world.applyForce(b, at<D>(0, 60), world.pose(b).p);
+  world.merge(a, b);
+  world.step(kDt);
+  EXPECT_NEAR(world.motion(a).v[1], 60 * kDt / world.mass(a), 1e-4);
+  EXPECT_GT(world.motion(a).w[D == 3 ? 2 : 0], 0);  // at its right half
+}
+
+// A floor carries all, and is braked by none: what others load on it is nothing to a ball.
+TYPED_TEST(ChangeTest, RollingResistanceIsABallsOwn) {
+  constexpr int D = TypeParam::D;
+  std::array<Real, 2> speed{};
+  for (const int others : {0, 60}) {
+    World<D> world;
+    const Handle ground = addGround(world);
+    BodyDef<D> wide = world.definition(ground);
+    wide.shapes[0].shape = Shape<D>::box(D == 2 ? at<D>(500, 1) : at<D>(500, 1, 5));
+    world.change(ground, wide);
+    const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
+    for (int i = 0; i < others; ++i) world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(50 + 2 * i, 0.5)));
+    world.add(ForceDef<D>{.kind = "rolling_resistance{coefficient=0.02}"});
+    Ang<D> spin = Ang<D>::Zero();
+    spin[kAngDim<D> - 1] = -4;
+    world.setMotion(ball, {at<D>(2, 0), spin});
+    for (int i = 0; i < 120; ++i) world.step(kDt);
+    speed[others > 0] = world.motion(ball).v[0];
+  }
+  EXPECT_LT(speed[0], 1.8);
+  EXPECT_NEAR(speed[0], speed[1], 1e-3);
+}
+
 // A spring pulls at the same place, whose body ever that is now, and wherever its centre of mass.
 TYPED_TEST(ChangeTest, ForcesFollow) {
   constexpr int D = TypeParam::D;

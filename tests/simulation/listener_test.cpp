@@ -89,7 +89,7 @@ TYPED_TEST(ListenerTest, OfABodyHearsOfItAlone) {
   for (int i = 0; i < 3; ++i) balls.push_back(world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(3 * i, 0.5))));
   Mixer<D> one, all, twice;
   one.to = all.to = twice.to = {Real(0.5), 0};
-  world.addListener(balls[1], &one);
+  world.addListener(balls[1], &one), world.addListener(balls[1], &one);
   world.addListener(ground, &all);
   world.addListener(ground, &twice), world.addListener(balls[0], &twice), world.addListener(&twice);
   world.step(kDt);
