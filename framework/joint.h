@@ -111,7 +111,7 @@ class JointKind : public Stage {
   virtual void rows(const JointRecord<D>& joint, const Pose<D>& X_WA, const Pose<D>& X_WB, JointRows<D>& out) const = 0;
   /// After a step: may update `state`.
   virtual void finish(JointRecord<D>& /*joint*/, const Pose<D>& /*X_WA*/, const Pose<D>& /*X_WB*/) const {}
-  /// Of a new joint, after begin(): the massBetween() its bodies, kg.
+  /// Of a new joint, after begin(), and when one of its bodies was changed: the massBetween() them, kg.
   virtual void weigh(JointRecord<D>& /*joint*/, Real /*mass*/) const {}
 };
 

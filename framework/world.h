@@ -34,6 +34,7 @@ struct PairMaterial {
 /// Is told about contacts, before the solver, in the order of the manifolds. A pair begins in the first step in which
 /// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent. A pair is one of shapes:
 /// where shapes have several convex parts, it is told of once, with its first manifold; the others follow that one.
+/// While it hears, the world must not be changed, nor its listeners.
 template <int D>
 class ContactListener {
  public:
@@ -100,13 +101,15 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   /// What a body is now: added to an empty world, the same body.
   BodyDef<D> definition(Handle body) const;
   /// Makes the body what `def` says, and wakes it and those that touch it. It keeps its handle, its joints, and the
-  /// contacts of each shape that is as it was on the body; other shapes are new ones. What `def` leaves as
-  /// `definition` gave it stays, so a body whose centre of mass moves goes on as the same rigid motion. Throws
-  /// UserError, and has changed nothing, for what add() would refuse, and for a joint between two that do not move.
+  /// contacts of each shape that is, to the last bit, where `definition` says it was; others are new ones. What `def`
+  /// leaves as `definition` gave it stays, so a body whose centre of mass moves goes on as the same rigid motion.
+  /// Throws UserError, and has changed nothing, for what add() would refuse, and for a joint between two that do not
+  /// move.
   void change(Handle body, const BodyDef<D>& def);
   /// Makes one body of two, both dynamic or both fixed: the shapes of `other` come behind those of `into`, where they
-  /// are, its joints and forces are those of `into`, and it is gone, with what is between the two. Both momenta stay.
-  /// Throws UserError, and has changed nothing, for other types and for what change() would refuse.
+  /// are, its joints and forces are those of `into`, and it is gone, with what is between the two. Both momenta stay,
+  /// where none of them is pinned. Throws UserError, and has changed nothing, for other types and for what change()
+  /// would refuse.
   void merge(Handle into, Handle other);
   /// Makes one body of each shape, where it is and moving as it moved: the first keeps handle and joints. Returns all,
   /// in the order of the shapes. A mass that was given is forgotten. Throws UserError, and has changed nothing, where a
