@@ -23,9 +23,9 @@ class Bsp final : public Broadphase<D> {
     void visit(ParamVisitor& v) {
       v.integer("leaf", leaf, 1, 1000, "boxes that a region holds before it is divided");
       v.integer("depth", depth, 0, 32, "divisions above a region at most");
-      v.real("balance", balance, Real(0.625), 1, "1",
+      v.real("balance", balance, Real(0.625), Real(0.95), "1",
              "share of a region's boxes that stand on one side of its plane at most");
-      v.real("cut", cut, 0, 1, "1", "share of a region's boxes that its plane cuts at most");
+      v.real("cut", cut, 0, Real(0.75), "1", "share of a region's boxes that its plane cuts at most");
     }
   };
   explicit Bsp(const Params& params) : m_params(params) {}

@@ -286,10 +286,10 @@ class RebuiltBvh final : public Broadphase<D> {
   };
   std::int32_t divideBySurface(const Proxies<D>& proxies, const Range& range) {
     const Spread spread = widest(range);
-    const Real factor = static_cast<Real>(m_params.bins) / 2 / spread.half;
+    const Real factor = static_cast<Real>(m_params.bins) / spread.half;
     if (!(factor < std::numeric_limits<Real>::max())) return halve(range, spread.axis);
     const auto binOf = [&](const Item& item) {
-      const Real t = (item.center[spread.axis] / 2 - spread.from / 2) * 2 * factor;
+      const Real t = (item.center[spread.axis] / 2 - spread.from / 2) * factor;
       return std::min(static_cast<std::size_t>(t), static_cast<std::size_t>(m_params.bins - 1));
     };
     const auto bins = static_cast<std::size_t>(m_params.bins);

@@ -34,13 +34,15 @@ class TimerIsland final : public SleepPolicy<D> {
             .paper = "box2d",
             .complexity = "bodies + contacts + joints",
             .guarantee = Guarantee::approximate,
-            .failures = {{"one body of a heap does not come to rest", "nobody in it may sleep", "Sleep.OthersMaySleep"},
-                         {"a light body comes to rest against sleepers", "all that are connected with them wake",
-                          "Sleep.GentleTouchWakesNobody"},
-                         {"a body is moved by the repair of positions alone",
-                          "it falls asleep before its joint has closed", "Sleep.CreeperStaysAwake"},
-                         {"a body rolls on slower than `linear` and `angular`", "it freezes on its way",
-                          "Sleep.SlowRollerStaysAwake"}}};
+            .failures = {
+                {"one body of a heap does not come to rest", "nobody in it may sleep", "Sleep.OthersMaySleep"},
+                {"a light body comes to rest against sleepers", "all that are connected with them wake",
+                 "Sleep.GentleTouchWakesNobody"},
+                {"a body is moved by the repair of positions alone", "it falls asleep before its joint has closed",
+                 "Sleep.CreeperStaysAwake"},
+                {"a body floats, or is thrown in weak gravity", "it hangs in the air", "Sleep.StaysAwakeInWeakGravity"},
+                {"a body rolls on slower than `linear` and `angular`", "it freezes on its way",
+                 "Sleep.SlowRollerStaysAwake"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {

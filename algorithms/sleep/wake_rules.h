@@ -101,10 +101,11 @@ class WakeRules {
     if (!changed) return;
     in.work[WorkCount::eventVisits] += in.manifolds.size() + in.joints.size();
     for (const Manifold<D>& m : in.manifolds) {
+      if (m.ignored) continue;
       for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
         if (!m_flag[index(at)]) continue;
         wake(in, awake, other);
-        if (!dynamic(in, at) && !m.ignored) m_carried[index(other)] = 1;
+        if (!dynamic(in, at)) m_carried[index(other)] = 1;
       }
     }
     forHeld(in, [&](std::int32_t body, std::int32_t holder) {
@@ -184,6 +185,7 @@ class WakeRules {
     if (std::find(calm.begin(), calm.end(), 1) == calm.end()) return;
     findSupported(in, awake);
     for (const Manifold<D>& m : in.manifolds) {
+      if (m.ignored) continue;
       for (const auto& [at, other] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
         if (platform(in, other)) calm[index(at)] = 0;
       }

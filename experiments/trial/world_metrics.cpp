@@ -53,9 +53,9 @@ long lastAct(const SceneSpec<D>& scene) {
   return last;
 }
 
-/// How many more bodies are awake at the most after the script's last act than before it, and how many steps after the
-/// first that it reached there are that many: the wave in which sleepers wake. NaN where the script does not act within
-/// the run.
+/// How many more bodies are awake at the most after the script's last act than before it, those that come with it
+/// aside, and how many steps after the first that it reached there are that many: the wave in which sleepers wake. NaN
+/// where the script does not act within the run; no steps where nobody wakes.
 template <int D>
 struct Wave {
   double woken = std::numeric_limits<double>::quiet_NaN(), steps = woken;
@@ -64,7 +64,12 @@ struct Wave {
     const long act = lastAct(seen.scene);
     if (act < 1 || act >= static_cast<long>(awake.size())) return;
     const auto from = awake.begin() + act, most = std::max_element(from, awake.end());
-    woken = *most - *(from - 1), steps = static_cast<double>(most - from);
+    double came = 0;
+    for (const auto& spawn : seen.scene.spawns) {
+      came += spawn.step == act && spawn.body.type == BodyType::dynamic && spawn.body.awake;
+    }
+    woken = std::max(0.0, *most - *(from - 1) - came);
+    if (woken > 0) steps = static_cast<double>(most - from);
   }
 };
 

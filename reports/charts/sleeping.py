@@ -93,7 +93,7 @@ def finding(cells, awake, where):
         return f"On {where} nobody falls asleep."
     farthest = good.loc[good[FAR].idxmax()] if good[FAR].notna().any() else None
     text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the row updates"
-    if farthest is not None:
+    if farthest is not None and math.isfinite(most[FAR]):
         free = [m for m, far in zip(good["method"], good[FAR]) if far <= FLOOR]
         text += f"; its bodies end at most {si(most[FAR], 'm')} from where they end awake"
         if farthest["method"] != most["method"]:
