@@ -231,7 +231,7 @@ void printWhole(const json& all) {
 
 // A heading and names behind it, over as many lines as they need.
 void printNames(const std::string& heading, const std::vector<std::string>& names) {
-  constexpr std::size_t kIndent = 24, kColumns = 130;
+  constexpr std::size_t kIndent = 24, kColumns = 140;
   std::string line = heading;
   line.resize(kIndent, ' ');
   for (const std::string& name : names) {
