@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include "framework/body.h"
 #include "framework/check.h"
@@ -25,9 +26,10 @@ void checkMotion(const Motion<D>& m, const std::string& who) {
   if (!m.v.allFinite() || !m.w.allFinite()) throw UserError(who + ": the velocity is not finite");
 }
 
-inline void checkAmount(Real value, const std::string& who, const char* what) {
+// Asked in each step, too: what is right makes no string.
+inline void checkAmount(Real value, std::string_view who, const char* what) {
   if (value >= 0 && std::isfinite(value)) return;
-  throw UserError(who + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");
+  throw UserError(std::string(who) + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");
 }
 
 }  // namespace lpc::inline LPC_PRECISION
