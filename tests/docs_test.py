@@ -52,6 +52,11 @@ NOT_RUN = {
         "of sweeps that take minutes; reports_docs_page does it with a small store",
     "reports/make.py --store results/pairs.db --page docs/pair_queries.md":
         "of sweeps that take minutes; reports_docs_page does it with a small store",
+    "reports/make.py --store results/heritage.db --page docs/heritage_figures.md":
+        "of sweeps that take minutes; reports_docs_page does it with a small store",
+    "experiments/heritage/compilers --out results/heritage_compilers": "six builds; heritage_compilers_build makes one, with --deep",
+    "reports/heritage_compilers.py results/heritage_compilers --to docs/drawings/heritage_compilers.svg":
+        "of what that has measured; reports_heritage_compilers draws the like",
 }
 # The same in a second or two.
 INSTEAD = {
@@ -77,6 +82,7 @@ INSTEAD = {
     **{f"lpc sweep {name} --store results/pairs.db": f"lpc sweep {name} --store results/pairs.db --dry-run"
        for name in ("pair_queries", "pair_queries_curved", "hull_sizes", "streams", "tolerance_cost",
                     "continuous")},
+    "lpc sweep heritage --store results/heritage.db": "lpc sweep heritage --store results/heritage.db --dry-run",
     "lpc verify --role competitor": "lpc verify --role competitor --stage broadphase",
     "lpc verify": "lpc verify --stage broadphase",
     "lpc verify --stage velocity": "lpc verify --stage velocity --dimension 2 --methods siconos",
