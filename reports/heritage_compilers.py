@@ -100,6 +100,7 @@ def draw(medians, target):
         ax.set_title(compiler)
         ax.grid(axis="x", visible=False)
     axes[0][0].set_ylabel("share of the time of a step (%)")
+    axes[0][0].set_yticks(range(0, 101, 20))
     axes[0][0].set_ylim(0, 122)
     legend_right(figure, [Patch(color=colours[name], alpha=0.85, label=name) for name in reversed(colours)], 1.75)
     pages.folder(Path(target).parent)

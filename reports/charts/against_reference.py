@@ -27,8 +27,8 @@ ABSENT = Chart("against_reference", SECTION, "Against the reference", "No sweep 
                "reference")
 APART = 5e-4  # m: a tenth of the slop that most methods leave
 EVEN = 1e-6  # s: moments that are nearer are one
-COST = "work_row_updates"
-FAR, MIDDLE = "largest distance", "median distance"  # columns of cells
+WORK = "work_row_updates"
+COST, FAR, MIDDLE = "cost", "largest distance", "median distance"  # columns of cells
 
 
 def of_sweep(context, cells):
@@ -43,6 +43,15 @@ def of_sweep(context, cells):
             if runs.compared and len(others):
                 made.append(_chart(context, others.copy(), runs, own, describe(equal.iloc[0], groups + inner)))
     return made
+
+
+def several_steps(cells):
+    """Whether the methods are run at several time steps: their work is then that of a second, not of a step."""
+    return cells["own_dt"].nunique() > 1
+
+
+def cost_title(context, cells):
+    return "row updates per second of the scene" if several_steps(cells) else context.title(WORK)
 
 
 def perturb(cells):
@@ -123,6 +132,7 @@ def measured(context, others, runs):
         others[name] = [max(far[column] for far in courses[i].values()) if courses[i] and not ended[i] else math.nan
                         for i in others.index]
         others.loc[~np.isfinite(others[name].astype(float)), name] = math.nan
+    others[COST] = metrics.column(others, WORK) / (others["own_dt"] if several_steps(others) else 1)
     # What ended while the reference served has no error, and no rank; that it fell later is another chart's affair.
     others["outcome"] = ["ok" if known == known else outcome for known, outcome in zip(others[FAR], others["outcome"])]
     return others, courses
@@ -158,7 +168,7 @@ def finding(context, others, runs, where):
         reached = {m: float(cell[FAR]) for m, cell in within(known, COST, FAR, budget).items()} if budget < math.inf else (
             known.groupby("method")[FAR].min().astype(float).to_dict())
         firsts, best, last, most = nearest(reached, runs.doubt)
-        cost = f"within {budget:,.0f} {context.title(COST)} " if budget < math.inf else ""
+        cost = f"within {budget:,.0f} {cost_title(context, others)} " if budget < math.inf else ""
         text_of = f"{cost}{methods(firsts, everyone)} {'is' if len(firsts) == 1 else 'are'} nearest ({si(best, 'm')})"
         said.append(text_of + (f", {last} farthest ({si(most, 'm')})" if last not in firsts else ""))
     none = sorted(set(everyone) - set(known["method"]))
@@ -179,7 +189,7 @@ def headline(context, others, runs, where):
     firsts, best, last, most = nearest(reached, runs.doubt)
     if last in firsts or best <= 2 * runs.doubt:
         return None
-    return Headline(f"On {where}, within {budgets[-1]:,.0f} {context.title(COST)}, {methods(firsts, list(reached))} "
+    return Headline(f"On {where}, within {budgets[-1]:,.0f} {cost_title(context, others)}, {methods(firsts, list(reached))} "
                     f"{'stays' if len(firsts) == 1 else 'stay'} nearest to the converged reference, {si(best, 'm')} at the most; "
                     f"{last} goes {times(most / best)} times as far.", reached, "m",
                     "largest distance from the reference", ends=final_states(pd.DataFrame(cells.values())))
@@ -187,7 +197,8 @@ def headline(context, others, runs, where):
 
 def _chart(context, others, runs, own, where):
     others, courses = measured(context, others, runs)
-    setting, looks = next(iter(context.settings(others)), None), context.looks(others)
+    setting = next(iter(context.settings(others)), "dt" if several_steps(others) else None)
+    looks = context.looks(others)
     labels = sorted(others["method"].unique())
     shown = over_steps.at_middle(others, setting).drop_duplicates("method").sort_values("method")
     width = legend_room([*map(context.name, labels), "its own runs beside it"], 2.0)
@@ -197,10 +208,10 @@ def _chart(context, others, runs, own, where):
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
     handles += [Line2D([], [], color="#777777", ls=":", lw=2, label="its own runs beside it")]
     legend_right(figure, handles, width)
-    at = over_steps.setting_of(others, setting).strip().removeprefix("at ")
+    at = over_steps.setting_of(shown, setting).strip().removeprefix("at ")
     return Chart(identifier(f"{others['sweep'].iloc[0]} against {where}"), SECTION, f"Against the reference: {where}",
                  finding(context, others, runs, where), others["sweep"].iloc[0], figure, _table(context, others, runs, setting),
-                 holes(pd.concat([own, others]), ["method", *([setting] if setting else []), "dt"]),
+                 holes(pd.concat([own, others]), list(dict.fromkeys(["method", *([setting] if setting else []), "dt"]))),
                  f"Left the largest distance of a body from its place in the reference{f', each at {at}' if at else ''}; the "
                  f"reference takes steps of {si(runs.dt, 's')}. Dotted is how far its own runs are from it, at half that step "
                  f"and started {si(runs.beside, 'm')} beside it: where they are farther apart than {si(APART, 'm')}, a tenth of "
@@ -238,7 +249,7 @@ def _over_time(ax, shown, courses, runs, looks, labels):
 
 
 def _against_cost(context, ax, others, looks, runs):
-    good = others[others[FAR].notna() & np.isfinite(metrics.column(others, COST))]
+    good = others[others[FAR].notna() & np.isfinite(others[COST])]
     across = ZeroLog(ax, "x", list(good[COST]), "1", failures=False)
     up = ZeroLog(ax, "y", [*good[FAR], *([runs.doubt] if runs.doubt > 0 else [])], "m", failures=False, floor=1e-12)
     for method, part in good.groupby("method", sort=True):
@@ -248,7 +259,7 @@ def _against_cost(context, ax, others, looks, runs):
         ax.axvline(budget, color="#999999", lw=0.8, ls=":", zorder=0.5)
     if math.isfinite(runs.doubt):
         ax.axhline(up.place(runs.doubt), color="#777777", ls=":", lw=2)
-    ax.set_xlabel(context.title(COST))
+    ax.set_xlabel(cost_title(context, others))
     ax.set_title("largest of all times")
 
 
@@ -260,7 +271,7 @@ def _table(context, others, runs, setting):
     named = {cell["method"] for _, cell in rows}
     rows += [(math.nan, cell) for _, cell in others[~others["method"].isin(named)].drop_duplicates("method").iterrows()]
     cells = [cell for _, cell in rows]
-    table = {**quantity("row updates per step, at most", "1", [budget for budget, _ in rows]),
+    table = {**quantity(f"row updates per {'second of the scene' if several_steps(others) else 'step'}, at most", "1", [budget for budget, _ in rows]),
              "method": [cell["method"] for cell in cells]}
     table |= {setting: [cell[setting] for cell in cells]} if setting else {}
     table["outcome"] = [cell["outcome"] for cell in cells]

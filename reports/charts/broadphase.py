@@ -201,9 +201,9 @@ def _chart(context, cells, dimension, where, refused):
                 ax.axvline(at, color="#444444", lw=1, ls=":")
                 right = n_share(part, at) > 0.6
                 ax.annotate(f"{winner}\novertakes {base}\nat about {at:,.0f}\n({hit['below'].iloc[0]:,.0f} to "
-                            f"{hit['above'].iloc[0]:,.0f})", (at, 0), xycoords=("data", "axes fraction"),
-                            xytext=(-5 if right else 5, 5), textcoords="offset points", ha="right" if right else "left",
-                            va="bottom", size=8.5)
+                            f"{hit['above'].iloc[0]:,.0f})", (at, 0 if right else 1), xycoords=("data", "axes fraction"),
+                            xytext=(-5, 5) if right else (5, -5), textcoords="offset points",  # curves rise to the right
+                            ha="right" if right else "left", va="bottom" if right else "top", size=8.5)
             if row == 0:
                 ax.set_title(f"{distribution} boxes, {dimension}D")
             else:

@@ -63,6 +63,30 @@ class AgainstReference(with_store.WithStore):
         self.assertAlmostEqual(first["largest distance of a body from the reference [m]"], 0.03)
         self.assertAlmostEqual(first["median over bodies [m]"], 0.0225, msg="of the two that move: the floor is no body of them")
 
+    def test_several_steps_are_compared_by_the_work_of_a_second(self):
+        def fill(maker):
+            maker.sweep("mine", baseline="reference", resolver="label", perturb="parameter")
+
+            def run(axes, dt, off, work):
+                axes = {"kind": "world", "scene": "chain", "dimension": 2, "precision": "f64", "timed": False, "dt": dt, **axes}
+                key = maker.trial("mine", axes, {"work_row_updates": work}, extra={"dt": dt})
+                for step in range(0, round(SECONDS / dt) + 1):
+                    maker.poses(key, step, place(step * dt, off * step * dt))
+            for part in (1, 2):  # half the step, half the error
+                run({"resolver": "catto"}, DT / part, 2e-2 / part, 40)
+                run({"resolver": "naive"}, DT / part, 4e-2 / part, 20)
+            for axes in ({"perturb": 0}, {"perturb": 1e-9}):
+                run({"resolver": "reference", **axes}, FINE, 0, 300)
+            run({"resolver": "reference"}, FINE / 2, 0, 300)
+        chart = self.made(against_reference, fill)[0]
+        self.assertTrue(chart.finding.endswith(
+            "within 400 row updates per second of the scene catto and naive are nearest (60 mm); within 800 row updates per "
+            "second of the scene catto is nearest (30 mm), naive farthest (60 mm)."), chart.finding)
+        self.assertIn("each at dt=0.1", chart.note)
+        with unittest.mock.patch.object(against_reference, "several_steps", lambda cells: False):
+            bug = self.made(against_reference, fill)[0]
+        self.assertNotEqual(bug.finding, chart.finding, "the planted bug, the work of a step, was not seen")
+
     def test_nothing_is_compared_after_the_step_in_which_its_own_runs_part(self):
         parts = lambda time: 1e-6 if time < 1.49 else 1e-2  # noqa: E731
         for runs in ({"beside": parts}, {"half": parts}):
