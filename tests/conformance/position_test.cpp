@@ -210,6 +210,32 @@ TEST(PositionConformance, MomentaStay3) { momentaStay<3>(); }
 TEST(PositionConformance, PlantedBugsAreCaught2) { plantedBugs<2>(); }
 TEST(PositionConformance, PlantedBugsAreCaught3) { plantedBugs<3>(); }
 
+// What `factor` says: that share of the depth beyond the slop goes in a step, where one contact pushes through both
+// centres.
+template <int D>
+double depthAfterAStep(const std::string& position, double factor, double depth) {
+  ImpactScene<D> s;
+  s.add(2, Ang<D>::Constant(Real(0.5)), {Vec<D>::Zero(), {}});
+  s.add(3, Ang<D>::Constant(Real(0.5)), {Vec<D>::Unit(0), {}});
+  s.touch(0, 1, Vec<D>::Unit(0), Vec<D>::Unit(0) / 2, static_cast<Real>(-depth), 0, 0);
+  s.step(*createStage<Solver<D>>(
+      Spec::parse("split_solver{position=" + position + "{factor=" + std::to_string(factor) + "}}")));
+  return -double(s.manifolds[0].points[0].separation);
+}
+template <int D>
+void removesItsShare() {
+  constexpr double kDepth = 0.05, kRelative = sizeof(Real) == 8 ? 1e-9 : 1e-4, kSlop = double(kLinearSlop);
+  for (const char* position : {"linear", "split_impulse", "baumgarte"}) {
+    for (double factor : {0.25, 0.5, 1.0}) {
+      EXPECT_NEAR(depthAfterAStep<D>(position, factor, kDepth), kDepth - factor * (kDepth - kSlop), kRelative * kDepth)
+          << position << " " << factor;
+    }
+  }
+  // Planted bug: the share of all the depth, slop and all.
+  EXPECT_GT(std::abs(depthAfterAStep<D>("linear", 0.5, kDepth) - 0.5 * kDepth), 0.1 * kSlop);
+}
+TEST(PositionConformance, FactorIsTheShareThatGoes) { removesItsShare<2>(), removesItsShare<3>(); }
+
 TEST(PositionConformance, NonlinearsSearchesAgree) {
   const auto scan = createStage<Solver<3>>(Spec::parse("split_solver{position=nonlinear{search=scan}}"));
   const auto tree = createStage<Solver<3>>(Spec::parse("split_solver{position=nonlinear{search=tree}}"));

@@ -202,6 +202,41 @@ TEST(Presets, PyramidsFallAndStand) {
   EXPECT_LT(spaced.moved("box"), 0.5 + 9 * 0.05 + 0.3);
 }
 
+// Preset 1, its circles, compounds and shapes of lines: each lies on what of it is round or pointed. The capsule, the
+// pentagon and what they lean on are left out.
+TEST(Presets, EachShapeLiesOnItsOwn) {
+  Play<2> play("1");
+  play.steps(600);
+  struct Lies {
+    const char* body;
+    Vec<2> point;  // of the body: a corner, or the centre of a circle
+    Real height;   // m: 0, or the circle's radius
+  };
+  const Lies all[] = {
+      {"circle", {0, 0}, 1},
+      {"rectangle", {Real(-1.5), Real(-0.5)}, 0},
+      {"rectangle", {Real(1.5), Real(-0.5)}, 0},
+      {"conjoined", {0, 0}, 1},
+      {"conjoined", {Real(1.4), Real(0.4)}, Real(0.7)},
+      {"triangle", {0, 0}, 0},
+      {"triangle", {2, 0}, 0},
+      {"cross", {-1, -1}, Real(0.4)},
+      {"cross", {1, -1}, Real(0.4)},
+      {"seesaw", {-1, -2}, Real(0.2)},  // on its circle and on an end of its line
+      {"seesaw", {5, -2}, 0},
+      {"dense", {Real(0.25), 1}, Real(1.5)},
+      {"dense", {Real(-0.25), -1}, Real(1.5)},
+  };
+  const auto off = [](const Play<2>& played, const Lies& l) { return (played.pose(l.body) * l.point)[1] - l.height; };
+  for (const Lies& l : all)
+    EXPECT_NEAR(off(play, l), 0, Real(1.1) * kLinearSlop) << l.body << " " << l.point.transpose();
+  Play<2> before("1");
+  before.steps(1);
+  for (const Lies& l : all) {
+    expectCaught(std::string("a world that stands still: ") + l.body, std::abs(off(before, l)) < kLinearSlop);
+  }
+}
+
 TEST(Presets, PinballEndsInItsHoppers) {
   Play<2> play("7", {{"n", 50}, {"rows", 3}});
   play.steps(900);
