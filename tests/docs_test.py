@@ -6,6 +6,7 @@ A fence says what it holds: sh; toml, cpp or cmake with the name of the file; to
 pipeline; text. What is not run stands below with its reason, or with what is run instead.
 """
 
+import json
 import os
 import pathlib
 import re
@@ -26,6 +27,11 @@ ELSEWHERE = {
     ("docs/manual.md", "A first world in C++"): "tests/embedding/run.cmake",
     ("docs/manual.md", "Worlds that change"): "tests/embedding/run.cmake",
     ("docs/manual.md", "An example program"): "tests/embedding/run.cmake",
+    **{(f"docs/{page}.md", section): "tests/embedding/run.cmake"
+       for page, sections in {"shapes": ["Shapes of one part", "Shapes of several parts", "A body"],
+                              "joints": ["A joint", "The kinds"],
+                              "forces": ["A force", "The kinds", "Forces by code"],
+                              "listeners": ["The calls", "Contacts without a listener"]}.items() for section in sections},
     ("docs/adding_an_algorithm.md", "In ten minutes: a broadphase"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "A resolver"): "tests/growth/run.cmake",
     ("docs/adding_an_algorithm.md", "Outside this tree"): "tests/embedding/run.cmake",
@@ -93,7 +99,9 @@ INSTEAD = {
 }
 # Other than 0: what the page is about.
 EXIT_CODE = {"lpc run ./leaning_stack.toml --param n=20 --dimension 3 --profile stack.csv --record stack.rec": 1,
-             "lpc run 2 --param perturb=1e-3": 1}
+             "lpc run 2 --param perturb=1e-3": 1,
+             "lpc run ./slow_start.toml --pipeline 2009 --no-sleeping": 1,
+             "lpc run mass_ratio --param ratio=1000": 1}
 PART_OF_A_SWEEP = """summary = "the rest of a sweep whose axes are in the page"
 kind = "world"
 [axes]
@@ -157,6 +165,55 @@ def option_faults(command, help_of):
         return [f"there is no 'lpc {words[at]}'"]
     options = set(re.findall(r"--[a-z-]+", told))
     return [f"'lpc {words[at]}' has no {w}" for w in words[at + 1:] if re.match(r"^--[a-z-]+$", w) and w not in options]
+
+
+def number(text):
+    return f"{float(text):g}"
+
+
+def row_of(param):
+    """A parameter of the registry as a page tells it: its unit, default and range."""
+    if param["type"] == "choice":
+        return ["", param["default"], ", ".join(param["choices"])]
+    return [param["unit"], number(param["default"]), " to ".join(number(x) for x in param["range"])]
+
+
+def tables_of(text, heading):
+    """By section with such a heading, `#` and all: the rows of its tables as lists of cells, heads and rules left out."""
+    out, section, rows = {}, None, []
+    for line in re.sub(r"(?ms)^```.*?^```$", "", text).split("\n") + ["|"]:
+        if line.startswith("#"):
+            section = line.removeprefix(heading) if line.startswith(heading) else None
+            if section:
+                out[section] = []
+        cells = [cell.strip() for cell in line.split("|")[1:-1]]
+        if cells:
+            rows.append(cells)
+        elif rows:
+            if section:
+                out[section] += rows[2:]
+            rows = []
+    return out
+
+
+def parameter_faults(text, algorithms):
+    """What a page of kinds, one to a section `### name`, tells otherwise than the registry: kinds and parameters."""
+    told = {kind: {row[0].strip("`"): row[1:4] for row in rows} for kind, rows in tables_of(text, "### ").items()}
+    faults = [f"{kind}: {'not on the page' if kind not in told else 'there is none'}"
+              for kind in sorted({a["name"] for a in algorithms} ^ set(told))]
+    for a in algorithms:
+        rows, params = told.get(a["name"], {}), {p["name"]: row_of(p) for p in a["params"]}
+        faults += [f"{a['name']}, {name}: {rows.get(name)} on the page, {params.get(name)} in the registry"
+                   for name in sorted(set(rows) | set(params)) if rows.get(name) != params.get(name)]
+    return faults
+
+
+def members(header, struct):
+    """The fields of a struct, or the calls of a class that are the user's to write."""
+    body = re.sub(r"//.*", "", re.search(rf"(?ms)^(?:struct|class) {struct} {{\n(.*?)^}};", header)[1])
+    calls = re.findall(r"virtual \w+ (\w+)\(", body)
+    declared = re.findall(r"(?m)^  (?!static|using|virtual)[\w:]+(?:<[^;=]*?>)? (\w[^;]*);", body)
+    return set(calls) or {re.match(r"\w+", part)[0] for one in declared for part in one.split(", ")}
 
 
 def pages():
@@ -244,6 +301,45 @@ class Docs(unittest.TestCase):
         self.assertGreater(found, 8)
 
 
+class Tables(unittest.TestCase):
+    """What pages of parts say of numbers and names, before the registry and the headers."""
+
+    def setUp(self):
+        SCRATCH.mkdir(parents=True, exist_ok=True)
+
+    def test_parameters_are_those_of_the_registry(self):
+        for stage, page in [("joint", "docs/joints.md"), ("force", "docs/forces.md")]:
+            algorithms = json.loads(run(f"lpc list --json --stage {stage}").stdout)["algorithms"]
+            text = (SOURCE / page).read_text()
+            kinds = text[text.index("\n## The kinds\n"):]
+            kinds = kinds[:kinds.index("\n## ", 1)]
+            self.assertEqual(parameter_faults(kinds, algorithms), [], page)
+            self.assertGreater(sum(len(a["params"]) for a in algorithms), 15)
+
+    def test_shapes_are_those_of_the_registry(self):
+        rows = tables_of((SOURCE / "docs/shapes.md").read_text(), "## ")["Shapes of one part"]
+        told = {row[0].strip("`"): (row[1], set(re.findall(r"`(\w+)`", row[2]))) for row in rows}
+        shapes = json.loads(run("lpc list --json").stdout)["shapes"]
+        self.assertEqual(set(told), {s["name"] for s in shapes})
+        for s in shapes:
+            dimensions, sizes = told[s["name"]]
+            self.assertEqual(dimensions, ", ".join(map(str, s["dimensions"])), s["name"])
+            self.assertLessEqual(set(s["sizes"]), sizes, s["name"])
+
+    def test_every_field_and_call_is_there(self):
+        reader = "".join(f.read_text() for f in sorted(SOURCE.glob("experiments/trial/scene_*.cpp")))
+        for struct, header, page, section in [
+                ("ShapeDef", "body.h", "shapes.md", "A shape on a body"), ("BodyDef", "body.h", "shapes.md", "A body"),
+                ("JointDef", "joint.h", "joints.md", "A joint"), ("ForceDef", "force.h", "forces.md", "A force"),
+                ("ContactListener", "world.h", "listeners.md", "Who hears what")]:
+            rows = tables_of((SOURCE / "docs" / page).read_text(), "## ")[section]
+            told = {name for row in rows for name in re.findall(r"`(\w+)", row[0])}
+            self.assertEqual(told, members((SOURCE / "framework" / header).read_text(), struct), struct)
+            if struct != "ContactListener":  # what a scene calls them
+                for key in {key for row in rows for key in re.findall(r"`(\w+)`", row[1])}:
+                    self.assertIn(f'"{key}"', reader, f"{page}: {key}")
+
+
 class ThisTest(unittest.TestCase):
     """What it must see, on a page of its own."""
 
@@ -256,6 +352,18 @@ class ThisTest(unittest.TestCase):
         self.assertEqual(first.commands(), ["lpc list --all"])
         self.assertEqual((second.language, second.name, second.text), ("toml", "x.toml", "a = 1\n"))
         self.assertEqual(inline_commands(self.PAGE), ["lpc list --json"])
+
+    def test_wrong_rows_are_found(self):
+        page = "## The kinds\n### rod\nIt is.\n\n| p | | | | |\n| - | - | - | - | - |\n| `n` | m | 1 | 0 to 1e+12 | a \"b\" |\n"
+        rod = {"name": "rod", "params": [{"name": "n", "type": "real", "unit": "m", "default": "1", "range": [0, 1e12]}]}
+        self.assertEqual(parameter_faults(page, [rod]), [])
+        for wrong in ({"default": "2"}, {"range": [0, 1]}, {"unit": "s"}, {"name": "k"}):
+            self.assertTrue(parameter_faults(page, [{**rod, "params": [{**rod["params"][0], **wrong}]}]), wrong)
+        self.assertEqual(parameter_faults(page, []), ["rod: there is none"])
+        self.assertEqual(parameter_faults(page, [rod, {"name": "gear", "params": []}]), ["gear: not on the page"])
+        struct = "struct A {\n  int a = 1, b = 2;  // c = 3;\n  std::vector<A> d{};\n  static A of();\n};\n"
+        self.assertEqual(members(struct, "A"), {"a", "b", "d"})
+        self.assertEqual(members("class A {\n  virtual ~A() = default;\n  virtual void f(int) {}\n  int x;\n};\n", "A"), {"f"})
 
     def test_wrong_options_are_found(self):
         told = {"list": "--json  as JSON"}.get

@@ -22,7 +22,7 @@ function(page_block text from opening out_block out_end)
   set(${out_end} ${end} PARENT_SCOPE)
 endfunction()
 
-# Writes the file that the page calls `path` to `target`.
+# Writes the file that the page calls `path` to `target`: all blocks of that name, one after the other.
 function(page_file page path target)
   file(READ ${page} text)
   cmake_path(GET path EXTENSION LAST_ONLY kind)
@@ -37,6 +37,26 @@ function(page_file page path target)
     message(FATAL_ERROR "${page} has no block that begins with ```${language} ${path}")
   endif()
   file(WRITE ${target} "${block}")
+  page_block("${text}" ${end} "${language} ${path}" block end)
+  while(NOT end EQUAL -1)
+    file(APPEND ${target} "\n${block}")
+    page_block("${text}" ${end} "${language} ${path}" block end)
+  endwhile()
+endfunction()
+
+# All that the page says its programs print, a line each: what is quoted in the lines that begin with `It prints`.
+function(page_prints page out)
+  file(READ ${page} text)
+  string(REGEX MATCHALL "\nIt prints [^\n]*" lines "${text}")
+  set(said "")
+  foreach(line IN LISTS lines)
+    string(REGEX MATCHALL "`[^`]*`" quoted "${line}")
+    foreach(part IN LISTS quoted)
+      string(REPLACE "`" "" part "${part}")
+      string(APPEND said "${part}\n")
+    endforeach()
+  endforeach()
+  set(${out} "${said}" PARENT_SCOPE)
 endfunction()
 
 # All commands under the heading, up to the next one of its level, as one script.
