@@ -3,6 +3,7 @@
 // can be seen to fail.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -30,6 +31,7 @@ struct Stage {
     bodies.mass.push_back(type == BodyType::dynamic ? mass : Real(0));
     bodies.type.push_back(type), bodies.used.push_back(1), bodies.awake.push_back(awake);
     bodies.canSleep.push_back(type == BodyType::dynamic), bodies.sleep.push_back({}), bodies.gravityScale.push_back(1);
+    bodies.pinned.push_back(0);
     return bodies.size() - 1;
   }
   void touch(int a, int b, const Vec<D>& n_AB, Real separation = 0) {
@@ -272,18 +274,51 @@ bool platformsTakeAlong(SleepPolicy<D>& policy) {
   return true;
 }
 
-// A pulls B along by a joint, out from under a sleeper.
+// A pulls B along by a joint, out from under three sleepers that stand on each other.
+template <int D>
+struct Sledge : Stage<D> {
+  int tug, slab;
+  std::vector<int> load;
+  explicit Sledge(bool asleep) {
+    const int ground = this->add(BodyType::fixed);
+    tug = this->add(BodyType::kinematic), slab = this->add(BodyType::dynamic);
+    this->stack(ground, slab), this->join(tug, slab);
+    for (int i = 0; i < 3; ++i) {
+      load.push_back(this->add(BodyType::dynamic, !asleep));
+      this->stack(i == 0 ? slab : load[static_cast<std::size_t>(i) - 1], load.back());
+    }
+  }
+  void pull(SleepPolicy<D>& policy, Real speed) {
+    this->motion(tug).v = this->motion(slab).v = speed * Vec<D>::Unit(0);
+    this->decide(policy);
+  }
+  bool allAwake() const {
+    return std::all_of(load.begin(), load.end(), [&](int i) { return this->awake(i); });
+  }
+};
 template <int D>
 bool draggedSupportWakes(SleepPolicy<D>& policy) {
-  Stage<D> s;
-  const int ground = s.add(BodyType::fixed), tug = s.add(BodyType::dynamic), slab = s.add(BodyType::dynamic);
-  const int load = s.add(BodyType::dynamic, false);
-  s.stack(ground, slab), s.stack(slab, load), s.join(tug, slab);
-  for (int step = 0; step < 60 && !s.awake(load); ++step) {
-    s.motion(tug).v = s.motion(slab).v = Real(0.5) * Vec<D>::Unit(0);
-    s.decide(policy);
+  Sledge<D> s(true);
+  s.pull(policy, Real(0.5));
+  return s.allAwake();
+}
+// So slowly that what rests moves as fast while a solver calms it down.
+template <int D>
+bool creepingSupportWakes(SleepPolicy<D>& policy) {
+  Sledge<D> s(true);
+  for (int step = 0; step < 60; ++step) s.pull(policy, Real(0.02));
+  return s.allAwake();
+}
+// What is drawn along at its support's speed would be woken again in the next step, and go by jerks.
+template <int D>
+bool nobodySleepsOnASledge(SleepPolicy<D>& policy) {
+  Sledge<D> s(false);
+  for (int step = 0; step < 200; ++step) {
+    for (const int i : s.load) s.motion(i).v = Real(0.1) * Vec<D>::Unit(0);
+    s.pull(policy, Real(0.1));
+    if (!s.allAwake()) return false;
   }
-  return s.awake(load);
+  return true;
 }
 
 // A vetoed contact with one who is fast is as good as none.
@@ -371,6 +406,8 @@ constexpr Duty<D> kDuties[] = {{"Sleep.StaysAwakeInFlight", staysAwakeInFlight<D
                                {"Sleep.SteadySliderStaysAwake", steadySliderStaysAwake<D>},
                                {"Sleep.SlowRollerStaysAwake", slowRollerStaysAwake<D>},
                                {"Sleep.DraggedSupportWakes", draggedSupportWakes<D>},
+                               {"Sleep.CreepingSupportWakes", creepingSupportWakes<D>},
+                               {"Sleep.NobodySleepsOnASledge", nobodySleepsOnASledge<D>},
                                {"Sleep.OthersMaySleep", othersMaySleep<D>},
                                {"Sleep.GentleTouchWakesNobody", gentleTouchWakesNobody<D>},
                                {"Sleep.CreeperStaysAwake", creeperStaysAwake<D>},

@@ -36,7 +36,8 @@ class Millington final : public SleepPolicy<D> {
       v.real("epsilon", epsilon, 0, Real(1e12), "m^2/s^2",
              "falls asleep below this average of v^2 + w^2, rad/s as m/s");
       v.real("bias", bias, 0, Real(0.999), "1", "weight of the average so far after a second");
-      v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s", "wakes when a contact opens faster than this");
+      v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s",
+             "wakes when a contact opens, or who carries it slides away, faster than this");
     }
   };
   explicit Millington(const Params& params) : m_params(params), m_rules(params.wakeSeparation) {}
@@ -55,14 +56,15 @@ class Millington final : public SleepPolicy<D> {
                       "Sleep.CreeperStaysAwake"},
                      {"a sleeper is pushed slower than the restitution threshold, or its load grows",
                       "it stands like a wall", "Sleep.SlowPushWakes"},
-                     {"an awake support is drawn away sideways", "its load stays where it is, like a wall",
-                      "Sleep.DraggedSupportWakes"},
+                     {"a support slides away slower than `wake_separation`", "its load stays where it is, like a wall",
+                      "Sleep.CreepingSupportWakes"},
                      {"a body hangs on joints alone", "it never falls asleep", "Sleep.PendulumSleeps"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
     m_rules.byEvents(in, awake);
     m_rules.byBlows(in, awake);
+    m_rules.bySlides(in, awake);
     m_rules.byJoints(in, awake);
     const auto bias = static_cast<Real>(power(double(m_params.bias), double(in.dt)));
     m_calm.assign(awake.size(), 0);

@@ -18,7 +18,8 @@ class SplitAverage final : public SleepPolicy<D> {
       v.real("linear", linear, 0, Real(1e6), "m/s", "falls asleep below this average speed");
       v.real("angular", angular, 0, Real(1e6), "rad/s", "and below this average angular speed");
       v.real("bias", bias, 0, Real(0.999), "1", "weight of the average so far against the present step, per step");
-      v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s", "wakes when a contact opens faster than this");
+      v.real("wake_separation", wakeSeparation, 0, Real(1e6), "m/s",
+             "wakes when a contact opens, or who carries it slides away, faster than this");
     }
   };
   explicit SplitAverage(const Params& params) : m_params(params), m_rules(params.wakeSeparation) {}
@@ -33,8 +34,8 @@ class SplitAverage final : public SleepPolicy<D> {
                 {"a body slides, without turning, slower than `linear`", "it freezes on the slope",
                  "Sleep.SlowSliderStaysAwake"},
                 {"a body slides on at a speed below `linear`", "it freezes on its way", "Sleep.SteadySliderStaysAwake"},
-                {"an awake support is drawn away sideways", "its load stays where it is, like a wall",
-                 "Sleep.DraggedSupportWakes"},
+                {"a support slides away slower than `wake_separation`", "its load stays where it is, like a wall",
+                 "Sleep.CreepingSupportWakes"},
                 {"a body is moved by the repair of positions alone", "it falls asleep before its joint has closed",
                  "Sleep.CreeperStaysAwake"},
                 {"a sleeper is pushed slower than the restitution threshold, or its load grows",
@@ -46,6 +47,7 @@ class SplitAverage final : public SleepPolicy<D> {
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
     m_rules.byEvents(in, awake);
     m_rules.byBlows(in, awake);
+    m_rules.bySlides(in, awake);
     m_rules.byJoints(in, awake);
     m_calm.assign(awake.size(), 0);
     for (std::size_t i = 0; i < awake.size(); ++i) {

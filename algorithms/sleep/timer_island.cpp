@@ -10,7 +10,8 @@ namespace {
 // Sleeping of Box2D 2 (b2Island::Solve): bodies that touch or are jointed, an island, sleep when each of them has been
 // slow for some time, and wake together. One who is awake wakes whom he touches, at any speed, so that nobody need ask
 // for blows, supports or loads. Not taken over: that an island waits until its position errors are repaired, which a
-// policy does not see; and a platform, however slow, keeps its island awake here.
+// policy does not see; a platform, however slow, keeps its island awake here; and only what something holds that
+// cannot fall may sleep, because in weak gravity a throw is slow for longer than any time.
 template <int D>
 class TimerIsland final : public SleepPolicy<D> {
  public:
@@ -34,59 +35,77 @@ class TimerIsland final : public SleepPolicy<D> {
             .paper = "box2d",
             .complexity = "bodies + contacts + joints",
             .guarantee = Guarantee::approximate,
-            .failures = {
-                {"one body of a heap does not come to rest", "nobody in it may sleep", "Sleep.OthersMaySleep"},
-                {"a light body comes to rest against sleepers", "all that are connected with them wake",
-                 "Sleep.GentleTouchWakesNobody"},
-                {"a body is moved by the repair of positions alone", "it falls asleep before its joint has closed",
-                 "Sleep.CreeperStaysAwake"},
-                {"a body floats, or is thrown in weak gravity", "it hangs in the air", "Sleep.StaysAwakeInWeakGravity"},
-                {"a body rolls on slower than `linear` and `angular`", "it freezes on its way",
-                 "Sleep.SlowRollerStaysAwake"}}};
+            .failures = {{"one body of a heap does not come to rest", "nobody in it may sleep", "Sleep.OthersMaySleep"},
+                         {"a light body comes to rest against sleepers", "all that are connected with them wake",
+                          "Sleep.GentleTouchWakesNobody"},
+                         {"a body is moved by the repair of positions alone",
+                          "it falls asleep before its joint has closed", "Sleep.CreeperStaysAwake"},
+                         {"a body rolls on slower than `linear` and `angular`", "it freezes on its way",
+                          "Sleep.SlowRollerStaysAwake"}}};
   }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {
     const std::span<const std::int32_t> island = in.graph.islands();
     m_rules.byEvents(in, awake);
     m_held.assign(awake.size(), 0);
+    m_falls.assign(awake.size(), 0);
+    const auto each = [&](const auto& visit) {
+      for (std::size_t i = 0; i < awake.size(); ++i) {
+        if (sleep::dynamic(in, static_cast<std::int32_t>(i))) visit(i, sleep::index(island[i]));
+      }
+    };
+    const bool weight = in.gravity.squaredNorm() > 0;
+    each([&](std::size_t i, std::size_t of) {
+      if (weight && in.bodies.gravityScale[i] != 0) m_falls[of] = 1;
+    });
+    each([&](std::size_t i, std::size_t of) {
+      if (in.bodies.pinned[i]) m_falls[of] = 0;
+    });
     for (const Manifold<D>& m : in.manifolds) {
       if (m.ignored) continue;
-      if (sleep::platform(in, m.bodyA)) m_held[sleep::index(m.bodyB)] = 1;
-      if (sleep::platform(in, m.bodyB)) m_held[sleep::index(m.bodyA)] = 1;
+      for (const auto& [from, to] : {std::pair(m.bodyA, m.bodyB), std::pair(m.bodyB, m.bodyA)}) {
+        if (sleep::dynamic(in, from) || !sleep::dynamic(in, to)) continue;
+        if (sleep::platform(in, from)) m_held[sleep::index(to)] = 1;
+        if (sleep::carries(in, m, from)) m_falls[sleep::index(island[sleep::index(to)])] = 0;
+      }
+    }
+    for (const JointRecord<D>& j : in.joints) {  // also those to the world, which has no slot
+      const bool a = sleep::dynamic(in, j.bodyA), b = sleep::dynamic(in, j.bodyB);
+      if (j.active() && a != b) m_falls[sleep::index(island[sleep::index(a ? j.bodyA : j.bodyB)])] = 0;
     }
     sleep::forHeld(in, [&](std::int32_t body, std::int32_t holder) {
       if (sleep::moves(in, holder)) m_held[sleep::index(body)] = 1;
     });
-    const auto each = [&](const auto& visit) {
-      for (std::size_t i = 0; i < awake.size(); ++i) {
-        if (sleep::dynamic(in, static_cast<std::int32_t>(i))) visit(i, m_rested[sleep::index(island[i])]);
-      }
-    };
     // By island: first whether anybody is awake in it, then the shortest rest of its bodies.
     m_rested.assign(awake.size(), -1);
-    each([&](std::size_t i, Real& any) { any = awake[i] || m_held[i] ? Real(1) : any; });
-    each([&](std::size_t i, const Real& any) {
-      if (any > 0) m_rules.wake(in, awake, static_cast<std::int32_t>(i));
+    each([&](std::size_t i, std::size_t of) {
+      if (awake[i] || m_held[i]) m_rested[of] = 1;
+    });
+    each([&](std::size_t i, std::size_t of) {
+      if (m_rested[of] > 0) m_rules.wake(in, awake, static_cast<std::int32_t>(i));
     });
     m_rested.assign(awake.size(), std::numeric_limits<Real>::infinity());
-    each([&](std::size_t i, Real& shortest) {
+    each([&](std::size_t i, std::size_t of) {
       const Motion<D>& motion = in.bodies.motion[i];
       const bool slow = motion.v.norm() <= m_params.linear && motion.w.norm() <= m_params.angular;
       const bool waits = slow && in.bodies.canSleep[i] && !m_rules.woken()[i] && !m_held[i];
       memory[i][0] = waits && awake[i] ? memory[i][0] + in.dt : Real(0);
-      shortest = std::min(shortest, memory[i][0]);
+      m_rested[of] = std::min(m_rested[of], memory[i][0]);
     });
     // To the nearest step, so that sums of rounded steps count.
-    each([&](std::size_t i, const Real& shortest) {
-      if (awake[i] && shortest > 0 && shortest >= m_params.time - in.dt / 2) awake[i] = 0, memory[i][0] = 0;
+    each([&](std::size_t i, std::size_t of) {
+      const Real shortest = m_rested[of];
+      if (m_falls[of] || !awake[i] || !(shortest > 0)) return;
+      if (shortest >= m_params.time - in.dt / 2) awake[i] = 0, memory[i][0] = 0;
     });
   }
 
  private:
   Params m_params;
   sleep::WakeRules<D> m_rules;
-  std::vector<std::uint8_t> m_held;  // by slot: by something that goes its own way
-  std::vector<Real> m_rested;        // by island
+  std::vector<std::uint8_t> m_held;   // by slot: by something that goes its own way
+  std::vector<std::uint8_t> m_falls;  // by island: has weight, and nothing holds it
+  std::vector<Real> m_rested;         // by island
 };
 
 }  // namespace

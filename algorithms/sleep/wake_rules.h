@@ -32,6 +32,38 @@ bool platform(const SleepInput<D>& in, std::int32_t slot) {
   return in.bodies.type[index(slot)] == BodyType::kinematic && moves(in, slot);
 }
 
+/// Whether `from` carries the other body of this contact: pushes it against its own share of gravity; without any a
+/// touch will do.
+template <int D>
+bool carries(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
+  const std::int32_t to = from == m.bodyA ? m.bodyB : m.bodyA;
+  Real nearest = kContactMargin;
+  for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[index(i)].separation);
+  if (nearest > kLinearSlop) return false;  // near, but it does not carry
+  const Real g = in.gravity.norm(), share = in.bodies.gravityScale[index(to)];
+  const Real down = share * m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
+  return !(g > 0 && share != 0 && down < Real(0.1) * std::abs(share) * g);
+}
+
+/// Velocity of a point of a body, which is given in its own frame.
+template <int D>
+Vec<D> velocityAt(const SleepInput<D>& in, std::int32_t slot, const Vec<D>& local) {
+  const Motion<D>& motion = in.bodies.motion[index(slot)];
+  return motion.v + cross(motion.w, Vec<D>(in.bodies.pose[index(slot)].q * local));
+}
+
+/// How fast `from` moves along the faces of this contact at the worst point, m/s: what slides away under a sleeper.
+template <int D>
+Real slide(const SleepInput<D>& in, const Manifold<D>& m, std::int32_t from) {
+  Real worst = 0;
+  for (int i = 0; i < m.count; ++i) {
+    const ContactPoint<D>& c = m.points[index(i)];
+    const Vec<D> v = velocityAt(in, from, from == m.bodyA ? c.localA : c.localB);
+    worst = std::max(worst, (v - v.dot(m.normal) * m.normal).norm());
+  }
+  return worst;
+}
+
 /// f(body, holder) for each joint of a dynamic body with one that goes its own way.
 template <int D, class F>
 void forHeld(const SleepInput<D>& in, const F& f) {
@@ -56,8 +88,10 @@ inline bool recentAverage(Real& stored, Real bias, Real now, Real threshold) {
 /// - only a body that stands on something fixed, directly or over others, may fall asleep;
 /// - a blow wakes at once all those whom it can reach with enough speed: a sleeper weighs infinitely, so a neighbour
 ///   left asleep would throw the blow back; a platform that moves reaches all of its load, at any speed;
+/// - a support that slides away wakes what stands on it up to the top, and nobody falls asleep on one that would wake
+///   him in the next step: its distance does not change, and sleepers would hold it like a wall;
 /// - bodies that are jointed sleep and wake together.
-/// Their use in a step: byEvents, byBlows, byJoints, fallAsleep.
+/// Their use in a step: byEvents, byBlows, bySlides, byJoints, fallAsleep.
 template <int D>
 class WakeRules {
  public:
@@ -162,6 +196,25 @@ class WakeRules {
     }
   }
 
+  // Who carries whom is a relation of the step, so that the order of contacts leaves no trace.
+  void bySlides(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
+    m_flag.assign(awake.size(), 0);
+    bool again = false;
+    forContacts(in, [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
+      if (awake[index(to)] || !awake[index(from)] || !dynamic(in, from) || !moves(in, from)) return;
+      if (slide(in, m, from) > m_wakeSeparation && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
+    });
+    if (!again) return;
+    while (std::exchange(again, false)) {
+      forContacts(in, [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
+        if (m_flag[index(from)] && !m_flag[index(to)] && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
+      });
+    }
+    for (std::size_t i = 0; i < awake.size(); ++i) {
+      if (m_flag[i]) wake(in, awake, static_cast<std::int32_t>(i));
+    }
+  }
+
   void byJoints(const SleepInput<D>& in, std::span<std::uint8_t> awake) {
     m_group = in.graph.jointedGroups();
     if (in.joints.empty()) return;
@@ -201,23 +254,36 @@ class WakeRules {
       if (awake[i] && !calm[i]) m_flag[index(m_group[i])] = 1;
       if (m_stands[i]) m_next[index(m_group[i])] = 1;
     }
+    const auto sleeps = [&](std::size_t i) { return !m_flag[index(m_group[i])] && m_next[index(m_group[i])] > 0; };
+    for (bool again = true; std::exchange(again, false);) {
+      forContacts(in, [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
+        if (!calm[index(to)] || !dynamic(in, from) || !awake[index(from)] || sleeps(index(from))) return;
+        if (!(slide(in, m, from) > m_wakeSeparation) || !carries(in, m, from)) return;
+        calm[index(to)] = 0, m_flag[index(m_group[index(to)])] = 1, again = true;
+      });
+    }
     for (std::size_t i = 0; i < awake.size(); ++i) {
-      if (!calm[i]) continue;
-      const std::size_t group = index(m_group[i]);
-      if (!m_flag[group] && m_next[group] > 0) awake[i] = 0;
+      if (calm[i] && sleeps(i)) awake[i] = 0;
     }
   }
 
  private:
+  // f(manifold, from, to) for each contact of a dynamic body `to`, both ways.
+  template <class F>
+  static void forContacts(const SleepInput<D>& in, const F& f) {
+    for (const Manifold<D>& m : in.manifolds) {
+      if (m.ignored) continue;
+      if (dynamic(in, m.bodyB)) f(m, m.bodyA, m.bodyB);
+      if (dynamic(in, m.bodyA)) f(m, m.bodyB, m.bodyA);
+    }
+  }
+
   // Speed of approach at the worst point, m/s.
   static Real approach(const SleepInput<D>& in, const Manifold<D>& m) {
     Real worst = 0;
-    const auto a = index(m.bodyA), b = index(m.bodyB);
     for (int i = 0; i < m.count; ++i) {
       const ContactPoint<D>& c = m.points[index(i)];
-      const Vec<D> rA = in.bodies.pose[a].q * c.localA, rB = in.bodies.pose[b].q * c.localB;
-      const Vec<D> v = in.bodies.motion[b].v + cross(in.bodies.motion[b].w, rB) - in.bodies.motion[a].v -
-                       cross(in.bodies.motion[a].w, rA);
+      const Vec<D> v = velocityAt(in, m.bodyB, c.localB) - velocityAt(in, m.bodyA, c.localA);
       worst = std::max(worst, -v.dot(m.normal));
     }
     return worst;
@@ -237,19 +303,11 @@ class WakeRules {
       const auto slot = static_cast<std::int32_t>(i);
       m_stands[i] = in.bodies.used[i] && (dynamic(in, slot) ? !awake[i] : !moves(in, slot));
     }
-    const Real g = in.gravity.norm();
     const auto visit = [&](const Manifold<D>& m) {
       if (m.ignored || bool(m_stands[index(m.bodyA)]) == bool(m_stands[index(m.bodyB)])) return false;
       const std::int32_t from = m_stands[index(m.bodyA)] ? m.bodyA : m.bodyB;
       const std::int32_t to = from == m.bodyA ? m.bodyB : m.bodyA;
-      if (!dynamic(in, to)) return false;
-      Real nearest = kContactMargin;
-      for (int i = 0; i < m.count; ++i) nearest = std::min(nearest, m.points[index(i)].separation);
-      if (nearest > kLinearSlop) return false;  // near, but it does not carry
-      // Carried means pushed against its own share of gravity; without any a touch will do.
-      const Real share = in.bodies.gravityScale[index(to)];
-      const Real down = share * m.normal.dot(in.gravity) * (from == m.bodyB ? Real(1) : Real(-1));
-      if (g > 0 && share != 0 && down < Real(0.1) * std::abs(share) * g) return false;
+      if (!dynamic(in, to) || !carries(in, m, from)) return false;
       m_stands[index(to)] = 1;
       return true;
     };

@@ -41,6 +41,7 @@ template <int D>
 void twinsFail() {
   AveragesOnly<D> dreamer;
   EXPECT_FALSE(staysAwakeInFlight<D>(dreamer));
+  EXPECT_FALSE(staysAwakeInWeakGravity<D>(dreamer));
   EXPECT_FALSE(neverSleepsAgainstWill<D>(dreamer));
   SleepsAtOnce<D> sleepyhead;
   EXPECT_FALSE(staysAwakeWhenFast<D>(sleepyhead));
@@ -52,6 +53,7 @@ void twinsFail() {
   EXPECT_FALSE(blowsGoThrough<D>(wall));
   EXPECT_FALSE(slowPushWakes<D>(wall));
   EXPECT_FALSE(draggedSupportWakes<D>(wall));
+  EXPECT_FALSE(creepingSupportWakes<D>(wall));
   EXPECT_FALSE(pendulumSleeps<D>(wall));
   CountsSteps<D> steps;
   EXPECT_FALSE(sleepsBySeconds<D>(steps));
@@ -64,6 +66,7 @@ void twinsFail() {
   EXPECT_FALSE(liftWakesAStack<D>(book));
   EXPECT_FALSE(platformsTakeAlong<D>(book));
   EXPECT_FALSE(vetoedContactsAreNone<D>(book));
+  EXPECT_FALSE(nobodySleepsOnASledge<D>(book));
   EXPECT_FALSE(steadySliderStaysAwake<D>(book));
   IslandOfTheGround<D> everybody;
   EXPECT_FALSE(othersMaySleep<D>(everybody));
@@ -190,6 +193,53 @@ void gentle() {
 }
 TEST(SplitAverage, BlowsWakeAsFarAsTheyReach) { gentle<2>(), gentle<3>(); }
 
+// Who slides below a sleeper wakes him and what stands on him; beside him and above him he does not.
+template <int D>
+void slides() {
+  const auto woken = [](const std::string& spec, const auto& build) {
+    Stage<D> s;
+    const int mover = s.add(BodyType::dynamic), sleeper = s.add(BodyType::dynamic, false);
+    const int above = s.add(BodyType::dynamic, false), beside = s.add(BodyType::dynamic, false);
+    const int top = s.add(BodyType::dynamic, false);
+    // The upper contacts first: an order that a single walk would not find.
+    s.stack(above, top), s.stack(sleeper, above), s.touch(sleeper, beside, Vec<D>::Unit(0));
+    build(s, mover, sleeper);
+    s.decide(*make<D>(spec));
+    EXPECT_EQ(s.awake(sleeper), s.awake(above));
+    EXPECT_EQ(s.awake(sleeper), s.awake(top));
+    EXPECT_FALSE(s.awake(beside)) << "it stands on something else";
+    return s.awake(sleeper);
+  };
+  const auto below = [&](Real speed) {
+    return [=](Stage<D>& s, int mover, int sleeper) {
+      s.stack(mover, sleeper), s.motion(mover).v = speed * Vec<D>::Unit(0);
+    };
+  };
+  for (const std::string name : {"split_average", "millington"}) {
+    EXPECT_TRUE(woken(name, below(Real(0.051))));
+    EXPECT_FALSE(woken(name, below(Real(0.049))));
+    EXPECT_FALSE(woken(name + "{wake_separation=1}", below(Real(0.9))));
+    EXPECT_FALSE(woken(name, [](Stage<D>& s, int mover, int sleeper) {
+      s.stack(sleeper, mover), s.motion(mover).v = Vec<D>::Unit(0);
+    })) << "above";
+    EXPECT_FALSE(woken(name, [](Stage<D>& s, int mover, int sleeper) {
+      s.touch(mover, sleeper, Vec<D>::Unit(0)), s.motion(mover).v = Vec<D>::Unit(1);
+    })) << "beside";
+    EXPECT_FALSE(woken(name, [](Stage<D>& s, int mover, int sleeper) {
+      s.touch(mover, sleeper, Vec<D>::Unit(1), Real(0.015)), s.motion(mover).v = Vec<D>::Unit(0);
+    })) << "near";
+    EXPECT_FALSE(woken(name, [](Stage<D>& s, int mover, int sleeper) {
+      s.stack(mover, sleeper), s.manifolds.back().ignored = 1, s.motion(mover).v = Vec<D>::Unit(0);
+    })) << "vetoed";
+    // A roller: its top goes twice as fast as its middle; a shape that is half a metre high turns by 0.2 rad/s.
+    EXPECT_TRUE(woken(name, [](Stage<D>& s, int mover, int sleeper) {
+      s.stack(mover, sleeper), s.manifolds.back().points[0].localA = Real(0.5) * Vec<D>::Unit(1);
+      s.motion(mover).w[kAngDim<D> - 1] = Real(0.2);
+    })) << "turning";
+  }
+}
+TEST(SplitAverage, WakesWhatStandsOnWhatSlides) { slides<2>(), slides<3>(); }
+
 // --- millington -----------------------------------------------------------------------------------------------------
 
 template <int D>
@@ -279,6 +329,37 @@ void islands() {
   }
 }
 TEST(TimerIsland, SleepsAndWakesAsAWhole) { islands<2>(), islands<3>(); }
+
+// Two bodies that are jointed to each other fall, and need somebody who holds one of them: a floor, the world, a pin,
+// or that nothing draws them. A wall beside them, a vetoed floor and one that is only near do not.
+template <int D>
+void hanging() {
+  using Change = std::function<void(Stage<D>&, int ground, int body)>;
+  const auto sleeps = [](const Change& change) {
+    Stage<D> s;
+    const int ground = s.add(BodyType::fixed), other = s.add(BodyType::dynamic), body = s.add(BodyType::dynamic);
+    s.join(other, body);
+    change(s, ground, body);
+    return stepsToSleep<D>(*make<D>("timer_island"), s, other) != -1;
+  };
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  EXPECT_FALSE(sleeps([](Stage<D>&, int, int) {}));
+  EXPECT_FALSE(sleeps([](Stage<D>& s, int ground, int body) { s.touch(ground, body, Vec<D>::Unit(0)); })) << "a wall";
+  EXPECT_FALSE(sleeps([](Stage<D>& s, int ground, int body) { s.touch(ground, body, -Vec<D>::Unit(1)); }))
+      << "a ceiling";
+  EXPECT_FALSE(sleeps([](Stage<D>& s, int ground, int body) { s.stack(ground, body), s.manifolds.back().ignored = 1; }))
+      << "vetoed";
+  EXPECT_FALSE(sleeps([](Stage<D>& s, int ground, int body) { s.touch(ground, body, Vec<D>::Unit(1), Real(0.015)); }))
+      << "near";
+  EXPECT_FALSE(sleeps([&](Stage<D>& s, int, int body) { s.bodies.gravityScale[at(body)] = 0; })) << "one has weight";
+  EXPECT_TRUE(sleeps([](Stage<D>& s, int ground, int body) { s.stack(ground, body); }));
+  EXPECT_TRUE(sleeps([](Stage<D>& s, int ground, int body) { s.touch(body, ground, -Vec<D>::Unit(1)); }));
+  EXPECT_TRUE(sleeps([](Stage<D>& s, int ground, int body) { s.join(ground, body); }));
+  EXPECT_TRUE(sleeps([](Stage<D>& s, int, int body) { s.join(-1, body); })) << "the world";
+  EXPECT_TRUE(sleeps([&](Stage<D>& s, int, int body) { s.bodies.pinned[at(body)] = 1; })) << "a pin";
+  EXPECT_TRUE(sleeps([](Stage<D>& s, int, int) { s.gravity.setZero(); }));
+}
+TEST(TimerIsland, SleepsOnlyWhereHeld) { hanging<2>(), hanging<3>(); }
 
 }  // namespace sleep_test
 }  // namespace lpc::inline LPC_PRECISION::test
