@@ -135,16 +135,19 @@ class PlantedSleep final : public SleepPolicy<D> {
     nowhere,       // does not ask who carries: sleeps in the air
     adrift,        // falls asleep before it has come to rest
     crowd,         // nobody sleeps while anybody moves
-    wall           // a sleeper that is struck stays asleep
+    wall,          // a sleeper that is struck stays asleep
+    slips          // a sleeper does not feel that its support slides away
   };
   struct Params {
     Bug bug = Bug::deaf;
     void visit(ParamVisitor& v) {
-      v.choice("bug", bug, {"deaf", "deaf_to_joints", "nowhere", "adrift", "crowd", "wall"}, "what is wrong");
+      v.choice("bug", bug, {"deaf", "deaf_to_joints", "nowhere", "adrift", "crowd", "wall", "slips"}, "what is wrong");
     }
   };
   explicit PlantedSleep(const Params& params)
-      : m_bug(params.bug), m_right(createStage<SleepPolicy<D>>({"split_average", {}})) {}
+      : m_bug(params.bug),
+        m_right(createStage<SleepPolicy<D>>(
+            Spec::parse(m_bug == Bug::slips ? "split_average{wake_separation=1e6}" : "split_average"))) {}
   static AlgorithmInfo info() { return planted("sleep"); }
 
   void decide(const SleepInput<D>& in, std::span<std::uint8_t> awake, std::span<std::array<Real, 2>> memory) override {

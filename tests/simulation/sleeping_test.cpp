@@ -142,6 +142,46 @@ bool sleepersAreTowed(const std::string& policy) {
   return run(1) > Real(1.05);
 }
 
+// Three boxes sleep on a sledge, which is drawn away under them, faster and slower: they go along as if awake. With a
+// load that sleeps the sledge would rub past a wall.
+template <int D>
+bool sledgesTakeTheirLoad(const std::string& policy) {
+  const auto draw = [](const std::string& sleep, Real speed, bool& asleep) {
+    World<D> world(Pipeline::parse("sleep=" + sleep));
+    addGround(world);
+    Vec<D> half = Vec<D>::Constant(1);
+    half[1] = Real(0.25);
+    const Handle sledge = world.add(body<D>(Shape<D>::box(half), at<D>(0, 0.25)));
+    const Handle tug = world.add(body<D>(Shape<D>::sphere(Real(0.1)), at<D>(4, 0.25), BodyType::kinematic));
+    world.add(JointDef<D>{.kind = "distance",
+                          .bodyA = tug,
+                          .bodyB = sledge,
+                          .X_WJ = {at<D>(4, 0.25), {}},
+                          .X_WJb = Pose<D>{at<D>(0, 0.25), {}}});
+    std::vector<Handle> load;
+    for (int i = 0; i < 3; ++i) load.push_back(world.add(cube<D>(0, 1.0 + i)));
+    const auto sleeps = [&] {
+      return std::none_of(load.begin(), load.end(), [&](const Handle& b) { return world.awake(b); });
+    };
+    for (int i = 0; i < 300 || (i < 900 && !sleeps()); ++i) world.step(kDt);
+    asleep = sleeps();
+    world.setMotion(tug, {at<D>(double(speed), 0), Ang<D>::Zero()});
+    for (int i = 0; i < 120; ++i) world.step(kDt);
+    std::vector<Real> behind;
+    for (const Handle& b : load) behind.push_back(world.pose(sledge).p[0] - world.pose(b).p[0]);
+    return behind;
+  };
+  for (const Real speed : {Real(0.1), Real(0.4)}) {
+    bool sleeps = false, never = false;
+    const auto subject = draw(policy, speed, sleeps), awake = draw("none", speed, never);
+    for (std::size_t i = 0; i < subject.size(); ++i) {
+      if (std::abs(subject[i] - awake[i]) > 4 * kLinearSlop) return false;
+    }
+    if (!sleeps && policy != "none") return false;  // nothing would be asked
+  }
+  return true;
+}
+
 template <int D>
 bool groundIsMovedAway(const std::string& policy) {
   Tower<D> tower(policy);
@@ -295,6 +335,7 @@ std::vector<Named<D>> properties() {
           {"Sleeping.NobodyHangsInTheAir", nobodyHangsInTheAir<D>, "deaf"},
           {"Sleeping.NobodyHangsOnARemovedJoint", nobodyHangsOnARemovedJoint<D>, "deaf_to_joints"},
           {"Sleeping.SleepersAreTowed", sleepersAreTowed<D>, "wall"},
+          {"Sleeping.SledgesTakeTheirLoad", sledgesTakeTheirLoad<D>, "slips"},
           {"Sleeping.GroundIsMovedAway", groundIsMovedAway<D>, "deaf"},
           {"Sleeping.ThrowsAreNotStopped", throwsAreNotStopped<D>, "nowhere"},
           {"Sleeping.BlowsWakeARow", blowsWakeARow<D>, "wall"},
