@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of the chart of contacts of sleepers: what is saved by leaving them, in queries and in time, and what changes. Run by
+ctest, or python3 reports/tests/sleeping_contacts_test.py."""
+
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import with_store  # noqa: E402
+from charts import sleeping_contacts  # noqa: E402
+
+# policy: pair queries and ms with contacts left and made anew, how far the second body ends apart, steps of the wave with each
+POLICIES = {"none": (100, 100, 1.0, 1.0, 0.0, (0, 0)), "quick": (20, 100, 0.2, 0.8, 0.0, (3, 3)),
+            "slow": (50, 100, 0.5, 0.8, 0.002, (3, 5))}
+
+
+class SleepingContacts(with_store.WithStore):
+    @staticmethod
+    def stack(policies=None, fails=(), repeats=4, values=(0, 1), ends=600):
+        def fill(maker):
+            for name in ("work_pair_queries", "woken", "wake_steps"):
+                maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
+                                 ("metric", name, "world", name, "1", name, "detail", "", ""))
+            maker.sweep("mine", baseline="none", policy="label", sleeping_contacts="parameter")
+            for name, (kept, anew, ms, ms_anew, off, late) in (policies or POLICIES).items():
+                for value in values:
+                    outcome = "exploded" if (name, value) in fails else "ok"
+                    axes = {"kind": "world", "scene": "stack", "dimension": 2, "precision": "f64", "policy": name,
+                            "sleeping_contacts": value}
+                    found = {"work_pair_queries": (kept, anew)[value], "woken": 4, "wake_steps": late[value]}
+                    bits = f"{name} {value if off else 0}"
+                    key = maker.trial("mine", {**axes, "timed": False, "repeat": 0}, found, outcome, hash=bits)
+                    maker.poses(key, 0, [[slot, 9.0 + value, 9.0, 0.0] for slot in range(3)])
+                    last = ends if value else 600
+                    maker.poses(key, last, [[slot, slot + off * value * (slot == 1), 1.0, 0.0] for slot in range(3)])
+                    for repeat in range(repeats):
+                        time = {"ms_per_step_median": (ms, ms_anew)[value] * (1 + 0.01 * (repeat % 2))}
+                        maker.trial("mine", {**axes, "timed": True, "repeat": repeat}, {**found, **time}, outcome, hash=bits)
+        return fill
+
+    def test_what_is_saved_and_what_it_changes(self):
+        made = self.made(sleeping_contacts, self.stack())
+        self.assertEqual(len(made), 1)
+        self.assertEqual(made[0].finding, "Contacts of sleepers that are left as they were save at most 80 % of the pair queries "
+                         "(quick on stack); made anew they make a step at most 4.0 times as dear (quick on stack), and differ in "
+                         "time beyond the noise in 2 of 2 pairs; the end is the same to the bit in 1 of 2 pairs, and a body "
+                         "elsewhere by 2 mm at the most (slow on stack); who wakes, and when, is not the same for slow on stack.")
+        table = made[0].table.set_index("policy")
+        self.assertEqual(list(table.index), ["quick", "slow"])
+        self.assertAlmostEqual(table.at["quick", "pair queries saved [1]"], 0.8)
+        self.assertAlmostEqual(table.at["slow", "ends apart, largest [m]"], 0.002)
+        self.assertAlmostEqual(table.at["slow", "from the end without sleep, made anew [m]"], 0.002)
+        self.assertAlmostEqual(table.at["slow", "from the end without sleep, left as they were [m]"], 0)
+        self.assertAlmostEqual(table.at["slow", "time per step, made anew [s]"], 0.000804)
+        self.assertEqual(list(table["same bits"]), ["yes", "no"])
+        self.assertIn("by quick 4.0 times as dear, for the same bits", made[0].headline.text)
+
+    def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
+        self.assertAlmostEqual(self.made(sleeping_contacts, self.stack())[0].table["ends apart, largest [m]"].max(), 0.002)
+
+    def test_times_within_the_noise_are_no_headline(self):
+        same = {name: (kept, anew, 1.0, 1.001, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
+        made = self.made(sleeping_contacts, self.stack(same))[0]
+        self.assertIn("in time they differ in none of 2 pairs (within the noise)", made.finding)
+        self.assertTrue(made.finding.endswith("the end is the same to the bit in all of 2 pairs; who wakes, and when, is the "
+                                              "same everywhere."), made.finding)
+        self.assertIsNone(made.headline)
+
+    def test_too_few_repeats_are_told(self):
+        slight = {name: (kept, anew, 1.0, 1.3, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
+        self.assertIn("too few repeats", self.made(sleeping_contacts, self.stack(slight, repeats=2))[0].finding)
+
+    def test_what_failed_is_told(self):
+        made = self.made(sleeping_contacts, self.stack(fails=[("slow", 1)]))[0]
+        self.assertTrue(made.finding.endswith("not both finish of slow on stack."), made.finding)
+        self.assertTrue(made.table.set_index("policy")["ends apart, largest [m]"].isna()["slow"])
+        made = self.made(sleeping_contacts, self.stack(fails=[("slow", 1), ("quick", 0)]))[0]
+        self.assertTrue(made.finding.startswith("No policy that lets bodies sleep finishes"), made.finding)
+
+    def test_runs_that_end_elsewhere_in_time_have_no_distance(self):
+        made = self.made(sleeping_contacts, self.stack(ends=500))[0]
+        self.assertTrue(made.table["ends apart, largest [m]"].isna().all())
+
+    def test_where_nobody_sleeps_nothing_is_ranked(self):
+        awake = {name: (100, 100, 1.0, 1.0, 0.0, (0, 0)) for name in POLICIES}
+        made = self.made(sleeping_contacts, self.stack(awake))[0]
+        self.assertEqual(made.finding, "Nobody falls asleep where contacts of sleepers were left as they were and made anew.")
+
+    def test_a_sweep_without_the_switch_has_no_chart(self):
+        self.assertEqual(self.made(sleeping_contacts, self.stack(values=(0,))), [sleeping_contacts.ABSENT])
+
+
+if __name__ == "__main__":
+    unittest.main()
