@@ -19,6 +19,7 @@ from table import quantity
 PLACE = 39
 SECTION = "What does sleeping save, and what does it cost?"
 AXIS, QUERIES, TIME = "sleeping_contacts", "work_pair_queries", "ms_per_step_median"
+TITLES = {QUERIES: "pair queries per step", "work_box_tests": "box tests per step", TIME: "time per step"}
 WAVE = ("woken", "wake_steps")
 NEEDS = Needs("world", varies=(AXIS,), metrics=(QUERIES, TIME), also="policies that let bodies sleep")
 ABSENT = Chart("sleeping_contacts", SECTION, "Contacts of sleepers", "No sweep with and without contacts of sleepers is in this "
@@ -120,8 +121,9 @@ def _chart(context, cells, pairs, refused):
     places = list(dict.fromkeys(pair.place for pair in pairs))
     lines = len(pairs) + len(places)
     left = min(3.4, 0.3 + max([0.085 * len(name) for name in places] + [0.07 * len(pair.policy) for pair in pairs]))
-    room = legend_room([KEPT, ANEW], 1.5)
-    figure, axes = grid_of_axes(1, 3, 0.24 * lines + 0.1, room + 0.35, left=left, gap_x=0.62, bottom=0.35)
+    room, apart = legend_room([KEPT, ANEW], 1.5), [pair.apart for pair in pairs]
+    shows = any(not far <= FLOOR for far in apart)  # where all ends are one the finding says so
+    figure, axes = grid_of_axes(1, 3 if shows else 2, 0.24 * lines + 0.1, room + 0.35, left=left, gap_x=0.62, bottom=0.35)
     at, ticks, y = {}, [], 0
     for place in places:
         axes[0][0].text(-0.04, y, place, transform=axes[0][0].get_yaxis_transform(), ha="right", va="center", fontsize=9,
@@ -142,11 +144,12 @@ def _chart(context, cells, pairs, refused):
             if metric == TIME:
                 ax.text(1.02, at[id(pair)], twins.beside(pair.kept, pair.anew, TIME, {TIME: least}),
                         transform=ax.get_yaxis_transform(), va="center", fontsize=8, color="#444444")
-        ax.set_title(context.title(metric))
-    scale = ZeroLog(axes[0][2], "x", [pair.apart for pair in pairs], "m", failed_name="none", floor=FLOOR)
-    for pair in pairs:
-        axes[0][2].plot([scale.place(pair.apart)], [at[id(pair)]], "o", color="#444444", ms=6, mec="white", mew=0.5, zorder=3)
-    axes[0][2].set_title("ends apart, largest")
+        ax.set_title(TITLES[metric])
+    if shows:
+        scale = ZeroLog(axes[0][2], "x", apart, "m", failed_name="none", floor=FLOOR)
+        for pair in pairs:
+            axes[0][2].plot([scale.place(pair.apart)], [at[id(pair)]], "o", color="#444444", ms=6, mec="white", mew=0.5, zorder=3)
+        axes[0][2].set_title("ends apart, largest")
     for column, ax in enumerate(axes[0]):
         ax.set_ylim(y - 0.3, -0.7)
         ax.set_yticks([place for place, _ in ticks])
@@ -158,17 +161,17 @@ def _chart(context, cells, pairs, refused):
                  finding(pairs, least), sweep, figure, _table(context, pairs, least),
                  refused + holes(cells, ["scene", "dimension", "method", AXIS]),
                  "Each row is one policy with `sleeping_contacts` off and on. Pair queries are a count without noise; numbers "
-                 "beside the times are their ratios; the last panel is how far a body ends from where it ends with the other "
-                 f"setting. {noise.rule(least)}", headline=headline(pairs, least))
+                 "beside the times are their ratios; a third panel, where ends differ, is how far a body ends from where it ends "
+                 f"with the other setting. {noise.rule(least)}", headline=headline(pairs, least))
 
 
 def _table(context, pairs, least):
     table = {"scene": [pair.place for pair in pairs], "policy": [pair.policy for pair in pairs],
              "outcome": [f"{pair.kept['outcome']} / {pair.anew['outcome']}" for pair in pairs]}
     table |= quantity("pair queries saved", "1", [pair.saved for pair in pairs])
-    for metric in (QUERIES, TIME):
+    for metric, title in TITLES.items():
         for side, cell in ((KEPT, "kept"), (ANEW, "anew")):
-            table |= quantity(f"{context.title(metric)}, {side}", context.unit(metric),
+            table |= quantity(f"{title}, {side}", context.unit(metric),
                               [twins.number(getattr(pair, cell), metric) for pair in pairs])
     words = [twins.told(pair.kept, pair.anew, TIME, least) for pair in pairs]
     table |= quantity("ratio of times", "1", [float(word) if word[:1].isdigit() else math.nan for word in words])

@@ -21,7 +21,7 @@ class SleepingContacts(with_store.WithStore):
     @staticmethod
     def stack(policies=None, fails=(), repeats=4, values=(0, 1), ends=600):
         def fill(maker):
-            for name in ("work_pair_queries", "woken", "wake_steps"):
+            for name in ("work_pair_queries", "work_box_tests", "woken", "wake_steps"):
                 maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                                  ("metric", name, "world", name, "1", name, "detail", "", ""))
             maker.sweep("mine", baseline="none", policy="label", sleeping_contacts="parameter")
@@ -56,6 +56,7 @@ class SleepingContacts(with_store.WithStore):
         self.assertAlmostEqual(table.at["slow", "from the end without sleep, left as they were [m]"], 0)
         self.assertAlmostEqual(table.at["slow", "time per step, made anew [s]"], 0.000804)
         self.assertEqual(list(table["same bits"]), ["yes", "no"])
+        self.assertEqual(len(made[0].figure.axes), 3)
         self.assertIn("by quick 4.0 times as dear, for the same bits", made[0].headline.text)
 
     def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
@@ -68,6 +69,7 @@ class SleepingContacts(with_store.WithStore):
         self.assertTrue(made.finding.endswith("the end is the same to the bit in all of 2 pairs; who wakes, and when, is the "
                                               "same everywhere."), made.finding)
         self.assertIsNone(made.headline)
+        self.assertEqual(len(made.figure.axes), 2, "no panel of zeros")
 
     def test_too_few_repeats_are_told(self):
         slight = {name: (kept, anew, 1.0, 1.3, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
