@@ -92,18 +92,7 @@ class SpatialHash final : public Broadphase<D> {
   Real chooseCell(const Proxies<D>& proxies) {
     if (m_params.cell > 0) return m_params.cell;
     constexpr std::size_t kSamples = 128;
-    const std::size_t stride = std::max<std::size_t>(1, m_slots.size() / kSamples);
-    for (const bool onlyActive : {true, false}) {
-      m_sample.clear();
-      for (std::size_t k = 0; k < m_slots.size(); k += stride) {
-        const auto i = static_cast<std::size_t>(m_slots[k]);
-        if (onlyActive && !proxies.active[i]) continue;
-        Real size = 0;
-        for (std::size_t d = 0; d < D; ++d) size = std::max(size, proxies.hi[d][i] - proxies.lo[d][i]);
-        m_sample.push_back(size);
-      }
-      if (!m_sample.empty()) break;
-    }
+    sampleSizes(proxies, m_slots, kSamples, m_sample);
     const auto middle = m_sample.begin() + static_cast<std::ptrdiff_t>(m_sample.size() / 2);
     std::nth_element(m_sample.begin(), middle, m_sample.end());
     return kRoom * *middle;

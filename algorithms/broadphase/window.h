@@ -54,6 +54,25 @@ Window<D> findWindow(const Proxies<D>& proxies, const std::vector<ProxyId>& slot
   return window;
 }
 
+/// The longest edge (m) of `samples` boxes, or of up to twice as many, spread evenly over the slots: of those among
+/// them that are awake, or of all where none is. Precondition: `slots` is not empty.
+template <int D>
+void sampleSizes(const Proxies<D>& proxies, const std::vector<ProxyId>& slots, std::size_t samples,
+                 std::vector<Real>& sizes) {
+  const std::size_t stride = std::max<std::size_t>(1, slots.size() / samples);
+  for (const bool onlyActive : {true, false}) {
+    sizes.clear();
+    for (std::size_t k = 0; k < slots.size(); k += stride) {
+      const auto i = static_cast<std::size_t>(slots[k]);
+      if (onlyActive && !proxies.active[i]) continue;
+      Real size = 0;
+      for (std::size_t d = 0; d < D; ++d) size = std::max(size, proxies.hi[d][i] - proxies.lo[d][i]);
+      sizes.push_back(size);
+    }
+    if (!sizes.empty()) return;
+  }
+}
+
 /// Widened around its middle to a square or cube: a tree that halves all axes at once needs regions as wide as high.
 template <int D>
 Window<D> widened(Window<D> window) {

@@ -6,10 +6,12 @@
 #include <charconv>
 #include <map>
 
+#include "algorithms/broadphase/window.h"
 #include "tests/check_property.h"
 #include "tests/conformance/broadphase_model.h"
 #include "tests/conformance/broadphase_variants.h"
 #include "tests/run_property.h"
+#include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace broadphase_test {
@@ -74,6 +76,26 @@ TEST(BroadphaseGenerator, DrawsEverything) {
   std::printf("%.1f %% of the pairs of boxes overlap\n", 100 * share);
   EXPECT_GE(share, 0.05);
   EXPECT_LE(share, 0.7);
+}
+
+// What cells are sized by: who is awake, wherever one in the sample is.
+TEST(BroadphaseSample, IsOfThoseWhoAreAwake) {
+  Proxies<2> proxies;
+  proxies.resize(1000);
+  std::vector<ProxyId> slots;
+  for (ProxyId i = 0; i < 1000; ++i) {
+    proxies.setBox(i, {at<2>(0, 0), at<2>(i % 2 ? 1 : 2, i % 2 ? 3 : 1)});
+    proxies.active[static_cast<std::size_t>(i)] = i % 2 == 1;
+    slots.push_back(i);
+  }
+  std::vector<Real> sizes;
+  broadphase::sampleSizes(proxies, slots, 400, sizes);  // every second one, all asleep
+  EXPECT_EQ(sizes, std::vector<Real>(500, 2));
+  slots.erase(slots.begin());  // and all awake
+  broadphase::sampleSizes(proxies, slots, 400, sizes);
+  EXPECT_EQ(sizes, std::vector<Real>(500, 3));
+  broadphase::sampleSizes(proxies, slots, 5000, sizes);  // all: those who are awake
+  EXPECT_EQ(sizes, std::vector<Real>(500, 3));
 }
 
 // --- a check that cannot fail is no check ----------------------------------------------------------------------------
