@@ -5,6 +5,7 @@
 
 #include "tests/check_property.h"
 #include "tests/conformance/broadphase_model.h"
+#include "tests/conformance/broadphase_variants.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 namespace broadphase_query_test {
@@ -55,13 +56,23 @@ struct Hall {
   }
 };
 
+/// Who stands there, with a box: of a body that has become NaN nobody asks when it is met.
 template <int D>
-void checkMeetings(const Hall<D>& hall, const Aabb<D>& box, const Vec<D>& displacement, Real maxT,
-                   std::vector<RayHit<D>> hits) {
+std::vector<ProxyId> standing(const Proxies<D>& proxies) {
+  std::vector<ProxyId> out;
+  for (ProxyId i = 0; i < proxies.size(); ++i) {
+    if (!proxies.isFree(i) && proxies.box(i).lo.allFinite()) out.push_back(i);
+  }
+  return out;
+}
+
+template <int D>
+void checkMeetings(const Proxies<D>& proxies, const std::vector<ProxyId>& standing, const Aabb<D>& box,
+                   const Vec<D>& displacement, Real maxT, std::vector<RayHit<D>> hits) {
   std::sort(hits.begin(), hits.end(), [](const auto& a, const auto& b) { return a.proxy < b.proxy; });
   std::size_t at = 0;
-  for (ProxyId i : hall.added) {
-    const Meeting m = meeting<D>(box, displacement, maxT, hall.proxies.box(i));
+  for (ProxyId i : standing) {
+    const Meeting m = meeting<D>(box, displacement, maxT, proxies.box(i));
     const bool found = at < hits.size() && hits[at].proxy == i;
     if (m.sure) RC_ASSERT(found == m.hit);
     if (found) {
@@ -83,34 +94,30 @@ std::vector<ProxyId> sorted(std::vector<RayHit<D>> hits) {
   return ids;
 }
 
+/// Asks somebody who was told of these boxes by update().
 template <int D>
-void checkQueries(Broadphase<D>& broadphase, BoxFamily family, std::uint64_t seed, int count) {
-  Hall<D> hall(family, seed, count);
-  broadphase.update(hall.proxies, {hall.added, {}, hall.added});
-  std::vector<ProxyPair> pairs;
-  WorkDone work;
-  broadphase.findPairs(hall.proxies, pairs, work);
-  Random random(seed + 1);
+void ask(const Broadphase<D>& broadphase, const Proxies<D>& proxies, BoxFamily family, Random& random) {
+  const std::vector<ProxyId> there = standing(proxies);
   const Aabb<D> box = drawBox<D>(random, family);
 
   std::vector<ProxyId> found, truth;
-  broadphase.overlap(hall.proxies, box, found);
-  for (ProxyId i : hall.added) {
-    if (box.overlaps(hall.proxies.box(i))) truth.push_back(i);
+  broadphase.overlap(proxies, box, found);
+  for (ProxyId i : there) {
+    if (box.overlaps(proxies.box(i))) truth.push_back(i);
   }
   std::sort(found.begin(), found.end());
   RC_ASSERT(found == truth);
 
   // A corner of a box of the crowd, if there is one: a point on the border is in.
   Vec<D> point = box.lo;
-  if (!hall.added.empty() && random.below(2)) {
-    const Aabb<D> other = hall.proxies.box(hall.added[random.below(hall.added.size())]);
+  if (!there.empty() && random.below(2)) {
+    const Aabb<D> other = proxies.box(there[random.below(there.size())]);
     for (int d = 0; d < D; ++d) point[d] = random.below(2) ? other.lo[d] : other.hi[d];
   }
   found.clear(), truth.clear();
-  broadphase.at(hall.proxies, point, found);
-  for (ProxyId i : hall.added) {
-    if (hall.proxies.box(i).contains(point)) truth.push_back(i);
+  broadphase.at(proxies, point, found);
+  for (ProxyId i : there) {
+    if (proxies.box(i).contains(point)) truth.push_back(i);
   }
   std::sort(found.begin(), found.end());
   RC_ASSERT(found == truth);
@@ -119,24 +126,57 @@ void checkQueries(Broadphase<D>& broadphase, BoxFamily family, std::uint64_t see
   for (int d = 0; d < D; ++d) direction[d] = static_cast<Real>(static_cast<int>(random.below(7)) - 3);
   const Real maxT = static_cast<Real>(random.below(4)) * 3;
   std::vector<RayHit<D>> hits, first;
-  broadphase.ray(hall.proxies, point, direction, maxT, false, hits);
-  checkMeetings<D>(hall, {point, point}, direction, maxT, hits);
-  broadphase.ray(hall.proxies, point, direction, maxT, true, first);
+  broadphase.ray(proxies, point, direction, maxT, false, hits);
+  checkMeetings<D>(proxies, there, {point, point}, direction, maxT, hits);
+  broadphase.ray(proxies, point, direction, maxT, true, first);
   RC_ASSERT(first.size() == std::min<std::size_t>(1, hits.size()));
   for (const auto& h : hits) RC_ASSERT(first[0].t <= h.t);
 
   hits.clear();
   const Vec<D> displacement = 3 * direction;
-  broadphase.sweep(hall.proxies, box, displacement, hits);
-  checkMeetings<D>(hall, box, displacement, Real(1), hits);
+  broadphase.sweep(proxies, box, displacement, hits);
+  checkMeetings<D>(proxies, there, box, displacement, Real(1), hits);
 
   // What does not move meets exactly what it overlaps.
   hits.clear(), found.clear();
-  broadphase.sweep(hall.proxies, box, Vec<D>::Zero(), hits);
-  broadphase.overlap(hall.proxies, box, found);
+  broadphase.sweep(proxies, box, Vec<D>::Zero(), hits);
+  broadphase.overlap(proxies, box, found);
   std::sort(found.begin(), found.end());
   RC_ASSERT(sorted<D>(hits) == found);
 }
+
+template <int D>
+void checkQueries(Broadphase<D>& broadphase, BoxFamily family, std::uint64_t seed, int count) {
+  const Hall<D> hall(family, seed, count);
+  broadphase.update(hall.proxies, {hall.added, {}, hall.added});
+  std::vector<ProxyPair> pairs;
+  WorkDone work;
+  broadphase.findPairs(hall.proxies, pairs, work);
+  Random random(seed + 1);
+  ask(broadphase, hall.proxies, family, random);
+}
+
+/// Of a structure that has aged: after some commands it is updated and asked, with or without findPairs() before.
+template <int D>
+void checkWorn(Broadphase<D>& broadphase, BoxFamily family, const std::vector<Command>& list, std::uint64_t seed) {
+  BoxCrowd<D> crowd(family);
+  std::vector<ProxyPair> pairs;
+  WorkDone work;
+  Random random(seed);
+  for (std::size_t k = 0; k <= list.size(); ++k) {
+    if (k % 64 == 63 || k == list.size()) {
+      crowd.update(broadphase);
+      pairs.clear();
+      if (random.below(2)) broadphase.findPairs(crowd.proxies(), pairs, work);
+      ask(broadphase, crowd.proxies(), family, random);
+    }
+    if (k < list.size()) crowd.apply(list[k]);
+  }
+}
+
+// Of which the oracle of rays and sweeps has no doubt about all.
+constexpr std::array kFamilies = {BoxFamily::scattered, BoxFamily::touching, BoxFamily::identical,
+                                  BoxFamily::huge,      BoxFamily::thin,     BoxFamily::centerLine};
 
 template <int D>
 void checkAllQueries() {
@@ -145,9 +185,7 @@ void checkAllQueries() {
     check(
         "queries of " + algorithm->info.name + ", " + std::to_string(D) + "D",
         [&] {
-          static constexpr std::array families = {BoxFamily::scattered, BoxFamily::touching, BoxFamily::identical,
-                                                  BoxFamily::huge,      BoxFamily::thin,     BoxFamily::centerLine};
-          const auto family = families[drawIndex(families.size())];
+          const auto family = kFamilies[drawIndex(kFamilies.size())];
           const auto seed = drawSeed();
           const int count = growingNumber(0, 80);
           const auto broadphase = createStage<Broadphase<D>>(Spec{algorithm->info.name, {}});
@@ -158,6 +196,28 @@ void checkAllQueries() {
 }
 TEST(BroadphaseQueries, TwoDimensions) { checkAllQueries<2>(); }
 TEST(BroadphaseQueries, ThreeDimensions) { checkAllQueries<3>(); }
+
+// The sequences of broadphase_test.cpp, with every choice and both ends of every parameter.
+template <int D>
+void checkWornQueries() {
+  for (const Registered* algorithm : Registry::instance().list(StageKind::broadphase, D)) {
+    if (algorithm->info.role != AlgorithmRole::competitor) continue;
+    const std::vector<Spec> specs = variants(*algorithm);
+    check(
+        "queries of a worn " + algorithm->info.name + ", " + std::to_string(D) + "D",
+        [&] {
+          const auto list = drawCommands();
+          const auto family = kFamilies[drawIndex(kFamilies.size())];
+          const Spec& spec = specs[drawIndex(specs.size())];
+          RC_LOG() << spec.text() << ", family " << static_cast<int>(family) << '\n';
+          const auto broadphase = createStage<Broadphase<D>>(spec);
+          checkWorn<D>(*broadphase, family, list, drawSeed());
+        },
+        100);
+  }
+}
+TEST(BroadphaseQueries, WornTwoDimensions) { checkWornQueries<2>(); }
+TEST(BroadphaseQueries, WornThreeDimensions) { checkWornQueries<3>(); }
 
 // --- planted bugs ----------------------------------------------------------------------------------------------------
 
@@ -196,6 +256,44 @@ class LooksBack final : public Broadphase<D> {
   }
 };
 
+/// A tree that takes what has moved for where it was told of it first: right as long as it is fresh.
+template <int D>
+class AsAdded final : public Broadphase<D> {
+ public:
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
+    m_boxes.resize(proxies.size());
+    for (ProxyId i : changes.removed) m_boxes.setBox(i, Aabb<D>{}), m_boxes.body[static_cast<std::size_t>(i)] = -1;
+    for (ProxyId i : changes.added) m_boxes.setBox(i, proxies.box(i)), m_boxes.body[static_cast<std::size_t>(i)] = i;
+  }
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, WorkDone&) override {}
+  void overlap(const Proxies<D>&, const Aabb<D>& box, std::vector<ProxyId>& out) const override {
+    Broadphase<D>::overlap(m_boxes, box, out);
+  }
+
+ private:
+  Proxies<D> m_boxes;
+};
+
+/// A tree that keeps in its leaves who was removed, and passes them by when it looks for pairs alone.
+template <int D>
+class KeepsTheGone final : public Broadphase<D> {
+ public:
+  void update(const Proxies<D>& proxies, const ProxyChanges& changes) override {
+    m_boxes.resize(proxies.size());
+    for (const auto& list : {changes.added, changes.moved}) {
+      for (ProxyId i : list) m_boxes.setBox(i, proxies.box(i)), m_boxes.body[static_cast<std::size_t>(i)] = i;
+    }
+  }
+  void findPairs(const Proxies<D>&, std::vector<ProxyPair>&, WorkDone&) override {}
+  void ray(const Proxies<D>&, const Vec<D>& p, const Vec<D>& direction, Real maxT, bool firstOnly,
+           std::vector<RayHit<D>>& out) const override {
+    Broadphase<D>::ray(m_boxes, p, direction, maxT, firstOnly, out);
+  }
+
+ private:
+  Proxies<D> m_boxes;
+};
+
 template <template <int> class Bug>
 void expectRefused(const std::string& name) {
   expectFalsified(
@@ -208,6 +306,26 @@ void expectRefused(const std::string& name) {
 }
 TEST(BroadphasePlantedBugs, OpenQuery) { expectRefused<OpenQuery>("open query"); }
 TEST(BroadphasePlantedBugs, FatAnswers) { expectRefused<FatAnswers>("fat answers"); }
+template <template <int> class Bug>
+void expectWornOut(const std::string& name) {
+  check(
+      "fresh twin: " + name,
+      [] {
+        Bug<3> fresh;
+        checkQueries<3>(fresh, BoxFamily::touching, drawSeed(), growingNumber(0, 80));
+      },
+      50);
+  expectFalsified(
+      "planted bug: " + name,
+      [] {
+        Bug<3> bug;
+        const auto list = drawCommands();
+        checkWorn<3>(bug, BoxFamily::touching, list, drawSeed());
+      },
+      100);
+}
+TEST(BroadphasePlantedBugs, AsAdded) { expectWornOut<AsAdded>("answers with the boxes that were added"); }
+TEST(BroadphasePlantedBugs, KeepsTheGone) { expectWornOut<KeepsTheGone>("keeps who was removed"); }
 TEST(BroadphasePlantedBugs, LooksBack) { expectRefused<LooksBack>("looks back"); }
 
 }  // namespace broadphase_query_test
