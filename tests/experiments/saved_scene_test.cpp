@@ -88,6 +88,23 @@ TEST(SavedScene, WhatItCannotBeIsTold) {
   EXPECT_FALSE(std::filesystem::exists(w.path("b.world")));
 }
 
+// What it lacks then is named, and is no damage.
+TEST(SavedScene, OfAPluginNeedsThePlugin) {
+  const Workspace w;
+  w.write("pushed.toml",
+          "name = \"pushed\"\nsummary = \"s\"\ndimensions = [2]\nneeds = []\nsteps = 9\n"
+          "[[body]]\nname = \"a\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n"
+          "[[force]]\nkind = \"planted_push\"\nb = \"a\"\n");
+  const std::string with = "--plugin " LPC_BINARY_DIR "/lib/liblpc_planted.so ";
+  ASSERT_EQ(w.lpc(with + "run ./pushed.toml --save 5:a.toml").code, 0);
+  EXPECT_EQ(w.lpc(with + "run ./a.toml").code, 0);
+  const Outcome without = w.lpc("run ./a.toml");
+  EXPECT_EQ(without.code, 2) << without.text;
+  EXPECT_NE(without.text.find("the force 'planted_push', which is not registered in 2D"), std::string::npos)
+      << without.text;
+  EXPECT_EQ(std::count(without.text.begin(), without.text.end(), '\n'), 1) << without.text;
+}
+
 TEST(SavedScene, OfTheOtherPrecisionIsUnsupported) {
   if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
   const Workspace w;

@@ -288,6 +288,25 @@ void name() {
 }
 TEST(DamagedSave, EachDamageIsNamed) { name<2>(), name<3>(); }
 
+// A kind that this program lacks is no damage: the save is whole, and says what it needs.
+template <int D>
+void lacksAKind() {
+  const std::string bytes = filledAndSaved<D>();
+  const auto renamed = [&](const std::string& name) {
+    std::string other = bytes;
+    const std::size_t at = other.find(name);
+    EXPECT_NE(at, other.npos) << name;
+    other.replace(at, name.size(), std::string(name.size(), 'x'));
+    World<D> world(Pipeline::parse(kPipeline));
+    return refusal(world, sealed(other));
+  };
+  const std::string rest =
+      "', which is not registered in " + std::to_string(D) + "D; valid: with the plugin that it is from";
+  EXPECT_EQ(renamed("rolling_resistance"), "load: the saved world has the force 'xxxxxxxxxxxxxxxxxx" + rest);
+  EXPECT_EQ(renamed("pivot"), "load: the saved world has the joint 'xxxxx" + rest);
+}
+TEST(DamagedSave, AKindThatIsNotRegisteredIsNamed) { lacksAKind<2>(), lacksAKind<3>(); }
+
 // A world that has exploded is saved and loaded as it is.
 template <int D>
 void explode() {
