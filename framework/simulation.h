@@ -54,13 +54,16 @@ class Simulation {
   virtual void removeForce(Handle force) = 0;
 
   // --- what a script does to bodies, between steps -------------------------------------------------------------------
-  // All four throw UserError for a body that is gone and for numbers that are not finite.
+  // All five throw UserError for a body that is gone and for numbers that are not finite.
   virtual void setPose(Handle body, const Pose<D>& X_WB) = 0;  // of the body's own frame
   /// Of its centre of mass. Throws UserError for a fixed body.
   virtual void setMotion(Handle body, const Motion<D>& motion) = 0;
   /// A force (N) at a world point, or a torque (N m), for the coming step only.
   virtual void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) = 0;
   virtual void applyTorque(Handle body, const Ang<D>& torque) = 0;
+  /// Changes velocities at once: an impulse (N s) at the centre of mass, and an angular one (N m s) about it. What is
+  /// not dynamic takes none, a pinned one no linear part.
+  virtual void applyImpulse(Handle body, const Wrench<D>& impulse) = 0;
 
   // --- running -------------------------------------------------------------------------------------------------------
   /// Advances by dt seconds; this alone is timed. dt = 0 changes nothing. Throws UserError for a dt that is negative or

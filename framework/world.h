@@ -139,8 +139,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   /// A force (N) at a world point, or a torque, for the coming step only. Wakes the body.
   void applyForce(Handle body, const Vec<D>& force, const Vec<D>& point) override;
   void applyTorque(Handle body, const Ang<D>& torque) override;
-  /// Changes velocities at once: an impulse (N s) at a world point, or an angular one (N m s). Wakes the body. What is
-  /// not dynamic takes none, a pinned one no linear part.
+  void applyImpulse(Handle body, const Wrench<D>& impulse) override;  // wakes the body
+  /// The same of an impulse (N s) at a world point, or of an angular one (N m s).
   void applyImpulse(Handle body, const Vec<D>& impulse, const Vec<D>& point);
   void applyAngularImpulse(Handle body, const Ang<D>& impulse);
   void wake(Handle body);

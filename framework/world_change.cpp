@@ -285,23 +285,29 @@ void World<D>::indexShapes() {
 }
 
 template <int D>
+void World<D>::applyImpulse(Handle body, const Wrench<D>& impulse) {
+  const std::size_t i = slotOf(body);
+  if (!impulse.force.allFinite() || !impulse.torque.allFinite()) {
+    throw UserError("applyImpulse: an impulse is not finite");
+  }
+  if (m_bodies.type[i] != BodyType::dynamic) return;
+  if (!m_bodies.pinned[i]) m_bodies.motion[i].v += impulse.force / m_bodies.mass[i];
+  if (m_settings.features.rotation) {
+    m_bodies.motion[i].w += rotateInertia(m_bodies.pose[i].q, m_bodies.invInertiaBody[i]) * impulse.torque;
+  }
+  touched(i);
+}
+
+template <int D>
 void World<D>::applyImpulse(Handle body, const Vec<D>& impulse, const Vec<D>& point) {
   const std::size_t i = slotOf(body);
-  if (!impulse.allFinite() || !point.allFinite()) throw UserError("applyImpulse: impulse or point is not finite");
-  if (m_bodies.type[i] != BodyType::dynamic) return;
-  if (!m_bodies.pinned[i]) m_bodies.motion[i].v += impulse / m_bodies.mass[i];
-  applyAngularImpulse(body, cross(Vec<D>(point - m_bodies.pose[i].p), impulse));
+  if (!point.allFinite()) throw UserError("applyImpulse: the point is not finite");
+  applyImpulse(body, {impulse, cross(Vec<D>(point - m_bodies.pose[i].p), impulse)});
 }
 
 template <int D>
 void World<D>::applyAngularImpulse(Handle body, const Ang<D>& impulse) {
-  const std::size_t i = slotOf(body);
-  if (!impulse.allFinite()) throw UserError("applyAngularImpulse: the impulse is not finite");
-  if (m_bodies.type[i] != BodyType::dynamic) return;
-  if (m_settings.features.rotation) {
-    m_bodies.motion[i].w += rotateInertia(m_bodies.pose[i].q, m_bodies.invInertiaBody[i]) * impulse;
-  }
-  touched(i);
+  applyImpulse(body, {Vec<D>::Zero(), impulse});
 }
 
 template <int D>
@@ -330,3 +336,4 @@ LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
 }  // namespace lpc::inline LPC_PRECISION
+  template void World<D>::applyImpulse(Handle, const Wrench<D>&);                     \

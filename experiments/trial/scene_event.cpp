@@ -80,15 +80,7 @@ struct Push {
     const Vec<D> impulse = e.numbers.template vector<D>(e.block, "impulse");
     const Ang<D> angular = readAngular<D>(e.block, e.numbers, "angular_impulse");
     addEvent<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, Handle h) {
-      const Bodies<D>& bodies = world.bodies();
-      const auto i = static_cast<std::size_t>(h.slot);
-      Motion<D> motion = bodies.motion[i];
-      if (!bodies.pinned[i]) motion.v += impulse / bodies.mass[i];
-      if (world.settings().features.rotation) {
-        const Ang<D> turn = cross(armOf(world, h, at), impulse) + angular;
-        motion.w += rotateInertia(bodies.pose[i].q, bodies.invInertiaBody[i]) * turn;
-      }
-      world.setMotion(h, motion);
+      world.applyImpulse(h, {impulse, cross(armOf(world, h, at), impulse) + angular});
     });
   }
 };

@@ -95,6 +95,12 @@ class EngineWorld : public Simulation<D> {
     if (!torque.allFinite()) throw UserError("applyTorque: the torque is not finite");
     pushOf(body).torque += torque;
   }
+  void applyImpulse(Handle body, const Wrench<D>& impulse) final {
+    refresh();
+    m_scene.applyImpulse(body, impulse);
+    const auto i = static_cast<std::size_t>(body.slot);
+    if (m_scene.bodies().type[i] == BodyType::dynamic) putMotion(i, motionOf(i));
+  }
 
   void step(Real dt) final {
     if (!(dt >= 0) || !std::isfinite(dt)) {

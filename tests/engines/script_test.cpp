@@ -83,6 +83,26 @@ bool moves(const Start<D>& start) {
          near(double(s->pose(rigid).p[0]), 0.5, 0.01) && turnOf(s->pose(rigid).q).norm() < 1e-5;
 }
 
+// At once, for good, and of what can move: v = J / m, w = L / I.
+template <int D>
+bool blows(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, 0));
+  BodyDef<D> hung = block<D>();
+  hung.X_WB.p = at<D>(0, 9), hung.pinned = true;
+  BodyDef<D> deep = ground<D>();
+  deep.X_WB.p = at<D>(0, -9);
+  const Handle h = s->add(block<D>()), pinned = s->add(hung), floor = s->add(deep);
+  run(*s, 0.1);
+  for (const Handle& b : {h, pinned, floor}) s->applyImpulse(b, {at<D>(0, 3), spin<D>(0.5)});
+  const auto moved = [&](const Handle& b, double v, double w) {
+    return near(double(motion(*s, b).v[1]), v, 1e-3) && near(double(motion(*s, b).w[kAngDim<D> - 1]), w, 1e-3);
+  };
+  const auto all = [&] { return moved(h, 1.5, 1.5) && moved(pinned, 0, 1.5) && moved(floor, 0, 0); };
+  if (!all()) return false;
+  run(*s, 0.5);
+  return all() && near(double((s->pose(h) * at<D>(0.25, 0))[1]), 0.75, 0.01);
+}
+
 // A kinematic lift carries a box up at the velocity that it came with, and along when it is given another, by friction;
 // alone it turns as it is told.
 template <int D>
@@ -160,6 +180,7 @@ TEST(EngineScripts, ForcesActWhereTheyAreApplied) {
   everywhere("forcesAddUp", forcesAddUp<2>, forcesAddUp<3>);
 }
 TEST(EngineScripts, VelocitiesAreSet) { everywhere("moves", moves<2>, moves<3>); }
+TEST(EngineScripts, BlowsChangeVelocities) { everywhere("blows", blows<2>, blows<3>); }
 TEST(EngineScripts, LiftsCarry) {
   everywhere("carries", carries<2>, carries<3>);
   everywhere("placesGently", placesGently<2>, placesGently<3>);
@@ -171,7 +192,7 @@ template <int D>
 void worldPasses() {
   const Start<D> start = ownWorld<D>();
   EXPECT_TRUE(forces<D>(start) && forcesAddUp<D>(start) && moves<D>(start) && places<D>(start));
-  EXPECT_TRUE(carries<D>(start) && placesGently<D>(start));
+  EXPECT_TRUE(blows<D>(start) && carries<D>(start) && placesGently<D>(start));
 }
 TEST(EngineScripts, WorldsPassToo) { worldPasses<2>(), worldPasses<3>(); }
 
@@ -181,6 +202,7 @@ void twinsAreCaught(const Start<D>& start) {
   EXPECT_FALSE(forces<D>(noTorques<D>(start)));
   EXPECT_FALSE(forcesAddUp<D>(ownMass<D>(start)));
   EXPECT_FALSE(moves<D>(noTurning<D>(start)));
+  EXPECT_FALSE(blows<D>(softBlows<D>(start)));
   EXPECT_FALSE(carries<D>(noTurning<D>(start)));
   EXPECT_FALSE(places<D>(noRotation<D>(start)));
 }
@@ -205,11 +227,13 @@ void refusesNonsense() {
     EXPECT_THROW(s->setMotion(gone, {}), UserError);
     EXPECT_THROW(s->applyForce(gone, at<D>(1, 0), at<D>(0, 0)), UserError);
     EXPECT_THROW(s->applyTorque(gone, spin<D>(1)), UserError);
+    EXPECT_THROW(s->applyImpulse(gone, {at<D>(1, 0), spin<D>(0)}), UserError);
     EXPECT_THROW(s->setMotion(floor, {at<D>(1, 0), spin<D>(0)}), UserError);
     EXPECT_THROW(s->setPose(h, {nan * at<D>(1, 0), {}}), UserError);
     EXPECT_THROW(s->setMotion(h, {nan * at<D>(1, 0), spin<D>(0)}), UserError);
     EXPECT_THROW(s->applyForce(h, nan * at<D>(1, 0), at<D>(0, 0)), UserError);
     EXPECT_THROW(s->applyTorque(h, nan * spin<D>(1)), UserError);
+    EXPECT_THROW(s->applyImpulse(h, {at<D>(1, 0), nan * spin<D>(1)}), UserError);
     const std::uint64_t before = s->hash();
     s->step(kDt);
     EXPECT_EQ(s->hash(), before) << "nothing was pushed";

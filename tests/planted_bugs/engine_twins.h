@@ -30,6 +30,7 @@ struct Changes {
   std::function<void(Motion<D>&)> motion = [](Motion<D>&) {};
   std::function<void(Vec<D>& force, Vec<D>& point)> force = [](Vec<D>&, Vec<D>&) {};
   std::function<void(Ang<D>&)> torque = [](Ang<D>&) {};
+  std::function<void(Wrench<D>&)> impulse = [](Wrench<D>&) {};
 };
 
 /// All else is the inner simulation's.
@@ -68,6 +69,11 @@ class Twin final : public Simulation<D> {
     Ang<D> changed = torque;
     m_changes.torque(changed);
     m_inner->applyTorque(body, changed);
+  }
+  void applyImpulse(Handle body, const Wrench<D>& impulse) override {
+    Wrench<D> changed = impulse;
+    m_changes.impulse(changed);
+    m_inner->applyImpulse(body, changed);
   }
   Handle add(const ForceDef<D>& def) override { return m_inner->add(def); }
   void removeForce(Handle force) override { m_inner->removeForce(force); }
@@ -211,6 +217,11 @@ Start<D> jointedCollide(Start<D> start, bool collide) {
 template <int D>
 Start<D> centralForces(Start<D> start) {
   return twin<D>(start, {.force = [](Vec<D>&, Vec<D>& point) { point.setZero(); }});
+}
+/// A blow lasts as long as a step, and is taken for a force.
+template <int D>
+Start<D> softBlows(Start<D> start) {
+  return twin<D>(start, {.impulse = [](Wrench<D>& blow) { blow.force /= 60, blow.torque /= 60; }});
 }
 /// Forgets torques, angular velocities, rotations.
 template <int D>
