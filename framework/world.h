@@ -32,9 +32,11 @@ struct PairMaterial {
 };
 
 /// Is told about contacts, before the solver, in the order of the manifolds. A pair begins in the first step in which
-/// it has contact points and ends in the first without. Pairs of sleeping bodies keep silent. A pair is one of shapes:
-/// where shapes have several convex parts, it is told of once, with its first manifold; the others follow that one.
-/// While it hears, the world must not be changed, nor its listeners.
+/// it has contact points and ends in the first without. Where a stage has contacts made again within a step
+/// (`DetectAgain`), those that begin or end are told of then, with the bodies where they are at that moment. Pairs of
+/// sleeping bodies keep silent. A pair is one of shapes: where shapes have several convex parts, it is told of once,
+/// with its first manifold; the others follow that one. While it hears, the world must not be changed, nor its
+/// listeners.
 template <int D>
 class ContactListener {
  public:
@@ -170,6 +172,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   // --- data, for invariants, recordings, drawing; slots as in Bodies -------------------------------------------------
   const Bodies<D>& bodies() const override { return m_bodies; }
   std::span<const ShapeRecord<D>> shapes() const override { return m_shapes; }
+  std::span<const std::int32_t> shapesOf(std::size_t body) const { return m_shapesOf.of(body); }  // in ascending order
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
   std::span<const PairRecord> pairRecords() const { return m_records; }  // sorted by key; none where nobody remembers
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
@@ -249,7 +252,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void makeContacts();
   Real marginOf(const ShapePair& pair) const;
   PairMaterial mixed(const Manifold<D>& m) const;  // as its shapes and the mixing rules make it
-  bool quiet(const Manifold<D>& m) const {         // neither of its bodies moves by itself
+  void mixKept();
+  bool quiet(const Manifold<D>& m) const {  // neither of its bodies moves by itself
     const auto moves = [&](std::int32_t body) {
       const auto i = static_cast<std::size_t>(body);
       return m_bodies.awake[i] && m_bodies.type[i] != BodyType::fixed;
@@ -259,7 +263,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void generate(std::span<const ShapePair> pairs, Real margin);
   std::span<PairMemory> recall(std::span<const ConvexPair<D>> children);
   void remember();
-  void tellListeners();
+  void tellListeners(bool again);  // of the step's first contacts, or of those that a stage has had made again in it
   void decideSleep(Real dt);
   void refreshMasses();
   void collectActive();
@@ -268,6 +272,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
     return m_settings.features.joints ? std::span<const JointRecord<D>>(m_joints) : std::span<const JointRecord<D>>();
   }
   void finishJoints(Real dt);
+  void listJoint(std::size_t slot);  // by its bodies
+  void unlistJoint(std::size_t slot);
   void releaseJoint(const JointRecord<D>& joint);  // tells those whom it held
   void wakeActedOn(const ForceRecord<D>& force);
 
@@ -296,6 +302,7 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   // Derived from the state; the boxes are brought up to date by sync() when somebody asks.
   mutable BoxIndex<D> m_boxes;
   SlotTable m_bodySlots, m_shapeSlots, m_jointSlots, m_forceSlots;
+  SlotLists m_shapesOf, m_jointsOf;            // by body slot
   std::array<int, kShapeKinds> m_kindCount{};  // of convex parts
   std::uint64_t m_visits = 0;                  // WorkCount::eventVisits since the last step
 

@@ -211,7 +211,26 @@ void World<D>::makeContacts() {
   }
   for (const Manifold<D>& m : m_manifolds) m_order.add(m.key());
   m_order.apply(std::span(m_manifolds));
-  if (m_settings.features.cache) stage<ContactCache>().carry(cacheInput, m_manifolds);
+  if (!m_settings.features.cache) return;
+  stage<ContactCache>().carry(cacheInput, m_manifolds);
+  if (m_regenerate.size() < m_pairs.size()) mixKept();
+}
+
+// What a cache has kept has the material that a listener gave it, or that a shape had before it was changed. All other
+// contacts were made in this step, with the material of their shapes, or rest.
+template <int D>
+void World<D>::mixKept() {
+  std::span<const ShapePair> fresh = m_regenerate;  // in the order of the manifolds
+  for (Manifold<D>& m : m_manifolds) {
+    const auto before = [&](const ShapePair& p) {
+      return std::tuple(m_shapes[static_cast<std::size_t>(p.a)].body, p.a, m_shapes[static_cast<std::size_t>(p.b)].body,
+                        p.b) < m.shapeKey();
+    };
+    while (!fresh.empty() && before(fresh[0])) fresh = fresh.subspan(1);
+    if (resting(m) || (!fresh.empty() && fresh[0] == ShapePair{m.shapeA, m.shapeB})) continue;
+    const PairMaterial material = mixed(m);
+    m.friction = material.friction, m.restitution = material.restitution;
+  }
 }
 
 template <int D>
@@ -240,7 +259,7 @@ void hear(Manifold<D>& m, const Manifold<D>& said) {
 }  // namespace
 
 template <int D>
-void World<D>::tellListeners() {
+void World<D>::tellListeners(bool again) {
   const auto asleep = [&](std::int32_t body) { return !m_bodies.awake[static_cast<std::size_t>(body)]; };
   // Only sleeping bodies need events, and seldom are there any.
   const auto wakeEvent = [&](SleepEvent::Kind kind, const Manifold<D>& m, Real speed) {
@@ -262,7 +281,7 @@ void World<D>::tellListeners() {
     const std::span<const Manifold<D>> before = known ? firstPair(old) : std::span<const Manifold<D>>();
     old = old.subspan(before.size());
     if (resting(m)) continue;
-    if (known && quiet(m)) {  // made anew for sleepers: what was said of it stays
+    if (known && (again || quiet(m))) {  // made anew within the step, or for sleepers: what was said of it stays
       for (Manifold<D>& child : pair) hear(child, before[0]);
       continue;
     }
@@ -273,7 +292,7 @@ void World<D>::tellListeners() {
       const Real growth = smallestSeparation<D>(pair) - smallestSeparation<D>(before);
       if (growth > 0 && m_lastDt > 0) wakeEvent(SleepEvent::separationGrown, m, growth / m_lastDt);
     }
-    PairMaterial material = mixed(m);  // a cache may have kept what a listener, or its user, has changed since
+    PairMaterial material{m.friction, m.restitution};
     forListeners(m, [&](ContactListener<D>& l) { l.mix(*this, m, material); });
     checkMaterial(material);
     for (Manifold<D>& child : pair) child.friction = material.friction, child.restitution = material.restitution;
@@ -300,15 +319,9 @@ template <int D>
 void World<D>::again() {
   ++m_profiler.frame().work[WorkCount::detections];
   makeContacts();
-  // What was begun or vetoed in this step stays so.
-  std::size_t o = 0;
-  for (Manifold<D>& m : m_manifolds) {
-    while (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() < m.shapeKey()) ++o;
-    if (o < m_oldManifolds.size() && m_oldManifolds[o].shapeKey() == m.shapeKey()) {
-      hear(m, m_oldManifolds[o]);
-    } else {
-      m.begun = 1;
-    }
+  {
+    Profiler::Scope scope(m_profiler, "listeners");
+    tellListeners(true);
   }
   collectActive();
   outdateGraph();
@@ -322,8 +335,9 @@ void World<D>::again() {
   template void World<D>::remember();                                              \
   template Real World<D>::marginOf(const ShapePair&) const;                        \
   template PairMaterial World<D>::mixed(const Manifold<D>&) const;                 \
+  template void World<D>::mixKept();                                               \
   template void World<D>::generate(std::span<const ShapePair>, Real);              \
-  template void World<D>::tellListeners();                                         \
+  template void World<D>::tellListeners(bool);                                     \
   template void World<D>::collectActive();                                         \
   template void World<D>::again()
 LPC_INSTANTIATE(2);

@@ -75,7 +75,7 @@ void World<D>::step(Real dt) {
   makeContacts();
   {
     Profiler::Scope scope(m_profiler, "listeners");
-    tellListeners();
+    tellListeners(false);
   }
   outdateGraph();
   if (m_settings.features.sleeping) {

@@ -120,6 +120,96 @@ TYPED_TEST(ListenerTest, WhatIsNoMaterialIsRefused) {
   }
 }
 
+// Recycled contacts are those of an earlier step, as a listener left them then.
+TYPED_TEST(ListenerTest, MaterialOfKeptContactsIsThatOfTheirShapes) {
+  constexpr int D = TypeParam::D;
+  World<D> world(Pipeline::parse("cache=recycling"));
+  addGround(world);
+  const Handle box = world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(0, 0.5)));
+  Mixer<D> mixer;
+  mixer.to = {Real(0.9), 0};
+  world.addListener(&mixer);
+  for (int i = 0; i < 5; ++i) {
+    world.step(kDt);
+    EXPECT_EQ(mixer.came.friction, Real(0.5));
+    EXPECT_EQ(world.manifolds()[0].friction, Real(0.9));
+  }
+  BodyDef<D> def = world.definition(box);
+  def.shapes[0].friction = Real(0.02);
+  world.change(box, def);
+  world.step(kDt);
+  EXPECT_EQ(mixer.came.friction, std::sqrt(Real(0.5) * Real(0.02)));
+  world.removeListener(&mixer);
+  world.step(kDt);
+  EXPECT_EQ(world.manifolds()[0].friction, std::sqrt(Real(0.5) * Real(0.02)));
+}
+
+// Moves bodies in two halves, and has contacts made again after each.
+template <int D>
+class LooksAgain final : public Solver<D> {
+ public:
+  struct Params {
+    bool forgets = false;
+    void visit(ParamVisitor& v) { v.flag("forgets", forgets, "a planted bug: does not look"); }
+  };
+  explicit LooksAgain(const Params& params) : m_params(params) {}
+  static AlgorithmInfo info() {
+    return {
+        .name = "looks_again", .summary = "of a test", .paper = "", .complexity = "n", .role = AlgorithmRole::witness};
+  }
+  void step(const StepInput<D>& in) override {
+    for (int half = 0; half < 2; ++half) {
+      for (std::size_t i = 0; i < in.bodies.pose.size(); ++i) {
+        if (in.bodies.active(static_cast<int>(i))) in.bodies.pose[i].p += in.dt / 2 * in.bodies.motion[i].v;
+      }
+      if (!m_params.forgets) in.detect.again();
+    }
+  }
+
+ private:
+  Params m_params;
+};
+LPC_REGISTER(Solver, LooksAgain, 2, 3);
+
+template <int D>
+struct Story final : ContactListener<D> {
+  std::string told;
+  void mix(const World<D>&, const Manifold<D>&, PairMaterial& material) override { material.friction = Real(0.9); }
+  bool begin(const World<D>&, const Manifold<D>&) override { return told += 'b', false; }
+  bool persist(const World<D>&, const Manifold<D>&) override { return told += 'p', false; }
+  void end(const World<D>&, const Manifold<D>&) override { told += 'e'; }
+};
+
+// A ball comes within reach of another in the middle of a step, slantwise, so that their boxes have met before, and
+// leaves it in the middle of another.
+template <int D>
+std::string storyOfAgain(const std::string& pipeline) {
+  World<D> world(Pipeline::parse(pipeline + " continuous=none"));
+  world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0), BodyType::fixed));
+  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0.8, 0.8)));
+  Story<D> story;
+  world.addListener(&story);
+  const auto step = [&](double velocity) {
+    world.setMotion(ball, {at<D>(velocity, velocity), Ang<D>::Zero()});
+    world.step(Real(0.1));
+    story.told += '/';
+    for (const Manifold<D>& m : world.manifolds()) {
+      if (!m.ignored || m.friction != Real(0.9)) story.told += '?';
+    }
+  };
+  step(-2), step(-1), step(5), step(0), step(-4);
+  return story.told;
+}
+
+TYPED_TEST(ListenerTest, ContactsThatBeginOrEndWithinAStepAreTold) {
+  constexpr int D = TypeParam::D;
+  for (const std::string cache : {"by_feature", "recycling"}) {
+    EXPECT_EQ(storyOfAgain<D>("solver=looks_again cache=" + cache), "b/p/pe//b/") << cache;
+  }
+  expectCaught("a solver that does not look again",
+               storyOfAgain<D>("solver=looks_again{forgets=true}") == "b/p/pe//b/");
+}
+
 // Of sleepers that are asked anew in every step: they sleep on, silently, and what was changed of their contacts stays.
 TYPED_TEST(ListenerTest, SleepersContactsAreMadeWhereAsked) {
   constexpr int D = TypeParam::D;
