@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "framework/space.h"
@@ -46,6 +47,29 @@ class SlotTable {
  private:
   std::vector<std::size_t> m_free;
   std::size_t m_size = 0;
+};
+
+/// Whose the slots of a table are: of each owner his own, in ascending order, whatever the order in which they came.
+class SlotLists {
+ public:
+  std::span<const std::int32_t> of(std::size_t owner) const {
+    return owner < m_lists.size() ? std::span<const std::int32_t>(m_lists[owner]) : std::span<const std::int32_t>();
+  }
+  void add(std::size_t owner, std::size_t slot) {
+    if (owner >= m_lists.size()) m_lists.resize(owner + 1);
+    std::vector<std::int32_t>& list = m_lists[owner];
+    list.insert(std::upper_bound(list.begin(), list.end(), static_cast<std::int32_t>(slot)),
+                static_cast<std::int32_t>(slot));
+  }
+  /// Precondition: it is his.
+  void remove(std::size_t owner, std::size_t slot) {
+    std::vector<std::int32_t>& list = m_lists[owner];
+    list.erase(std::lower_bound(list.begin(), list.end(), static_cast<std::int32_t>(slot)));
+  }
+  void clear() { m_lists.clear(); }
+
+ private:
+  std::vector<std::vector<std::int32_t>> m_lists;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

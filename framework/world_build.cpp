@@ -102,10 +102,11 @@ typename World<D>::Weighed World<D>::weigh(const BodyDef<D>& def, std::int32_t i
     w.invInertia = *inverse;
   }
   std::array<int, kShapeKinds> others = m_kindCount;
-  for (const ShapeRecord<D>& s : m_shapes) {
-    if (inPlaceOf < 0 || s.body != inPlaceOf) continue;
-    forParts(s.shape, Pose<D>{},
-             [&](const ShapeView<D>& v, const auto&) { --others[static_cast<std::size_t>(v.kind)]; });
+  if (inPlaceOf >= 0) {
+    for (const std::int32_t s : m_shapesOf.of(static_cast<std::size_t>(inPlaceOf))) {
+      forParts(m_shapes[static_cast<std::size_t>(s)].shape, Pose<D>{},
+               [&](const ShapeView<D>& v, const auto&) { --others[static_cast<std::size_t>(v.kind)]; });
+    }
   }
   for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = kinds[k] || others[k] > 0;
   requireStages(m_stages, m_pipeline, kinds, who + ": ");
@@ -174,12 +175,14 @@ void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t 
   countKinds(def.shape, 1);
   m_fast.forget(i);
   fillShape(i, def, body, index);
+  m_shapesOf.add(static_cast<std::size_t>(body), i);
   m_boxes.add(i, m_shapes[i]);
 }
 
 template <int D>
 void World<D>::freeShape(std::size_t slot) {
   countKinds(m_shapes[slot].shape, -1);
+  m_shapesOf.remove(static_cast<std::size_t>(m_shapes[slot].body), slot);
   m_shapes[slot] = ShapeRecord<D>{};
   m_shapeSlots.give(slot, m_visits);
   m_boxes.remove(slot);
@@ -189,15 +192,13 @@ template <int D>
 void World<D>::remove(Handle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
-  m_visits += m_shapes.size() + m_manifolds.size() + m_records.size() + m_joints.size() + m_forces.size();
+  m_visits +=
+      m_shapesOf.of(i).size() + m_jointsOf.of(i).size() + m_manifolds.size() + m_records.size() + m_forces.size();
   endContacts([&](const auto& pair) { return pair.bodyA == slot || pair.bodyB == slot ? slot : -1; });
-  for (std::size_t s = 0; s < m_shapes.size(); ++s) {
-    if (m_shapes[s].body == slot) freeShape(s);
-  }
-  for (std::size_t j = 0; j < m_joints.size(); ++j) {
-    const JointRecord<D>& joint = m_joints[j];
-    if (!joint.kind || (joint.bodyA != slot && joint.bodyB != slot)) continue;
-    removeJoint({static_cast<std::int32_t>(j), joint.generation});
+  while (!m_shapesOf.of(i).empty()) freeShape(static_cast<std::size_t>(m_shapesOf.of(i).back()));
+  while (!m_jointsOf.of(i).empty()) {
+    const std::int32_t j = m_jointsOf.of(i).front();
+    removeJoint({j, m_joints[static_cast<std::size_t>(j)].generation});
   }
   for (std::size_t f = 0; f < m_forces.size(); ++f) {
     const ForceRecord<D>& force = m_forces[f];
@@ -229,6 +230,7 @@ Handle World<D>::add(const JointDef<D>& def) {
   if (i == m_joints.size()) m_joints.emplace_back();
   j.generation = m_joints[i].generation;
   m_joints[i] = std::move(j);
+  listJoint(i);
   for (const std::int32_t body : {m_joints[i].bodyA, m_joints[i].bodyB}) {  // it may pull at who sleeps
     if (body >= 0 && !m_bodies.awake[static_cast<std::size_t>(body)]) touched(static_cast<std::size_t>(body));
   }
@@ -242,9 +244,24 @@ void World<D>::removeJoint(Handle joint) {
     throw UserError("world: there is no joint with handle " + std::to_string(joint.slot) + " (removed?)");
   }
   releaseJoint(m_joints[i]);
+  unlistJoint(i);
   m_joints[i] = JointRecord<D>{};
   m_joints[i].generation = joint.generation + 1;
   m_jointSlots.give(i, m_visits);
+}
+
+template <int D>
+void World<D>::listJoint(std::size_t slot) {
+  if (!m_joints[slot].kind) return;
+  for (const std::int32_t body : {m_joints[slot].bodyA, m_joints[slot].bodyB}) {
+    if (body >= 0) m_jointsOf.add(static_cast<std::size_t>(body), slot);
+  }
+}
+template <int D>
+void World<D>::unlistJoint(std::size_t slot) {
+  for (const std::int32_t body : {m_joints[slot].bodyA, m_joints[slot].bodyB}) {
+    if (body >= 0) m_jointsOf.remove(static_cast<std::size_t>(body), slot);
+  }
 }
 
 template <int D>
@@ -331,6 +348,8 @@ void World<D>::finishJoints(Real dt) {
   template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t);                                \
   template void World<D>::remove(Handle);                                                                          \
   template Handle World<D>::add(const JointDef<D>&);                                                               \
+  template void World<D>::listJoint(std::size_t);                                                                  \
+  template void World<D>::unlistJoint(std::size_t);                                                                \
   template void World<D>::removeJoint(Handle);                                                                     \
   template Handle World<D>::add(const ForceDef<D>&);                                                               \
   template void World<D>::removeForce(Handle);                                                                     \

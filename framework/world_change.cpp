@@ -19,8 +19,8 @@ BodyDef<D> World<D>::definition(Handle body) const {
   def.pinned = b.pinned[i], def.rotatable = b.rotatable[i], def.awake = b.awake[i];
   def.canSleep = b.canSleep[i] || b.type[i] != BodyType::dynamic;
   def.userData = b.userData[i], def.gravityScale = b.gravityScale[i], def.mass = b.givenMass[i];
-  for (const ShapeRecord<D>& s : m_shapes) {
-    if (s.body != body.slot) continue;
+  for (const std::int32_t shape : m_shapesOf.of(i)) {
+    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(shape)];
     def.shapes.resize(std::max(def.shapes.size(), static_cast<std::size_t>(s.index) + 1));
     def.shapes[static_cast<std::size_t>(s.index)] = {.shape = s.shape,
                                                      .X_BS = {s.X_CS.p + b.center[i], s.X_CS.q},
@@ -56,14 +56,16 @@ bool World<D>::sameShape(const ShapeRecord<D>& record, const ShapeDef<D>& def) c
 // Everything that is told from a body's centre of mass, when that has moved within the body.
 template <int D>
 void World<D>::moveCenter(std::size_t body, const Vec<D>& by) {
+  if (by.isZero(0)) return;
   const auto slot = static_cast<std::int32_t>(body);
+  m_visits += m_manifolds.size() + m_forces.size();
   for (Manifold<D>& m : m_manifolds) {
     if (m.bodyA != slot && m.bodyB != slot) continue;
     for (ContactPoint<D>& c : m.points) (m.bodyA == slot ? c.localA : c.localB) -= by;
     m.X_AB.p += m.bodyA == slot ? Vec<D>(-by) : Vec<D>(m.X_AB.q * by);
   }
-  for (JointRecord<D>& j : m_joints) {
-    if (!j.kind || (j.bodyA != slot && j.bodyB != slot)) continue;
+  for (const std::int32_t joint : m_jointsOf.of(body)) {
+    JointRecord<D>& j = m_joints[static_cast<std::size_t>(joint)];
     (j.bodyA == slot ? j.X_CaJ : j.X_CbJ).p -= by;
   }
   for (ForceRecord<D>& f : m_forces) {
@@ -79,20 +81,18 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   const Weighed weighed = weigh(def, slot);
   auto& b = m_bodies;
   if (def.type != BodyType::dynamic) {
-    for (const JointRecord<D>& j : m_joints) {
-      if (!j.kind || (j.bodyA != slot && j.bodyB != slot)) continue;
+    for (const std::int32_t joint : m_jointsOf.of(i)) {
+      const JointRecord<D>& j = m_joints[static_cast<std::size_t>(joint)];
       const std::int32_t other = j.bodyA == slot ? j.bodyB : j.bodyA;
       if (other >= 0 && b.type[static_cast<std::size_t>(other)] == BodyType::dynamic) continue;
       throw UserError("change: a joint would be left between two bodies that do not move; valid: remove it first");
     }
   }
-  m_visits += m_shapes.size() + m_manifolds.size() + m_records.size() + m_joints.size();
+  m_visits += m_shapesOf.of(i).size() + m_jointsOf.of(i).size();
 
   // Who of the shapes is still there: of equal ones the first is taken first.
   std::vector<std::size_t> had, kept(weighed.shapes.size(), m_shapes.size());
-  for (std::size_t s = 0; s < m_shapes.size(); ++s) {
-    if (m_shapes[s].body == slot) had.push_back(s);
-  }
+  for (const std::int32_t s : m_shapesOf.of(i)) had.push_back(static_cast<std::size_t>(s));
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const auto same =
         std::find_if(had.begin(), had.end(), [&](std::size_t s) { return sameShape(m_shapes[s], weighed.shapes[k]); });
@@ -104,12 +104,16 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
     return std::find(had.begin(), had.end(), static_cast<std::size_t>(shape)) != had.end();
   };
   // Two bodies that do not move have no contact, and nobody would end it.
+  const bool stops = def.type != BodyType::dynamic && b.type[i] == BodyType::dynamic;
   const auto bothStay = [&](const auto& pair) {
-    if (def.type == BodyType::dynamic || (pair.bodyA != slot && pair.bodyB != slot)) return false;
+    if (!stops || (pair.bodyA != slot && pair.bodyB != slot)) return false;
     return b.type[static_cast<std::size_t>(pair.bodyA == slot ? pair.bodyB : pair.bodyA)] != BodyType::dynamic;
   };
-  endContacts(
-      [&](const auto& pair) { return isGone(pair.shapeA) || isGone(pair.shapeB) || bothStay(pair) ? slot : -1; });
+  if (stops || !had.empty()) {  // else all contacts stay, and are not looked at
+    m_visits += m_manifolds.size() + m_records.size();
+    endContacts(
+        [&](const auto& pair) { return isGone(pair.shapeA) || isGone(pair.shapeB) || bothStay(pair) ? slot : -1; });
+  }
 
   const BodyDef<D> before = definition(body);
   const Vec<D> by = weighed.mass.center - b.center[i];
@@ -142,8 +146,9 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   for (std::size_t k = 0; k < kept.size(); ++k) {
     if (kept[k] >= none) putShape(weighed.shapes[k], slot, static_cast<std::int32_t>(k));
   }
-  for (JointRecord<D>& j : m_joints) {
-    if (j.kind && (j.bodyA == slot || j.bodyB == slot)) j.kind->weigh(j, massBetween(m_bodies, j.bodyA, j.bodyB));
+  for (const std::int32_t joint : m_jointsOf.of(i)) {
+    JointRecord<D>& j = m_joints[static_cast<std::size_t>(joint)];
+    j.kind->weigh(j, massBetween(m_bodies, j.bodyA, j.bodyB));
   }
   touched(i);
 }
@@ -204,11 +209,16 @@ void World<D>::merge(Handle into, Handle other) {
     if (f.bodyA == other.slot) f.bodyA = into.slot, f.localA = X_AcBc * f.localA;
     if (f.bodyB == other.slot) f.bodyB = into.slot, f.localB = X_AcBc * f.localB;
   }
-  for (JointRecord<D>& j : m_joints) {
-    if (!j.kind || (j.bodyA != other.slot && j.bodyB != other.slot) || ofBoth(j.bodyA, j.bodyB)) continue;
+  const std::span<const std::int32_t> joints = m_jointsOf.of(static_cast<std::size_t>(other.slot));
+  for (const std::int32_t joint : std::vector<std::int32_t>(joints.begin(), joints.end())) {
+    const auto slot = static_cast<std::size_t>(joint);
+    JointRecord<D>& j = m_joints[slot];
+    if (ofBoth(j.bodyA, j.bodyB)) continue;
+    unlistJoint(slot);
     (j.bodyA == other.slot ? j.bodyA : j.bodyB) = into.slot;
     Pose<D>& X_CJ = j.bodyA == into.slot ? j.X_CaJ : j.X_CbJ;
     X_CJ = X_AcBc * X_CJ;
+    listJoint(slot);
   }
   // What was to push it in the coming step pushes both.
   const auto a0 = static_cast<std::size_t>(into.slot), b0 = static_cast<std::size_t>(other.slot);
@@ -328,6 +338,7 @@ void World<D>::wakeAll() {
   template void World<D>::setGravity(const Vec<D>&);                                  \
   template void World<D>::exchange(const Pipeline&);                                  \
   template void World<D>::indexShapes();                                              \
+  template void World<D>::applyImpulse(Handle, const Wrench<D>&);                     \
   template void World<D>::applyImpulse(Handle, const Vec<D>&, const Vec<D>&);         \
   template void World<D>::applyAngularImpulse(Handle, const Ang<D>&);                 \
   template void World<D>::wakeAll()
@@ -336,4 +347,3 @@ LPC_INSTANTIATE(3);
 #undef LPC_INSTANTIATE
 
 }  // namespace lpc::inline LPC_PRECISION
-  template void World<D>::applyImpulse(Handle, const Wrench<D>&);                     \

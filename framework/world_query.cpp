@@ -72,8 +72,8 @@ bool World<D>::anyPart(Handle body, const Aabb<D>& box, const Holds& holds) cons
   std::vector<std::int32_t> near;
   WorkDone work;
   bool held = false;
-  for (const ShapeRecord<D>& s : m_shapes) {
-    if (s.body != body.slot) continue;
+  for (const std::int32_t shape : m_shapesOf.of(i)) {
+    const ShapeRecord<D>& s = m_shapes[static_cast<std::size_t>(shape)];
     forPartsNear(s.shape, m_bodies.pose[i] * s.X_CS, {}, box, near, work,
                  [&](std::int32_t, const auto& part, const Pose<D>& X_WP) { held = held || holds(part, X_WP); });
   }

@@ -358,9 +358,13 @@ void World<D>::load(std::istream& in) {
   m_jointSlots.read(m_joints, [](const JointRecord<D>& j) { return !j.kind; });
   m_forceSlots.read(m_forces, [](const ForceRecord<D>& f) { return !f.kind; });
   m_kindCount = {};
-  for (const ShapeRecord<D>& shape : m_shapes) {
-    if (shape.body >= 0) countKinds(shape.shape, 1);
+  m_shapesOf.clear(), m_jointsOf.clear();
+  for (std::size_t i = 0; i < m_shapes.size(); ++i) {
+    if (m_shapes[i].body < 0) continue;
+    countKinds(m_shapes[i].shape, 1);
+    m_shapesOf.add(static_cast<std::size_t>(m_shapes[i].body), i);
   }
+  for (std::size_t j = 0; j < m_joints.size(); ++j) listJoint(j);
   m_bodyListeners.clear();  // of bodies that were
   indexShapes();
 }

@@ -156,8 +156,8 @@ class EngineWorld : public Simulation<D> {
   /// f(view, X_CP, record) for each convex part of the body's shapes.
   void forBodyParts(std::size_t slot,
                     const std::function<void(const ShapeView<D>&, const Pose<D>&, const ShapeRecord<D>&)>& f) const {
-    for (const ShapeRecord<D>& s : m_scene.shapes()) {
-      if (s.body != static_cast<std::int32_t>(slot)) continue;
+    for (const std::int32_t shape : m_scene.shapesOf(slot)) {
+      const ShapeRecord<D>& s = m_scene.shapes()[static_cast<std::size_t>(shape)];
       forParts(s.shape, s.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_CP) { f(part, X_CP, s); });
     }
   }
