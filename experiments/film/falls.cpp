@@ -166,9 +166,9 @@ bool filmFalls(const PlannedSweep& sweep, Store& store, const RunOptions& option
     if (store.hasFilm(t.key)) continue;
     if (!place) place.emplace();
     const std::string recording = place->path();
-    pool.start(0, t.canonical.at("precision"),
-               {{"trial", t.canonical}, {"scene_file", t.sceneFile}, {"record", recording}},
-               {sweep.wallLimit, sweep.memoryLimit * 1073741824.0}, -1);
+    nlohmann::json request = requestOf(t);
+    request["record"] = recording;
+    pool.start(0, t.canonical.at("precision"), request, {sweep.wallLimit, sweep.memoryLimit * 1073741824.0}, -1);
     std::vector<WorkerEnd> ends;
     while (ends.empty() && !InterruptGuard::interrupted()) ends = pool.ended();
     if (ends.empty()) return false;

@@ -177,8 +177,8 @@ void runScene(const RunSceneOptions& o, Session& session) {
   cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   const PlannedTrial trial = planner.world(o.scene, cell);
   if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
-  json request = {{"trial", trial.canonical}, {"scene_file", trial.sceneFile}, {"progress", !o.asJson}};
-  if (!trial.scriptFile.empty()) request["script_file"] = trial.scriptFile;
+  json request = requestOf(trial);
+  request["progress"] = !o.asJson;
   for (const std::string& path : session.plugins) {
     if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
   }

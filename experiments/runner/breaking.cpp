@@ -22,7 +22,7 @@ constexpr long kMostSeeds = 1000;
 constexpr double kNarrowest = 1.001;
 constexpr double kMostValues = 100;  // of a grid
 // A number is none of these, or another value is another question.
-constexpr std::array kNoParameters = {"dimension", "model", "precision", "scene", "seed"};
+constexpr std::array kNoParameters = {"dimension", "model", "precision", "scene", "script", "seed"};
 
 // Five digits: what a label shows is what was run.
 double tidy(double value) {

@@ -231,7 +231,7 @@ Calibration readCalibration(const toml::table& table, const std::string& file) {
   out.place = file + ":" + std::to_string(t.find("metric")->source().begin.line);
   out.isTime = info->need == TrialNeed::timing;
   out.setting = t.requireString("setting");
-  for (const std::string_view taken : {"budget", "kind", "precision", "repeat", "scene", "timed"}) {
+  for (const std::string_view taken : {"budget", "kind", "precision", "repeat", "scene", "script", "timed"}) {
     if (out.setting == taken) t.fail(*t.find("setting"), "'setting' is '" + out.setting + "'; valid: another name");
   }
   out.most = t.integer("most", out.most);

@@ -99,8 +99,7 @@ class Scheduler {
     while (!InterruptGuard::interrupted() && (next < jobs.size() || m_pool.running() > 0)) {
       for (; next < jobs.size() && m_pool.running() < static_cast<std::size_t>(parallel); ++next) {
         const PlannedTrial& t = *jobs[next].trial;
-        m_pool.start(next, t.canonical.at("precision"), {{"trial", t.canonical}, {"scene_file", t.sceneFile}},
-                     jobs[next].limits, core);
+        m_pool.start(next, t.canonical.at("precision"), requestOf(t), jobs[next].limits, core);
       }
       for (const WorkerEnd& end : m_pool.ended()) collect(*jobs[end.job].trial, end);
       progress(false);

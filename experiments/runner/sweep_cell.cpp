@@ -32,7 +32,7 @@ std::string readWorldAxes(const SceneFile& file, const json& axes, const std::se
                         : file.parameter(name) ? "parameter"
                         : used.count(name)     ? "setting"
                                                : "run");
-    if (name == "scene") {
+    if (name == "scene" || name == "script") {
     } else if (name == "dimension") {
       cell.dimension = static_cast<int>(wholeNumber(axes, name, 2, 3));
     } else if (name == "precision") {
@@ -49,7 +49,7 @@ std::string readWorldAxes(const SceneFile& file, const json& axes, const std::se
     } else if (file.parameter(name)) {
       cell.params[name] = number(name, value);
     } else if (!used.count(name)) {
-      std::vector<std::string> valid = {"scene", "dimension", "precision", "dt", "steps", "seed", "model"};
+      std::vector<std::string> valid = {"scene", "script", "dimension", "precision", "dt", "steps", "seed", "model"};
       for (const SceneParameter& p : file.parameters()) valid.push_back(p.name);
       for (const StageInfo& stage : kStages) {
         if (isWorldStage(stage)) valid.emplace_back(stage.name);

@@ -304,6 +304,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       trial.axes = axes;
       trial.axes["kind"] = m_kind, trial.axes["precision"] = trial.canonical["precision"];
       if (m_kind == "world") trial.axes["scene"] = trial.canonical["scene"];
+      if (trial.canonical.contains("script")) trial.axes["script"] = trial.canonical["script"];
       if (m_kind == "problems") trial.axes["dimension"] = trial.canonical["dimension"];
       trial.axes["timed"] = clocked;
       for (long r = 0; r < repeats; ++r) {  // planned once: 65,536 repeats took 14 s
@@ -381,7 +382,8 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     cell.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
     if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
     const std::string scenePath = beside(valueText(axes["scene"]));
-    const SceneFile& file = m_planner->scene(scenePath);
+    cell.script = scriptOf(axes, used);
+    const SceneFile& file = m_planner->scene(scenePath, cell.script);
     names.insert(file.name());
     if (const SceneParameter* p = file.parameter(kJointParameter); p && p->value.isText() && axes.contains(p->name)) {
       cell.params[p->name] = withValues(valueText(axes[p->name]), axes, used);
@@ -407,6 +409,13 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
     if (m_kind == "pairs" && axes.contains("scene")) axes["scene"] = beside(valueText(axes["scene"]));
     return frozenTrial(*m_planner, m_kind, axes, timed, m_out.roles, names);
+  }
+
+  // What plays in the scene; empty: nothing, also where the axis is one of pipelines or a setting of theirs.
+  std::string scriptOf(const json& axes, const std::set<std::string>& used) const {
+    if (used.count("script") || !axes.contains("script")) return "";
+    const std::string script = valueText(axes["script"]);
+    return script == "none" ? "" : beside(script);
   }
 
   // A file that lies beside the sweep file comes before the ones in experiments/.

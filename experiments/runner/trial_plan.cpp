@@ -133,6 +133,12 @@ void canonicalEntry(json& cell, const char* axis, const std::vector<Entry>& tabl
 
 }  // namespace
 
+json requestOf(const PlannedTrial& trial) {
+  json request = {{"trial", trial.canonical}, {"scene_file", trial.sceneFile}};
+  if (!trial.scriptFile.empty()) request["script_file"] = trial.scriptFile;
+  return request;
+}
+
 bool isFrozenAxis(const std::string& kind, const std::string& axis) {
   static const std::map<std::string, std::set<std::string>> kAxes = {
       {"boxes", {"dimension", "n", "distribution", "frames", "broadphase", "seed"}},

@@ -28,7 +28,7 @@ struct PlannedTrial {
 /// A world trial as asked for; what is left out comes from the scene.
 struct WorldCell {
   ParameterValues params;
-  std::string script;            // name or path; empty: none. Only `lpc run` hands it to its worker
+  std::string script;            // name or path; empty: none
   std::optional<int> dimension;  // none: the scene's first
   std::string pipeline;
   std::string precision = "f64";
@@ -70,6 +70,9 @@ class Planner {
   std::map<std::string, Defaults> m_built;
   std::map<std::string, std::pair<std::string, ProblemFile>> m_problems;  // with the hash of the bytes
 };
+
+/// What a worker is asked for: see `runTrial`.
+nlohmann::json requestOf(const PlannedTrial& trial);
 
 /// Whether a sweep of a kind without a world has such an axis.
 bool isFrozenAxis(const std::string& kind, const std::string& axis);

@@ -169,6 +169,49 @@ TEST(SweepRun, scenesNameForcesOfPlugins) {
   EXPECT_NE(without.text.find("no force 'planted_push' in 2D"), without.text.npos) << without.text;
 }
 
+// What plays in a scene is an axis, found as scenes are; its parameters are the scene's.
+TEST(SweepRun, aScriptIsAnAxis) {
+  Workspace w;
+  w.write("room.toml",
+          "name = \"room\"\nsummary = \"s\"\ndimensions = [2]\nneeds = []\nsteps = 20\n[[body]]\nname = \"box\"\n"
+          "shapes = [{ kind = \"box\", half = [1, 1] }]\n");
+  w.write("hit.toml",
+          "summary = \"s\"\n[parameters]\nblow = { default = 4, min = 0, max = 9, meaning = \"N s\" }\n"
+          "[[event]]\ndo = \"push\"\nstep = 3\nbody = \"box\"\nimpulse = [\"blow\", 0]\n");
+  const auto sweep = [&](const std::string& axes) {
+    return w.write("s.toml", "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"room\"\n" + axes);
+  };
+  const auto plan = planSweeps(sweep("script = [\"none\", \"hit\"]\n"), {});
+  ASSERT_EQ(plan[0].trials.size(), 2u);
+  EXPECT_EQ(plan[0].roles.at("script"), "run");
+  EXPECT_FALSE(plan[0].trials[0].canonical.contains("script"));
+  EXPECT_EQ(plan[0].trials[0].axes["script"], "none");
+  EXPECT_EQ(plan[0].trials[1].axes["script"], "hit");
+  EXPECT_NE(plan[0].trials[0].key, plan[0].trials[1].key);
+  const auto lone = planSweeps(sweep(""), {});
+  EXPECT_EQ(plan[0].trials[0].key, lone[0].trials[0].key) << "as without the axis";
+  EXPECT_EQ(planSweeps(sweep("script = [0, 1]\nsteps = 5\n"), {})[0].trials[1].axes["script"], "director_1");
+
+  sweep("script = \"hit\"\nblow = [4, 8]\n");
+  const Outcome run = w.lpc("sweep s.toml --store s.db");
+  ASSERT_EQ(run.code, 0) << run.text;
+  for (const std::string blow : {"4", "8"}) {
+    const std::string alone = w.lpc("run --json room.toml --script hit.toml --param blow=" + blow).text;
+    const std::string hash = nlohmann::json::parse(alone.substr(alone.find('{'))).at("hash");
+    EXPECT_EQ(test::ask(w.path("s.db"), "SELECT count(*) FROM trial WHERE outcome = 'ok' AND hash = '" + hash + "'"),
+              "1")
+        << blow;
+  }
+  const auto refused = [&](const std::string& axes, const std::string& said) {
+    sweep(axes);
+    const Outcome out = w.lpc("sweep s.toml --dry-run");
+    EXPECT_EQ(out.code, 2) << out.text;
+    EXPECT_NE(out.text.find(said), std::string::npos) << out.text;
+  };
+  refused("script = \"hat\"\n", "s.toml:5: ");
+  refused("script = \"none\"\nblow = 4\n", "'blow' means nothing");
+}
+
 // The last line tells what became of all trials, each once: done before, run now by outcome, shared, and left.
 TEST(SweepRun, theLastLineAddsUp) {
   Workspace w;
