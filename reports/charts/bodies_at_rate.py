@@ -71,7 +71,7 @@ def rows_of(cells):
 
 def words(number, known):
     sign = {TOP: "≥ ", BELOW: "< "}.get(known, "")
-    return "unknown" if known == UNKNOWN else f"{sign}{figures(number)}"
+    return "unknown" if known == UNKNOWN else f"{sign}{figures(float(f'{number:.1e}'))}"  # rungs are far apart
 
 
 def finding(rows):

@@ -120,11 +120,19 @@ def crossing_methods(cross):
     return rows.loc[rows.groupby("distribution")["ratio"].idxmax()] if len(rows) else rows
 
 
+def hindmost(cross, first):
+    """The two that gain least, of four and more: whom these boxes were made against is among them."""
+    part = cross[cross["distribution"] == first.distribution].dropna(subset=["ratio"]).nsmallest(2, "ratio")
+    if (cross["distribution"] == first.distribution).sum() < 4:
+        return ""
+    return ", the least have " + listing(f"{row['method']} ({times(row['ratio'])} times)" for _, row in part.iterrows())
+
+
 def finding(cross, base, dimension, ahead, least):
     if not len(cross):
         return f"In {dimension}D {base} was not measured beside another method, so no crossing can be told."
     said = [f"on {row.distribution} boxes {row.method} {overtakes(row, base)} and has {times(row.ratio)} times its speed at "
-            f"{row.largest:,.0f}" for row in crossing_methods(cross).itertuples()]
+            f"{row.largest:,.0f}{hindmost(cross, row)}" for row in crossing_methods(cross).itertuples()]
     crossed = set(crossing_methods(cross)["distribution"])
     for distribution, part in cross.groupby("distribution", sort=True):
         if distribution in crossed:

@@ -15,6 +15,7 @@ from table import quantity
 PLACE = 32
 SECTION = "Do contacts bounce that should not?"
 ROUNDING = 1e-6  # m: below it nothing is thrown back
+SUNK = 0.02  # m: four times the depth that most methods leave
 NEEDS = Needs("world", varies=("height",), methods=(2, math.inf), series=("height",), also="`report` that names it")
 ABSENT = Chart("rebound", SECTION, "What is thrown back after a fall",
                "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_springs")
@@ -42,21 +43,31 @@ def rows_of(context, cells):
         back = back if back > ROUNDING or math.isnan(back) else 0.0
         gravity = cell.get("gravity")
         found.append({"method": cell["method"], "height": cell["height"], "fall": fall, "rebound": back,
-                      "speed": math.sqrt(2 * gravity * max(0.0, fall)) if gravity is not None and fall == fall else math.nan})
-    return pd.DataFrame(found)
+                      "speed": math.nan if gravity is None else float(gravity)})
+    found = pd.DataFrame(found)
+    # By the shallowest fall from that height: who sinks has not fallen faster.
+    least = found.groupby("height")["fall"].transform("min")
+    found["sunk"], found["speed"] = found["fall"] - least, np.sqrt(2 * found["speed"] * least.clip(lower=0))
+    return found
 
 
 def finding(rows):
-    last = rows[rows["height"] == rows["height"].max()].dropna(subset=["rebound"])
-    if not len(last):
+    known = rows.dropna(subset=["rebound"])
+    if not len(known):
         return "no fall was finished."
-    speed = si(float(last["speed"].iloc[0]), "m/s")
-    back = dict(zip(last["method"], last["rebound"]))
-    up = sorted((m for m in back if back[m] > 0), key=lambda m: -back[m])
-    still = [m for m in back if not back[m]]
-    said = [f"at {speed} " + listing(f"{m} throws the body back by {si(back[m], 'm')}" for m in up)] if up else []
+    up, still, said = [], [], []
+    for method, mine in known.groupby("method", sort=True):
+        worst, thrown_by = mine.loc[mine["rebound"].idxmax()], mine[mine["rebound"] > 0]["speed"]
+        (up if worst["rebound"] > 0 else still).append(
+            (method, worst, thrown_by.min() if len(thrown_by) else mine["speed"].max()))
+    for method, worst, least in sorted(up, key=lambda entry: -entry[1]["rebound"]):
+        said.append(f"{method} throws the body back by up to {si(worst['rebound'], 'm')} (at {si(worst['speed'], 'm/s')}), "
+                    f"at all from {si(least, 'm/s')} on")
     if still:
-        said.append(f"{listing(still)} {'throws' if len(still) == 1 else 'throw'} it back by no more than {si(ROUNDING, 'm')}")
+        said.append(f"{listing(m for m, _, _ in still)} {'throws' if len(still) == 1 else 'throw'} it back by no more than "
+                    f"{si(ROUNDING, 'm')} at any speed up to {si(min(most for _, _, most in still), 'm/s')}")
+    deep = known[known["sunk"] > SUNK].groupby("method")["sunk"].max()
+    said += [f"{method} leaves it up to {si(most, 'm')} deeper than others do" for method, most in deep.items()]
     return "; ".join(said) + "."
 
 
@@ -82,12 +93,11 @@ def _chart(context, cells):
     legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in methods], room)
     table = {"method": rows["method"], **quantity("fall", "m", rows["fall"]), **quantity("speed", "m/s", rows["speed"]),
              **quantity("thrown back", "m", rows["rebound"]),
-             "share of the energy [1]": rows["rebound"] / rows["fall"]}
-    last = rows[rows["height"] == rows["height"].max()].dropna(subset=["rebound"])
-    back = dict(zip(last["method"], last["rebound"]))
+             "share of the energy [1]": rows["rebound"] / rows["fall"], **quantity("deeper than others", "m", rows["sunk"])}
+    back = rows.dropna(subset=["rebound"]).groupby("method")["rebound"].max().to_dict()
     most = max(back, key=back.get, default=None)
     head = None if most is None or not back[most] or min(back.values()) == back[most] else Headline(
-        f"A box that hits the ground at {si(float(last['speed'].iloc[0]), 'm/s')} and is not to bounce is thrown back by "
+        f"A box that hits the ground at up to {si(rows['speed'].max(), 'm/s')} and is not to bounce is thrown back by up to "
         f"{si(back[most], 'm')} with {most}; with {listing(m for m in back if back[m] == min(back.values()))} by "
         f"{si(min(back.values()), 'm')}.", back, "m", "thrown back")
     return Chart(f"{sweep}_rebound_{dimension}d", SECTION, f"What is thrown back after a fall, {dimension}D",

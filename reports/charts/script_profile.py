@@ -24,7 +24,8 @@ ABSENT = Chart("script_profile", SECTION, "A script under the names of 2009",
                "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_sleeping")
 # The report's name of a phase, and the scope of ours that does the same.
 PHASES = {"findPairs": "sec_broadphase", "findContacts": "sec_contacts", "applyForces": "sec_solver_integrate",
-          "resolveVelocities": "sec_solver_velocity", "moveApart": "sec_solver_position"}
+          "resolveVelocities": "sec_solver_velocity", "moveApart": "sec_solver_position",
+          "cache": "sec_cache", "sleep": "sec_sleep"}  # the last two are ours: the report has no name for them
 OTHER = "other"
 COUNTS = {"bodies": "#000000", "awake": "#D55E00", "points": "#0072B2"}
 # What the report says of its own runs of director script 1, on its machine.

@@ -29,7 +29,7 @@ def told(cell):
     if cell["outcome"] == "ok":
         rest = cell.get(REST)
         return f"rests, {rest:.1f} s" if rest is not None and math.isfinite(rest) else "ok, moves"
-    return cell["outcome"] + ("" if cell["step"] != cell["step"] else f", {int(cell['step'])}")
+    return cell["outcome"] + ("" if cell["step"] != cell["step"] else f", step {int(cell['step'])}")
 
 
 def finding(rows, methods):

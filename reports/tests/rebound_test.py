@@ -22,7 +22,7 @@ def track(fall, back):
 
 class Rebound(with_store.WithStore):
     @staticmethod
-    def drops(back=None, report=("rebound",)):
+    def drops(back=None, report=("rebound",), deeper=None):
         def fill(maker):
             maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                              ("metric", "gravity", "world", "gravity", "m/s^2", "invented", "detail", "", ""))
@@ -33,7 +33,9 @@ class Rebound(with_store.WithStore):
                     maker.trial("heritage_springs", {"kind": "world", "scene": "box_drop", "dimension": 2, "height": height,
                                                      "resolver": method, "precision": "f64", "timed": False, "repeat": 0},
                                 {"gravity": 10.0}, *(("exploded", "speed", 5) if fell else ("ok",)),
-                                series={} if fell else {"height": track(height - 1, share * (height - 1))})
+                                series={} if fell else {"height": [
+                                    h - (deeper or {}).get(method, 0) * (place > 0) for place, h in
+                                    enumerate(track(height - 1, share * (height - 1)))]})
         return fill
 
     def one(self, **about):
@@ -45,8 +47,8 @@ class Rebound(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding, "In 2D, at 20 m/s springy throws the body back by 2 m; calm and other throw it back by no "
-                                       "more than 1 µm.")
+        self.assertEqual(made.finding, "In 2D, springy throws the body back by up to 2 m (at 20 m/s), at all from 20 m/s on; "
+                                       "calm and other throw it back by no more than 1 µm at any speed up to 20 m/s.")
         self.assertEqual(made.headline.values, {"calm": 0.0, "other": 0.0, "springy": 2.0})
         rows = made.table[made.table["method"] == "springy"]
         self.assertAlmostEqual(rows["share of the energy [1]"].iloc[1], 0.1)
@@ -58,8 +60,14 @@ class Rebound(with_store.WithStore):
 
     def test_who_failed_has_no_number(self):
         made = self.one(back={"springy": (0, None), "calm": (0, 0.2)})
-        self.assertEqual(made.finding, "In 2D, at 20 m/s calm throws the body back by 4 m.")
+        self.assertEqual(made.finding, "In 2D, calm throws the body back by up to 4 m (at 20 m/s), at all from 20 m/s on; springy "
+                                       "throws it back by no more than 1 µm at any speed up to 5 m/s.")
         self.assertTrue(math.isnan(made.table[made.table["method"] == "springy"]["thrown back [m]"].iloc[1]))
+
+    def test_who_sinks_is_told(self):
+        made = self.one(deeper={"other": 0.3})
+        self.assertTrue(made.finding.endswith("; other leaves it up to 300 mm deeper than others do."), made.finding)
+        self.assertAlmostEqual(made.table["speed [m/s]"].max(), 20.0, msg="the planted bug: who sinks fell faster")
         self.assertIn("exploded", " ".join(made.holes))
 
     def test_only_where_a_sweep_asks(self):
