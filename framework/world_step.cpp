@@ -59,13 +59,13 @@ void World<D>::step(Real dt) {
   }
   if (dt == 0) return;
   const Clock::time_point start = Clock::now();
+  m_profiler.beginFrame(m_steps);
   m_dt = dt;
   m_lastContacts.clear();  // a solver changes impulses while it asks for forces
   if (std::any_of(m_forces.begin(), m_forces.end(), [](const auto& f) { return f.kind && f.kind->readsContacts(); })) {
     m_lastContacts.reserve(m_manifolds.capacity());  // a copy has room for itself alone
     m_lastContacts.insert(m_lastContacts.end(), m_manifolds.begin(), m_manifolds.end());
   }
-  m_profiler.beginFrame(m_steps);
   m_profiler.frame().work[WorkCount::eventVisits] += std::exchange(m_visits, 0);
   {
     Profiler::Scope scope(m_profiler, "boxes");

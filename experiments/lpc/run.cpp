@@ -17,6 +17,7 @@
 #include "experiments/lpc/command.h"
 #include "experiments/lpc/scene_options.h"
 #include "experiments/lpc/series_plot.h"
+#include "experiments/lpc/timeline.h"
 #include "experiments/runner/child.h"
 #include "experiments/runner/locations.h"
 #include "experiments/runner/trial_plan.h"
@@ -42,7 +43,7 @@ struct RunSceneOptions {
   std::optional<double> dt;
   std::optional<long> steps;
   std::optional<std::uint64_t> seed;
-  bool asJson = false, plots = false, noSleeping = false;
+  bool asJson = false, plots = false, noSleeping = false, memory = false;
 };
 
 struct SaveRequest {
@@ -96,8 +97,11 @@ const MetricInfo* infoOf(const std::vector<DescribedMetric>& known, const char* 
 
 std::string unitOf(const MetricInfo* info) { return info && info->unit != "1" ? std::string(info->unit) : ""; }
 
+constexpr const char* kTimeline = "timeline";
+
 void requireSeries(const std::string& name) {
-  std::vector<std::string> names;
+  if (name == kTimeline) return;
+  std::vector<std::string> names = {kTimeline};
   for (const DescribedMetric& m : describeMetrics()) {
     if (m.what != "series" || m.kind != "world") continue;
     if (m.info.name == name || (m.info.name == "sec_*" && name.starts_with("sec_"))) return;
@@ -106,10 +110,13 @@ void requireSeries(const std::string& name) {
   throw UserError("--plot: there is no series '" + name + "'" + validNames(names, name));
 }
 
-// All series in a line each, or the one that was asked for.
+// The phases and all series in a line each, or what was asked for.
 void printPlots(const RunSceneOptions& o, const TrialResult& result) {
   const std::vector<DescribedMetric> known = describeMetrics();
   std::printf("\n");
+  if (o.plot.empty() || o.plot == kTimeline) std::printf("%s", timeline(result.series).c_str());
+  if (o.plot == kTimeline) return;
+  if (o.plot.empty()) std::printf("\n");
   for (const auto& [name, series] : result.series) {
     const std::string unit = unitOf(infoOf(known, "series", name));
     if (o.plot.empty()) std::printf("%s", sparkline(name, series, unit).c_str());
@@ -140,6 +147,33 @@ void print(const PlannedTrial& trial, const TrialResult& result) {
       heading.clear();
     }
   }
+}
+
+// Each stage with its phases below it, in the order in which a step first asked them.
+void printMemory(std::vector<ScopeMemory> memory, long steps) {
+  const auto stageOf = [](const std::string& scope) { return scope.substr(0, scope.find('.')); };
+  std::vector<std::string> stages;
+  for (const ScopeMemory& m : memory) {
+    if (std::find(stages.begin(), stages.end(), stageOf(m.scope)) == stages.end()) stages.push_back(stageOf(m.scope));
+  }
+  const auto place = [&](const ScopeMemory& m) {
+    return std::pair(std::find(stages.begin(), stages.end(), stageOf(m.scope)), m.scope.find('.') != m.scope.npos);
+  };
+  std::stable_sort(memory.begin(), memory.end(),
+                   [&](const ScopeMemory& a, const ScopeMemory& b) { return place(a) < place(b); });
+  std::printf("\n%-22s %12s %12s %12s %10s %8s\n", "memory", "held B", "allocated B", "allocations", "a step",
+              "last in");
+  const auto row = [&](const std::string& name, const MemoryUse& use, const std::string& last) {
+    std::printf("  %-20s %12lld %12lld %12lld %10.4g %8s\n", name.c_str(), static_cast<long long>(use.held),
+                static_cast<long long>(use.allocated), static_cast<long long>(use.allocations),
+                double(use.allocations) / double(std::max(1L, steps)), last.c_str());
+  };
+  MemoryUse together;
+  for (const ScopeMemory& m : memory) {
+    row(m.scope, m.use, m.lastStep < 0 ? "never" : std::to_string(m.lastStep));
+    together += m.use;
+  }
+  row("together", together, "");
 }
 
 // None when the worker has refused, and said why.
@@ -183,6 +217,12 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
   }
   if (!o.profile.empty()) request["profile"] = o.profile;
+  if (o.memory) {
+    if (trial.canonical.contains("engine")) {
+      throw UserError("--memory: an engine has stages and an allocator of its own; valid: a pipeline");
+    }
+    request["memory"] = true;
+  }
   for (const SaveRequest& s : saves) {
     if (trial.canonical.contains("engine"))
       throw UserError("--save: the state of an engine is its own; valid: a pipeline");
@@ -225,6 +265,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
     std::printf("%s\n", answer->c_str());
   } else {
     print(trial, result);
+    if (!result.memory.empty()) printMemory(result.memory, std::lround(result.metrics.at("steps_done")));
     if (o.plots) printPlots(o, result);
     if (!o.profile.empty()) std::printf("profile   %s\n", o.profile.c_str());
     if (!o.record.empty()) std::printf("recording %s\n", o.record.c_str());
@@ -260,7 +301,8 @@ void addRun(CommandLine& app, Session& session) {
       .range(0L, std::numeric_limits<long>::max());
   command.option("--dimension", o->dimension, "2 or 3; default: the scene's first");
   command.option("--precision", o->precision, "f64 or f32");
-  command.option("--profile", o->profile, "writes times and counts per step as CSV");
+  command.option("--profile", o->profile, "writes times and counts per step as CSV; with --memory, that too");
+  command.flag("--memory", o->memory, "counts what each stage allocates and holds, in bytes");
   command.option("--record", o->record, "writes all poses of all steps");
   command.option("--save", o->saves,
                  "AT:FILE.toml, writes the world after AT steps as a scene that begins with it (may be repeated)");
@@ -268,12 +310,15 @@ void addRun(CommandLine& app, Session& session) {
   command.option("--film", o->film,
                  "draws the run: NAME.svg, which moves; NAME.strip.svg, eight moments; or NAME/, PNG files");
   Option plot = command.option("--plot", o->plot,
-                               "draws this series over the steps, or all of them in a line each when none is named");
+                               "draws this series over the steps, or `timeline`, the phases of a step as the 2009 "
+                               "report has them; when none is named, the timeline and every series in a line");
   plot.valueOptional();
   plot.without(command.flag("--json", o->asJson, "the whole result as JSON, with a series per step"));
   command.footer(
       "Example: lpc run pyramid --param base=10 --dimension 3 --profile pyramid.csv\n"
       "         lpc run bouncing_ball --plot kinetic\n"
+      "         lpc run director_1 --param rain_until=500 --plot timeline\n"
+      "         lpc run pyramid --memory\n"
       "         lpc run pyramid --film pyramid.svg");
   command.callback([o, plot, &session] {
     o->plots = plot.given();

@@ -16,8 +16,16 @@ using nlohmann::json;
 json toJson(const TrialResult& r) {
   json poses = json::array();
   for (const auto& [step, data] : r.poses) poses.push_back({{"step", step}, {"data", data}});
-  return {{"outcome", r.outcome}, {"reason", oneLine(r.reason)}, {"step", r.step}, {"hash", r.hash},
-          {"metrics", r.metrics}, {"series", r.series},          {"poses", poses}};
+  json out = {{"outcome", r.outcome}, {"reason", oneLine(r.reason)}, {"step", r.step}, {"hash", r.hash},
+              {"metrics", r.metrics}, {"series", r.series},          {"poses", poses}};
+  for (const ScopeMemory& m : r.memory) {
+    out["memory"].push_back({{"scope", m.scope},
+                             {"held", m.use.held},
+                             {"allocated", m.use.allocated},
+                             {"allocations", m.use.allocations},
+                             {"last_step", m.lastStep}});
+  }
+  return out;
 }
 
 TrialResult resultFromJson(const json& j) {
@@ -34,6 +42,9 @@ TrialResult resultFromJson(const json& j) {
   for (const auto& [name, value] : j.at("metrics").items()) r.metrics[name] = number(value);
   for (const auto& [name, list] : j.at("series").items()) r.series[name] = numbers(list);
   for (const json& p : j.at("poses")) r.poses[p.at("step").get<long>()] = numbers(p.at("data"));
+  for (const json& m : j.value("memory", json::array())) {
+    r.memory.push_back({m.at("scope"), {m.at("allocations"), m.at("allocated"), m.at("held")}, m.at("last_step")});
+  }
   return r;
 }
 

@@ -7,9 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "framework/space.h"
+#include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
+
+/// What a scope of the profiler used over all steps, without the scopes in it.
+struct ScopeMemory {
+  std::string scope;
+  MemoryUse use;
+  long lastStep = -1;  // the last one in which it allocated, from 1; 0: before the first, -1: never
+};
 
 struct TrialResult {
   std::string outcome = "ok";  // or diverged, exploded, collapsed, wrong, unsupported
@@ -19,6 +26,7 @@ struct TrialResult {
   std::map<std::string, double> metrics;  // NaN: not defined for this trial
   std::map<std::string, std::vector<double>> series;
   std::map<long, std::vector<double>> poses;
+  std::vector<ScopeMemory> memory;  // where it was asked for; what all tell is together that of the world
 
   void fail(std::string what, std::string why, long at) {
     outcome = std::move(what), reason = std::move(why), step = at;
@@ -27,7 +35,7 @@ struct TrialResult {
 
 /// {"trial": {...what the key is made of...}, "scene_file": PATH of scene or problems, "script_file": PATH of its
 /// script, "plugins": [...], "profile": PATH, "record": PATH,
-///  "progress": bool}. Throws UserError for requests that make no sense.
+///  "memory": bool, "progress": bool}. Throws UserError for requests that make no sense.
 TrialResult runTrial(const nlohmann::json& request);
 
 TrialResult runWorldTrial(const nlohmann::json& request);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "experiments/trial/ghost_hits.h"
+#include "experiments/trial/memory_counter.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/saved_scene.h"
 #include "experiments/trial/scene_file.h"
@@ -86,15 +87,15 @@ class Residual final : public VelocityWatcher<D> {
 template <int D>
 class WorldTrial {
  public:
-  WorldTrial(const json& request, SceneSpec<D> scene)
+  WorldTrial(const json& request, SceneSpec<D> scene, MemoryCounter memory)
       : m_request(request),
+        m_memory(memory),
         m_timed(request.at("trial").value("timed", false)),
         m_again(m_timed && request.at("trial").value("repeat", 0) > 0),
         m_engine(request.at("trial").contains("engine")),
         m_scene(scene),
         m_director(std::move(scene)),
-        m_simulation(simulationOf(request.at("trial"), m_scene)),
-        m_world(*m_simulation) {
+        m_world(makeWorld()) {
     const auto open = [&](const char* name, std::unique_ptr<OutputFile>& file) {
       if (request.contains(name)) file = std::make_unique<OutputFile>(request.at(name).template get<std::string>());
     };
@@ -103,6 +104,7 @@ class WorldTrial {
     open("record", m_recording), open("profile", m_profile);
     for (const json& s : request.value("saves", json::array())) m_saves.emplace_back(s.at("step"), s.at("scene"));
     m_world.profiler().keepFrames(m_profile != nullptr);
+    if (m_memory) m_world.profiler().countMemory(m_memory);
   }
 
   TrialResult run() {
@@ -111,14 +113,14 @@ class WorldTrial {
     const auto record = [&] {
       if (recorder) recorder->frame(m_world), m_recording->check();
     };
-    m_director.advance(m_world);
+    direct(0);
     start();
     keepPoses(0);
     record();
     save(0);
     long step = 0;
     for (; step < m_scene.steps && m_out.outcome == "ok"; ++step) {
-      if (step > 0) m_director.advance(m_world);
+      if (step > 0) direct(step);
       if (!m_again) m_tunnelling.place(m_world), m_ghosts.before(m_world);
       const double before = cpuSeconds();
       m_world.step(m_scene.dt);
@@ -142,6 +144,30 @@ class WorldTrial {
   }
 
  private:
+  MemoryUse memoryNow() const { return m_memory ? m_memory() : MemoryUse{}; }
+
+  void addMemory(const char* scope, const MemoryUse& use, long step) {
+    if (!m_memory) return;
+    auto it = std::find_if(m_out.memory.begin(), m_out.memory.end(), [&](const auto& m) { return m.scope == scope; });
+    if (it == m_out.memory.end()) it = m_out.memory.insert(it, {scope, {}});
+    it->use += use;
+    if (use.allocations > 0) it->lastStep = step;
+  }
+
+  Simulation<D>& makeWorld() {
+    const MemoryUse before = memoryNow();
+    m_simulation = simulationOf(m_request.at("trial"), m_scene);
+    addMemory("scene", memoryNow() - before, 0);
+    return *m_simulation;
+  }
+
+  // Lets the script act after so many steps: memory of the world that no step uses.
+  void direct(long step) {
+    const MemoryUse before = memoryNow();
+    m_director.advance(m_world);
+    addMemory("scene", memoryNow() - before, step);
+  }
+
   // The world after so many steps, before what its script does next.
   void save(long step) {
     for (SavedScene& s : m_saves) {
@@ -225,6 +251,10 @@ class WorldTrial {
       m_seen.deepest = worse(m_seen.deepest, depths.max);
     }
     putSeries(m_seen);
+    if (m_memory) {
+      for (const Profiler::Time& t : m_seen.frame.times) addMemory(t.name, t.memory, step + 1);
+      addMemory("elsewhere", m_seen.frame.elsewhere, step + 1);
+    }
     if (m_timed) {
       for (const Profiler::Time& t : m_seen.frame.times) {
         auto& list = m_seen.series["sec_" + underscored(t.name)];
@@ -333,6 +363,8 @@ class WorldTrial {
   }
 
   const json& m_request;
+  MemoryCounter m_memory;
+  TrialResult m_out;
   bool m_timed;
   bool m_again;   // a repeat of a timed trial: the same bits as the first one, so it tells its times and no more
   bool m_engine;  // does not count its work
@@ -346,7 +378,6 @@ class WorldTrial {
   Residual<D> m_residual;
   std::unique_ptr<OutputFile> m_recording, m_profile;
   std::deque<SavedScene> m_saves;
-  TrialResult m_out;
   std::vector<int> m_dynamic;
   int m_top = -1;
   long m_poseEvery = kPoseEvery;
@@ -362,8 +393,14 @@ TrialResult runWorld(const json& request) {
   scene.dt = static_cast<Real>(t.at("dt").get<double>());
   scene.steps = t.at("steps").get<long>();
   scene.settings.features = featuresFromText(t.at("features").get<std::string>());
+  MemoryCounter memory = nullptr;
+  if (request.value("memory", false)) {
+    memory = memoryCounter();
+    if (!memory)
+      throw UserError("--memory: the sanitizers of this build allocate, and cannot be counted; valid: a build without");
+  }
   try {
-    return WorldTrial<D>(request, std::move(scene)).run();
+    return WorldTrial<D>(request, std::move(scene), memory).run();
   } catch (const CannotWrite&) {
     throw;
   } catch (const UserError& e) {

@@ -97,6 +97,7 @@ TEST(CommandLine, runTellsUnitsByKind) {
   EXPECT_NE(out.text.npos, at("\n  max_speed "));
   EXPECT_NE(at("\n  gravity" + std::string(26 - 7, ' ') + " 10 m/s^2\n"), out.text.npos) << out.text;
   EXPECT_NE(at("\nkinetic "), out.text.npos) << "a line for each series";
+  EXPECT_LT(at("\ntimeline: "), at("\nkinetic "));
   EXPECT_NE(at("█"), out.text.npos);
 
   const Outcome one = w.lpc("run bouncing_ball --steps 100 --plot height");
@@ -129,6 +130,67 @@ TEST(CommandLine, plotsPeaksAndDips) {
   EXPECT_NE(w.lpc("run swing.toml --plot bodies").text.find("\nbodies\n"), std::string::npos) << "no blank for no unit";
 }
 
+struct Timeline {
+  std::string chart;                    // sixteen rows of letters
+  std::map<std::string, double> share;  // of each phase, percent; "step": of all
+  std::string text;
+};
+
+Timeline timelineOf(const Workspace& w, const std::string& arguments) {
+  Timeline out;
+  const Outcome ran = w.lpc(arguments + " --plot timeline");
+  EXPECT_EQ(ran.code, 0) << ran.text;
+  out.text = ran.text.substr(std::min(ran.text.find("\ntimeline: "), ran.text.size()));
+  std::istringstream lines(out.text);
+  std::string line;
+  std::getline(lines, line), std::getline(lines, line);
+  for (int row = 0; row < 16 && std::getline(lines, line); ++row) out.chart += line.substr(line.find('|') + 1) + "\n";
+  static const std::regex phase(" +(?:[a-z.] )? +([a-zA-Z]+) +([0-9.]+) % .*");
+  for (std::smatch m; std::getline(lines, line);) {
+    if (std::regex_match(line, m, phase)) out.share[m[1]] = std::stod(m[2]);
+  }
+  return out;
+}
+
+// Figures 7.1 and 7.2 of the 2009 report. Planted: a broadphase that sleeps for two milliseconds is most of each step.
+TEST(CommandLine, drawsTheTimeline) {
+  Workspace w;
+  const Timeline slow = timelineOf(w, "--plugin " LPC_BINARY_DIR
+                                      "/lib/liblpc_planted.so run vertical_stack --dimension 2 "
+                                      "--param n=3 --steps 200 --pipeline broadphase=planted_slow");
+  const auto letters = [](const Timeline& t, char letter) {
+    return std::count(t.chart.begin(), t.chart.end(), letter);
+  };
+  EXPECT_GT(letters(slow, 'p'), 16 * 90 * 6 / 10) << slow.text;
+  EXPECT_GT(slow.share.at("findPairs"), 80) << slow.text;
+  EXPECT_NE(slow.text.find("the median of each column's 3 steps\n"), std::string::npos) << slow.text;
+  EXPECT_NE(slow.text.find(" 200  step\n"), std::string::npos) << slow.text;
+  EXPECT_NE(slow.text.find(" bodies |"), std::string::npos) << slow.text;
+  EXPECT_EQ(slow.text.find("\nkinetic "), std::string::npos) << "no series beside it";
+
+  const std::string solver[] = {"split_solver", "soft_step", "tgs_ngs", "avbd"};
+  for (const std::string& name : solver) {
+    const Timeline t = timelineOf(w, "run vertical_stack --param n=6 --steps 100 --pipeline solver=" + name);
+    EXPECT_LT(letters(t, 'p'), 16 * 90 / 2) << t.text;
+    double sum = 0;
+    for (const auto& [phase, share] : t.share) sum += phase == "step" ? 0 : share;
+    EXPECT_EQ(t.share.size(), 7u) << t.text;
+    EXPECT_NEAR(sum, 100, 0.31) << "six that are rounded: " << t.text;
+    EXPECT_EQ(t.share.at("step"), 100) << t.text;
+    EXPECT_GT(t.share.at("resolveVelocities"), 0) << t.text;
+    EXPECT_GT(t.share.at("findContacts"), 0) << t.text;
+  }
+  // Who sleeps is seen: the box in the end.
+  w.write("rest.toml",
+          "name = \"rest\"\nsummary = \"s\"\ndimensions = [2]\nsteps = 200\ngravity = [0, -10, 0]\n"
+          "needs = [\"cache\", \"friction\", \"rotation\", \"sleeping\"]\n"
+          "[[body]]\ntype = \"fixed\"\nposition = [0, -1]\nshapes = [{ kind = \"box\", half = [5, 1] }]\n"
+          "[[body]]\nposition = [0, 0.5]\nshapes = [{ kind = \"box\", half = [0.5, 0.5] }]\n");
+  const Timeline rest = timelineOf(w, "run rest.toml --pipeline sleep=split_average");
+  EXPECT_NE(rest.text.find("  0 .. 1\n"), std::string::npos) << rest.text;
+  EXPECT_TRUE(w.lpc("run rest.toml --steps 0 --plot timeline").text.ends_with("\ntimeline: this run has no step\n"));
+}
+
 // The user's mistakes: exit code 2 and one line that names the mistake and what would be valid.
 TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
   Workspace w;
@@ -147,6 +209,8 @@ TEST(CommandLine, mistakesAreOneLineAndExitWithTwo) {
       {"run pyramid --pipeline joint=hinge", {"joint is no part of a pipeline", "scenes"}},
       {"run pyramid --dimension 2 --pipeline contacts=query_clip{query=gjk}", {"in 2D", "did you mean 'gjk_epa'?"}},
       {"run pyramid --plot hieght", {"'hieght'", "did you mean 'height'?"}},
+      {"run pyramid --plot timelnie", {"'timelnie'", "did you mean 'timeline'?"}},
+      {"run pyramid --pipeline engine=box2d --memory", {"--memory", "an engine"}},
       {"run piramid", {"did you mean 'pyramid'?"}},
       {"run pyramid --param bsae=3", {"did you mean 'base'?"}},
       {"lsit", {"did you mean 'list'?"}},

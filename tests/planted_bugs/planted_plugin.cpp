@@ -17,7 +17,7 @@ LPC_PLUGIN;
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-enum class Bug { hang, crash, allocate, forget, dice, slow };
+enum class Bug { hang, crash, allocate, forget, dice, slow, hoard };
 
 template <int D, Bug kBug>
 class Planted : public Broadphase<D> {
@@ -26,8 +26,8 @@ class Planted : public Broadphase<D> {
   explicit Planted(const Params&) {}
 
   static AlgorithmInfo info() {
-    const char* const names[] = {"planted_hang",   "planted_crash", "planted_allocate",
-                                 "planted_forget", "planted_dice",  "planted_slow"};
+    const char* const names[] = {"planted_hang", "planted_crash", "planted_allocate", "planted_forget",
+                                 "planted_dice", "planted_slow",  "planted_hoard"};
     return {.name = names[static_cast<int>(kBug)], .summary = "planted bug", .paper = "", .complexity = "n^2"};
   }
 
@@ -37,6 +37,7 @@ class Planted : public Broadphase<D> {
     }
     if (kBug == Bug::crash) std::abort();
     if (kBug == Bug::slow) usleep(2000);
+    if (kBug == Bug::hoard) m_hoard.push_back(std::make_unique<char[]>(4096));
     if (kBug == Bug::allocate) {
       for (;;) {
         m_hoard.push_back(std::make_unique<char[]>(1 << 22));
@@ -68,6 +69,8 @@ template <int D>
 using Forget = Planted<D, Bug::forget>;
 template <int D>
 using Slow = Planted<D, Bug::slow>;
+template <int D>
+using Hoard = Planted<D, Bug::hoard>;
 
 template <int D>
 class Dice : public Planted<D, Bug::dice> {
@@ -147,5 +150,6 @@ LPC_REGISTER(Broadphase, Allocate, 2);
 LPC_REGISTER(Broadphase, Forget, 2);
 LPC_REGISTER(Broadphase, Dice, 2);
 LPC_REGISTER(Broadphase, Slow, 2);
+LPC_REGISTER(Broadphase, Hoard, 2);
 
 }  // namespace lpc::inline LPC_PRECISION

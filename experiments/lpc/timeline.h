@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Zlib
+// The phases of a step over a run, stacked on the terminal, under the names of the 2009 report (figures 7.1 and 7.2).
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// From the series of a timed world trial. A run without steps has none; it is told.
+std::string timeline(const std::map<std::string, std::vector<double>>& series);
+
+}  // namespace lpc::inline LPC_PRECISION
