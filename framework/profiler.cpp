@@ -28,15 +28,19 @@ void Profiler::endFrame(double seconds) {
   if (m_keep) m_frames.push_back(m_frame);
 }
 
-void Profiler::add(const char* name, double seconds, const MemoryUse& memory) {
-  m_told += memory;
+Profiler::Time& Profiler::add(const char* name, double seconds) {
   for (Time& t : m_frame.times) {
     if (t.name == name || std::strcmp(t.name, name) == 0) {
-      t.seconds += seconds, t.memory += memory;
-      return;
+      t.seconds += seconds;
+      return t;
     }
   }
-  m_frame.times.push_back({name, seconds, memory});
+  return m_frame.times.emplace_back(Time{name, seconds, {}});
+}
+
+void Profiler::tell(Time& time, const MemoryUse& untoldBefore) {
+  const MemoryUse own = untold() - untoldBefore;
+  time.memory += own, m_told += own;
 }
 
 void Profiler::writeCsv(std::ostream& out) const {

@@ -40,7 +40,8 @@ class Profiler {
         : m_profiler(profiler), m_name(name), m_memory(profiler.untold()), m_start(Clock::now()) {}
     ~Scope() {
       const double seconds = std::chrono::duration<double>(Clock::now() - m_start).count();
-      m_profiler.add(m_name, seconds, m_profiler.untold() - m_memory);
+      Time& time = m_profiler.add(m_name, seconds);
+      if (m_profiler.m_counter) m_profiler.tell(time, m_memory);
     }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
@@ -77,7 +78,8 @@ class Profiler {
   void endFrame(double seconds);
   Frame& frame() { return m_frame; }  // the present or last step
   const std::vector<Frame>& frames() const { return m_frames; }
-  void add(const char* name, double seconds, const MemoryUse& memory = {});
+  /// Of the present step; kept until another name comes.
+  Time& add(const char* name, double seconds);
 
   /// CSV: `#` lines that say what each column is and in which unit, one header line, one line per kept frame.
   void writeCsv(std::ostream& out) const;
@@ -85,6 +87,7 @@ class Profiler {
  private:
   // What no scope has told yet: the difference of two is what a piece of code used itself, without the scopes in it.
   MemoryUse untold() const { return m_counter ? m_counter() - m_told : MemoryUse{}; }
+  void tell(Time& time, const MemoryUse& untoldBefore);
 
   bool m_keep = false;
   MemoryUse (*m_counter)() = nullptr;

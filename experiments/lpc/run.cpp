@@ -207,6 +207,9 @@ void runScene(const RunSceneOptions& o, Session& session) {
   Planner planner;
   const SceneFile& file = planner.scene(o.scene, o.script);
   cell.dimension = o.dimension, cell.pipeline = pipelineOf(o, o.dimension.value_or(file.dimensions().at(0)));
+  if (o.memory && engineOf(cell.pipeline)) {
+    throw UserError("--memory: an engine has stages and an allocator of its own; valid: a pipeline");
+  }
   cell.precision = o.precision, cell.timed = true;
   cell.dt = o.dt, cell.steps = o.steps, cell.seed = o.seed;
   const PlannedTrial trial = planner.world(o.scene, cell);
@@ -217,12 +220,7 @@ void runScene(const RunSceneOptions& o, Session& session) {
     if (pluginPrecision(path) == o.precision) request["plugins"].push_back(std::filesystem::absolute(path).string());
   }
   if (!o.profile.empty()) request["profile"] = o.profile;
-  if (o.memory) {
-    if (trial.canonical.contains("engine")) {
-      throw UserError("--memory: an engine has stages and an allocator of its own; valid: a pipeline");
-    }
-    request["memory"] = true;
-  }
+  if (o.memory) request["memory"] = true;
   for (const SaveRequest& s : saves) {
     if (trial.canonical.contains("engine"))
       throw UserError("--save: the state of an engine is its own; valid: a pipeline");

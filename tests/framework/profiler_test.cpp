@@ -24,7 +24,7 @@ MemoryUse of(const Profiler::Frame& frame, const std::string& name) {
 class TellsTwice {
  public:
   TellsTwice(Profiler& profiler, const char* name) : m_profiler(profiler), m_name(name), m_before(used) {}
-  ~TellsTwice() { m_profiler.add(m_name, 0, used - m_before); }
+  ~TellsTwice() { m_profiler.add(m_name, 0).memory += used - m_before; }
   TellsTwice(const TellsTwice&) = delete;
   TellsTwice& operator=(const TellsTwice&) = delete;
 
