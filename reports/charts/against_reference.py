@@ -271,7 +271,8 @@ def _table(context, others, runs, setting):
     named = {cell["method"] for _, cell in rows}
     rows += [(math.nan, cell) for _, cell in others[~others["method"].isin(named)].drop_duplicates("method").iterrows()]
     cells = [cell for _, cell in rows]
-    table = {**quantity(f"row updates per {'second of the scene' if several_steps(others) else 'step'}, at most", "1", [budget for budget, _ in rows]),
+    each = "second of the scene" if several_steps(others) else "step"
+    table = {**quantity(f"row updates per {each}, at most", "1", [budget for budget, _ in rows]),
              "method": [cell["method"] for cell in cells]}
     table |= {setting: [cell[setting] for cell in cells]} if setting else {}
     table["outcome"] = [cell["outcome"] for cell in cells]

@@ -60,8 +60,8 @@ class Rebound(with_store.WithStore):
 
     def test_who_failed_has_no_number(self):
         made = self.one(back={"springy": (0, None), "calm": (0, 0.2)})
-        self.assertEqual(made.finding, "In 2D, calm throws the body back by up to 4 m (at 20 m/s), at all from 20 m/s on; springy "
-                                       "throws it back by no more than 1 µm at any speed up to 5 m/s.")
+        self.assertEqual(made.finding, "In 2D, calm throws the body back by up to 4 m (at 20 m/s), at all from 20 m/s on; "
+                                       "springy throws it back by no more than 1 µm at any speed up to 5 m/s.")
         self.assertTrue(math.isnan(made.table[made.table["method"] == "springy"]["thrown back [m]"].iloc[1]))
         self.assertIn("exploded", " ".join(made.holes))
 
