@@ -33,6 +33,37 @@ std::vector<Vec<D>> readPoints(TableReader& shape, SceneNumbers& numbers) {
   return points;
 }
 
+// A polytope by its number of `corners`, at places of chance on a circle or ball of this `radius`. Each has a share of
+// it, or some would be needles: a triangle has 0.4 radius^2 or more, a hull of four corners 0.15 radius^3. Two numbers
+// are drawn for each in either dimension.
+template <int D>
+std::vector<Vec<D>> drawCorners(TableReader& shape, SceneNumbers& numbers) {
+  constexpr double kTurn = 6.283185307179586, kGoldenTurn = 2.399963229728653;  // of Vogel's spiral, pi (3 - sqrt 5)
+  constexpr double kOfShare = 0.8, kOfTurn = 0.4;  // how much of its own a corner may be moved by
+  constexpr long kMost = 1000;
+  const auto radius = static_cast<Real>(numbers.number(shape.require("radius")));
+  const toml::node& place = shape.require("corners");
+  const long n = numbers.whole(shape, "corners", 0, numbers.rehearsing() ? 0 : D + 1, kMost);
+  std::vector<Vec<D>> corners;
+  if (numbers.rehearsing()) return corners;
+  numbers.count(place, "points", n);
+  const auto chance = [&] { return numbers.expressions.evaluate("rand(0, 1)"); };
+  for (long k = 0; k < n; ++k) {
+    const double u = chance(), v = chance(), first = (1 - kOfShare) / 2;
+    const double share = (static_cast<double>(k) + first + kOfShare * u) / static_cast<double>(n);
+    double s, c;
+    if constexpr (D == 2) {
+      sinCos(kTurn * share, s, c);
+      corners.emplace_back(radius * static_cast<Real>(c), radius * static_cast<Real>(s));
+    } else {
+      const double y = 1 - 2 * share, r = std::sqrt(1 - y * y);
+      sinCos(kGoldenTurn * (static_cast<double>(k) + kOfTurn * v), s, c);
+      corners.push_back(radius * Vec<3>(static_cast<Real>(r * c), static_cast<Real>(y), static_cast<Real>(r * s)));
+    }
+  }
+  return corners;
+}
+
 template <int D>
 Shape<D> readSurface(TableReader& shape, SceneNumbers& numbers) {
   if (D == 3 && shape.find("file")) {
@@ -81,6 +112,10 @@ Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string
   if (kind == "box") return Shape<D>::box(numbers.vector<D>(shape.require("half")), rounding);
   if (kind == "capsule") return Shape<D>::capsule(size("half_length"), size("radius"));
   if (kind == "polytope" && shape.find("file")) return readHull<D>(shape, numbers, rounding);
+  if (kind == "polytope" && shape.find("corners")) {
+    const std::vector<Vec<D>> corners = drawCorners<D>(shape, numbers);
+    return numbers.rehearsing() ? Shape<D>() : Shape<D>::polytope(corners, rounding);
+  }
   if (kind == "polytope") return Shape<D>::polytope(readPoints<D>(shape, numbers), rounding);
   if (kind == "segment") return Shape<D>::segment(size("half_length"));
   if (kind == "triangle") return Shape<D>::ofCorners(ShapeKind::triangle, readPoints<D>(shape, numbers), rounding);

@@ -2,10 +2,13 @@
 // A script as a file of its own, played in any scene; and its mistakes, told with its file and line.
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "experiments/runner/locations.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/scene_file.h"
 #include "framework/director.h"
+#include "framework/mass.h"
 #include "framework/world.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
@@ -158,6 +161,46 @@ void firework() {
   expectCaught("a spark that is faster", even(scene));
 }
 TEST(SceneScript, AFireworkIsEven) { firework<2>(), firework<3>(); }
+
+// Of every number of corners from 3 (3D: 4) to 8, on a circle of half a metre, none a needle.
+template <int D>
+bool random3To8(const SceneSpec<D>& scene) {
+  std::map<std::size_t, int> seen;
+  for (const auto& s : scene.spawns) {
+    if (s.body.name != "polygon") continue;
+    const auto& vertices = s.body.shapes[0].shape.view().hull->vertices;
+    ++seen[vertices.size()];
+    for (const Vec<D>& v : vertices) {
+      if (std::abs(v.norm() - Real(0.5)) > 1e-6) return false;
+    }
+    const Real size =
+        massProperties(s.body.shapes[0].shape, Real(1)).mass;  // of the circle it has 0.785, of the ball 0.524
+    if (size < (D == 2 ? Real(0.075) : Real(0.0125))) return false;
+  }
+  return seen.size() == (D == 2 ? 6 : 5) && seen.begin()->first == (D == 2 ? 3 : 4) && seen.rbegin()->first == 8;
+}
+template <int D>
+std::vector<Vec<D>> cornersOf(const SceneSpec<D>& scene) {
+  std::vector<Vec<D>> out;
+  for (const auto& s : scene.spawns) {
+    if (s.body.name != "polygon") continue;
+    const auto& vertices = s.body.shapes[0].shape.view().hull->vertices;
+    out.insert(out.end(), vertices.begin(), vertices.end());
+  }
+  return out;
+}
+template <int D>
+void polygons() {
+  const SceneFile file = SceneFile::load(findToml("scenes", "0"), findToml("scripts", "polygons"));
+  const auto made = [&](std::uint64_t seed) { return cornersOf(file.build<D>({}, seed)); };
+  EXPECT_EQ(made(1), made(1));
+  EXPECT_NE(made(1), made(2));
+  for (const std::uint64_t seed : {1, 2, 3}) EXPECT_TRUE(random3To8(file.build<D>({{"end", 6000}}, seed))) << seed;
+  expectCaught("never three or four corners", random3To8(file.build<D>({{"fewest", 5}}, 1)));
+  expectCaught("nine corners", random3To8(file.build<D>({{"end", 6000}, {"most", 9}}, 1)));
+  expectCaught("a larger circle", random3To8(file.build<D>({{"end", 6000}, {"size", 0.6}}, 1)));
+}
+TEST(SceneScript, PolygonsHaveThreeToEightCorners) { polygons<2>(), polygons<3>(); }
 
 TEST(SceneScript, MistakesAreOneLineOfTheScript) {
   const std::string circle = "shapes = [{ kind = \"circle\", radius = 1 }]\n", head = "summary = \"s\"\n";
