@@ -17,8 +17,12 @@ struct ContactPoint {
   Vec<D> localB = Vec<D>::Zero();  // p_CbB: the witness on B, in B's
   Real separation = 0;             // (p_WB - p_WA) . n, m; negative when penetrating
   std::uint64_t feature = 0;       // the same pair of features has the same number in the next step
-  std::array<Real, D> impulse{};   // accumulated, N s: along n, then along tangents(n). Zero means cold.
-  std::array<Real, D> memory{};    // the solver's own, carried with the point
+  std::array<Real, D>
+      impulse{};                 // the next step starts from it, N s: along n, then along tangents(n). Zero means cold.
+  std::array<Real, D> memory{};  // the solver's own, carried with the point
+  /// What the point bore along n in the whole step, N s; each solver writes it. Where sub-steps start from the one
+  /// before, `impulse` is that of the last times their number, and no sum.
+  Real load = 0;
 };
 
 template <int D>

@@ -18,7 +18,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr char kMagic[] = "LPCWORLD8";  // a change of the format is a new number
+constexpr char kMagic[] = "LPCWORLD9";  // a change of the format is a new number
 
 /// Before the world itself, so that what was damaged is told before it is read.
 struct Header {
@@ -118,7 +118,7 @@ void fields(Archive& a, MassProperties<D>& m) {
 void fields(Archive& a, SleepEvent& e) { a(e.kind, e.body, e.other, e.speed); }
 template <int D>
 void fields(Archive& a, ContactPoint<D>& c) {
-  a(c.localA, c.localB, c.separation, c.feature, c.impulse, c.memory);
+  a(c.localA, c.localB, c.separation, c.feature, c.impulse, c.memory, c.load);
 }
 template <int D>
 void fields(Archive& a, Manifold<D>& m) {

@@ -180,12 +180,14 @@ struct ContactRows {
     }
   }
 
-  /// Writes the impulses of this step into the manifolds.
+  /// Writes the impulses of this step into the manifolds, as what they bore.
   void store(std::span<Manifold<D>> out) const {
     for (const ManifoldRows<D>& rows : manifolds) {
       Manifold<D>& m = out[static_cast<std::size_t>(rows.manifold)];
       for (int i = 0; i < rows.count; ++i) {
-        m.points[static_cast<std::size_t>(i)].impulse = points[static_cast<std::size_t>(rows.first + i)].impulse;
+        ContactPoint<D>& c = m.points[static_cast<std::size_t>(i)];
+        c.impulse = points[static_cast<std::size_t>(rows.first + i)].impulse;
+        c.load = c.impulse[0];
       }
     }
   }

@@ -160,6 +160,9 @@ class SplitSolver final : public Solver<D> {
     if (m_params.order == Order::worstFirst) sortWorstFirst(problem);
     if (in.watcher) in.watcher->see(problem);
     m_velocity->solve(problem);
+    for (const int i : m_order) {
+      for (ContactPoint<D>& c : in.manifolds[static_cast<std::size_t>(i)].points) c.load = c.impulse[0];
+    }
   }
   void move(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.move");

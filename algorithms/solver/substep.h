@@ -89,7 +89,7 @@ class Substeps {
         const ContactPoint<D>& c = from.points[static_cast<std::size_t>(k)];
         PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
         m_states[static_cast<std::size_t>(m.first + k)] = {
-            c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation), 0, 0};
+            c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation), 0, 0, 0};
         if (!warmStart) continue;
         row.impulse[0] = std::max(scale * c.impulse[0], Real(0));
         for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = scale * c.impulse[d];
@@ -152,8 +152,9 @@ class Substeps {
     for (int i = 0; i < iterations; ++i) sweep(in, {});
   }
 
-  /// What joints bore in this sub-step.
+  /// What contacts and joints bore in this sub-step.
   void end() {
+    for (std::size_t p = 0; p < m_states.size(); ++p) m_states[p].load += m_contacts.points[p].impulse[0];
     for (const std::int32_t j : m_joints.rowless) m_jointImpulse[static_cast<std::size_t>(j)].substep.fill(0);
     for (const JointBlock<D>& block : m_joints.blocks) {
       JointImpulse& kept = m_jointImpulse[static_cast<std::size_t>(block.joint)];
@@ -166,7 +167,9 @@ class Substeps {
     }
   }
 
-  /// Restitution, then the impulses, which are those of a whole step as in every other solver.
+  /// Restitution, then the impulses: those of contacts as the next step starts from them, which is the last sub-step's
+  /// for as long as a whole step. A ball that rolls, whose anchor turns up and away, bears in the first sub-steps
+  /// alone.
   void finish(const StepInput<D>& in) {
     if (in.features.restitution) bounce(in);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
@@ -175,6 +178,12 @@ class Substeps {
       }
     }
     m_contacts.store(in.manifolds);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        in.manifolds[static_cast<std::size_t>(m.manifold)].points[static_cast<std::size_t>(k)].load =
+            m_states[static_cast<std::size_t>(m.first + k)].load;
+      }
+    }
     const auto store = [&](std::int32_t j) {
       JointRecord<D>& joint = in.joints[static_cast<std::size_t>(j)];
       const JointImpulse& sum = m_jointImpulse[static_cast<std::size_t>(j)];
@@ -191,6 +200,7 @@ class Substeps {
     Real velocity;    // along the normal before the step, m/s
     Real maxImpulse;  // of all sub-steps: did it hit at all?
     Real separation;  // m, now
+    Real load;        // of all sub-steps so far, N s
   };
   struct JointImpulse {                      // by row
     std::array<Real, kJointRows> substep{};  // of the last sub-step: what the next one starts from
@@ -296,12 +306,13 @@ class Substeps {
       Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
       for (int k = 0; k < m.count; ++k) {
         PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
-        const State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        State& state = m_states[static_cast<std::size_t>(m.first + k)];
         if (!(state.velocity < -in.restitutionThreshold) || !(state.maxImpulse > 0)) continue;
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
         const Real old = row.impulse[0];
         row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+        state.load += row.impulse[0] - old;
         if (m.friction > 0 && row.impulse[0] < old) rubAt(m, row, a, b, rotation);
         ++in.work[WorkCount::rowUpdates];
       }

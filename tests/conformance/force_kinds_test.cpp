@@ -58,7 +58,7 @@ Scene<D> drawScene(Draw& draw, const Kind<D>& kind, double spread, bool apart) {
   for (std::int32_t i = 0; i + 1 < static_cast<std::int32_t>(n); ++i) {
     Manifold<D>& m = s.contacts.emplace_back();
     m.bodyA = i, m.bodyB = i + 1, m.count = 1, m.normal = Vec<D>::Unit(draw.below(D));
-    m.points[0].impulse[0] = draw.real(0, 2);
+    m.points[0].load = draw.real(0, 2);
   }
   const ForceEnds ends = kind->ends();
   s.force.kind = kind, s.t = draw.real(0, 3);
