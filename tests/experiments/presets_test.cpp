@@ -237,7 +237,8 @@ TEST(Presets, EachShapeLiesOnItsOwn) {
   }
 }
 
-// In space the larger one is a wall one box thick, whose rows slide on each other: who sleeps on what slides away wakes.
+// In space the larger one is a wall one box thick, whose rows slide on each other: who sleeps on what slides away
+// wakes.
 TEST(Presets, TheWallOfSpaceStandsWithTheReportsSleeping) {
   Play<3> play("6", {}, kSleep);
   play.steps(450);
