@@ -39,8 +39,15 @@ def finding(rows, methods):
         mine = [row for row in rows if row["method"] == method]
         fell = [row for row in mine if row["outcome"] != "ok"]
         said.append(f"{method} holds {len(mine) - len(fell)} of {len(mine)}" +
-                    (f" (not {listing(row['where'] for row in fell)})" if 0 < len(fell) < len(mine) else ""))
+                    (f" (not {listing(_fallen(fell, mine))})" if 0 < len(fell) < len(mine) else ""))
     return "; ".join(said) + "."
+
+
+def _fallen(fell, mine):
+    """Where, each as it is called; of more than two of a scene how many."""
+    for scene in dict.fromkeys(row["scene"] for row in fell):
+        there, of = [row["where"] for row in fell if row["scene"] == scene], sum(row["scene"] == scene for row in mine)
+        yield from [scene] if len(there) == of else there if len(there) < 3 else [f"{scene} in {len(there)} of {of}"]
 
 
 def _chart(context, cells):
@@ -51,7 +58,7 @@ def _chart(context, cells):
     for _, cell in cells.iterrows():
         where = describe(cell, axes)
         places.setdefault(where, len(places))
-        rows.append({"where": where, "method": cell["method"], "outcome": cell["outcome"], "step": cell["step"],
+        rows.append({"where": where, "scene": cell["scene"], "method": cell["method"], "outcome": cell["outcome"], "step": cell["step"],
                      "told": told(cell), "reason": cell["reason"]})
     left = 0.35 + 0.075 * max(map(len, places))
     figure, panels = grid_of_axes(1, 1, 0.34 * len(places) + 0.1, 1.5, left=left, top=0.6, bottom=0.15)
