@@ -122,7 +122,7 @@ def headline(cells, awake, where):
     return Headline(f"On {where} sleeping by {near['method']} saves {si(100 * near[SAVED])} % of the row updates and moves "
                     f"bodies by {si(near[FAR], 'm')} at the most, by {far['method']} {si(100 * far[SAVED])} % and "
                     f"{si(far[FAR], 'm')}.",
-                    dict(zip(good["method"], good[FAR].astype(float))), "m", "largest distance from where bodies end awake",
+                    dict(zip(good["method"], good[FAR].astype(float))), "m", "farthest from its end awake",
                     ends=final_states(good))
 
 

@@ -29,7 +29,7 @@ def told(cell):
     if cell["outcome"] == "ok":
         rest = cell.get(REST)
         return f"rests, {rest:.1f} s" if rest is not None and math.isfinite(rest) else "ok, moves"
-    return cell["outcome"] + ("" if cell["step"] != cell["step"] else f", step {int(cell['step'])}")
+    return cell["outcome"] + ("" if cell["step"] != cell["step"] else f", {int(cell['step'])}")
 
 
 def finding(rows, methods):
@@ -58,7 +58,8 @@ def _chart(context, cells):
     for _, cell in cells.iterrows():
         where = describe(cell, axes)
         places.setdefault(where, len(places))
-        rows.append({"where": where, "scene": cell["scene"], "method": cell["method"], "outcome": cell["outcome"], "step": cell["step"],
+        rows.append({"where": where, "scene": cell["scene"], "method": cell["method"], "outcome": cell["outcome"],
+                     "step": cell["step"],
                      "told": told(cell), "reason": cell["reason"]})
     left = 0.35 + 0.075 * max(map(len, places))
     figure, panels = grid_of_axes(1, 1, 0.34 * len(places) + 0.1, 1.5, left=left, top=0.6, bottom=0.15)
@@ -78,7 +79,8 @@ def _chart(context, cells):
     ax.grid(False)
     for spine in ax.spines.values():
         spine.set_visible(False)
-    legend_right(figure, [Patch(facecolor=OUTCOMES.get(o, ("#FFFFFF", ""))[0], edgecolor="#999999", label=o)
+    legend_right(figure, [Patch(facecolor=OUTCOMES.get(o, ("#FFFFFF", ""))[0], edgecolor="#999999",
+                                label=o if o == "ok" else f"{o}, at step")
                           for o in sorted({row["outcome"] for row in rows}, key=list(OUTCOMES).index)], 1.5)
     held = {method: sum(row["outcome"] == "ok" for row in rows if row["method"] == method) for method in methods}
     least, most = min(held, key=held.get), max(held, key=held.get)
@@ -88,6 +90,7 @@ def _chart(context, cells):
     return Chart(identifier(f"{sweep} stability {dimension}d"), SECTION,
                  f"What becomes of scenes under each method, {dimension}D",
                  f"In {dimension}D {finding(rows, methods)}", sweep, figure,
-                 pd.DataFrame(rows).drop(columns="told").rename(columns={"where": "scene"}), holes(cells, ["method", *axes]),
+                 pd.DataFrame(rows).drop(columns=["told", "scene"]).rename(columns={"where": "scene"}),
+                 holes(cells, ["method", *axes]),
                  "Each cell is one run: since when all bodies rest, where they do until the end, or the step at which the run "
                  "ended, with its outcome. “moves”: it stands, and something is not at rest.", headline=head)

@@ -49,7 +49,7 @@ class Stability(with_store.WithStore):
         self.assertEqual(made.finding, "In 2D stupid holds 0 of 4; catto+baumgarte holds 3 of 4 (not preset_6, sleeping=on); "
                                        "soft_step holds 4 of 4.", "in the order of the plan")
         drawn = [text.get_text() for text in made.figure.axes[0].texts]
-        for told, times in (("exploded, step 61", 2), ("collapsed, step 52", 2), ("collapsed, step 91", 1), ("rests, 1.2 s", 4),
+        for told, times in (("exploded, 61", 2), ("collapsed, 52", 2), ("collapsed, 91", 1), ("rests, 1.2 s", 4),
                             ("ok, moves", 3)):
             self.assertEqual(drawn.count(told), times, told)
         self.assertEqual(made.headline.values, {"catto+baumgarte": 3.0, "soft_step": 4.0, "stupid": 0.0})
