@@ -20,7 +20,8 @@ struct ContactPoint {
   std::array<Real, D>
       impulse{};                 // the next step starts from it, N s: along n, then along tangents(n). Zero means cold.
   std::array<Real, D> memory{};  // the solver's own, carried with the point
-  /// What the point bore along n in the whole step, N s; each solver writes it. Where sub-steps start from the one
+  /// What the point bore along n in the whole step, N s; each solver writes it, without blows of an impact law that has
+  /// rows of its own (split_solver's poisson and sequential). Where sub-steps start from the one
   /// before, `impulse` is that of the last times their number, and no sum.
   Real load = 0;
 };

@@ -132,7 +132,7 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   m_userForces[i].torque += cross(Vec<D>(X_WC.p - b.pose[i].p), m_userForces[i].force);
   moveCenter(i, by);
 
-  for (const std::size_t s : had) freeShape(s);
+  for (std::size_t k = had.size(); k-- > 0;) freeShape(had[k]);  // from the end of its list
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const auto index = static_cast<std::int32_t>(k);
     if (kept[k] == m_shapes.size()) continue;

@@ -28,10 +28,10 @@ class FrictionTurn {
   RealMatrix<D - 1, D - 1> m_turn;
 };
 
-/// Impulse and memory of `old` to the fresh `p`.
+/// Impulse, memory and load of `old` to the fresh `p`.
 template <int D>
 void inherit(const ContactPoint<D>& old, const FrictionTurn<D>& turn, ContactPoint<D>& p) {
-  p.impulse = old.impulse, p.memory = old.memory;
+  p.impulse = old.impulse, p.memory = old.memory, p.load = old.load;
   turn(p.impulse);
 }
 

@@ -11,7 +11,8 @@ namespace {
 // slow for some time, and wake together. One who is awake wakes whom he touches, at any speed, so that nobody need ask
 // for blows, supports or loads. Not taken over: that an island waits until its position errors are repaired, which a
 // policy does not see; a platform, however slow, keeps its island awake here; and only what something holds that
-// cannot fall may sleep, because in weak gravity a throw is slow for longer than any time.
+// cannot fall may sleep, because in weak gravity a throw is slow for longer than any time. So who hangs on a spring or
+// is wedged between walls stays awake.
 template <int D>
 class TimerIsland final : public SleepPolicy<D> {
  public:

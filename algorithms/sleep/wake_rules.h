@@ -205,11 +205,10 @@ class WakeRules {
       if (slide(in, m, from) > m_wakeSeparation && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
     });
     if (!again) return;
-    while (std::exchange(again, false)) {
-      forContacts(in, [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
-        if (m_flag[index(from)] && !m_flag[index(to)] && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
-      });
-    }
+    const auto passOn = [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
+      if (m_flag[index(from)] && !m_flag[index(to)] && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
+    };
+    while (std::exchange(again, false)) forContacts(in, passOn), forContactsBack(in, passOn);
     for (std::size_t i = 0; i < awake.size(); ++i) {
       if (m_flag[i]) wake(in, awake, static_cast<std::int32_t>(i));
     }
@@ -255,13 +254,13 @@ class WakeRules {
       if (m_stands[i]) m_next[index(m_group[i])] = 1;
     }
     const auto sleeps = [&](std::size_t i) { return !m_flag[index(m_group[i])] && m_next[index(m_group[i])] > 0; };
-    for (bool again = true; std::exchange(again, false);) {
-      forContacts(in, [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
-        if (!calm[index(to)] || !dynamic(in, from) || !awake[index(from)] || sleeps(index(from))) return;
-        if (!(slide(in, m, from) > m_wakeSeparation) || !carries(in, m, from)) return;
-        calm[index(to)] = 0, m_flag[index(m_group[index(to)])] = 1, again = true;
-      });
-    }
+    bool again = true;
+    const auto keepAwake = [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
+      if (!calm[index(to)] || !dynamic(in, from) || !awake[index(from)] || sleeps(index(from))) return;
+      if (!(slide(in, m, from) > m_wakeSeparation) || !carries(in, m, from)) return;
+      calm[index(to)] = 0, m_flag[index(m_group[index(to)])] = 1, again = true;
+    };
+    while (std::exchange(again, false)) forContacts(in, keepAwake), forContactsBack(in, keepAwake);
     for (std::size_t i = 0; i < awake.size(); ++i) {
       if (calm[i] && sleeps(i)) awake[i] = 0;
     }
@@ -271,11 +270,18 @@ class WakeRules {
   // f(manifold, from, to) for each contact of a dynamic body `to`, both ways.
   template <class F>
   static void forContacts(const SleepInput<D>& in, const F& f) {
-    for (const Manifold<D>& m : in.manifolds) {
-      if (m.ignored) continue;
-      if (dynamic(in, m.bodyB)) f(m, m.bodyA, m.bodyB);
-      if (dynamic(in, m.bodyA)) f(m, m.bodyB, m.bodyA);
-    }
+    for (const Manifold<D>& m : in.manifolds) atContact(in, m, f);
+  }
+  // The same from the last to the first, so that a pile is gone through at once whatever the order of its slots.
+  template <class F>
+  static void forContactsBack(const SleepInput<D>& in, const F& f) {
+    for (std::size_t i = in.manifolds.size(); i-- > 0;) atContact(in, in.manifolds[i], f);
+  }
+  template <class F>
+  static void atContact(const SleepInput<D>& in, const Manifold<D>& m, const F& f) {
+    if (m.ignored) return;
+    if (dynamic(in, m.bodyB)) f(m, m.bodyA, m.bodyB);
+    if (dynamic(in, m.bodyA)) f(m, m.bodyB, m.bodyA);
   }
 
   // Speed of approach at the worst point, m/s.

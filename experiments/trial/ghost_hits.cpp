@@ -22,7 +22,7 @@ void GhostHits<D>::observe(const Simulation<D>& world, double dt) {
     bool pushes = false, near = false;
     for (int k = 0; k < m.count; ++k) {
       const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
-      pushes = pushes || c.impulse[0] > 0;
+      pushes = pushes || c.load > 0;
       near = near || c.separation <= world.settings().margin;
     }
     m_count += pushes && !near && misses(world, m, static_cast<Real>(dt));

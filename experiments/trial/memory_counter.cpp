@@ -4,6 +4,7 @@
 #include <malloc.h>
 
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 #ifdef LPC_SANITIZED
@@ -37,6 +38,7 @@ void freeCounted(void* memory) {
 // As aligned_alloc wants it.
 std::size_t roundedUp(std::size_t size, std::align_val_t to) {
   const auto step = static_cast<std::size_t>(to);
+  if (size > std::numeric_limits<std::size_t>::max() - (step - 1)) throw std::bad_alloc();
   return (size + step - 1) / step * step;
 }
 

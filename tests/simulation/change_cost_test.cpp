@@ -122,7 +122,7 @@ void lives() {
       ASSERT_TRUE(world.bodies().used[static_cast<std::size_t>(j.bodyB)]) << i;
     }
   }
-  EXPECT_GT(world.joints().size(), 5u);
+  EXPECT_GT(std::count_if(world.joints().begin(), world.joints().end(), [](const auto& j) { return bool(j.kind); }), 0);
   expectCaught("whose shapes are whose, a change late", stale == 0);
 }
 TEST(ChangeCost, WhoseShapesAreWhoseIsRight) { lives<2>(), lives<3>(); }

@@ -368,6 +368,30 @@ TEST(Sleeping, ATowerFallsAsleepAndCostsNothing) {
   }
 }
 
+// What a sleeper's contacts bore is told on, also where they are made anew in each step.
+template <int D>
+void loadsStay() {
+  for (const char* cache : {"by_feature", "by_distance", "recycling"}) {
+    for (const bool anew : {false, true}) {
+      WorldSettings<D> settings;
+      settings.sleepingContacts = anew;
+      World<D> world(Pipeline::parse(std::string("sleep=split_average cache=") + cache), settings);
+      addGround(world);
+      const Handle box = world.add(cube<D>(0, 0.5));
+      for (int i = 0; i < 120; ++i) world.step(kDt);
+      ASSERT_FALSE(world.awake(box));
+      double load = 0;
+      for (const Manifold<D>& m : world.manifolds()) {
+        for (int k = 0; k < m.count; ++k) load += double(m.points[static_cast<std::size_t>(k)].load);
+      }
+      const double weight = double(world.bodies().mass[static_cast<std::size_t>(box.slot)]) *
+                            double(settings.gravity.norm()) * double(kDt);
+      EXPECT_NEAR(load, weight, 0.05 * weight) << cache << " " << anew;
+    }
+  }
+}
+TEST(Sleeping, LoadsOfSleepersStay) { loadsStay<2>(), loadsStay<3>(); }
+
 // The last one of a row of sleepers moves as it does when nobody sleeps. With the report's 1.5 m/s the boxes would
 // freeze as sliders do (Sleep.SlowSliderStaysAwake).
 template <int D>
