@@ -83,7 +83,7 @@ void runSolver(benchmark::State& state, const std::string& solver) {
 }
 
 template <int D>
-void addDimension() {
+void addSolvers() {
   std::vector<std::string> specs;
   for (const Registered* solver : Registry::instance().list(StageKind::solver, D)) {
     for (const std::string& spec : specsOf(*solver)) specs.push_back(spec);
@@ -107,8 +107,8 @@ void addDimension() {
 }  // namespace
 
 void addSolvers() {
-  addDimension<2>();
-  addDimension<3>();
+  addSolvers<2>();
+  addSolvers<3>();
 }
 
 }  // namespace lpc::inline LPC_PRECISION::bench
