@@ -162,8 +162,8 @@ void requireContacts(const ContactGenerator<D>& contacts, const std::array<bool,
                      const std::string& who);
 
 /// Makes contact points. Writes only fresh manifolds, at most one per pair of children, none without points, in any
-/// order, with zero impulses and the material of their shapes, which listeners start from; `points` sorted by feature. It may take over points of the old ones: it must renew their
-/// separations, and holds nothing of them itself.
+/// order, with zero impulses and the material of their shapes, which listeners start from; `points` sorted by feature.
+/// It may take over points of the old ones: it must renew their separations, and holds nothing of them itself.
 template <int D>
 class ContactGenerator : public Stage {
  public:
