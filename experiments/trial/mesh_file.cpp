@@ -167,8 +167,10 @@ F* ofAssimp(const char* name) {
 /// Called in a process of its own. A file may name others (`mtllib`): none is opened.
 std::string cornersByAssimp(const std::string& bytes, const std::string& ending) {
   const auto import = LPC_OF_ASSIMP(aiImportFileFromMemory);
+#if !defined(LPC_SANITIZED)  // AddressSanitizer reads /proc/self/maps when assimp throws, and ends where it cannot
   const rlimit none{0, 0};
   setrlimit(RLIMIT_NOFILE, &none);
+#endif
   const aiScene* scene =
       import(bytes.data(), static_cast<unsigned>(bytes.size()), aiProcess_Triangulate, ending.c_str() + 1);
   if (!scene) {
