@@ -80,7 +80,9 @@ struct Push {
     const Vec<D> impulse = e.numbers.template vector<D>(e.block, "impulse");
     const Ang<D> angular = readAngular<D>(e.block, e.numbers, "angular_impulse");
     addEvent<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, Handle h) {
-      world.applyImpulse(h, {impulse, cross(armOf(world, h, at), impulse) + angular});
+      const Ang<D> turn = cross(armOf(world, h, at), impulse) + angular;
+      if (!turn.allFinite()) throw EventOverflow("a push comes to an angular impulse beyond all numbers");
+      world.applyImpulse(h, {impulse, turn});
     });
   }
 };
@@ -137,7 +139,9 @@ struct Force {
       const Vec<D> point = center + armOf(world, h, at), way = goal - point;
       const Real far = way.norm();
       const Vec<D> pull = far > 0 ? Vec<D>(strength * (way / far)) : Vec<D>(Vec<D>::Zero());
-      world.applyForce(h, force + pull, point);
+      const Vec<D> sum = force + pull;
+      if (!sum.allFinite() || !point.allFinite()) throw EventOverflow("an event's force is beyond all numbers");
+      world.applyForce(h, sum, point);
       world.applyTorque(h, torque);
     });
   }

@@ -3,12 +3,19 @@
 
 #include <functional>
 #include <span>
+#include <stdexcept>
 #include <string_view>
 
 #include "experiments/trial/scene_parsed.h"
 #include "framework/scene_spec.h"
 
 namespace lpc::inline LPC_PRECISION {
+
+/// What events throw while the run lasts, when numbers that are fine each come to what no number holds, such as a blow
+/// at a long lever: an end of the run at its step, and no mistake of the file.
+struct EventOverflow : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// One [[event]] block at one turn of its loops, as the reader of its kind sees it.
 template <int D>

@@ -390,7 +390,15 @@ class Builder {
   void jointBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[joint]]");
     beginBlock();
-    const auto once = [&] { m_scene.joints.push_back(readJointOf(block)); };
+    const auto comes = [&](int body) { return body < 0 ? 0 : m_scene.spawns[static_cast<std::size_t>(body)].step; };
+    const auto once = [&] {
+      const auto joint = readJointOf(block);
+      if (!m_numbers.rehearsing()) {  // it comes with the later of the two
+        const long step = std::max(comes(joint.bodyA), comes(joint.bodyB));
+        use(joint.bodyA, step, table), use(joint.bodyB, step, table);
+      }
+      m_scene.joints.push_back(joint);
+    };
     loops(block, once);
     endLoops(block, once);
   }

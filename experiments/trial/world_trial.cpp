@@ -13,6 +13,7 @@
 #include "experiments/trial/memory_counter.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/saved_scene.h"
+#include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/trial.h"
 #include "experiments/trial/tunnelling.h"
@@ -121,6 +122,7 @@ class WorldTrial {
     long step = 0;
     for (; step < m_scene.steps && m_out.outcome == "ok"; ++step) {
       if (step > 0) direct(step);
+      if (m_out.outcome != "ok") break;
       if (!m_again) m_tunnelling.place(m_world), m_ghosts.before(m_world);
       const double before = cpuSeconds();
       m_world.step(m_scene.dt);
@@ -164,7 +166,11 @@ class WorldTrial {
   // Lets the script act after so many steps: memory of the world that no step uses.
   void direct(long step) {
     const MemoryUse before = memoryNow();
-    m_director.advance(m_world);
+    try {
+      m_director.advance(m_world);
+    } catch (const EventOverflow& e) {
+      m_out.fail("diverged", e.what(), step);
+    }
     addMemory("scene", memoryNow() - before, step);
   }
 
@@ -356,7 +362,10 @@ class WorldTrial {
       list.resize(static_cast<std::size_t>(steps), 0.0);
       m["us_" + name.substr(4)] = 1e6 * m_seen.quantileOf(name, 0.5);
     }
-    if (!m_again && m_request.at("trial").value("series", true)) m_out.series = std::move(m_seen.series);
+    if (m_request.at("trial").value("series", true)) {
+      if (m_again) std::erase_if(m_seen.series, [](const auto& entry) { return entry.first != "seconds"; });
+      m_out.series = std::move(m_seen.series);
+    }
     char text[20];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(m_world.hash()));
     m_out.hash = text;
@@ -366,7 +375,7 @@ class WorldTrial {
   MemoryCounter m_memory;
   TrialResult m_out;
   bool m_timed;
-  bool m_again;   // a repeat of a timed trial: the same bits as the first one, so it tells its times and no more
+  bool m_again;   // a repeat of a timed trial: the same bits as the first one, so it tells its steps' times and no more
   bool m_engine;  // does not count its work
   SceneSpec<D> m_scene;
   Director<D> m_director;

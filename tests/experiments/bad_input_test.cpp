@@ -203,6 +203,23 @@ TEST(BadInput, AbsurdForcesEndTheRunAtTheirStep) {
   }
 }
 
+// So do events whose numbers are fine each, and come to what no number holds.
+TEST(BadInput, EventsBeyondAllNumbersEndTheRunAtTheirStep) {
+  Workspace w;
+  const std::pair<const char*, const char*> events[] = {
+      {"push", "impulse = [1e308, 0]\nat = [0, 100]\n"},
+      {"force", "force = [1.7e308, 0]\nstrength = 1.7e308\ntowards = [1000, 0]\n"}};
+  for (const auto& [kind, numbers] : events) {
+    w.write("t.toml", kHead + "steps = 20\n[[body]]\nname = \"a\"\n" + kBall + "[[event]]\nstep = 2\ndo = \"" + kind +
+                          "\"\nbody = \"a\"\n" + numbers);
+    for (const char* pipeline : {"", " --pipeline engine=box2d"}) {
+      const Outcome out = w.lpc(std::string("run t.toml") + pipeline);
+      EXPECT_EQ(out.code, 1) << kind << pipeline << "\n" << out.text;
+      EXPECT_NE(out.text.find("outcome   diverged at step 2: "), std::string::npos) << kind << "\n" << out.text;
+    }
+  }
+}
+
 std::string sweepMessage(const Workspace& w, const std::string& text) {
   try {
     planSweeps(w.write("s.toml", text), {});

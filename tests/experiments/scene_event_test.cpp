@@ -268,6 +268,9 @@ TEST(SceneEvent, MistakesAreOneLine) {
       {"do = \"add\"\nstep = 5\nname = \"late\"\nshapes = [{ kind = \"circle\", radius = 1 }]\n"
        "[[event]]\ndo = \"push\"\nstep = 4\nbody = \"late\"\nimpulse = [1, 0]\n",
        {"t.toml:21: ", "at step 4 'late' is not there: it comes at 5"}},
+      {"do = \"remove\"\nstep = 3\nbody = \"box\"\n[[body]]\nname = \"late\"\nfrom = 5\nposition = [3, 3]\nshapes = [{ "
+       "kind = \"circle\", radius = 1 }]\n[[joint]]\nkind = \"pivot\"\na = \"box\"\nb = \"late\"\nanchor = [2, 2]\n",
+       {"t.toml:25: ", "at step 5 'box' is not there: it is removed at 3"}},
   };
   for (const auto& [event, parts] : cases) {
     std::string message = "no error";
