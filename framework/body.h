@@ -11,12 +11,17 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// A public handle: the slot of a body or joint, and which of its successive tenants is meant.
-struct Handle {
+/// A public handle: a slot, and which of its successive tenants is meant. Those of bodies, joints and forces are types
+/// of their own, so that none is taken for another's.
+template <class Of>
+struct SlotHandle {
   std::int32_t slot = -1;
   std::uint32_t generation = 0;
-  bool operator==(const Handle&) const = default;
+  bool operator==(const SlotHandle&) const = default;
 };
+using Handle = SlotHandle<struct OfBody>;
+using JointHandle = SlotHandle<struct OfJoint>;
+using ForceHandle = SlotHandle<struct OfForce>;
 
 enum class BodyType : std::uint8_t {
   fixed,      // the field's "static": never moves, infinite mass

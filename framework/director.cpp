@@ -35,14 +35,14 @@ void Director<D>::advance(Simulation<D>& world) {
   std::erase_if(m_ending, [&](const Ending& e) {
     if (e.step > step) return false;
     const ForceRecord<D>& f = world.forces()[static_cast<std::size_t>(e.force.slot)];
-    if (f.kind && f.generation == e.force.generation) world.removeForce(e.force);  // else it went with a body
+    if (f.kind && f.generation == e.force.generation) world.remove(e.force);  // else it went with a body
     return true;
   });
   for (; m_nextForce < m_forces.size() && m_forces[m_nextForce].first <= step; ++m_nextForce) {
     const auto& f = m_scene.forces[m_forces[m_nextForce].second];
     ForceDef<D> def = f.def;
     def.bodyA = body(f.bodyA), def.bodyB = body(f.bodyB);
-    const Handle force = world.add(def);
+    const ForceHandle force = world.add(def);
     if (f.removeAt >= 0) m_ending.push_back({f.removeAt, force});
   }
   for (; m_nextEvent < m_scene.events.size() && m_scene.events[m_nextEvent].step <= step; ++m_nextEvent) {

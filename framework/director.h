@@ -27,7 +27,7 @@ class Director {
   std::size_t m_next = 0, m_nextJoint = 0, m_nextForce = 0, m_nextEvent = 0;
   struct Ending {
     long step;
-    Handle force;
+    ForceHandle force;
   };
   std::vector<Ending> m_ending;  // forces that are there and end
 };

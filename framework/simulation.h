@@ -45,13 +45,13 @@ class Simulation {
   /// Throw UserError for what makes no sense, and for what this simulation cannot do, with the reason.
   virtual Handle add(const BodyDef<D>& def) = 0;
   /// Also for a body with itself, two that do not move, frames and limits that make no such joint.
-  virtual Handle add(const JointDef<D>& def) = 0;
+  virtual JointHandle add(const JointDef<D>& def) = 0;
   /// Also for ends that the kind has not, or that cannot be its ends.
-  virtual Handle add(const ForceDef<D>& def) = 0;
+  virtual ForceHandle add(const ForceDef<D>& def) = 0;
   virtual void add(std::shared_ptr<const ForceGenerator<D>> generator) = 0;
   virtual void remove(Handle body) = 0;  // and its joints and forces
-  virtual void removeJoint(Handle joint) = 0;
-  virtual void removeForce(Handle force) = 0;
+  virtual void remove(JointHandle joint) = 0;
+  virtual void remove(ForceHandle force) = 0;
 
   // --- what a script does to bodies, between steps -------------------------------------------------------------------
   // All five throw UserError for a body that is gone and for numbers that are not finite.

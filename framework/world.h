@@ -85,11 +85,11 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   /// shape kind that the contact generator does not support.
   Handle add(const BodyDef<D>& def) override;
   void remove(Handle body) override;
-  Handle add(const JointDef<D>& def) override;
-  void removeJoint(Handle joint) override;
+  JointHandle add(const JointDef<D>& def) override;
+  void remove(JointHandle joint) override;
   /// Wakes those whom it acts on, as does removing it. Who falls asleep again feels it no more.
-  Handle add(const ForceDef<D>& def) override;
-  void removeForce(Handle force) override;
+  ForceHandle add(const ForceDef<D>& def) override;
+  void remove(ForceHandle force) override;
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override;
   void remove(const ForceGenerator<D>* generator);
   Handle add(const ShapeDef<D>& shape) { return add(BodyDef<D>::fixed(shape)); }  // a bare shape is a fixed body

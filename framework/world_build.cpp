@@ -198,12 +198,12 @@ void World<D>::remove(Handle body) {
   while (!m_shapesOf.of(i).empty()) freeShape(static_cast<std::size_t>(m_shapesOf.of(i).back()));
   while (!m_jointsOf.of(i).empty()) {
     const std::int32_t j = m_jointsOf.of(i).front();
-    removeJoint({j, m_joints[static_cast<std::size_t>(j)].generation});
+    remove(JointHandle{j, m_joints[static_cast<std::size_t>(j)].generation});
   }
   for (std::size_t f = 0; f < m_forces.size(); ++f) {
     const ForceRecord<D>& force = m_forces[f];
     if (!force.kind || (force.bodyA != slot && force.bodyB != slot)) continue;
-    removeForce({static_cast<std::int32_t>(f), force.generation});
+    remove(ForceHandle{static_cast<std::int32_t>(f), force.generation});
   }
   std::erase_if(m_events, [&](const SleepEvent& e) { return e.body == slot; });
   if (i < m_bodyListeners.size()) m_bodyListeners[i].clear();
@@ -218,7 +218,7 @@ void World<D>::remove(Handle body) {
 }
 
 template <int D>
-Handle World<D>::add(const JointDef<D>& def) {
+JointHandle World<D>::add(const JointDef<D>& def) {
   const bool toWorld = def.bodyA == Handle{};
   const std::size_t b = slotOf(def.bodyB), a = toWorld ? b : slotOf(def.bodyA);
   const auto moves = [&](std::size_t i) { return m_bodies.type[i] == BodyType::dynamic; };
@@ -238,7 +238,7 @@ Handle World<D>::add(const JointDef<D>& def) {
 }
 
 template <int D>
-void World<D>::removeJoint(Handle joint) {
+void World<D>::remove(JointHandle joint) {
   const auto i = static_cast<std::size_t>(joint.slot);
   if (joint.slot < 0 || i >= m_joints.size() || !m_joints[i].kind || m_joints[i].generation != joint.generation) {
     throw UserError("world: there is no joint with handle " + std::to_string(joint.slot) + " (removed?)");
@@ -280,7 +280,7 @@ void World<D>::breakJoint(std::size_t slot) {
 }
 
 template <int D>
-Handle World<D>::add(const ForceDef<D>& def) {
+ForceHandle World<D>::add(const ForceDef<D>& def) {
   for (const Handle& body : {def.bodyA, def.bodyB}) {
     if (body != Handle{}) slotOf(body);
   }
@@ -294,7 +294,7 @@ Handle World<D>::add(const ForceDef<D>& def) {
 }
 
 template <int D>
-void World<D>::removeForce(Handle force) {
+void World<D>::remove(ForceHandle force) {
   const auto i = static_cast<std::size_t>(force.slot);
   if (force.slot < 0 || i >= m_forces.size() || !m_forces[i].kind || m_forces[i].generation != force.generation) {
     throw UserError("world: there is no force with handle " + std::to_string(force.slot) + " (removed?)");
@@ -347,12 +347,12 @@ void World<D>::finishJoints(Real dt) {
   template void World<D>::countKinds(const Shape<D>&, int);                                                        \
   template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t);                                \
   template void World<D>::remove(Handle);                                                                          \
-  template Handle World<D>::add(const JointDef<D>&);                                                               \
+  template JointHandle World<D>::add(const JointDef<D>&);                                                          \
   template void World<D>::listJoint(std::size_t);                                                                  \
   template void World<D>::unlistJoint(std::size_t);                                                                \
-  template void World<D>::removeJoint(Handle);                                                                     \
-  template Handle World<D>::add(const ForceDef<D>&);                                                               \
-  template void World<D>::removeForce(Handle);                                                                     \
+  template void World<D>::remove(JointHandle);                                                                     \
+  template ForceHandle World<D>::add(const ForceDef<D>&);                                                          \
+  template void World<D>::remove(ForceHandle);                                                                     \
   template void World<D>::wakeActedOn(const ForceRecord<D>&);                                                      \
   template void World<D>::breakJoint(std::size_t);                                                                 \
   template void World<D>::finishJoints(Real)

@@ -31,28 +31,28 @@ class EngineWorld : public Simulation<D> {
     m_pushes[static_cast<std::size_t>(body.slot)] = {};
     return body;
   }
-  Handle add(const JointDef<D>& def) final {
+  JointHandle add(const JointDef<D>& def) final {
     refresh();
-    const Handle joint = m_scene.add(def);
+    const JointHandle joint = m_scene.add(def);
     const JointRecord<D>& record = m_scene.joints()[static_cast<std::size_t>(joint.slot)];
     try {
       if (holds(record)) addJoint(static_cast<std::size_t>(joint.slot), record);
     } catch (...) {
-      m_scene.removeJoint(joint);
+      m_scene.remove(joint);
       throw;
     }
     return joint;
   }
-  Handle add(const ForceDef<D>& def) final {
+  ForceHandle add(const ForceDef<D>& def) final {
     refresh();
-    const Handle force = m_scene.add(def);
+    const ForceHandle force = m_scene.add(def);
     if (m_scene.forces()[static_cast<std::size_t>(force.slot)].kind->readsContacts()) {
-      m_scene.removeForce(force);
+      m_scene.remove(force);
       throw UserError("force '" + def.kind + "' acts by the loads of contacts, and an engine tells of none");
     }
     return force;
   }
-  void removeForce(Handle force) final { m_scene.removeForce(force); }
+  void remove(ForceHandle force) final { m_scene.remove(force); }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) final { m_generators.push_back(std::move(generator)); }
   void remove(Handle body) final {
     refresh();
@@ -65,11 +65,11 @@ class EngineWorld : public Simulation<D> {
     }
     m_scene.remove(body);
   }
-  void removeJoint(Handle joint) final {
+  void remove(JointHandle joint) final {
     refresh();
     const auto j = static_cast<std::size_t>(joint.slot);
     const bool held = j < m_scene.joints().size() && holds(m_scene.joints()[j]);
-    m_scene.removeJoint(joint);
+    m_scene.remove(joint);
     if (held) dropJoint(j);
   }
 

@@ -270,17 +270,18 @@ TEST(ForceConformance, RecordsComeAndGo) {
   for (int i = 0; i < 300 && world.awake(box); ++i) world.step(Real(1) / 60);
   ASSERT_FALSE(world.awake(box));
   ASSERT_FALSE(world.awake(other));
-  const Handle pull = world.add(ForceDef<2>{.kind = "spring{stiffness=1000}", .bodyB = box, .anchorA = at<2>(0, 9)});
+  const ForceHandle pull =
+      world.add(ForceDef<2>{.kind = "spring{stiffness=1000}", .bodyB = box, .anchorA = at<2>(0, 9)});
   EXPECT_TRUE(world.awake(box));
   EXPECT_FALSE(world.awake(other));
   world.step(Real(1) / 60);
   EXPECT_GT(world.motion(box).v[1], 1);
-  world.removeForce(pull);
-  EXPECT_THROW(world.removeForce(pull), UserError);
-  const Handle next = world.add(ForceDef<2>{.kind = "attraction", .bodyA = box, .bodyB = other});
+  world.remove(pull);
+  EXPECT_THROW(world.remove(pull), UserError);
+  const ForceHandle next = world.add(ForceDef<2>{.kind = "attraction", .bodyA = box, .bodyB = other});
   EXPECT_EQ(next.slot, pull.slot);
   EXPECT_NE(next.generation, pull.generation);
-  EXPECT_THROW(world.removeForce(pull), UserError);
+  EXPECT_THROW(world.remove(pull), UserError);
   world.remove(other);
   EXPECT_EQ(world.forces()[static_cast<std::size_t>(next.slot)].kind, nullptr);
   world.step(Real(1) / 60);

@@ -104,11 +104,12 @@ bool swingsOnASpring(const Start<D>& start) {
   ball.shapes[0].density = 7;
   const Handle h = s->add(ball);
   const double w = 6.283185307179586;
-  const Handle spring = s->add(ForceDef<D>{.kind = "spring{stiffness=" + std::to_string(7 * w * w) + "}", .bodyB = h});
+  const ForceHandle spring =
+      s->add(ForceDef<D>{.kind = "spring{stiffness=" + std::to_string(7 * w * w) + "}", .bodyB = h});
   run(*s, 0.5);
   if (!near(double(s->pose(h).p[0]), -0.5, 0.05)) return false;
   run(*s, 0.25);
-  s->removeForce(spring);
+  s->remove(spring);
   const double v = double(s->bodies().motion[static_cast<std::size_t>(h.slot)].v[0]), x = double(s->pose(h).p[0]);
   run(*s, 0.5);
   return near(v, 0.5 * w, 0.4) && near(double(s->pose(h).p[0]), x + 0.5 * v, 0.01);
@@ -142,14 +143,14 @@ bool swings(const Start<D>& start) {
   const Handle bob = s->add(body<D>(cube<D>(), at<D>(1, 0)));
   JointDef<D> pivot;
   pivot.bodyA = post, pivot.bodyB = bob;
-  const Handle joint = s->add(pivot);
+  const JointHandle joint = s->add(pivot);
   double lowest = 0;
   for (int i = 0; i < 120; ++i) {
     s->step(kDt);
     if (!(stateInvariants<D>(*s).jointError < 0.02)) return false;
     lowest = std::min(lowest, double(s->pose(bob).p[1]));
   }
-  s->removeJoint(joint);
+  s->remove(joint);
   run(*s, 2);
   return near(lowest, -1, 0.02) && s->pose(bob).p[1] < -5;  // it fell when it was free
 }

@@ -199,13 +199,13 @@ bool hangs(const Start<D>& start, const std::string& kind, double share) {
   const Handle h = s->add(ball<D>(at<D>(0, 0)));
   JointDef<D> def = kind.starts_with("distance") ? hanging<D>(kind, h, 1, 0) : joint<D>(kind, Handle{}, h, at<D>(0, 1));
   def.breakForce = Real(share * kG);
-  const Handle hook = s->add(def);
+  const JointHandle hook = s->add(def);
   run(*s, 1);
   const bool broken = s->joints()[0].broken;
   const double y = double(s->pose(h).p[1]);
   EXPECT_TRUE(broken ? y < -4.5 : y > -0.02) << kind << ": the record says what happened, y = " << y;
-  s->removeJoint(hook);
-  EXPECT_THROW(s->removeJoint(hook), UserError);
+  s->remove(hook);
+  EXPECT_THROW(s->remove(hook), UserError);
   return !broken;
 }
 template <int D>
@@ -250,10 +250,10 @@ bool switchesOff(const Start<D>& start, const std::string& kind) {
   settings.features.joints = false;
   const auto s = start(settings);
   const Handle h = s->add(ball<D>(at<D>(1, 0)));
-  const Handle gone = s->add(joint<D>("pivot", Handle{}, h));
+  const JointHandle gone = s->add(joint<D>("pivot", Handle{}, h));
   s->add(joint<D>(kind, Handle{}, h));
   run(*s, 0.5);
-  s->removeJoint(gone);
+  s->remove(gone);
   run(*s, 0.5);
   const bool fell = near(double(s->pose(h).p[1]), -kG * 60 * 61 / 2 / 3600, 1e-3);
   s->remove(h);
@@ -296,9 +296,9 @@ bool partsWhatTouched(const Start<D>& start) {
   if (!(double(s->pose(box).p[1]) < 0.2)) return false;
   const auto again = start(gravity<D>(0, -kG));
   const Handle low = again->add(ground<D>()), high = again->add(body<D>(cube<D>(), at<D>(0, 2)));
-  const Handle hook = again->add(joint<D>("pivot", low, high, at<D>(0, 2)));
+  const JointHandle hook = again->add(joint<D>("pivot", low, high, at<D>(0, 2)));
   run(*again, 0.2);
-  again->removeJoint(hook);
+  again->remove(hook);
   run(*again, 3);
   return near(double(again->pose(high).p[1]), 0.5, 0.03);
 }

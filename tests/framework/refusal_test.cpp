@@ -122,7 +122,7 @@ std::vector<Refusal<D>> refusals() {
   list.push_back(
       {"breaks", [](W x) { x.add(JointDef<D>{.bodyA = x.handle(1), .bodyB = x.handle(2), .breakTorque = 0}); }});
   list.push_back({"no body", [](W x) { x.remove({77, 0}); }});
-  list.push_back({"no joint", [](W x) { x.removeJoint({77, 0}); }});
+  list.push_back({"no joint", [](W x) { x.remove(JointHandle{77, 0}); }});
   const auto force = [&](const char* says, const std::string& kind, int a, int b, std::optional<Vec<D>> anchor = {}) {
     list.push_back({says, [=](W x) {
                       const auto of = [&](int slot) { return slot < 0 ? Handle{} : x.handle(slot); };
@@ -144,7 +144,7 @@ std::vector<Refusal<D>> refusals() {
   force("centres of mass", "attraction", 1, -1, Vec<D>(Vec<D>::Zero()));
   force("not finite", "spring", 1, 2, Vec<D>(Vec<D>::Constant(kNan)));
   list.push_back({"no body", [](W x) { x.add(ForceDef<D>{.bodyB = {77, 0}}); }});
-  list.push_back({"no force", [](W x) { x.removeForce({77, 0}); }});
+  list.push_back({"no force", [](W x) { x.remove(ForceHandle{77, 0}); }});
   list.push_back({"null", [](W x) { x.add(std::shared_ptr<const ForceGenerator<D>>()); }});
   list.push_back({"null", [](W x) { x.addListener(nullptr); }});
   list.push_back({"naive", [](W) { World<D> w(Pipeline::parse("broadphase=none_such")); }});

@@ -48,10 +48,10 @@ void addEverything(World<D>& world) {
   world.add(body<D>(Shape<D>::compound(parts), at<D>(4, 0.4)));
   const Handle bob = world.add(body<D>(Shape<D>::capsule(Real(0.2), Real(0.1)), at<D>(1, 2)));
   world.add(pivot<D>(box, bob, at<D>(0.5, 1.5)));
-  const Handle off = world.add(ForceDef<D>{.kind = "drag"});
+  const ForceHandle off = world.add(ForceDef<D>{.kind = "drag"});
   world.add(ForceDef<D>{.kind = "spring{rest_length=1}", .bodyA = box, .bodyB = bob, .anchorA = at<D>(0.1, 0.1)});
   world.add(ForceDef<D>{.kind = "rolling_resistance"});
-  world.removeForce(off);
+  world.remove(off);
   for (int i = 0; i < 3; ++i) world.step(Real(1) / 60);
   world.remove(gone);
   world.applyForce(box, at<D>(1, 0), at<D>(0.1, 1));

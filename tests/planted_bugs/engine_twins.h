@@ -45,7 +45,7 @@ class Twin final : public Simulation<D> {
     m_changes.body(changed);
     return m_inner->add(changed);
   }
-  Handle add(const JointDef<D>& def) override {
+  JointHandle add(const JointDef<D>& def) override {
     JointDef<D> changed = def;
     m_changes.joint(changed);
     return m_inner->add(changed);
@@ -75,11 +75,11 @@ class Twin final : public Simulation<D> {
     m_changes.impulse(changed);
     m_inner->applyImpulse(body, changed);
   }
-  Handle add(const ForceDef<D>& def) override { return m_inner->add(def); }
-  void removeForce(Handle force) override { m_inner->removeForce(force); }
+  ForceHandle add(const ForceDef<D>& def) override { return m_inner->add(def); }
+  void remove(ForceHandle force) override { m_inner->remove(force); }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override { m_inner->add(std::move(generator)); }
   void remove(Handle body) override { m_inner->remove(body); }
-  void removeJoint(Handle joint) override { m_inner->removeJoint(joint); }
+  void remove(JointHandle joint) override { m_inner->remove(joint); }
   void step(Real dt) override { m_inner->step(dt); }
   long stepCount() const override { return m_inner->stepCount(); }
   Real time() const override { return m_inner->time(); }

@@ -16,7 +16,8 @@ const char* const kSolvers[] = {"solver=split_solver", "solver=split_solver{velo
 template <int D>
 struct Hanging {
   World<D> world;
-  Handle ball, joint;
+  Handle ball;
+  JointHandle joint;
 
   Hanging(const std::string& pipeline, const std::string& kind, Real share) : world(Pipeline::parse(pipeline)) {
     BodyDef<D> def = body<D>(Shape<D>::sphere(Real(0.25)), at<D>(0, 0));
@@ -39,8 +40,8 @@ void breaks() {
       EXPECT_GT(strong.world.pose(strong.ball).p[1], -0.02);
       EXPECT_TRUE(weak.world.joints()[0].broken);
       EXPECT_LT(weak.world.pose(weak.ball).p[1], -4.5) << "it falls freely";
-      weak.world.removeJoint(weak.joint);
-      EXPECT_THROW(weak.world.removeJoint(weak.joint), UserError);
+      weak.world.remove(weak.joint);
+      EXPECT_THROW(weak.world.remove(weak.joint), UserError);
     }
   }
 }

@@ -76,7 +76,7 @@ bool forcesAreSaved(bool lost) {
   Run<D> a(""), b("");
   addHeap(a.world, 6, 7);
   const Handle first = a.world.handle(1), second = a.world.handle(2);
-  const Handle gone = a.world.add(ForceDef<D>{.kind = "drag"});
+  const ForceHandle gone = a.world.add(ForceDef<D>{.kind = "drag"});
   for (const Registered* r : Registry::instance().list(StageKind::force, D)) {
     ForceDef<D> def{.kind = r->info.name};
     const ForceEnds ends = createStage<ForceKind<D>>(Spec::parse(def.kind))->ends();
@@ -84,7 +84,7 @@ bool forcesAreSaved(bool lost) {
     if (ends.anchors) def.anchorB = at<D>(0.1, 0.2);
     a.world.add(def);
   }
-  a.world.removeForce(gone);
+  a.world.remove(gone);
   a.steps(kSteps / 2);
   const std::string bytes = saved(a.world);
   std::istringstream in(bytes);
@@ -92,7 +92,7 @@ bool forcesAreSaved(bool lost) {
   if (saved(b.world) != bytes) return false;
   for (std::size_t i = 0; lost && i < b.world.forces().size(); ++i) {
     const ForceRecord<D>& f = b.world.forces()[i];
-    if (f.kind) b.world.removeForce({static_cast<std::int32_t>(i), f.generation});
+    if (f.kind) b.world.remove(ForceHandle{static_cast<std::int32_t>(i), f.generation});
   }
   const auto one = a.world.add(ForceDef<D>{.kind = "drag"}), other = b.world.add(ForceDef<D>{.kind = "drag"});
   a.steps(kSteps / 2), b.steps(kSteps / 2);

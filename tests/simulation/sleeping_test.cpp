@@ -106,10 +106,10 @@ bool nobodyHangsOnARemovedJoint(const std::string& policy) {
     half[0] = 3;
     const Handle beam = world.add(body<D>(Shape<D>::box(half), at<D>(0, 10)));
     const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 8.5)));
-    const Handle joint = world.add(pivot<D>(beam, ball, at<D>(0, 9.5)));
+    const JointHandle joint = world.add(pivot<D>(beam, ball, at<D>(0, 9.5)));
     for (int i = 0; i < 300; ++i) world.step(kDt);
     if (std::abs(world.pose(ball).p[1] - Real(8.5)) > Real(0.1)) return false;
-    world.removeJoint(joint);
+    world.remove(joint);
     for (int i = 0; i < 60; ++i) world.step(kDt);
     if (world.pose(ball).p[1] > 5 || std::abs(world.pose(beam).p[1] - 10) > Real(0.1)) return false;
   }
