@@ -141,6 +141,12 @@ void World<D>::addListener(Handle body, ContactListener<D>* listener) {
   if (std::find(of.begin(), of.end(), listener) == of.end()) of.push_back(listener);
 }
 template <int D>
+bool World<D>::isListenerOf(std::int32_t slot, const ContactListener<D>* listener) const {
+  const auto i = static_cast<std::size_t>(slot);
+  if (slot < 0 || i >= m_bodyListeners.size()) return false;
+  return std::find(m_bodyListeners[i].begin(), m_bodyListeners[i].end(), listener) != m_bodyListeners[i].end();
+}
+template <int D>
 void World<D>::removeListener(ContactListener<D>* listener) {
   std::erase(m_listeners, listener);
   for (auto& of : m_bodyListeners) std::erase(of, listener);

@@ -97,6 +97,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   /// world's listeners come first, then those of body A, then those of B.
   void addListener(ContactListener<D>* listener);
   void addListener(Handle body, ContactListener<D>* listener);
+  /// Whether the body of this slot is one that it was registered for: which of a manifold's two it hears of.
+  bool isListenerOf(std::int32_t slot, const ContactListener<D>* listener) const;
   void removeListener(ContactListener<D>* listener);  // wherever it is registered; those of a body go with the body
 
   // --- changing what is there, between steps -------------------------------------------------------------------------

@@ -107,6 +107,37 @@ TYPED_TEST(ListenerTest, OfABodyHearsOfItAlone) {
   EXPECT_THROW(world.addListener(balls[0], nullptr), UserError);
 }
 
+template <int D>
+struct Sides final : ContactListener<D> {
+  std::vector<std::array<bool, 2>> heard;
+  bool hear(const World<D>& world, const Manifold<D>& m) {
+    heard.push_back({world.isListenerOf(m.bodyA, this), world.isListenerOf(m.bodyB, this)});
+    return true;
+  }
+  bool begin(const World<D>& world, const Manifold<D>& m) override { return hear(world, m); }
+  void end(const World<D>& world, const Manifold<D>& last) override { hear(world, last); }
+};
+
+TYPED_TEST(ListenerTest, KnowsWhichOfTheTwoIsItsOwn) {
+  constexpr int D = TypeParam::D;
+  World<D> world;
+  const Handle ground = addGround(world);  // the lower slot: A of all pairs
+  const Handle ball = world.add(body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0.5)));
+  Sides<D> a, b, both, all;
+  world.addListener(ground, &a), world.addListener(ball, &b), world.addListener(&all);
+  world.addListener(ground, &both), world.addListener(ball, &both);
+  world.step(kDt);
+  world.remove(ball);  // a listener is still the body's when it hears of the end
+  using Heard = std::vector<std::array<bool, 2>>;
+  EXPECT_EQ(a.heard, (Heard{{true, false}, {true, false}}));
+  EXPECT_EQ(b.heard, (Heard{{false, true}, {false, true}}));
+  EXPECT_EQ(both.heard, (Heard{{true, true}, {true, true}}));
+  EXPECT_EQ(all.heard, (Heard{{false, false}, {false, false}}));
+  EXPECT_FALSE(world.isListenerOf(ball.slot, &b)) << "the body has gone, and its listeners with it";
+  EXPECT_FALSE(world.isListenerOf(-1, &b));
+  EXPECT_FALSE(world.isListenerOf(1000, &b));
+}
+
 TYPED_TEST(ListenerTest, WhatIsNoMaterialIsRefused) {
   constexpr int D = TypeParam::D;
   for (const Real bad : {Real(-1), std::numeric_limits<Real>::quiet_NaN()}) {
