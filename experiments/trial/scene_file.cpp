@@ -42,6 +42,7 @@ class Builder {
   SceneSpec<D> build() {
     for (const char* done : {"name", "summary", "dimensions", "seed", "needs", "parameters"}) m_top.find(done);
     for (const char* done : {"summary", "parameters"}) m_script.find(done);
+    sceneLets();
     m_top.find("saved");
     if (!m_parsed.saved.empty()) startFromSaved(m_top, m_parsed, m_scene);
     if (m_top.find("settings")) startFromSettings();
@@ -119,6 +120,17 @@ class Builder {
     m_scene.dt = m_settings.dt;
   }
 
+  // The scene's own `let`, which all blocks know, and each name those after it: none can come round to itself.
+  void sceneLets() {
+    const toml::table* lets = m_top.table("let");
+    for (const auto& [name, node] : lets ? inFileOrder(*lets) : Entries{}) {
+      const double value = m_numbers.number(*node);
+      ++m_sceneLets;
+      checkNew(*node, name);
+      m_numbers.expressions.setGlobal(name, value);
+    }
+  }
+
   // Runs `once` for every turn of the block's loops. `k` counts the turns over all loops and script steps.
   void loops(TableReader& block, const std::function<void()>& once) {
     const toml::node* repeat = block.find("repeat");
@@ -193,16 +205,23 @@ class Builder {
   void local(const toml::node& node, const std::string& name, double value) {
     const toml::node*& known = m_locals[name];
     if (known != &node) {
-      if (m_locals.size() + m_parsed.parameters.size() - 1 > kMostNames) failAt(m_parsed.path, node, kTooManyNames);
-      try {
-        Expressions::checkName(name);
-        if (m_numbers.expressions.knows(name)) throw UserError("'" + name + "' is already the name of something else");
-      } catch (const UserError& e) {
-        failAt(m_parsed.path, node, e.what());
-      }
+      checkNew(node, name);
       known = &node;
     }
     m_numbers.expressions.setLocal(name, value);
+  }
+  void checkNew(const toml::node& node, const std::string& name) const {
+    const std::size_t names = m_locals.size() + m_sceneLets + m_parsed.parameters.size() - 1;
+    if (names > kMostNames) failAt(m_parsed.path, node, kTooManyNames);
+    try {
+      Expressions::checkName(name);
+      const bool set = std::find(std::begin(kSetNames), std::end(kSetNames), name) != std::end(kSetNames);
+      if (set || m_numbers.expressions.knows(name)) {
+        throw UserError("'" + name + "' is already the name of something else");
+      }
+    } catch (const UserError& e) {
+      failAt(m_parsed.path, node, e.what());
+    }
   }
   void beginBlock() {
     m_numbers.expressions.forgetLocals();
@@ -455,6 +474,7 @@ class Builder {
   };
   std::vector<Use> m_uses;
   std::map<std::string, const toml::node*> m_locals;  // indices and `let`s of the block
+  std::size_t m_sceneLets = 0;
   long m_turns = 0;
 };
 

@@ -81,6 +81,41 @@ shapes = [{ kind = "circle", radius = 1 }]
   EXPECT_EQ(scene.spawns[2].body.X_WB.p, Vec<2>(1, 12));
 }
 
+TEST(SceneFile, aTableLetIsKnownToAllBlocks) {
+  const std::string text = R"(
+gravity = [0, "-half"]
+steps = "2 * wide"
+[parameters]
+n = { default = 8, min = 1, max = 90, meaning = "m" }
+[let]
+wide = "n / dimension"
+half = "wide / 2"
+[[body]]
+repeat = { i = "half" }
+let = { x = "wide + i" }
+position = ["x", "half"]
+shapes = [{ kind = "circle", radius = "half" }]
+)";
+  const SceneSpec<2> scene = flat(text), larger = flat(text, {{"n", 12.0}});
+  EXPECT_EQ(scene.settings.gravity, Vec<2>(0, -2));
+  EXPECT_EQ(scene.steps, 8);
+  ASSERT_EQ(scene.spawns.size(), 2u);
+  EXPECT_EQ(scene.spawns[1].body.X_WB.p, Vec<2>(5, 2));
+  ASSERT_EQ(larger.spawns.size(), 3u);
+  EXPECT_EQ(larger.spawns[2].body.X_WB.p, Vec<2>(8, 3));
+}
+
+// One draw for all who use it.
+TEST(SceneFile, aTableLetDrawsOnce) {
+  const SceneSpec<2> scene = flat(
+      "[let]\nr = \"rand(1, 2)\"\n[[body]]\nrepeat = { i = 2 }\nposition = [\"r\", 0]\n"
+      "shapes = [{ kind = \"circle\", radius = \"r\" }]\n");
+  ASSERT_EQ(scene.spawns.size(), 2u);
+  EXPECT_TRUE(scene.seeded);
+  EXPECT_GT(scene.spawns[0].body.X_WB.p[0], 1);
+  EXPECT_EQ(scene.spawns[0].body.X_WB.p, scene.spawns[1].body.X_WB.p);
+}
+
 TEST(SceneFile, scriptsSpawnAndRemove) {
   const SceneSpec<2> scene = flat(R"(
 needs = ["joints"]

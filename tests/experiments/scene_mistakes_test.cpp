@@ -251,6 +251,32 @@ TEST(SceneMistakes, NamesThatAreTaken) {
   refused(cases);
 }
 
+// Of the scene's own table: each name knows those above it, so that a circle is an unknown name.
+TEST(SceneMistakes, NamesOfTheTableLet) {
+  const std::string n = "[parameters]\nn = { default = 3, min = 0, max = 9, meaning = \"m\" }\n";
+  std::vector<BadScene> cases = {
+      {"[let]\na = \"b\"\nb = \"a\"\n", {"t.toml:5: ", "'b'"}},
+      {"[let]\na = \"a + 1\"\n", {"t.toml:5: ", "'a + 1'"}},
+      {"[let]\na = 1\nb = \"2 * aa\"\n", {"t.toml:6: ", "'2 * aa'", "Valid names: a dimension"}},
+      {"[let]\na = \"k\"\n", {"t.toml:5: ", "'k'"}},
+      {"[let]\na = \"1 / 0\"\n", {"t.toml:5: ", "finite"}},
+      {"[let]\na = true\n", {"t.toml:5: ", "valid: a number"}},
+      {"let = 3\n", {"t.toml:4: ", "'let'"}},
+      {n + "[let]\nn = 4\n", {"t.toml:7: ", "'n'", "already"}},
+      {"[let]\na-b = 4\n", {"t.toml:5: ", "'a-b'", "letters, digits"}},
+      {"[let]\ni = 4\n[[body]]\nrepeat = { i = 2 }\n" + kBall, {"t.toml:7: ", "'i'", "already"}},
+      {"[let]\ni = 4\n[[body]]\nlet = { i = 2 }\n" + kBall, {"t.toml:7: ", "'i'", "already"}},
+      {"[[body]]\nlet = { a = 2 }\n" + kBall + "[let]\nb = \"a\"\n", {"t.toml:8: ", "'a'"}},
+  };
+  for (const std::string name : {"k", "step", "part", "dimension", "max", "pi", "perturb"}) {
+    cases.push_back({"[let]\n" + name + " = 3\n", {"t.toml:5: ", "'" + name + "'", "already"}});
+  }
+  std::string many = "[let]\n";
+  for (int i = 0; i < 101; ++i) many += "l" + std::to_string(i) + " = 1\n";
+  cases.push_back({many, {"t.toml:105: more than 100 parameters, indices and 'let's together"}});
+  refused(cases);
+}
+
 // Each expression is compiled with all of them.
 TEST(SceneMistakes, MoreNamesThanPeopleWrite) {
   const auto parameters = [](int n) {
