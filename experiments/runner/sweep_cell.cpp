@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/runner/sweep_cell.h"
 
+#include <filesystem>
 #include <limits>
 
 #include "experiments/runner/sweep_axis.h"
@@ -18,6 +19,28 @@ double number(const std::string& axis, const json& value) {
 }
 
 }  // namespace
+
+std::string beside(const std::string& sweep, const std::string& given, const char* ending) {
+  const auto folder = std::filesystem::path(sweep).parent_path();
+  for (const std::string& name : {given, given + ending}) {
+    if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
+  }
+  return given;
+}
+
+void NamedFiles::add(const SceneFile& scene, bool scriptIsAnAxis) {
+  add("scene", scene.name(), scene.path());
+  const std::string& script = scene.scriptPath();
+  if (scriptIsAnAxis) add("script", script.empty() ? "none" : std::filesystem::path(script).stem().string(), script);
+}
+
+void NamedFiles::add(const std::string& axis, const std::string& name, const std::string& path) {
+  const std::string& first = m_paths.try_emplace({axis, name}, path).first->second;
+  if (first == path || (!first.empty() && !path.empty() && std::filesystem::equivalent(first, path))) return;
+  const auto told = [](const std::string& p) { return p.empty() ? std::string("none at all") : p; };
+  throw UserError("axis '" + axis + "': '" + name + "' is both " + told(first) + " and " + told(path) +
+                  ", whose results nobody could tell apart; valid: files of different names");
+}
 
 void collectNames(const Spec& spec, std::set<std::string>& out) {
   out.insert(spec.name);

@@ -11,6 +11,21 @@
 
 namespace lpc::inline LPC_PRECISION {
 
+/// Where a file is that a sweep file names: one that lies beside it comes before those in experiments/.
+std::string beside(const std::string& sweep, const std::string& given, const char* ending = ".toml");
+
+/// The files of a sweep's scenes and scripts. Results have their names alone: those of two files of one name would be
+/// taken for repeats of one run.
+class NamedFiles {
+ public:
+  /// Throws UserError when another file of that name was there.
+  void add(const SceneFile& scene, bool scriptIsAnAxis);
+
+ private:
+  void add(const std::string& axis, const std::string& name, const std::string& path);
+  std::map<std::pair<std::string, std::string>, std::string> m_paths;
+};
+
 /// The algorithms that a text names.
 void collectNames(const Spec& spec, std::set<std::string>& out);
 

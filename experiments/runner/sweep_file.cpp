@@ -381,9 +381,10 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     if (engine) collectNames(*engine, names);
     cell.pipeline = engine ? "engine=" + engine->text() : pipeline.text();
     if (!axes.contains("scene")) throw UserError("a sweep of kind 'world' needs the axis 'scene'");
-    const std::string scenePath = beside(valueText(axes["scene"]));
+    const std::string scenePath = beside(m_path, valueText(axes["scene"]));
     cell.script = scriptOf(axes, used);
     const SceneFile& file = m_planner->scene(scenePath, cell.script);
+    m_files.add(file, axes.contains("script") && !used.count("script"));
     names.insert(file.name());
     if (const SceneParameter* p = file.parameter(kJointParameter); p && p->value.isText() && axes.contains(p->name)) {
       cell.params[p->name] = withValues(valueText(axes[p->name]), axes, used);
@@ -405,9 +406,9 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   PlannedTrial frozen(json axes, bool timed, std::set<std::string>& names) {
     if (m_kind == "problems" && axes.contains("problems")) {
-      axes["problems"] = beside(valueText(axes["problems"]), ".json");
+      axes["problems"] = beside(m_path, valueText(axes["problems"]), ".json");
     }
-    if (m_kind == "pairs" && axes.contains("scene")) axes["scene"] = beside(valueText(axes["scene"]));
+    if (m_kind == "pairs" && axes.contains("scene")) axes["scene"] = beside(m_path, valueText(axes["scene"]));
     return frozenTrial(*m_planner, m_kind, axes, timed, m_out.roles, names);
   }
 
@@ -415,16 +416,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::string scriptOf(const json& axes, const std::set<std::string>& used) const {
     if (used.count("script") || !axes.contains("script")) return "";
     const std::string script = valueText(axes["script"]);
-    return script == "none" ? "" : beside(script);
-  }
-
-  // A file that lies beside the sweep file comes before the ones in experiments/.
-  std::string beside(const std::string& given, const char* ending = ".toml") const {
-    const auto folder = std::filesystem::path(m_path).parent_path();
-    for (const std::string& name : {given, given + ending}) {
-      if (std::filesystem::is_regular_file(folder / name)) return (folder / name).string();
-    }
-    return given;
+    return script == "none" ? "" : beside(m_path, script);
   }
 
   std::string m_path, m_kind;
@@ -441,6 +433,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::string m_twice;                    // a value of an axis: its cells are timed as if they were two
   bool m_timed = false;                   // something is
   IdleSeeds m_seeds;
+  NamedFiles m_files;
   PlannedSweep m_out;
 };
 

@@ -210,6 +210,16 @@ TEST(SweepRun, aScriptIsAnAxis) {
   };
   refused("script = \"hat\"\n", "s.toml:5: ");
   refused("script = \"none\"\nblow = 4\n", "'blow' means nothing");
+
+  // Two files of one name would be one value of the axis, and their results repeats of one run.
+  std::filesystem::create_directory(w.path("other"));
+  std::filesystem::copy(w.path("room.toml"), w.path("other/room.toml"));
+  std::filesystem::copy(w.path("hit.toml"), w.path("other/hit.toml"));
+  std::filesystem::copy(w.path("hit.toml"), w.path("other/none.toml"));
+  refused("script = [\"hit\",\n \"other/hit.toml\"]\n", "s.toml:6: axis 'script': 'hit' is both ");
+  refused("script = [\"none\",\n \"other/none.toml\"]\n", "s.toml:6: axis 'script': 'none' is both none at all and ");
+  refused("[[group]]\n[[group]]\naxes = { scene = \"other/room.toml\" }\n", "axis 'scene': 'room' is both ");
+  EXPECT_EQ(planSweeps(sweep("script = [\"hit\", \"other/../hit.toml\"]\n"), {})[0].trials.size(), 1u) << "one file";
 }
 
 // The last line tells what became of all trials, each once: done before, run now by outcome, shared, and left.
