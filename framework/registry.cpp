@@ -167,6 +167,17 @@ void Registry::add(Registered entry) {
   }
 }
 
+const ParamInfo* Registry::parameter(StageKind stage, const std::string& name, std::string_view parameter) const {
+  for (const int d : {2, 3}) {
+    const auto it = m_all.find(Key{stage, d, name});
+    if (it == m_all.end()) continue;
+    for (const ParamInfo& p : it->second.params) {
+      if (p.name == parameter) return &p;
+    }
+  }
+  return nullptr;
+}
+
 const Registered& Registry::find(StageKind stage, int dimension, std::string_view name) const {
   const auto it = m_all.find(Key{stage, dimension, std::string(name)});
   if (it != m_all.end()) return it->second;

@@ -86,6 +86,8 @@ class Registry {
   const std::map<Key, Registered>& all() const { return m_all; }
   /// Throws UserError with the valid names.
   const Registered& find(StageKind stage, int dimension, std::string_view name) const;
+  /// Of the algorithm of that name, in either dimension; null where it has no parameter of this name, or is not there.
+  const ParamInfo* parameter(StageKind stage, const std::string& name, std::string_view parameter) const;
   std::vector<const Registered*> list(StageKind stage, int dimension) const;
 
  private:

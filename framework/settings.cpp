@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "framework/names.h"
+#include "framework/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -11,6 +12,22 @@ namespace {
 Spec shortest(Real number) {  // the shortest text that reads back as this number
   char text[32];
   return {.name = {text, std::to_chars(text, text + sizeof text, number).ptr}, .fields = {}};
+}
+
+// Of the solver itself, or of the position resolver in it.
+void setSlop(Spec& solver, Real slop) {
+  const auto takes = [](StageKind stage, const std::string& name) {
+    return Registry::instance().parameter(stage, name, "slop") != nullptr;
+  };
+  if (takes(StageKind::solver, solver.name)) return solver.set("slop", shortest(slop));
+  if (const ParamInfo* part = Registry::instance().parameter(StageKind::solver, solver.name, "position")) {
+    const Spec* given = solver.find("position");
+    Spec resolver = given ? *given : Spec::parse(part->defaultText);
+    resolver.set("slop", shortest(slop));
+    if (takes(StageKind::position, resolver.name)) return solver.set("position", resolver);
+  }
+  throw UserError("settings: a slop for solver=" + solver.text() +
+                  ", which takes none; valid: a solver or position resolver with the parameter 'slop'");
 }
 
 }  // namespace
@@ -47,6 +64,7 @@ Pipeline Settings::pipeline() const {
   Pipeline out = stages;
   if (!severalContacts) out[StageKind::contacts] = Spec::parse("deepest_point");
   if (!cacheContacts) out[StageKind::cache] = Spec::parse("none");
+  if (slop) setSlop(out[StageKind::solver], *slop);
   if (sleeping) {
     Spec& sleep = out[StageKind::sleep];
     sleep = Spec::parse("split_average");

@@ -11,9 +11,7 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// `Settings{}` is what World, Pipeline and ShapeDef are by themselves. The penetration that contacts keep on purpose,
-/// the report's penetrationEpsilon, is no setting: it is kLinearSlop, 0.005 m, from which other tolerances grow, and
-/// `slop` of the position resolvers.
+/// `Settings{}` is what World, Pipeline and ShapeDef are by themselves.
 struct Settings {
   // --- new shapes ----------------------------------------------------------------------------------------------------
   Real density = 1;           // kg/m^D, above 0. Ratios beyond 100 within a pile: slow to converge, soft
@@ -36,8 +34,12 @@ struct Settings {
   Real quadraticDrag = Real(0.01);
 
   // --- algorithms ----------------------------------------------------------------------------------------------------
-  /// What the three below leave to others.
+  /// What those below leave to others.
   Pipeline stages{};
+  /// The depth that contacts keep (m), of the position resolver or solver in `stages`, whichever it is: the report's
+  /// penetrationEpsilon, 0.005, which nearly all have by themselves. Larger: what rests overlaps to be seen. Smaller:
+  /// contacts of what rests come and go.
+  std::optional<Real> slop{};
   /// Off: one point per contact, and boxes rock on their faces.
   bool severalContacts = true;
   /// Off: each step begins from nothing. Stacks are soft, and need many more iterations.
@@ -61,6 +63,7 @@ struct Settings {
   // --- what an engine takes ------------------------------------------------------------------------------------------
   template <int D>
   WorldSettings<D> world() const;
+  /// Throws UserError for a `slop` where `stages` have nobody who takes one.
   Pipeline pipeline() const;
   template <int D>
   ShapeDef<D> shape(const Shape<D>& of) const;

@@ -35,7 +35,9 @@ class Stars {
     if (!isStar(spec.name)) return with(stage, {spec.name, {}}, spec.fields, false);
     const std::vector<std::string> names = namesOf(stage, spec.name);
     for (const auto& [parameter, value] : spec.fields) {
-      const auto has = [&, &p = parameter](const std::string& n) { return parameterOf(stage, n, p) != nullptr; };
+      const auto has = [&, &p = parameter](const std::string& n) {
+        return Registry::instance().parameter(stage.kind, n, p) != nullptr;
+      };
       if (!names.empty() && std::none_of(names.begin(), names.end(), has)) {
         fail("'" + spec.text() + "': no " + std::string(stage.name) + " has '" + parameter + "'");
       }
@@ -88,7 +90,7 @@ class Stars {
                            bool ofAStar) const {
     std::vector<Choice> out = {{std::move(spec), {}}};
     for (const auto& [key, value] : fields) {
-      const ParamInfo* p = parameterOf(stage, out[0].spec.name, key);
+      const ParamInfo* p = Registry::instance().parameter(stage.kind, out[0].spec.name, key);
       if (!p && ofAStar) continue;
       const std::vector<Choice> values = p && p->stage ? expand(*p->stage, key, value) : std::vector{Choice{value, {}}};
       std::vector<Choice> next;
@@ -109,17 +111,6 @@ class Stars {
     if (!c.names.insert(name).second) {
       fail("two stars stand after '" + name.first + "='; a label could not tell them apart");
     }
-  }
-
-  static const ParamInfo* parameterOf(const StageInfo& stage, const std::string& name, const std::string& parameter) {
-    for (const int d : {2, 3}) {
-      const auto it = Registry::instance().all().find({stage.kind, d, name});
-      if (it == Registry::instance().all().end()) continue;
-      for (const ParamInfo& p : it->second.params) {
-        if (p.name == parameter) return &p;
-      }
-    }
-    return nullptr;
   }
 
   std::vector<std::string> namesOf(const StageInfo& stage, const std::string& star) const {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/registry.h"
 #include "framework/scene_spec.h"
 #include "framework/world.h"
 #include "tests/expect_caught.h"
@@ -154,6 +155,45 @@ void rests() {
   EXPECT_FALSE(world.awake(box));
 }
 TEST(Settings, OfTheReportDropABox) { rests<2>(), rests<3>(); }
+
+// Where a box that lies 18 mm deep in its ground is after two seconds.
+Real depthAfter(const Settings& s) {
+  World<2> world(s.pipeline(), s.world<2>());
+  world.add(BodyDef<2>::fixed(s.shape<2>(Shape<2>::box({10, 1})), {{0, -1}}));
+  const Handle box = addBox<2>(world, s);
+  world.setPose(box, {{0, Real(0.482)}, {}});
+  for (int i = 0; i < 120; ++i) world.step(s.dt);
+  return Real(0.5) - world.pose(box).p[1];
+}
+
+// Each position resolver, and each solver that is its own, which takes a slop: what is less deep stays, what is deeper
+// does not.
+TEST(Settings, OneSlopForWhoeverPushesOut) {
+  std::vector<std::string> solvers;
+  for (const auto& [key, entry] : Registry::instance().all()) {
+    const auto& [stage, dimension, name] = key;
+    if (dimension != 2 || !Registry::instance().parameter(stage, name, "slop")) continue;
+    if (stage == StageKind::position) solvers.push_back("split_solver{position=" + name + "}");
+    if (stage == StageKind::solver) solvers.push_back(name);
+  }
+  ASSERT_GE(solvers.size(), 9u);
+  for (const std::string& solver : solvers) {
+    Settings keeps, pushes, planted;
+    keeps.stages[StageKind::solver] = pushes.stages[StageKind::solver] = Spec::parse(solver);
+    planted.stages = keeps.stages;
+    keeps.slop = Real(0.02), pushes.slop = Real(0.001);
+    EXPECT_NEAR(depthAfter(keeps), 0.018, 0.0025) << solver;
+    EXPECT_NEAR(depthAfter(pushes), 0.001, 0.0025) << solver;
+    expectCaught(solver + ": a slop that reaches nobody", std::abs(depthAfter(planted) - Real(0.018)) < Real(0.0025));
+  }
+  Settings s;
+  s.slop = Real(0.02);
+  EXPECT_EQ(s.pipeline()[StageKind::solver].find("position")->find("slop")->name, "0.02") << "of the default";
+  for (const char* solver : {"soft_step", "split_solver{position=none}"}) {
+    s.stages[StageKind::solver] = Spec::parse(solver);
+    EXPECT_THROW(s.pipeline(), UserError) << solver;
+  }
+}
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::settings_test
