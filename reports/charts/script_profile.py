@@ -13,7 +13,7 @@ import noise
 from chart import Chart, Headline, Needs, holes, listing
 from load import one_machine, split
 from over_steps import stretches
-from style import PALETTE, grid_of_axes, legend_right, si
+from style import PALETTE, figures, grid_of_axes, legend_right, si
 
 PLACE = 99
 SECTION = "Where does the time of a step go?"
@@ -55,23 +55,25 @@ def phases(store, key):
 
 
 def course(store, cell, half):
-    """What is told of one run: times (s) before step `half`, at the peak and in the last tenth, and who is awake."""
+    """What is told of one run: times (s) and contact points a body before step `half`, times at the peak and in the last tenth,
+    and who is awake."""
     _, whole = phases(store, cell["key_timed"])
     shown, tenth = stretches(whole)[1], max(1, len(whole) // 10)
     bodies, awake = (store.series(cell["key_timed"], name) for name in ("bodies", "awake"))
-    points = store.series(cell["key_timed"], "points")
-    return {"method": cell["method"], "before": float(np.median(whole[max(0, half - tenth // 5):half])),
+    points, before = store.series(cell["key_timed"], "points"), slice(max(0, half - tenth // 5), half)
+    return {"method": cell["method"], "before": float(np.median(whole[before])),
+            "touching": float(np.median(points[before] / bodies[before])),
             "peak": float(np.max(shown)), "end": float(np.median(whole[-tenth:])), "bodies": int(bodies[-1]),
-            "awake": int(awake[-1]), "least": int(np.min(awake[half:])), "points": int(points[-1])}
+            "awake": int(awake[-1]), "least": int(np.min(awake[half:]))}
 
 
 def finding(runs, cells, floor):
     """Numbers of each run, then the ratios of whole runs, which have repeats."""
     if not runs:
         return "no run finished with times of its phases."
-    said = [f"{r['method']}: {si(r['before'], 's')} a step before the half, {si(r['peak'], 's')} at the peak, "
-            f"{si(r['end'], 's')} in the last tenth, {r['awake']} of {r['bodies']} bodies awake in the end and at least "
-            f"{r['least']} in each step of the second half" for r in runs]
+    said = [f"{r['method']}: {si(r['before'], 's')} a step and {figures(r['touching'], 2)} contact points a body before the "
+            f"half, {si(r['peak'], 's')} at the peak, {si(r['end'], 's')} in the last tenth, {r['awake']} of {r['bodies']} "
+            f"bodies awake in the end and at least {r['least']} in each step of the second half" for r in runs]
     by, first, told = cells.set_index("method", drop=False), runs[0]["method"], []
     for run in runs[1:]:
         ratio = noise.said(by.loc[first], by.loc[run["method"]], COST, floor)

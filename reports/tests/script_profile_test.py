@@ -50,12 +50,11 @@ class ScriptProfile(with_store.WithStore):
         made = self.one()
         if PICTURE:
             made.figure.savefig(PICTURE)
-        self.assertEqual(made.finding, "On director_1, 2D first: 100 µs a step before the half, 200 µs at the peak, 200 µs in "
-                         "the last tenth, 40 of 50 bodies awake in the end and at least 40 in each step of the second half; "
-                         "second: 30 µs a step before the half, 50 µs at the peak, 50 µs in the last tenth, 2 of 50 bodies "
-                         "awake in "
-                         "the end and at least 2 in each step of the second half. By the median step of the whole run, and first "
-                         "as 1: second 0.27 times.")
+        self.assertEqual(made.finding, "On director_1, 2D first: 100 µs a step and 1.2 contact points a body before the half, "
+                         "200 µs at the peak, 200 µs in the last tenth, 40 of 50 bodies awake in the end and at least 40 in "
+                         "each step of the second half; second: 30 µs a step and 1.2 contact points a body before the half, "
+                         "50 µs at the peak, 50 µs in the last tenth, 2 of 50 bodies awake in the end and at least 2 in each "
+                         "step of the second half. By the median step of the whole run, and first as 1: second 0.27 times.")
         self.assertEqual(made.headline.text, "At the end of director_1, 2D a step takes 200 µs with first (40 bodies awake) and "
                                              "50 µs with second (2).")
         self.assertIn("The report has a peak just over 7 ms", made.note)
