@@ -19,7 +19,7 @@ std::string meantName(const std::vector<std::string>& names, std::string_view gi
 std::string validNames(const std::vector<std::string>& names, std::string_view given);
 
 /// A message as one line that a terminal, a table and JSON can take, whatever it quotes: control characters and bytes
-/// that are no UTF-8 are written out (\n, \x1b), and what is too long for a reader is cut in its middle.
+/// that are no UTF-8 are written out (`\n`, `\x1b`), and what is too long for a reader is cut in its middle.
 std::string oneLine(std::string_view message);
 
 }  // namespace lpc

@@ -29,7 +29,7 @@ struct Features {
   bool operator==(const Features&) const = default;
 };
 
-/// Lets a solver ask for fresh contacts inside its step. Afterwards StepInput::manifolds and ::active are new.
+/// Lets a solver ask for fresh contacts inside its step. Afterwards `manifolds` and `active` of StepInput are new.
 class DetectAgain {
  public:
   virtual ~DetectAgain() = default;

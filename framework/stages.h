@@ -73,7 +73,7 @@ constexpr const StageInfo* stageByName(std::string_view name) {
   return nullptr;
 }
 
-/// Whose folder a path of this project lies in; nullptr for one outside algorithms/<name>/.
+/// Whose folder a path of this project lies in; nullptr for one outside `algorithms/NAME/`.
 constexpr const StageInfo* stageOfPath(std::string_view path) {
   constexpr std::string_view kFolder = "algorithms/";
   if (!path.starts_with(kFolder)) return nullptr;
