@@ -20,7 +20,7 @@ enum class WorkCount {
   rowUpdates,     // one constraint row solved once
   forceEvals,     // evaluations of all forces
   detections,     // collision detections that a solver asked for inside its step
-  eventVisits,    // slots, shapes and contacts looked at for what users did between steps, and for sleep events
+  eventVisits,    // slots, shapes and contacts looked at for what users did between steps, and for who wakes whom
   graphVisits,    // bodies, manifolds and joints looked at by the contact graph
   impactLimits,   // phases of impacts, and pairs, that ended at their limit
   fallbacks,      // rows that a direct method left to Gauss-Seidel

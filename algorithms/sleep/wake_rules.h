@@ -178,6 +178,7 @@ class WakeRules {
     }
     while (again) {
       again = false;
+      in.work[WorkCount::eventVisits] += in.manifolds.size();
       m_next.assign(awake.size(), 0);
       for (const Manifold<D>& m : in.manifolds) {
         if (m.ignored) continue;
@@ -208,7 +209,10 @@ class WakeRules {
     const auto passOn = [&](const Manifold<D>& m, std::int32_t from, std::int32_t to) {
       if (m_flag[index(from)] && !m_flag[index(to)] && carries(in, m, from)) m_flag[index(to)] = 1, again = true;
     };
-    while (std::exchange(again, false)) forContacts(in, passOn), forContactsBack(in, passOn);
+    while (std::exchange(again, false)) {
+      in.work[WorkCount::eventVisits] += 2 * in.manifolds.size();
+      forContacts(in, passOn), forContactsBack(in, passOn);
+    }
     for (std::size_t i = 0; i < awake.size(); ++i) {
       if (m_flag[i]) wake(in, awake, static_cast<std::int32_t>(i));
     }

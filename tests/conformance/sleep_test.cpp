@@ -78,6 +78,38 @@ void twinsFail() {
 }
 TEST(Sleep, PlantedBugsAreCaught) { twinsFail<2>(), twinsFail<3>(); }
 
+// What is looked at to wake a pile of n is counted: the event, each contact for it, and each again in each round of
+// those that pass it on, from the ground that the user moves or the sledge that slides away below.
+template <int D>
+std::uint64_t visitsOfWaking(SleepPolicy<D>& policy, int n, bool sledge) {
+  Stage<D> s;
+  std::vector<int> pile = {s.add(sledge ? BodyType::dynamic : BodyType::fixed)};
+  for (int i = 0; i < n; ++i) {
+    pile.push_back(s.add(BodyType::dynamic, false));
+    s.stack(pile[static_cast<std::size_t>(i)], pile.back());
+  }
+  if (sledge) {
+    s.motion(pile[0]).v = Real(0.15) * Vec<D>::Unit(0);
+  } else {
+    s.events.push_back({SleepEvent::userChange, pile[0], -1, 0});
+  }
+  s.decide(policy);
+  for (const int i : pile) EXPECT_TRUE(s.awake(i)) << i;
+  return s.work[WorkCount::eventVisits];
+}
+template <int D>
+void wakesAreCounted() {
+  for (const char* policy : {"split_average", "millington"}) {
+    for (const int n : {1, 4, 20}) {
+      const auto each = static_cast<std::uint64_t>(n);
+      // By blows a level a round, and one that finds nobody; by slides up and down the pile, and once more.
+      EXPECT_EQ(visitsOfWaking<D>(*make<D>(policy), n, false), 1 + each + each * each) << policy << ' ' << n;
+      EXPECT_EQ(visitsOfWaking<D>(*make<D>(policy), n, true), (n > 1 ? 4 : 2) * each) << policy << ' ' << n;
+    }
+  }
+}
+TEST(Sleep, WhoWakesWhomIsCounted) { wakesAreCounted<2>(), wakesAreCounted<3>(); }
+
 // --- split_average --------------------------------------------------------------------------------------------------
 
 template <int D>
