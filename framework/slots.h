@@ -50,21 +50,29 @@ class SlotTable {
 };
 
 /// Whose the slots of a table are: of each owner his own, in ascending order, whatever the order in which they came.
+/// `visits` is raised by the number of slots that were handed out, taken or moved: of those that came last none are.
 class SlotLists {
  public:
   std::span<const std::int32_t> of(std::size_t owner) const {
     return owner < m_lists.size() ? std::span<const std::int32_t>(m_lists[owner]) : std::span<const std::int32_t>();
   }
-  void add(std::size_t owner, std::size_t slot) {
+  std::span<const std::int32_t> of(std::size_t owner, std::uint64_t& visits) const {
+    visits += of(owner).size();
+    return of(owner);
+  }
+  void add(std::size_t owner, std::size_t slot, std::uint64_t& visits) {
     if (owner >= m_lists.size()) m_lists.resize(owner + 1);
     std::vector<std::int32_t>& list = m_lists[owner];
-    list.insert(std::upper_bound(list.begin(), list.end(), static_cast<std::int32_t>(slot)),
-                static_cast<std::int32_t>(slot));
+    const auto after = std::upper_bound(list.begin(), list.end(), static_cast<std::int32_t>(slot));
+    visits += static_cast<std::uint64_t>(list.end() - after);
+    list.insert(after, static_cast<std::int32_t>(slot));
   }
   /// Precondition: it is his.
-  void remove(std::size_t owner, std::size_t slot) {
+  void remove(std::size_t owner, std::size_t slot, std::uint64_t& visits) {
     std::vector<std::int32_t>& list = m_lists[owner];
-    list.erase(std::lower_bound(list.begin(), list.end(), static_cast<std::int32_t>(slot)));
+    const auto at = std::lower_bound(list.begin(), list.end(), static_cast<std::int32_t>(slot));
+    visits += static_cast<std::uint64_t>(list.end() - at);
+    list.erase(at);
   }
   void clear() { m_lists.clear(); }
 

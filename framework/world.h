@@ -85,6 +85,11 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   /// shape kind that the contact generator does not support.
   Handle add(const BodyDef<D>& def) override;
   void remove(Handle body) override;
+  /// Removes all bodies, joints and forces, also those by code, in time linear in their number, and sets time and step
+  /// number to 0. Listeners hear of ends as of `remove`, by slot; those of the world stay, as do settings, stages and
+  /// watcher. What is added then gets the slots and lives the life that it has in a new world, to the last bit; handles
+  /// of before stay nobody's.
+  void clear();
   JointHandle add(const JointDef<D>& def) override;
   void remove(JointHandle joint) override;
   /// Wakes those whom it acts on, as does removing it. Who falls asleep again feels it no more.
@@ -174,7 +179,9 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   // --- data, for invariants, recordings, drawing; slots as in Bodies -------------------------------------------------
   const Bodies<D>& bodies() const override { return m_bodies; }
   std::span<const ShapeRecord<D>> shapes() const override { return m_shapes; }
-  std::span<const std::int32_t> shapesOf(std::size_t body) const { return m_shapesOf.of(body); }  // in ascending order
+  // Slots of a body's shapes and joints, in ascending order.
+  std::span<const std::int32_t> shapesOf(std::size_t body) const { return m_shapesOf.of(body); }
+  std::span<const std::int32_t> jointsOf(std::size_t body) const { return m_jointsOf.of(body); }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
   std::span<const PairRecord> pairRecords() const { return m_records; }  // sorted by key; none where nobody remembers
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
@@ -205,7 +212,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   void eval(const ForceState<D>& state, Real t, std::span<Wrench<D>> out) const override;  // Forces
   std::size_t slotOf(Handle body) const;  // throws UserError for a handle of nobody
   std::size_t freeBodySlot();
-  struct Weighed {  // a definition that was checked
+  void freeBody(std::size_t body);  // its row alone: what it had is gone already
+  struct Weighed {                  // a definition that was checked
     MassProperties<D> mass;
     Inertia<D> invInertia = Inertia<D>::Zero();
     std::vector<ShapeDef<D>> shapes;  // each near its own frame's origin

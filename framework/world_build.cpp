@@ -175,14 +175,14 @@ void World<D>::putShape(const ShapeDef<D>& def, std::int32_t body, std::int32_t 
   countKinds(def.shape, 1);
   m_fast.forget(i);
   fillShape(i, def, body, index);
-  m_shapesOf.add(static_cast<std::size_t>(body), i);
+  m_shapesOf.add(static_cast<std::size_t>(body), i, m_visits);
   m_boxes.add(i, m_shapes[i]);
 }
 
 template <int D>
 void World<D>::freeShape(std::size_t slot) {
   countKinds(m_shapes[slot].shape, -1);
-  m_shapesOf.remove(static_cast<std::size_t>(m_shapes[slot].body), slot);
+  m_shapesOf.remove(static_cast<std::size_t>(m_shapes[slot].body), slot, m_visits);
   m_shapes[slot] = ShapeRecord<D>{};
   m_shapeSlots.give(slot, m_visits);
   m_boxes.remove(slot);
@@ -192,12 +192,11 @@ template <int D>
 void World<D>::remove(Handle body) {
   const std::size_t i = slotOf(body);
   const std::int32_t slot = body.slot;
-  m_visits +=
-      m_shapesOf.of(i).size() + m_jointsOf.of(i).size() + m_manifolds.size() + m_records.size() + m_forces.size();
+  m_visits += m_manifolds.size() + m_records.size() + m_forces.size();
   endContacts([&](const auto& pair) { return pair.bodyA == slot || pair.bodyB == slot ? slot : -1; });
   while (!m_shapesOf.of(i).empty()) freeShape(static_cast<std::size_t>(m_shapesOf.of(i).back()));
-  while (!m_jointsOf.of(i).empty()) {
-    const std::int32_t j = m_jointsOf.of(i).front();
+  while (!m_jointsOf.of(i).empty()) {  // from the end of the list: else each would move all behind it
+    const std::int32_t j = m_jointsOf.of(i).back();
     remove(JointHandle{j, m_joints[static_cast<std::size_t>(j)].generation});
   }
   for (std::size_t f = 0; f < m_forces.size(); ++f) {
@@ -207,6 +206,12 @@ void World<D>::remove(Handle body) {
   }
   std::erase_if(m_events, [&](const SleepEvent& e) { return e.body == slot; });
   if (i < m_bodyListeners.size()) m_bodyListeners[i].clear();
+  freeBody(i);
+  m_bodySlots.give(i, m_visits);
+}
+
+template <int D>
+void World<D>::freeBody(std::size_t i) {
   auto& b = m_bodies;
   b.pose[i] = {}, b.motion[i] = {}, b.invMass[i] = b.mass[i] = 0, b.center[i] = Vec<D>::Zero();
   b.invInertia[i] = b.invInertiaBody[i] = Inertia<D>::Zero();
@@ -214,7 +219,47 @@ void World<D>::remove(Handle body) {
   b.gravityScale[i] = 0, b.givenMass[i].reset();
   b.sleep[i] = {}, b.solver[i] = {}, b.userData[i] = 0, m_userForces[i] = {};
   ++b.generation[i];
-  m_bodySlots.give(i, m_visits);
+}
+
+namespace {
+
+// The slot of a joint or a force: whoever had it, its handle is of nobody now.
+template <class Record>
+void freeRecord(Record& record) {
+  const std::uint32_t next = record.generation + 1;
+  record = Record{};
+  record.generation = next;
+}
+
+}  // namespace
+
+template <int D>
+void World<D>::clear() {
+  m_visits += m_bodies.used.size() + m_shapes.size() + m_joints.size() + m_forces.size() + m_manifolds.size() +
+              m_records.size();
+  endContacts([](const auto& pair) { return pair.bodyA; });  // all; whom it would wake goes, too
+  m_events.clear();
+  for (std::size_t s = 0; s < m_shapes.size(); ++s) {
+    if (m_shapes[s].body < 0) continue;
+    m_shapes[s] = ShapeRecord<D>{};
+    m_boxes.remove(s);
+  }
+  for (std::size_t i = 0; i < m_bodies.used.size(); ++i) {
+    if (m_bodies.used[i]) freeBody(i);
+  }
+  for (JointRecord<D>& j : m_joints) {
+    if (j.kind) freeRecord(j);
+  }
+  for (ForceRecord<D>& f : m_forces) {
+    if (f.kind) freeRecord(f);
+  }
+  m_kindCount = {};
+  m_shapesOf.clear(), m_jointsOf.clear();
+  const auto isFree = [](const auto&) { return true; };
+  m_bodySlots.read(m_bodies.used, isFree), m_shapeSlots.read(m_shapes, isFree);
+  m_jointSlots.read(m_joints, isFree), m_forceSlots.read(m_forces, isFree);
+  m_bodyListeners.clear(), m_generators.clear();
+  m_time = m_lastDt = 0, m_steps = 0;
 }
 
 template <int D>
@@ -245,8 +290,7 @@ void World<D>::remove(JointHandle joint) {
   }
   releaseJoint(m_joints[i]);
   unlistJoint(i);
-  m_joints[i] = JointRecord<D>{};
-  m_joints[i].generation = joint.generation + 1;
+  freeRecord(m_joints[i]);
   m_jointSlots.give(i, m_visits);
 }
 
@@ -254,13 +298,13 @@ template <int D>
 void World<D>::listJoint(std::size_t slot) {
   if (!m_joints[slot].kind) return;
   for (const std::int32_t body : {m_joints[slot].bodyA, m_joints[slot].bodyB}) {
-    if (body >= 0) m_jointsOf.add(static_cast<std::size_t>(body), slot);
+    if (body >= 0) m_jointsOf.add(static_cast<std::size_t>(body), slot, m_visits);
   }
 }
 template <int D>
 void World<D>::unlistJoint(std::size_t slot) {
   for (const std::int32_t body : {m_joints[slot].bodyA, m_joints[slot].bodyB}) {
-    if (body >= 0) m_jointsOf.remove(static_cast<std::size_t>(body), slot);
+    if (body >= 0) m_jointsOf.remove(static_cast<std::size_t>(body), slot, m_visits);
   }
 }
 
@@ -300,8 +344,7 @@ void World<D>::remove(ForceHandle force) {
     throw UserError("world: there is no force with handle " + std::to_string(force.slot) + " (removed?)");
   }
   wakeActedOn(m_forces[i]);
-  m_forces[i] = ForceRecord<D>{};
-  m_forces[i].generation = force.generation + 1;
+  freeRecord(m_forces[i]);
   m_forceSlots.give(i, m_visits);
 }
 
@@ -347,7 +390,9 @@ void World<D>::finishJoints(Real dt) {
   template void World<D>::countKinds(const Shape<D>&, int);                                                        \
   template void World<D>::putShape(const ShapeDef<D>&, std::int32_t, std::int32_t);                                \
   template void World<D>::remove(Handle);                                                                          \
-  template JointHandle World<D>::add(const JointDef<D>&);                                                          \
+  template void World<D>::freeBody(std::size_t);                                                                   \
+  template void World<D>::clear();                                                                                 \
+  template JointHandle World<D>::add(const JointDef<D>&);                                                               \
   template void World<D>::listJoint(std::size_t);                                                                  \
   template void World<D>::unlistJoint(std::size_t);                                                                \
   template void World<D>::remove(JointHandle);                                                                     \

@@ -64,7 +64,7 @@ void World<D>::moveCenter(std::size_t body, const Vec<D>& by) {
     for (ContactPoint<D>& c : m.points) (m.bodyA == slot ? c.localA : c.localB) -= by;
     m.X_AB.p += m.bodyA == slot ? Vec<D>(-by) : Vec<D>(m.X_AB.q * by);
   }
-  for (const std::int32_t joint : m_jointsOf.of(body)) {
+  for (const std::int32_t joint : m_jointsOf.of(body, m_visits)) {
     JointRecord<D>& j = m_joints[static_cast<std::size_t>(joint)];
     (j.bodyA == slot ? j.X_CaJ : j.X_CbJ).p -= by;
   }
@@ -81,18 +81,17 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   const Weighed weighed = weigh(def, slot);
   auto& b = m_bodies;
   if (def.type != BodyType::dynamic) {
-    for (const std::int32_t joint : m_jointsOf.of(i)) {
+    for (const std::int32_t joint : m_jointsOf.of(i, m_visits)) {
       const JointRecord<D>& j = m_joints[static_cast<std::size_t>(joint)];
       const std::int32_t other = j.bodyA == slot ? j.bodyB : j.bodyA;
       if (other >= 0 && b.type[static_cast<std::size_t>(other)] == BodyType::dynamic) continue;
       throw UserError("change: a joint would be left between two bodies that do not move; valid: remove it first");
     }
   }
-  m_visits += m_shapesOf.of(i).size() + m_jointsOf.of(i).size();
 
   // Who of the shapes is still there: of equal ones the first is taken first.
   std::vector<std::size_t> had, kept(weighed.shapes.size(), m_shapes.size());
-  for (const std::int32_t s : m_shapesOf.of(i)) had.push_back(static_cast<std::size_t>(s));
+  for (const std::int32_t s : m_shapesOf.of(i, m_visits)) had.push_back(static_cast<std::size_t>(s));
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const auto same =
         std::find_if(had.begin(), had.end(), [&](std::size_t s) { return sameShape(m_shapes[s], weighed.shapes[k]); });
@@ -146,7 +145,7 @@ void World<D>::change(Handle body, const BodyDef<D>& def) {
   for (std::size_t k = 0; k < kept.size(); ++k) {
     if (kept[k] >= none) putShape(weighed.shapes[k], slot, static_cast<std::int32_t>(k));
   }
-  for (const std::int32_t joint : m_jointsOf.of(i)) {
+  for (const std::int32_t joint : m_jointsOf.of(i, m_visits)) {
     JointRecord<D>& j = m_joints[static_cast<std::size_t>(joint)];
     j.kind->weigh(j, massBetween(m_bodies, j.bodyA, j.bodyB));
   }
@@ -209,7 +208,7 @@ void World<D>::merge(Handle into, Handle other) {
     if (f.bodyA == other.slot) f.bodyA = into.slot, f.localA = X_AcBc * f.localA;
     if (f.bodyB == other.slot) f.bodyB = into.slot, f.localB = X_AcBc * f.localB;
   }
-  const std::span<const std::int32_t> joints = m_jointsOf.of(static_cast<std::size_t>(other.slot));
+  const std::span<const std::int32_t> joints = m_jointsOf.of(static_cast<std::size_t>(other.slot), m_visits);
   for (const std::int32_t joint : std::vector<std::int32_t>(joints.begin(), joints.end())) {
     const auto slot = static_cast<std::size_t>(joint);
     JointRecord<D>& j = m_joints[slot];

@@ -362,7 +362,7 @@ void World<D>::load(std::istream& in) {
   for (std::size_t i = 0; i < m_shapes.size(); ++i) {
     if (m_shapes[i].body < 0) continue;
     countKinds(m_shapes[i].shape, 1);
-    m_shapesOf.add(static_cast<std::size_t>(m_shapes[i].body), i);
+    m_shapesOf.add(static_cast<std::size_t>(m_shapes[i].body), i, m_visits);
   }
   for (std::size_t j = 0; j < m_joints.size(); ++j) listJoint(j);
   m_bodyListeners.clear();  // of bodies that were

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "framework/random.h"
 #include "framework/world.h"
@@ -59,6 +60,19 @@ Handle addGround(World<D>& world, const Vec<D>& place = Vec<D>::Zero()) {
   Vec<D> half = Vec<D>::Constant(20);
   half[1] = 1;
   return world.add(body<D>(Shape<D>::box(half), place - Vec<D>::Unit(1), BodyType::fixed));
+}
+
+/// A ground and n boxes side by side on it, that touch nobody else.
+template <int D>
+std::vector<Handle> addRow(World<D>& world, int n) {
+  Vec<D> half = Vec<D>::Constant(1);
+  half[0] = static_cast<Real>(2 * n);
+  world.add(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed));
+  std::vector<Handle> row;
+  for (int i = 0; i < n; ++i) {
+    row.push_back(world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(2 * i - n, 0.5))));
+  }
+  return row;
 }
 
 template <int D>

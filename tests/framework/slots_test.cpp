@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
+#include <vector>
 
 #include "framework/random.h"
 #include "tests/expect_caught.h"
@@ -60,6 +62,86 @@ struct LastFreed {
 TEST(SlotTable, TheLowestFreeOneIsNext) {
   EXPECT_TRUE(givesTheLowest(SlotTable()));
   expectCaught("slots: the last freed one is next", givesTheLowest(LastFreed()));
+}
+
+std::vector<std::int32_t> listOf(std::span<const std::int32_t> slots) { return {slots.begin(), slots.end()}; }
+
+// Drawn slots come to three owners and go again.
+template <class Subject>
+bool keepsEachHisOwnInOrder(Subject lists) {
+  Random random(5);
+  std::array<std::set<std::int32_t>, 3> truth;
+  std::uint64_t visits = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto slot = static_cast<std::size_t>(random.below(40)), owner = slot % truth.size();
+    if (truth[owner].insert(static_cast<std::int32_t>(slot)).second) {
+      lists.add(owner, slot, visits);
+    } else {
+      truth[owner].erase(static_cast<std::int32_t>(slot));
+      lists.remove(owner, slot, visits);
+    }
+    for (std::size_t o = 0; o < truth.size(); ++o) {
+      if (listOf(lists.of(o, visits)) != std::vector<std::int32_t>(truth[o].begin(), truth[o].end())) return false;
+    }
+  }
+  return true;
+}
+
+// What it costs that n owners have three slots each, are asked for them and lose them, the last one first.
+template <class Subject>
+bool costsWhatEachHas(Subject lists) {
+  for (const std::size_t n : {10u, 1000u}) {
+    std::uint64_t visits = 0;
+    for (std::size_t slot = 0; slot < 3 * n; ++slot) lists.add(slot / 3, slot, visits);
+    for (std::size_t owner = 0; owner < n; ++owner) {
+      for (const std::int32_t slot : std::vector{2, 1, 0}) {
+        if (lists.of(owner, visits).size() != static_cast<std::size_t>(slot) + 1) return false;
+        lists.remove(owner, 3 * owner + static_cast<std::size_t>(slot), visits);
+      }
+    }
+    if (visits != n * (3 + 2 + 1) + 3 * n) return false;
+  }
+  return true;
+}
+
+// In the order in which they came.
+struct Appended {
+  std::vector<std::vector<std::int32_t>> lists = std::vector<std::vector<std::int32_t>>(9);
+  std::span<const std::int32_t> of(std::size_t owner, std::uint64_t&) { return lists[owner]; }
+  void add(std::size_t owner, std::size_t slot, std::uint64_t&) {
+    lists[owner].push_back(static_cast<std::int32_t>(slot));
+  }
+  void remove(std::size_t owner, std::size_t slot, std::uint64_t&) {
+    std::erase(lists[owner], static_cast<std::int32_t>(slot));
+  }
+};
+
+// No lists: the table is searched.
+struct Searched {
+  std::vector<std::ptrdiff_t> owners;  // by slot
+  std::vector<std::int32_t> found = {};
+  std::span<const std::int32_t> of(std::size_t owner, std::uint64_t& visits) {
+    found.clear(), visits += owners.size();
+    for (std::size_t slot = 0; slot < owners.size(); ++slot) {
+      if (owners[slot] == static_cast<std::ptrdiff_t>(owner)) found.push_back(static_cast<std::int32_t>(slot));
+    }
+    return found;
+  }
+  void add(std::size_t owner, std::size_t slot, std::uint64_t&) {
+    owners.resize(std::max(owners.size(), slot + 1), -1);
+    owners[slot] = static_cast<std::ptrdiff_t>(owner);
+  }
+  void remove(std::size_t, std::size_t slot, std::uint64_t& visits) { ++visits, owners[slot] = -1; }
+};
+
+TEST(SlotLists, EachHasHisOwnInOrder) {
+  EXPECT_TRUE(keepsEachHisOwnInOrder(SlotLists()));
+  EXPECT_TRUE(keepsEachHisOwnInOrder(Searched()));
+  expectCaught("whose slots, in the order in which they came", keepsEachHisOwnInOrder(Appended()));
+}
+TEST(SlotLists, CostWhatEachHas) {
+  EXPECT_TRUE(costsWhatEachHas(SlotLists()));
+  expectCaught("whose slots, searched for", costsWhatEachHas(Searched()));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace {
 
 using test::addGround;
 using test::addHeap;
+using test::addRow;
 using test::at;
 using test::body;
 
@@ -192,19 +193,6 @@ TYPED_TEST(WorldTest, UserForceActsForOneStep) {
   EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
   world.step(kDt);
   EXPECT_NEAR(world.motion(ball).v[0], kDt, 1e-6);
-}
-
-// A ground and n boxes side by side on it, that touch nobody else.
-template <int D>
-std::vector<Handle> addRow(World<D>& world, int n) {
-  Vec<D> half = Vec<D>::Constant(1);
-  half[0] = static_cast<Real>(2 * n);
-  world.add(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed));
-  std::vector<Handle> row;
-  for (int i = 0; i < n; ++i) {
-    row.push_back(world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(2 * i - n, 0.5))));
-  }
-  return row;
 }
 
 // One look at each body, event and contact: ten times the bodies, ten times the cost.

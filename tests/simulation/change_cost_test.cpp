@@ -12,17 +12,13 @@ namespace {
 
 constexpr Real kDt = Real(1) / 60;
 
-// A row of n boxes on a floor, each on a hinge of its own; all are changed, and one step is made.
+// Of n boxes on a floor, each on a hinge of its own, all are changed, and one step is made.
 template <int D>
 std::uint64_t visitsOfChanging(int n, bool jointed) {
   World<D> world(Pipeline::parse("sleep=split_average"));
-  Vec<D> half = Vec<D>::Constant(1);
-  half[0] = static_cast<Real>(2 * n);
-  world.add(body<D>(Shape<D>::box(half), at<D>(0, -1), BodyType::fixed));
-  std::vector<Handle> row;
-  for (int i = 0; i < n; ++i) {
-    row.push_back(world.add(body<D>(Shape<D>::box(Vec<D>::Constant(Real(0.5))), at<D>(2 * i - n, 0.5))));
-    if (jointed) world.add(pivot<D>(Handle{}, row.back(), at<D>(2 * i - n, 0.5)));
+  const std::vector<Handle> row = addRow(world, n);
+  for (const Handle& h : row) {
+    if (jointed) world.add(pivot<D>(Handle{}, h, world.pose(h).p));
   }
   world.step(kDt);
   EXPECT_EQ(world.manifolds().size(), static_cast<std::size_t>(n));
@@ -47,23 +43,77 @@ void costs() {
 }
 TEST(ChangeCost, AllBodiesCostWhatTheyAre) { costs<2>(), costs<3>(); }
 
+// A hub, and n bodies on hinges to it.
+template <int D, class Remove>
+std::uint64_t visitsOfRemovingTheHub(int n, const Remove& remove) {
+  WorldSettings<D> settings;
+  settings.gravity.setZero();
+  World<D> world({}, settings);
+  const BodyDef<D> ball = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(0, 0));
+  const Handle hub = world.add(ball);
+  for (int i = 0; i < n; ++i) {
+    BodyDef<D> spoke = ball;
+    spoke.X_WB.p = at<D>(0, 2 * (i + 1));
+    world.add(pivot<D>(hub, world.add(spoke), at<D>(0, 0)));
+  }
+  world.step(kDt);
+  EXPECT_EQ(world.jointsOf(static_cast<std::size_t>(hub.slot)).size(), static_cast<std::size_t>(n));
+  remove(world, hub);
+  EXPECT_EQ(world.bodyCount(), n);
+  world.step(kDt);
+  return world.profiler().frame().work[WorkCount::eventVisits];
+}
+// Ten times the joints cost little more than ten times as much, since their slots go into a heap.
+template <int D, class Remove>
+bool isLinear(const Remove& remove) {
+  return visitsOfRemovingTheHub<D>(2000, remove) < 20 * visitsOfRemovingTheHub<D>(200, remove);
+}
 template <int D>
-std::vector<std::vector<std::int32_t>> shapesByWalking(const World<D>& world) {
-  std::vector<std::vector<std::int32_t>> out(world.bodies().used.size());
-  for (std::size_t s = 0; s < world.shapes().size(); ++s) {
-    const std::int32_t body = world.shapes()[s].body;
-    if (body >= 0) out[static_cast<std::size_t>(body)].push_back(static_cast<std::int32_t>(s));
+void hubs() {
+  EXPECT_TRUE(isLinear<D>([](World<D>& world, Handle hub) { world.remove(hub); }));
+  expectCaught("a hub's joints are taken from the front of their list", isLinear<D>([](World<D>& world, Handle hub) {
+                 for (std::size_t j = 0; j < world.joints().size(); ++j) {
+                   world.removeJoint({static_cast<std::int32_t>(j), world.joints()[j].generation});
+                 }
+                 world.remove(hub);
+               }));
+}
+TEST(ChangeCost, AHubCostsWhatItsJointsAre) { hubs<2>(), hubs<3>(); }
+
+using Lists = std::vector<std::vector<std::int32_t>>;  // by body slot
+struct Whose {
+  Lists shapes, joints;
+};
+template <int D>
+Whose byWalking(const World<D>& world) {
+  const std::size_t n = world.bodies().used.size();
+  Whose out{Lists(n), Lists(n)};
+  const auto list = [](Lists& lists, std::int32_t body, std::size_t slot) {
+    if (body >= 0) lists[static_cast<std::size_t>(body)].push_back(static_cast<std::int32_t>(slot));
+  };
+  for (std::size_t s = 0; s < world.shapes().size(); ++s) list(out.shapes, world.shapes()[s].body, s);
+  for (std::size_t j = 0; j < world.joints().size(); ++j) {
+    if (!world.joints()[j].kind) continue;
+    list(out.joints, world.joints()[j].bodyA, j), list(out.joints, world.joints()[j].bodyB, j);
   }
   return out;
 }
-template <int D>
-bool listed(const World<D>& world, const std::vector<std::vector<std::int32_t>>& truth) {
-  bool same = truth.size() == world.bodies().used.size();
+template <class Of>
+bool listed(const Lists& truth, std::size_t bodies, const Of& of) {
+  bool same = truth.size() == bodies;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const auto list = world.shapesOf(i);
+    const std::span<const std::int32_t> list = of(i);
     same = same && std::equal(list.begin(), list.end(), truth[i].begin(), truth[i].end());
   }
   return same;
+}
+template <int D>
+bool shapesListed(const World<D>& world, const Whose& truth) {
+  return listed(truth.shapes, world.bodies().used.size(), [&](std::size_t i) { return world.shapesOf(i); });
+}
+template <int D>
+bool jointsListed(const World<D>& world, const Whose& truth) {
+  return listed(truth.joints, world.bodies().used.size(), [&](std::size_t i) { return world.jointsOf(i); });
 }
 
 // Everything that gives a body shapes or joints, or takes them, in a drawn order.
@@ -82,10 +132,10 @@ void lives() {
     }
     return def;
   };
-  std::vector<std::vector<std::int32_t>> before;
-  int stale = 0;
+  Whose before;
+  int staleShapes = 0, staleJoints = 0;
   for (int i = 0; i < 600; ++i) {
-    before = shapesByWalking(world);
+    before = byWalking(world);
     const int what = bodies.size() < 4 ? 0 : below(8);
     if (what <= 1) {
       bodies.push_back(world.add(drawn()));
@@ -113,9 +163,10 @@ void lives() {
       std::istringstream in(saved(world));
       world.load(in);
     }
-    const auto truth = shapesByWalking(world);
-    ASSERT_TRUE(listed(world, truth)) << "after " << i << ", which is " << what;
-    stale += !listed(world, before);
+    const Whose truth = byWalking(world);
+    ASSERT_TRUE(shapesListed(world, truth)) << "after " << i << ", which is " << what;
+    ASSERT_TRUE(jointsListed(world, truth)) << "after " << i << ", which is " << what;
+    staleShapes += !shapesListed(world, before), staleJoints += !jointsListed(world, before);
     for (const JointRecord<D>& j : world.joints()) {
       if (!j.kind) continue;
       ASSERT_TRUE(world.bodies().used[static_cast<std::size_t>(j.bodyA)]) << i;
@@ -123,9 +174,10 @@ void lives() {
     }
   }
   EXPECT_GT(std::count_if(world.joints().begin(), world.joints().end(), [](const auto& j) { return bool(j.kind); }), 0);
-  expectCaught("whose shapes are whose, a change late", stale == 0);
+  expectCaught("whose shapes are whose, a change late", staleShapes == 0);
+  expectCaught("whose joints are whose, a change late", staleJoints == 0);
 }
-TEST(ChangeCost, WhoseShapesAreWhoseIsRight) { lives<2>(), lives<3>(); }
+TEST(ChangeCost, WhoseShapesAndJointsAreWhoseIsRight) { lives<2>(), lives<3>(); }
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test::change_cost_test
