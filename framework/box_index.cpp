@@ -52,6 +52,7 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
   m_touched.resize(bodies.pose.size(), 0);
   m_added.clear(), m_removed.clear(), m_moved.clear();
   m_planes.clear();
+  m_anyActive = false;
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     if (m_change[s] & removed) m_removed.push_back(static_cast<ProxyId>(s));
     if (m_change[s] & added) m_added.push_back(static_cast<ProxyId>(s));
@@ -65,6 +66,7 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
       if (moved || (m_change[s] & added)) refresh(s, shapes[s], bodies.pose[body]);
       if (moved || m_proxies.active[s]) m_moved.push_back(static_cast<ProxyId>(s));
       m_proxies.active[s] = active;
+      m_anyActive = m_anyActive || active;
     }
     m_change[s] = none;
   }
@@ -74,6 +76,7 @@ void BoxIndex<D>::sync(std::span<const ShapeRecord<D>> shapes, const Bodies<D>& 
 
 template <int D>
 void BoxIndex<D>::findPairs(std::vector<ProxyPair>& out, WorkDone& work) {
+  if (!m_anyActive) return;  // each pair has one that is
   m_broadphase->findPairs(m_proxies, out, work);
   const ShapeView<D> plane = Shape<D>::plane().view();
   for (const Plane& p : m_planes) {

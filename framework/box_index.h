@@ -56,6 +56,7 @@ class BoxIndex {
   std::vector<std::uint8_t> m_touched;               // by body slot
   std::vector<ProxyId> m_added, m_removed, m_moved;  // scratch of sync
   bool m_stale = false;
+  bool m_anyActive = false;  // as of the last sync()
 };
 
 }  // namespace lpc::inline LPC_PRECISION

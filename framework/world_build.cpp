@@ -392,7 +392,7 @@ void World<D>::finishJoints(Real dt) {
   template void World<D>::remove(Handle);                                                                          \
   template void World<D>::freeBody(std::size_t);                                                                   \
   template void World<D>::clear();                                                                                 \
-  template JointHandle World<D>::add(const JointDef<D>&);                                                               \
+  template JointHandle World<D>::add(const JointDef<D>&);                                                          \
   template void World<D>::listJoint(std::size_t);                                                                  \
   template void World<D>::unlistJoint(std::size_t);                                                                \
   template void World<D>::remove(JointHandle);                                                                     \

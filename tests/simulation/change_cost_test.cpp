@@ -73,7 +73,7 @@ void hubs() {
   EXPECT_TRUE(isLinear<D>([](World<D>& world, Handle hub) { world.remove(hub); }));
   expectCaught("a hub's joints are taken from the front of their list", isLinear<D>([](World<D>& world, Handle hub) {
                  for (std::size_t j = 0; j < world.joints().size(); ++j) {
-                   world.removeJoint({static_cast<std::int32_t>(j), world.joints()[j].generation});
+                   world.remove(JointHandle{static_cast<std::int32_t>(j), world.joints()[j].generation});
                  }
                  world.remove(hub);
                }));

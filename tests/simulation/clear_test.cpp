@@ -139,7 +139,8 @@ template <int D>
 bool handlesAreNobodys(const Clear<D>& clear) {
   World<D> world;
   std::vector<Handle> bodies;
-  Handle joint, force;
+  JointHandle joint;
+  ForceHandle force;
   const auto add = [&] {
     for (int i = 0; i < 5; ++i) bodies.push_back(world.add(body<D>(Shape<D>::sphere(1), at<D>(3 * i, 0))));
     joint = world.add(pivot<D>(bodies.end()[-1], bodies.end()[-2], at<D>(0, 0)));
@@ -154,14 +155,15 @@ bool handlesAreNobodys(const Clear<D>& clear) {
     }
   };
   add();
-  const Handle oldJoint = joint, oldForce = force;
+  const JointHandle oldJoint = joint;
+  const ForceHandle oldForce = force;
   world.step(kDt);
   clear(world);
   bool none =
       world.bodyCount() == 0 && world.manifolds().empty() && world.overlap({at<D>(-9, -9), at<D>(99, 9)}).empty();
   add();
   for (std::size_t i = 0; i < 5; ++i) none = none && !world.valid(bodies[i]) && world.valid(bodies[5 + i]);
-  return none && isRefused([&] { world.removeJoint(oldJoint); }) && isRefused([&] { world.removeForce(oldForce); });
+  return none && isRefused([&] { world.remove(oldJoint); }) && isRefused([&] { world.remove(oldForce); });
 }
 template <int D>
 void handles() {

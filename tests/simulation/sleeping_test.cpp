@@ -368,6 +368,29 @@ TEST(Sleeping, ATowerFallsAsleepAndCostsNothing) {
   }
 }
 
+// Where everybody sleeps nobody's box is looked at, and contacts are neither made nor copied: they lie where they lay.
+template <int D>
+bool sleepersAreLeftAlone(bool anew) {
+  WorldSettings<D> settings;
+  settings.sleepingContacts = anew;
+  World<D> world(Pipeline::parse("sleep=split_average"), settings);
+  addGround(world);
+  for (int i = 0; i < 6; ++i) world.add(cube<D>(i / 2, 0.5 + i % 2));
+  for (int i = 0; i < 300; ++i) world.step(kDt);
+  EXPECT_EQ(world.profiler().frame().awake, 0);
+  EXPECT_GT(world.manifolds().size(), 5u);
+  const Manifold<D>* const where = world.manifolds().data();
+  world.step(kDt);
+  const WorkDone& work = world.profiler().frame().work;
+  return world.manifolds().data() == where && work[WorkCount::boxTests] == 0 && work[WorkCount::sortMoves] == 0;
+}
+template <int D>
+void leftAlone() {
+  EXPECT_TRUE(sleepersAreLeftAlone<D>(false));
+  expectCaught("contacts of sleepers that are made anew", sleepersAreLeftAlone<D>(true));
+}
+TEST(Sleeping, SleepersAreLeftAlone) { leftAlone<2>(), leftAlone<3>(); }
+
 // What a sleeper's contacts bore is told on, also where they are made anew in each step.
 template <int D>
 void loadsStay() {
