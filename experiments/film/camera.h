@@ -25,6 +25,10 @@ struct Camera {
     const Vec<2> at = (scale * (flat(p) - middle)).cwiseMin(kFar).cwiseMax(-kFar);
     return {width / 2 + at[0], (height + kBand) / 2 - at[1]};
   }
+  /// What of the plane is seen there.
+  Vec<2> flatOf(const Vec<2>& pixel) const {
+    return middle + Vec<2>(pixel[0] - width / 2, (height + kBand) / 2 - pixel[1]) / scale;
+  }
 };
 
 template <>

@@ -1,28 +1,36 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/film/picture.h"
 
-namespace lpc::inline LPC_PRECISION {
-namespace {
+#include <algorithm>
+#include <cmath>
 
-// What of a convex patch lies where x[axis] is at least `bound` (side 1) or at most (side -1): Sutherland and Hodgman.
-std::vector<Vec<2>> cut(const std::vector<Vec<2>>& corners, int axis, double bound, int side) {
+namespace lpc::inline LPC_PRECISION {
+
+Colour operator*(const Colour& c, double light) {
+  const auto lit = [&](unsigned char x) {
+    return static_cast<unsigned char>(std::clamp(std::lround(x * light), 0L, 255L));
+  };
+  return {lit(c.red), lit(c.green), lit(c.blue)};
+}
+
+// Sutherland and Hodgman.
+std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>& inward, double least) {
   std::vector<Vec<2>> out;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec<2>&a = corners[i], &b = corners[(i + 1) % corners.size()];
-    const double in = side * (a[axis] - bound), next = side * (b[axis] - bound);
+    const double in = inward.dot(a) - least, next = inward.dot(b) - least;
     if (in >= 0) out.push_back(a);
     if ((in < 0 && next > 0) || (in > 0 && next < 0)) out.push_back(a + in / (in - next) * (b - a));
   }
   return out;
 }
 
-}  // namespace
-
 void Picture::add(const Picture& other, const Vec<2>& offset) {
   for (const Patch& p : other.patches) {
     Patch seen = p;
     for (const auto& [axis, most] : {std::pair(0, other.width), std::pair(1, other.height)}) {
-      seen.corners = cut(cut(seen.corners, axis, 0, 1), axis, most, -1);
+      const Vec<2> inward = Vec<2>::Unit(axis);
+      seen.corners = cutPolygon(cutPolygon(seen.corners, inward, 0), -inward, -most);
     }
     if (seen.corners.empty()) continue;
     for (Vec<2>& c : seen.corners) c += offset;

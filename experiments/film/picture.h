@@ -14,6 +14,8 @@ struct Colour {
   unsigned char red = 0, green = 0, blue = 0;
 };
 
+/// Lighter or darker.
+Colour operator*(const Colour& c, double light);
 /// As #rrggbb.
 inline std::string colourText(const Colour& c) {
   char text[8];
@@ -25,6 +27,9 @@ struct Patch {
   std::vector<Vec<2>> corners;  // convex, in order; two are a line
   Colour fill, edge;
 };
+
+/// What of a convex polygon lies where inward . p >= least.
+std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>& inward, double least);
 
 struct Label {
   Vec<2> at;  // left end of its base line

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <limits>
 
+#include "experiments/film/depth_order.h"
+#include "experiments/film/shape_patches.h"
 #include "framework/check.h"
 #include "framework/curved_core.h"
 #include "framework/support_map.h"
@@ -16,18 +18,10 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr double kFarthest = 1e100;  // m: of what is larger or farther no picture has a size
-constexpr double kPi = 3.14159265358979323846;
 constexpr Colour kFixed{205, 205, 200}, kFixedEdge{120, 120, 115};
 // Bodies take turns, so that neighbours are told apart.
 constexpr std::array<Colour, 6> kColours = {
     {{102, 153, 204}, {238, 170, 85}, {119, 178, 119}, {204, 119, 136}, {160, 140, 200}, {190, 180, 100}}};
-
-unsigned char shaded(unsigned char c, double light) {
-  return static_cast<unsigned char>(std::clamp(std::lround(c * light), 0L, 255L));
-}
-Colour operator*(const Colour& c, double light) {
-  return {shaded(c.red, light), shaded(c.green, light), shaded(c.blue, light)};
-}
 
 // The recording has of each part what its factory takes; of a curved kind the half extents, whose first ones are its
 // sizes. A plugin's kind is drawn as its box: its sizes may be anything.
@@ -57,80 +51,45 @@ bool finite(const Pose<D>& X) {
   return X.p.allFinite() && (X.q * Vec<D>(Vec<D>::UnitX())).allFinite();
 }
 
-// The outline that the camera sees: what lies farthest in each direction of its plane.
-template <int D>
-std::vector<Vec<2>> outline(const ShapeView<D>& shape, const Pose<D>& X_WS, const Camera<D>& camera) {
-  constexpr int kDirections = 48;
-  std::vector<Vec<2>> corners;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = 2 * kPi * (i + 0.37) / kDirections;  // along no axis, where two corners of a box tie
-    const Vec<D> d_W = std::cos(angle) * camera.right + std::sin(angle) * camera.up;
-    const Vec<2> at = camera.pixel(X_WS * coreSupport(shape, X_WS.q.inverse() * d_W) + shape.radius * d_W);
-    if (corners.empty() || (corners.back() - at).norm() > 0.01) corners.push_back(at);
-  }
-  return corners;
-}
+// A convex part of a body.
+struct Drawn {
+  bool moves;
+  SeenPart seen;  // in 3D
+  std::vector<Patch> patches;
+};
 
-// What of a plane is near the middle of the view.
-template <int D>
-std::vector<Vec<2>> planePatch(const Pose<D>& X_WS, const Camera<D>& camera) {
-  const double reach = 2 * (camera.width + camera.height) / camera.scale;
-  const Vec<D> middle_W = camera.middle[0] * camera.right + camera.middle[1] * camera.up;
-  Vec<D> origin = X_WS.inverse() * middle_W;
-  origin[1] = 0;
-  std::vector<Vec<2>> corners;
-  for (const auto& [x, other] : {std::pair(-1, 0), std::pair(1, 0), std::pair(1, 1), std::pair(-1, 1)}) {
-    Vec<D> p = origin;
-    p[0] += x * reach;
-    if constexpr (D == 2) {
-      p[1] -= other * reach;
-    } else {
-      p[2] += (other ? -1 : 1) * reach;
-    }
-    corners.push_back(camera.pixel(X_WS * p));
-  }
-  return corners;
-}
-
-void drawFaces(const ShapeView<2>& shape, const Pose<2>& X_WS, const Camera<2>& camera, const Colour&,
-               const Colour& edge, std::vector<Patch>& out) {
-  if (shape.core() != CoreClass::point) return;
-  out.push_back(
-      {{camera.pixel(X_WS.p), camera.pixel(X_WS * Vec<2>(shape.radius, 0))}, edge, edge});  // how it is turned
-}
-
-// The flat faces that look at the viewer, the brighter the more they look up.
-void drawFaces(const ShapeView<3>& shape, const Pose<3>& X_WS, const Camera<3>& camera, const Colour& fill,
-               const Colour& edge, std::vector<Patch>& out) {
-  const auto face = [&](const Vec<3>& normal_S, const std::vector<Vec<3>>& corners_S) {
-    const Vec<3> normal_W = X_WS.q * normal_S;
-    if (normal_W.dot(camera.towards) <= 1e-9) return;
-    Patch patch{{}, fill * (0.8 + 0.2 * normal_W[1] + 0.08 * normal_W[0]), edge};
-    for (const Vec<3>& p : corners_S) patch.corners.push_back(camera.pixel(X_WS * (p + shape.radius * normal_S)));
-    out.push_back(std::move(patch));
-  };
-  if (shape.core() == CoreClass::hull) {
-    for (const auto& f : shape.hull->faces) {
-      std::vector<Vec<3>> corners;
-      for (int i = f.begin; i < f.end; ++i) {
-        const int vertex = shape.hull->loop[static_cast<std::size_t>(i)];
-        corners.push_back(shape.hull->vertices[static_cast<std::size_t>(vertex)]);
-      }
-      face(f.normal, corners);
-    }
-  } else if (shape.core() == CoreClass::box) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double side : {-1.0, 1.0}) {
-        std::vector<Vec<3>> corners;
-        for (const auto& [u, v] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)}) {
-          Vec<3> p = side * shape.half;
-          p[(axis + 1) % 3] = u * shape.half[(axis + 1) % 3], p[(axis + 2) % 3] = v * shape.half[(axis + 2) % 3];
-          corners.push_back(p);
-        }
-        face(side * Vec<3>(Vec<3>::Unit(axis)), corners);
-      }
+// Its edges alone.
+std::vector<Patch> ofGlass(const std::vector<Patch>& patches) {
+  std::vector<Patch> out;
+  for (const Patch& p : patches) {
+    for (std::size_t i = 0; i < p.corners.size(); ++i) {
+      out.push_back({{p.corners[i], p.corners[(i + 1) % p.corners.size()]}, p.edge, p.edge});
     }
   }
+  return out;
+}
+
+// From back to front. In the plane nobody is behind another, and what moves is drawn last. In space what never moves
+// may stand in front of what does, a wall or the ground of what fell through it: there it is of glass, since the bodies
+// are what a film is about.
+void putInOrder(std::vector<Drawn>& parts, int dimension) {
+  if (dimension == 2) {
+    std::stable_partition(parts.begin(), parts.end(), [](const Drawn& d) { return !d.moves; });
+    return;
+  }
+  std::vector<SeenPart> seen;
+  for (Drawn& d : parts) seen.push_back(std::move(d.seen));
+  const DepthOrder order = depthOrder(seen);
+  std::vector<bool> glass(parts.size(), false);
+  for (const auto& [back, front] : order.covered) {
+    if (parts[back].moves && !parts[front].moves) glass[front] = true;
+  }
+  std::vector<Drawn> sorted;
+  for (const std::size_t i : order.backToFront) {
+    if (glass[i]) parts[i].patches = ofGlass(parts[i].patches);
+    sorted.push_back(std::move(parts[i]));
+  }
+  parts = std::move(sorted);
 }
 
 double angleOf(const Rot<2>& q) { return std::abs(q.radians()); }
@@ -156,23 +115,35 @@ Reel<D>::Reel(const std::string& path) try {
 }
 
 template <int D>
-Sight Reel<D>::sight(double follow) const {
+Sight Reel<D>::sightOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const {
   const Camera<D> camera;
+  Sight out;
+  for (const auto& body : frame.bodies) {
+    const auto actor = m_cast.find({body.slot, body.generation});
+    if (actor == m_cast.end() || (actor->second.type == BodyType::fixed) != fixedOnes || !finite(body.X_WC)) continue;
+    for (const ShapePart<D>& part : actor->second.parts) {
+      if (part.shape.isPlane()) continue;
+      const Pose<D> X_WS = body.X_WC * part.X_SP;
+      const auto farthest = [&](const Vec<D>& d_W) {
+        return d_W.dot(X_WS.p) + supportValue(part.shape.view(), X_WS.q.inverse() * d_W);
+      };
+      const Vec<2> hi(farthest(camera.right), farthest(camera.up));
+      const Vec<2> lo(-farthest(-camera.right), -farthest(-camera.up));
+      if ((lo.cwiseAbs().cwiseMax(hi.cwiseAbs()).array() < kFarthest).all()) out.take(lo, hi);
+    }
+  }
+  return out;
+}
+
+template <int D>
+Sight Reel<D>::sight(double follow) const {
   Sight first, all;
   for (const auto& frame : frames()) {
-    Sight box;
-    for (const auto& body : frame.bodies) {
-      const auto actor = m_cast.find({body.slot, body.generation});
-      if (actor == m_cast.end() || actor->second.type == BodyType::fixed || !finite(body.X_WC)) continue;
-      for (const ShapePart<D>& part : actor->second.parts) {
-        const Vec<2> at = camera.flat(body.X_WC * part.X_SP.p);
-        const Vec<2> reach = Vec<2>::Constant(boundingRadius(part.shape.view()));
-        if (((at.cwiseAbs() + reach).array() < kFarthest).all()) box.take(at - reach, at + reach);
-      }
-    }
+    const Sight box = sightOf(frame, false);
     if (first.empty()) first = box;
     all.take(box.lo, box.hi);
   }
+  if (all.empty()) first = all = sightOf(frames()[0], true);
   if (all.empty()) all.take({-1, -1}, {1, 1}), first = all;
   const Vec<2> limit = Vec<2>::Constant(std::max(follow, (first.hi - first.lo).maxCoeff()));
   return {all.lo.cwiseMax(first.lo - limit), all.hi.cwiseMin(first.hi + limit)};
@@ -193,12 +164,8 @@ Camera<D> cameraOf(const Sight& sight, double width) {
 
 template <int D>
 Picture Reel<D>::picture(std::size_t index, const Camera<D>& camera) const {
-  struct Seen {
-    bool moves;
-    double depth;
-    std::vector<Patch> patches;
-  };
-  std::vector<Seen> seen;
+  std::vector<Patch> planes;  // behind all: one that stands in front would hide them
+  std::vector<Drawn> parts;
   for (const auto& body : frames()[index].bodies) {
     const auto actor = m_cast.find({body.slot, body.generation});
     if (actor == m_cast.end() || !finite(body.X_WC)) continue;
@@ -208,22 +175,20 @@ Picture Reel<D>::picture(std::size_t index, const Camera<D>& camera) const {
     const Colour edge = moves ? fill * 0.55 : kFixedEdge;
     for (const ShapePart<D>& part : actor->second.parts) {
       const Pose<D> X_WS = body.X_WC * part.X_SP;
-      Seen s{moves, X_WS.p.dot(camera.towards), {}};
       if (part.shape.isPlane()) {
-        s.patches.push_back({planePatch(X_WS, camera), fill, edge});
+        planes.push_back({planePatch(X_WS, camera), fill, edge});
       } else {
-        s.patches.push_back({outline(part.shape.view(), X_WS, camera), fill, edge});
-        drawFaces(part.shape.view(), X_WS, camera, fill, edge, s.patches);
+        parts.push_back({moves, {}, patchesOf(part.shape.view(), X_WS, camera, fill, edge)});
+        if constexpr (D == 3) {
+          parts.back().seen = {outlineOf(part.shape.view(), X_WS, camera), nearnessOf(part.shape.view(), X_WS, camera)};
+        }
       }
-      seen.push_back(std::move(s));
     }
   }
-  // From back to front by the middles, what never moves first: floors are too large to be told by their middles.
-  std::stable_sort(seen.begin(), seen.end(),
-                   [](const Seen& a, const Seen& b) { return a.moves != b.moves ? b.moves : a.depth < b.depth; });
-  Picture out{camera.width, camera.height, {}, {}};
-  for (Seen& s : seen) {
-    for (Patch& p : s.patches) out.patches.push_back(std::move(p));
+  putInOrder(parts, D);
+  Picture out{camera.width, camera.height, std::move(planes), {}};
+  for (Drawn& d : parts) {
+    for (Patch& p : d.patches) out.patches.push_back(std::move(p));
   }
   char text[64];
   std::snprintf(text, sizeof text, "step %lld, %.2f s", static_cast<long long>(frames()[index].step),

@@ -37,7 +37,7 @@ class Reel {
   const std::vector<typename Recording<D>::Frame>& frames() const { return m_recording.frames; }
   bool torn() const { return m_recording.torn; }
   /// Where the bodies that move ever are, most of them; one that flies off does not shrink the others to dots: nobody
-  /// is followed farther than the size of the first picture, or `follow` (m).
+  /// is followed farther than the size of the first picture, or `follow` (m). Where nothing moves, what never does.
   Sight sight(double follow = 10) const;
   /// One frame, with its time.
   Picture picture(std::size_t frame, const Camera<D>& camera) const;
@@ -48,6 +48,9 @@ class Reel {
     std::vector<ShapePart<D>> parts;  // in the centre-of-mass frame
   };
   using Key = std::pair<std::int32_t, std::uint32_t>;  // slot, generation
+
+  /// Without planes, which have no end.
+  Sight sightOf(const typename Recording<D>::Frame& frame, bool fixedOnes) const;
 
   Recording<D> m_recording;
   std::map<Key, Actor> m_cast;

@@ -93,14 +93,12 @@ std::vector<Around> drawnTower(const json& picture, int dimension) {
   int seen = 0;
   for (const json& patch : picture.at("patches")) {
     const std::string fill = patch.at(0);
-    if (fill.substr(1, 2) == fill.substr(3, 2)) continue;  // grey: the floor
-    if (seen++ % (dimension == 2 ? 1 : 4) != 0) continue;  // a face upon its box's outline
-    Around box;
+    if (fill.substr(1, 2) == fill.substr(3, 2)) continue;            // grey: the floor
+    if (seen++ % (dimension == 2 ? 1 : 3) == 0) out.emplace_back();  // of a box in space three faces are seen
     for (std::size_t i = 0; i < patch.at(2).size(); i += 2) {
       const Vec<2> corner(patch.at(2)[i].get<double>(), patch.at(2)[i + 1].get<double>());
-      box.lo = box.lo.cwiseMin(corner), box.hi = box.hi.cwiseMax(corner);
+      out.back().lo = out.back().lo.cwiseMin(corner), out.back().hi = out.back().hi.cwiseMax(corner);
     }
-    out.push_back(box);
   }
   std::sort(out.begin(), out.end(), [](const Around& a, const Around& b) { return a.middle()[1] < b.middle()[1]; });
   return out;
