@@ -71,6 +71,10 @@ INSTEAD = {
         "for n in 0 1 2 3 4 5 6 8 9 10 11; do lpc run $n --pipeline 2009 --steps 8 --film preset_$n.strip.svg; done",
     "lpc run 7 --pipeline 2009 --param n=60 --film preset_7.strip.svg":
         "lpc run 7 --pipeline 2009 --param n=60 --steps 8 --film preset_7.strip.svg",
+    "for n in 0 1 2 3 4 9 10 11; do lpc run $n --dimension 3 --pipeline 2009 --film preset_${n}_3d.strip.svg; done":
+        "for n in 0 1 2 3 4 9 10 11; do lpc run $n --dimension 3 --pipeline 2009 --steps 8 --film preset_${n}_3d.strip.svg; done",
+    "lpc run 7 --dimension 3 --pipeline 2009 --param n=50 --param rows=2 --film preset_7_3d.strip.svg":
+        "lpc run 7 --dimension 3 --pipeline 2009 --param n=50 --param rows=2 --steps 8 --film preset_7_3d.strip.svg",
     "lpc needs pyramid --param base=6 --seeds 3 --store results/needs.db":
         "lpc needs box_drop --seeds 1 --store results/needs.db",
     "lpc break vertical_stack --parameter n --from 2 --to 64 --param gap=0 --store results/break.db "
