@@ -3,7 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace lpc::inline LPC_PRECISION {
+namespace lpc {
 
 Spectrum spectrumOf(std::span<const double> w, std::size_t n) {
   using Matrix = Eigen::MatrixXd;
@@ -26,4 +26,4 @@ Spectrum spectrumOf(std::span<const double> w, std::size_t n) {
   return out;
 }
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc

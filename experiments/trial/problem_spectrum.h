@@ -2,12 +2,10 @@
 // What the matrix of a frozen problem says of iterations on it, before any is run.
 #pragma once
 
+#include <cstddef>
 #include <span>
-#include <vector>
 
-#include "framework/contact_problem.h"
-
-namespace lpc::inline LPC_PRECISION {
+namespace lpc {
 
 struct Spectrum {
   int rank = 0;
@@ -18,4 +16,4 @@ struct Spectrum {
 /// maps to zero stays as it is: those eigenvalues 1 are left out.
 Spectrum spectrumOf(std::span<const double> w, std::size_t n);
 
-}  // namespace lpc::inline LPC_PRECISION
+}  // namespace lpc
