@@ -275,7 +275,7 @@ class Store:
         kind = self.sweep(sweep).kind
         cell = {"sweep": sweep, **axes, "method": self.method_of(sweep, axes), "planned_trials": len(entries),
                 "finished_trials": len(trials), "outcome": NOT_RUN, "reason": "planned, no result in the store",
-                "step": np.nan, "key": None, "key_timed": None, "machine": None, "keys": [], "hashes": [],
+                "step": np.nan, "key": None, "key_timed": None, "keys_timed": [], "machine": None, "keys": [], "hashes": [],
                 "seeds": list(dict.fromkeys(entry.axes.get("seed") for entry in entries)), "failed_seeds": 0,
                 "refused_repeats": 0,
                 **{_free(name, axes): np.nan for name, m in self.metrics.items() if m.kind in (kind, "any") and "*" not in name}}
@@ -294,7 +294,7 @@ class Store:
             machines = [trial.machine for trial in timed if not pd.isna(trial.machine)]
             machine = min(machines, key=lambda number: (-machines.count(number), number)) if machines else None
             same = {trial.Index: trial.metrics for trial in timed if machine is None or trial.machine == machine}
-            cell.update(key_timed=next(iter(same)), machine=machine, refused_repeats=len(timed) - len(same))
+            cell.update(key_timed=next(iter(same)), keys_timed=list(same), machine=machine, refused_repeats=len(timed) - len(same))
             for name in dict.fromkeys(name for metrics in same.values() for name in metrics if self.is_time(name)):
                 repeats, of_seeds = {}, {}  # a repeat is one round over all cells
                 for entry in entries:

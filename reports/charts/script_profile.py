@@ -45,41 +45,69 @@ def of_sweep(context, cells):
     return made
 
 
-def phases(store, key):
-    """({phase: seconds of each step}, seconds of whole steps); what is no phase of the report's is OTHER."""
-    whole = store.series(key, "seconds")
+def wholes(store, cell):
+    """Seconds of each step, a row per timed repeat that stored them and ran as far as the first that did."""
+    found = [store.series(key, "seconds") for key in cell["keys_timed"]]
+    found = [values for values in found if values is not None and len(values)]
+    return np.array([values for values in found if len(values) == len(found[0])])
+
+
+def phases(store, cell):
+    """({phase: seconds of each step}, seconds of whole steps); what is no phase of the report's is OTHER. A whole step is the
+    median of the repeats. Phases are of one repeat, which stored them, and are scaled to it: what the machine did to that repeat
+    alone is in none of them."""
+    key, whole = cell["key_timed"], np.median(wholes(store, cell), axis=0)
+    own = store.series(key, "seconds")
     found = {name: store.series(key, scope) for name, scope in PHASES.items()}
     found = {name: values for name, values in found.items() if values is not None}
-    found[OTHER] = np.maximum(0, whole - sum(found.values()))
-    return found, whole
+    found[OTHER] = np.maximum(0, own - sum(found.values()))
+    scale = np.divide(whole, own, out=np.ones_like(whole), where=own > 0)
+    return {name: values * scale for name, values in found.items()}, whole
+
+
+def times_of(whole, half):
+    """{what: s}: before step `half`, at the peak, in the last tenth."""
+    tenth = max(1, len(whole) // 10)
+    return {"before": float(np.median(whole[max(0, half - tenth // 5):half])), "peak": float(np.max(stretches(whole)[1])),
+            "end": float(np.median(whole[-tenth:]))}
 
 
 def course(store, cell, half):
-    """What is told of one run: times (s) and contact points a body before step `half`, times at the peak and in the last tenth,
+    """What is told of one run: times_of the medians, (least, most) of a repeat of each, contact points a body before step `half`,
     and who is awake."""
-    _, whole = phases(store, cell["key_timed"])
-    shown, tenth = stretches(whole)[1], max(1, len(whole) // 10)
+    runs = wholes(store, cell)
+    each = [times_of(run, half) for run in runs]
     bodies, awake = (store.series(cell["key_timed"], name) for name in ("bodies", "awake"))
-    points, before = store.series(cell["key_timed"], "points"), slice(max(0, half - tenth // 5), half)
-    return {"method": cell["method"], "before": float(np.median(whole[before])),
-            "touching": float(np.median(points[before] / bodies[before])),
-            "peak": float(np.max(shown)), "end": float(np.median(whole[-tenth:])), "bodies": int(bodies[-1]),
-            "awake": int(awake[-1]), "least": int(np.min(awake[half:]))}
+    points = store.series(cell["key_timed"], "points")
+    before = slice(max(0, half - max(1, len(points) // 10) // 5), half)
+    return {"method": cell["method"], **times_of(np.median(runs, axis=0), half), "repeats": len(runs),
+            "spread": {what: (min(found[what] for found in each), max(found[what] for found in each)) for what in each[0]},
+            "bodies": int(bodies[-1]), "awake": int(awake[-1]), "least": int(np.min(awake[half:])),
+            "touching": float(np.median(points[before] / bodies[before]))}
+
+
+def _time(run, what):
+    low, high = run["spread"][what]
+    return si(run[what], "s") + (f" ({si(low, 's')} to {si(high, 's')})" if run["repeats"] > 1 else "")
 
 
 def finding(runs, cells, floor):
     """Numbers of each run, then the ratios of whole runs, which have repeats."""
     if not runs:
         return "no run finished with times of its phases."
-    said = [f"{r['method']}: {si(r['before'], 's')} a step and {figures(r['touching'], 2)} contact points a body before the "
-            f"half, {si(r['peak'], 's')} at the peak, {si(r['end'], 's')} in the last tenth, {r['awake']} of {r['bodies']} "
+    said = [f"{r['method']}: {_time(r, 'before')} a step and {figures(r['touching'], 2)} contact points a body before the "
+            f"half, {_time(r, 'peak')} at the peak, {_time(r, 'end')} in the last tenth, {r['awake']} of {r['bodies']} "
             f"bodies awake in the end and at least {r['least']} in each step of the second half" for r in runs]
     by, first, told = cells.set_index("method", drop=False), runs[0]["method"], []
     for run in runs[1:]:
         ratio = noise.said(by.loc[first], by.loc[run["method"]], COST, floor)
         told.append(f"{run['method']} {ratio + ' times' if ratio[:1].isdigit() else noise.IN_WORDS.get(ratio, ratio)}")
     tail = f". By the median step of the whole run, and {first} as 1: {listing(told)}" if told else ""
-    return "; ".join(said) + tail + "."
+    least, most = (of(run["repeats"] for run in runs) for of in (min, max))
+    of = (" These times are of one repeat, where whatever else the machine did shows." if most == 1 else
+          f" Each step's time is the median of {least if least == most else f'{least} to {most}'} repeats; in brackets the least "
+          "and the most of one.")
+    return "; ".join(said) + tail + "." + of
 
 
 def _half(store, key):
@@ -101,7 +129,7 @@ def _chart(context, cells, refused):
         if whole is None or not len(whole):
             above.text(0.5, 0.5, f"no times: {cell['outcome']}", ha="center", va="center", transform=above.transAxes)
             continue
-        parts, half = phases(store, key)[0], _half(store, key)
+        (parts, whole), half = phases(store, cell), _half(store, key)
         shown = {name: stretches(values)[1] * 1e3 for name, values in parts.items()}
         above.stackplot(stretches(whole)[0], list(shown.values()), colors=[PALETTE[i] for i in map(_colour, shown)], lw=0,
                         alpha=0.85)
@@ -141,8 +169,9 @@ def _chart(context, cells, refused):
     return Chart(f"{sweep}_script_profile", SECTION, f"A script under the names of 2009: {sweep}, {where}",
                  f"On {where} " + finding(runs, cells, floor), sweep, figure, pd.DataFrame(rows),
                  refused + holes(cells, ["scene", "method"]),
-                 "Stacked medians of stretches of the run; the dotted line is the half, where the rain stops and the firework "
-                 f"goes off. {', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
+                 "Medians of stretches of the run. Their height is the median of the repeats, what is stacked in it the shares of the "
+                 "one that stored its phases; the dotted line is the half, where the rain stops and the firework goes off. "
+                 f" {', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
                  f"rest. Bodies are counted with ground and walls. {REPORTED.get(sweep, '')} " + noise.rule(floor), headline=told)
 
 
