@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import over_steps
-from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, methods
+from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
 from charts.budgets import marks, within
 from load import split, varying
 from style import HALO, ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, one_line, same, si, times
@@ -203,7 +203,7 @@ def _chart(context, others, runs, own, where):
     shown = over_steps.at_middle(others, setting).drop_duplicates("method").sort_values("method")
     width = legend_room([*map(context.name, labels), "its own runs beside it"], 2.0)
     figure, axes = grid_of_axes(1, 2, 3.0, width, left=0.95, gap_x=1.0)
-    shared = _over_time(axes[0][0], shown, courses, runs, looks, labels)
+    shared = _over_time(axes[0][0], shown, courses, runs, looks, labels, _drawn_at(shown, setting))
     _against_cost(context, axes[0][1], others, looks, runs)
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
     handles += [Line2D([], [], color="#777777", ls=":", lw=2, label="its own runs beside it")]
@@ -221,7 +221,16 @@ def _chart(context, others, runs, own, where):
                  headline=headline(context, others, runs, where))
 
 
-def _over_time(ax, shown, courses, runs, looks, labels):
+def _drawn_at(shown, setting):
+    """At which of several steps, or values of a setting, the runs over time are: those at the right are all."""
+    values = sorted(shown[setting].dropna().unique()) if setting else []
+    if not values:
+        return ""
+    return (f", steps of {listing(si(v, 's') for v in values)}" if setting == "dt" else
+            f", {setting} = {listing(f'{v:g}' for v in values)}")
+
+
+def _over_time(ax, shown, courses, runs, looks, labels, at=""):
     spread = [(time, far) for time, far in runs.spread.items() if math.isfinite(far)]
     curves = {cell["method"]: [(time, far) for time, (far, _) in courses[i].items() if math.isfinite(far)]
               for i, cell in shown.iterrows()}
@@ -242,7 +251,7 @@ def _over_time(ax, shown, courses, runs, looks, labels):
         ax.axvspan(runs.horizon, runs.end, color="#EEEEEE", zorder=0, lw=0)
     ax.set_xlim(0, runs.end)
     ax.set_xlabel("time (s)")
-    ax.set_title("largest distance of a body")
+    ax.set_title(f"largest distance{at}" if at else "largest distance of a body")
     unnamed = one_line(ax, firsts, lambda group: methods(group, labels))
     fallen(ax, spots, clip_on=False, path_effects=HALO)
     return unnamed

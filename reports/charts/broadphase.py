@@ -19,6 +19,7 @@ PLACE = 10
 SECTION = "Which broadphase for how many bodies?"
 TIME, TESTS = "ns_per_frame_median", "box_tests_mean"
 NEEDS = Needs("boxes", varies=("n",), metrics=(TIME, TESTS))
+ASKED = {"heritage_broadphase": "region_tree"}  # by sweep: the tree of figure 7.3 of the 2009 report
 ABSENT = Chart("broadphase", SECTION, "Time over body count", "No timed sweep of boxes over their number is in this store.",
                "broadphase_crossover")
 
@@ -128,11 +129,20 @@ def hindmost(cross, first):
     return ", the least have " + listing(f"{row['method']} ({times(row['ratio'])} times)" for _, row in part.iterrows())
 
 
-def finding(cross, base, dimension, ahead, least):
+def of_report(cross, base, asked):
+    """Where the method of a report's own figure overtakes the baseline, on boxes where another one has been named."""
+    rows = cross[(cross["method"] == asked) & ~cross.index.isin(crossing_methods(cross).index)]
+    return [f"on {row.distribution} boxes {asked} {overtakes(row, base)}" if row.kind == "crosses" else
+            f"on {row.distribution} boxes {asked} is {row.kind.replace('faster', f'faster than {base}')}" for row in
+            rows.itertuples() if row.kind != "unknown" and row.distribution in set(crossing_methods(cross)["distribution"])]
+
+
+def finding(cross, base, dimension, ahead, least, asked=""):
     if not len(cross):
         return f"In {dimension}D {base} was not measured beside another method, so no crossing can be told."
     said = [f"on {row.distribution} boxes {row.method} {overtakes(row, base)} and has {times(row.ratio)} times its speed at "
             f"{row.largest:,.0f}{hindmost(cross, row)}" for row in crossing_methods(cross).itertuples()]
+    said += of_report(cross, base, asked)
     crossed = set(crossing_methods(cross)["distribution"])
     for distribution, part in cross.groupby("distribution", sort=True):
         if distribution in crossed:
@@ -233,7 +243,8 @@ def _chart(context, cells, dimension, where, refused):
     table = table[["distribution", "method", "n", "outcome"]].assign(**numbers)
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {dimension}d {where}"), SECTION, f"Time and box tests over body count, "
                  f"{dimension}D" + (f", {where}" if where else ""),
-                 finding(cross, base, dimension, ahead, least), cells["sweep"].iloc[0], figure, table,
+                 finding(cross, base, dimension, ahead, least, ASKED.get(cells["sweep"].iloc[0], "")),
+                 cells["sweep"].iloc[0], figure, table,
                  refused + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
                  f"frames. The dotted line is where the named method overtakes {base} for good, interpolated between the two "

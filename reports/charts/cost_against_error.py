@@ -19,6 +19,7 @@ PLACE = 20
 SECTION = "Which method is right for its cost?"
 # Which errors a scene can show, its trials say; features and precisions are compared by charts of their own.
 NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=("ms_per_step_median",))
+WHOSE = 6  # so many methods that failed are named in the legend
 ABSENT = Chart("cost_against_error", SECTION, "Cost against error", "No timed sweep of several methods is in this store.",
                "resolvers")
 
@@ -175,23 +176,24 @@ def against_baseline(context, cells, cost_name, error_name):
         return ""
     row, best = named.iloc[0], others.iloc[int(np.nanargmin(metrics.column(others, error_name)))]
     at = f"At {setting} = {best[setting]:g} " if setting else "Here "
+    named = f'"{base}"' if " " in base else base  # a label may be words, which would run on in a sentence
     if row["outcome"] != "ok":
         step = "" if row["step"] != row["step"] else f" at step {int(row['step'])}"
-        return f" {at}{best['method']} stands where {base} fails ({row['outcome']}{step})."
+        return f" {at}{best['method']} stands where {named} fails ({row['outcome']}{step})."
     costs, errors = (best[cost_name], row[cost_name]), (best[error_name], row[error_name])
     if not all(map(math.isfinite, costs + errors)) or not costs[1] or max(errors) <= context.floor(error_name):
         return ""
     ratio = errors[0] / errors[1] if errors[1] > 0 else math.inf
     how = "with the same error" if abs(ratio - 1) < 0.005 else f"with {times(ratio)} times its error"
-    how = f"with an error where {base} has none" if math.isinf(ratio) else how if ratio else "without error"
+    how = f"with an error where {named} has none" if math.isinf(ratio) else how if ratio else "without error"
     if not context.store.is_time(cost_name):
-        return f" {at}{best['method']} takes {times(costs[0] / costs[1])} times the {context.title(cost_name)} of {base} {how}."
+        return f" {at}{best['method']} takes {times(costs[0] / costs[1])} times the {context.title(cost_name)} of {named} {how}."
     text = noise.said(row, best, cost_name, noise.floor_of(context, everything["sweep"].iloc[0], cost_name))
-    time = f"takes {times(costs[0] / costs[1])} times the time of {base}"
+    time = f"takes {times(costs[0] / costs[1])} times the time of {named}"
     if text == noise.SAME_WORK:
-        time = f"does the same work as {base}, by all counts,"
+        time = f"does the same work as {named}, by all counts,"
     elif text in noise.IN_WORDS:
-        time = f"takes the time of {base}, {noise.IN_WORDS[text]},"
+        time = f"takes the time of {named}, {noise.IN_WORDS[text]},"
     return f" {at}{best['method']} {time} {how}."
 
 
@@ -244,7 +246,7 @@ def _cost_chart(context, cells, groups, refused):
                            one_line(ax, same(curves), lambda group: methods(group, labels))))
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
     handles.append(Line2D([], [], color="#222222", lw=2.6, alpha=0.35, label="Pareto front"))
-    handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
+    handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o + _whose(cells, o))
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
     table = _table(context, cells, setting, costs, errors)
@@ -257,6 +259,12 @@ def _cost_chart(context, cells, groups, refused):
                                                                                       "ms_per_step_median"))
                  + engine_notes(context, cells) + caption_of_lines(shared),
                  telling=True, headline=headline(context, cells, where, costs[0], errors[0]))
+
+
+def _whose(cells, outcome):
+    """Whose letters stand in the top band, where letters that would lie on one another are one with a number."""
+    found = cells[cells["outcome"] == outcome].groupby("method", sort=True).size()
+    return ":" + "".join(f"\n{method} {count}" for method, count in found.items()) if len(found) <= WHOSE else ""
 
 
 def whiskers(ax, cell, cost_name, error_name, across, up, colour):

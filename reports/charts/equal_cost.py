@@ -21,6 +21,7 @@ SECTION = "Which method is best at equal cost, and which is cheapest at equal er
 NEEDS = Needs("world", methods=(2, math.inf), calibrated=True)
 ABSENT = Chart("equal_cost", SECTION, "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
 PANELS = 3
+NAMED = 3  # so many between first and last are named in a sentence; of more the table tells
 
 
 def of_sweep(context, cells):
@@ -88,9 +89,13 @@ def finding(context, cells, about, where, name):
         none = sorted(row[1] for row in table if row[0] is None)
         text = f"at {said_of(context, about, budget)} "
         if best:
-            last = [row for row in table if row[0] is not None][-1]
+            ranked = [row for row in table if row[0] is not None]
+            last, between = ranked[-1], [row for row in ranked[:-1] if row[0] != 1]
             named = methods([row[1] for row in best], everyone)
             text += f"{named} {'is' if len(best) == 1 else 'tie'} first ({si(best[0][2], unit)})"
+            if last[0] != 1 and len(between) <= NAMED:
+                text += "".join(f", then {_tied(group, unit)}" for group in
+                                ([row for row in between if row[0] == place] for place in sorted({row[0] for row in between})))
             text += f", {last[1]} last ({si(last[2], unit)})" if last[0] != 1 else ""
         else:
             text += "nobody has a rank"
@@ -100,6 +105,11 @@ def finding(context, cells, about, where, name):
         " No method is first at every budget." if len(budgets) > 1 else "")
     return (f"On {where}, by {what} at equal {about['equal']} ({context.title(about['metric'])}): "
             f"{'; '.join(said)}.{tail}")
+
+
+def _tied(rows, unit):
+    """Those of one rank, and the median of the first."""
+    return f"{listing(row[1] for row in rows)}{', tied' if len(rows) > 1 else ''} ({si(rows[0][2], unit)})"
 
 
 def beside(context, cells, about, other):

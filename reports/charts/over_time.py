@@ -9,7 +9,7 @@ import pandas as pd
 import over_steps
 from chart import Chart, Headline, Needs, holes, listing
 from load import split
-from style import ZeroLog, caption_of_lines, one_line, same, si
+from style import ZeroLog, caption_of_lines, one_line, si
 from table import quantity
 
 PLACE = 33
@@ -17,6 +17,8 @@ SECTION = "What stands, and under whom?"
 NEEDS = Needs("world", methods=(2, math.inf), series=("height", "drift"), also="`report` that names it")
 ABSENT = Chart("over_time", SECTION, "Height and drift over time",
                "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_positions")
+TURNS_NONE = "linear"  # the report's first position method
+SEEN = 0.004  # of a panel's height: lines that are nearer everywhere are one to the eye
 LOST = 0.5  # of the height at the start: what has less has fallen
 
 
@@ -37,6 +39,39 @@ def fallen_at(heights):
     return int(below[0]) if len(below) else None
 
 
+def drawn_alike(ax, curves, place, of):
+    """{method: the first whose curve is nowhere farther from it than SEEN of the panel}: such lines are drawn once."""
+    firsts, there = {}, {}
+    share = lambda v: ax.transAxes.inverted().transform(ax.transData.transform((0, place(v))))[1]  # noqa: E731
+    for method, points in curves.items():
+        at = np.array([share(v) for v in over_steps.stretches(points, of)[1]])
+        firsts[method] = next((other for other, line in there.items() if len(line) == len(at) and
+                               np.max(np.abs(line - at)) <= SEEN), method)
+        if firsts[method] == method:
+            there[method] = at
+    return firsts
+
+
+def verdict(rows):
+    """What the report says of the position method that turns no body, tried under each velocity resolver beside those that turn
+    them: borne where it falls and they stand, or it falls first."""
+    said, borne = [], []
+    for velocity in dict.fromkeys(row["method"].partition("+")[0] for row in rows):
+        fell = {row["method"].partition("+")[2]: row["fell"] for row in rows if row["method"].startswith(f"{velocity}+")}
+        if TURNS_NONE not in fell or len(fell) < 2:
+            continue
+        mine, stand = fell[TURNS_NONE], [name for name, at in fell.items() if at is None]
+        borne.append(mine is not None and all(at is None or at >= mine for at in fell.values()))
+        words = [f"{name} falls at step {at}" for name, at in fell.items() if at is not None] + (
+            [f"{listing(stand)} {'stands' if len(stand) == 1 else 'stand'}"] if stand else [])
+        said.append(f"under {velocity} {listing(words)}")
+    if not said:
+        return ""
+    word = "borne" if all(borne) else "borne in part" if any(borne) else "not borne"
+    return (f" That a position method which turns no body ({TURNS_NONE}) makes piles fall is {word} by this scene: "
+            f"{'; '.join(said)}.")
+
+
 def finding(where, rows):
     fell = [row for row in rows if row["fell"] is not None]
     stand = [row for row in rows if row["fell"] is None]
@@ -55,7 +90,7 @@ def _chart(context, shown, left_out):
     sweep = cells["sweep"].iloc[0]
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     figure, axes, room = over_steps.grid(context, cells, 2, len(shown))
-    rows, lines, said = [], [], []
+    rows, lines, said, judged = [], [], [], []
     for column, (where, part) in enumerate(shown):
         tracks = {name: {cell["method"]: np.asarray(found, float) for _, cell in part.iterrows() if cell["key"] is not None
                          for found in [context.store.series(cell["key"], name)] if found is not None and len(found)}
@@ -71,12 +106,13 @@ def _chart(context, shown, left_out):
         scale = ZeroLog(axes[1][column], "y", drifts, "m", failures=False, floor=1e-6)
         for ax, name, place, of in ((axes[0][column], "height", float, np.median),
                                     (axes[1][column], "drift", scale.place, np.max)):
-            firsts = same(tracks[name])
+            firsts = drawn_alike(ax, tracks[name], place, of)
             over_steps.lines(context, ax, part, lambda cell, of=tracks[name]: of.get(cell["method"], np.array([])), place, of,
                              drawn=set(firsts.values()))
             lines.append((f"On {where}, {name}", one_line(ax, firsts, listing)))
         axes[0][column].set_xlabel("")
         rows += mine
+        judged.append(mine)
         said.append(finding(where, mine) if mine else f"on {where} nothing was run")
     axes[0][0].set_ylabel("highest body (m)")
     axes[1][0].set_ylabel("farthest from its place")
@@ -91,7 +127,7 @@ def _chart(context, shown, left_out):
                     f"{listing(r['method'] for r in stand)}.", {r["method"]: r["height"] for r in rows}, "m", "height at the end",
                     larger=True) if len(shown) == 1 and fell and stand else None
     return Chart(f"{sweep}_over_time_{dimension}d", SECTION, f"Height and drift over time, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + ".", sweep, figure, pd.DataFrame(table),
+                 f"In {dimension}D " + "; ".join(said) + "." + "".join(map(verdict, judged)), sweep, figure, pd.DataFrame(table),
                  left_out + holes(cells, ["scene", "method"]),
                  f"Of {over_steps.STRETCHES} stretches of the run the median height of the highest body and the largest "
                  "distance of a body from where it came." + caption_of_lines(lines), headline=head)

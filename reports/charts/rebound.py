@@ -15,6 +15,7 @@ from table import quantity
 PLACE = 32
 SECTION = "Do contacts bounce that should not?"
 ROUNDING = 1e-6  # m: below it nothing is thrown back
+NEAR = 1.1  # times the speed before: what a line joins
 SUNK = 0.02  # m: four times the depth that most methods leave
 NEEDS = Needs("world", varies=("height",), methods=(2, math.inf), series=("height",), also="`report` that names it")
 ABSENT = Chart("rebound", SECTION, "What is thrown back after a fall",
@@ -49,6 +50,16 @@ def rows_of(context, cells):
     least = found.groupby("height")["fall"].transform("min")
     found["sunk"], found["speed"] = found["fall"] - least, np.sqrt(2 * found["speed"] * least.clip(lower=0))
     return found
+
+
+def joined(track):
+    """The line through these points, with a gap where the next speed is far: nothing was tried between."""
+    xs, ys = [], []
+    for i, (x, y) in enumerate(track):
+        if i and x > NEAR * track[i - 1][0]:
+            xs, ys = [*xs, math.nan], [*ys, math.nan]
+        xs, ys = [*xs, x], [*ys, y]
+    return xs, ys
 
 
 def finding(rows):
@@ -86,7 +97,7 @@ def _chart(context, cells):
         tracks[method] = list(zip(mine["speed"], mine["rebound"]))
     firsts = same({m: [v for _, v in track] for m, track in tracks.items()})
     for method in dict.fromkeys(firsts.values()):
-        ax.plot([x for x, _ in tracks[method]], [scale.place(v) for _, v in tracks[method]], **looks(method))
+        ax.plot(*joined([(x, scale.place(v)) for x, v in tracks[method]]), **looks(method))
     words = one_line(ax, firsts, listing)
     ax.set_xlabel("speed at which the ground is hit")
     ax.set_ylabel("thrown back")
@@ -103,4 +114,5 @@ def _chart(context, cells):
     return Chart(f"{sweep}_rebound_{dimension}d", SECTION, f"What is thrown back after a fall, {dimension}D",
                  f"In {dimension}D, {finding(rows)}", sweep, figure, pd.DataFrame(table), holes(cells, ["method", "height"]),
                  "The highest place after the lowest, above that in the end, over the speed that the fall has without drag; what "
-                 f"is at most {si(ROUNDING, 'm')} is 0." + caption_of_lines([("Lines", words)]), headline=head)
+                 f"is at most {si(ROUNDING, 'm')} is 0. "
+                 "Lines join speeds less than a tenth apart." + caption_of_lines([("Lines", words)]), headline=head)

@@ -169,9 +169,9 @@ def _chart(context, cells, refused):
     return Chart(f"{sweep}_script_profile", SECTION, f"A script under the names of 2009: {sweep}, {where}",
                  f"On {where} " + finding(runs, cells, floor), sweep, figure, pd.DataFrame(rows),
                  refused + holes(cells, ["scene", "method"]),
-                 "Medians of stretches of the run. Their height is the median of the repeats, what is stacked in it the shares of the "
-                 "one that stored its phases; the dotted line is the half, where the rain stops and the firework goes off. "
-                 f" {', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
+                 "Medians of stretches of the run. Their height is the median of the repeats, what is stacked in it the shares "
+                 "of the one that stored its phases; the dotted line is the half, where the rain stops and the firework goes off. "
+                 f"{', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
                  f"rest. Bodies are counted with ground and walls. {REPORTED.get(sweep, '')} " + noise.rule(floor), headline=told)
 
 

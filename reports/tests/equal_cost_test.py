@@ -96,12 +96,15 @@ class EqualCost(unittest.TestCase):
     def test_the_finding_ranks_at_every_budget_and_tells_who_met_none(self):
         made = self.made()[0]
         self.assertIn("at 100 catto is first (3 mm), soft_step last (4 mm), without a rank naive", made.finding)
-        self.assertIn("at 400 soft_step is first (500 µm), naive last (4 mm)", made.finding)
+        self.assertIn("at 400 soft_step is first (500 µm), then catto (1 mm), naive last (4 mm)", made.finding)
         self.assertIn("No method is first at every budget.", made.finding)
         self.assertTrue(made.headline.text.endswith("; nobody is first at every budget."), made.headline.text)
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
         self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])
         self.assertEqual(list(made.table["iterations"]), ["4", "4", "", "8", "8", "8"])
+
+    def test_those_of_one_rank_between_first_and_last_are_named_together(self):
+        self.assertEqual(equal_cost._tied([(2, "a", 1e-3, 0, 1), (2, "b", 1e-3, 0, 1)], "m"), "a and b, tied (1 mm)")
 
     def test_what_equal_row_updates_hide_in_time_is_said_and_drawn(self):
         made = self.made(slow=5)[0]

@@ -20,17 +20,18 @@ STEPS = 300
 
 class OverTime(with_store.WithStore):
     @staticmethod
-    def piles(falls=None, report=("over_time",)):
+    def piles(falls=None, report=("over_time",), apart=0.0):
         def fill(maker):
             maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
                              ("metric", "tilt_end", "world", "turn at the end", "rad", "invented", "detail", "less", ""))
             maker.sweep("heritage_positions", "world", resolver="label", report=list(report))
-            usual = {"naive+linear": 100, "catto+linear": None, "catto+ngs": None}
-            for method, at in (usual if falls is None else falls).items():
+            usual = {"naive+linear": 100, "catto+linear": None, "catto+ngs": None} if falls is None else falls
+            for i, (method, at) in enumerate(usual.items()):
                 down = np.zeros(STEPS) if at is None else (np.arange(STEPS) >= at) * 8.0
                 maker.trial("heritage_positions", {"kind": "world", "scene": "falling_stack", "dimension": 2, "resolver": method,
                                                    "precision": "f64", "timed": False, "repeat": 0},
-                            {"tilt_end": 0.01 if at is None else 1.5}, series={"height": 10 - down, "drift": 0.1 + down})
+                            {"tilt_end": 0.01 if at is None else 1.5},
+                            series={"height": 10 - down - i * apart, "drift": 0.1 + down})
         return fill
 
     def one(self, **about):
@@ -43,7 +44,9 @@ class OverTime(with_store.WithStore):
         if PICTURE:
             made.figure.savefig(PICTURE)
         self.assertEqual(made.finding, "In 2D on falling_stack with naive+linear half of the height is lost at step 100; with "
-                         "catto+linear and catto+ngs it stands, and no body is turned by more than 0.01 rad in the end.")
+                         "catto+linear and catto+ngs it stands, and no body is turned by more than 0.01 rad in the end. That a "
+                         "position method which turns no body (linear) makes piles fall is not borne by this scene: under catto "
+                         "linear and ngs stand.")
         self.assertEqual(made.headline.text, "On falling_stack in 2D a pile falls with naive+linear and stands with catto+linear "
                                              "and catto+ngs.")
         self.assertEqual(list(made.table["height at the end [m]"]), [10.0, 10.0, 2.0])
@@ -56,6 +59,26 @@ class OverTime(with_store.WithStore):
             self.assertIsNone(over_time.fallen_at([10, 6, 4.9, 6]))
         finally:
             over_time.LOST = real
+
+    def test_what_the_report_says_of_linear_is_borne_or_not(self):
+        said = lambda **falls: self.one(falls={name.replace("_", "+"): at for name, at in falls.items()}).finding  # noqa: E731
+        self.assertIn("is borne by this scene: under catto linear falls at step 50 and ngs stands.",
+                      said(catto_linear=50, catto_ngs=None))
+        self.assertIn("is not borne by this scene: under naive linear falls at step 90 and ngs falls at step 50.",
+                      said(naive_linear=90, naive_ngs=50))
+        self.assertIn("is borne in part by", said(naive_linear=90, naive_ngs=50, catto_linear=50, catto_ngs=None))
+        self.assertNotIn("this scene", said(catto_ngs=None, catto_nonlinear=None))
+
+    def test_the_planted_bug_curves_apart_are_no_one_line(self):
+        def drawn(apart):
+            made = self.made(over_time, self.piles(falls={"catto+linear": None, "catto+ngs": None}, apart=apart))[0]
+            return len([line for line in made.figure.axes[0].lines])
+        self.assertEqual([drawn(1e-5), drawn(1.0)], [1, 2])
+        real, over_time.SEEN = over_time.SEEN, 1.0
+        try:
+            self.assertEqual(drawn(1.0), 1)
+        finally:
+            over_time.SEEN = real
 
     def test_where_all_stand_there_is_no_headline(self):
         self.assertIsNone(self.one(falls={"catto+linear": None, "catto+ngs": None}).headline)

@@ -57,6 +57,12 @@ class Parameters(with_store.WithStore):
         finally:
             parameters.noise.tells = real
 
+    def test_a_lower_median_within_the_noise_is_told_where_the_picture_shows_it(self):
+        rows = [{"panel": "here", "family": "tree", "method": f"tree{{{m}}}", "ratio": ratio, "told": told} for m, ratio, told in
+                (("a", 0.7, True), ("b", 0.6, False), ("c", 0.5, True), ("d", 1.2, False))]
+        self.assertEqual(parameters._not_told(rows, rows[0], -1), "; the median of tree{b} is farther off, but within the noise")
+        self.assertEqual(parameters._not_told(rows, rows[2], -1), "")
+
     def test_what_failed_is_told(self):
         made = self.one(hung=("grid{cell=8}",))
         self.assertIn("timeout (long)", " ".join(made.holes))

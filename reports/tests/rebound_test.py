@@ -58,6 +58,11 @@ class Rebound(with_store.WithStore):
         self.assertEqual(rebound.thrown([10, 5, 0.9, 1, 1]), (9.0, 0.0))
         self.assertGreater(max([10, 5, 0.9, 1, 1]) - 1, 0, "as the highest place of the whole run would have it")
 
+    def test_no_line_where_no_speed_was_tried(self):
+        xs, ys = rebound.joined([(20.0, 1.0), (20.5, 2.0), (40.0, 3.0), (40.4, 4.0)])
+        self.assertEqual((xs[:2], xs[3:], ys[3:]), ([20.0, 20.5], [40.0, 40.4], [3.0, 4.0]))
+        self.assertTrue(math.isnan(xs[2]) and math.isnan(ys[2]))
+
     def test_who_failed_has_no_number(self):
         made = self.one(back={"springy": (0, None), "calm": (0, 0.2)})
         self.assertEqual(made.finding, "In 2D, calm throws the body back by up to 4 m (at 20 m/s), at all from 20 m/s on; "
