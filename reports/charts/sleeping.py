@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 import metrics
+import sleep_scenes
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, methods
 from load import split, varying
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, si
@@ -25,13 +26,16 @@ ABSENT = Chart("sleeping", SECTION, "Sleeping", "No sweep of sleep policies with
                "store.", "sleeping")
 TOLD = ("awake_mean", "woken", WAVE)  # by trials; not in stores that are older
 SAVED, FAR, MIDDLE = "row updates saved", "largest distance", "median distance"  # columns of cells
+TIME, TIME_RUNS = "time saved", "time saved by repeats"
 FLOOR = 1e-12  # m
+COUNTED = ", with the range of its repeats; the table has the row updates, a count without noise"
 
 
 def of_sweep(context, cells):
     if not set(TOLD) <= set(cells) or len({_policy(context, key) for key in cells["key"]} - {None}) < 2:
         return []
-    name, groups, made = context.baseline(cells), [c for c in ("scene", "dimension") if c in cells], []
+    name, groups = context.baseline(cells), [c for c in ("scene", "dimension") if c in cells]
+    made = sleep_scenes.of_sweep(context, cells)
     for part in split(cells, groups):
         inner = varying(context.store, part, groups)
         for equal in split(part, inner, sort=True):
@@ -67,6 +71,25 @@ def distances(mine, other):
     return max(far), float(np.median(far))
 
 
+def seconds(context, cell):
+    """Seconds of a step, mean over the run, of each timed repeat that stored them: of a run half of which sleeps the median step
+    would tell one half alone."""
+    found = [context.store.series(key, "seconds") for key in cell["keys_timed"]]
+    return [float(np.mean(values)) for values in found if values is not None and len(values)]
+
+
+def with_time(context, cells, awake):
+    """The cells with TIME, the median, and TIME_RUNS, each repeat against the baseline's median; None where one that finished
+    was not timed."""
+    base, runs = seconds(context, awake), [seconds(context, cell) if cell["outcome"] == "ok" else [] for _, cell in
+                                           cells.iterrows()]
+    if not base or not all(found for found, outcome in zip(runs, cells["outcome"]) if outcome == "ok"):
+        return None
+    cells[TIME_RUNS] = [[1 - value / np.median(base) for value in found] for found in runs]
+    cells[TIME] = [float(np.median(found)) if found else math.nan for found in cells[TIME_RUNS]]
+    return cells
+
+
 def measured(context, cells, awake):
     """The cells with SAVED, FAR and MIDDLE; what did not finish has none."""
     dimension = int(metrics.Trial(context.store, awake["key"]).parameter("dimension"))
@@ -83,6 +106,14 @@ def measured(context, cells, awake):
     return cells
 
 
+def _time_of(cell):
+    if not math.isfinite(cell.get(TIME, math.nan)):
+        return ""
+    runs = [100 * value for value in cell[TIME_RUNS]]
+    spread = f", {si(min(runs))} to {si(max(runs))} over {len(runs)} repeats" if len(runs) > 1 else ", of one repeat"
+    return f" and {si(100 * cell[TIME])} % of the time{spread}"
+
+
 def finding(cells, awake, where):
     others = cells[cells["method"] != awake["method"]]
     good = others[np.isfinite(metrics.column(others, SAVED))]
@@ -92,7 +123,7 @@ def finding(cells, awake, where):
     if most[SAVED] <= 0:
         return f"On {where} nobody falls asleep."
     farthest = good.loc[good[FAR].idxmax()] if good[FAR].notna().any() else None
-    text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the row updates"
+    text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the row updates{_time_of(most)}"
     if farthest is not None and math.isfinite(most[FAR]):
         free = [m for m, far in zip(good["method"], good[FAR]) if far <= FLOOR]
         text += f"; its bodies end at most {si(most[FAR], 'm')} from where they end awake"
@@ -128,6 +159,8 @@ def headline(cells, awake, where):
 
 def _chart(context, cells, awake, where):
     cells = measured(context, cells, awake).sort_values("method")
+    timed = with_time(context, cells, awake) is not None
+    across = TIME if timed else SAVED
     labels, looks = list(cells["method"]), context.looks(cells)
     others = cells[cells["method"] != awake["method"]]
     waves = others[np.isfinite(metrics.column(others, WAVE)) & np.isfinite(metrics.column(others, SAVED))]
@@ -136,28 +169,32 @@ def _chart(context, cells, awake, where):
     ax, bad = axes[0][0], bool(others[FAR].isna().any())
     up = ZeroLog(ax, "y", list(others[FAR].dropna()), "m", failures=bad, floor=FLOOR)
     for _, cell in others.iterrows():
-        x = 100 * cell[SAVED] if math.isfinite(cell[SAVED]) else 0.0
+        x = 100 * cell[across] if math.isfinite(cell[across]) else 0.0
+        if timed and len(cell[TIME_RUNS]) > 1:
+            ax.plot([100 * min(cell[TIME_RUNS]), 100 * max(cell[TIME_RUNS])], [up.place(float(cell[FAR]))] * 2, lw=0.9,
+                    color=looks(cell["method"])["color"])
         ax.plot([x], [up.place(float(cell[FAR]))], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
     ax.set_title("largest distance from the end without sleep")
     if len(waves):
         late = axes[0][1]
         for _, cell in waves.iterrows():
-            late.plot([100 * cell[SAVED]], [cell[WAVE]], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
-        late.set_ylim(bottom=-0.05 * max(1.0, waves[WAVE].max()))
+            late.plot([100 * cell[across]], [cell[WAVE]], **{**looks(cell["method"]), "linestyle": "none"}, zorder=3)
+        late.set_ylim(-0.05 * max(1.0, waves[WAVE].max()), 1.08 * max(1.0, waves[WAVE].max()))
         late.yaxis.set_major_locator(MaxNLocator(integer=True))
         late.set_title("steps until those woken are awake")
     for each in axes[0]:
-        each.set_xlabel("row updates saved (%)")
+        each.set_xlabel(f"{across} (%)")
     handles = [Line2D([], [], label=context.name(m), **{**looks(m), "linestyle": "none"}) for m in others["method"]]
     legend_right(figure, handles, width)
-    table = {"policy": labels, "outcome": list(cells["outcome"])}
+    table = {"policy": labels, "outcome": list(cells["outcome"])} | (quantity(TIME, "1", cells[TIME]) if timed else {})
     for title, unit, name in ((SAVED, "1", SAVED), ("largest distance from the end without sleep", "m", FAR),
                               ("median over bodies", "m", MIDDLE), ("bodies awake, mean", "1", "awake_mean"),
                               ("woken by the last act", "1", "woken"), ("steps until all are woken", "1", WAVE)):
         table |= quantity(title, unit, metrics.column(cells, name))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"What sleeping costs: {where}",
                  finding(cells, awake, where), cells["sweep"].iloc[0], figure, pd.DataFrame(table), holes(cells, ["method"]),
-                 f"Across what a policy saves of the row updates of {context.name(awake['method'])}: a count without noise. Up "
+                 f"Across what a policy saves of the {'time' if timed else 'row updates'} of {context.name(awake['method'])}"
+                 f"{COUNTED if timed else ': a count without noise'}. Up "
                  "how far a body ends at the most from where it ends when nobody sleeps; in scenes that forget their start it is "
                  "another history, and no error. Where a script acts, how many steps later most bodies are awake: sleepers that "
                  "wait for a gap wake one after the other.", headline=headline(cells, awake, where))

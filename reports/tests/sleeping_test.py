@@ -18,7 +18,7 @@ POLICIES = {"none": (100, 5, 0, 0, 0.0), "quick": (40, 2, 5, 0, 0.0), "slow": (2
 
 class Sleeping(with_store.WithStore):
     @staticmethod
-    def stack(policies=None, baseline="none", outcomes=None, ends=600, bodies=3):
+    def stack(policies=None, baseline="none", outcomes=None, ends=600, bodies=3, times=None):
         def fill(maker):
             for name in ("awake_mean", "woken", "wake_steps"):
                 maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
@@ -32,6 +32,9 @@ class Sleeping(with_store.WithStore):
                                   extra={"pipeline": f"sleep={name}"})
                 last = ends if name != "slow" else 600
                 maker.poses(key, 0, [[slot, 9.0, 9.0, 0.0] for slot in range(3)])
+                for repeat, of in enumerate((times or {}).get(name, ())):
+                    maker.trial("mine", {**axes, "timed": True, "repeat": repeat}, {"ms_per_step_median": of}, outcome,
+                                series={"seconds": [of * 0.5e-3, of * 1.5e-3]}, extra={"pipeline": f"sleep={name}"})
                 there = range(bodies if name == "slow" else 3)
                 maker.poses(key, last, [[slot, slot + off * (slot == 1), 1.0, 0.0] for slot in there])
         return fill
@@ -48,6 +51,22 @@ class Sleeping(with_store.WithStore):
         self.assertAlmostEqual(table.at["slow", "median over bodies [m]"], 0)
         self.assertEqual(len(made[0].figure.axes), 2)
         self.assertIn("by slow 80 % and 30 mm", made[0].headline.text)
+
+    def test_time_saved_where_it_was_timed_with_the_count_beside_it(self):
+        times = {"none": (10, 10, 10), "quick": (6, 6, 6), "slow": (2, 3, 9)}
+        made = self.made(sleeping, self.stack(times=times))[0]
+        self.assertIn("slow saves most, 80 % of the row updates and 70 % of the time, 10 to 80 over 3 repeats", made.finding)
+        self.assertEqual({ax.get_xlabel() for ax in made.figure.axes}, {"time saved (%)"})
+        table = made.table.set_index("policy")
+        self.assertAlmostEqual(table.at["slow", "time saved [1]"], 0.7)
+        self.assertAlmostEqual(table.at["slow", "row updates saved [1]"], 0.8)
+        untimed = self.made(sleeping, self.stack(times={"none": (10,), "quick": (6,)}))[0]
+        self.assertEqual({ax.get_xlabel() for ax in untimed.figure.axes}, {"row updates saved (%)"})
+        self.assertNotIn("of the time", untimed.finding)
+
+    def test_no_mark_is_cut_by_the_frame(self):
+        low, high = self.made(sleeping, self.stack())[0].figure.axes[1].get_ylim()
+        self.assertTrue(low < 0 and high > 4, (low, high))
 
     def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
         context = self.context(self.stack())
