@@ -4,14 +4,18 @@
 experiments/heritage/compilers writes."""
 
 import argparse
+import re
 import sys
+import xml.etree.ElementTree
 from pathlib import Path
 
 EXAMPLE = """example:
   reports/heritage_compilers.py results/heritage_compilers --medians
-  reports/heritage_compilers.py results/heritage_compilers --to reports/out/heritage/compilers.svg"""
+  reports/heritage_compilers.py results/heritage_compilers --to reports/out/heritage/compilers.svg
+  reports/heritage_compilers.py results/heritage_compilers --page docs/heritage_figures.md"""
 PHASES = ("findPairs", "findContacts", "applyForces", "resolveVelocities", "moveApart")
 LEVELS = ("O0", "O1", "O2", "O3")
+MARKS = re.compile(r"<!-- compilers -->\n.*?<!-- end -->", re.DOTALL)  # on a page, below its picture
 WARM_UP = 10  # steps that are not counted
 
 
@@ -104,8 +108,27 @@ def draw(medians, target):
     axes[0][0].set_ylim(0, 122)
     legend_right(figure, [Patch(color=colours[name], alpha=0.85, label=name) for name in reversed(colours)], 1.75)
     pages.folder(Path(target).parent)
-    pages.save(figure, Path(target))
+    pages.save(figure, Path(target), finding(medians))
     return overlap.overlaps(figure)
+
+
+def finding_in(picture):
+    """As `draw` left it there; empty where a picture has none."""
+    found = xml.etree.ElementTree.parse(picture).find(".//{http://purl.org/dc/elements/1.1/}description")
+    return "" if found is None else found.text
+
+
+def write(text, page):
+    """Puts the finding below the picture of a page."""
+    import pages
+    old = page.read_text(encoding="utf-8")
+    if not MARKS.search(old):
+        raise ValueError(f"--page {page}: no place for a finding; it needs lines '<!-- compilers -->' and '<!-- end -->'")
+    pages.whole(page, lambda target: target.write_text(MARKS.sub(lambda _: block(text), old), encoding="utf-8"))
+
+
+def block(text):
+    return f"<!-- compilers -->\n*{text}*\n<!-- end -->"
 
 
 def main(arguments=None):
@@ -114,6 +137,8 @@ def main(arguments=None):
     parser.add_argument("folder", metavar="DIR", help="where experiments/heritage/compilers wrote")
     parser.add_argument("--medians", action="store_true", help="write DIR/medians.csv, a row per run")
     parser.add_argument("--to", metavar="FILE", help="draw the chart there (.svg, .png or .pdf)")
+    parser.add_argument("--page", metavar="FILE", help="write the finding on that page, between '<!-- compilers -->' and "
+                        "'<!-- end -->'")
     options = parser.parse_args(arguments)
     try:
         medians = medians_of(options.folder)
@@ -121,6 +146,8 @@ def main(arguments=None):
             medians.to_csv(Path(options.folder) / "medians.csv", index=False)
         if options.to:
             draw(medians, options.to)
+        if options.page:
+            write(finding(medians), Path(options.page))
         print(finding(medians))
     except (OSError, ValueError, KeyError) as error:
         print(f"reports/heritage_compilers.py: {error}", file=sys.stderr)

@@ -48,11 +48,12 @@ def folder(path):
         raise UserError(f"{path}: cannot be made: {error.strerror}") from error
 
 
-def save(figure, path):
-    """As the ending says; no dates inside, so the same store gives the same bytes."""
+def save(figure, path, finding=None):
+    """As the ending says; no dates inside, so the same store gives the same bytes. An SVG bears its finding, if it is given."""
     ending = path.suffix[1:]
     made_by = {"svg": {"Date": None, "Creator": "LPC reports"}, "png": {"Software": "LPC reports"}}
-    whole(path, lambda target: figure.savefig(target, format=ending, dpi=150, metadata=made_by.get(ending, {})))
+    metadata = made_by.get(ending, {}) | ({"Description": finding} if finding and ending == "svg" else {})
+    whole(path, lambda target: figure.savefig(target, format=ending, dpi=150, metadata=metadata))
 
 
 def save_all(pictures):

@@ -114,5 +114,5 @@ def _chart(context, cells):
     return Chart(f"{sweep}_scenes_{dimension}d", SECTION, f"Waves, touches and slow rollers, {dimension}D",
                  f"In {dimension}D {finding(rows)}", sweep, figure, table, holes(cells, ["scene", "method", "at"]),
                  "Left how many steps after its support went most of a sleeping stack is awake: 0 is all at once. Middle how "
-                 "many of a stack a ball wakes that touches it. Right from which step on a rolling ball sleeps. Reddish is what a "
-                 "user would rather not have.")
+                 "many of a stack a ball wakes that touches it. Right from which step on a rolling ball sleeps. Reddish is what "
+                 "a user would rather not have.")

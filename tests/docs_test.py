@@ -62,7 +62,8 @@ NOT_RUN = {
         "of sweeps that take minutes; reports_docs_page does it with a small store",
     "experiments/heritage/compilers --out results/heritage_compilers":
         "six builds; heritage_compilers_build makes one, with --deep",
-    "reports/heritage_compilers.py results/heritage_compilers --to docs/drawings/heritage_compilers.svg":
+    "reports/heritage_compilers.py results/heritage_compilers --to docs/drawings/heritage_compilers.svg "
+    "--page docs/heritage_figures.md":
         "of what that has measured; reports_heritage_compilers draws the like",
 }
 # The same in a second or two.

@@ -41,6 +41,21 @@ class Compilers(unittest.TestCase):
         self.assertEqual(heritage_compilers.draw(heritage_compilers.medians_of(folder), target), ([], []))
         self.assertTrue(target.exists())
 
+    def test_a_page_has_the_finding_of_its_picture(self):
+        page, folder = Path(HERE.parent.parent / "docs/heritage_figures.md"), self.folder()
+        fault = lambda text, picture: "" if heritage_compilers.block(  # noqa: E731
+            heritage_compilers.finding_in(picture)) in text else "the page says something else than its picture"
+        self.assertEqual(fault(page.read_text(encoding="utf-8"), page.parent / "drawings/heritage_compilers.svg"), "")
+        copy, picture = folder / "page.md", folder / "picture.svg"
+        copy.write_text("before\n<!-- compilers -->\nold\n<!-- end -->\nafter\n", encoding="utf-8")
+        self.assertEqual(heritage_compilers.main([str(folder), "--to", str(picture), "--page", str(copy)]), 0)
+        self.assertEqual(fault(copy.read_text(encoding="utf-8"), picture), "")
+        self.assertIn("*\n<!-- end -->\nafter\n", copy.read_text(encoding="utf-8"))
+        planted = copy.read_text(encoding="utf-8").replace("20 times", "30 times")
+        self.assertNotEqual(fault(planted, picture), "", "the planted bug was not seen")
+        copy.write_text("no place\n", encoding="utf-8")
+        self.assertEqual(heritage_compilers.main([str(folder), "--page", str(copy)]), 2)
+
     def test_the_planted_bug_other_bits_are_told(self):
         self.assertIn("they end in 2 different states", heritage_compilers.finding(heritage_compilers.medians_of(
             self.folder(states="ab"))))
