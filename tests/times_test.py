@@ -4,6 +4,8 @@
 import importlib.machinery
 import importlib.util
 import pathlib
+import sqlite3
+import tempfile
 import unittest
 
 _path = str(pathlib.Path(__file__).resolve().parent / "times")
@@ -46,6 +48,26 @@ class Times(unittest.TestCase):
                 "CMakeFiles/lpc_pinned_f64.dir/trace.cpp.o": "tests/determinism f64",
                 "CMakeFiles/lpc_framework_f64.dir/cmake_pch.hxx.gch": "precompiled headers"}.items():
             self.assertEqual(times.folder_of(output), folder, output)
+
+    def test_stores(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            self.assertEqual(times.stores(root), [])
+            (root / "results").mkdir()
+            (root / "results" / "none.db").write_text("no store")
+            db = sqlite3.connect(root / "results" / "mine.db")
+            db.executescript("CREATE TABLE planned(sweep TEXT, key TEXT);"
+                             "CREATE TABLE trial(key TEXT, started TEXT, wall REAL);")
+            db.executemany("INSERT INTO planned VALUES (?, ?)", [("a", "1"), ("a", "2"), ("b", "2"), ("b", "3"), ("b", "not run")])
+            db.executemany("INSERT INTO trial VALUES (?, ?, ?)", [
+                ("1", "2026-01-01T00:00:00Z", 2.0), ("2", "2026-01-01T00:00:01Z", 4.0), ("3", "2026-01-01T00:01:00Z", 1.5)])
+            db.commit()
+            self.assertEqual(times.store_table(db), ([("a", 2, 6.0), ("b", 2, 5.5)], 61.5, 3, 55.0))
+            db.close()
+            lines = times.stores(root)
+            self.assertIn("### mine.db: 62 s by the clock, 3 trials, longest pause 55 s", lines)
+            self.assertIn("| b | 2 | 5.5 |", lines)
+            self.assertFalse([line for line in lines if "none.db" in line])
 
     def test_programs(self):
         junit = ('<testsuite time="9"><testcase name="f64.A.B" time="2"/><testcase name="f64.A.C" time="1.5"/>'
