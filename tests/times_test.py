@@ -58,7 +58,8 @@ class Times(unittest.TestCase):
             db = sqlite3.connect(root / "results" / "mine.db")
             db.executescript("CREATE TABLE planned(sweep TEXT, key TEXT);"
                              "CREATE TABLE trial(key TEXT, started TEXT, wall REAL);")
-            db.executemany("INSERT INTO planned VALUES (?, ?)", [("a", "1"), ("a", "2"), ("b", "2"), ("b", "3"), ("b", "not run")])
+            db.executemany("INSERT INTO planned VALUES (?, ?)", [("a", "1"), ("a", "2"), ("b", "2"), ("b", "3"),
+                                                                        ("b", "not run")])
             db.executemany("INSERT INTO trial VALUES (?, ?, ?)", [
                 ("1", "2026-01-01T00:00:00Z", 2.0), ("2", "2026-01-01T00:00:01Z", 4.0), ("3", "2026-01-01T00:01:00Z", 1.5)])
             db.commit()
