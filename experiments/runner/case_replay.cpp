@@ -17,11 +17,11 @@ namespace {
 
 using nlohmann::json;
 
-struct Question {
+struct Asked {
   std::size_t number;  // of the case
   std::string method;
 };
-using Questions = std::vector<Question>;
+using AllAsked = std::vector<Asked>;
 
 class Replay {
  public:
@@ -29,7 +29,7 @@ class Replay {
       : m_file(path), m_path(std::filesystem::absolute(path).string()), m_cases(cases), m_pool(plugins) {}
 
   // One worker for all; where it does not come back, one for each half.
-  void ask(const Questions& questions, std::vector<CaseResult>& rows) {
+  void ask(const AllAsked& questions, std::vector<CaseResult>& rows) {
     WorkerEnd end = run(questions);
     if (end.outcome == "unsupported") throw UserError(m_file + ": " + std::string(toldBy(end.reason)));
     std::vector<CaseResult> told;
@@ -58,9 +58,9 @@ class Replay {
     return reason;
   }
 
-  WorkerEnd run(const Questions& questions) {
+  WorkerEnd run(const AllAsked& questions) {
     json task = {{"file", m_path}, {"questions", json::array()}};
-    for (const Question& q : questions) task["questions"].push_back({q.number, q.method});
+    for (const Asked& q : questions) task["questions"].push_back({q.number, q.method});
     // A witness is given half a second for a pair that it hangs on.
     const WorkerLimits limits{.seconds = 20 + 0.6 * static_cast<double>(questions.size())};
     m_pool.start(0, m_cases[questions.front().number].finding->precision, {{"cases", task}}, limits, -1);
@@ -71,7 +71,7 @@ class Replay {
   }
 
   // Only a signal and a hang tell of the method, and SIGKILL of the machine's memory.
-  CaseResult lost(const Question& q, const WorkerEnd& end) const {
+  CaseResult lost(const Asked& q, const WorkerEnd& end) const {
     const Case& c = m_cases[q.number];
     const bool hung = end.outcome == "timeout", crashed = end.signal != 0 && end.signal != SIGKILL;
     if (q.method == "referee" || !(hung || crashed)) {
@@ -99,7 +99,7 @@ std::vector<CaseResult> replayFound(const std::string& path, const std::vector<C
     if (c.finding && precisions.insert(c.finding->precision).second) checkWorker(c.finding->precision, false);
   }
   std::vector<CaseResult> rows;
-  Questions questions;
+  AllAsked questions;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     if (!cases[i].finding) continue;
     if (!questions.empty() && cases[i].finding->precision != cases[questions.front().number].finding->precision) {
