@@ -45,9 +45,9 @@ class OutputFile {
 bool isOwnStream(const std::string& path);
 
 /// Files as a message names them: {"--record", "a.rec"}. Those that were not named have an empty path.
-using FilesByName = std::vector<std::pair<std::string, std::string>>;
+using NamedFiles = std::vector<std::pair<std::string, std::string>>;
 /// Throws UserError where an output would be written over an input or over another output, also when a link or another
 /// spelling leads there.
-void keepApart(const FilesByName& inputs, const FilesByName& outputs);
+void keepApart(const NamedFiles& inputs, const NamedFiles& outputs);
 
 }  // namespace lpc::inline LPC_PRECISION
