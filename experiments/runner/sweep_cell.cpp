@@ -28,13 +28,13 @@ std::string beside(const std::string& sweep, const std::string& given, const cha
   return given;
 }
 
-void NamedFiles::add(const SceneFile& scene, bool scriptIsAnAxis) {
+void AxisFiles::add(const SceneFile& scene, bool scriptIsAnAxis) {
   add("scene", scene.name(), scene.path());
   const std::string& script = scene.scriptPath();
   if (scriptIsAnAxis) add("script", script.empty() ? "none" : std::filesystem::path(script).stem().string(), script);
 }
 
-void NamedFiles::add(const std::string& axis, const std::string& name, const std::string& path) {
+void AxisFiles::add(const std::string& axis, const std::string& name, const std::string& path) {
   const std::string& first = m_paths.try_emplace({axis, name}, path).first->second;
   if (first == path || (!first.empty() && !path.empty() && std::filesystem::equivalent(first, path))) return;
   const auto told = [](const std::string& p) { return p.empty() ? std::string("none at all") : p; };

@@ -16,7 +16,7 @@ std::string beside(const std::string& sweep, const std::string& given, const cha
 
 /// The files of a sweep's scenes and scripts. Results have their names alone: those of two files of one name would be
 /// taken for repeats of one run.
-class NamedFiles {
+class AxisFiles {
  public:
   /// Throws UserError when another file of that name was there.
   void add(const SceneFile& scene, bool scriptIsAnAxis);

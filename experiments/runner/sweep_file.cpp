@@ -433,7 +433,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   std::string m_twice;                    // a value of an axis: its cells are timed as if they were two
   bool m_timed = false;                   // something is
   IdleSeeds m_seeds;
-  NamedFiles m_files;
+  AxisFiles m_files;
   PlannedSweep m_out;
 };
 
