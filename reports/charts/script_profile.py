@@ -40,7 +40,7 @@ def of_sweep(context, cells):
         return []
     cells, refused = one_machine(context.store, cells)
     made = []
-    for part in split(cells, [name for name in ("scene", "dimension") if name in cells]):
+    for part in split(cells, [name for name in ("scene", "script", "dimension") if name in cells]):
         made.append(_chart(context, part.drop_duplicates("method").sort_values("method"), refused))
     return made
 
@@ -118,7 +118,8 @@ def _half(store, key):
 
 def _chart(context, cells, refused):
     store, sweep = context.store, cells["sweep"].iloc[0]
-    where = f"{cells['scene'].iloc[0]}, {int(cells['dimension'].iloc[0])}D" if "dimension" in cells else cells["scene"].iloc[0]
+    where = cells["scene"].iloc[0] + (f" with {cells['script'].iloc[0]}" if "script" in cells else "")
+    where += f", {int(cells['dimension'].iloc[0])}D" if "dimension" in cells else ""
     figure, panels = grid_of_axes(2, len(cells), 2.3, 1.75, left=0.75, gap_x=0.35, gap_y=0.5)
     runs, rows, top, high, seen = [], [], 0.0, 1.0, {}
     for column, (_, cell) in enumerate(cells.iterrows()):
