@@ -9,7 +9,7 @@
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::change_test {
 namespace {
 
 constexpr Real kDt = Real(1) / 60;
@@ -496,4 +496,4 @@ TYPED_TEST(ChangeTest, OfOneBody) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::change_test
