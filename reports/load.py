@@ -294,7 +294,8 @@ class Store:
             machines = [trial.machine for trial in timed if not pd.isna(trial.machine)]
             machine = min(machines, key=lambda number: (-machines.count(number), number)) if machines else None
             same = {trial.Index: trial.metrics for trial in timed if machine is None or trial.machine == machine}
-            cell.update(key_timed=next(iter(same)), keys_timed=list(same), machine=machine, refused_repeats=len(timed) - len(same))
+            cell.update(key_timed=next(iter(same)), keys_timed=list(same), machine=machine,
+                        refused_repeats=len(timed) - len(same))
             for name in dict.fromkeys(name for metrics in same.values() for name in metrics if self.is_time(name)):
                 repeats, of_seeds = {}, {}  # a repeat is one round over all cells
                 for entry in entries:

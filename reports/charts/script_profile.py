@@ -171,7 +171,7 @@ def _chart(context, cells, refused):
                  f"On {where} " + finding(runs, cells, floor), sweep, figure, pd.DataFrame(rows),
                  refused + holes(cells, ["scene", "method"]),
                  "Medians of stretches of the run. Their height is the median of the repeats, what is stacked in it the shares "
-                 "of the one that stored its phases; the dotted line is the half, where the rain stops and the firework goes off. "
+                 "of the one that stored its phases; dotted is the half, where the rain stops and the firework goes off. "
                  f"{', '.join(f'{name} is {scope[4:]}' for name, scope in PHASES.items())} of ours; {OTHER} is the "
                  f"rest. Bodies are counted with ground and walls. {REPORTED.get(sweep, '')} " + noise.rule(floor), headline=told)
 

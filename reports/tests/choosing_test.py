@@ -130,7 +130,7 @@ class Choosing(unittest.TestCase):
                                         "mine_vertical_stack__2d", "noise"], "one chart, not six")
         self.assertEqual(list(made["mine_vertical_stack__2d"].table["method"]), [
             f"{b} / {c}" for b in ("naive", "region_tree", "uniform_grid") for c in ("query_clip", "sat_clip")])
-        self.assertIn("the same work as naive / query_clip", made["mine_vertical_stack__2d"].finding)
+        self.assertIn('the same work as "naive / query_clip"', made["mine_vertical_stack__2d"].finding)
         three = self.made(lambda maker: fill(maker, ("by_feature", "none")))["mine_vertical_stack__2d"].table
         self.assertIn("region_tree / by_feature / sat_clip", list(three["method"]), "what has most values comes first")
 

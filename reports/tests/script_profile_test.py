@@ -87,8 +87,8 @@ class ScriptProfile(with_store.WithStore):
         def check():
             made = self.one(slow={0: 2})
             share = made.table[made.table["run"] == "first"].set_index("phase")
-            return ("100 µs (100 µs to 100 µs) a step and 1.2 contact points a body before the half, 200 µs (200 µs to 400 µs) at "
-                    "the peak, 200 µs (200 µs to 400 µs) in the last tenth" in made.finding,
+            return ("100 µs (100 µs to 100 µs) a step and 1.2 contact points a body before the half, 200 µs (200 µs to 400 µs) "
+                    "at the peak, 200 µs (200 µs to 400 µs) in the last tenth" in made.finding,
                     made.headline.text == self.one(slow={}).headline.text,
                     abs(share.at["resolveVelocities", "median of the last tenth [s]"] - 80e-6) < 1e-9,
                     abs(share.at["whole step", "median of the last tenth [s]"] - 200e-6) < 1e-9)

@@ -212,7 +212,7 @@ TEST(BadInput, EventsBeyondAllNumbersEndTheRunAtTheirStep) {
   for (const auto& [kind, numbers] : events) {
     w.write("t.toml", kHead + "steps = 20\n[[body]]\nname = \"a\"\n" + kBall + "[[event]]\nstep = 2\ndo = \"" + kind +
                           "\"\nbody = \"a\"\n" + numbers);
-    for (const char* pipeline : {"", " --pipeline engine=box2d"}) {
+    for (const char* pipeline : {"", " --dimension 3 --pipeline engine=bullet"}) {
       const Outcome out = w.lpc(std::string("run t.toml") + pipeline);
       EXPECT_EQ(out.code, 1) << kind << pipeline << "\n" << out.text;
       EXPECT_NE(out.text.find("outcome   diverged at step 2: "), std::string::npos) << kind << "\n" << out.text;

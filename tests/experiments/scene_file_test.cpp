@@ -134,7 +134,7 @@ position = ["step", "k"]
 shapes = [{ kind = "circle", radius = 1 }]
 [[joint]]
 kind = "pivot"
-a = "rain[1]"
+a = "rain[2]"
 b = "late"
 anchor = [0, 0]
 )");
@@ -145,7 +145,7 @@ anchor = [0, 0]
   EXPECT_EQ(removals, (std::vector<long>{15, 35, -1, 55, 75}));
   EXPECT_EQ(scene.spawns[4].body.X_WB.p, Vec<2>(70, 3));
   ASSERT_EQ(scene.joints.size(), 1u);
-  EXPECT_EQ(scene.joints[0].bodyA, 1);
+  EXPECT_EQ(scene.joints[0].bodyA, 3);
   EXPECT_EQ(scene.joints[0].bodyB, 2);
 }
 
