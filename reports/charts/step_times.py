@@ -3,6 +3,7 @@
 
 import math
 
+import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
@@ -88,6 +89,8 @@ def _chart(context, cells, shown, gaps, at):
         failed = (part["outcome"] != "ok").any()
         scale = ZeroLog(ax, "x", [v for name, _, _ in MARKS for v in metrics.column(part, name)], "ms", failed_name="failed",
                         failures=failed)
+        if not failed and not np.isfinite([v for name, _, _ in MARKS for v in metrics.column(part, name)]).any():
+            ax.text(0.5, 0.5, "no timed run finished", ha="center", va="center", transform=ax.transAxes)
         for y, method in enumerate(labels):
             if method not in by.index:
                 continue
