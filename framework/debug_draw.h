@@ -4,7 +4,8 @@
 // at costs nothing.
 #pragma once
 
-#include <span>
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "framework/simulation.h"
@@ -15,12 +16,20 @@ struct Colour {
   unsigned char red = 0, green = 0, blue = 0, alpha = 255;
   friend bool operator==(const Colour&, const Colour&) = default;
 };
+/// Lighter or darker.
+inline Colour operator*(const Colour& c, double light) {
+  const auto lit = [&](unsigned char x) {
+    return static_cast<unsigned char>(std::clamp(std::lround(x * light), 0L, 255L));
+  };
+  return {lit(c.red), lit(c.green), lit(c.blue), c.alpha};
+}
 
 /// How a convex part of a body looks.
 struct Look {
   Colour fill, edge;
   bool moves = true;     // its body is not fixed: in the plane it is seen in front of those that are
   bool outline = false;  // its edges alone
+  friend bool operator==(const Look&, const Look&) = default;
 };
 
 template <int D>

@@ -184,6 +184,9 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   std::span<const std::int32_t> jointsOf(std::size_t body) const { return m_jointsOf.of(body); }
   std::span<const Manifold<D>> manifolds() const { return m_manifolds; }
   std::span<const PairRecord> pairRecords() const { return m_records; }  // sorted by key; none where nobody remembers
+  /// Whom the last step found near enough to be asked for contacts, as many as its profile counts. By the slots that
+  /// they had: who has gone since is free there, and who has come may have taken a slot.
+  std::span<const ShapePair> pairs() const { return m_pairs; }
   std::optional<std::span<const Manifold<D>>> contacts() const override { return manifolds(); }
   std::span<const JointRecord<D>> joints() const override { return m_joints; }
   std::span<const ForceRecord<D>> forces() const override { return m_forces; }

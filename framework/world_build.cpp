@@ -259,6 +259,7 @@ void World<D>::clear() {
   m_bodySlots.read(m_bodies.used, isFree), m_shapeSlots.read(m_shapes, isFree);
   m_jointSlots.read(m_joints, isFree), m_forceSlots.read(m_forces, isFree);
   m_bodyListeners.clear(), m_generators.clear();
+  m_pairs.clear();
   m_time = m_lastDt = 0, m_steps = 0;
 }
 

@@ -365,7 +365,7 @@ void World<D>::load(std::istream& in) {
     m_shapesOf.add(static_cast<std::size_t>(m_shapes[i].body), i, m_visits);
   }
   for (std::size_t j = 0; j < m_joints.size(); ++j) listJoint(j);
-  m_bodyListeners.clear();  // of bodies that were
+  m_bodyListeners.clear(), m_pairs.clear();  // of bodies that were
   indexShapes();
 }
 

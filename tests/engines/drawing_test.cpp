@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+// An engine is drawn by what it tells: shapes where it has moved them, joints, motion; contacts, boxes and islands are
+// not made up.
+#include "tests/engines/engine_checks.h"
+#include "tests/expect_caught.h"
+#include "tests/planted_bugs/draw_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+namespace {
+
+// A box that rests, and one that hangs beside it.
+template <int D>
+bool tellsWhatEnginesTell(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, -kG));
+  s->add(ground<D>());
+  const Handle rests = s->add(body<D>(cube<D>(), at<D>(0, 0.6))), hangs = s->add(body<D>(cube<D>(), at<D>(5, 5)));
+  s->add(JointDef<D>{.kind = "pivot", .bodyB = hangs, .X_WJ = {at<D>(6, 5), {}}});
+  run(*s, 0.5);
+  DrawLayers layers;
+  for (const DrawLayer& layer : kDrawLayers) layers.*layer.on = true;
+  HeardDrawing<D> all;
+  drawSimulation(*s, layers, all);
+  if (all.solids.size() != 3 || (all.solids[1].X_WS.p - s->pose(rests).p).norm() > 1e-6) return false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const BodyType type = i == 0 ? BodyType::fixed : BodyType::dynamic;
+    if (all.solids[i].look != bodyLook(i, type, s->bodies().awake[i])) return false;  // no colours of islands
+  }
+  std::size_t anchors = 0, centres = 0;
+  for (const auto& dot : all.dots) anchors += dot.colour == kDrawnJoint, centres += dot.colour == kDrawnCentre;
+  for (const auto& line : all.strokes) {
+    if (line.colour != kDrawnJoint && line.colour != kDrawnJointError && line.colour != kDrawnVelocity) return false;
+  }
+  return anchors == 2 && centres == 2 && all.dots.size() - anchors - centres == all.words.size();
+}
+
+template <int D>
+void enginesAreDrawn() {
+  everyEngine<D>("drawn", tellsWhatEnginesTell<D>);
+  expectCaught("EngineDrawing.TellsWhatEnginesTell: our own world, which tells contacts " + std::to_string(D) + 'D',
+               tellsWhatEnginesTell<D>(ownWorld<D>()));
+}
+TEST(EngineDrawing, TellsWhatEnginesTell2) { enginesAreDrawn<2>(); }
+TEST(EngineDrawing, TellsWhatEnginesTell3) { enginesAreDrawn<3>(); }
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test
