@@ -27,8 +27,9 @@ void putPatches(std::ostream& out, const Picture& picture) {
     out << "Z\" fill=\"" << colourText(p.fill) << "\" stroke=\"" << colourText(p.edge) << "\"/>\n";
   }
   for (const Label& l : picture.labels) {
-    out << "<text x=\"" << l.at[0] << "\" y=\"" << l.at[1]
-        << "\" paint-order=\"stroke\" stroke=\"#f7f7f5\" stroke-width=\"3\">" << l.text << "</text>\n";
+    out << "<text x=\"" << l.at[0] << "\" y=\"" << l.at[1] << "\"";
+    if (l.colour != Colour{}) out << " fill=\"" << colourText(l.colour) << "\"";
+    out << " paint-order=\"stroke\" stroke=\"#f7f7f5\" stroke-width=\"3\">" << l.text << "</text>\n";
   }
 }
 

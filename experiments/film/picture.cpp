@@ -1,17 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/film/picture.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace lpc::inline LPC_PRECISION {
-
-Colour operator*(const Colour& c, double light) {
-  const auto lit = [&](unsigned char x) {
-    return static_cast<unsigned char>(std::clamp(std::lround(x * light), 0L, 255L));
-  };
-  return {lit(c.red), lit(c.green), lit(c.blue)};
-}
 
 // Sutherland and Hodgman.
 std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>& inward, double least) {
@@ -36,7 +26,7 @@ void Picture::add(const Picture& other, const Vec<2>& offset) {
     for (Vec<2>& c : seen.corners) c += offset;
     patches.push_back(std::move(seen));
   }
-  for (const Label& l : other.labels) labels.push_back({l.at + offset, l.text});
+  for (const Label& l : other.labels) labels.push_back({l.at + offset, l.text, l.colour});
 }
 
 }  // namespace lpc::inline LPC_PRECISION

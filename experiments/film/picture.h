@@ -6,20 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "framework/space.h"
+#include "framework/debug_draw.h"
 
 namespace lpc::inline LPC_PRECISION {
 
-struct Colour {
-  unsigned char red = 0, green = 0, blue = 0;
-};
-
-/// Lighter or darker.
-Colour operator*(const Colour& c, double light);
-/// As #rrggbb.
+/// As #rrggbb, or #rrggbbaa where something shines through.
 inline std::string colourText(const Colour& c) {
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", c.red, c.green, c.blue);
+  char text[10];
+  const int end = std::snprintf(text, sizeof text, "#%02x%02x%02x", c.red, c.green, c.blue);
+  if (c.alpha < 255) std::snprintf(text + end, sizeof text - static_cast<std::size_t>(end), "%02x", c.alpha);
   return text;
 }
 
@@ -34,6 +29,7 @@ std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>&
 struct Label {
   Vec<2> at;  // left end of its base line
   std::string text;
+  Colour colour = {};
 };
 
 struct Picture {

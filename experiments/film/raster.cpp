@@ -15,6 +15,11 @@ namespace {
 
 constexpr int kSamples = 3;  // per pixel along each axis
 
+Colour over(const Colour& c, const Colour& below) {
+  const auto part = [&](int x, int y) { return static_cast<unsigned char>((x * c.alpha + y * (255 - c.alpha)) / 255); };
+  return {part(c.red, below.red), part(c.green, below.green), part(c.blue, below.blue)};
+}
+
 class Raster {
  public:
   Raster(int width, int height)
@@ -63,7 +68,8 @@ class Raster {
       }
       const int end = static_cast<int>(std::min<double>(m_width, std::floor(right + 0.5)));
       for (int x = static_cast<int>(std::max(0.0, std::ceil(left - 0.5))); x < end; ++x) {
-        m_samples[static_cast<std::size_t>(y * m_width + x)] = colour;
+        Colour& sample = m_samples[static_cast<std::size_t>(y * m_width + x)];
+        sample = colour.alpha == 255 ? colour : over(colour, sample);
       }
     }
   }

@@ -2,26 +2,21 @@
 #include "experiments/film/reel.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <limits>
 
-#include "experiments/film/depth_order.h"
-#include "experiments/film/shape_patches.h"
+#include "experiments/film/picture_draw.h"
 #include "framework/check.h"
 #include "framework/curved_core.h"
+#include "framework/draw_simulation.h"
 #include "framework/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr double kFarthest = 1e100;  // m: of what is larger or farther no picture has a size
-constexpr Colour kFixed{205, 205, 200}, kFixedEdge{120, 120, 115};
-// Bodies take turns, so that neighbours are told apart.
-constexpr std::array<Colour, 6> kColours = {
-    {{102, 153, 204}, {238, 170, 85}, {119, 178, 119}, {204, 119, 136}, {160, 140, 200}, {190, 180, 100}}};
 
 // The recording has of each part what its factory takes; of a curved kind the half extents, whose first ones are its
 // sizes. A plugin's kind is drawn as its box: its sizes may be anything.
@@ -44,52 +39,6 @@ Shape<D> shapeOf(const typename Recording<D>::Arrival::Part& p) {
       break;
   }
   return Shape<D>::plane();
-}
-
-template <int D>
-bool finite(const Pose<D>& X) {
-  return X.p.allFinite() && (X.q * Vec<D>(Vec<D>::UnitX())).allFinite();
-}
-
-// A convex part of a body.
-struct Drawn {
-  bool moves;
-  SeenPart seen;  // in 3D
-  std::vector<Patch> patches;
-};
-
-// Its edges alone.
-std::vector<Patch> ofGlass(const std::vector<Patch>& patches) {
-  std::vector<Patch> out;
-  for (const Patch& p : patches) {
-    for (std::size_t i = 0; i < p.corners.size(); ++i) {
-      out.push_back({{p.corners[i], p.corners[(i + 1) % p.corners.size()]}, p.edge, p.edge});
-    }
-  }
-  return out;
-}
-
-// From back to front. In the plane nobody is behind another, and what moves is drawn last. In space what never moves
-// may stand in front of what does, a wall or the ground of what fell through it: there it is of glass, since the bodies
-// are what a film is about.
-void putInOrder(std::vector<Drawn>& parts, int dimension) {
-  if (dimension == 2) {
-    std::stable_partition(parts.begin(), parts.end(), [](const Drawn& d) { return !d.moves; });
-    return;
-  }
-  std::vector<SeenPart> seen;
-  for (Drawn& d : parts) seen.push_back(std::move(d.seen));
-  const DepthOrder order = depthOrder(seen);
-  std::vector<bool> glass(parts.size(), false);
-  for (const auto& [back, front] : order.covered) {
-    if (parts[back].moves && !parts[front].moves) glass[front] = true;
-  }
-  std::vector<Drawn> sorted;
-  for (const std::size_t i : order.backToFront) {
-    if (glass[i]) parts[i].patches = ofGlass(parts[i].patches);
-    sorted.push_back(std::move(parts[i]));
-  }
-  parts = std::move(sorted);
 }
 
 double angleOf(const Rot<2>& q) { return std::abs(q.radians()); }
@@ -120,7 +69,7 @@ Sight Reel<D>::sightOf(const typename Recording<D>::Frame& frame, bool fixedOnes
   Sight out;
   for (const auto& body : frame.bodies) {
     const auto actor = m_cast.find({body.slot, body.generation});
-    if (actor == m_cast.end() || (actor->second.type == BodyType::fixed) != fixedOnes || !finite(body.X_WC)) continue;
+    if (actor == m_cast.end() || (actor->second.type == BodyType::fixed) != fixedOnes || !isPlace(body.X_WC)) continue;
     for (const ShapePart<D>& part : actor->second.parts) {
       if (part.shape.isPlane()) continue;
       const Pose<D> X_WS = body.X_WC * part.X_SP;
@@ -164,32 +113,16 @@ Camera<D> cameraOf(const Sight& sight, double width) {
 
 template <int D>
 Picture Reel<D>::picture(std::size_t index, const Camera<D>& camera) const {
-  std::vector<Patch> planes;  // behind all: one that stands in front would hide them
-  std::vector<Drawn> parts;
+  PictureDraw<D> draw(camera);
   for (const auto& body : frames()[index].bodies) {
     const auto actor = m_cast.find({body.slot, body.generation});
-    if (actor == m_cast.end() || !finite(body.X_WC)) continue;
-    const bool moves = actor->second.type != BodyType::fixed;
-    const Colour fill =
-        moves ? kColours[static_cast<std::size_t>(body.slot) % kColours.size()] * (body.awake ? 1 : 1.15) : kFixed;
-    const Colour edge = moves ? fill * 0.55 : kFixedEdge;
+    if (actor == m_cast.end() || !isPlace(body.X_WC)) continue;
+    const Look look = bodyLook(static_cast<std::size_t>(body.slot), actor->second.type, body.awake);
     for (const ShapePart<D>& part : actor->second.parts) {
-      const Pose<D> X_WS = body.X_WC * part.X_SP;
-      if (part.shape.isPlane()) {
-        planes.push_back({planePatch(X_WS, camera), fill, edge});
-      } else {
-        parts.push_back({moves, {}, patchesOf(part.shape.view(), X_WS, camera, fill, edge)});
-        if constexpr (D == 3) {
-          parts.back().seen = {outlineOf(part.shape.view(), X_WS, camera), nearnessOf(part.shape.view(), X_WS, camera)};
-        }
-      }
+      draw.shape(part.shape.view(), body.X_WC * part.X_SP, look);
     }
   }
-  putInOrder(parts, D);
-  Picture out{camera.width, camera.height, std::move(planes), {}};
-  for (Drawn& d : parts) {
-    for (Patch& p : d.patches) out.patches.push_back(std::move(p));
-  }
+  Picture out = draw.picture();
   char text[64];
   std::snprintf(text, sizeof text, "step %lld, %.2f s", static_cast<long long>(frames()[index].step),
                 frames()[index].time);

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+// A drawing as a picture. Films draw by it what a recording says, `pictureOf` a simulation under way.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "experiments/film/camera.h"
+#include "experiments/film/depth_order.h"
+#include "experiments/film/picture.h"
+#include "framework/draw_simulation.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+class PictureDraw final : public DebugDraw<D> {
+ public:
+  explicit PictureDraw(const Camera<D>& camera) : m_camera(camera) {}
+
+  void point(const Vec<D>& p, double pixels, const Colour& colour) override;
+  void line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) override;
+  void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;
+  void text(const Vec<D>& p, std::string_view text, const Colour& colour) override;
+
+  /// All that was drawn; the next picture begins anew. Planes are behind: one that stands in front would hide the
+  /// others. Points and lines are over all shapes: contacts are within.
+  Picture picture();
+
+ private:
+  struct Part {
+    bool moves;
+    SeenPart seen;  // in 3D
+    std::vector<Patch> patches;
+  };
+  std::vector<Part> partsInOrder();
+
+  Camera<D> m_camera;
+  std::vector<Patch> m_planes, m_over;
+  std::vector<Part> m_parts;
+  std::vector<Label> m_labels;
+};
+
+template <int D>
+Picture pictureOf(const Simulation<D>& simulation, const DrawLayers& layers, const Camera<D>& camera) {
+  PictureDraw<D> draw(camera);
+  drawSimulation(simulation, layers, draw);
+  return draw.picture();
+}
+
+}  // namespace lpc::inline LPC_PRECISION
