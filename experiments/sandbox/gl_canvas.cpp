@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/sandbox/gl_canvas.h"
+
+#include <epoxy/gl.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "framework/curved_core.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr std::size_t kMostMeshes = 20000;  // then all are forgotten: their bodies may be gone
+constexpr float kHidden = 0.3f;             // how much is seen of lines and points behind a body
+constexpr float kLineWidth = 1.2f;          // px, in the plane
+
+constexpr const char* kVertexShader = R"(#version 330 core
+layout(location = 0) in vec4 at;
+layout(location = 1) in vec4 colour;
+uniform mat4 view;
+uniform float strength;
+out vec4 tint;
+void main() {
+  gl_Position = view * vec4(at.xyz, 1.0);
+  gl_PointSize = at.w;
+  tint = vec4(colour.rgb, colour.a * strength);
+})";
+constexpr const char* kFragmentShader = R"(#version 330 core
+in vec4 tint;
+uniform bool isPoint;
+out vec4 pixel;
+void main() {
+  if (isPoint && length(gl_PointCoord - vec2(0.5)) > 0.5) discard;
+  pixel = tint;
+})";
+
+unsigned shaderOf(unsigned kind, const char* text) {
+  const unsigned shader = glCreateShader(kind);
+  glShaderSource(shader, 1, &text, nullptr);
+  glCompileShader(shader);
+  int good = 0;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
+  if (good) return shader;
+  char why[512] = "";
+  glGetShaderInfoLog(shader, sizeof why, nullptr, why);
+  throw UserError("OpenGL refuses a shader: " + std::string(why, std::find(why, why + sizeof why, '\n')));
+}
+
+// A body of one colour is told from its neighbours by how its surface lies: up is bright, and what looks at the viewer.
+Colour lit(const Colour& c, float light) {
+  const auto of = [&](unsigned char x) {
+    return static_cast<unsigned char>(std::clamp(static_cast<float>(x) * light, 0.0f, 255.0f));
+  };
+  return {of(c.red), of(c.green), of(c.blue), c.alpha};
+}
+
+}  // namespace
+
+template <int D>
+GlCanvas<D>::GlCanvas() {
+  const unsigned vertex = shaderOf(GL_VERTEX_SHADER, kVertexShader);
+  const unsigned fragment = shaderOf(GL_FRAGMENT_SHADER, kFragmentShader);
+  m_program = glCreateProgram();
+  for (const unsigned shader : {vertex, fragment}) {
+    glAttachShader(m_program, shader);
+    glDeleteShader(shader);
+  }
+  glLinkProgram(m_program);
+  m_view = glGetUniformLocation(m_program, "view");
+  m_strength = glGetUniformLocation(m_program, "strength");
+  m_round = glGetUniformLocation(m_program, "isPoint");
+  glGenVertexArrays(1, &m_array);
+  glGenBuffers(1, &m_vertices);
+  glGenBuffers(1, &m_indices);
+  glBindVertexArray(m_array);
+  glBindBuffer(GL_ARRAY_BUFFER, m_vertices);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, m_indices);
+  glVertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
+  glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(Vertex),
+                        reinterpret_cast<const void*>(offsetof(Vertex, colour)));
+  glEnableVertexAttribArray(0);
+  glEnableVertexAttribArray(1);
+  glBindVertexArray(0);
+}
+
+template <int D>
+GlCanvas<D>::~GlCanvas() {
+  glDeleteBuffers(1, &m_vertices);
+  glDeleteBuffers(1, &m_indices);
+  glDeleteVertexArrays(1, &m_array);
+  glDeleteProgram(m_program);
+}
+
+template <int D>
+void GlCanvas<D>::begin(const ViewCamera<D>& camera) {
+  m_camera = camera;
+  for (Layer* layer : {&m_under, &m_over, &m_edges, &m_lines, &m_points}) {
+    layer->vertices.clear();
+    layer->triangles.clear();
+  }
+  m_words.clear();
+  if (m_meshes.size() > kMostMeshes) m_meshes.clear();
+}
+
+template <int D>
+void GlCanvas<D>::point(const Vec<D>& p, double pixels, const Colour& colour) {
+  const Point at = near(p);
+  m_points.vertices.push_back({at[0], at[1], D == 3 ? at[D - 1] : 0, static_cast<float>(pixels), colour});
+}
+
+template <int D>
+void GlCanvas<D>::line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) {
+  addLine(m_lines, near(a), near(b), colour);
+}
+
+template <int D>
+void GlCanvas<D>::text(const Vec<D>& p, std::string_view text, const Colour& colour) {
+  m_words.push_back({p, std::string(text), colour});
+}
+
+template <int D>
+void GlCanvas<D>::shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) {
+  if (shape.core() == CoreClass::plane) return plane(X_WS, look);
+  const ShapeMesh<D>& seen = mesh(shape, X_WS.p);
+  if (!look.outline) addFill(seen, X_WS, look);
+  addEdges(seen, X_WS, look);
+}
+
+template <int D>
+const ShapeMesh<D>& GlCanvas<D>::mesh(const ShapeView<D>& shape, const Vec<D>& p) {
+  if (shape.core() == CoreClass::hull && !(shape.radius > 0)) {  // no more work than to look for it
+    meshOf(shape, 4, m_fresh);
+    return m_fresh;
+  }
+  // Round to a fifth of a pixel: a thousand small balls need not be a million triangles.
+  const Real radius = shape.radius + (shape.core() == CoreClass::curved ? shape.half.maxCoeff() : 0);
+  const Real wanted = Real(3.15) * std::sqrt(radius * m_camera.scaleAt(p) / Real(0.4));
+  int round = 8;
+  for (const int finer : {12, 16, 24, 32, 48}) {
+    if (wanted > round) round = finer;
+  }
+  auto& [kind, turn, numbers] = m_key;
+  kind = shape.kind, turn = round;
+  numbers.assign({shape.radius});
+  numbers.insert(numbers.end(), shape.half.begin(), shape.half.end());
+  if (shape.core() == CoreClass::hull) {
+    for (const Vec<D>& vertex : shape.hull->vertices) numbers.insert(numbers.end(), vertex.begin(), vertex.end());
+  } else if (shape.core() == CoreClass::curved) {
+    const auto sizes = shape.curved->sizes();
+    numbers.insert(numbers.end(), sizes.begin(), sizes.end());
+  }
+  const auto [at, fresh] = m_meshes.try_emplace(m_key);
+  if (fresh) meshOf(shape, round, at->second);
+  return at->second;
+}
+
+template <int D>
+auto GlCanvas<D>::layerOf(const Look& look) -> Layer& {
+  return (D == 2 ? look.moves : look.fill.alpha < 255) ? m_over : m_under;
+}
+
+template <int D>
+void GlCanvas<D>::addFill(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look) {
+  Layer& layer = layerOf(look);
+  const auto first = static_cast<std::uint32_t>(layer.vertices.size());
+  const Eigen::Matrix<float, D, D> turn = X_WS.q.matrix().template cast<float>();
+  const Point origin = near(X_WS.p);
+  layer.vertices.resize(first + mesh.corners.size());
+  Vertex* out = layer.vertices.data() + first;
+  if constexpr (D == 2) {
+    for (const Point& corner : mesh.corners) {
+      const Point at = origin + turn * corner;
+      *out++ = {at[0], at[1], 0, 0, look.fill};
+    }
+  } else {
+    const Point light =
+        turn.transpose() * (Vec<3>(Real(0.1), Real(0.2), 0) + Real(0.15) * m_camera.towards()).template cast<float>();
+    for (std::size_t i = 0; i < mesh.corners.size(); ++i) {
+      const Point at = origin + turn * mesh.corners[i];
+      *out++ = {at[0], at[1], at[2], 0, lit(look.fill, 0.75f + light.dot(mesh.normals[i]))};
+    }
+  }
+  for (const std::uint32_t corner : mesh.triangles) layer.triangles.push_back(first + corner);
+}
+
+template <int D>
+void GlCanvas<D>::addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look) {
+  Layer& layer = D == 2 ? layerOf(look) : m_edges;
+  const Eigen::Matrix<float, D, D> turn = X_WS.q.matrix().template cast<float>();
+  const Point origin = near(X_WS.p);
+  for (std::size_t i = 0; i < mesh.ends.size(); i += 2) {
+    addLine(layer, origin + turn * mesh.ends[i], origin + turn * mesh.ends[i + 1], look.edge);
+  }
+}
+
+// In the plane a strip that may be as wide as one likes, in space what OpenGL calls a line.
+template <int D>
+void GlCanvas<D>::addLine(Layer& layer, const Point& a, const Point& b, const Colour& colour) {
+  if constexpr (D == 2) {
+    const Point along = b - a;
+    const float length = along.norm();
+    if (!(length > 0)) return;
+    const Point aside = kLineWidth / 2 / static_cast<float>(m_camera.scaleAt({})) / length * Point(-along[1], along[0]);
+    const auto first = static_cast<std::uint32_t>(layer.vertices.size());
+    for (const Point& p : {Point(a - aside), Point(b - aside), Point(b + aside), Point(a + aside)}) {
+      layer.vertices.push_back({p[0], p[1], 0, 0, colour});
+    }
+    for (const std::uint32_t corner : {0, 1, 2, 0, 2, 3}) layer.triangles.push_back(first + corner);
+  } else {
+    for (const Point* p : {&a, &b}) layer.vertices.push_back({(*p)[0], (*p)[1], (*p)[2], 0, colour});
+  }
+}
+
+// As much of it as may be seen. In space lines a power of ten apart tell how large things are.
+template <int D>
+void GlCanvas<D>::plane(const Pose<D>& X_WS, const Look& look) {
+  Vec<D> middle = X_WS.inverse() * m_camera.origin();
+  ShapeMesh<D> patch;
+  patch.triangles = {0, 1, 2, 0, 2, 3};
+  if constexpr (D == 2) {
+    const Real reach = 2 * (m_camera.width() + m_camera.height()) / m_camera.scaleAt({});
+    const Real left = middle[0] - reach, right = middle[0] + reach, bottom = std::min<Real>(middle[1], 0) - reach;
+    for (const Vec<2>& p : {Vec<2>(left, bottom), Vec<2>(right, bottom), Vec<2>(right, 0), Vec<2>(left, 0)}) {
+      patch.corners.push_back(p.template cast<float>());
+    }
+    patch.ends = {patch.corners[2], patch.corners[3]};
+  } else {
+    const Real step = std::pow(Real(10), std::floor(std::log10(m_camera.distance() / 2)));
+    const auto on = [](Real x, Real z) { return ShapeMesh<3>::Point(static_cast<float>(x), 0, static_cast<float>(z)); };
+    // Of one face as large as that depths would be rough where one looks, and lines on it come and go.
+    for (const Real size : {10 * m_camera.distance(), m_camera.farthest()}) {
+      for (const auto& [x, z] : {std::pair(-1, -1), std::pair(-1, 1), std::pair(1, 1), std::pair(1, -1)}) {
+        patch.corners.push_back(on(middle[0] + x * size, middle[2] + z * size));
+        patch.normals.push_back(ShapeMesh<3>::Point::UnitY());
+      }
+    }
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const std::uint32_t next = (k + 1) % 4;
+      patch.triangles.insert(patch.triangles.end(), {k, k + 4, next + 4, k, next + 4, next});
+    }
+    constexpr int kLines = 25;  // on each side of the middle
+    const Real x0 = std::round(middle[0] / step) * step, z0 = std::round(middle[2] / step) * step;
+    for (int k = -kLines; k <= kLines; ++k) {
+      for (const int end : {-kLines, kLines}) patch.ends.push_back(on(x0 + k * step, z0 + end * step));
+      for (const int end : {-kLines, kLines}) patch.ends.push_back(on(x0 + end * step, z0 + k * step));
+    }
+  }
+  if (!look.outline) addFill(patch, X_WS, look);
+  Look faint = look;
+  if (D == 3) faint.edge.alpha = static_cast<unsigned char>(look.edge.alpha / 3);
+  addEdges(patch, X_WS, faint);
+}
+
+template <int D>
+void GlCanvas<D>::drawTriangles(const Layer& layer) {
+  if (layer.triangles.empty()) return;
+  glUniform1f(m_strength, 1);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.vertices.size() * sizeof(Vertex)), layer.vertices.data(),
+               GL_STREAM_DRAW);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.triangles.size() * sizeof(std::uint32_t)),
+               layer.triangles.data(), GL_STREAM_DRAW);
+  glDrawElements(GL_TRIANGLES, static_cast<int>(layer.triangles.size()), GL_UNSIGNED_INT, nullptr);
+}
+
+template <int D>
+void GlCanvas<D>::drawVertices(const Layer& layer, unsigned primitive, float strength) {
+  if (layer.vertices.empty()) return;
+  glUniform1f(m_strength, strength);
+  glUniform1i(m_round, primitive == GL_POINTS);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.vertices.size() * sizeof(Vertex)), layer.vertices.data(),
+               GL_STREAM_DRAW);
+  glDrawArrays(primitive, 0, static_cast<int>(layer.vertices.size()));
+  glUniform1i(m_round, 0);
+}
+
+template <int D>
+void GlCanvas<D>::drawLayers() {
+  if constexpr (D == 2) {
+    for (const Layer* layer : {&m_under, &m_over, &m_lines}) drawTriangles(*layer);
+    drawVertices(m_points, GL_POINTS, 1);
+  } else {
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_CULL_FACE);
+    glEnable(GL_POLYGON_OFFSET_FILL);  // edges lie before the faces that they belong to
+    glPolygonOffset(1, 1);
+    glDepthFunc(GL_LEQUAL);
+    drawTriangles(m_under);
+    drawVertices(m_edges, GL_LINES, 1);
+    glDepthMask(GL_FALSE);
+    drawTriangles(m_over);
+    for (const auto& [order, strength] : {std::pair(GL_LEQUAL, 1.0f), std::pair(GL_GREATER, kHidden)}) {
+      glDepthFunc(static_cast<GLenum>(order));
+      drawVertices(m_lines, GL_LINES, strength);
+      drawVertices(m_points, GL_POINTS, strength);
+    }
+    glDepthMask(GL_TRUE);
+    for (const GLenum used : {GL_DEPTH_TEST, GL_CULL_FACE, GL_POLYGON_OFFSET_FILL}) glDisable(used);
+  }
+}
+
+template <int D>
+void GlCanvas<D>::drawWords() {
+  const ImVec2 corner(static_cast<float>(m_camera.left()), static_cast<float>(m_camera.top()));
+  const ImVec2 end(corner.x + static_cast<float>(m_camera.width()), corner.y + static_cast<float>(m_camera.height()));
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.PushClipRect(corner, end, true);
+  for (const Word& word : m_words) {
+    const Eigen::Vector2f at = m_camera.toPixel(word.p).template cast<float>();
+    if (!(at[0] < end.x && at[1] > corner.y && at[1] - ImGui::GetFontSize() < end.y)) continue;
+    const Colour& c = word.colour;
+    list.AddText({std::round(at[0]), std::round(at[1] - ImGui::GetFont()->Ascent)},
+                 IM_COL32(c.red, c.green, c.blue, c.alpha), word.text.data(), word.text.data() + word.text.size());
+  }
+  list.PopClipRect();
+}
+
+template <int D>
+void GlCanvas<D>::end() {
+  const int windowHeight = static_cast<int>(ImGui::GetIO().DisplaySize.y);
+  const int bottom = windowHeight - m_camera.top() - m_camera.height();
+  glViewport(m_camera.left(), bottom, m_camera.width(), m_camera.height());
+  glScissor(m_camera.left(), bottom, m_camera.width(), m_camera.height());
+  glEnable(GL_SCISSOR_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  glUseProgram(m_program);
+  glUniformMatrix4fv(m_view, 1, GL_FALSE, m_camera.matrix().data());
+  glUniform1i(m_round, 0);
+  glBindVertexArray(m_array);
+  glBindBuffer(GL_ARRAY_BUFFER, m_vertices);
+  drawLayers();
+  glBindVertexArray(0);
+  glUseProgram(0);
+  for (const GLenum used : {GL_SCISSOR_TEST, GL_BLEND, GL_PROGRAM_POINT_SIZE}) glDisable(used);
+  drawWords();
+}
+
+template class GlCanvas<2>;
+template class GlCanvas<3>;
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/sandbox/shape_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "framework/support_map.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr Real kTurn = 2 * std::numbers::pi_v<Real>;
+constexpr Real kAside = Real(1e-6);  // rad: just beside a direction along which two corners of a core tie
+
+template <int D>
+typename ShapeMesh<D>::Point point(const Vec<D>& p) {
+  return p.template cast<float>();
+}
+
+std::uint32_t count(const auto& list) { return static_cast<std::uint32_t>(list.size()); }
+
+// --- in the plane ----------------------------------------------------------------------------------------------------
+
+// The corners of a core with straight sides, counter-clockwise.
+void straightCore(const ShapeView<2>& shape, std::vector<Vec<2>>& out) {
+  const Real x = shape.half[0], y = shape.half[1];
+  out.clear();
+  switch (shape.core()) {
+    case CoreClass::segment:
+      out = {{-x, 0}, {x, 0}};
+      break;
+    case CoreClass::box:
+      out = {{-x, -y}, {x, -y}, {x, y}, {-x, y}};
+      break;
+    case CoreClass::hull:
+      out = shape.hull->vertices;
+      break;
+    case CoreClass::point:
+    case CoreClass::curved:
+    case CoreClass::plane:
+      break;
+  }
+}
+
+void outline(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
+  thread_local std::vector<Vec<2>> core;
+  straightCore(shape, core);
+  if (core.empty()) {
+    for (int i = 0; i < round; ++i) {
+      const Vec<2> d(std::cos(kTurn * i / round), std::sin(kTurn * i / round));
+      mesh.corners.push_back(point<2>(coreSupport(shape, d) + shape.radius * d));
+    }
+    return;
+  }
+  for (std::size_t i = 0, n = core.size(); i < n; ++i) {
+    if (!(shape.radius > 0)) {
+      mesh.corners.push_back(point<2>(core[i]));
+      continue;
+    }
+    // An arc from the normal of the side that comes in to that of the side that goes out.
+    const Vec<2> in = core[i] - core[(i + n - 1) % n], out = core[(i + 1) % n] - core[i];
+    const Real begin = std::atan2(-in[0], in[1]);
+    Real turn = std::atan2(-out[0], out[1]) - begin;
+    if (turn < 0) turn += kTurn;
+    const int steps = std::max(1, static_cast<int>(std::ceil(turn / kTurn * round - kAside)));
+    for (int k = 0; k <= steps; ++k) {
+      const Real angle = begin + turn * k / steps;
+      mesh.corners.push_back(point<2>(core[i] + shape.radius * Vec<2>(std::cos(angle), std::sin(angle))));
+    }
+  }
+}
+
+// --- in space --------------------------------------------------------------------------------------------------------
+
+void addTriangle(ShapeMesh<3>& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const auto &p = mesh.corners[a], &q = mesh.corners[b], &r = mesh.corners[c];
+  if (p == q || q == r || r == p) return;
+  mesh.triangles.insert(mesh.triangles.end(), {a, b, c});
+}
+
+void addFan(ShapeMesh<3>& mesh, std::uint32_t begin, std::uint32_t corners) {
+  for (std::uint32_t k = 2; k < corners; ++k) addTriangle(mesh, begin, begin + k - 1, begin + k);
+}
+
+void addBox(const Vec<3>& half, ShapeMesh<3>& mesh) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (const int side : {-1, 1}) {
+      const auto begin = count(mesh.corners);
+      for (const auto& [x, y] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)}) {
+        Vec<3> p;
+        p[axis] = side * half[axis], p[u] = side * x * half[u], p[v] = y * half[v];
+        mesh.corners.push_back(point<3>(p));
+        mesh.normals.push_back(side * ShapeMesh<3>::Point::Unit(axis));
+      }
+      addFan(mesh, begin, 4);
+      // four edges lie along v, so there are twelve
+      for (const int other : {-1, 1}) {
+        Vec<3> p;
+        p[axis] = side * half[axis], p[u] = other * half[u], p[v] = -half[v];
+        mesh.ends.push_back(point<3>(p));
+        p[v] = half[v];
+        mesh.ends.push_back(point<3>(p));
+      }
+    }
+  }
+}
+
+void addFaces(const Polytope<3>& hull, Real radius, ShapeMesh<3>& mesh) {
+  for (const auto& face : hull.faces) {
+    const auto begin = count(mesh.corners), corners = static_cast<std::uint32_t>(face.end - face.begin);
+    for (int i = face.begin; i < face.end; ++i) {
+      const int vertex = hull.loop[static_cast<std::size_t>(i)];
+      mesh.corners.push_back(point<3>(hull.vertices[static_cast<std::size_t>(vertex)] + radius * face.normal));
+      mesh.normals.push_back(point<3>(face.normal));
+    }
+    addFan(mesh, begin, corners);
+  }
+}
+
+void addEdge(ShapeMesh<3>& mesh, const Vec<3>& a, const Vec<3>& b) {
+  mesh.ends.push_back(point<3>(a));
+  mesh.ends.push_back(point<3>(b));
+}
+
+// The part of a cylinder along an edge between the roundings of its faces' normals, and a line on both its sides.
+void addRoundedEdge(const Polytope<3>& hull, const Polytope<3>::Edge& edge, Real radius, int round,
+                    ShapeMesh<3>& mesh) {
+  const Vec<3>&p = hull.vertices[static_cast<std::size_t>(edge.v0)],
+        &q = hull.vertices[static_cast<std::size_t>(edge.v1)];
+  const Vec<3>&nA = hull.faces[static_cast<std::size_t>(edge.faceA)].normal,
+        &nB = hull.faces[static_cast<std::size_t>(edge.faceB)].normal;
+  const Real turn = std::acos(std::clamp<Real>(nA.dot(nB), -1, 1));
+  const int steps = std::max(1, static_cast<int>(std::ceil(turn / kTurn * round)));
+  const auto begin = count(mesh.corners);
+  for (int k = 0; k <= steps; ++k) {
+    const Vec<3> n = (std::sin((steps - k) * turn / steps) * nA + std::sin(k * turn / steps) * nB).normalized();
+    for (const Vec<3>* end : {&p, &q}) {
+      mesh.corners.push_back(point<3>(*end + radius * n));
+      mesh.normals.push_back(point<3>(n));
+    }
+  }
+  for (std::uint32_t k = 0, at = begin; k < static_cast<std::uint32_t>(steps); ++k, at += 2) {
+    // faceA lies to the left of the way from v0 to v1, seen from outside
+    addTriangle(mesh, at, at + 2, at + 1);
+    addTriangle(mesh, at + 1, at + 2, at + 3);
+  }
+  for (const Vec<3>* n : {&nA, &nB}) addEdge(mesh, p + radius * *n, q + radius * *n);
+}
+
+// What lies farthest in each of so many directions, along meridians from x to -x. Where two corners of the core tie
+// there is a row or a column for each, so that what lies between them, a side or a face, gets its triangles.
+void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round, ShapeMesh<3>& mesh) {
+  std::vector<Real> rows, columns;
+  for (int k = 0; 2 * k <= round; ++k) {
+    const Real angle = kTurn * k / round;
+    if (4 * k != round) {
+      rows.push_back(k == 0 ? kAside : 2 * k == round ? angle - kAside : angle);
+    } else {
+      rows.insert(rows.end(), {angle - kAside, angle + kAside});
+    }
+  }
+  const bool corners = shape.core() == CoreClass::box;
+  for (int k = 0; k < round; ++k) {
+    const Real angle = kTurn * k / round;
+    if (corners && 4 * k % round == 0) columns.push_back(angle - kAside);
+    columns.push_back(angle + kAside);
+  }
+  const auto begin = count(mesh.corners), wide = count(columns), tall = count(rows);
+  for (const Real row : rows) {
+    for (const Real column : columns) {
+      const Vec<3> d(std::cos(row), std::sin(row) * std::cos(column), std::sin(row) * std::sin(column));
+      const Vec<3> core = shape.core() == CoreClass::hull ? middle : coreSupport(shape, d);
+      mesh.corners.push_back(point<3>(core + shape.radius * d));
+      mesh.normals.push_back(point<3>(d));
+    }
+  }
+  for (std::uint32_t i = 0; i + 1 < tall; ++i) {
+    for (std::uint32_t k = 0; k < wide; ++k) {
+      const std::uint32_t a = begin + i * wide + k, b = begin + i * wide + (k + 1) % wide;
+      addTriangle(mesh, a, a + wide, b + wide);
+      addTriangle(mesh, a, b + wide, b);
+    }
+  }
+  addFan(mesh, begin, wide);
+  for (std::uint32_t k = 2, last = begin + (tall - 1) * wide; k < wide; ++k)
+    addTriangle(mesh, last, last + k, last + k - 1);
+}
+
+// What lies farthest in the directions of each coordinate plane, a little to both sides of it.
+void addRims(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
+  std::vector<Vec<3>> rim, other;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {1, -1}) {
+      std::swap(rim, other);
+      rim.clear();
+      for (int k = 0; k < round; ++k) {
+        const Real angle = kTurn * k / round + kAside;
+        Vec<3> d;
+        d[axis] = side * kAside, d[(axis + 1) % 3] = std::cos(angle), d[(axis + 2) % 3] = std::sin(angle);
+        rim.push_back(coreSupport(shape, d) + shape.radius * d);
+      }
+      const auto apart = [&](std::size_t k) { return (rim[k] - other[k]).norm() > Real(1e-3) * rim[k].norm(); };
+      bool seen = side == 1;
+      for (std::size_t k = 0; k < rim.size() && !seen; ++k) seen = apart(k);
+      for (std::size_t k = 0; k < rim.size() && seen; ++k) addEdge(mesh, rim[k], rim[(k + 1) % rim.size()]);
+    }
+  }
+}
+
+}  // namespace
+
+void meshOf(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
+  LPC_ASSERT(shape.core() != CoreClass::plane);
+  mesh.corners.clear(), mesh.triangles.clear(), mesh.ends.clear();
+  outline(shape, round, mesh);
+  const auto n = count(mesh.corners);
+  for (std::uint32_t k = 2; k < n; ++k) mesh.triangles.insert(mesh.triangles.end(), {0, k - 1, k});
+  for (std::size_t k = 0; k < n && n > 1; ++k) {
+    mesh.ends.insert(mesh.ends.end(), {mesh.corners[k], mesh.corners[(k + 1) % n]});
+  }
+  if (shape.core() != CoreClass::point) return;
+  mesh.ends.insert(mesh.ends.end(), {ShapeMesh<2>::Point::Zero(), mesh.corners[0]});
+}
+
+void meshOf(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
+  LPC_ASSERT(shape.core() != CoreClass::plane);
+  mesh.corners.clear(), mesh.normals.clear(), mesh.triangles.clear(), mesh.ends.clear();
+  if (shape.core() == CoreClass::hull) {
+    const Polytope<3>& hull = *shape.hull;
+    addFaces(hull, shape.radius, mesh);
+    if (shape.radius > 0) {
+      for (const auto& edge : hull.edges) addRoundedEdge(hull, edge, shape.radius, round, mesh);
+      for (const Vec<3>& vertex : hull.vertices) addRoundSurface(shape, vertex, round, mesh);
+    } else {
+      for (const auto& edge : hull.edges) {
+        addEdge(mesh, hull.vertices[static_cast<std::size_t>(edge.v0)],
+                hull.vertices[static_cast<std::size_t>(edge.v1)]);
+      }
+    }
+  } else if (shape.core() == CoreClass::box && !(shape.radius > 0)) {
+    addBox(shape.half, mesh);
+  } else {
+    addRoundSurface(shape, Vec<3>::Zero(), round, mesh);
+    addRims(shape, round, mesh);
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Zlib
+// A bounded convex shape as triangles and edges, in its own frame.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "framework/shape.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+struct ShapeMesh {
+  using Point = Eigen::Matrix<float, D, 1>;
+  std::vector<Point> corners;            // of triangles
+  std::vector<Point> normals;            // of each corner, unit; in 3D alone
+  std::vector<std::uint32_t> triangles;  // three corners each, counter-clockwise seen from outside
+  std::vector<Point> ends;               // of edges, two each
+};
+
+/// Writes over what is in `mesh`. Round parts have so many corners, a multiple of four, in a full turn. Edges of a
+/// round shape tell how it is turned.
+void meshOf(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh);
+void meshOf(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh);
+
+}  // namespace lpc::inline LPC_PRECISION

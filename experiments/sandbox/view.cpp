@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/sandbox/view.h"
+
+#include <SDL2/SDL_keycode.h>
+#include <SDL2/SDL_mouse.h>
+#include <SDL2/SDL_timer.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "experiments/sandbox/gl_canvas.h"
+#include "experiments/sandbox/window.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// Those of films.
+constexpr Colour kFixed{205, 205, 200}, kFixedEdge{120, 120, 115};
+constexpr std::array<Colour, 6> kColours = {
+    {{102, 153, 204}, {238, 170, 85}, {119, 178, 119}, {204, 119, 136}, {160, 140, 200}, {190, 180, 100}}};
+
+Colour darker(const Colour& c) {
+  const auto half = [](unsigned char x) { return static_cast<unsigned char>(x * 0.55); };
+  return {half(c.red), half(c.green), half(c.blue), c.alpha};
+}
+
+template <int D>
+void drawBodies(DebugDraw<D>& draw, const Simulation<D>& world) {
+  const Bodies<D>& bodies = world.bodies();
+  for (const ShapeRecord<D>& record : world.shapes()) {
+    if (record.body < 0) continue;
+    const auto body = static_cast<std::size_t>(record.body);
+    const bool moves = bodies.type[body] != BodyType::fixed;
+    const Colour fill = moves ? kColours[body % kColours.size()] : kFixed;
+    const Look look{fill, moves ? darker(fill) : kFixedEdge, moves};
+    forParts(record.shape, bodies.pose[body] * record.X_CS,
+             [&](const ShapeView<D>& part, const Pose<D>& X_WS) { draw.shape(part, X_WS, look); });
+  }
+}
+
+// All that has an end.
+template <int D>
+void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world) {
+  Aabb<D> all;
+  for (const ShapeRecord<D>& record : world.shapes()) {
+    if (record.body < 0 || record.shape.isPlane()) continue;
+    const auto body = static_cast<std::size_t>(record.body);
+    all = all.merged(boundingBox(record.shape, world.bodies().pose[body] * record.X_CS));
+  }
+  if ((all.lo.array() <= all.hi.array()).all()) camera.look(all.lo, all.hi);
+}
+
+void drag(ViewCamera<2>& camera, bool, Real dx, Real dy) { camera.pan(dx, dy); }
+void drag(ViewCamera<3>& camera, bool turns, Real dx, Real dy) { turns ? camera.orbit(dx, dy) : camera.pan(dx, dy); }
+
+template <int D>
+void moveCamera(ViewCamera<D>& camera, const SDL_Event& event) {
+  if (event.type == SDL_MOUSEMOTION && event.motion.state != 0) {
+    drag(camera, event.motion.state & SDL_BUTTON_LMASK, event.motion.xrel, event.motion.yrel);
+  } else if (event.type == SDL_MOUSEWHEEL) {
+    camera.zoom(std::pow(Real(1.15), static_cast<Real>(event.wheel.y)),
+                Vec<2>(Real(event.wheel.mouseX), Real(event.wheel.mouseY)));
+  }
+}
+
+}  // namespace
+
+template <int D>
+void view(Simulation<D>& world, Real dt) {
+  if (!(dt > 0)) throw UserError("view: a step of " + std::to_string(dt) + " s; valid: more than none");
+  Window window("Large Polygon Collider", 1280, 800);
+  GlCanvas<D> canvas;
+  ViewCamera<D> camera;
+  camera.resize(window.width(), window.height());
+  lookAtAll(camera, world);
+  bool pause = false;
+  Real owed = 0;  // s that the world is behind the clock
+  for (std::uint64_t last = SDL_GetTicks64();;) {
+    for (SDL_Event event; window.poll(event);) {
+      if (event.type == SDL_QUIT) return;
+      moveCamera(camera, event);
+      if (event.type != SDL_KEYDOWN) continue;
+      const SDL_Keycode key = event.key.keysym.sym;
+      if (key == SDLK_ESCAPE) return;
+      if (key == SDLK_p) pause = !pause;
+      if (key == SDLK_f) lookAtAll(camera, world);
+      if (key == SDLK_SPACE || key == SDLK_RIGHT) {
+        pause = true;
+        world.step(dt);
+      }
+    }
+    const std::uint64_t now = SDL_GetTicks64();
+    // A world that is slower than its clock is slow, and its window answers.
+    owed = pause ? 0 : std::min(owed + Real(now - last) / 1000, std::max(dt, Real(0.1)));
+    last = now;
+    for (; owed >= dt; owed -= dt) world.step(dt);
+
+    window.beginFrame();
+    camera.resize(window.width(), window.height());
+    canvas.begin(camera);
+    drawBodies(canvas, world);
+    canvas.end();
+    window.endFrame();
+  }
+}
+
+template void view(Simulation<2>&, Real);
+template void view(Simulation<3>&, Real);
+
+}  // namespace lpc::inline LPC_PRECISION

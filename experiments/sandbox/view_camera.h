@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Zlib
+// Where in a window a point of the world is seen. Pixels are the window's: x to the right, y down, from its upper left
+// corner; a view may be a part of the window.
+#pragma once
+
+#include <array>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// What both dimensions share: the part of the window.
+class ViewFrame {
+ public:
+  /// In pixels.
+  void resize(int width, int height, int left = 0, int top = 0);
+  int width() const { return m_width; }
+  int height() const { return m_height; }
+  int left() const { return m_left; }
+  int top() const { return m_top; }
+  Vec<2> center() const { return {m_left + Real(m_width) / 2, m_top + Real(m_height) / 2}; }
+
+ private:
+  int m_width = 1280, m_height = 800, m_left = 0, m_top = 0;
+};
+
+/// A column-major matrix from the world, less the camera's `origin`, to OpenGL's clip space: far from the world's own
+/// origin floats would lose what is near the camera.
+using ViewMatrix = std::array<float, 16>;
+
+template <int D>
+class ViewCamera;
+
+template <>
+class ViewCamera<2> : public ViewFrame {
+ public:
+  Vec<2> toPixel(const Vec<2>& p) const;
+  Vec<2> toWorld(const Vec<2>& pixel) const;
+  /// What was under the mouse is there again after it has moved by so many pixels.
+  void pan(Real dx, Real dy);
+  /// `factor` times as large; what is under the pixel stays there.
+  void zoom(Real factor, const Vec<2>& pixel);
+  /// The box fills the view, but for a rim.
+  void look(const Vec<2>& lo, const Vec<2>& hi);
+
+  const Vec<2>& origin() const { return m_middle; }
+  Real scaleAt(const Vec<2>&) const { return m_scale; }  // px/m
+  ViewMatrix matrix() const;
+
+ private:
+  Vec<2> m_middle = Vec<2>::Zero();
+  Real m_scale = 40;
+};
+
+/// Looks at a target from a distance.
+template <>
+class ViewCamera<3> : public ViewFrame {
+ public:
+  struct Ray {
+    Vec<3> origin, direction;  // a unit vector
+  };
+
+  /// NaN for what is not before the viewer.
+  Vec<2> toPixel(const Vec<3>& p) const;
+  Ray ray(const Vec<2>& pixel) const;
+  /// The world turns with the mouse, as if it were taken at its front.
+  void orbit(Real dx, Real dy);
+  /// As in 2D, of the points that are as deep as the target.
+  void pan(Real dx, Real dy);
+  /// As in 2D, of the points that are as deep as the target.
+  void zoom(Real factor, const Vec<2>& pixel);
+  /// The box fills the view, but for a rim; seen from the side that it was seen from before.
+  void look(const Vec<3>& lo, const Vec<3>& hi);
+
+  const Vec<3>& origin() const { return m_target; }
+  Vec<3> eye() const { return m_target + m_distance * towards(); }
+  Vec<3> right() const;
+  Vec<3> up() const;
+  Vec<3> towards() const;               // the viewer
+  Real scaleAt(const Vec<3>& p) const;  // px/m; of what is not before the viewer, as of what is nearest
+  // How far the viewer sees (m): what is nearer or beyond is cut off. A depth buffer of 24 bits holds no more.
+  Real nearest() const { return m_distance / 100; }
+  Real farthest() const { return 500 * m_distance; }
+  Real distance() const { return m_distance; }  // of the viewer from the target (m)
+  ViewMatrix matrix() const;
+
+ private:
+  Real focal() const;                                  // px: as large is a metre at a distance of a metre
+  Real scale() const { return focal() / m_distance; }  // px/m, at the target
+
+  Vec<3> m_target = Vec<3>::Zero();
+  Real m_azimuth = Real(0.5), m_elevation = Real(0.35);  // rad, of the viewer: from z towards x, and up
+  Real m_distance = 20;
+};
+
+}  // namespace lpc::inline LPC_PRECISION
