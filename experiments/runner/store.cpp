@@ -174,6 +174,24 @@ std::optional<Store::Row> Store::measured(const std::string& key) try {
   failStore(m_db.getFilename(), e);
 }
 
+StoredTrial Store::find(const std::string& keyBegin) try {
+  const bool digits = keyBegin.find_first_not_of("0123456789abcdef") == keyBegin.npos;
+  if (keyBegin.empty() || !digits) throw UserError("'" + keyBegin + "' is no key; valid: digits 0 to 9 and a to f");
+  SQLite::Statement s(m_db,
+                      "SELECT key, outcome, reason, step, canonical FROM trial WHERE substr(key, 1, length(?1))=?1");
+  s.bind(1, keyBegin);
+  if (!s.executeStep()) throw UserError("there is no trial '" + keyBegin + "' in " + m_db.getFilename());
+  StoredTrial out{s.getColumn(0).getString(), s.getColumn(1).getString(), s.getColumn(2).getString(),
+                  s.getColumn(3).isNull() ? -1 : static_cast<long>(s.getColumn(3).getInt64()),
+                  storedJson(s.getColumn(4).getString())};
+  if (s.executeStep()) {
+    throw UserError("'" + keyBegin + "' begins more than one key; valid: more digits, such as " + out.key);
+  }
+  return out;
+} catch (const SQLite::Exception& e) {
+  failStore(m_db.getFilename(), e);
+}
+
 std::optional<double> Store::wall(const std::string& key) try {
   SQLite::Statement s(m_db, "SELECT wall FROM trial WHERE key=?");
   s.bind(1, key);

@@ -30,6 +30,13 @@ struct VerifiedBlock {
   std::string code;
 };
 
+/// A trial that was run, as it is kept.
+struct StoredTrial {
+  std::string key, outcome, reason;
+  long step = -1;  // at which it fell
+  nlohmann::json canonical;
+};
+
 /// The result store: one SQLite file. A finished trial is one transaction, so whatever is killed whenever, nothing that
 /// was finished is lost and nothing half-written is found. Tables and metric names: docs/manual.md.
 class Store {
@@ -49,6 +56,8 @@ class Store {
     std::map<std::string, double> metrics;  // that are numbers
   };
   std::optional<Row> measured(const std::string& key);
+  /// The only trial whose key begins so. Throws UserError where there is none, or another.
+  StoredTrial find(const std::string& keyBegin);
   /// Seconds that the trial took.
   std::optional<double> wall(const std::string& key);
   /// Replaces what the sweep planned before, or adds to it (a part of a sweep was asked for).

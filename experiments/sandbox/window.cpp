@@ -8,7 +8,9 @@
 #include <imgui.h>
 #include <png.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 namespace lpc::inline LPC_PRECISION {
@@ -118,6 +120,12 @@ void Window::beginFrame() {
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplSDL2_NewFrame();
+  if (m_held) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = ImVec2(static_cast<float>((*m_held)[0]), static_cast<float>((*m_held)[1]));
+    std::copy(std::begin(m_down), std::end(m_down), io.MouseDown);
+    io.DeltaTime = 1.0f / 60;
+  }
   ImGui::NewFrame();
 }
 
@@ -133,7 +141,14 @@ void Window::endFrame() {
     const std::uint64_t passed = SDL_GetPerformanceCounter() - m_last;
     if (passed < frame) SDL_Delay(static_cast<Uint32>(1000 * (frame - passed) / SDL_GetPerformanceFrequency()));
   }
-  m_last = SDL_GetPerformanceCounter();
+  const std::uint64_t now = SDL_GetPerformanceCounter();
+  m_seconds = std::min(static_cast<double>(now - m_last) / static_cast<double>(SDL_GetPerformanceFrequency()), 0.25);
+  if (m_held) m_seconds = 1.0 / 60;
+  m_last = now;
+}
+
+void Window::holdButton(int button, bool down) {
+  m_down[button == SDL_BUTTON_LEFT ? 0 : button == SDL_BUTTON_RIGHT ? 1 : 2] = down;
 }
 
 Colour Window::Picture::at(int x, int y) const {

@@ -5,6 +5,7 @@
 
 #include <SDL2/SDL_events.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,13 @@ class Window {
   /// Frames per second at most; 0 is as many as there may be.
   void limitFrames(int perSecond) { m_perSecond = perSecond; }
 
+  /// s between pictures: of the clock, at most a quarter; one sixtieth while the mouse is held.
+  double secondsPerFrame() const { return m_seconds; }
+  /// From now on the mouse is where it is put, and time goes by pictures: for scripts of input.
+  void holdMouse(const Vec<2>& pixel) { m_held = pixel; }
+  void holdButton(int button, bool down);
+  Vec<2> heldMouse() const { return m_held.value_or(Vec<2>::Zero()); }
+
   struct Picture {
     int width = 0, height = 0;
     std::vector<unsigned char> rgb;  // row by row from the top
@@ -57,8 +65,11 @@ class Window {
   int m_width, m_height;
   unsigned m_frame = 0, m_colours = 0, m_depths = 0;  // the picture, and what it is made of
   int m_perSecond = 60;
+  double m_seconds = 0;      // between the last two frames
   std::uint64_t m_last = 0;  // ticks of SDL's clock when the last frame was shown
   std::vector<std::string> m_dropped;
+  std::optional<Vec<2>> m_held;
+  bool m_down[3] = {false, false, false};  // ImGui's order: left, right, middle
 };
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Zlib
+// Starts the window, which is a program of its own: who has none of its libraries has all the rest.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "experiments/lpc/command.h"
+#include "experiments/lpc/scene_options.h"
+#include "experiments/runner/locations.h"
+#include "experiments/runner/store.h"
+#include "experiments/runner/trial_plan.h"
+#include "framework/names.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+struct SandboxOptions {
+  std::vector<std::string> what, pipelines, params;
+  std::string number, script, profile, trial, input;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> dt;
+  bool unseen = false, profiled = false, plots = false, noSleeping = false;
+};
+
+// `2d`, `3d` and what to open, in any order, as the sandbox of 2009 took them.
+struct Asked {
+  std::optional<int> dimension;
+  std::string scene;
+};
+Asked readWhat(const SandboxOptions& o) {
+  Asked out;
+  for (const std::string& word : o.what) {
+    if (word == "2d" || word == "2D" || word == "3d" || word == "3D") {
+      out.dimension = word[0] - '0';
+    } else if (out.scene.empty()) {
+      out.scene = word;
+    } else {
+      throw UserError("'" + word + "' beside '" + out.scene + "'; valid: one scene, or one store");
+    }
+  }
+  if (!o.number.empty()) {
+    if (!out.scene.empty()) throw UserError("-s " + o.number + " beside '" + out.scene + "'; valid: one scene");
+    out.scene = o.number;
+  }
+  return out;
+}
+
+[[noreturn]] void become(const std::string& program, std::vector<std::string> arguments) {
+  std::vector<char*> words = {const_cast<char*>(program.c_str())};
+  for (std::string& a : arguments) words.push_back(a.data());
+  words.push_back(nullptr);
+  std::fflush(nullptr);
+  execv(program.c_str(), words.data());
+  throw UserError(program + ": cannot be started");
+}
+
+std::filesystem::path programFolder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+
+// Without a window it is what `lpc run` does.
+[[noreturn]] void runUnseen(const SandboxOptions& o, const Asked& asked) {
+  std::vector<std::string> words = {"run", asked.scene};
+  const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
+  if (asked.dimension) add({"--dimension", std::to_string(*asked.dimension)});
+  if (!o.script.empty()) add({"--script", o.script});
+  if (o.profiled || o.plots) add({"--profile", o.profile.empty() ? "sandbox_profile.csv" : o.profile});
+  if (o.plots) add({"--plot", "timeline"});
+  if (o.noSleeping) add({"--no-sleeping"});
+  if (o.pipelines.size() == 1) add({"--pipeline", o.pipelines[0]});
+  for (const std::string& p : o.params) add({"--param", p});
+  become((programFolder() / "lpc").string(), words);
+}
+
+// The cell of a sweep, a step before it fell.
+json trialOpening(const std::string& store, const std::string& key) {
+  const StoredTrial found = Store(store, false).find(key);
+  const json& t = found.canonical;
+  if (t.at("kind") != "world") {
+    throw UserError("--trial: " + key + " is one of kind '" + t.at("kind").get<std::string>() +
+                    "'; valid: kind 'world'");
+  }
+  if (t.at("precision") != "f64") {
+    throw UserError("--trial: " + found.key +
+                    " is of precision f32, and the window computes in f64; valid: cells of f64");
+  }
+  WorldCell cell;
+  cell.params = t.at("params").get<ParameterValues>(), cell.script = t.value("script", "");
+  cell.dimension = t.at("dimension").get<int>(), cell.pipeline = t.at("pipeline");
+  cell.dt = t.at("dt").get<double>(), cell.seed = t.at("seed").get<std::uint64_t>();
+  Planner planner;
+  const PlannedTrial now = planner.world(t.at("scene"), cell);
+  if (!now.unsupported.empty()) throw UserError(now.unsupported);
+  std::string told = found.outcome;
+  if (found.step > 0) told += " at step " + std::to_string(found.step);
+  if (!found.reason.empty()) told += ": " + found.reason;
+  for (const char* part : {"scene_hash", "core", "code"}) {
+    if (now.canonical.value(part, json()) == t.value(part, json())) continue;
+    told += "; scene or code have changed since, and it may not fall again";
+    break;
+  }
+  return {{"scene", now.sceneFile},
+          {"script", now.scriptFile},
+          {"parameters", t.at("params")},
+          {"seed", t.at("seed")},
+          {"dimension", t.at("dimension")},
+          {"pipelines", {t.at("pipeline")}},
+          {"dt", t.at("dt")},
+          {"features", t.at("features")},
+          {"steps", found.step > 0 ? found.step - 1 : 0},
+          {"say", told}};
+}
+
+json sceneOpening(const SandboxOptions& o, const Asked& asked) {
+  Planner planner;
+  const SceneFile& file = planner.scene(asked.scene, o.script);
+  WorldCell cell;
+  cell.params = readParameters(o.params), cell.script = o.script, cell.seed = o.seed, cell.dt = o.dt;
+  cell.dimension = asked.dimension;
+  json out = {{"scene", file.path()}, {"script", file.scriptPath()}};
+  for (std::string pipeline : o.pipelines.empty() ? std::vector<std::string>{""} : o.pipelines) {
+    if (o.noSleeping) pipeline = (Pipeline::parse(pipeline)).text() + " sleep=none";
+    cell.pipeline = pipeline;
+    const PlannedTrial trial = planner.world(asked.scene, cell);
+    if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
+    out["pipelines"].push_back(trial.canonical.at("pipeline"));
+    out["dimension"] = trial.canonical.at("dimension");
+    out["parameters"] = trial.canonical.at("params"), out["dt"] = trial.canonical.at("dt");
+  }
+  if (o.seed) out["seed"] = *o.seed;
+  return out;
+}
+
+void sandbox(const SandboxOptions& o, const Session& session) {
+  Asked asked = readWhat(o);
+  if (!o.trial.empty() && asked.scene.empty())
+    throw UserError("--trial without a store; valid: lpc sandbox STORE.db --trial KEY");
+  if (asked.scene.empty()) asked.scene = "1";  // that of 2009
+  if (o.unseen) runUnseen(o, asked);
+  if (o.pipelines.size() > 8) throw UserError(std::to_string(o.pipelines.size()) + " pipelines; valid: up to 8");
+  json opening = o.trial.empty() ? sceneOpening(o, asked) : trialOpening(asked.scene, o.trial);
+  if (o.profiled || o.plots) opening["profile"] = o.profile.empty() ? "sandbox_profile.csv" : o.profile;
+  opening["plots"] = o.plots, opening["no_sleeping"] = o.noSleeping, opening["input"] = o.input;
+  opening["plugins"] = session.plugins;
+  const std::filesystem::path program = programFolder() / "lpc-sandbox";
+  if (!std::filesystem::exists(program)) {
+    throw UserError("the sandbox was not built: install the packages of experiments/sandbox/packages, and build again");
+  }
+  become(program.string(), {opening.dump()});
+}
+
+void addSandbox(CommandLine& app, Session& session) {
+  CommandLine command =
+      app.subcommand("sandbox", "Opens a window on a scene: changes it by hand, compares competitors");
+  auto o = std::make_shared<SandboxOptions>();
+  command.option(
+      "scene", o->what,
+      "2d or 3d, and a name in experiments/scenes, the number of a preset, a TOML file, or a store with --trial");
+  command.option("-s,--scene", o->number, "the number of a preset, 0 to 11, or a scene");
+  command.option("-S,--script", o->script, "plays in it: the number of a director's script, a name, or a file");
+  command.option("--pipeline", o->pipelines, "algorithms, or engine=NAME; up to 8 play at once (may be repeated)");
+  command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
+  command.option("--dt", o->dt, "length of a step (s); default: the scene's");
+  command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's");
+  command.flag("--no-sleeping", o->noSleeping, "keeps every body awake");
+  command.flag("-i", o->unseen, "without a window, as lpc run");
+  command.flag("-p", o->profiled, "writes times and counts of each step as CSV at the end");
+  command.flag("-g", o->plots, "as -p, and draws them: in a panel, or with -i in the terminal");
+  command.option("-o", o->profile, "name of that file; default: sandbox_profile.csv");
+  command.option("--trial", o->trial,
+                 "a cell of a store, by the first digits of its key: opens it a step before it fell");
+  command.option("--input", o->input, "plays keys and mouse from a file").file();
+  command.footer(
+      "Example: lpc sandbox\n"
+      "         lpc sandbox 3d -s 5\n"
+      "         lpc sandbox pyramid --pipeline solver=soft_step --pipeline solver=avbd\n"
+      "         lpc sandbox results/quick.db --trial 3f2a");
+  command.callback([o, &session] { sandbox(*o, session); });
+}
+
+LPC_COMMAND("sandbox", addSandbox);
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

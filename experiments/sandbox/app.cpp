@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/sandbox/app.h"
+
+#include <SDL2/SDL.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "experiments/runner/locations.h"
+#include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/puppet.h"
+#include "experiments/trial/output_file.h"
+#include "experiments/trial/saved_scene.h"
+#include "framework/check.h"
+#include "framework/names.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr const char* kSaved = "sandbox.toml";  // F1 and F2
+constexpr Real kTurn = Real(0.0872664626);      // rad, five degrees a notch
+constexpr int kMostSteps = 4;                   // a picture: what is slower than real time is shown so
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// What is there of a scene, but planes and what is a hundred times as large as the rest.
+template <int D>
+Aabb<D> extent(const Simulation<D>& world) {
+  std::vector<Aabb<D>> boxes;
+  for (const ShapeRecord<D>& s : world.shapes()) {
+    if (s.body < 0 || s.shape.isPlane()) continue;
+    boxes.push_back(boundingBox(s.shape, world.bodies().pose[static_cast<std::size_t>(s.body)] * s.X_CS));
+  }
+  Aabb<D> all{Vec<D>::Constant(-5), Vec<D>::Constant(5)};
+  if (boxes.empty()) return all;
+  const auto size = [](const Aabb<D>& b) { return (b.hi - b.lo).norm(); };
+  std::sort(boxes.begin(), boxes.end(), [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  const Real middle = size(boxes[boxes.size() / 2]);
+  all = boxes.front();
+  for (const Aabb<D>& b : boxes) {
+    if (size(b) > 100 * middle) continue;
+    all.lo = all.lo.cwiseMin(b.lo), all.hi = all.hi.cwiseMax(b.hi);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::span<const PanelInfo> panelInfos() {
+  static constexpr PanelInfo kPanels[] = {
+      {"Scene", &Panels::scene}, {"Stages", &Panels::stages},   {"Layers", &Panels::layers}, {"Step", &Panels::step},
+      {"Body", &Panels::body},   {"Compare", &Panels::compare}, {"Keys", &Panels::help}};
+  return kPanels;
+}
+
+void Marks::last(const std::string& name) {
+  const ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+  m_places[name] = Vec<2>((lo.x + hi.x) / 2, (lo.y + hi.y) / 2);
+}
+
+Vec<2> Marks::at(const std::string& name) const {
+  if (const auto it = m_places.find(name); it != m_places.end()) return it->second;
+  std::vector<std::string> names;
+  for (const auto& [known, place] : m_places) names.push_back(known);
+  throw UserError("there is no '" + name + "' in the window" + validNames(names, name));
+}
+
+template <int D>
+App<D>::App(Window& w, const Opening& o, const SceneFile& f)
+    : window(w), opening(o), file(f), session(specOf<D>(f, o), o.pipelines), hand(session, camera) {
+  camera.resize(window.width(), window.height());
+  look();
+  panels.step = o.plots;
+  for (long i = 0; i < o.steps && !session.fallen(); ++i) session.step();
+  paused = o.steps > 0;
+  hand.setPaused(paused);
+  say(o.say.empty() ? file.name() + ": " + file.summary() : o.say);
+}
+
+template <int D>
+void App<D>::say(std::string text) {
+  message = std::move(text);
+}
+
+template <int D>
+void App<D>::act(const std::function<void()>& what) {
+  try {
+    what();
+  } catch (const UserError& e) {
+    say(oneLine(e.what()));
+  }
+}
+
+template <int D>
+bool App<D>::frame(InputScript* script) {
+  if (script) playOrder(*this, *script);
+  for (SDL_Event event; window.poll(event);) handle(event);
+  for (const std::string& path : window.takeDropped()) act([&] { open(path); });
+  advance();
+  draw();
+  if (imageSequence && !paused) {
+    char name[32];
+    std::snprintf(name, sizeof name, "sandbox_%05ld.png", ++m_images);
+    act([&] { window.savePng(name); });
+  }
+  if (later) act(std::exchange(later, nullptr));
+  return !closed && !m_next;
+}
+
+template <int D>
+void App<D>::handle(const SDL_Event& event) {
+  const auto mouse = [](const auto& e) { return Vec<2>(e.x, e.y); };
+  if (event.type == SDL_QUIT) closed = true;
+  if (event.type == SDL_WINDOWEVENT) camera.resize(window.width(), window.height());
+  if (event.type == SDL_KEYUP || (event.type == SDL_KEYDOWN && !window.forPanels(event))) {
+    key(event.key.keysym.sym, event.type == SDL_KEYDOWN);
+  }
+  if (event.type == SDL_MOUSEMOTION) {
+    const Vec<2> to = mouse(event.motion), by = to - m_drag;
+    m_drag = to;
+    if (m_panning) camera.pan(by[0], by[1]);
+    if constexpr (D == 3) {
+      if (m_orbiting) camera.orbit(by[0], by[1]);
+    }
+    act([&] { hand.move(to); });
+  }
+  if (event.type == SDL_MOUSEBUTTONUP) {
+    m_panning = m_orbiting = false;
+    if (event.button.button == SDL_BUTTON_LEFT) act([&] { hand.release(mouse(event.button)); });
+  }
+  if (window.forPanels(event)) return;
+  if (event.type == SDL_MOUSEBUTTONDOWN) {
+    m_drag = mouse(event.button);
+    if (event.button.button == SDL_BUTTON_LEFT) act([&] { hand.press(m_drag, m_shift); });
+    // The report pans with the right button; in 3D it turns the world, as everywhere today, unless shift is down.
+    const bool turns = D == 3 && event.button.button == SDL_BUTTON_RIGHT && !m_shift;
+    m_orbiting = turns, m_panning = event.button.button != SDL_BUTTON_LEFT && !turns;
+  }
+  if (event.type == SDL_MOUSEWHEEL) {
+    const auto notches = static_cast<Real>(event.wheel.y);
+    if (m_control) {
+      act([&] { hand.turn(kTurn * notches); });
+    } else {
+      camera.zoom(std::pow(Real(1.15), notches), hand.cursor());
+    }
+  }
+}
+
+template <int D>
+void App<D>::key(int code, bool down) {
+  if (code == SDLK_LCTRL || code == SDLK_RCTRL) m_control = down;
+  if (code == SDLK_LSHIFT || code == SDLK_RSHIFT) m_shift = down;
+  if (!down) return;
+  for (const Command<D>& c : commands<D>()) {
+    if (c.key == code) return act([&] { c.run(*this); });
+  }
+}
+
+template <int D>
+void App<D>::advance() {
+  if (paused || session.fallen()) return;
+  const double dt = static_cast<double>(session.dt());
+  m_due = std::min(m_due + window.secondsPerFrame() * timeScale, kMostSteps * dt);
+  for (; m_due > dt * (1 - 1e-6); m_due -= dt) step();
+  if (!session.fallen()) return;
+  paused = true;  // it is shown where it fell, and can be stepped back
+  hand.setPaused(true);
+  say(session.lanes()[0].fallen);
+}
+
+template <int D>
+void App<D>::step() {
+  act([&] {
+    hand.pull(m_control);
+    spawnDue();
+    session.step();
+    stepSeconds = session.world().profiler().frame().seconds;
+  });
+}
+
+template <int D>
+void App<D>::back() {
+  paused = true;
+  if (!session.back()) say("this is the beginning");
+  hand.setPaused(true);
+}
+
+template <int D>
+void App<D>::look() {
+  const Aabb<D> all = extent(session.world());
+  camera.look(all.lo, all.hi);
+}
+
+template <int D>
+void App<D>::zoom(Real factor) {
+  camera.zoom(factor, camera.center());
+}
+
+template <int D>
+void App<D>::open(const std::string& scene) {
+  Opening next = opening;
+  next.scene = findToml("scenes", scene), next.script.clear(), next.say.clear(), next.steps = 0;
+  next.parameters.clear(), next.seed.reset(), next.dt.reset(), next.features.reset();
+  const SceneFile loaded = SceneFile::load(next.scene);
+  if (!loaded.has(D)) {
+    next.dimension = loaded.dimensions().front();
+    m_next = next;
+    return;
+  }
+  Session<D> played(specOf<D>(loaded, next), next.pipelines);
+  later = [this, next, loaded, played = std::make_shared<Session<D>>(std::move(played))] {
+    hand.cancel(), hand.select({});
+    opening = next, file = loaded, session = std::move(*played);
+    look();
+    say(file.name() + ": " + file.summary());
+  };
+}
+
+template <int D>
+void App<D>::reload() {
+  Session<D> played(specOf<D>(file, opening), opening.pipelines);
+  later = [this, played = std::make_shared<Session<D>>(std::move(played))] {
+    hand.cancel(), hand.select({});
+    session = std::move(*played);
+  };
+}
+
+template <int D>
+void App<D>::clear() {
+  for (int body = 0; body < session.bodies(); ++body) {
+    if (session.world().valid(session.handle(body))) session.perform(RemoveBody{body});
+  }
+  hand.select({});
+}
+
+template <int D>
+void App<D>::save() {
+  const auto* world = dynamic_cast<const World<D>*>(&session.world());
+  if (!world) throw UserError("the state of an engine is its own: it cannot be saved");
+  SavedScene saved(session.steps(), kSaved);
+  saved.write(*world, session.scene(), session.lanes()[0].pipeline);
+  saved.finish();
+  say(std::string("saved as ") + kSaved);
+}
+
+template <int D>
+void App<D>::load() {
+  open(kSaved);
+}
+
+template <int D>
+void App<D>::otherDimension() {
+  constexpr int kOther = 5 - D;
+  if (!file.has(kOther)) throw UserError(file.name() + " is not there in " + std::to_string(kOther) + "D");
+  Opening next = opening;
+  next.dimension = kOther, next.steps = 0;
+  m_next = next;
+}
+
+template <int D>
+void App<D>::addLane(const std::string& pipeline) {
+  Opening next = opening;
+  next.pipelines.push_back(pipeline);
+  Session<D> played(specOf<D>(file, next), next.pipelines);  // who cannot play is refused here
+  opening.pipelines = next.pipelines;
+  reload();
+}
+
+template <int D>
+void App<D>::toggleLog() {
+  Profiler& profiler = session.world().profiler();
+  logging = !logging;
+  profiler.keepFrames(logging);
+  if (logging) return;
+  OutputFile out("sandbox_stats.csv");
+  profiler.writeCsv(out.stream());
+  out.finish();
+  say("written: sandbox_stats.csv");
+}
+
+template <int D>
+void App<D>::saveScript() {
+  throw UserError("not yet");
+}
+
+template <int D>
+void App<D>::screenshot() {
+  later = [this] {
+    window.savePng("sandbox.png");
+    say("written: sandbox.png");
+  };
+}
+
+template <int D>
+void App<D>::useTool(Tool tool, bool drawsStatic) {
+  hand.cancel();
+  hand.tool = tool, hand.drawsStatic = drawsStatic;
+}
+
+template <int D>
+void App<D>::draw() {
+  const double start = now();
+  window.beginFrame();
+  marks.clear();
+  const auto lanes = session.lanes().size();
+  const bool beside = arrangement == Arrangement::sideBySide && lanes > 1;
+  const int width = beside ? window.width() / static_cast<int>(lanes) : window.width();
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    if (beside) camera.resize(width, window.height(), width * static_cast<int>(lane), 0);
+    if (lane == 0 || beside) m_canvas.begin(camera);
+    DrawLayers drawn = layers;
+    if (lanes > 1 && (lane > 0 || !beside)) drawn.tint = laneColour(lane);
+    if (lanes > 1 && lane == 0 && !beside) drawn.tint.reset();
+    drawSimulation(session.world(lane), drawn, m_canvas);
+    if (lane == 0) hand.draw(m_canvas);
+    if (beside || lane + 1 == lanes) m_canvas.end();
+  }
+  if (beside) camera.resize(width, window.height());  // the mouse is of the first
+  drawMenus(*this);
+  drawPanels(*this);
+  drawSeconds = now() - start;
+  window.endFrame();
+}
+
+template class App<2>;
+template class App<3>;
+
+namespace {
+
+// Panels and switches stay when the dimension changes.
+template <int D>
+std::optional<Opening> showOne(Window& window, const Opening& opening, const SceneFile& file, InputScript* script,
+                               Panels& panels) {
+  App<D> app(window, opening, file);
+  app.panels = panels;
+  while (app.frame(script)) {
+  }
+  panels = app.panels;
+  return app.next();
+}
+
+}  // namespace
+
+void show(Window& window, Opening opening, InputScript* script) {
+  Panels panels;
+  for (std::optional<Opening> next = std::move(opening); next;) {
+    const SceneFile file = SceneFile::load(next->scene, next->script);
+    next = next->dimension == 2 ? showOne<2>(window, *next, file, script, panels)
+                                : showOne<3>(window, *next, file, script, panels);
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Zlib
+// The sandbox's window on one scene: what is shown, and what keys, menus and panels do.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "experiments/sandbox/gl_canvas.h"
+#include "experiments/sandbox/hand.h"
+#include "experiments/sandbox/input_script.h"
+#include "experiments/sandbox/opening.h"
+#include "experiments/sandbox/session.h"
+#include "experiments/sandbox/window.h"
+#include "framework/draw_simulation.h"
+#include "framework/random.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Who is drawn, of several: all in one view in their own colours, or each in its own.
+enum class Arrangement { overlaid, sideBySide };
+
+/// Panels that can be opened and closed.
+struct Panels {
+  bool scene = false, stages = false, layers = false, step = false, body = false, compare = false, help = false;
+};
+struct PanelInfo {
+  const char* name;
+  bool Panels::*open;
+};
+std::span<const PanelInfo> panelInfos();
+
+/// Places of the window that a script can click on by name: "World/Pause", "Scene/base".
+class Marks {
+ public:
+  /// After an item of ImGui: where it is.
+  void last(const std::string& name);
+  void clear() { m_places.clear(); }
+  /// Throws UserError with the names that are there.
+  Vec<2> at(const std::string& name) const;
+  const std::map<std::string, Vec<2>>& all() const { return m_places; }
+
+ private:
+  std::map<std::string, Vec<2>> m_places;
+};
+
+template <int D>
+class App {
+ public:
+  App(Window& window, const Opening& opening, const SceneFile& file);
+
+  /// One picture, and the steps that are due; false: it was closed, or something else shall be shown.
+  bool frame(InputScript* script);
+  /// What is shown next; nothing: the window was closed.
+  const std::optional<Opening>& next() const { return m_next; }
+
+  // --- commands; a mistake of the user's is told in the window, and changes nothing
+  // ------------------------------------
+  void open(const std::string& scene);  // path, name or number
+  void reload();
+  void clear();
+  void step();
+  void back();
+  void save(), load(), saveScript(), screenshot();
+  void spawnPolygon(), fireworks();
+  void useTool(Tool tool, bool drawsStatic = false);
+  void look();  // the whole scene fills the view
+  void zoom(Real factor);
+  void otherDimension();
+  void addLane(const std::string& pipeline);
+  void toggleLog();
+  void say(std::string text);  // in the window's last line
+  /// Does it; of a mistake it says why.
+  void act(const std::function<void()>& what);
+
+  // --- what is shown, open to panels ---------------------------------------------------------------------------------
+  Window& window;
+  Opening opening;
+  SceneFile file;
+  Session<D> session;
+  ViewCamera<D> camera;
+  Hand<D> hand;
+  DrawLayers layers;
+  Panels panels;
+  Arrangement arrangement = Arrangement::overlaid;
+  Marks marks;
+  bool paused = false, closed = false;
+  bool meteors = false, rain = false, showers = false;  // come by themselves while they are on
+  double timeScale = 1;
+  int verbosity = 1;
+  bool logging = false;  // statistics of each step, into a file
+  bool imageSequence = false;
+  std::string message;
+  double drawSeconds = 0, stepSeconds = 0;  // of the last picture and the last step
+  std::function<void()> later;              // done when the picture is finished: what replaces the session
+
+ private:
+  void handle(const SDL_Event& event);
+  void key(int code, bool down);
+  void advance();
+  void spawnDue();
+  void burst(const Vec<D>& at);
+  void addCircle(const Vec<D>& at, const Vec<D>& velocity, Real radius, Real density);
+  void draw();
+
+  Real chance(Real lo, Real hi);
+
+  GlCanvas<D> m_canvas;
+  std::optional<Opening> m_next;
+  Random m_random{1};  // the same hand, the same bodies
+  double m_due = 0;    // s of the world's time that are still to be stepped
+  Vec<2> m_drag = Vec<2>::Zero();
+  bool m_panning = false, m_orbiting = false;
+  bool m_control = false, m_shift = false;
+  long m_images = 0;
+};
+
+/// A thing that a user can ask for: in a menu, by a key, or both. The manual's table of keys is written from these.
+template <int D>
+struct Command {
+  const char *menu, *name;
+  int key;  // of SDL, 0: none
+  const char* meaning;
+  std::function<void(App<D>&)> run;
+  std::function<bool(const App<D>&)> on = {};  // of a switch
+};
+template <int D>
+const std::vector<Command<D>>& commands();
+
+template <int D>
+void drawMenus(App<D>& app);
+template <int D>
+void drawPanels(App<D>& app);
+
+/// Shows what is asked for until the window is closed. Throws UserError for what cannot be opened at first.
+void show(Window& window, Opening opening, InputScript* script);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Zlib
+// All that keys and menus do, in one table.
+#include <SDL2/SDL_keycode.h>
+#include <imgui.h>
+
+#include <cmath>
+
+#include "experiments/sandbox/app.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <int D>
+std::vector<Command<D>> makeCommands() {
+  using A = App<D>;
+  std::vector<Command<D>> out;
+  const auto add = [&](const char* menu, const char* name, int key, const char* meaning, std::function<void(A&)> run,
+                       std::function<bool(const A&)> on = {}) {
+    out.push_back({menu, name, key, meaning, std::move(run), std::move(on)});
+  };
+  const auto tool = [&](const char* name, int key, const char* meaning, Tool t, bool isStatic) {
+    add(
+        "Create", name, key, meaning, [=](A& a) { a.useTool(t, isStatic); },
+        [=](const A& a) { return a.hand.tool == t && a.hand.drawsStatic == isStatic; });
+  };
+
+  static constexpr const char* kPresets[] = {"Preset 10", "Preset 1", "Preset 2", "Preset 3", "Preset 4",
+                                             "Preset 5",  "Preset 6", "Preset 7", "Preset 8", "Preset 9"};
+  static constexpr const char* kNumbers[] = {"10", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
+  for (int i = 1; i <= 10; ++i) {
+    const int n = i % 10;
+    add("Presets", kPresets[n], SDLK_0 + n, "a world of the 2009 sandbox", [n](A& a) { a.open(kNumbers[n]); });
+  }
+  add("Presets", "Preset 0", 0, "the empty room of 2009", [](A& a) { a.open("0"); });
+  add("Presets", "Preset 11", 0, "the long dominoes of 2009", [](A& a) { a.open("11"); });
+
+  add(
+      "World", "Pause", SDLK_p, "stops and goes on", [](A& a) { a.paused = !a.paused, a.hand.setPaused(a.paused); },
+      [](const A& a) { return a.paused; });
+  add("World", "Step", SDLK_RIGHT, "one step, then a pause", [](A& a) {
+    a.paused = true;
+    a.step();
+    a.hand.setPaused(true);
+  });
+  add("World", "Step back", SDLK_LEFT, "to the step before, then a pause", [](A& a) { a.back(); });
+  add("World", "Reload", SDLK_r, "the scene from its beginning", [](A& a) { a.reload(); });
+  add("World", "Clear", SDLK_x, "takes all bodies out", [](A& a) { a.clear(); });
+  add("World", "Save", SDLK_F1, "the world as a scene, sandbox.toml", [](A& a) { a.save(); });
+  add("World", "Load", SDLK_F2, "sandbox.toml", [](A& a) { a.load(); });
+  add("World", "Wake all", SDLK_w, "wakes all bodies up", [](A& a) { a.hand.wake(); });
+  add("World", "Slower", SDLK_COMMA, "half as fast", [](A& a) { a.timeScale = std::max(a.timeScale / 2, 1.0 / 64); });
+  add("World", "Faster", SDLK_PERIOD, "twice as fast", [](A& a) { a.timeScale = std::min(a.timeScale * 2, 64.0); });
+  add("World", "Other dimension", SDLK_F3, "the scene in 3D, or in 2D again", [](A& a) { a.otherDimension(); });
+
+  tool("Grab", SDLK_g, "selects and drags", Tool::grab, false);
+  tool("Circle", SDLK_c, "circles, from the middle to the rim; balls in 3D", Tool::circle, false);
+  tool("Static circle", SDLK_v, "circles that never move", Tool::circle, true);
+  tool("Box", SDLK_b, "boxes, from corner to corner", Tool::box, false);
+  tool("Capsule", SDLK_k, "capsules, from end to end", Tool::capsule, false);
+  tool("Polygon", SDLK_y, "polygons, corner by corner, then Return; prisms in 3D", Tool::polygon, false);
+  tool("Compound", SDLK_q, "several boxes, then Return: one body", Tool::compound, false);
+  tool("Joint", SDLK_j, "joins two bodies, or one with the world, by two clicks", Tool::joint, false);
+  add("Create", "Finish", SDLK_RETURN, "what is being drawn becomes a body", [](A& a) { a.hand.finish(); });
+  add("Create", "Cancel", SDLK_ESCAPE, "forgets what is being drawn or carried", [](A& a) { a.hand.cancel(); });
+  add("Create", "Random polygon", SDLK_n, "of 3 to 8 corners, at the cursor", [](A& a) { a.spawnPolygon(); });
+  add("Create", "Fireworks", SDLK_o, "circles in all directions, from the cursor", [](A& a) { a.fireworks(); });
+  add(
+      "Create", "Meteor shower", SDLK_F5, "heavy circles from above, until it is switched off",
+      [](A& a) { a.meteors = !a.meteors; }, [](const A& a) { return a.meteors; });
+  add(
+      "Create", "Rain", SDLK_F6, "small circles from above, until it is switched off", [](A& a) { a.rain = !a.rain; },
+      [](const A& a) { return a.rain; });
+  add(
+      "Create", "Fireworks show", SDLK_F7, "one firework after another, until it is switched off",
+      [](A& a) { a.showers = !a.showers; }, [](const A& a) { return a.showers; });
+
+  add("Body", "Delete", SDLK_d, "what is selected, or under the cursor", [](A& a) { a.hand.removeSelected(); });
+  add("Body", "Static", SDLK_s, "never moves, or moves again; while drawing: what is drawn", [](A& a) {
+    if (a.hand.drawing()) {
+      a.hand.drawsStatic = !a.hand.drawsStatic;
+    } else {
+      a.hand.makeStatic();
+    }
+  });
+  add("Body", "Pin", SDLK_t, "keeps its place and may turn, or is free again", [](A& a) { a.hand.pin(); });
+  add("Body", "Merge", SDLK_m, "makes one body of those that are selected", [](A& a) { a.hand.merge(); });
+  add("Body", "Unmerge", SDLK_u, "makes a body of each of its shapes", [](A& a) { a.hand.takeApart(); });
+
+  add("View", "Zoom in", SDLK_PAGEUP, "nearer", [](A& a) { a.zoom(Real(1.25)); });
+  add("View", "Zoom out", SDLK_PAGEDOWN, "farther", [](A& a) { a.zoom(Real(0.8)); });
+  add("View", "Whole scene", SDLK_HOME, "all of it fills the window", [](A& a) { a.look(); });
+  add("View", "Verbosity", SDLK_i, "says nothing, a line, or all counts of the step",
+      [](A& a) { a.verbosity = (a.verbosity + 1) % 3; });
+
+  add(
+      "Record", "Statistics", SDLK_l, "times and counts of each step into sandbox_stats.csv, until it is switched off",
+      [](A& a) { a.toggleLog(); }, [](const A& a) { return a.logging; });
+  add("Record", "Picture", SDLK_F12, "the window as sandbox.png", [](A& a) { a.screenshot(); });
+  add(
+      "Record", "Image sequence", SDLK_F9, "each picture as sandbox_00001.png and so on, until it is switched off",
+      [](A& a) { a.imageSequence = !a.imageSequence; }, [](const A& a) { return a.imageSequence; });
+  add("Record", "Script", SDLK_F4, "what was done by hand as a director's script, sandbox_script.toml",
+      [](A& a) { a.saveScript(); });
+
+  for (const PanelInfo& p : panelInfos()) {
+    const int key = std::string_view(p.name) == "Keys" ? SDLK_h : 0;
+    add(
+        "Panels", p.name, key, "opens or closes it", [&p](A& a) { a.panels.*p.open = !(a.panels.*p.open); },
+        [&p](const A& a) { return a.panels.*p.open; });
+  }
+  return out;
+}
+
+}  // namespace
+
+template <int D>
+const std::vector<Command<D>>& commands() {
+  static const std::vector<Command<D>> all = makeCommands<D>();
+  return all;
+}
+
+template const std::vector<Command<2>>& commands();
+template const std::vector<Command<3>>& commands();
+
+}  // namespace lpc::inline LPC_PRECISION

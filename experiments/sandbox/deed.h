@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Zlib
+// What a hand does to a simulation between two steps: each is what an [[event]] of a script may do, so that what was
+// done by hand can be played again.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "framework/director.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Bodies by number: those of the scene in the order in which they come, then those that came by hand.
+template <int D>
+class Cast {
+ public:
+  Cast(const Director<D>& scene, std::vector<Handle>& hand) : m_scene(scene), m_hand(hand) {}
+  /// Of nobody, when it has not come.
+  Handle operator[](int body) const;
+  void add(Handle body) { m_hand.push_back(body); }
+
+ private:
+  const Director<D>& m_scene;
+  std::vector<Handle>& m_hand;
+};
+
+template <int D>
+struct AddBody {
+  BodyDef<D> def;
+};
+struct RemoveBody {
+  int body;
+};
+/// An impulse (N s) at the centre of mass and an angular one (N m s), at once.
+template <int D>
+struct PushBody {
+  int body;
+  Vec<D> impulse = Vec<D>::Zero();
+  Ang<D> angular = Ang<D>::Zero();
+};
+/// A force (N) at a point of the body (m, in its own frame), for the coming step.
+template <int D>
+struct PullBody {
+  int body;
+  Vec<D> force;
+  Vec<D> at;
+};
+/// What of it is given.
+template <int D>
+struct SetBody {
+  int body;
+  std::optional<Vec<D>> position = {};  // of its own frame (m)
+  std::optional<Rot<D>> rotation = {};
+  std::optional<Vec<D>> velocity = {};         // m/s
+  std::optional<Ang<D>> angularVelocity = {};  // rad/s
+};
+template <int D>
+struct JoinBodies {
+  int bodyA, bodyB;  // -1: the world
+  JointDef<D> def;   // without the bodies' handles
+};
+struct MergeBodies {
+  int into, other;
+};
+/// The first shape stays the body's, the others come as new bodies.
+struct TakeApart {
+  int body;
+};
+struct WakeBodies {
+  int body = -1;  // -1: all
+};
+template <int D>
+struct SetGravity {
+  Vec<D> gravity;  // m/s^2
+};
+/// What of it is given: coefficients of all its shapes, and what the body is.
+struct ChangeBody {
+  int body;
+  std::optional<Real> friction = {}, restitution = {}, density = {};
+  std::optional<bool> pinned = {}, rotatable = {};
+  std::optional<BodyType> type = {};
+};
+/// Of one competitor alone: the others keep theirs.
+struct ExchangeStages {
+  int lane;
+  std::string pipeline;
+};
+
+template <int D>
+struct Deed {
+  using What = std::variant<AddBody<D>, RemoveBody, PushBody<D>, PullBody<D>, SetBody<D>, JoinBodies<D>, MergeBodies,
+                            TakeApart, WakeBodies, SetGravity<D>, ChangeBody, ExchangeStages>;
+  long step;  // before this one
+  What what;
+};
+
+/// Throws UserError, with the reason, for what the world refuses and for what only a `World` can and this is none.
+template <int D>
+void play(const Deed<D>& deed, int lane, Simulation<D>& world, Cast<D>& cast);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Zlib
+// What the mouse does to a session, by the tool that is in it. It knows the camera and no window: a test moves it too.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/sandbox/drawn_shape.h"
+#include "experiments/sandbox/pick.h"
+#include "experiments/sandbox/session.h"
+#include "framework/debug_draw.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+enum class Tool { grab, circle, box, capsule, polygon, compound, joint };
+struct ToolInfo {
+  Tool tool;
+  const char* name;
+  const char* meaning;
+};
+std::span<const ToolInfo> tools();
+
+template <int D>
+class Hand {
+ public:
+  Hand(Session<D>& session, ViewCamera<D>& camera) : m_session(session), m_camera(camera) {}
+
+  // --- the left button; positions in pixels of the window -----------------------------------------------------------
+  void press(const Vec<2>& pixel, bool addToSelection);
+  void move(const Vec<2>& pixel);
+  void release(const Vec<2>& pixel);
+  /// Ends a polygon or a compound: it becomes a body.
+  void finish();
+  /// Forgets what is being drawn, dragged or joined.
+  void cancel();
+  /// Before each step while it runs: the spring pulls; with `keepRotation` the body does not turn.
+  void pull(bool keepRotation);
+  /// Turns the body that is carried, or those that are selected, by so many radians.
+  void turn(Real angle);
+  /// While the world is paused, what is carried follows the cursor exactly; else a spring pulls it.
+  void setPaused(bool paused);
+
+  // --- what keys and menus do to the selection, or to the body under the cursor when nothing is selected
+  // --------------
+  void removeSelected();
+  void makeStatic();  // and dynamic again
+  void pin();         // and free again
+  void merge();
+  void takeApart();
+  void wake();
+
+  Tool tool = Tool::grab;
+  bool drawsStatic = false;     // bodies that are drawn come as fixed ones
+  std::string joint = "pivot";  // kind of the joints that are made
+  const std::vector<int>& selected() const { return m_selected; }
+  void select(std::vector<int> bodies) { m_selected = std::move(bodies); }
+  std::vector<int> chosen() const;  // the selected ones, or the one under the cursor
+  const Vec<2>& cursor() const { return m_cursor; }
+
+  bool drawing() const { return tool != Tool::grab && tool != Tool::joint; }
+  /// The preview, the selection, the spring and the rectangle.
+  void draw(DebugDraw<D>& out) const;
+
+ private:
+  struct Carried {
+    int body;
+    Vec<D> at;                    // p_B of the point that is held, in the body's own frame
+    Vec<D> target;                // of the cursor, in the world
+    std::optional<Pose<D>> X_PB;  // paused: of the body against the cursor's point
+  };
+  struct FirstEnd {
+    int body;  // -1: the world
+    Vec<D> point;
+  };
+
+  Vec<D> target(const Vec<2>& pixel) const;
+  std::optional<BodyDef<D>> preview() const;
+  void carry(const Vec<2>& pixel);
+  void add(BodyDef<D> def);
+  void join(const Vec<2>& pixel);
+  Vec<2> planePoint(const Vec<2>& pixel) const;
+  DrawingPlane<D> plane() const;
+
+  Session<D>& m_session;
+  ViewCamera<D>& m_camera;
+  Vec<2> m_cursor = Vec<2>::Zero();
+  bool m_paused = false;
+  std::vector<int> m_selected;
+  std::optional<Carried> m_carried;
+  std::optional<Vec<2>> m_corner;        // of the rectangle that selects
+  std::vector<Vec<2>> m_points;          // of what is drawn, on the plane
+  std::optional<Vec<D>> m_planeThrough;  // of what is drawn
+  std::vector<BodyDef<D>> m_pieces;      // of a compound
+  std::optional<FirstEnd> m_first;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

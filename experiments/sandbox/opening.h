@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Zlib
+// What the sandbox is asked to show: a scene with its parameters, and who plays it.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/trial/scene_file.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+struct Opening {
+  std::string scene, script;  // paths; no script: empty
+  ParameterValues parameters;
+  std::optional<std::uint64_t> seed;
+  int dimension = 2;
+  std::vector<std::string> pipelines = {""};  // the first is what the others are compared with
+  std::optional<double> dt;
+  std::optional<std::string> features;
+  long steps = 0;   // made before it is shown, which is then paused
+  std::string say;  // what the window tells at first
+  // Of the command line, for the whole session.
+  std::string profile;  // CSV of all steps, written at the end; empty: none
+  bool plots = false, noSleeping = false;
+  std::string input;  // a script of keys and mouse; empty: the user's own
+  std::vector<std::string> plugins;
+};
+
+Opening openingFromJson(const nlohmann::json& json);
+
+/// Throws UserError with file and line. Parameters that this scene has not are left out.
+template <int D>
+SceneSpec<D> specOf(const SceneFile& file, const Opening& opening);
+
+}  // namespace lpc::inline LPC_PRECISION

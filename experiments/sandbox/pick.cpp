@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/sandbox/pick.h"
+
+#include <limits>
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// f(body, view, X_WP) of all convex parts but planes.
+template <int D, class F>
+void forAllParts(const Simulation<D>& world, const F& f) {
+  for (const ShapeRecord<D>& s : world.shapes()) {
+    if (s.body < 0 || s.shape.isPlane()) continue;
+    const Pose<D> X_WS = world.bodies().pose[static_cast<std::size_t>(s.body)] * s.X_CS;
+    forParts(s.shape, X_WS, [&](const ShapeView<D>& view, const Pose<D>& X_WP) { f(s.body, view, X_WP); });
+  }
+}
+
+bool moves(BodyType type) { return type != BodyType::fixed; }
+
+}  // namespace
+
+template <>
+Vec<2> onPlane(const ViewCamera<2>& camera, const Vec<2>& pixel, const Vec<2>&) {
+  return camera.toWorld(pixel);
+}
+
+template <>
+Vec<3> onPlane(const ViewCamera<3>& camera, const Vec<2>& pixel, const Vec<3>& through) {
+  const auto ray = camera.ray(pixel);
+  const Vec<3> towards = camera.towards();
+  return ray.origin + (through - ray.origin).dot(towards) / ray.direction.dot(towards) * ray.direction;
+}
+
+template <>
+Picked<2> pick(const Simulation<2>& world, const ViewCamera<2>& camera, const Vec<2>& pixel) {
+  Picked<2> out{-1, camera.toWorld(pixel)};
+  forAllParts<2>(world, [&](std::int32_t body, const ShapeView<2>& view, const Pose<2>& X_WP) {
+    const auto i = static_cast<std::size_t>(body);
+    const auto& type = world.bodies().type;
+    if (out.slot >= 0 && moves(type[static_cast<std::size_t>(out.slot)]) && !moves(type[i])) return;
+    if (containsPoint(view, X_WP, out.point)) out.slot = body;
+  });
+  return out;
+}
+
+template <>
+Picked<3> pick(const Simulation<3>& world, const ViewCamera<3>& camera, const Vec<2>& pixel) {
+  const auto ray = camera.ray(pixel);
+  Picked<3> out{-1, onPlane<3>(camera, pixel, camera.origin())};
+  Real nearest = std::numeric_limits<Real>::infinity();
+  forAllParts<3>(world, [&](std::int32_t body, const ShapeView<3>& view, const Pose<3>& X_WP) {
+    const RayEntry<3> hit = rayEntry(view, X_WP, ray.origin, ray.direction, nearest);
+    if (hit.t < 0 || hit.t >= nearest) return;
+    nearest = hit.t, out.slot = body, out.point = ray.origin + hit.t * ray.direction;
+  });
+  return out;
+}
+
+template <int D>
+std::vector<std::int32_t> within(const Simulation<D>& world, const ViewCamera<D>& camera, const Vec<2>& corner,
+                                 const Vec<2>& other) {
+  const Vec<2> lo = corner.cwiseMin(other), hi = corner.cwiseMax(other);
+  const Bodies<D>& b = world.bodies();
+  std::vector<bool> plane(b.pose.size(), false);
+  for (const ShapeRecord<D>& s : world.shapes()) {
+    if (s.body >= 0 && s.shape.isPlane()) plane[static_cast<std::size_t>(s.body)] = true;
+  }
+  std::vector<std::int32_t> out;
+  for (std::int32_t slot = 0; slot < b.size(); ++slot) {
+    const auto i = static_cast<std::size_t>(slot);
+    if (!b.used[i] || plane[i]) continue;
+    const Vec<2> at = camera.toPixel(b.pose[i].p);
+    if ((at.array() >= lo.array()).all() && (at.array() <= hi.array()).all()) out.push_back(slot);
+  }
+  return out;
+}
+
+template std::vector<std::int32_t> within(const Simulation<2>&, const ViewCamera<2>&, const Vec<2>&, const Vec<2>&);
+template std::vector<std::int32_t> within(const Simulation<3>&, const ViewCamera<3>&, const Vec<2>&, const Vec<2>&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/sandbox/puppet.h"
+
+#include <SDL2/SDL.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "experiments/sandbox/app.h"
+#include "experiments/trial/output_file.h"
+#include "framework/check.h"
+#include "framework/names.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using nlohmann::json;
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& w : words) out += (out.empty() ? "" : " ") + w;
+  return out;
+}
+
+double number(const std::string& word, const InputScript& script) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  if (word.empty() || *end) script.fail("'" + word + "' is no number");
+  return value;
+}
+
+void push(SDL_Event event) { SDL_PushEvent(&event); }
+
+void pushKey(const std::string& name, bool down, const InputScript& script) {
+  const SDL_Keycode code = SDL_GetKeyFromName(name.c_str());
+  if (code == SDLK_UNKNOWN)
+    script.fail("there is no key '" + name + "'; valid: names such as p, F1, Return, Left Ctrl");
+  SDL_Event event{};
+  event.type = down ? SDL_KEYDOWN : SDL_KEYUP;
+  event.key.keysym.sym = code, event.key.keysym.scancode = SDL_GetScancodeFromKey(code);
+  event.key.state = down ? SDL_PRESSED : SDL_RELEASED;
+  push(event);
+}
+
+int buttonNamed(const std::string& name, const InputScript& script) {
+  if (name == "left") return SDL_BUTTON_LEFT;
+  if (name == "right") return SDL_BUTTON_RIGHT;
+  if (name == "middle") return SDL_BUTTON_MIDDLE;
+  script.fail("there is no button '" + name + "'; valid: left, right, middle");
+}
+
+template <class A>
+void moveMouse(A& app, const Vec<2>& to) {
+  app.window.holdMouse(to);
+  SDL_Event event{};
+  event.type = SDL_MOUSEMOTION;
+  event.motion.x = static_cast<int>(to[0]), event.motion.y = static_cast<int>(to[1]);
+  push(event);
+}
+
+template <class A>
+void pushButton(A& app, int button, bool down) {
+  app.window.holdButton(button, down);
+  SDL_Event event{};
+  event.type = down ? SDL_MOUSEBUTTONDOWN : SDL_MOUSEBUTTONUP;
+  event.button.button = static_cast<Uint8>(button);
+  event.button.x = static_cast<int>(app.window.heldMouse()[0]),
+  event.button.y = static_cast<int>(app.window.heldMouse()[1]);
+  push(event);
+}
+
+// What the window shows, for whoever looks at it with a program.
+template <int D>
+json stateOf(const App<D>& app) {
+  json out = {{"scene", app.file.name()},
+              {"dimension", D},
+              {"step", app.session.steps()},
+              {"paused", app.paused},
+              {"message", app.message},
+              {"draw_ms", 1e3 * app.drawSeconds},
+              {"step_ms", 1e3 * app.stepSeconds},
+              {"gravity", app.session.world().settings().gravity[1]},
+              {"selected", app.hand.selected()},
+              {"bodies", json::array()},
+              {"lanes", json::array()},
+              {"joints", 0},
+              {"deeds", app.session.deeds().size()}};
+  for (const auto& lane : app.session.lanes()) {
+    char hash[20];
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(lane.world->hash()));
+    out["lanes"].push_back({{"pipeline", lane.pipeline},
+                            {"hash", hash},
+                            {"fallen", lane.fallen},
+                            {"parted_at", lane.partedAt},
+                            {"error", lane.samples.empty() ? 0.0 : lane.samples.back().error}});
+  }
+  const Simulation<D>& world = app.session.world();
+  for (const JointRecord<D>& j : world.joints()) out["joints"] = out["joints"].get<int>() + (j.kind != nullptr);
+  for (int body = 0; body < app.session.bodies(); ++body) {
+    const Handle h = app.session.handle(body);
+    if (!world.valid(h)) continue;
+    const auto i = static_cast<std::size_t>(h.slot);
+    const Vec<2> at = app.camera.toPixel(world.bodies().pose[i].p);
+    json one = {{"body", body},
+                {"pixel", {at[0], at[1]}},
+                {"p", json::array()},
+                {"awake", world.bodies().awake[i] != 0},
+                {"type", static_cast<int>(world.bodies().type[i])},
+                {"pinned", world.bodies().pinned[i] != 0}};
+    for (int d = 0; d < D; ++d) one["p"].push_back(world.bodies().pose[i].p[d]);
+    out["bodies"].push_back(one);
+  }
+  for (const auto& [name, at] : app.marks.all()) out["marks"][name] = {at[0], at[1]};
+  return out;
+}
+
+}  // namespace
+
+template <int D>
+void playOrder(App<D>& app, InputScript& script) {
+  const InputOrder* order = script.next();
+  if (!order) return;
+  const auto& words = order->words;
+  const auto is = [&](const char* name) { return order->name == name; };
+  if (is("wait")) {
+    if (!script.waited(static_cast<long>(number(words[0], script)))) return;
+  } else if (is("until")) {
+    if (!app.session.fallen() && app.session.steps() < static_cast<long>(number(words[0], script))) return;
+  } else if (is("key")) {
+    pushKey(joined(words), true, script), pushKey(joined(words), false, script);
+  } else if (is("down") || is("up")) {
+    pushKey(joined(words), is("down"), script);
+  } else if (is("at")) {
+    Vec<D> p = Vec<D>::Zero();
+    for (std::size_t i = 0; i < std::min<std::size_t>(words.size(), D); ++i) {
+      p[static_cast<int>(i)] = static_cast<Real>(number(words[i], script));
+    }
+    moveMouse(app, app.camera.toPixel(p));
+  } else if (is("pixel")) {
+    moveMouse(app, Vec<2>(number(words[0], script), number(words[1], script)));
+  } else if (is("on")) {
+    try {
+      moveMouse(app, app.marks.at(joined(words)));
+    } catch (const UserError& e) {
+      script.fail(e.what());
+    }
+  } else if (is("press") || is("release")) {
+    pushButton(app, buttonNamed(words[0], script), is("press"));
+  } else if (is("wheel")) {
+    SDL_Event event{};
+    event.type = SDL_MOUSEWHEEL, event.wheel.y = static_cast<Sint32>(number(words[0], script));
+    push(event);
+  } else if (is("type")) {
+    SDL_Event event{};
+    event.type = SDL_TEXTINPUT;
+    std::snprintf(event.text.text, sizeof event.text.text, "%s", joined(words).c_str());
+    push(event);
+  } else if (is("shot")) {
+    app.window.savePng(words[0]);
+  } else if (is("state")) {
+    OutputFile out(words[0]);
+    out.stream() << stateOf(app).dump(1) << '\n';
+    out.finish();
+  } else if (is("drop")) {
+    SDL_Event event{};
+    event.type = SDL_DROPFILE, event.drop.file = SDL_strdup(words[0].c_str());
+    push(event);
+  } else {
+    app.closed = true;  // quit
+  }
+  script.done();
+}
+
+template void playOrder(App<2>&, InputScript&);
+template void playOrder(App<3>&, InputScript&);
+
+}  // namespace lpc::inline LPC_PRECISION

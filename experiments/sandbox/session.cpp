@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/sandbox/session.h"
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+
+#include "framework/check.h"
+#include "framework/invariants.h"
+#include "framework/stage_engine.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr long kKeepEvery = 30;                // steps: so many are done again at most to go one back
+constexpr std::size_t kKeptBytes = 256 << 20;  // of one lane; beyond, every second is given up
+
+template <int D>
+std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const SceneSpec<D>& scene) {
+  if (const auto engine = engineOf(pipeline)) {
+    if (!scene.saved.empty()) throw UserError("a saved world is one of ours: no engine takes it");
+    return createStage<Engine<D>>(*engine)->start(scene.settings);
+  }
+  auto world = std::make_unique<World<D>>(Pipeline::parse(pipeline), scene.settings);
+  if (!scene.saved.empty()) {
+    std::istringstream in(scene.saved);
+    world->load(in);
+  }
+  return world;
+}
+
+}  // namespace
+
+template <int D>
+Session<D>::Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines) : m_scene(std::move(scene)) {
+  m_lanes.resize(pipelines.size()), m_plays.resize(pipelines.size()), m_kept.resize(pipelines.size());
+  for (std::size_t lane = 0; lane < pipelines.size(); ++lane) {
+    m_lanes[lane].pipeline = pipelines[lane];
+    begin(lane);
+    keep(lane);
+  }
+}
+
+template <int D>
+void Session<D>::begin(std::size_t lane) {
+  Lane& l = m_lanes[lane];
+  l.world = simulationOf(l.pipeline, m_scene);
+  l.fallen.clear();
+  m_plays[lane] = {std::make_unique<Director<D>>(m_scene), {}, 0, 0};
+  m_plays[lane].director->advance(*l.world);
+}
+
+template <int D>
+void Session<D>::playOne(std::size_t lane, const Deed<D>& deed) {
+  Cast<D> cast{*m_plays[lane].director, m_plays[lane].hand};
+  play(deed, static_cast<int>(lane), *m_lanes[lane].world, cast);
+  const auto* e = std::get_if<ExchangeStages>(&deed.what);
+  if (e && e->lane == static_cast<int>(lane)) m_lanes[lane].pipeline = e->pipeline;
+}
+
+template <int D>
+void Session<D>::playDue(std::size_t lane) {
+  Play& p = m_plays[lane];
+  for (; p.deed < m_deeds.size() && m_deeds[p.deed].step <= p.steps; ++p.deed) playOne(lane, m_deeds[p.deed]);
+}
+
+template <int D>
+void Session<D>::step() {
+  if (fallen()) return;
+  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
+    if (m_lanes[lane].fallen.empty()) stepLane(lane);
+  }
+  ++m_steps;
+  for (std::size_t lane = 1; lane < m_lanes.size(); ++lane) markError(lane);
+  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
+    if (m_steps % kKeepEvery == 0 && m_lanes[lane].fallen.empty()) keep(lane);
+  }
+}
+
+// What a script and a hand do next comes right after the step, so that it is seen before the coming one.
+template <int D>
+void Session<D>::stepLane(std::size_t lane) {
+  Lane& l = m_lanes[lane];
+  try {
+    l.world->step(m_scene.dt);
+    ++m_plays[lane].steps;
+    look(lane, l.world->profiler().frame().seconds);
+    if (!l.fallen.empty()) return;
+    m_plays[lane].director->advance(*l.world);
+    playDue(lane);
+  } catch (const std::exception& e) {  // an event that comes to no number, an engine that gives up
+    l.fallen = e.what();
+  }
+}
+
+template <int D>
+void Session<D>::look(std::size_t lane, double seconds) {
+  Lane& l = m_lanes[lane];
+  const Invariants<D> seen = invariants(*l.world);
+  l.samples.resize(static_cast<std::size_t>(m_plays[lane].steps - 1));
+  l.samples.push_back({seconds, seen.kinetic + seen.potential, seen.maxPenetration, 0});
+  if (seen.finite) return;
+  l.fallen = "diverged at step " + std::to_string(m_plays[lane].steps);
+  const Bodies<D>& b = l.world->bodies();
+  for (std::size_t i = 0; i < b.pose.size(); ++i) {
+    if (b.used[i] && (!b.pose[i].p.allFinite() || !b.motion[i].v.allFinite() || !b.motion[i].w.allFinite())) {
+      l.fallen += ": body " + std::to_string(i) + " is nowhere";
+      return;
+    }
+  }
+}
+
+template <int D>
+void Session<D>::markError(std::size_t lane) {
+  Lane& l = m_lanes[lane];
+  if (!l.fallen.empty() || fallen()) return;
+  const Simulation<D>& first = world();
+  double worst = 0;
+  for (int body = 0; body < bodies(); ++body) {
+    const Handle a = handle(body), b = handle(body, lane);
+    if (!first.valid(a) || !l.world->valid(b)) continue;
+    worst = std::max<double>(worst, (first.pose(a).p - l.world->pose(b).p).norm());
+  }
+  l.samples.back().error = worst;
+  if (worst > kParted && l.partedAt < 0) l.partedAt = m_steps;
+}
+
+template <int D>
+void Session<D>::keep(std::size_t lane) {
+  const auto* world = dynamic_cast<const World<D>*>(m_lanes[lane].world.get());
+  if (!world) return;  // an engine is begun anew
+  std::vector<Keyframe>& kept = m_kept[lane];
+  if (!kept.empty() && kept.back().step >= m_steps) return;
+  std::ostringstream out;
+  world->save(out);
+  const Play& p = m_plays[lane];
+  kept.push_back({m_steps, m_lanes[lane].pipeline, out.str(), *p.director, p.hand, p.deed});
+  std::size_t bytes = 0;
+  for (const Keyframe& k : kept) bytes += k.bytes.size();
+  if (bytes <= kKeptBytes) return;
+  for (std::size_t i = 1; i + 1 < kept.size(); ++i) kept.erase(kept.begin() + static_cast<long>(i));
+}
+
+template <int D>
+void Session<D>::goTo(std::size_t lane, long step) {
+  Lane& l = m_lanes[lane];
+  Play& p = m_plays[lane];
+  const auto& kept = m_kept[lane];
+  const auto after = std::find_if(kept.begin(), kept.end(), [&](const Keyframe& k) { return k.step > step; });
+  if (after == kept.begin()) {
+    begin(lane);
+  } else {
+    const Keyframe& from = *(after - 1);
+    l.pipeline = from.pipeline, l.fallen.clear();
+    auto world = std::make_unique<World<D>>(Pipeline::parse(from.pipeline), m_scene.settings);
+    std::istringstream in(from.bytes);
+    world->load(in);
+    l.world = std::move(world);
+    p = {std::make_unique<Director<D>>(from.director), from.hand, from.deed, from.step};
+  }
+  playDue(lane);
+  while (l.fallen.empty() && p.steps < step) stepLane(lane);
+}
+
+template <int D>
+bool Session<D>::back() {
+  if (m_steps == 0) return false;
+  --m_steps;
+  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
+    Lane& l = m_lanes[lane];
+    std::vector<Sample> samples = std::move(l.samples);  // errors and times are those of the first time
+    goTo(lane, m_steps);
+    samples.resize(std::min(samples.size(), static_cast<std::size_t>(m_steps)));
+    l.samples = std::move(samples);
+    if (l.partedAt > m_steps) l.partedAt = -1;
+  }
+  return true;
+}
+
+template <int D>
+bool Session<D>::fallen() const {
+  return !m_lanes[0].fallen.empty();
+}
+
+// Of a body that is carried along, only the last place counts.
+template <int D>
+bool Session<D>::takenBack(const typename Deed<D>::What& what) {
+  if (m_deeds.empty() || m_deeds.back().step != m_steps) return false;
+  auto* last = std::get_if<SetBody<D>>(&m_deeds.back().what);
+  const auto* now = std::get_if<SetBody<D>>(&what);
+  if (!last || !now || last->body != now->body || last->velocity || last->angularVelocity || now->velocity ||
+      now->angularVelocity) {
+    return false;
+  }
+  if (now->position) last->position = now->position;
+  if (now->rotation) last->rotation = now->rotation;
+  return true;
+}
+
+template <int D>
+void Session<D>::perform(typename Deed<D>::What what) {
+  if (fallen()) throw UserError("the first lane has fallen: " + m_lanes[0].fallen + "; valid: one step back");
+  const Deed<D> deed{m_steps, std::move(what)};
+  playOne(0, deed);
+  std::erase_if(m_deeds, [&](const Deed<D>& d) { return d.step > m_steps; });
+  for (auto& kept : m_kept) std::erase_if(kept, [&](const Keyframe& k) { return k.step > m_steps; });
+  if (!takenBack(deed.what)) m_deeds.push_back(deed);
+  for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
+    m_plays[lane].deed = m_deeds.size();
+    if (lane == 0 || !m_lanes[lane].fallen.empty()) continue;
+    try {
+      playOne(lane, deed);
+    } catch (const UserError& e) {
+      m_lanes[lane].fallen = e.what();
+    }
+  }
+}
+
+template <int D>
+int Session<D>::bodies() const {
+  return static_cast<int>(m_scene.spawns.size() + m_plays[0].hand.size());
+}
+
+template <int D>
+Handle Session<D>::handle(int body, std::size_t lane) const {
+  const Play& p = m_plays[lane];
+  const auto ofScene = static_cast<int>(m_scene.spawns.size());
+  if (body < ofScene) return p.director->body(body);
+  const auto i = static_cast<std::size_t>(body - ofScene);
+  return i < p.hand.size() ? p.hand[i] : Handle{};
+}
+
+template <int D>
+int Session<D>::bodyAt(std::int32_t slot) const {
+  for (int body = bodies() - 1; body >= 0; --body) {  // the last tenant of the slot
+    if (const Handle h = handle(body); h.slot == slot && world().valid(h)) return body;
+  }
+  return -1;
+}
+
+template class Session<2>;
+template class Session<3>;
+
+}  // namespace lpc::inline LPC_PRECISION

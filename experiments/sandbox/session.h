@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Zlib
+// A scene that is played and changed by hand, by one competitor or several at once, without a window: what the sandbox
+// shows. All competitors ("lanes") get the same scene, the same deeds and the same steps. It can be stepped back.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "experiments/sandbox/deed.h"
+#include "framework/director.h"
+#include "framework/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Of one lane after one step.
+struct Sample {
+  double seconds = 0;      // of the step
+  double energy = 0;       // J, kinetic and potential
+  double penetration = 0;  // m, the deepest contact; NaN where contacts are not told
+  double error = 0;        // m, the farthest that a body is from where the first lane has it
+};
+
+template <int D>
+class Session {
+ public:
+  struct Lane {
+    std::string pipeline;  // or "engine=..."
+    std::unique_ptr<Simulation<D>> world;
+    std::string fallen;           // why it goes no further; empty: it runs
+    std::vector<Sample> samples;  // [i]: after i + 1 steps
+    long partedAt = -1;  // the first step after which a body was farther than `kParted` from the first lane's; -1: none
+  };
+  /// m: farther apart than this is another run. What rounding does grows to it within seconds of a heap.
+  static constexpr double kParted = 1e-3;
+
+  /// Throws UserError for pipelines that this scene or this build cannot have.
+  Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines);
+
+  // --- running -------------------------------------------------------------------------------------------------------
+  /// All lanes that have not fallen.
+  void step();
+  /// To the state of a step less, from the last one that was kept and the same steps again: what was done by hand in
+  /// between is done again, what was done after it is forgotten by the next deed. False at the beginning.
+  bool back();
+  long steps() const { return m_steps; }
+  /// Of the first lane. True as well after `back`, until it goes on.
+  bool fallen() const;
+  Real dt() const { return m_scene.dt; }
+
+  // --- deeds, before the next step -----------------------------------------------------------------------------------
+  /// Throws UserError where the first lane refuses it: nothing has changed then. A lane that alone cannot has fallen.
+  void perform(typename Deed<D>::What what);
+  const std::vector<Deed<D>>& deeds() const { return m_deeds; }
+  /// How many bodies have a number: the next that is added has this one.
+  int bodies() const;
+  /// Its number; -1: of nobody. `slot` is the first lane's.
+  int bodyAt(std::int32_t slot) const;
+  Handle handle(int body, std::size_t lane = 0) const;
+
+  const SceneSpec<D>& scene() const { return m_scene; }
+  const std::vector<Lane>& lanes() const { return m_lanes; }
+  Simulation<D>& world(std::size_t lane = 0) { return *m_lanes[lane].world; }
+  const Simulation<D>& world(std::size_t lane = 0) const { return *m_lanes[lane].world; }
+
+ private:
+  // What a lane is besides what is shown of it.
+  struct Play {
+    std::unique_ptr<Director<D>> director;
+    std::vector<Handle> hand;  // of the bodies that came by hand
+    std::size_t deed = 0;      // the next one that is due
+    long steps = 0;            // that were made; those of a saved world began before
+  };
+  struct Keyframe {
+    long step;
+    std::string pipeline, bytes;
+    Director<D> director;
+    std::vector<Handle> hand;
+    std::size_t deed;
+  };
+
+  void begin(std::size_t lane);
+  void stepLane(std::size_t lane);
+  void playOne(std::size_t lane, const Deed<D>& deed);
+  void playDue(std::size_t lane);
+  bool takenBack(const typename Deed<D>::What& what);
+  void look(std::size_t lane, double seconds);
+  void keep(std::size_t lane);
+  void goTo(std::size_t lane, long step);
+  void markError(std::size_t lane);
+
+  SceneSpec<D> m_scene;
+  long m_steps = 0;
+  std::vector<Deed<D>> m_deeds;  // by step
+  std::vector<Lane> m_lanes;
+  std::vector<Play> m_plays;
+  std::vector<std::vector<Keyframe>> m_kept;
+};
+
+}  // namespace lpc::inline LPC_PRECISION
