@@ -18,6 +18,12 @@ typename ShapeMesh<D>::Point point(const Vec<D>& p) {
   return p.template cast<float>();
 }
 
+// Directions that go evenly around a ball, for a core that is one drawn out: else its flat sides get few corners.
+template <int D>
+Vec<D> evenly(const ShapeView<D>& shape, const Vec<D>& d) {
+  return shape.core() == CoreClass::curved ? Vec<D>(d.cwiseQuotient(shape.half).normalized()) : d;
+}
+
 std::uint32_t count(const auto& list) { return static_cast<std::uint32_t>(list.size()); }
 
 // --- in the plane ----------------------------------------------------------------------------------------------------
@@ -48,7 +54,7 @@ void outline(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
   straightCore(shape, core);
   if (core.empty()) {
     for (int i = 0; i < round; ++i) {
-      const Vec<2> d(std::cos(kTurn * i / round), std::sin(kTurn * i / round));
+      const Vec<2> d = evenly<2>(shape, {std::cos(kTurn * i / round), std::sin(kTurn * i / round)});
       mesh.corners.push_back(point<2>(coreSupport(shape, d) + shape.radius * d));
     }
     return;
@@ -170,7 +176,8 @@ void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round,
   const auto begin = count(mesh.corners), wide = count(columns), tall = count(rows);
   for (const Real row : rows) {
     for (const Real column : columns) {
-      const Vec<3> d(std::cos(row), std::sin(row) * std::cos(column), std::sin(row) * std::sin(column));
+      const Vec<3> d =
+          evenly<3>(shape, {std::cos(row), std::sin(row) * std::cos(column), std::sin(row) * std::sin(column)});
       const Vec<3> core = shape.core() == CoreClass::hull ? middle : coreSupport(shape, d);
       mesh.corners.push_back(point<3>(core + shape.radius * d));
       mesh.normals.push_back(point<3>(d));
@@ -199,6 +206,7 @@ void addRims(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
         const Real angle = kTurn * k / round + kAside;
         Vec<3> d;
         d[axis] = side * kAside, d[(axis + 1) % 3] = std::cos(angle), d[(axis + 2) % 3] = std::sin(angle);
+        d = evenly(shape, d);
         rim.push_back(coreSupport(shape, d) + shape.radius * d);
       }
       const auto apart = [&](std::size_t k) { return (rim[k] - other[k]).norm() > Real(1e-3) * rim[k].norm(); };

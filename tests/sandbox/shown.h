@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Zlib
+// Pictures of a window on a display that nobody sees.
+#pragma once
+
+#include "experiments/sandbox/gl_canvas.h"
+#include "experiments/sandbox/window.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+inline constexpr Colour kPaper{247, 247, 245};
+
+/// One frame of what `draw` draws, as its camera sees it.
+template <int D>
+Window::Picture shown(Window& window, GlCanvas<D>& canvas, const ViewCamera<D>& camera, auto draw) {
+  window.beginFrame();
+  canvas.begin(camera);
+  draw(canvas);
+  canvas.end();
+  window.endFrame();
+  return window.screenshot();
+}
+
+inline bool isPaper(const Colour& c) { return c == kPaper; }
+/// Of whatever brightness.
+inline bool isRed(const Colour& c) { return c.red > 60 && c.green < c.red / 4 && c.blue < c.red / 4; }
+inline bool isBlue(const Colour& c) { return c.blue > 60 && c.green < c.blue / 4 && c.red < c.blue / 4; }
+
+inline int count(const Window::Picture& picture, bool (*is)(const Colour&)) {
+  int n = 0;
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) n += is(picture.at(x, y));
+  }
+  return n;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test
