@@ -13,6 +13,10 @@ struct Aabb {
   Vec<D> lo = Vec<D>::Constant(std::numeric_limits<Real>::infinity());
   Vec<D> hi = Vec<D>::Constant(-std::numeric_limits<Real>::infinity());
 
+  static Aabb everywhere() {
+    const Real infinite = std::numeric_limits<Real>::infinity();
+    return {Vec<D>::Constant(-infinite), Vec<D>::Constant(infinite)};
+  }
   bool overlaps(const Aabb& b) const {
     return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all();
   }

@@ -61,6 +61,14 @@ struct ProxyChanges {
   std::span<const ProxyId> added, removed, moved;
 };
 
+/// A part of what a broadphase divides space or boxes by: a node of a tree, a cell, a slab between two ends of an axis.
+template <int D>
+struct StructureBox {
+  Aabb<D> box;  // infinite where the part has no end
+  int level;    // below the root; 0 where there is no tree
+  bool holds;   // boxes of proxies stand here: a leaf, a cell, a region with boxes across the borders of its parts
+};
+
 template <int D>
 struct RayHit {
   ProxyId proxy;
@@ -79,6 +87,12 @@ class Broadphase : public Stage {
   virtual void update(const Proxies<D>&, const ProxyChanges&) {}
   /// Appends to `out`, which arrives empty.
   virtual void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) = 0;
+
+  /// For who looks: appends the parts, each below the last one before it that is a level higher, and within that one.
+  /// Those that hold touch a proxy's box each, and cover all of these together. They are as of the last update, or of
+  /// the last findPairs where that builds; of fewer than two boxes there may be none. No step pays for it, by memory
+  /// neither.
+  virtual void structure(std::vector<StructureBox<D>>&) const {}
 
   // Queries on boxes, not on shapes; each has a linear scan as default. Filters and activity play no part in them.
   virtual void overlap(const Proxies<D>& proxies, const Aabb<D>& box, std::vector<ProxyId>& out) const;

@@ -191,6 +191,8 @@ class World final : public Simulation<D>, private DetectAgain, private Forces<D>
   std::span<const JointRecord<D>> joints() const override { return m_joints; }
   std::span<const ForceRecord<D>> forces() const override { return m_forces; }
   const Proxies<D>& proxies() const { return m_boxes.proxies(); }  // as of the last step or query
+  /// What the broadphase divides by (Broadphase::structure), as of the last step or query.
+  void broadphaseStructure(std::vector<StructureBox<D>>& out) const { stage<Broadphase>().structure(out); }
   const WorldSettings<D>& settings() const override { return m_settings; }
   const Pipeline& pipeline() const { return m_pipeline; }
   Profiler& profiler() override { return m_profiler; }

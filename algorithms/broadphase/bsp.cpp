@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Zlib
+#include <numeric>
+
 #include "algorithms/broadphase/gathered_box.h"
 #include "algorithms/broadphase/packed_box.h"
 
@@ -66,7 +68,19 @@ class Bsp final : public Broadphase<D> {
     work[WorkCount::sortMoves] += m_moves;
   }
 
+  /// All of space, and the halves of each region by whose plane its boxes were divided.
+  void structure(std::vector<StructureBox<D>>& out) const override {
+    if (m_slots.size() < 2) return;
+    std::vector<std::int32_t> items(m_packed.size());
+    std::iota(items.begin(), items.end(), 0);
+    Fields lo, hi;
+    lo.fill(0), hi.fill(static_cast<double>(Packing<D>::kField) + 1);
+    tell(0, lo, hi, 0, items, out);
+  }
+
  private:
+  using Fields = std::array<double, D>;  // packed coordinates of a corner
+
   static constexpr int kBits = Packing<D>::kBits;
   static constexpr std::uint64_t kGuards = Packing<D>::kGuards;
 
@@ -184,6 +198,29 @@ class Bsp final : public Broadphase<D> {
     m_moves += r.count();
     return {static_cast<std::size_t>(below - items) - r.top,
             static_cast<std::size_t>(above - items) - r.top - r.count()};
+  }
+
+  // As visit() went with these boxes.
+  void tell(std::int32_t at, const Fields& lo, const Fields& hi, int level, const std::vector<std::int32_t>& items,
+            std::vector<StructureBox<D>>& out) const {
+    const Node& node = m_nodes[static_cast<std::size_t>(at)];
+    const bool kept = items.size() <= static_cast<std::size_t>(m_params.leaf);  // its plane may wait for more
+    const bool leaf = node.plane.axis < 0 || kept || items.front() >= m_awake || level == m_params.depth;
+    out.push_back({m_packing.region(lo, hi), level, leaf && !items.empty()});
+    if (leaf) return;
+    const std::uint64_t border = packed(node.plane);
+    const auto axis = static_cast<std::size_t>(node.plane.axis);
+    std::vector<std::int32_t> below, above;
+    for (const std::int32_t item : items) {
+      const PackedBox& box = m_packed[static_cast<std::size_t>(item)];
+      if (Packing<D>::field(box.lo, node.plane.axis) < border) below.push_back(item);
+      if (Packing<D>::field(box.hi, node.plane.axis) >= border) above.push_back(item);
+    }
+    Fields middle = hi;
+    middle[axis] = static_cast<double>(border);
+    tell(node.child, lo, middle, level + 1, below, out);
+    middle = lo, middle[axis] = static_cast<double>(border);
+    tell(node.child + 1, middle, hi, level + 1, above, out);
   }
 
   // Through the median centre of a sample, first on the axis along which most boxes find room side by side.

@@ -128,6 +128,21 @@ class DynamicTree final : public Broadphase<D> {
           });
   }
 
+  void structure(std::vector<StructureBox<D>>& out) const override {
+    int level = 0;
+    for (std::int32_t at = m_root; at != kNone;) {
+      const Node& n = node(at);
+      out.push_back({n.box, level, n.isLeaf()});
+      if (!n.isLeaf()) {
+        at = n.child[0], ++level;
+        continue;
+      }
+      std::int32_t parent = n.parent;
+      while (parent != kNone && node(parent).child[1] == at) at = parent, parent = node(at).parent, --level;
+      at = parent == kNone ? kNone : node(parent).child[1];
+    }
+  }
+
  private:
   static constexpr std::int32_t kNone = -1;
 

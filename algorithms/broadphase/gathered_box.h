@@ -24,6 +24,7 @@ struct GatheredBox {
   }
   ProxyId slot() const { return static_cast<ProxyId>(slotAndActive >> 1); }
   bool active() const { return slotAndActive & 1; }
+  Aabb<D> box() const { return {Vec<D>(lo.data()), Vec<D>(hi.data())}; }
 };
 
 /// The slots with a box that can overlap something.

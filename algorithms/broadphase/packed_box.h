@@ -23,19 +23,20 @@ class Packing {
     for (int d = 0; d < D; ++d) guards |= std::uint64_t{1} << (d * (kBits + 1) + kBits);
     return guards;
   }();
+  // In float, 2^31 - 1 would round up and out of the field: the high bits alone are used.
+  static constexpr int kUsed = std::min(kBits, std::numeric_limits<Real>::digits);
+  static constexpr int kShift = kBits - kUsed;
+  static constexpr double kUnit = std::uint64_t{1} << kShift;  // between two coordinates
 
   Packing() = default;
   explicit Packing(const Window<D>& window) {
-    // In float, 2^31 - 1 would round up and out of the field.
-    constexpr int used = kBits < std::numeric_limits<Real>::digits ? kBits : std::numeric_limits<Real>::digits;
-    constexpr auto limit = static_cast<Real>((std::uint64_t{1} << used) - 1);
+    constexpr auto limit = static_cast<Real>((std::uint64_t{1} << kUsed) - 1);
     for (std::size_t d = 0; d < D; ++d) m_scale[d] = Scale(window.lo[d], window.hi[d], limit);
-    m_shift = kBits - used;
   }
   PackedBox pack(const std::array<Real, D>& lo, const std::array<Real, D>& hi) const {
     PackedBox box{0, 0};
     for (std::size_t d = 0; d < D; ++d) {
-      const int at = static_cast<int>(d) * (kBits + 1) + m_shift;
+      const int at = static_cast<int>(d) * (kBits + 1) + kShift;
       box.lo |= static_cast<std::uint64_t>(static_cast<std::int64_t>(m_scale[d](lo[d]))) << at;
       box.hi |= static_cast<std::uint64_t>(static_cast<std::int64_t>(m_scale[d](hi[d]))) << at;
     }
@@ -57,9 +58,26 @@ class Packing {
     return box;
   }
 
+  /// Where packs to what is lo <= field < hi on each axis. The first field and the last one have no end: all beyond is
+  /// clamped to them.
+  Aabb<D> region(const std::array<double, D>& lo, const std::array<double, D>& hi) const {
+    Aabb<D> box;
+    for (std::size_t d = 0; d < D; ++d) {
+      box.lo[static_cast<int>(d)] = begins(lo[d], d), box.hi[static_cast<int>(d)] = begins(hi[d], d);
+    }
+    return box;
+  }
+
  private:
+  Real begins(double field, std::size_t d) const {
+    const Scale& scale = m_scale[d];
+    const double whole = field / kUnit;
+    if (whole <= 0) return -std::numeric_limits<Real>::infinity();
+    if (whole > static_cast<double>(scale.limit)) return std::numeric_limits<Real>::infinity();
+    return static_cast<Real>(static_cast<double>(scale.origin) + whole / static_cast<double>(scale.factor));
+  }
+
   std::array<Scale, D> m_scale{};
-  int m_shift = 0;
 };
 
 /// Boxes after the last one that listOverlaps may read, and room in `hits` that it may write beyond its answer.

@@ -122,6 +122,17 @@ class RebuiltBvh final : public Broadphase<D> {
     visit(proxies, meets, [&](ProxyId i) { out.push_back({i, t}); });
   }
 
+  void structure(std::vector<StructureBox<D>>& out) const override {
+    std::array<std::int32_t, kDeepest> past;  // of the nodes above
+    std::size_t level = 0;
+    for (std::int32_t at = 0; at < static_cast<std::int32_t>(m_nodes.size()); ++at) {
+      const Node& node = m_nodes[static_cast<std::size_t>(at)];
+      while (level > 0 && past[level - 1] == at) --level;
+      out.push_back({node.box(), static_cast<int>(level), isLeaf(at)});
+      if (!isLeaf(at)) past[level++] = node.past;
+    }
+  }
+
  private:
   static constexpr int kMostInLeaf = 32, kMostBins = 64;
   static constexpr std::size_t kFlush = 1024;         // noted pairs before they are looked at

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include <bit>
+#include <numeric>
 
 #include "algorithms/broadphase/gathered_box.h"
 #include "algorithms/broadphase/packed_box.h"
@@ -62,6 +63,15 @@ class RegionTree final : public Broadphase<D> {
     }
     work[WorkCount::boxTests] += m_tests;
     work[WorkCount::nodeVisits] += m_visits;
+  }
+
+  /// The regions; loose ones as they are grown.
+  void structure(std::vector<StructureBox<D>>& out) const override {
+    if (m_slots.size() < 2) return;
+    if (m_params.mode != Mode::multi) return tell(0, Cell{}, 0, out);
+    std::vector<std::int32_t> items(m_boxes.size());
+    std::iota(items.begin(), items.end(), 0);
+    tellMulti(Cell{}, 0, items, out);
   }
 
  private:
@@ -212,6 +222,15 @@ class RegionTree final : public Broadphase<D> {
     }
   }
 
+  void tell(std::int32_t at, const Cell& corner, int depth, std::vector<StructureBox<D>>& out) const {
+    const Node& node = m_nodes[static_cast<std::size_t>(at)];
+    const bool loose = m_params.mode == Mode::loose;
+    out.push_back({regionBounds(corner, depth, loose ? m_params.looseness : Real(1)), depth, node.own > node.begin});
+    for (std::int32_t c = node.child; c < node.child + node.children; ++c) {
+      tell(c, part(corner, depth, childDigit(m_nodes[static_cast<std::size_t>(c)].begin, depth)), depth + 1, out);
+    }
+  }
+
   // --- multi: no tree is kept; m_items is a stack with the list of the present region on top
   // ---------------------------
 
@@ -221,6 +240,21 @@ class RegionTree final : public Broadphase<D> {
       m_boxes[k] = GatheredBox<D>::of(proxies, m_slots[k]);
       m_packed[k] = m_packing.pack(m_boxes[k].lo, m_boxes[k].hi);
     }
+  }
+
+  // Region c of those in this one.
+  static Cell part(Cell corner, int depth, std::size_t c) {
+    for (std::size_t d = 0; d < D; ++d) corner[d] += static_cast<std::uint32_t>((c >> d) & 1) << (kBits - depth - 1);
+    return corner;
+  }
+  // Grown to so many times its edge. The corners of boxes were cut to whole numbers, of which a float fills the high
+  // bits alone: one more is left to a grown region.
+  Aabb<D> regionBounds(const Cell& corner, int depth, Real looseness) const {
+    const auto edge = static_cast<double>(std::uint64_t{1} << (kBits - depth));
+    const double room = looseness > 1 ? edge * (static_cast<double>(looseness) - 1) / 2 + Packing<D>::kUnit : 0;
+    std::array<double, D> lo, hi;
+    for (std::size_t d = 0; d < D; ++d) lo[d] = corner[d] - room, hi[d] = corner[d] + edge + room;
+    return m_packing.region(lo, hi);
   }
 
   PackedBox regionBox(const Cell& corner, int depth) const {
@@ -235,40 +269,59 @@ class RegionTree final : public Broadphase<D> {
 
   // A region is divided only while most of its boxes are smaller than a part of it: larger ones stand in all parts, for
   // ever.
-  bool mostFitInPart(int depth, std::size_t begin, std::size_t end) const {
+  bool mostFitInPart(int depth, std::span<const std::int32_t> items) const {
     const std::uint64_t edge = std::uint64_t{1} << (kBits - depth - 1);
     std::size_t fit = 0;
-    for (std::size_t k = begin; k < end; ++k) {
-      const PackedBox& box = m_packed[static_cast<std::size_t>(m_items[k])];
+    for (const std::int32_t item : items) {
+      const PackedBox& box = m_packed[static_cast<std::size_t>(item)];
       bool small = true;
       for (int d = 0; d < D; ++d) {
         small = small && Packing<D>::field(box.hi, d) - Packing<D>::field(box.lo, d) < edge;
       }
       fit += small ? 1 : 0;
     }
-    return 2 * fit > end - begin;
+    return 2 * fit > items.size();
+  }
+
+  bool divides(int depth, std::span<const std::int32_t> items) const {
+    return items.size() > static_cast<std::size_t>(m_params.capacity) && depth < m_params.maxDepth &&
+           mostFitInPart(depth, items);
   }
 
   void visitRegion(const Cell& corner, int depth, std::size_t begin, std::size_t end) {
     ++m_visits;
     const std::size_t count = end - begin;
     if (count < 2) return;
-    if (count > static_cast<std::size_t>(m_params.capacity) && depth < m_params.maxDepth &&
-        mostFitInPart(depth, begin, end)) {
+    if (divides(depth, std::span(m_items).subspan(begin, count))) {
       for (std::size_t c = 0; c < kChildren; ++c) {
-        Cell part = corner;
-        for (std::size_t d = 0; d < D; ++d) part[d] += static_cast<std::uint32_t>((c >> d) & 1) << (kBits - depth - 1);
-        const PackedBox box = regionBox(part, depth + 1);
+        const Cell inner = part(corner, depth, c);
+        const PackedBox box = regionBox(inner, depth + 1);
         m_items.resize(end);
         for (std::size_t k = begin; k < end; ++k) {
           const std::int32_t item = m_items[k];
           if (Packing<D>::overlap(m_packed[static_cast<std::size_t>(item)], box)) m_items.push_back(item);
         }
-        visitRegion(part, depth + 1, end, m_items.size());
+        visitRegion(inner, depth + 1, end, m_items.size());
       }
       return;
     }
     pairsInLeaf(regionBox(corner, depth), begin, end);
+  }
+
+  void tellMulti(const Cell& corner, int depth, const std::vector<std::int32_t>& items,
+                 std::vector<StructureBox<D>>& out) const {
+    const bool leaf = items.size() < 2 || !divides(depth, items);
+    out.push_back({regionBounds(corner, depth, Real(1)), depth, leaf && !items.empty()});
+    if (leaf) return;
+    for (std::size_t c = 0; c < kChildren; ++c) {
+      const Cell inner = part(corner, depth, c);
+      const PackedBox box = regionBox(inner, depth + 1);
+      std::vector<std::int32_t> within;
+      for (const std::int32_t item : items) {
+        if (Packing<D>::overlap(m_packed[static_cast<std::size_t>(item)], box)) within.push_back(item);
+      }
+      tellMulti(inner, depth + 1, within, out);
+    }
   }
 
   // A pair may meet in several leaves; it counts in the one that holds the larger of the two lower corners, axis by

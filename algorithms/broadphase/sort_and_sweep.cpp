@@ -37,10 +37,20 @@ class SortAndSweep final : public Broadphase<D> {
   void findPairs(const Proxies<D>& proxies, std::vector<ProxyPair>& out, WorkDone& work) override {
     listSlots(proxies, m_slots);
     if (m_slots.size() < 2) return;
-    const std::size_t axis = m_params.axis >= 0 ? static_cast<std::size_t>(m_params.axis) : widestAxis(proxies);
-    arrange(proxies, axis);
+    m_axis = m_params.axis >= 0 ? static_cast<std::size_t>(m_params.axis) : widestAxis(proxies);
+    arrange(proxies);
     work[WorkCount::sortMoves] += m_slots.size();
     work[WorkCount::boxTests] += sweep(out);
+  }
+
+  /// The interval of each box, in the order of the sweep.
+  void structure(std::vector<StructureBox<D>>& out) const override {
+    if (m_slots.size() < 2) return;
+    for (const GatheredBox<D>& b : m_boxes) {
+      Aabb<D> slab = Aabb<D>::everywhere();
+      slab.lo[static_cast<int>(m_axis)] = b.lo[m_axis], slab.hi[static_cast<int>(m_axis)] = b.hi[m_axis];
+      out.push_back({slab, 0, true});
+    }
   }
 
  private:
@@ -74,9 +84,9 @@ class SortAndSweep final : public Broadphase<D> {
     return best;
   }
 
-  void arrange(const Proxies<D>& proxies, std::size_t axis) {
+  void arrange(const Proxies<D>& proxies) {
     const Window<D> window = findWindow(proxies, m_slots, m_sample);
-    const std::size_t n = m_count = m_slots.size();
+    const std::size_t n = m_count = m_slots.size(), axis = m_axis;
     const Scale key(window.lo[axis], window.hi[axis], Real((1 << kKeyBits) - 1));
     m_order.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
@@ -154,7 +164,7 @@ class SortAndSweep final : public Broadphase<D> {
   }
 
   Params m_params;
-  std::size_t m_count = 0;
+  std::size_t m_count = 0, m_axis = 0;
   std::vector<ProxyId> m_slots;
   std::vector<Real> m_sample;
   std::vector<KeyedIndex<std::uint32_t>> m_order, m_scratch;

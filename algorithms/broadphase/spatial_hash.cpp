@@ -2,6 +2,7 @@
 #include <bit>
 
 #include "algorithms/broadphase/gathered_box.h"
+#include "algorithms/broadphase/grid.h"
 #include "algorithms/broadphase/packed_box.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -53,10 +54,7 @@ class SpatialHash final : public Broadphase<D> {
     const std::size_t awake = listActiveFirst(proxies, m_slots);
     if (m_slots.size() < 2) return;
     const Window<D> window = findWindow(proxies, m_slots, m_sample);
-    const Real cell = chooseCell(proxies);                           // 0 if all boxes are points
-    const Real most = sizeof(Real) == 8 ? Real(1e100) : Real(1e15);  // 0 * inf would be NaN
-    m_inverse = cell > 0 ? std::clamp(1 / cell, std::numeric_limits<Real>::min(), most) : Real(1);
-    m_origin = window.lo;
+    m_grid = Grid<D>(window.lo, chooseCell(proxies));
     enter(proxies, Packing<D>(window), awake);
     sortEntries();
     m_tests = 0;
@@ -64,6 +62,15 @@ class SpatialHash final : public Broadphase<D> {
     for (std::size_t k = 0; k < m_large.size(); ++k) visitLarge(k, out);
     work[WorkCount::boxTests] += m_tests;
     work[WorkCount::sortMoves] += m_entries.size();
+  }
+
+  /// The cells that boxes reach, and those boxes themselves that stand apart.
+  void structure(std::vector<StructureBox<D>>& out) const override {
+    if (m_slots.size() < 2) return;
+    const std::size_t before = out.size();
+    for (const GatheredBox<D>& b : m_boxes) m_grid.tellCells(b, out);
+    for (const Large& l : m_large) out.push_back({l.box.box(), 0, true});
+    tellOnce(out, before);
   }
 
  private:
@@ -89,6 +96,7 @@ class SpatialHash final : public Broadphase<D> {
     std::int32_t a, b;  // items
   };
 
+  // m; 0 if all boxes are points.
   Real chooseCell(const Proxies<D>& proxies) {
     if (m_params.cell > 0) return m_params.cell;
     constexpr std::size_t kSamples = 128;
@@ -96,14 +104,6 @@ class SpatialHash final : public Broadphase<D> {
     const auto middle = m_sample.begin() + static_cast<std::ptrdiff_t>(m_sample.size() / 2);
     std::nth_element(m_sample.begin(), middle, m_sample.end());
     return kRoom * *middle;
-  }
-
-  // Floor, non-decreasing in x; truncation would make the two cells beside 0 one.
-  std::int32_t coordinate(Real x, std::size_t d) const {
-    const Real limit = Real(1 << 29);  // so that differences of coordinates fit, too
-    const Real t = std::min(std::max((x - m_origin[d]) * m_inverse, -limit), limit);
-    const auto whole = static_cast<std::int32_t>(t);
-    return whole - (t < static_cast<Real>(whole) ? 1 : 0);
   }
 
   // Those that are awake come first, and so they do in every slot.
@@ -120,7 +120,7 @@ class SpatialHash final : public Broadphase<D> {
       Cell lo, count;
       std::int64_t cells = 1;
       for (std::size_t d = 0; d < D; ++d) {
-        lo[d] = coordinate(box.lo[d], d), count[d] = coordinate(box.hi[d], d) - lo[d] + 1;
+        lo[d] = m_grid.coordinate(box.lo[d], d), count[d] = m_grid.coordinate(box.hi[d], d) - lo[d] + 1;
         cells = std::min<std::int64_t>(cells * count[d], m_params.most + 1);
       }
       if (cells > m_params.most) {
@@ -228,9 +228,8 @@ class SpatialHash final : public Broadphase<D> {
   }
 
   Params m_params;
-  std::array<Real, D> m_origin{};  // m
-  Real m_inverse = 1;              // cells per m
-  int m_bits = 0;                  // of a slot's number
+  Grid<D> m_grid;
+  int m_bits = 0;  // of a slot's number
   std::uint64_t m_tests = 0;
   std::size_t m_awake = 0;  // of m_boxes
   std::vector<ProxyId> m_slots;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "algorithms/broadphase/gathered_box.h"
+#include "algorithms/broadphase/grid.h"
 #include "algorithms/broadphase/packed_box.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -49,6 +50,15 @@ class UniformGrid final : public Broadphase<D> {
     work[WorkCount::sortMoves] += m_boxes.size();
   }
 
+  /// The cells that boxes reach, and those boxes themselves that stand apart.
+  void structure(std::vector<StructureBox<D>>& out) const override {
+    if (m_slots.size() < 2) return;
+    const std::size_t before = out.size();
+    for (const GatheredBox<D>& b : m_boxes) m_grid.tellCells(b, out);
+    for (const Large& l : m_large) out.push_back({l.box.box(), 0, true});
+    tellOnce(out, before);
+  }
+
  private:
   using Cell = std::array<std::int32_t, D>;  // of the unbounded grid
 
@@ -61,6 +71,7 @@ class UniformGrid final : public Broadphase<D> {
     Cell lo, hi;
   };
 
+  // m; 0 if all boxes are points.
   Real chooseCell(const Proxies<D>& proxies) {
     if (m_params.cell > 0) return m_params.cell;
     constexpr std::size_t kSamples = 512;
@@ -74,14 +85,11 @@ class UniformGrid final : public Broadphase<D> {
 
   // Cells and their number per axis, powers of two, together at most about four per box.
   void chooseGrid(const Proxies<D>& proxies, const Window<D>& window) {
-    const Real cell = chooseCell(proxies);                           // 0 if all boxes are points
-    const Real most = sizeof(Real) == 8 ? Real(1e100) : Real(1e15);  // 0 * inf would be NaN
-    m_inverse = cell > 0 ? std::clamp(1 / cell, std::numeric_limits<Real>::min(), most) : Real(1);
+    m_grid = Grid<D>(window.lo, chooseCell(proxies));
     double total = 1;
     std::array<double, D> size{};
     for (std::size_t d = 0; d < D; ++d) {
-      m_origin[d] = window.lo[d];
-      const double wanted = std::min(static_cast<double>((window.hi[d] - window.lo[d]) * m_inverse) + 2, 0x1p29);
+      const double wanted = std::min(static_cast<double>((window.hi[d] - window.lo[d]) * m_grid.inverse()) + 2, 0x1p29);
       size[d] = 4;  // at least: a neighbour must not be the same cell from the other side
       while (size[d] < wanted) size[d] *= 2;
       total *= size[d];
@@ -96,13 +104,6 @@ class UniformGrid final : public Broadphase<D> {
     m_cells = static_cast<std::size_t>(total);
   }
 
-  // Non-decreasing in x, so that touching boxes stand in the same or in neighbouring cells.
-  std::int32_t coordinate(Real x, std::size_t d) const {
-    const Real limit = Real(1 << 29);  // so that differences of coordinates fit, too
-    const Real t = std::min(std::max((x - m_origin[d]) * m_inverse, -limit), limit);
-    const auto whole = static_cast<std::int32_t>(t);
-    return whole - (t < static_cast<Real>(whole) ? 1 : 0);
-  }
   std::size_t place(const Cell& cell) const {
     std::size_t at = 0;
     for (std::size_t d = D; d-- > 0;) {
@@ -121,7 +122,7 @@ class UniformGrid final : public Broadphase<D> {
       Cell lo, hi;
       bool small = true;
       for (std::size_t d = 0; d < D; ++d) {
-        lo[d] = coordinate(proxies.lo[d][i], d), hi[d] = coordinate(proxies.hi[d][i], d);
+        lo[d] = m_grid.coordinate(proxies.lo[d][i], d), hi[d] = m_grid.coordinate(proxies.hi[d][i], d);
         small = small && hi[d] - lo[d] <= 1;
       }
       m_placeOf[k] = small ? static_cast<std::int32_t>(place(lo)) : -1;
@@ -238,9 +239,8 @@ class UniformGrid final : public Broadphase<D> {
   static constexpr Real kLargest = 8;  // times the median: beyond that, a box stands apart
 
   Params m_params;
-  std::array<Real, D> m_origin{};  // m
-  Real m_inverse = 1;              // cells per m
-  Cell m_size{};                   // cells per axis
+  Grid<D> m_grid;
+  Cell m_size{};  // cells per axis
   std::size_t m_cells = 0;
   std::uint64_t m_tests = 0;
   std::vector<ProxyId> m_slots;
