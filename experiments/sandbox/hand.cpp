@@ -97,11 +97,10 @@ void Hand<D>::press(const Vec<2>& pixel, bool addToSelection) {
   const Picked<D> picked = pick(m_session.world(), m_camera, pixel);
   if (tool == Tool::joint) return join(pixel);
   if (drawnBy(tool)) {
-    if (m_points.empty()) {
-      if (!m_planeThrough) m_planeThrough = picked.point;
-      m_points.push_back(planePoint(pixel));
-    }
-    m_points.push_back(planePoint(pixel));  // the end, which follows the cursor
+    if (!m_planeThrough) m_planeThrough = picked.point;
+    if (m_points.empty()) m_points.emplace_back();
+    m_points.back() = planePoint(pixel);
+    m_points.push_back(m_points.back());  // the end, which follows the cursor
     return;
   }
   const int body = picked.slot < 0 ? -1 : m_session.bodyAt(picked.slot);

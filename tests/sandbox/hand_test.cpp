@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Zlib
+// The mouse on a scene, without a window.
+#include "experiments/sandbox/hand.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/expect_caught.h"
+
+namespace lpc::inline LPC_PRECISION::test::hand_test {
+namespace {
+
+template <int D>
+struct Table {
+  Session<D> session{SceneSpec<D>{}, {""}};
+  ViewCamera<D> camera;
+  Hand<D> hand{session, camera};
+
+  Table() {
+    camera.resize(800, 600);
+    camera.look(Vec<D>::Constant(-5), Vec<D>::Constant(5));
+    session.perform(SetGravity<D>{Vec<D>::Zero()});
+  }
+  static Vec<D> at(Real x, Real y) {
+    Vec<D> p = Vec<D>::Zero();
+    p[0] = x, p[1] = y;
+    return p;
+  }
+  int add(Real x, Real y) {
+    BodyDef<D> def;
+    def.X_WB.p = at(x, y);
+    def.shapes.push_back({.shape = Shape<D>::sphere(Real(0.5))});
+    session.perform(AddBody<D>{def});
+    return session.bodies() - 1;
+  }
+  Vec<2> pixel(Real x, Real y) const { return camera.toPixel(at(x, y)); }
+  void drag(const Vec<2>& from, const Vec<2>& to, bool more = false) {
+    hand.press(from, more), hand.move(to), hand.release(to);
+  }
+  Vec<D> place(int body) const { return session.world().pose(session.handle(body)).p; }
+};
+
+template <int D>
+void picks() {
+  Table<D> t;
+  const int a = t.add(0, 0);
+  EXPECT_EQ(t.session.bodyAt(pick(t.session.world(), t.camera, t.pixel(0, 0)).slot), a);
+  EXPECT_EQ(pick(t.session.world(), t.camera, Vec<2>(1, 1)).slot, -1);
+  expectCaught("nobody is ever under the cursor", pick(t.session.world(), t.camera, t.pixel(0, 0)).slot == -1);
+}
+TEST(SandboxHand, WhoIsUnderTheCursorIsPicked) { picks<2>(), picks<3>(); }
+
+// In the plane who moves is meant, not what lies behind; in space who is nearer.
+TEST(SandboxHand, OfTwoTheOneInFrontIsPicked) {
+  Table<2> plane;
+  plane.session.perform(AddBody<2>{BodyDef<2>::fixed({.shape = Shape<2>::box({4, 4})})});
+  const int ball = plane.add(1, 1);
+  plane.session.perform(AddBody<2>{BodyDef<2>::fixed({.shape = Shape<2>::box({4, 4})})});
+  EXPECT_EQ(plane.session.bodyAt(pick(plane.session.world(), plane.camera, plane.pixel(1, 1)).slot), ball);
+  Table<3> space;
+  space.add(0, 0);
+  const Vec<3> nearer = 3 * space.camera.towards();
+  BodyDef<3> def;
+  def.X_WB.p = nearer, def.shapes.push_back({.shape = Shape<3>::sphere(Real(0.5))});
+  space.session.perform(AddBody<3>{def});
+  const Picked<3> picked = pick(space.session.world(), space.camera, space.camera.toPixel(Vec<3>::Zero()));
+  EXPECT_EQ(space.session.bodyAt(picked.slot), 1);
+  EXPECT_NEAR((picked.point - nearer).norm(), 0.5, 1e-9);
+}
+
+template <int D>
+void draws() {
+  Table<D> t;
+  t.hand.tool = Tool::circle;
+  t.drag(t.pixel(1, 1), t.pixel(1, 2));
+  ASSERT_EQ(t.session.bodies(), 1);
+  const auto& record = t.session.world().shapes()[0];
+  const Vec<2> seen = t.camera.toPixel(t.place(0));
+  EXPECT_NEAR((seen - t.pixel(1, 1)).norm(), 0, 1e-6);
+  EXPECT_EQ(record.shape.kind(), ShapeKind::sphere);
+  if (D == 2) EXPECT_NEAR(double(record.shape.view().radius), 1, 1e-9);
+
+  t.hand.tool = Tool::box;
+  t.drag(t.pixel(-3, -3), t.pixel(-1, -2));
+  EXPECT_EQ(t.session.bodies(), 2);
+  t.hand.tool = Tool::capsule;
+  t.drag(t.pixel(-3, 3), t.pixel(-1, 3));
+  EXPECT_EQ(t.session.bodies(), 3);
+  t.hand.tool = Tool::polygon;
+  for (const Vec<2>& p : {t.pixel(3, -3), t.pixel(4, -3), t.pixel(4, -2)}) t.hand.press(p, false), t.hand.release(p);
+  t.hand.finish();
+  EXPECT_EQ(t.session.bodies(), 4);
+  t.hand.tool = Tool::compound;
+  t.drag(t.pixel(3, 3), t.pixel(4, 4)), t.drag(t.pixel(4, 3), t.pixel(5, Real(3.5)));
+  t.hand.finish();
+  ASSERT_EQ(t.session.bodies(), 5);
+  const Handle h = t.session.handle(4);
+  int shapes = 0;
+  for (const auto& s : t.session.world().shapes()) shapes += s.body == h.slot;
+  EXPECT_EQ(shapes, 2);
+  // A slip of the hand draws nothing, and static ones come as such.
+  t.hand.tool = Tool::circle;
+  t.drag(t.pixel(0, 0), t.pixel(0, 0));
+  EXPECT_EQ(t.session.bodies(), 5);
+  t.hand.drawsStatic = true;
+  t.drag(t.pixel(0, -4), t.pixel(0, Real(-4.5)));
+  ASSERT_EQ(t.session.bodies(), 6);
+  EXPECT_EQ(t.session.world().bodies().type[static_cast<std::size_t>(t.session.handle(5).slot)], BodyType::fixed);
+}
+TEST(SandboxHand, ToolsDrawWhatTheyAreNamedAfter) { draws<2>(), draws<3>(); }
+
+// Paused, it goes exactly where the cursor goes; else a spring pulls it there, and no step is infinite.
+template <int D>
+void carries() {
+  Table<D> t;
+  const int a = t.add(0, 0);
+  t.hand.setPaused(true);
+  const Vec<2> grip = t.pixel(Real(0.2), 0);
+  const Vec<D> held = pick(t.session.world(), t.camera, grip).point;
+  t.drag(grip, t.camera.toPixel(held + Table<D>::at(2, 1)));
+  const Vec<2> moved = t.camera.toPixel(t.place(a)) - t.camera.toPixel(Vec<D>::Zero());
+  EXPECT_GT(moved.norm(), 20);
+  EXPECT_EQ(t.session.deeds().size(), 3u);  // gravity, the body, and one place
+  t.hand.setPaused(false);
+  const Vec<D> from = t.place(a);
+  const Vec<2> at = t.camera.toPixel(from);
+  t.hand.press(at, false);
+  t.hand.move(at - Vec<2>(100, 0));
+  for (int i = 0; i < 240; ++i) t.hand.pull(D == 3), t.session.step();  // held at its skin, a ball goes on turning about that
+  EXPECT_FALSE(t.session.fallen());
+  EXPECT_NEAR((t.camera.toPixel(t.place(a)) - (at - Vec<2>(100, 0))).norm(), 0, 5);
+  EXPECT_LT(double(t.session.world().bodies().motion[0].v.norm()), 1e-2);
+  t.hand.release(at);
+  expectCaught("the spring does not pull", (t.place(a) - from).norm() < 0.1);
+}
+TEST(SandboxHand, CarriesExactlyOrByASpring) { carries<2>(), carries<3>(); }
+
+TEST(SandboxHand, ARectangleSelectsAndKeysActOnAll) {
+  Table<2> t;
+  const int a = t.add(-2, 0), b = t.add(0, 0), c = t.add(4, 4);
+  t.drag(t.pixel(-3, 1), t.pixel(1, -1));
+  EXPECT_EQ(t.hand.selected(), (std::vector<int>{a, b}));
+  t.drag(t.pixel(4, 4), t.pixel(4, 4), true);
+  EXPECT_EQ(t.hand.selected(), (std::vector<int>{a, b, c}));
+  t.hand.pin();
+  for (const int body : {a, b, c}) {
+    EXPECT_TRUE(t.session.world().bodies().pinned[static_cast<std::size_t>(t.session.handle(body).slot)]);
+  }
+  t.hand.pin(), t.hand.merge();
+  EXPECT_EQ(t.session.world().bodyCount(), 1);
+  t.hand.takeApart();
+  EXPECT_EQ(t.session.world().bodyCount(), 3);
+  t.hand.makeStatic();
+  t.hand.removeSelected();
+  EXPECT_EQ(t.session.world().bodyCount(), 2);
+}
+
+TEST(SandboxHand, JoinsTwoBodiesOrOneWithTheWorld) {
+  Table<2> t;
+  t.add(-1, 0), t.add(1, 0);
+  t.hand.tool = Tool::joint;
+  const auto click = [&](const Vec<2>& at) { t.hand.press(at, false), t.hand.release(at); };
+  t.hand.joint = "distance";  // whose ends may be apart
+  click(t.pixel(-1, 0)), click(t.pixel(1, 0));
+  ASSERT_EQ(t.session.world().joints().size(), 1u);
+  t.hand.joint = "pivot";  // whose ends are one point: that of the first click
+  click(t.pixel(1, 0)), click(t.pixel(1, 3));
+  ASSERT_EQ(t.session.world().joints().size(), 2u);
+  const auto& pivot = t.session.world().joints()[1];
+  EXPECT_EQ(pivot.bodyA, -1);
+  EXPECT_NEAR((pivot.X_CaJ.p - Vec<2>(1, 0)).norm(), 0, 1e-6);
+  for (int i = 0; i < 60; ++i) t.session.step();
+  EXPECT_NEAR((t.place(1) - Vec<2>(1, 0)).norm(), 0, 1e-6);
+}
+
+TEST(SandboxHand, TurnsWhatIsSelected) {
+  Table<2> t;
+  const int a = t.add(2, 0);
+  t.hand.select({a});
+  t.hand.turn(Real(0.5));
+  const Pose<2> X = t.session.world().pose(t.session.handle(a));
+  EXPECT_NEAR(double(X.q.radians()), 0.5, 1e-12);
+  EXPECT_NEAR((X.p - Vec<2>(2, 0)).norm(), 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test::hand_test
