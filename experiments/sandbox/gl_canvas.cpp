@@ -28,12 +28,16 @@ void main() {
   gl_PointSize = at.w;
   tint = vec4(colour.rgb, colour.a * strength);
 })";
-constexpr const char* kFragmentShader = R"(#version 330 core
+constexpr const char* kFlatShader = R"(#version 330 core
 in vec4 tint;
-uniform bool isPoint;
+out vec4 pixel;
+void main() { pixel = tint; })";
+// By itself: where pixels may be left out software GL does all of them the slow way.
+constexpr const char* kRoundShader = R"(#version 330 core
+in vec4 tint;
 out vec4 pixel;
 void main() {
-  if (isPoint && length(gl_PointCoord - vec2(0.5)) > 0.5) discard;
+  if (length(gl_PointCoord - vec2(0.5)) > 0.5) discard;
   pixel = tint;
 })";
 
@@ -61,17 +65,16 @@ Colour lit(const Colour& c, float light) {
 
 template <int D>
 GlCanvas<D>::GlCanvas() {
-  const unsigned vertex = shaderOf(GL_VERTEX_SHADER, kVertexShader);
-  const unsigned fragment = shaderOf(GL_FRAGMENT_SHADER, kFragmentShader);
-  m_program = glCreateProgram();
-  for (const unsigned shader : {vertex, fragment}) {
-    glAttachShader(m_program, shader);
-    glDeleteShader(shader);
+  for (const auto& [program, text] : {std::pair(&m_flat, kFlatShader), std::pair(&m_round, kRoundShader)}) {
+    program->name = glCreateProgram();
+    for (const unsigned shader : {shaderOf(GL_VERTEX_SHADER, kVertexShader), shaderOf(GL_FRAGMENT_SHADER, text)}) {
+      glAttachShader(program->name, shader);
+      glDeleteShader(shader);
+    }
+    glLinkProgram(program->name);
+    program->view = glGetUniformLocation(program->name, "view");
+    program->strength = glGetUniformLocation(program->name, "strength");
   }
-  glLinkProgram(m_program);
-  m_view = glGetUniformLocation(m_program, "view");
-  m_strength = glGetUniformLocation(m_program, "strength");
-  m_round = glGetUniformLocation(m_program, "isPoint");
   glGenVertexArrays(1, &m_array);
   glGenBuffers(1, &m_vertices);
   glGenBuffers(1, &m_indices);
@@ -91,7 +94,8 @@ GlCanvas<D>::~GlCanvas() {
   glDeleteBuffers(1, &m_vertices);
   glDeleteBuffers(1, &m_indices);
   glDeleteVertexArrays(1, &m_array);
-  glDeleteProgram(m_program);
+  glDeleteProgram(m_flat.name);
+  glDeleteProgram(m_round.name);
 }
 
 template <int D>
@@ -100,6 +104,7 @@ void GlCanvas<D>::begin(const ViewCamera<D>& camera) {
   for (Layer* layer : {&m_under, &m_over, &m_edges, &m_lines, &m_points}) {
     layer->vertices.clear();
     layer->triangles.clear();
+    layer->blends = false;
   }
   m_words.clear();
   if (m_meshes.size() > kMostMeshes) m_meshes.clear();
@@ -109,6 +114,7 @@ template <int D>
 void GlCanvas<D>::point(const Vec<D>& p, double pixels, const Colour& colour) {
   const Point at = near(p);
   m_points.vertices.push_back({at[0], at[1], D == 3 ? at[D - 1] : 0, static_cast<float>(pixels), colour});
+  m_points.blends |= colour.alpha < 255;
 }
 
 template <int D>
@@ -135,9 +141,9 @@ const ShapeMesh<D>& GlCanvas<D>::mesh(const ShapeView<D>& shape, const Vec<D>& p
     meshOf(shape, 4, m_fresh);
     return m_fresh;
   }
-  // Round to a fifth of a pixel: a thousand small balls need not be a million triangles.
+  // Round to a fifth of a pixel, in space to two: a thousand small balls need not be a million triangles.
   const Real radius = shape.radius + (shape.core() == CoreClass::curved ? shape.half.maxCoeff() : 0);
-  const Real wanted = Real(3.15) * std::sqrt(radius * m_camera.scaleAt(p) / Real(0.4));
+  const Real wanted = Real(3.15) * std::sqrt(radius * m_camera.scaleAt(p) / Real(D == 2 ? 0.4 : 0.8));
   int round = 8;
   for (const int finer : {12, 16, 24, 32, 48}) {
     if (wanted > round) round = finer;
@@ -165,6 +171,7 @@ auto GlCanvas<D>::layerOf(const Look& look) -> Layer& {
 template <int D>
 void GlCanvas<D>::addFill(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look) {
   Layer& layer = layerOf(look);
+  layer.blends |= look.fill.alpha < 255;
   const auto first = static_cast<std::uint32_t>(layer.vertices.size());
   const Eigen::Matrix<float, D, D> turn = X_WS.q.matrix().template cast<float>();
   const Point origin = near(X_WS.p);
@@ -188,6 +195,7 @@ void GlCanvas<D>::addFill(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const L
 
 template <int D>
 void GlCanvas<D>::addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look) {
+  if (look.edge.alpha == 0) return;
   Layer& layer = D == 2 ? layerOf(look) : m_edges;
   const Eigen::Matrix<float, D, D> turn = X_WS.q.matrix().template cast<float>();
   const Point origin = near(X_WS.p);
@@ -199,6 +207,7 @@ void GlCanvas<D>::addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const 
 // In the plane a strip that may be as wide as one likes, in space what OpenGL calls a line.
 template <int D>
 void GlCanvas<D>::addLine(Layer& layer, const Point& a, const Point& b, const Colour& colour) {
+  layer.blends |= colour.alpha < 255;
   if constexpr (D == 2) {
     const Point along = b - a;
     const float length = along.norm();
@@ -255,11 +264,19 @@ void GlCanvas<D>::plane(const Pose<D>& X_WS, const Look& look) {
 }
 
 template <int D>
-void GlCanvas<D>::drawTriangles(const Layer& layer) {
-  if (layer.triangles.empty()) return;
-  glUniform1f(m_strength, 1);
+void GlCanvas<D>::use(const Program& program, const Layer& layer, float strength) {
+  glUseProgram(program.name);
+  glUniformMatrix4fv(program.view, 1, GL_FALSE, m_camera.matrix().data());
+  glUniform1f(program.strength, strength);
+  (layer.blends || strength < 1 ? glEnable : glDisable)(GL_BLEND);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.vertices.size() * sizeof(Vertex)), layer.vertices.data(),
                GL_STREAM_DRAW);
+}
+
+template <int D>
+void GlCanvas<D>::drawTriangles(const Layer& layer) {
+  if (layer.triangles.empty()) return;
+  use(m_flat, layer, 1);
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.triangles.size() * sizeof(std::uint32_t)),
                layer.triangles.data(), GL_STREAM_DRAW);
   glDrawElements(GL_TRIANGLES, static_cast<int>(layer.triangles.size()), GL_UNSIGNED_INT, nullptr);
@@ -268,12 +285,8 @@ void GlCanvas<D>::drawTriangles(const Layer& layer) {
 template <int D>
 void GlCanvas<D>::drawVertices(const Layer& layer, unsigned primitive, float strength) {
   if (layer.vertices.empty()) return;
-  glUniform1f(m_strength, strength);
-  glUniform1i(m_round, primitive == GL_POINTS);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(layer.vertices.size() * sizeof(Vertex)), layer.vertices.data(),
-               GL_STREAM_DRAW);
+  use(primitive == GL_POINTS ? m_round : m_flat, layer, strength);
   glDrawArrays(primitive, 0, static_cast<int>(layer.vertices.size()));
-  glUniform1i(m_round, 0);
 }
 
 template <int D>
@@ -324,12 +337,8 @@ void GlCanvas<D>::end() {
   glViewport(m_camera.left(), bottom, m_camera.width(), m_camera.height());
   glScissor(m_camera.left(), bottom, m_camera.width(), m_camera.height());
   glEnable(GL_SCISSOR_TEST);
-  glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glEnable(GL_PROGRAM_POINT_SIZE);
-  glUseProgram(m_program);
-  glUniformMatrix4fv(m_view, 1, GL_FALSE, m_camera.matrix().data());
-  glUniform1i(m_round, 0);
   glBindVertexArray(m_array);
   glBindBuffer(GL_ARRAY_BUFFER, m_vertices);
   drawLayers();

@@ -41,6 +41,11 @@ class GlCanvas final : public DebugDraw<D> {
   struct Layer {
     std::vector<Vertex> vertices;
     std::vector<std::uint32_t> triangles;
+    bool blends = false;  // one sees through something of it
+  };
+  struct Program {
+    unsigned name = 0;
+    int view = -1, strength = -1;  // its uniforms
   };
   struct Word {
     Vec<D> p;
@@ -60,6 +65,7 @@ class GlCanvas final : public DebugDraw<D> {
   void addLine(Layer& layer, const Point& a, const Point& b, const Colour& colour);
   Layer& layerOf(const Look& look);
   void drawLayers();
+  void use(const Program& program, const Layer& layer, float strength);
   void drawTriangles(const Layer& layer);
   void drawVertices(const Layer& layer, unsigned primitive, float strength);
   void drawWords();
@@ -70,10 +76,10 @@ class GlCanvas final : public DebugDraw<D> {
   Layer m_under, m_over, m_edges, m_lines, m_points;
   std::vector<Word> m_words;
   std::map<MeshKey, ShapeMesh<D>> m_meshes;
-  MeshKey m_key;         // of the one that is looked for
-  ShapeMesh<D> m_fresh;  // not worth keeping
-  unsigned m_program = 0, m_array = 0, m_vertices = 0, m_indices = 0;
-  int m_view = -1, m_strength = -1, m_round = -1;
+  MeshKey m_key;            // of the one that is looked for
+  ShapeMesh<D> m_fresh;     // not worth keeping
+  Program m_flat, m_round;  // the second cuts points round
+  unsigned m_array = 0, m_vertices = 0, m_indices = 0;
 };
 
 }  // namespace lpc::inline LPC_PRECISION
