@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kContactPixels = 6, kAnchorPixels = 5, kCentrePixels = 4;
 // Of a joint: smaller errors are not seen, and words of them would cover the rest.
-constexpr double kSeenGap = 1e-3;   // m
-constexpr double kSeenTurn = 0.01;  // rad
+constexpr double kSeenGap = kLinearSlop, kSeenTurn = 0.01;  // m, rad
 
 constexpr std::array<Colour, 6> kTurns = {
     {{102, 153, 204}, {238, 170, 85}, {119, 178, 119}, {204, 119, 136}, {160, 140, 200}, {190, 180, 100}}};
@@ -34,6 +33,21 @@ Colour islandColour(std::size_t number) {
     return static_cast<unsigned char>(std::lround(225 - 125 * std::clamp(std::min(k, 4 - k), 0.0, 1.0)));
   };
   return {part(5), part(3), part(1)};
+}
+
+std::string wordsOf(const JointError& error) {
+  char text[32];
+  std::string out;
+  if (error.linear > kSeenGap) {
+    const bool large = error.linear >= 1;
+    std::snprintf(text, sizeof text, large ? "%.3g m" : "%.3g mm", error.linear * (large ? 1 : 1000));
+    out = text;
+  }
+  if (error.angular > kSeenTurn) {
+    std::snprintf(text, sizeof text, "%.3g deg", error.angular * 180 / 3.141592653589793);
+    out += (out.empty() ? "" : ", ") + std::string(text);
+  }
+  return out;
 }
 
 template <int D>
@@ -162,13 +176,8 @@ class SimulationDrawing {
     JointRows<D> rows;
     j.kind->rows(j, X_WA, X_WB, rows);
     const JointError error = jointError(rows.all());
-    std::string words;
-    char text[32];
-    if (error.linear > kSeenGap) std::snprintf(text, sizeof text, "%.3g mm ", 1000 * error.linear), words += text;
-    if (error.angular > kSeenTurn)
-      std::snprintf(text, sizeof text, "%.3g deg ", 180 / 3.141592653589793 * error.angular), words += text;
+    const std::string words = wordsOf(error);
     if (words.empty()) return;
-    words.pop_back();
     line(a, b, kDrawnJointError);
     point(b, kAnchorPixels, kDrawnJointError);
     m_draw.text(b, words, m_layers.tint.value_or(kDrawnJointError));

@@ -26,6 +26,7 @@ PAGES = ["docs/manual.md", "README.md"] + sorted(
 ELSEWHERE = {
     ("docs/manual.md", "A first world in C++"): "tests/embedding/run.cmake",
     ("docs/manual.md", "Worlds that change"): "tests/embedding/run.cmake",
+    ("docs/manual.md", "Drawing"): "tests/embedding/run.cmake",
     ("docs/manual.md", "An example program"): "tests/embedding/run.cmake",
     **{(f"docs/{page}.md", section): "tests/embedding/run.cmake"
        for page, sections in {"shapes": ["Shapes of one part", "Shapes of several parts", "A body"],

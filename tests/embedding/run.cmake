@@ -48,7 +48,7 @@ should_say("the box rests at height 0.495 m")
 
 # Single stages; the same world in the other precision, and the manual's rays and forces.
 file(COPY ${CMAKE_CURRENT_LIST_DIR}/more DESTINATION ${WORK_DIR})
-foreach(file IN ITEMS main.cpp ray.cpp change.cpp forces.cpp)
+foreach(file IN ITEMS main.cpp ray.cpp change.cpp forces.cpp drawing.cpp)
   page_file(${manual} ${file} ${WORK_DIR}/more/${file})
 endforeach()
 # The pages of parts are one program, to be compiled at once. Its main calls what they define, in their order.
@@ -74,6 +74,9 @@ must(${WORK_DIR}/more/build/change)
 should_say("1 contact, 3.0 m" "taken apart into 2 bodies")
 must(${WORK_DIR}/more/build/forces)
 should_say("the ball hangs at 0.615 m")
+must(${WORK_DIR}/more/build/drawing)
+should_say("a box at height -0.5 that is fixed" "a box at height 0.5 that moves" "an impulse of 0.082 N s"
+           "a contact at x = 0.5 that bears")
 must(${WORK_DIR}/more/build/pages)
 if(NOT output STREQUAL pages_print)
   message(FATAL_ERROR "the pages say that their programs print\n${pages_print}and they print\n${output}")

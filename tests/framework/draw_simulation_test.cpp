@@ -3,6 +3,7 @@
 // bug (tests/planted_bugs/draw_twins.h) is seen to break it.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -266,9 +267,12 @@ bool turnsAreSeen(const Drawing<D>& drawing) {
   world.add(weld);
   Ang<D> turn = Ang<D>::Zero();
   turn[kAngDim<D> - 1] = Real(3.141592653589793 / 18);
-  world.setPose(b, {at<D>(2, 0), integrateRotation(Rot<D>{}, turn)});
-  const HeardDrawing<D> error = heard<D>(drawing, world, only(&DrawLayers::jointErrors));
-  return error.words.size() == 1 && error.words[0].text == "10 deg";
+  const auto said = [&](double right) {
+    world.setPose(b, {at<D>(right, 0), integrateRotation(Rot<D>{}, turn)});
+    const HeardDrawing<D> error = heard<D>(drawing, world, only(&DrawLayers::jointErrors));
+    return error.words.size() == 1 ? error.words[0].text : "";
+  };
+  return said(2) == "10 deg" && said(4) == "2 m, 10 deg" && said(2.25) == "250 mm, 10 deg" && said(2.004) == "10 deg";
 }
 
 template <int D>
@@ -454,6 +458,15 @@ void everyLayerIsInTheTable() {
 }
 TEST(DrawSimulation, EveryLayerIsInTheTable2) { everyLayerIsInTheTable<2>(); }
 TEST(DrawSimulation, EveryLayerIsInTheTable3) { everyLayerIsInTheTable<3>(); }
+
+TEST(DrawSimulation, TheManualHasEveryLayer) {
+  std::ostringstream page;
+  page << std::ifstream(LPC_SOURCE_DIR "/docs/manual.md").rdbuf();
+  for (const DrawLayer& l : kDrawLayers) {
+    const std::string row = "\n| " + std::string(l.name) + " | " + std::string(l.meaning) + " |\n";
+    EXPECT_NE(page.str().find(row), std::string::npos) << row;
+  }
+}
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test::draw_simulation_test
