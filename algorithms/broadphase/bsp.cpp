@@ -210,12 +210,15 @@ class Bsp final : public Broadphase<D> {
     if (leaf) return;
     const std::uint64_t border = packed(node.plane);
     const auto axis = static_cast<std::size_t>(node.plane.axis);
-    std::vector<std::int32_t> below, above;
-    for (const std::int32_t item : items) {
-      const PackedBox& box = m_packed[static_cast<std::size_t>(item)];
-      if (Packing<D>::field(box.lo, node.plane.axis) < border) below.push_back(item);
-      if (Packing<D>::field(box.hi, node.plane.axis) >= border) above.push_back(item);
-    }
+    const auto part = [&](const auto& enters) {
+      std::vector<std::int32_t> in(items.size());
+      in.erase(std::copy_if(items.begin(), items.end(), in.begin(),
+                            [&](std::int32_t i) { return enters(m_packed[static_cast<std::size_t>(i)]); }),
+               in.end());
+      return in;
+    };
+    const auto below = part([&](const PackedBox& b) { return Packing<D>::field(b.lo, node.plane.axis) < border; });
+    const auto above = part([&](const PackedBox& b) { return Packing<D>::field(b.hi, node.plane.axis) >= border; });
     Fields middle = hi;
     middle[axis] = static_cast<double>(border);
     tell(node.child, lo, middle, level + 1, below, out);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 #include <bit>
-#include <numeric>
 
 #include "algorithms/broadphase/gathered_box.h"
 #include "algorithms/broadphase/packed_box.h"
@@ -65,13 +64,10 @@ class RegionTree final : public Broadphase<D> {
     work[WorkCount::nodeVisits] += m_visits;
   }
 
-  /// The regions; loose ones as they are grown.
+  /// The regions, loose ones as they are grown. Of multi nothing is left when its pairs are found.
   void structure(std::vector<StructureBox<D>>& out) const override {
-    if (m_slots.size() < 2) return;
-    if (m_params.mode != Mode::multi) return tell(0, Cell{}, 0, out);
-    std::vector<std::int32_t> items(m_boxes.size());
-    std::iota(items.begin(), items.end(), 0);
-    tellMulti(Cell{}, 0, items, out);
+    if (m_slots.size() < 2 || m_params.mode == Mode::multi) return;
+    tell(0, Cell{}, 0, out);
   }
 
  private:
@@ -269,30 +265,26 @@ class RegionTree final : public Broadphase<D> {
 
   // A region is divided only while most of its boxes are smaller than a part of it: larger ones stand in all parts, for
   // ever.
-  bool mostFitInPart(int depth, std::span<const std::int32_t> items) const {
+  bool mostFitInPart(int depth, std::size_t begin, std::size_t end) const {
     const std::uint64_t edge = std::uint64_t{1} << (kBits - depth - 1);
     std::size_t fit = 0;
-    for (const std::int32_t item : items) {
-      const PackedBox& box = m_packed[static_cast<std::size_t>(item)];
+    for (std::size_t k = begin; k < end; ++k) {
+      const PackedBox& box = m_packed[static_cast<std::size_t>(m_items[k])];
       bool small = true;
       for (int d = 0; d < D; ++d) {
         small = small && Packing<D>::field(box.hi, d) - Packing<D>::field(box.lo, d) < edge;
       }
       fit += small ? 1 : 0;
     }
-    return 2 * fit > items.size();
-  }
-
-  bool divides(int depth, std::span<const std::int32_t> items) const {
-    return items.size() > static_cast<std::size_t>(m_params.capacity) && depth < m_params.maxDepth &&
-           mostFitInPart(depth, items);
+    return 2 * fit > end - begin;
   }
 
   void visitRegion(const Cell& corner, int depth, std::size_t begin, std::size_t end) {
     ++m_visits;
     const std::size_t count = end - begin;
     if (count < 2) return;
-    if (divides(depth, std::span(m_items).subspan(begin, count))) {
+    if (count > static_cast<std::size_t>(m_params.capacity) && depth < m_params.maxDepth &&
+        mostFitInPart(depth, begin, end)) {
       for (std::size_t c = 0; c < kChildren; ++c) {
         const Cell inner = part(corner, depth, c);
         const PackedBox box = regionBox(inner, depth + 1);
@@ -306,22 +298,6 @@ class RegionTree final : public Broadphase<D> {
       return;
     }
     pairsInLeaf(regionBox(corner, depth), begin, end);
-  }
-
-  void tellMulti(const Cell& corner, int depth, const std::vector<std::int32_t>& items,
-                 std::vector<StructureBox<D>>& out) const {
-    const bool leaf = items.size() < 2 || !divides(depth, items);
-    out.push_back({regionBounds(corner, depth, Real(1)), depth, leaf && !items.empty()});
-    if (leaf) return;
-    for (std::size_t c = 0; c < kChildren; ++c) {
-      const Cell inner = part(corner, depth, c);
-      const PackedBox box = regionBox(inner, depth + 1);
-      std::vector<std::int32_t> within;
-      for (const std::int32_t item : items) {
-        if (Packing<D>::overlap(m_packed[static_cast<std::size_t>(item)], box)) within.push_back(item);
-      }
-      tellMulti(inner, depth + 1, within, out);
-    }
   }
 
   // A pair may meet in several leaves; it counts in the one that holds the larger of the two lower corners, axis by
