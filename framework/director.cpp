@@ -2,62 +2,93 @@
 #include "framework/director.h"
 
 #include <algorithm>
+#include <string>
 
 namespace lpc::inline LPC_PRECISION {
 template <int D>
-Director<D>::Director(SceneSpec<D> scene) : m_scene(std::move(scene)) {
-  const auto comes = [&](int spawn) { return spawn < 0 ? 0 : m_scene.spawns.at(static_cast<std::size_t>(spawn)).step; };
-  const auto inTurn = [&](const auto& list) {  // those of one step in the order of the file
-    std::vector<std::pair<long, std::size_t>> turns;
+Director<D>::Director(SceneSpec<D> scene)
+    : m_scene(std::move(scene)),
+      m_bodyHandles(m_scene.spawns.size()),
+      m_jointHandles(m_scene.joints.size()),
+      m_forceHandles(m_scene.forces.size()) {
+  for (std::size_t i = 0; i < m_scene.spawns.size(); ++i) {
+    const auto& spawn = m_scene.spawns[i];
+    if (spawn.broughtBy < 0) m_coming.list.push_back({spawn.step, false, static_cast<int>(i)});
+    if (spawn.removeAt >= 0 && spawn.takenBy < 0) m_leaving.list.push_back({spawn.removeAt, true, static_cast<int>(i)});
+  }
+  // With the later of their bodies; with one that an event brings after the events.
+  const auto between = [&](const auto& list, Turns& turns) {
     for (std::size_t i = 0; i < list.size(); ++i) {
-      turns.emplace_back(std::max({list[i].step, comes(list[i].bodyA), comes(list[i].bodyB)}), i);
+      if (list[i].byEvent) continue;
+      std::pair when(list[i].step, false);
+      for (const int end : {list[i].bodyA, list[i].bodyB}) {
+        if (end < 0) continue;
+        const auto& spawn = m_scene.spawns.at(static_cast<std::size_t>(end));
+        when = std::max(when, std::pair(spawn.step, spawn.broughtBy >= 0));
+      }
+      turns.list.push_back({when.first, when.second, static_cast<int>(i)});
     }
-    std::sort(turns.begin(), turns.end());
-    return turns;
   };
-  m_joints = inTurn(m_scene.joints), m_forces = inTurn(m_scene.forces);
+  between(m_scene.joints, m_joints), between(m_scene.forces, m_forces);
+  for (Turns* turns : {&m_coming, &m_joints, &m_forces, &m_leaving}) {
+    std::sort(turns->list.begin(), turns->list.end());
+  }
+}
+
+template <int D>
+void Director<D>::bring(Simulation<D>& world, int spawn) {
+  const auto& s = m_scene.spawns.at(static_cast<std::size_t>(spawn));
+  is(spawn, s.there == Handle{} ? world.add(s.body) : s.there);
+}
+
+template <int D>
+void Director<D>::addJoint(Simulation<D>& world, int joint) {
+  const auto& j = m_scene.joints.at(static_cast<std::size_t>(joint));
+  JointDef<D> def = j.def;
+  def.bodyA = body(j.bodyA), def.bodyB = body(j.bodyB);
+  m_jointHandles[static_cast<std::size_t>(joint)] = world.add(def);
+}
+
+template <int D>
+void Director<D>::addForce(Simulation<D>& world, int force) {
+  const auto& f = m_scene.forces.at(static_cast<std::size_t>(force));
+  ForceDef<D> def = f.def;
+  def.bodyA = body(f.bodyA), def.bodyB = body(f.bodyB);
+  const ForceHandle handle = world.add(def);
+  m_forceHandles[static_cast<std::size_t>(force)] = handle;
+  if (f.removeAt >= 0) m_ending.push_back({f.removeAt, handle});
 }
 
 template <int D>
 void Director<D>::advance(Simulation<D>& world) {
-  if (m_begin < 0) m_begin = world.stepCount();
-  const long step = world.stepCount() - m_begin;
-  for (; m_next < m_scene.spawns.size() && m_scene.spawns[m_next].step <= step; ++m_next) {
-    const auto& spawn = m_scene.spawns[m_next];
-    m_handles.push_back(spawn.there == Handle{} ? world.add(spawn.body) : spawn.there);
-  }
-  for (; m_nextJoint < m_joints.size() && m_joints[m_nextJoint].first <= step; ++m_nextJoint) {
-    const auto& j = m_scene.joints[m_joints[m_nextJoint].second];
-    JointDef<D> def = j.def;
-    def.bodyA = body(j.bodyA), def.bodyB = body(j.bodyB);
-    world.add(def);
-  }
+  if (!m_begin) m_begin = world.stepCount();
+  const long step = world.stepCount() - *m_begin;
+  const auto joints = [&](bool late) { m_joints.play(step, late, [&](int i) { addJoint(world, i); }); };
+  const auto forces = [&](bool late) { m_forces.play(step, late, [&](int i) { addForce(world, i); }); };
+  m_coming.play(step, false, [&](int i) { bring(world, i); });
+  joints(false);
   std::erase_if(m_ending, [&](const Ending& e) {
     if (e.step > step) return false;
     const ForceRecord<D>& f = world.forces()[static_cast<std::size_t>(e.force.slot)];
-    if (f.kind && f.generation == e.force.generation) world.remove(e.force);  // else it went with a body
+    if (f.kind && f.generation == e.force.generation)
+      world.remove(e.force);  // else it went with a body, or by an event
     return true;
   });
-  for (; m_nextForce < m_forces.size() && m_forces[m_nextForce].first <= step; ++m_nextForce) {
-    const auto& f = m_scene.forces[m_forces[m_nextForce].second];
-    ForceDef<D> def = f.def;
-    def.bodyA = body(f.bodyA), def.bodyB = body(f.bodyB);
-    const ForceHandle force = world.add(def);
-    if (f.removeAt >= 0) m_ending.push_back({f.removeAt, force});
-  }
+  forces(false);
   for (; m_nextEvent < m_scene.events.size() && m_scene.events[m_nextEvent].step <= step; ++m_nextEvent) {
     const auto& event = m_scene.events[m_nextEvent];
-    event.act(world, body(event.body));
+    try {
+      event.act(*this, world, event.body);
+    } catch (const UserError& e) {
+      if (!event.place) throw;
+      throw UserError(*event.place + ": at step " + std::to_string(step) + ": " + e.what());
+    }
+    m_begin = world.stepCount() - step;  // a world that was cleared begins at 0, the script goes on
   }
-  for (std::size_t i = 0; i < m_next; ++i) {
-    if (m_scene.spawns[i].removeAt == step) world.remove(m_handles[i]);
-  }
-}
-
-template <int D>
-Handle Director<D>::body(int spawn) const {
-  const auto i = static_cast<std::size_t>(spawn);
-  return spawn >= 0 && i < m_handles.size() ? m_handles[i] : Handle{};
+  joints(true), forces(true);
+  m_leaving.play(step, true, [&](int i) {
+    if (world.valid(body(i))) world.remove(body(i));  // else an event has cleared the world
+  });
 }
 
 template class Director<2>;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,31 +13,42 @@
 namespace lpc::inline LPC_PRECISION {
 
 template <int D>
+class Director;
+
+template <int D>
 struct SceneSpec {
   struct Spawn {
     long step = 0;  // before this step; 0 = from the start
     BodyDef<D> body;
     long removeAt = -1;  // before this step; -1 = never
     Handle there = {};   // of a body of the saved world; nobody: it comes by itself
+    // The blocks of the events that bring it and take it out, each in its turn among all events; -1: none.
+    int broughtBy = -1, takenBy = -1;
+    bool part = false;  // of a body that an event takes apart: of `body` its name and type alone are known
   };
   /// Bodies are named by their place in `spawns`; -1 is the world.
   struct Joint {
     int bodyA = -1, bodyB = -1;
-    JointDef<D> def;  // without the bodies' handles
-    long step = 0;    // not before this step
+    JointDef<D> def;       // without the bodies' handles
+    long step = 0;         // not before this step
+    bool byEvent = false;  // made by one, in its turn
   };
   struct Force {
     int bodyA = -1, bodyB = -1;  // -1: nobody
     ForceDef<D> def;             // without the bodies' handles
     long step = 0;               // not before this step
     long removeAt = -1;          // before this step; -1 = never
+    bool byEvent = false;        // added by one, in its turn
   };
-  /// What else a script does, before this step and after what comes in it. The kinds of a scene file's [[event]] are
-  /// entries of a table (experiments/trial/scene_event.cpp).
+  /// What a script does before this step, in the order of the file: after what comes in it by itself, and before what
+  /// goes by itself. The kinds of a scene file's [[event]] are entries of a table (experiments/trial/scene_event.cpp).
   struct Event {
     long step = 0;
     int body = -1;  // a place in `spawns`
-    std::function<void(Simulation<D>&, Handle)> act;
+    std::function<void(Director<D>&, Simulation<D>&, int body)> act;
+    int block = 0;                             // its number in the file
+    std::shared_ptr<const std::string> place;  // file and line of the block
+    bool oursAlone = false;                    // an engine cannot do it
   };
   /// What must hold at every step of a right run, 0 = no demand. A breach ends the trial with that outcome.
   struct Limits {
@@ -61,9 +73,9 @@ struct SceneSpec {
   WorldSettings<D> settings;  // with the features that the scene needs
   Real dt = Real(1) / 60;     // s
   long steps = 600;
-  std::vector<Spawn> spawns;  // sorted by step
+  std::vector<Spawn> spawns;  // sorted by step, but for parts of others at the end
   std::vector<Joint> joints;  // made when the later of their bodies comes
-  std::vector<Event> events;  // sorted by step
+  std::vector<Event> events;  // sorted by step and block
   std::vector<Force> forces;  // made when the later of their bodies comes
   Limits limits;
   std::optional<Slope> slope;

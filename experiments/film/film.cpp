@@ -56,13 +56,22 @@ std::string filmed(const std::string& out, std::size_t first, std::size_t frames
          " frames" + (kind == FilmKind::frames ? ", without their steps and times" : "");
 }
 
+// Of frames `first` and on (s). A world that was cleared begins at 0 again.
+double secondsOf(const auto& frames, std::size_t first) {
+  double seconds = frames.back().time - frames[first].time;
+  for (std::size_t i = first + 1; i < frames.size(); ++i) {
+    if (frames[i].time < frames[i - 1].time) seconds += frames[i - 1].time;
+  }
+  return seconds;
+}
+
 template <int D>
 std::string film(const std::string& path, const std::string& out) {
   const FilmKind kind = filmKind(out);
   const Reel<D> reel(path);
   const auto& frames = reel.frames();
   const Camera<D> camera = cameraOf<D>(reel.sight(), widthOf(kind));
-  return filmed(out, 0, frames.size(), frames.back().time - frames.front().time, kind,
+  return filmed(out, 0, frames.size(), secondsOf(frames, 0), kind,
                 [&](std::size_t i) { return reel.picture(i, camera); });
 }
 
@@ -74,7 +83,7 @@ std::string filmBoth(const Reel<D>& a, const Reel<D>& b, std::size_t first, Film
   sight.take(b.sight().lo, b.sight().hi);
   const Camera<D> camera = cameraOf<D>(sight, widthOf(kind));
   const double end = camera.width;
-  return filmed(out, first, longer.size(), longer.back().time - longer[first].time, kind, [&](std::size_t i) {
+  return filmed(out, first, longer.size(), secondsOf(longer, first), kind, [&](std::size_t i) {
     Picture both{2 * end, camera.height, {}, {}};
     both.add(a.picture(std::min(i, a.frames().size() - 1), camera), {0, 0});
     both.add(b.picture(std::min(i, b.frames().size() - 1), camera), {end, 0});

@@ -56,11 +56,15 @@ void checkNesting(std::string_view text, const std::string& file) {
 
 }  // namespace
 
-void failAt(std::string_view file, const toml::node& node, const std::string& what) {
+std::string placeOf(std::string_view file, const toml::node& node) {
   // A scene's script is a file of its own, and a node knows which it came from.
   const std::string from = node.source().path ? *node.source().path : std::string(file);
+  return from + ":" + std::to_string(node.source().begin.line);
+}
+
+void failAt(std::string_view file, const toml::node& node, const std::string& what) {
   // As one line at once: what() of an error ends where a quoted text holds a zero.
-  throw PlacedError(oneLine(from + ":" + std::to_string(node.source().begin.line) + ": " + what));
+  throw PlacedError(oneLine(placeOf(file, node) + ": " + what));
 }
 
 std::string describe(const toml::node& node) {

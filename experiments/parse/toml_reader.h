@@ -20,6 +20,8 @@ namespace lpc::inline LPC_PRECISION {
 struct PlacedError : UserError {
   using UserError::UserError;
 };
+/// "scene.toml:12"
+std::string placeOf(std::string_view file, const toml::node& node);
 /// "scene.toml:12: what". Throws PlacedError.
 [[noreturn]] void failAt(std::string_view file, const toml::node& node, const std::string& what);
 /// "a list", "the number 3", ... for messages.

@@ -9,6 +9,8 @@
 #include "framework/inverse_inertia.h"
 #include "framework/mass.h"
 #include "framework/names.h"
+#include "framework/shape_tolerances.h"
+#include "framework/user_numbers.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -116,7 +118,19 @@ Shape<D> readConvex(TableReader& shape, SceneNumbers& numbers, const std::string
     const std::vector<Vec<D>> corners = drawCorners<D>(shape, numbers);
     return numbers.rehearsing() ? Shape<D>() : Shape<D>::polytope(corners, rounding);
   }
-  if (kind == "polytope") return Shape<D>::polytope(readPoints<D>(shape, numbers), rounding);
+  if (kind == "polytope") {
+    const std::vector<Vec<D>> corners = readPoints<D>(shape, numbers);
+    if constexpr (D == 3) {
+      if (const toml::node* n = shape.find("normals")) {
+        std::vector<Vec<3>> normals;
+        const toml::array* list = n->as_array();
+        if (!list) shape.fail(*n, "'normals' is " + describe(*n) + "; valid: a list of vectors, one for each face");
+        for (const toml::node& normal : *list) normals.push_back(numbers.vector<3>(normal));
+        return Shape<3>::polytope(hullWithNormals(corners, normals), rounding);
+      }
+    }
+    return Shape<D>::polytope(corners, rounding);
+  }
   if (kind == "segment") return Shape<D>::segment(size("half_length"));
   if (kind == "triangle") return Shape<D>::ofCorners(ShapeKind::triangle, readPoints<D>(shape, numbers), rounding);
   if (kind == "mesh") return readSurface<D>(shape, numbers);
@@ -191,7 +205,7 @@ ShapePart<D> readPlaced(TableReader& shape, SceneNumbers& numbers) {
     if (!numbers.rehearsing()) shape.fail(what.starts_with(kind) ? std::string(what) : kind + ": " + std::string(what));
   }
   placed.X_SP.p = numbers.vector<D>(shape, "offset");
-  placed.X_SP.q = rotationOf(readAngle<D>(shape, numbers, "angle"));
+  placed.X_SP.q = readRotation<D>(shape, numbers);
   return placed;
 }
 
@@ -237,6 +251,11 @@ void readMass(TableReader& body, SceneNumbers& numbers, BodyDef<D>& def) {
   if (inertia) {
     if constexpr (D == 2) {
       given.inertia(0, 0) = static_cast<Real>(numbers.between(*inertia, "inertia", 0, kLargest));
+    } else if (const toml::array* rows = inertia->as_array(); rows && rows->get(0) && rows->get(0)->is_array()) {
+      if (rows->size() != 3) body.fail(*inertia, "'inertia' has " + std::to_string(rows->size()) + " rows; valid: 3");
+      for (int i = 0; i < 3; ++i) {
+        given.inertia.row(i) = numbers.vector<3>(*rows->get(static_cast<std::size_t>(i))).transpose();
+      }
     } else {
       given.inertia = numbers.vector<3>(*inertia).asDiagonal();
     }
@@ -276,6 +295,29 @@ void checkMass(const BodyDef<D>& def, const TableReader& body) {
 }
 
 }  // namespace
+
+std::shared_ptr<const Polytope<3>> hullWithNormals(std::span<const Vec<3>> corners, std::span<const Vec<3>> normals) {
+  auto hull = std::make_shared<Polytope<3>>(*convexHull(corners));
+  if (normals.size() != hull->faces.size()) {
+    throw UserError("polytope: " + std::to_string(normals.size()) + " normals are given, and its faces are " +
+                    std::to_string(hull->faces.size()) + "; valid: one for each, or none");
+  }
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    auto& face = hull->faces[f];
+    const Vec<3>& n = normals[f];
+    if (!((n - face.normal).norm() < kGivenNormal) || !(std::abs(n.norm() - 1) < kFaceNormalError)) {
+      throw UserError("polytope: normal " + std::to_string(f) +
+                      " is not that of its face; valid: of length 1, as the " +
+                      "hull of the corners has it but for rounding");
+    }
+    face.normal = n;
+    double offset = -std::numeric_limits<double>::infinity();  // nothing is outside, as convexHull has it
+    for (const Vec<3>& v : hull->vertices) offset = std::max(offset, n.cast<double>().dot(v.cast<double>()));
+    face.offset = static_cast<Real>(offset);
+  }
+  linkVertices(*hull);
+  return hull;
+}
 
 void SceneNumbers::count(const toml::node& place, std::string_view what, long n) {
   if (m_rehearsing || (m_counts[what] += n) <= kMostOfEach) return;
@@ -375,6 +417,33 @@ Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& k
 }
 
 template <int D>
+Rot<D> readRotation(TableReader& table, SceneNumbers& numbers) {
+  constexpr std::size_t kNumbers = D == 2 ? 2 : 4;
+  const toml::node *given = table.find("rotation"), *angle = table.find("angle");
+  if (!given) return rotationOf(readAngle<D>(table, numbers, "angle"));
+  if (angle) table.fail(*given, "'rotation' beside 'angle'; valid: one of them");
+  const toml::array* list = given->as_array();
+  std::array<Real, kNumbers> x{};
+  const bool other = numbers.rehearsing() && list && list->size() == 6 - kNumbers;  // of the other dimension
+  if (!other && (!list || list->size() != kNumbers)) {
+    table.fail(*given, "'rotation' is " + describe(*given) + "; valid: a list of " +
+                           (D == 2 ? "cosine and sine" : "the four numbers w, x, y, z of a quaternion"));
+  }
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const auto value = static_cast<Real>(numbers.number(*list->get(i)));
+    if (!other) x[i] = value;
+  }
+  Rot<D> q;
+  if constexpr (D == 2) {
+    q = {x[0], x[1]};
+  } else {
+    q = {x[0], x[1], x[2], x[3]};
+  }
+  if (!numbers.rehearsing() && !isUnit(q)) table.fail(*given, "'rotation' has not the length 1");
+  return numbers.rehearsing() ? Rot<D>{} : q;
+}
+
+template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults, const Settings& settings) {
   BodyDef<D> def;
   const std::string type = body.string("type", "dynamic");
@@ -388,7 +457,7 @@ BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table*
     body.fail(*body.find("type"), "unknown type '" + type + "'" + validNames({"dynamic", "fixed", "kinematic"}, type));
   }
   def.X_WB.p = numbers.vector<D>(body, "position");
-  def.X_WB.q = rotationOf(readAngle<D>(body, numbers, "angle"));
+  def.X_WB.q = readRotation<D>(body, numbers);
   def.velocity = numbers.vector<D>(body, "velocity");
   def.angularVelocity = readAngular<D>(body, numbers, "angular_velocity");
   def.pinned = body.flag("pinned", false);
@@ -418,6 +487,8 @@ template Ang<2> readAngle<2>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<3> readAngle<3>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<2> readAngular<2>(TableReader&, SceneNumbers&, const std::string&);
 template Ang<3> readAngular<3>(TableReader&, SceneNumbers&, const std::string&);
+template Rot<2> readRotation(TableReader&, SceneNumbers&);
+template Rot<3> readRotation(TableReader&, SceneNumbers&);
 template BodyDef<2> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
 template BodyDef<3> readBody(TableReader&, SceneNumbers&, const toml::table*, const Settings&);
 

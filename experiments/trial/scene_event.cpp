@@ -3,13 +3,45 @@
 #include "experiments/trial/scene_event.h"
 
 #include <optional>
+#include <utility>
+
+#include "experiments/trial/scene_names.h"
+#include "framework/director.h"
+#include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+template <int D, class Act>
+typename SceneSpec<D>::Event& addEvent(const EventBlock<D>& e, int body, Act act) {
+  return e.scene.events.emplace_back(
+      typename SceneSpec<D>::Event{e.step, body, std::move(act), e.number, e.place, false});
+}
+// act(world, handle of the body)
+template <int D, class Act>
+void addDeed(const EventBlock<D>& e, int body, Act act) {
+  addEvent<D>(e, body, [act = std::move(act)](Director<D>& director, Simulation<D>& world, int i) {
+    act(world, director.body(i));
+  });
+}
+// act(director, world, body), of a world of ours.
+template <int D, class Act>
+void addOurs(const EventBlock<D>& e, int body, std::string_view what, Act act) {
+  addEvent<D>(e, body, [act = std::move(act), what](Director<D>& director, Simulation<D>& simulation, int i) {
+    auto* world = dynamic_cast<World<D>*>(&simulation);
+    if (!world) throw UserError("'" + std::string(what) + "' is an event of our worlds: no engine has it");
+    act(director, *world, i);
+  }).oursAlone = true;
+}
+
+// The body goes with this event, if it was not to go anyhow.
 template <int D>
-void addEvent(const EventBlock<D>& e, int body, std::function<void(Simulation<D>&, Handle)> act) {
-  e.scene.events.push_back({e.step, body, std::move(act)});
+void takeOut(const EventBlock<D>& e, const char* key, int body) {
+  auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
+  if (spawn.removeAt >= 0) {
+    e.block.fail(*e.block.find(key), "this body is removed at step " + std::to_string(spawn.removeAt) + " already");
+  }
+  spawn.removeAt = e.step, spawn.takenBy = e.number;
 }
 
 // A body that forces move.
@@ -50,7 +82,10 @@ struct Add {
   static constexpr bool kNames = true;
   template <int D>
   static void read(const EventBlock<D>& e) {
-    e.addBody();
+    const int body = e.addBody();
+    if (e.numbers.rehearsing()) return;
+    e.scene.spawns[static_cast<std::size_t>(body)].broughtBy = e.number;
+    addEvent<D>(e, body, [](Director<D>& director, Simulation<D>& world, int i) { director.bring(world, i); });
   }
 };
 
@@ -59,12 +94,9 @@ struct Remove {
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
-    auto& spawn = e.scene.spawns[static_cast<std::size_t>(e.bodyOf("body"))];
-    if (spawn.removeAt >= 0) {
-      e.block.fail(*e.block.find("body"),
-                   "this body is removed at step " + std::to_string(spawn.removeAt) + " already");
-    }
-    spawn.removeAt = e.step;
+    const int body = e.bodyOf("body");
+    takeOut(e, "body", body);
+    addDeed<D>(e, body, [](Simulation<D>& world, Handle h) { world.remove(h); });
   }
 };
 
@@ -79,7 +111,7 @@ struct Push {
     requireOneOf(e, {"impulse", "angular_impulse"});
     const Vec<D> impulse = e.numbers.template vector<D>(e.block, "impulse");
     const Ang<D> angular = readAngular<D>(e.block, e.numbers, "angular_impulse");
-    addEvent<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, Handle h) {
+    addDeed<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, Handle h) {
       const Ang<D> turn = cross(armOf(world, h, at), impulse) + angular;
       if (!turn.allFinite()) throw EventOverflow("a push comes to an angular impulse beyond all numbers");
       world.applyImpulse(h, {impulse, turn});
@@ -89,29 +121,31 @@ struct Push {
 
 struct Set {
   static constexpr std::string_view kName = "set";
-  static constexpr std::string_view kMeaning = "body, and what it gets: position, angle, velocity, angular_velocity";
+  static constexpr std::string_view kMeaning =
+      "body, and what it gets: position, angle or rotation, velocity, angular_velocity";
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
     const int body = e.bodyOf("body");
-    requireOneOf(e, {"position", "angle", "velocity", "angular_velocity"});
+    requireOneOf(e, {"position", "angle", "rotation", "velocity", "angular_velocity"});
     const bool fixed = e.scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::fixed;
     const auto given = [&](const char* key, auto value) {
       return e.block.find(key) ? std::optional(value) : std::nullopt;
     };
     for (const char* key : {"velocity", "angular_velocity"}) {
       const toml::node* n = e.block.find(key);
-      if (n && fixed) e.block.fail(*n, "'" + std::string(key) + "' of a fixed body; valid: position, angle");
+      if (n && fixed) e.block.fail(*n, "'" + std::string(key) + "' of a fixed body; valid: position, angle, rotation");
     }
     const auto position = given("position", e.numbers.template vector<D>(e.block, "position"));
-    const auto angle = given("angle", readAngle<D>(e.block, e.numbers, "angle"));
+    const bool turned = e.block.find("angle") || e.block.find("rotation");
+    const Rot<D> q = readRotation<D>(e.block, e.numbers);
     const auto v = given("velocity", e.numbers.template vector<D>(e.block, "velocity"));
     const auto w = given("angular_velocity", readAngular<D>(e.block, e.numbers, "angular_velocity"));
-    addEvent<D>(e, body, [=](Simulation<D>& world, Handle h) {
+    addDeed<D>(e, body, [=](Simulation<D>& world, Handle h) {
       Pose<D> X_WB = world.pose(h);
       if (position) X_WB.p = *position;
-      if (angle) X_WB.q = rotationOf(*angle);
-      if (position || angle) world.setPose(h, X_WB);
+      if (turned) X_WB.q = q;
+      if (position || turned) world.setPose(h, X_WB);
       Motion<D> motion = world.bodies().motion[static_cast<std::size_t>(h.slot)];
       if (v) motion.v = *v;
       if (w) motion.w = *w;
@@ -134,7 +168,7 @@ struct Force {
     const auto strength = static_cast<Real>(e.numbers.between(e.block, "strength", 0, 0, kLargest));
     if (e.block.find("strength")) e.block.require("towards");
     const Vec<D> goal = e.numbers.template vector<D>(e.block, "towards");
-    addEvent<D>(e, body, [force, torque, strength, goal, at = pointOf(e)](Simulation<D>& world, Handle h) {
+    addDeed<D>(e, body, [force, torque, strength, goal, at = pointOf(e)](Simulation<D>& world, Handle h) {
       const Vec<D> center = world.bodies().pose[static_cast<std::size_t>(h.slot)].p;
       const Vec<D> point = center + armOf(world, h, at), way = goal - point;
       const Real far = way.norm();
@@ -152,9 +186,202 @@ struct Joint {
   static constexpr bool kNames = false;
   template <int D>
   static void read(const EventBlock<D>& e) {
-    auto joint = e.readJoint(e.block);
-    joint.step = e.step;
-    e.scene.joints.push_back(std::move(joint));
+    const int joint = e.addJoint();
+    addEvent<D>(e, -1, [joint](Director<D>& director, Simulation<D>& world, int) { director.addJoint(world, joint); });
+  }
+};
+
+struct Unjoin {
+  static constexpr std::string_view kName = "unjoin", kMeaning = "takes a joint away that has a name: joint";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int joint = e.jointOf("joint");
+    addEvent<D>(e, -1,
+                [joint](Director<D>& director, Simulation<D>& world, int) { world.remove(director.joint(joint)); });
+  }
+};
+
+struct AddForce {
+  static constexpr std::string_view kName = "add_force";
+  static constexpr std::string_view kMeaning = "a force by kind that stays; its keys are those of a [[force]]";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int force = e.addForce();
+    addEvent<D>(e, -1, [force](Director<D>& director, Simulation<D>& world, int) { director.addForce(world, force); });
+  }
+};
+
+struct RemoveForce {
+  static constexpr std::string_view kName = "remove_force", kMeaning = "takes a force away that has a name: force";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int force = e.forceOf("force");
+    addEvent<D>(e, -1,
+                [force](Director<D>& director, Simulation<D>& world, int) { world.remove(director.force(force)); });
+  }
+};
+
+struct Merge {
+  static constexpr std::string_view kName = "merge";
+  static constexpr std::string_view kMeaning = "makes one body of two that are both dynamic or both fixed: into, other";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int into = e.bodyOf("into"), other = e.bodyOf("other");
+    const auto typeOf = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].body.type; };
+    if (!e.numbers.rehearsing()) {
+      if (into == other) e.block.fail(*e.block.find("other"), "'other' is 'into'; valid: two bodies");
+      if (typeOf(into) != typeOf(other) || typeOf(into) == BodyType::kinematic) {
+        e.block.fail(*e.block.find("other"), "these two make no body; valid: both dynamic, or both fixed");
+      }
+      takeOut(e, "other", other);
+    }
+    addOurs<D>(e, into, kName, [other](Director<D>& director, World<D>& world, int body) {
+      world.merge(director.body(body), director.body(other));
+    });
+  }
+};
+
+struct TakeApart {
+  static constexpr std::string_view kName = "take_apart";
+  static constexpr std::string_view kMeaning =
+      "makes one body of each shape: body, and their names, of which the first is it, too";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = e.bodyOf("body");
+    e.block.require("names");
+    const std::vector<std::string> names = e.block.strings("names");
+    for (const std::string& name : names) checkName(e.block, "names", name);
+    if (names.empty()) e.block.fail(*e.block.find("names"), "'names' is empty; valid: one for each shape of the body");
+    std::vector<int> parts;
+    const BodyType type = e.scene.spawns[static_cast<std::size_t>(body)].body.type;
+    for (const std::string& name : names) {
+      const bool first = &name == &names.front();
+      if (e.numbers.rehearsing() || first) {
+        if (!first || name != e.scene.spawns[static_cast<std::size_t>(body)].body.name) e.nameBody(name, body);
+        parts.push_back(body);
+        continue;
+      }
+      typename SceneSpec<D>::Spawn part;
+      part.step = e.step, part.broughtBy = e.number, part.part = true;
+      part.body.type = type, part.body.name = name;
+      parts.push_back(e.addPart(std::move(part)));
+    }
+    addOurs<D>(e, body, kName, [parts](Director<D>& director, World<D>& world, int of) {
+      const Handle whole = director.body(of);
+      if (!world.valid(whole)) throw UserError("the body is gone");
+      const std::size_t shapes = world.shapesOf(static_cast<std::size_t>(whole.slot)).size();
+      if (shapes != parts.size()) {
+        throw UserError("the body has " + std::to_string(shapes) + " shapes, and 'names' are " +
+                        std::to_string(parts.size()) + "; valid: one for each");
+      }
+      const std::vector<Handle> bodies = world.takeApart(whole);
+      for (std::size_t i = 1; i < bodies.size(); ++i) director.is(parts[i], bodies[i]);
+    });
+  }
+};
+
+struct Wake {
+  static constexpr std::string_view kName = "wake", kMeaning = "wakes the body, or all without one: body";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = e.block.find("body") ? e.bodyOf("body") : -1;
+    addDeed<D>(e, body, [all = body < 0](Simulation<D>& simulation, Handle h) {
+      auto* world = dynamic_cast<World<D>*>(&simulation);
+      if (!world) return;  // in an engine nobody sleeps
+      all ? world->wakeAll() : world->wake(h);
+    });
+  }
+};
+
+struct Gravity {
+  static constexpr std::string_view kName = "gravity", kMeaning = "from now on, and all wake: gravity (m/s^2)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const Vec<D> gravity = e.numbers.template vector<D>(e.block.require("gravity"));
+    addOurs<D>(e, -1, kName, [gravity](Director<D>&, World<D>& world, int) { world.setGravity(gravity); });
+  }
+};
+
+struct Clear {
+  static constexpr std::string_view kName = "clear";
+  static constexpr std::string_view kMeaning =
+      "takes all bodies, joints and forces out; who is named later comes later";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    if (!e.numbers.rehearsing()) e.clear();
+    addOurs<D>(e, -1, kName, [](Director<D>&, World<D>& world, int) { world.clear(); });
+  }
+};
+
+struct Exchange {
+  static constexpr std::string_view kName = "exchange";
+  static constexpr std::string_view kMeaning = "other algorithms or parameters of the stages that are named: pipeline";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const std::string text = e.block.requireString("pipeline");
+    try {
+      Pipeline any;
+      any.replace(text);
+      StageSet<D>{any};
+    } catch (const UserError& error) {
+      if (!e.numbers.rehearsing()) e.block.fail(*e.block.find("pipeline"), error.what());
+    }
+    addOurs<D>(e, -1, kName, [text](Director<D>&, World<D>& world, int) {
+      Pipeline pipeline = world.pipeline();
+      pipeline.replace(text);
+      world.exchange(pipeline);
+    });
+  }
+};
+
+// World::change of a body as it is then.
+template <int D, class Change>
+void addChange(const EventBlock<D>& e, std::string_view what, Change change) {
+  addOurs<D>(e, e.bodyOf("body"), what, [change](Director<D>& director, World<D>& world, int body) {
+    BodyDef<D> def = world.definition(director.body(body));
+    change(def);
+    world.change(director.body(body), def);
+  });
+}
+
+struct Material {
+  static constexpr std::string_view kName = "material";
+  static constexpr std::string_view kMeaning = "of all its shapes: body, friction, restitution, density (kg/m^D)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    requireOneOf(e, {"friction", "restitution", "density"});
+    const auto given = [&](const char* key) {
+      const toml::node* n = e.block.find(key);
+      return n ? std::optional(static_cast<Real>(e.numbers.between(*n, key, 0, kLargest))) : std::nullopt;
+    };
+    const auto friction = given("friction"), restitution = given("restitution"), density = given("density");
+    addChange<D>(e, kName, [=](BodyDef<D>& def) {
+      for (ShapeDef<D>& s : def.shapes) {
+        s.friction = friction.value_or(s.friction), s.restitution = restitution.value_or(s.restitution);
+        s.density = density.value_or(s.density);
+      }
+    });
+  }
+};
+
+struct Pin {
+  static constexpr std::string_view kName = "pin";
+  static constexpr std::string_view kMeaning = "body: its centre of mass stays where it is; pinned = false lets it go";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const bool pinned = e.block.flag("pinned", true);
+    addChange<D>(e, kName, [pinned](BodyDef<D>& def) { def.pinned = pinned; });
   }
 };
 
@@ -167,8 +394,12 @@ constexpr EventKind<D> eventEntry() {
 
 template <int D>
 std::span<const EventKind<D>> eventKinds() {
-  static constexpr EventKind<D> kKinds[] = {eventEntry<Add, D>(),  eventEntry<Force, D>(),  eventEntry<Joint, D>(),
-                                            eventEntry<Push, D>(), eventEntry<Remove, D>(), eventEntry<Set, D>()};
+  static constexpr EventKind<D> kKinds[] = {
+      eventEntry<Add, D>(),         eventEntry<AddForce, D>(), eventEntry<Clear, D>(),     eventEntry<Exchange, D>(),
+      eventEntry<Force, D>(),       eventEntry<Gravity, D>(),  eventEntry<Joint, D>(),     eventEntry<Material, D>(),
+      eventEntry<Merge, D>(),       eventEntry<Pin, D>(),      eventEntry<Push, D>(),      eventEntry<Remove, D>(),
+      eventEntry<RemoveForce, D>(), eventEntry<Set, D>(),      eventEntry<TakeApart, D>(), eventEntry<Unjoin, D>(),
+      eventEntry<Wake, D>()};
   return kKinds;
 }
 

@@ -52,6 +52,7 @@ template <int D>
 std::map<std::string, int> census(const SceneSpec<D>& scene) {
   std::map<std::string, int> out;
   for (const auto& spawn : scene.spawns) {
+    if (spawn.part) continue;  // of one that is counted
     const BodyDef<D>& b = spawn.body;
     const std::string type =
         b.type == BodyType::dynamic ? "dynamic" : (b.type == BodyType::fixed ? "fixed" : "kinematic");

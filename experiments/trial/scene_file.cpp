@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "experiments/trial/scene_event.h"
+#include "experiments/trial/scene_names.h"
 #include "experiments/trial/scene_parsed.h"
 #include "framework/names.h"
 
@@ -45,6 +46,7 @@ class Builder {
     sceneLets();
     m_top.find("saved");
     if (!m_parsed.saved.empty()) startFromSaved(m_top, m_parsed, m_scene);
+    for (std::size_t i = 0; i < m_scene.spawns.size(); ++i) m_bodies.number(static_cast<int>(i));
     if (m_top.find("settings")) startFromSettings();
     m_scene.name = m_parsed.name, m_scene.summary = m_parsed.summary;
     m_scene.settings.features = m_parsed.needs;
@@ -72,8 +74,8 @@ class Builder {
     }
     if (const toml::table* t = m_top.table("mixing")) {
       TableReader mixing(*t, m_parsed.path, "[mixing]");
-      mixRule(mixing, "friction", m_scene.settings.mixing.friction);
-      mixRule(mixing, "restitution", m_scene.settings.mixing.restitution);
+      readMixRule(mixing, "friction", m_scene.settings.mixing.friction);
+      readMixRule(mixing, "restitution", m_scene.settings.mixing.restitution);
       mixing.finish();
     }
     m_defaults = m_top.table("defaults");
@@ -82,11 +84,10 @@ class Builder {
       for (const char* name : {"density", "friction", "restitution"}) defaults.find(name);
       defaults.finish();
     }
-    for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t);
-    for (const toml::table* t : m_script.blocks("body")) bodyBlock(*t);
-    std::vector<const toml::table*> events = m_top.blocks("event");
-    for (const toml::table* t : m_script.blocks("event")) events.push_back(t);
-    for (const toml::table* t : events) eventBlock(*t, true);
+    for (const toml::table* t : m_top.blocks("body")) bodyBlock(*t, true);
+    for (const toml::table* t : m_script.blocks("body")) bodyBlock(*t, false);
+    const std::vector<const toml::table*> own = m_top.blocks("event"), scripted = m_script.blocks("event");
+    events(own, scripted, true);
     sortSpawns();
     if (const toml::table* t = m_top.table("measures")) measures(*t);
     for (const toml::table* t : m_top.blocks("joint")) jointBlock(*t);
@@ -94,10 +95,11 @@ class Builder {
     if (const toml::node* old = m_top.find("spring")) {
       m_top.fail(*old, "there is no [[spring]]; valid: [[force]] with kind = \"spring\" and its parameters = { ... }");
     }
-    for (const toml::table* t : events) eventBlock(*t, false);
-    checkUses();
-    std::stable_sort(m_scene.events.begin(), m_scene.events.end(),
-                     [](const auto& a, const auto& b) { return a.step < b.step; });
+    events(own, scripted, false);
+    m_presence.check(m_scene, m_parsed.path);
+    std::stable_sort(m_scene.events.begin(), m_scene.events.end(), [](const auto& a, const auto& b) {
+      return std::pair(a.step, a.block) < std::pair(b.step, b.block);
+    });
     m_top.finish(), m_script.finish();
     m_scene.seeded = m_numbers.expressions.drew();
     if (m_perturb > 0 && !m_scene.saved.empty()) {
@@ -230,16 +232,7 @@ class Builder {
     for (const char* name : {"k", "step", "part"}) m_numbers.expressions.setLocal(name, 0);
   }
 
-  // Empty where it has none.
-  static std::string nameOf(TableReader& block) {
-    std::string name = block.string("name", "");
-    if (name == "world" || name.find('[') != name.npos) {
-      block.fail(*block.find("name"), "'name' is '" + name + "'; valid: any but 'world', and without a '['");
-    }
-    return name;
-  }
-
-  void bodyBlock(const toml::table& table) {
+  void bodyBlock(const toml::table& table, bool ofScene) {
     TableReader block(table, m_parsed.path, "[[body]]");
     beginBlock();
     const std::string name = nameOf(block);
@@ -248,9 +241,9 @@ class Builder {
     const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
     if (block.find("until") && every <= 0) block.fail("'until' needs 'every' > 0");
     checkSteps(block, from, every, until);
-    if (!name.empty()) m_named[name];
+    if (!name.empty()) m_bodies.know(name);
     long step = from;
-    const auto once = [&] { addBody(block, name, step, m_numbers.whole(block, "remove", -1, -1, kMaxSteps)); };
+    const auto once = [&] { addBody(block, name, step, m_numbers.whole(block, "remove", -1, -1, kMaxSteps), ofScene); };
     for (; step<until; step += every> 0 ? every : until - from) {
       m_numbers.expressions.setLocal("step", static_cast<double>(step));
       loops(block, once);
@@ -258,23 +251,36 @@ class Builder {
     endLoops(block, once);
   }
 
-  void addBody(TableReader& block, const std::string& name, long step, long removeAt) {
+  int addBody(TableReader& block, const std::string& name, long step, long removeAt, bool ofScene) {
     typename SceneSpec<D>::Spawn spawn;
     spawn.step = step, spawn.removeAt = removeAt;
     spawn.body = readBody<D>(block, m_numbers, m_defaults, m_settings);
     spawn.body.name = name;
-    if (m_numbers.rehearsing()) return;
+    if (m_numbers.rehearsing()) return -1;
     if (removeAt >= 0 && removeAt < step) {
       block.fail(*block.find("remove"), "'remove' is " + std::to_string(removeAt) + "; valid: from step " +
                                             std::to_string(step) + " on, when the body comes");
     }
     m_numbers.count(block.raw(), "bodies");
-    if (!name.empty()) m_named[name].push_back(static_cast<int>(m_scene.spawns.size()));
+    return addSpawn(std::move(spawn), ofScene);
+  }
+  int addSpawn(typename SceneSpec<D>::Spawn spawn, bool ofScene) {
+    const int place = static_cast<int>(m_scene.spawns.size());
+    m_bodies.add(spawn.body.name, place);
+    if (ofScene) m_bodies.number(place);
     m_scene.spawns.push_back(std::move(spawn));
+    return place;
   }
 
-  // Once at `step`, or at every `every`-th before `until`. Those that name new bodies are read in a round of their own.
-  void eventBlock(const toml::table& table, bool naming) {
+  // Those that name bodies which come are read in a round of their own, before all that may name these.
+  void events(const std::vector<const toml::table*>& own, const std::vector<const toml::table*>& scripted,
+              bool naming) {
+    int number = 0;
+    for (const toml::table* t : own) eventBlock(*t, number++, true, naming);
+    for (const toml::table* t : scripted) eventBlock(*t, number++, false, naming);
+  }
+  // Once at `step`, or at every `every`-th before `until`.
+  void eventBlock(const toml::table& table, int number, bool ofScene, bool naming) {
     TableReader block(table, m_parsed.path, "[[event]]");
     const std::string name = block.requireString("do");
     const auto kinds = eventKinds<D>();
@@ -292,52 +298,47 @@ class Builder {
     const long until = m_numbers.whole(block, "until", from + 1, 0, kMaxSteps);
     if (block.find("every") && !block.find("until")) block.fail("'every' needs 'until'");
     checkSteps(block, from, every, until);
-    if (naming && block.find("name")) m_named[nameOf(block)];
-    long step = from;
-    const auto bodyNamed = [&](const std::string& key) {
+    if (naming && block.find("name")) m_bodies.know(nameOf(block));
+    EventBlock<D> event{block, m_numbers, m_scene, number};
+    event.place = std::make_shared<const std::string>(placeOf(m_parsed.path, table));
+    event.bodyOf = [&](const std::string& key) {
       const int body = bodyOf(block, key, false);
-      use(body, step, table);
+      use(body, event.step, number, table);
       return body;
     };
-    const auto joint = [&](TableReader& t) {
-      const auto j = readJointOf(t);
-      use(j.bodyA, step, table), use(j.bodyB, step, table);
-      return j;
+    event.jointOf = [&](const std::string& key) { return m_joints.find(block, m_numbers, key); };
+    event.forceOf = [&](const std::string& key) { return m_forces.find(block, m_numbers, key); };
+    event.addBody = [&] { return addBody(block, nameOf(block), event.step, -1, ofScene); };
+    event.addJoint = [&] {
+      auto joint = readJointOf(block);
+      joint.step = event.step, joint.byEvent = true;
+      use(joint.bodyA, event.step, number, table), use(joint.bodyB, event.step, number, table);
+      return addJoint(block, std::move(joint));
     };
-    const auto add = [&] { addBody(block, nameOf(block), step, -1); };
+    event.addForce = [&] {
+      auto force = readForceOf(block);
+      force.step = event.step, force.byEvent = true;
+      use(force.bodyA, event.step, number, table), use(force.bodyB, event.step, number, table);
+      return addForce(block, std::move(force));
+    };
+    event.addPart = [&](typename SceneSpec<D>::Spawn part) { return addSpawn(std::move(part), ofScene); };
+    event.nameBody = [&](const std::string& of, int body) {
+      m_bodies.know(of);
+      if (!m_numbers.rehearsing()) m_bodies.add(of, body);
+    };
+    event.clear = [&] { m_presence.clear(event.step, number); };
     const auto once = [&] {
       m_numbers.count(table, "events");
-      kind->read({block, m_numbers, step, m_scene, bodyNamed, add, joint});
+      kind->read(event);
     };
-    for (; step < until; step += every) {
-      m_numbers.expressions.setLocal("step", static_cast<double>(step));
+    for (event.step = from; event.step < until; event.step += every) {
+      m_numbers.expressions.setLocal("step", static_cast<double>(event.step));
       loops(block, once);
     }
     endLoops(block, once);
   }
-  void use(int body, long step, const toml::table& block) {
-    if (body >= 0 && !m_numbers.rehearsing()) m_uses.push_back({body, step, &block});
-  }
-  // The bodies that events name must be there then.
-  void checkUses() const {
-    for (const Use& use : m_uses) {
-      const auto& spawn = m_scene.spawns[static_cast<std::size_t>(use.body)];
-      const std::string who = "at step " + std::to_string(use.step) + " '" + spawn.body.name + "' is not there: it ";
-      if (use.step < spawn.step) failAt(m_parsed.path, *use.block, who + "comes at " + std::to_string(spawn.step));
-      if (spawn.removeAt >= 0 && use.step > spawn.removeAt) {
-        failAt(m_parsed.path, *use.block, who + "is removed at " + std::to_string(spawn.removeAt));
-      }
-    }
-  }
-
-  static void mixRule(TableReader& table, const std::string& key, MixRule& rule) {
-    const std::string name = table.string(key, std::string(kMixRuleNames[static_cast<std::size_t>(rule)]));
-    const auto found = std::find(kMixRuleNames.begin(), kMixRuleNames.end(), name);
-    if (found == kMixRuleNames.end()) {
-      const std::vector<std::string> valid(kMixRuleNames.begin(), kMixRuleNames.end());
-      table.fail(table.require(key), "'" + key + "' is '" + name + "'" + validNames(valid, name));
-    }
-    rule = static_cast<MixRule>(found - kMixRuleNames.begin());
+  void use(int body, long step, int block, const toml::table& place) {
+    if (!m_numbers.rehearsing()) m_presence.use(body, step, block, place);
   }
 
   // Bodies are known by their place among the spawns, which are sorted by step.
@@ -353,40 +354,14 @@ class Builder {
       sorted.push_back(std::move(spawns[i]));
     }
     spawns = std::move(sorted);
-    for (auto& [name, list] : m_named) {
-      for (int& i : list) i = place[static_cast<std::size_t>(i)];
-    }
+    m_bodies.renumber(place);
+    for (auto& event : m_scene.events) event.body = place[static_cast<std::size_t>(event.body)];
   }
 
-  // "plank[i + 1]", "plank" for the first, "world"
+  // -1: the world.
   int bodyOf(TableReader& block, const std::string& key, bool worldAllowed) {
-    const toml::node& node = block.require(key);
-    const std::string text = block.requireString(key);
-    if (text == "world" && worldAllowed) return -1;
-    const std::size_t bracket = text.find('[');
-    const auto it = m_named.find(text.substr(0, bracket));
-    if (it == m_named.end()) {
-      std::vector<std::string> names;
-      for (const auto& [name, list] : m_named) names.push_back(name);
-      block.fail(node, "there is no body named '" + text + "'" + validNames(names, text));
-    }
-    double index = 0;
-    if (bracket != std::string::npos) {
-      if (text.back() != ']') block.fail(node, "']' is missing in '" + text + "'");
-      try {
-        const std::string inside = text.substr(bracket + 1, text.size() - bracket - 2);
-        if (m_numbers.rehearsing()) m_numbers.expressions.check(inside);
-        if (!m_numbers.rehearsing()) index = m_numbers.expressions.evaluate(inside);
-      } catch (const UserError& e) {
-        block.fail(node, e.what());
-      }
-    }
-    if (m_numbers.rehearsing()) return 0;
-    if (index < 0 || index >= static_cast<double>(it->second.size()) || index != std::floor(index)) {
-      block.fail(node, "'" + it->first + "' has " + std::to_string(it->second.size()) + " bodies, asked is number " +
-                           asText(index));
-    }
-    return it->second[static_cast<std::size_t>(index)];
+    if (worldAllowed && block.requireString(key) == "world") return -1;
+    return m_bodies.find(block, m_numbers, key);
   }
   // What has a closed form, so that it can be measured against it.
   void measures(const toml::table& table) {
@@ -406,20 +381,37 @@ class Builder {
     }
     all.finish();
   }
+  // A block's joint comes with the later of its bodies.
   void jointBlock(const toml::table& table) {
     TableReader block(table, m_parsed.path, "[[joint]]");
     beginBlock();
-    const auto comes = [&](int body) { return body < 0 ? 0 : m_scene.spawns[static_cast<std::size_t>(body)].step; };
     const auto once = [&] {
-      const auto joint = readJointOf(block);
-      if (!m_numbers.rehearsing()) {  // it comes with the later of the two
-        const long step = std::max(comes(joint.bodyA), comes(joint.bodyB));
-        use(joint.bodyA, step, table), use(joint.bodyB, step, table);
-      }
-      m_scene.joints.push_back(joint);
+      auto joint = readJointOf(block);
+      useEnds(joint, 0, table);
+      addJoint(block, std::move(joint));
     };
     loops(block, once);
     endLoops(block, once);
+  }
+  // Both ends must be there when the later comes, or at `step`.
+  template <class Link>
+  void useEnds(const Link& link, long step, const toml::table& table) {
+    if (m_numbers.rehearsing()) return;
+    std::pair when(step, false);
+    for (const int end : {link.bodyA, link.bodyB}) {
+      if (end < 0) continue;
+      const auto& spawn = m_scene.spawns[static_cast<std::size_t>(end)];
+      when = std::max(when, std::pair(spawn.step, spawn.broughtBy >= 0));
+    }
+    const int block = when.second ? ScenePresence<D>::kAfter : ScenePresence<D>::kBefore;
+    use(link.bodyA, when.first, block, table), use(link.bodyB, when.first, block, table);
+  }
+  int addJoint(TableReader& block, typename SceneSpec<D>::Joint joint) {
+    const int place = static_cast<int>(m_scene.joints.size());
+    const std::string name = nameOf(block);
+    if (!m_numbers.rehearsing()) m_joints.add(name, place), m_joints.number(place);
+    m_scene.joints.push_back(std::move(joint));
+    return place;
   }
   typename SceneSpec<D>::Joint readJointOf(TableReader& block) {
     if (!m_parsed.needs.joints) {
@@ -446,15 +438,28 @@ class Builder {
     TableReader block(table, m_parsed.path, "[[force]]");
     beginBlock();
     const auto once = [&] {
-      m_numbers.count(table, "forces");
-      const int a = block.find("a") ? bodyOf(block, "a", true) : -1,
-                b = block.find("b") ? bodyOf(block, "b", false) : -1;
-      const auto force = readForce<D>(block, m_numbers, m_scene, a, b);
-      use(a, force.step, table), use(b, force.step, table);
-      m_scene.forces.push_back(force);
+      auto force = readForceOf(block);
+      placeForce<D>(block, m_numbers, m_scene, force);
+      useEnds(force, force.step, table);
+      addForce(block, std::move(force));
     };
     loops(block, once);
     endLoops(block, once);
+  }
+  typename SceneSpec<D>::Force readForceOf(TableReader& block) {
+    m_numbers.count(block.raw(), "forces");
+    typename SceneSpec<D>::Force force;
+    if (block.find("a")) force.bodyA = bodyOf(block, "a", true);
+    if (block.find("b")) force.bodyB = bodyOf(block, "b", false);
+    force.def = readForce<D>(block, m_numbers);
+    return force;
+  }
+  int addForce(TableReader& block, typename SceneSpec<D>::Force force) {
+    const int place = static_cast<int>(m_scene.forces.size());
+    const std::string name = nameOf(block);
+    if (!m_numbers.rehearsing()) m_forces.add(name, place), m_forces.number(place);
+    m_scene.forces.push_back(std::move(force));
+    return place;
   }
 
   const SceneFile::Parsed& m_parsed;
@@ -466,13 +471,8 @@ class Builder {
   const toml::table* m_defaults = nullptr;
   Settings m_settings;
   SceneSpec<D> m_scene;
-  std::map<std::string, std::vector<int>> m_named;
-  struct Use {  // of a body by an event
-    int body;
-    long step;
-    const toml::table* block;
-  };
-  std::vector<Use> m_uses;
+  SceneNames m_bodies{"body"}, m_joints{"joint"}, m_forces{"force"};
+  ScenePresence<D> m_presence;
   std::map<std::string, const toml::node*> m_locals;  // indices and `let`s of the block
   std::size_t m_sceneLets = 0;
   long m_turns = 0;

@@ -6,18 +6,22 @@
 namespace lpc::inline LPC_PRECISION {
 
 template <int D>
-typename SceneSpec<D>::Force readForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& scene, int bodyA,
-                                       int bodyB) {
-  typename SceneSpec<D>::Force force;
-  force.bodyA = bodyA, force.bodyB = bodyB;
-  if (const toml::node* node = block.find("anchor_a")) force.def.anchorA = numbers.vector<D>(*node);
-  if (const toml::node* node = block.find("anchor_b")) force.def.anchorB = numbers.vector<D>(*node);
+ForceDef<D> readForce(TableReader& block, SceneNumbers& numbers) {
+  ForceDef<D> def;
+  if (const toml::node* node = block.find("anchor_a")) def.anchorA = numbers.vector<D>(*node);
+  if (const toml::node* node = block.find("anchor_b")) def.anchorB = numbers.vector<D>(*node);
   const Spec kind = readKind(block, numbers, StageKind::force, D);
-  force.def.kind = kind.text();
+  def.kind = kind.text();
   atBlock(block, [&] { return kindOf(StageKind::force, kind.name, numbers, D).create(kind); });
+  return def;
+}
+
+template <int D>
+void placeForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& scene,
+                typename SceneSpec<D>::Force& force) {
   force.step = numbers.whole(block, "from", 0, 0, kMaxSteps);
   force.removeAt = numbers.whole(block, "until", -1, -1, kMaxSteps);
-  if (numbers.rehearsing()) return force;
+  if (numbers.rehearsing()) return;
   // What is left to go wrong is between the kind and its ends, as the file places them.
   Bodies<D> ends;
   const auto end = [&](int body) {
@@ -35,16 +39,18 @@ typename SceneSpec<D>::Force readForce(TableReader& block, SceneNumbers& numbers
     return Handle{static_cast<std::int32_t>(ends.used.size()) - 1, 0};
   };
   ForceDef<D> between = force.def;
-  between.bodyA = end(bodyA), between.bodyB = bodyA == bodyB ? between.bodyA : end(bodyB);
+  between.bodyA = end(force.bodyA);
+  between.bodyB = force.bodyA == force.bodyB ? between.bodyA : end(force.bodyB);
   atBlock(block, [&] { return makeForce(between, ends); });
   if (force.removeAt >= 0 && force.removeAt <= force.step) {
     block.fail(*block.find("until"), "'until' is " + std::to_string(force.removeAt) + ", and it comes at step " +
                                          std::to_string(force.step) + "; valid: a later one");
   }
-  return force;
 }
 
-template SceneSpec<2>::Force readForce(TableReader&, SceneNumbers&, const SceneSpec<2>&, int, int);
-template SceneSpec<3>::Force readForce(TableReader&, SceneNumbers&, const SceneSpec<3>&, int, int);
+template ForceDef<2> readForce(TableReader&, SceneNumbers&);
+template ForceDef<3> readForce(TableReader&, SceneNumbers&);
+template void placeForce(TableReader&, SceneNumbers&, const SceneSpec<2>&, SceneSpec<2>::Force&);
+template void placeForce(TableReader&, SceneNumbers&, const SceneSpec<3>&, SceneSpec<3>::Force&);
 
 }  // namespace lpc::inline LPC_PRECISION

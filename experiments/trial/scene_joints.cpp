@@ -64,7 +64,14 @@ template <int D>
 JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::string& chosen) {
   JointDef<D> def;
   def.X_WJ.p = numbers.vector<D>(joint.require("anchor"));
-  def.X_WJ.q = readFrame(joint, numbers, Rot<D>{});
+  if (const toml::node* whole = joint.find("rotation")) {
+    if (joint.find("axis") || joint.find("along")) {
+      joint.fail(*whole, "'rotation' beside 'axis' or 'along'; valid: that, or those");
+    }
+    def.X_WJ.q = readRotation<D>(joint, numbers);
+  } else {
+    def.X_WJ.q = readFrame(joint, numbers, Rot<D>{});
+  }
   if (const toml::node* node = joint.find("anchor_b")) def.X_WJb = Pose<D>{numbers.vector<D>(*node), def.X_WJ.q};
   def.collide = joint.flag("collide", false);
   if (const toml::node* node = joint.find("break_force")) def.breakForce = static_cast<Real>(numbers.number(*node));

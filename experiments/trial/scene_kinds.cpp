@@ -19,7 +19,9 @@ const Registered& kindOf(StageKind stage, const std::string& name, const SceneNu
 
 // Numbers may be expressions, so what is a number is asked of the kind.
 Spec readKind(TableReader& block, SceneNumbers& numbers, StageKind stage, int dimension) {
-  Spec spec{block.requireString("kind"), {}};
+  const std::string text = block.requireString("kind");
+  const bool whole = text.find('{') != text.npos;  // with parameters, as a program writes it
+  Spec spec = whole ? atBlock(block, [&] { return Spec::parse(text); }) : Spec{text, {}};
   const Registered& kind = *atBlock(block, [&] { return &kindOf(stage, spec.name, numbers, dimension); });
   const toml::table* given = block.table("parameters");
   if (!given) return spec;
@@ -43,6 +45,16 @@ Spec readKind(TableReader& block, SceneNumbers& numbers, StageKind stage, int di
     spec.set(key, {value, {}});
   }
   return spec;
+}
+
+void readMixRule(TableReader& table, const std::string& key, MixRule& rule) {
+  const std::string name = table.string(key, std::string(kMixRuleNames[static_cast<std::size_t>(rule)]));
+  const auto found = std::find(kMixRuleNames.begin(), kMixRuleNames.end(), name);
+  if (found == kMixRuleNames.end()) {
+    const std::vector<std::string> valid(kMixRuleNames.begin(), kMixRuleNames.end());
+    table.fail(table.require(key), "'" + key + "' is '" + name + "'" + validNames(valid, name));
+  }
+  rule = static_cast<MixRule>(found - kMixRuleNames.begin());
 }
 
 }  // namespace lpc::inline LPC_PRECISION

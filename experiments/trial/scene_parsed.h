@@ -117,6 +117,10 @@ inline Rot<3> rotationOf(const Ang<3>& vector) { return Rot<3>::vector(vector); 
 /// As readAngular, of an angle and no speed: up to kLargestAngle.
 template <int D>
 Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& key);
+/// By `angle`, or by `rotation`: cosine and sine, in 3D a quaternion (w, x, y, z), whose numbers are taken as they are,
+/// so that what a program writes is what it has, to the last bit.
+template <int D>
+Rot<D> readRotation(TableReader& table, SceneNumbers& numbers);
 /// A number turns about z, in the plane of 2D; a list of three is a rotation vector, of which 2D sees the third. Zero
 /// where the key is missing.
 template <int D>
@@ -141,6 +145,9 @@ const Registered& kindOf(StageKind stage, const std::string& name, const SceneNu
 /// The `kind` of a block with its `parameters`.
 Spec readKind(TableReader& block, SceneNumbers& numbers, StageKind stage, int dimension);
 
+/// The rule of that key, where it is given. Throws UserError with the valid names.
+void readMixRule(TableReader& table, const std::string& key, MixRule& rule);
+
 /// One [[joint]] block at one turn of its loops, without its bodies. What makes no joint is an error of the block; but
 /// UnsupportedJoint where the kind is `chosen`, the text of the scene's parameter of kinds.
 template <int D>
@@ -149,11 +156,20 @@ JointDef<D> readJoint(TableReader& joint, SceneNumbers& numbers, const std::stri
 /// The longest run, in steps.
 inline constexpr long kMaxSteps = 1000000000;
 
-/// One [[force]] block at one turn of its loops, between these places among the scene's spawns; -1: nobody.
+/// One [[force]] block at one turn of its loops, without its bodies.
 template <int D>
-typename SceneSpec<D>::Force readForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& scene, int bodyA,
-                                       int bodyB);
+ForceDef<D> readForce(TableReader& block, SceneNumbers& numbers);
+/// When that block's force comes and goes, and whether it can be between its bodies as the file places them.
+template <int D>
+void placeForce(TableReader& block, SceneNumbers& numbers, const SceneSpec<D>& scene,
+                typename SceneSpec<D>::Force& force);
 
+/// How far a face's normal, as a scene gives it, may be from the one that the hull of the corners has (1). Larger: a
+/// normal of another face passes. Smaller: those of slivers, which are made of rounding, are refused.
+inline constexpr Real kGivenNormal = Real(1e-2);
+/// The hull of the corners with these normals, one for each face in its order: what a program writes has so, to the
+/// last bit, those that it had, though rounding may choose others when the hull is sought again. Throws UserError.
+std::shared_ptr<const Polytope<3>> hullWithNormals(std::span<const Vec<3>> corners, std::span<const Vec<3>> normals);
 /// A polytope by `file`.
 template <int D>
 Shape<D> readHull(TableReader& shape, SceneNumbers& numbers, Real rounding);

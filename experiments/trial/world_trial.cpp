@@ -49,6 +49,9 @@ std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const SceneSpec<D
   const std::string pipeline = trial.at("pipeline");
   if (const auto engine = engineOf(pipeline)) {
     if (!scene.saved.empty()) throw UserError("a saved world is one of ours: no engine takes it");
+    for (const auto& e : scene.events) {
+      if (e.oursAlone) throw UserError(*e.place + ": this event is one of our worlds: no engine has it");
+    }
     return createStage<Engine<D>>(*engine)->start(scene.settings);
   }
   auto world = std::make_unique<World<D>>(Pipeline::parse(pipeline), scene.settings);
@@ -200,7 +203,7 @@ class WorldTrial {
       const auto& spawn = m_scene.spawns[i];
       const bool dynamic = spawn.body.type == BodyType::dynamic;
       if (!dynamic || spawn.body.pinned || spawn.step > 0) m_seen.isolated = false;
-      if (!dynamic) continue;
+      if (!dynamic || spawn.part) continue;  // where a part came from nobody knows
       m_dynamic.push_back(static_cast<int>(i));
       if (spawn.step == 0 && spawn.body.X_WB.p[1] > highest) {
         highest = spawn.body.X_WB.p[1];

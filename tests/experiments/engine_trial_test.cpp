@@ -122,6 +122,21 @@ TEST(EngineTrial, EveryEventIsPlayedAlike) {
   }
 }
 
+// Told before the run, of which not one step is made; waking is nothing where nobody sleeps.
+TEST(EngineTrial, WhatIsOfOurWorldsAloneIsARowWithAReason) {
+  if (!built("lpc-engine-worker-f64")) GTEST_SKIP() << "this build has no engines";
+  const Workspace w;
+  const std::string head = "[[event]]\nstep = 32\ndo = ", wake = "\"wake\"\n",
+                    gravity = "\"gravity\"\ngravity = [0, 1]\n";
+  const auto outcome = [&](const std::string& event) {
+    return runScene(w, w.write("ours.toml", kScripted + head + event) + " --dimension 3 --pipeline engine=bullet");
+  };
+  EXPECT_EQ(outcome(wake)["outcome"], "ok");
+  const json r = outcome(gravity);
+  EXPECT_EQ(r["outcome"], "unsupported");
+  EXPECT_NE(r["reason"].get<std::string>().find("no engine has it"), std::string::npos) << r["reason"];
+}
+
 TEST(EngineTrial, AJointThatAnEngineLacksIsARowWithAReason) {
   if (!built("lpc-engine-worker-f64")) GTEST_SKIP() << "this build has no engines";
   const Workspace w;
