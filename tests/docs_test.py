@@ -28,6 +28,7 @@ ELSEWHERE = {
     ("docs/manual.md", "Worlds that change"): "tests/embedding/run.cmake",
     ("docs/manual.md", "Drawing"): "tests/embedding/run.cmake",
     ("docs/manual.md", "An example program"): "tests/embedding/run.cmake",
+    ("docs/manual.md", "A world in a window"): "tests/embedding/run.cmake",
     **{(f"docs/{page}.md", section): "tests/embedding/run.cmake"
        for page, sections in {"shapes": ["Shapes of one part", "Shapes of several parts", "A body"],
                               "joints": ["A joint", "The kinds"],

@@ -40,16 +40,19 @@ void drawBodies(DebugDraw<D>& draw, const Simulation<D>& world) {
   }
 }
 
-// All that has an end.
+// All that moves, or of a world at rest all that has an end.
 template <int D>
 void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world) {
-  Aabb<D> all;
+  Aabb<D> moving, bounded;
   for (const ShapeRecord<D>& record : world.shapes()) {
     if (record.body < 0 || record.shape.isPlane()) continue;
     const auto body = static_cast<std::size_t>(record.body);
-    all = all.merged(boundingBox(record.shape, world.bodies().pose[body] * record.X_CS));
+    const Aabb<D> box = boundingBox(record.shape, world.bodies().pose[body] * record.X_CS);
+    bounded = bounded.merged(box);
+    if (world.bodies().type[body] != BodyType::fixed) moving = moving.merged(box);
   }
-  if ((all.lo.array() <= all.hi.array()).all()) camera.look(all.lo, all.hi);
+  const auto any = [](const Aabb<D>& box) { return (box.lo.array() <= box.hi.array()).all(); };
+  if (any(bounded)) camera.look(any(moving) ? moving.lo : bounded.lo, any(moving) ? moving.hi : bounded.hi);
 }
 
 void drag(ViewCamera<2>& camera, bool, Real dx, Real dy) { camera.pan(dx, dy); }

@@ -12,7 +12,7 @@ namespace lpc::inline LPC_PRECISION {
 
 /// Steps the world by dt (s), as many times a second as it has seconds, in a window, until that is closed. p: pause;
 /// space or right arrow: one step, and pause. Mouse: the left button turns what it drags (in 2D: moves), the right one
-/// moves it, the wheel zooms. f: see all. Escape: close. Throws UserError where no window can be.
+/// moves it, the wheel zooms. f: see all that moves. Escape: close. Throws UserError where no window can be.
 template <int D>
 void view(Simulation<D>& world, Real dt);
 

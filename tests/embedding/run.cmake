@@ -26,6 +26,8 @@ function(follow page heading folder)
   string(REPLACE "/opt/lpc" "${WORK_DIR}/prefix" script "${script}")
   string(REPLACE "--install build/release" "--install ${BINARY_DIR}" script "${script}")
   string(REPLACE "build/release/bin" "${BINARY_DIR}/bin" script "${script}")
+  # A window would wait for somebody to close it.
+  string(REPLACE "build/view/tower\n" "env -u DISPLAY -u WAYLAND_DISPLAY build/view/tower || [ $? = 2 ]\n" script "${script}")
   if(NOT EXISTS ${BINARY_DIR}/bin/lpc)
     string(REGEX REPLACE "[^\n]*/bin/lpc [^\n]*\n" "" script "${script}")
   endif()
@@ -114,4 +116,12 @@ follow(${manual} "An example program" ${WORK_DIR}/game)
 should_say("19 of 19 dominoes were knocked over, and the bell rang: 24 points" "0 of 19 dominoes were knocked over: 0 points")
 if(EXISTS ${BINARY_DIR}/bin/lpc)
   should_say("our own methods: all right")
+endif()
+
+# The program with a window, where its packages are: it is built, and says that there is no display. What windows show is tested by
+# tests/sandbox.
+if(EXISTS ${BINARY_DIR}/experiments/sandbox/liblpc_window.a)
+  file(COPY ${SOURCE_DIR}/experiments/view DESTINATION ${WORK_DIR}/view/experiments)
+  follow(${manual} "A world in a window" ${WORK_DIR}/view)
+  should_say("no window: SDL says 'x11 not available'; valid: a display, such as DISPLAY=:0")
 endif()
