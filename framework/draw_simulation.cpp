@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/contact_graph.h"
+#include "framework/draw_structure.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -66,6 +67,7 @@ class SimulationDrawing {
     if (m_layers.shapes) shapes();
     if (const auto* world = dynamic_cast<const World<D>*>(&m_simulation)) {
       if (m_layers.boxes) boxes(world->proxies());
+      if (m_layers.structure) drawStructure(*world, m_draw);
       if (m_layers.pairs) pairs(*world);
     }
     for (const JointRecord<D>& j : m_joints) {

@@ -29,7 +29,7 @@ inline constexpr Colour kDrawnVelocity{0, 130, 120};
 struct DrawLayers {
   bool shapes = true, sleep = true, islands = false;
   bool contacts = false, normals = false, impulses = false, friction = false;
-  bool boxes = false, pairs = false;
+  bool boxes = false, structure = false, pairs = false;
   bool joints = false, jointErrors = false;
   bool centres = false, velocities = false;
 
@@ -51,7 +51,7 @@ struct DrawLayer {
   std::string_view name, meaning;
   bool DrawLayers::*on;
 };
-inline constexpr std::array<DrawLayer, 13> kDrawLayers = {{
+inline constexpr std::array<DrawLayer, 14> kDrawLayers = {{
     {"shapes", "the convex parts of all bodies", &DrawLayers::shapes},
     {"sleep", "who sleeps is paler", &DrawLayers::sleep},
     {"islands", "bodies that touch or are jointed have one colour", &DrawLayers::islands},
@@ -60,6 +60,7 @@ inline constexpr std::array<DrawLayer, 13> kDrawLayers = {{
     {"impulses", "what contacts bore along their normals in the last step", &DrawLayers::impulses},
     {"friction", "impulses of friction on the second body", &DrawLayers::friction},
     {"boxes", "boxes as the broadphase saw them last, grown by half the contact margin", &DrawLayers::boxes},
+    {"structure", "what the broadphase divides by: cells, nodes of trees", &DrawLayers::structure},
     {"pairs", "whom the last step asked for contacts, from box to box", &DrawLayers::pairs},
     {"joints", "anchors, the way between them, and those from the centres of mass", &DrawLayers::joints},
     {"joint errors", "joints that are off by more than eyes forgive, and how far", &DrawLayers::jointErrors},
@@ -76,8 +77,8 @@ bool isPlace(const Pose<D>& X_WC) {
   return X_WC.p.allFinite() && (X_WC.q * Vec<D>(Vec<D>::UnitX())).allFinite();
 }
 
-/// What a simulation does not tell is not drawn: contacts and islands of an engine, boxes and pairs of what is no
-/// `World`.
+/// What a simulation does not tell is not drawn: contacts and islands of an engine, boxes, structure and pairs
+/// of what is no `World`.
 template <int D>
 void drawSimulation(const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw);
 

@@ -144,7 +144,7 @@ void sandbox(const SandboxOptions& o, const Session& session) {
   if (o.pipelines.size() > 8) throw UserError(std::to_string(o.pipelines.size()) + " pipelines; valid: up to 8");
   json opening = o.trial.empty() ? sceneOpening(o, asked) : trialOpening(asked.scene, o.trial);
   if (o.profiled || o.plots) opening["profile"] = o.profile.empty() ? "sandbox_profile.csv" : o.profile;
-  opening["plots"] = o.plots, opening["no_sleeping"] = o.noSleeping, opening["input"] = o.input;
+  opening["plots"] = o.plots, opening["input"] = o.input;
   opening["plugins"] = session.plugins;
   const std::filesystem::path program = programFolder() / "lpc-sandbox";
   if (!std::filesystem::exists(program)) {

@@ -11,12 +11,15 @@
 #include <fstream>
 
 #include "experiments/runner/locations.h"
+#include "experiments/sandbox/deed_script.h"
+#include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_colours.h"
 #include "experiments/sandbox/puppet.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/saved_scene.h"
 #include "framework/check.h"
 #include "framework/names.h"
+#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -75,6 +78,7 @@ App<D>::App(Window& w, const Opening& o, const SceneFile& f)
   camera.resize(window.width(), window.height());
   look();
   panels.step = o.plots;
+  session.keepFrames(!o.profile.empty());
   for (long i = 0; i < o.steps && !session.fallen(); ++i) session.step();
   paused = o.steps > 0;
   hand.setPaused(paused);
@@ -178,8 +182,23 @@ void App<D>::step() {
     hand.pull(m_control);
     spawnDue();
     session.step();
+    if (equalCost && session.steps() % kTimedSteps == 0) equaliseCost();
     stepSeconds = session.world().profiler().frame().seconds;
   });
+}
+
+// Times of different competitors are those of the same steps: what else the machine does meets all.
+template <int D>
+void App<D>::equaliseCost() {
+  constexpr double kNear = 0.1;
+  const double first = medianTime(session.lanes()[0].samples);
+  for (std::size_t lane = 1; lane < session.lanes().size(); ++lane) {
+    const auto& l = session.lanes()[lane];
+    const double factor = first / medianTime(l.samples);
+    if (!l.fallen.empty() || engineOf(l.pipeline) || std::abs(factor - 1) < kNear) continue;
+    const auto pipeline = withMoreIterations(l.pipeline, std::clamp(factor, 0.25, 4.0), D);
+    if (pipeline) session.perform(ExchangeStages{static_cast<int>(lane), *pipeline});
+  }
 }
 
 template <int D>
@@ -215,6 +234,7 @@ void App<D>::open(const std::string& scene) {
   later = [this, next, loaded, played = std::make_shared<Session<D>>(std::move(played))] {
     hand.cancel(), hand.select({});
     opening = next, file = loaded, session = std::move(*played);
+    session.keepFrames(logging || !opening.profile.empty());
     look();
     say(file.name() + ": " + file.summary());
   };
@@ -226,6 +246,7 @@ void App<D>::reload() {
   later = [this, played = std::make_shared<Session<D>>(std::move(played))] {
     hand.cancel(), hand.select({});
     session = std::move(*played);
+    session.keepFrames(logging || !opening.profile.empty());
   };
 }
 
@@ -272,19 +293,37 @@ void App<D>::addLane(const std::string& pipeline) {
 
 template <int D>
 void App<D>::toggleLog() {
-  Profiler& profiler = session.world().profiler();
   logging = !logging;
-  profiler.keepFrames(logging);
-  if (logging) return;
-  OutputFile out("sandbox_stats.csv");
-  profiler.writeCsv(out.stream());
-  out.finish();
-  say("written: sandbox_stats.csv");
+  if (!logging) writeProfile("sandbox_stats.csv");
+  session.keepFrames(logging || !opening.profile.empty());
+}
+
+template <int D>
+void App<D>::writeProfile(const std::string& path) {
+  OutputFile out(path);
+  session.world().profiler().writeCsv(out.stream());
+  out.check(), out.finish();
+  say("written: " + path);
 }
 
 template <int D>
 void App<D>::saveScript() {
-  throw UserError("not yet");
+  if (!opening.script.empty()) throw UserError("a script plays already, and a run has one; valid: a scene without");
+  constexpr const char* kPath = "sandbox_script.toml";
+  const std::string text = scriptOf<D>(session.deeds(), static_cast<int>(session.scene().spawns.size()),
+                                       "what was done by hand in " + file.name(), session.steps());
+  // The proof that it does the same: a run of it, from the same scene, ends in the same bits.
+  std::ifstream scene(file.path(), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(scene), {}};
+  const SceneFile scripted = SceneFile::parse(bytes, file.path(), text, kPath);
+  Session<D> again(specOf<D>(scripted, opening), {opening.pipelines.front()});
+  while (again.steps() < session.steps() && !again.fallen()) again.step();
+  const bool same = again.world().hash() == session.world().hash();
+  OutputFile out(kPath);
+  out.stream() << text;
+  out.finish();
+  say(std::string("written: ") + kPath +
+      (same ? ", which ends in the same bits" : ", which ends OTHERWISE than what is shown"));
 }
 
 template <int D>
@@ -340,6 +379,7 @@ std::optional<Opening> showOne(Window& window, const Opening& opening, const Sce
   while (app.frame(script)) {
   }
   panels = app.panels;
+  if (!app.next() && !app.opening.profile.empty()) app.writeProfile(app.opening.profile);
   return app.next();
 }
 

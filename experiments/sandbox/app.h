@@ -70,6 +70,7 @@ class App {
   void otherDimension();
   void addLane(const std::string& pipeline);
   void toggleLog();
+  void writeProfile(const std::string& path);
   void say(std::string text);  // in the window's last line
   /// Does it; of a mistake it says why.
   void act(const std::function<void()>& what);
@@ -91,6 +92,7 @@ class App {
   int verbosity = 1;
   bool logging = false;  // statistics of each step, into a file
   bool imageSequence = false;
+  bool equalCost = false;  // of competitors, while they run
   std::string message;
   double drawSeconds = 0, stepSeconds = 0;  // of the last picture and the last step
   std::function<void()> later;              // done when the picture is finished: what replaces the session
@@ -100,6 +102,7 @@ class App {
   void key(int code, bool down);
   void advance();
   void spawnDue();
+  void equaliseCost();
   void burst(const Vec<D>& at);
   void addCircle(const Vec<D>& at, const Vec<D>& velocity, Real radius, Real density);
   void draw();

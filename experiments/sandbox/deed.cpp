@@ -48,7 +48,11 @@ struct Player {
   }
   void operator()(const MergeBodies& d) { worldOf(world, "merge bodies").merge(cast[d.into], cast[d.other]); }
   void operator()(const TakeApart& d) {
-    const std::vector<Handle> parts = worldOf(world, "take a body apart").takeApart(cast[d.body]);
+    World<D>& own = worldOf(world, "take a body apart");
+    if (!own.valid(cast[d.body]) || static_cast<int>(own.shapesOf(row(d.body)).size()) != d.shapes) {
+      throw UserError("a body that is taken apart has other shapes");
+    }
+    const std::vector<Handle> parts = own.takeApart(cast[d.body]);
     for (std::size_t i = 1; i < parts.size(); ++i) cast.add(parts[i]);
   }
   void operator()(const WakeBodies& d) {
@@ -64,8 +68,7 @@ struct Player {
       s.friction = d.friction.value_or(s.friction), s.restitution = d.restitution.value_or(s.restitution);
       s.density = d.density.value_or(s.density);
     }
-    def.pinned = d.pinned.value_or(def.pinned), def.rotatable = d.rotatable.value_or(def.rotatable);
-    def.type = d.type.value_or(def.type);
+    def.pinned = d.pinned.value_or(def.pinned), def.type = d.type.value_or(def.type);
     own.change(cast[d.body], def);
   }
   void operator()(const ExchangeStages& d) {

@@ -67,6 +67,7 @@ struct MergeBodies {
 /// The first shape stays the body's, the others come as new bodies.
 struct TakeApart {
   int body;
+  int shapes;  // that it has
 };
 struct WakeBodies {
   int body = -1;  // -1: all
@@ -79,7 +80,7 @@ struct SetGravity {
 struct ChangeBody {
   int body;
   std::optional<Real> friction = {}, restitution = {}, density = {};
-  std::optional<bool> pinned = {}, rotatable = {};
+  std::optional<bool> pinned = {};
   std::optional<BodyType> type = {};
 };
 /// Of one competitor alone: the others keep theirs.

@@ -305,7 +305,11 @@ void Hand<D>::merge() {
 
 template <int D>
 void Hand<D>::takeApart() {
-  for (const int body : chosen()) m_session.perform(lpc::TakeApart{body});
+  for (const int body : chosen()) {
+    int shapes = 0;
+    for (const ShapeRecord<D>& s : m_session.world().shapes()) shapes += s.body == m_session.handle(body).slot;
+    m_session.perform(TakeApart{body, shapes});
+  }
 }
 
 template <int D>

@@ -18,7 +18,7 @@ Opening openingFromJson(const json& in) {
   if (in.contains("features")) out.features = in.at("features").get<std::string>();
   out.steps = in.value("steps", 0L), out.say = in.value("say", "");
   out.profile = in.value("profile", ""), out.plots = in.value("plots", false);
-  out.noSleeping = in.value("no_sleeping", false), out.input = in.value("input", "");
+  out.input = in.value("input", "");
   out.plugins = in.value("plugins", std::vector<std::string>{});
   return out;
 }

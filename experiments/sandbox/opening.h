@@ -23,7 +23,7 @@ struct Opening {
   std::string say;  // what the window tells at first
   // Of the command line, for the whole session.
   std::string profile;  // CSV of all steps, written at the end; empty: none
-  bool plots = false, noSleeping = false;
+  bool plots = false;
   std::string input;  // a script of keys and mouse; empty: the user's own
   std::vector<std::string> plugins;
 };

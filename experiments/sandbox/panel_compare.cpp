@@ -9,21 +9,6 @@
 #include "experiments/sandbox/panels.h"
 
 namespace lpc::inline LPC_PRECISION {
-namespace {
-
-// The median of the last second: a single step says little.
-double medianTime(const std::vector<Sample>& samples) {
-  std::vector<double> last;
-  for (std::size_t i = samples.size() - std::min<std::size_t>(samples.size(), 60); i < samples.size(); ++i) {
-    last.push_back(samples[i].seconds);
-  }
-  if (last.empty()) return 0;
-  std::nth_element(last.begin(), last.begin() + static_cast<long>(last.size() / 2), last.end());
-  return last[last.size() / 2];
-}
-
-}  // namespace
-
 template <int D>
 void comparePanel(App<D>& app) {
   const auto& lanes = app.session.lanes();
@@ -32,6 +17,10 @@ void comparePanel(App<D>& app) {
   app.marks.last("Compare/side by side");
   app.arrangement = beside ? Arrangement::sideBySide : Arrangement::overlaid;
   const double first = medianTime(lanes[0].samples);
+  if (lanes.size() > 1) {
+    ImGui::Checkbox("same cost: iterations follow the first's time", &app.equalCost);
+    app.marks.last("Compare/same cost");
+  }
   for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
     const auto& l = lanes[lane];
     ImGui::PushID(static_cast<int>(lane));

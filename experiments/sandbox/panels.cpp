@@ -44,7 +44,7 @@ void status(App<D>& app) {
   if (app.verbosity > 0) {
     ImGui::Text("%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f pictures/s%s",
                 app.file.name().c_str(), app.session.steps(), static_cast<double>(world.time()), world.bodyCount(),
-                1e3 * app.stepSeconds, 1e3 * app.drawSeconds, 1 / std::max(app.window.secondsPerFrame(), 1e-9),
+                1e3 * app.stepSeconds, 1e3 * app.drawSeconds, app.window.picturesPerSecond(),
                 app.paused ? "  paused" : "");
   }
   if (app.verbosity > 1) {

@@ -110,6 +110,24 @@ json stateOf(const App<D>& app) {
     for (int d = 0; d < D; ++d) one["p"].push_back(world.bodies().pose[i].p[d]);
     out["bodies"].push_back(one);
   }
+  out["contacts"] = json::array();
+  if (const auto contacts = world.contacts()) {
+    for (const Manifold<D>& m : *contacts) {
+      for (int i = 0; i < m.count; ++i) {
+        const Vec<2> at = app.camera.toPixel(world.bodies().pose[static_cast<std::size_t>(m.bodyA)] *
+                                             m.points[static_cast<std::size_t>(i)].localA);
+        out["contacts"].push_back({at[0], at[1]});
+      }
+    }
+  }
+  for (const Command<D>& c : commands<D>()) {
+    out["commands"].push_back({{"menu", c.menu},
+                               {"name", c.name},
+                               {"key", c.key ? SDL_GetKeyName(c.key) : ""},
+                               {"meaning", c.meaning},
+                               {"on", c.on && c.on(app)}});
+  }
+  out["pictures_per_second"] = app.window.picturesPerSecond();
   for (const auto& [name, at] : app.marks.all()) out["marks"][name] = {at[0], at[1]};
   return out;
 }

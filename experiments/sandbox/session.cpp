@@ -31,6 +31,16 @@ std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const S
 
 }  // namespace
 
+double medianTime(const std::vector<Sample>& samples) {
+  std::vector<double> last;
+  for (std::size_t i = samples.size() - std::min<std::size_t>(samples.size(), kTimedSteps); i < samples.size(); ++i) {
+    last.push_back(samples[i].seconds);
+  }
+  if (last.empty()) return 0;
+  std::nth_element(last.begin(), last.begin() + static_cast<long>(last.size() / 2), last.end());
+  return last[last.size() / 2];
+}
+
 template <int D>
 Session<D>::Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines) : m_scene(std::move(scene)) {
   m_lanes.resize(pipelines.size()), m_plays.resize(pipelines.size()), m_kept.resize(pipelines.size());
@@ -158,6 +168,7 @@ void Session<D>::goTo(std::size_t lane, long step) {
     l.world = std::move(world);
     p = {std::make_unique<Director<D>>(from.director), from.hand, from.deed, from.step};
   }
+  if (lane == 0) keepFrames(m_keepFrames);
   playDue(lane);
   while (l.fallen.empty() && p.steps < step) stepLane(lane);
 }
@@ -175,6 +186,12 @@ bool Session<D>::back() {
     if (l.partedAt > m_steps) l.partedAt = -1;
   }
   return true;
+}
+
+template <int D>
+void Session<D>::keepFrames(bool keep) {
+  m_keepFrames = keep;
+  world().profiler().keepFrames(keep);
 }
 
 template <int D>

@@ -22,6 +22,10 @@ struct Sample {
   double error = 0;        // m, the farthest that a body is from where the first lane has it
 };
 
+inline constexpr int kTimedSteps = 60;
+/// s, the median of the last of them: a single step says little. 0 before the first.
+double medianTime(const std::vector<Sample>& samples);
+
 template <int D>
 class Session {
  public:
@@ -48,6 +52,9 @@ class Session {
   /// Of the first lane. True as well after `back`, until it goes on.
   bool fallen() const;
   Real dt() const { return m_scene.dt; }
+
+  /// Whether the first lane's profiler keeps what each step took. A step back begins its list anew.
+  void keepFrames(bool keep);
 
   // --- deeds, before the next step -----------------------------------------------------------------------------------
   /// Throws UserError where the first lane refuses it: nothing has changed then. A lane that alone cannot has fallen.
@@ -92,6 +99,7 @@ class Session {
 
   SceneSpec<D> m_scene;
   long m_steps = 0;
+  bool m_keepFrames = false;
   std::vector<Deed<D>> m_deeds;  // by step
   std::vector<Lane> m_lanes;
   std::vector<Play> m_plays;

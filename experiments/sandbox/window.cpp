@@ -167,6 +167,11 @@ void Window::endFrame() {
   m_seconds = std::min(static_cast<double>(now - m_last) / static_cast<double>(SDL_GetPerformanceFrequency()), 0.25);
   if (m_held) m_seconds = 1.0 / 60;
   m_last = now;
+  const double counted = static_cast<double>(now - m_counted) / static_cast<double>(SDL_GetPerformanceFrequency());
+  ++m_frames;
+  if (counted < 1) return;
+  m_rate = m_counted ? m_frames / counted : 0;
+  m_frames = 0, m_counted = now;
 }
 
 void Window::holdButton(int button, bool down) {

@@ -41,6 +41,8 @@ class Window {
 
   /// s between pictures: of the clock, at most a quarter; one sixtieth while the mouse is held.
   double secondsPerFrame() const { return m_seconds; }
+  /// Of the last second, by the clock.
+  double picturesPerSecond() const { return m_rate; }
   /// From now on the mouse is where it is put, and time goes by pictures: for scripts of input.
   void holdMouse(const Vec<2>& pixel) { m_held = pixel; }
   void holdButton(int button, bool down);
@@ -65,7 +67,10 @@ class Window {
   int m_width, m_height;
   unsigned m_frame = 0, m_colours = 0, m_depths = 0;  // the picture, and what it is made of
   int m_perSecond = 60;
-  double m_seconds = 0;      // between the last two frames
+  double m_seconds = 0;  // between the last two frames
+  double m_rate = 0;     // frames a second
+  int m_frames = 0;      // since m_counted
+  std::uint64_t m_counted = 0;
   std::uint64_t m_last = 0;  // ticks of SDL's clock when the last frame was shown
   std::vector<std::string> m_dropped;
   std::optional<Vec<2>> m_held;

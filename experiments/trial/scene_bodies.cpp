@@ -443,19 +443,18 @@ Rot<D> readRotation(TableReader& table, SceneNumbers& numbers) {
   return numbers.rehearsing() ? Rot<D>{} : q;
 }
 
+BodyType readBodyType(TableReader& body) {
+  const std::string type = body.string("type", "dynamic");
+  if (type == "dynamic") return BodyType::dynamic;
+  if (type == "fixed" || type == "static") return BodyType::fixed;
+  if (type == "kinematic") return BodyType::kinematic;
+  body.fail(*body.find("type"), "unknown type '" + type + "'" + validNames({"dynamic", "fixed", "kinematic"}, type));
+}
+
 template <int D>
 BodyDef<D> readBody(TableReader& body, SceneNumbers& numbers, const toml::table* defaults, const Settings& settings) {
   BodyDef<D> def;
-  const std::string type = body.string("type", "dynamic");
-  if (type == "dynamic") {
-    def.type = BodyType::dynamic;
-  } else if (type == "fixed" || type == "static") {
-    def.type = BodyType::fixed;
-  } else if (type == "kinematic") {
-    def.type = BodyType::kinematic;
-  } else {
-    body.fail(*body.find("type"), "unknown type '" + type + "'" + validNames({"dynamic", "fixed", "kinematic"}, type));
-  }
+  def.type = readBodyType(body);
   def.X_WB.p = numbers.vector<D>(body, "position");
   def.X_WB.q = readRotation<D>(body, numbers);
   def.velocity = numbers.vector<D>(body, "velocity");

@@ -48,7 +48,8 @@ void takeOut(const EventBlock<D>& e, const char* key, int body) {
 template <int D>
 int dynamicBody(const EventBlock<D>& e) {
   const int body = e.bodyOf("body");
-  if (e.scene.spawns[static_cast<std::size_t>(body)].body.type != BodyType::dynamic) {
+  const auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
+  if (spawn.body.type != BodyType::dynamic && !spawn.retyped) {
     e.block.fail(*e.block.find("body"), "'body' is one that forces do not move; valid: a dynamic body");
   }
   return body;
@@ -128,7 +129,8 @@ struct Set {
   static void read(const EventBlock<D>& e) {
     const int body = e.bodyOf("body");
     requireOneOf(e, {"position", "angle", "rotation", "velocity", "angular_velocity"});
-    const bool fixed = e.scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::fixed;
+    const auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
+    const bool fixed = spawn.body.type == BodyType::fixed && !spawn.retyped;
     const auto given = [&](const char* key, auto value) {
       return e.block.find(key) ? std::optional(value) : std::nullopt;
     };
@@ -234,7 +236,9 @@ struct Merge {
     const auto typeOf = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].body.type; };
     if (!e.numbers.rehearsing()) {
       if (into == other) e.block.fail(*e.block.find("other"), "'other' is 'into'; valid: two bodies");
-      if (typeOf(into) != typeOf(other) || typeOf(into) == BodyType::kinematic) {
+      const auto retyped = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].retyped; };
+      const bool known = !retyped(into) && !retyped(other);  // else what they are is known when it is done
+      if (known && (typeOf(into) != typeOf(other) || typeOf(into) == BodyType::kinematic)) {
         e.block.fail(*e.block.find("other"), "these two make no body; valid: both dynamic, or both fixed");
       }
       takeOut(e, "other", other);
@@ -385,6 +389,20 @@ struct Pin {
   }
 };
 
+struct Type {
+  static constexpr std::string_view kName = "type";
+  static constexpr std::string_view kMeaning = "makes it one that is: body, type (dynamic, fixed, kinematic)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    e.block.require("type");
+    const BodyType type = readBodyType(e.block);
+    const int body = e.bodyOf("body");
+    if (!e.numbers.rehearsing()) e.scene.spawns[static_cast<std::size_t>(body)].retyped = true;
+    addChange<D>(e, kName, [type](BodyDef<D>& def) { def.type = type; });
+  }
+};
+
 template <class E, int D>
 constexpr EventKind<D> eventEntry() {
   return {E::kName, E::kMeaning, E::kNames, E::template read<D>};
@@ -398,8 +416,8 @@ std::span<const EventKind<D>> eventKinds() {
       eventEntry<Add, D>(),         eventEntry<AddForce, D>(), eventEntry<Clear, D>(),     eventEntry<Exchange, D>(),
       eventEntry<Force, D>(),       eventEntry<Gravity, D>(),  eventEntry<Joint, D>(),     eventEntry<Material, D>(),
       eventEntry<Merge, D>(),       eventEntry<Pin, D>(),      eventEntry<Push, D>(),      eventEntry<Remove, D>(),
-      eventEntry<RemoveForce, D>(), eventEntry<Set, D>(),      eventEntry<TakeApart, D>(), eventEntry<Unjoin, D>(),
-      eventEntry<Wake, D>()};
+      eventEntry<RemoveForce, D>(), eventEntry<Set, D>(),      eventEntry<TakeApart, D>(), eventEntry<Type, D>(),
+      eventEntry<Unjoin, D>(),      eventEntry<Wake, D>()};
   return kKinds;
 }
 

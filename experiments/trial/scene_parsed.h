@@ -121,6 +121,8 @@ Ang<D> readAngle(TableReader& table, SceneNumbers& numbers, const std::string& k
 /// so that what a program writes is what it has, to the last bit.
 template <int D>
 Rot<D> readRotation(TableReader& table, SceneNumbers& numbers);
+/// Of the key `type`; dynamic without it.
+BodyType readBodyType(TableReader& body);
 /// A number turns about z, in the plane of 2D; a list of three is a rotation vector, of which 2D sees the third. Zero
 /// where the key is missing.
 template <int D>

@@ -25,6 +25,16 @@ class ScriptWriter {
   void push(long step, const std::string& body, const Wrench<D>& impulse);
   /// World::applyForce at the centre of mass, where the body is then, and applyTorque.
   void force(long step, const std::string& body, const Wrench<D>& force);
+  /// World::applyForce at a point of the body, in its own frame (m).
+  void pull(long step, const std::string& body, const Vec<D>& force, const Vec<D>& at);
+  /// World::setPose and setMotion of what is given.
+  struct Place {
+    std::optional<Vec<D>> position = {};  // m, of its own frame
+    std::optional<Rot<D>> rotation = {};
+    std::optional<Vec<D>> velocity = {};         // m/s
+    std::optional<Ang<D>> angularVelocity = {};  // rad/s
+  };
+  void set(long step, const std::string& body, const Place& place);
   void set(long step, const std::string& body, const Pose<D>& X_WB);      // World::setPose
   void set(long step, const std::string& body, const Motion<D>& motion);  // World::setMotion
   /// The handles of both definitions count for nothing: `a` and `b` are their bodies, "world" or, of a force, ""
@@ -46,7 +56,9 @@ class ScriptWriter {
   };
   /// World::change of the body's definition: of all its shapes what is given.
   void material(long step, const std::string& body, const Material& material);
-  void pin(long step, const std::string& body, bool pinned);  // World::change, as material
+  // World::change, as material.
+  void pin(long step, const std::string& body, bool pinned);
+  void type(long step, const std::string& body, BodyType type);
 
   /// The script's file; `steps`: how long it plays, if it knows.
   std::string text(const std::string& summary, std::optional<long> steps = {}) const;

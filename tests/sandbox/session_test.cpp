@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "experiments/sandbox/equal_cost.h"
 #include "framework/check.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
@@ -65,7 +66,7 @@ bool drawDeed(Draw& draw, S& session) {
         session.perform(MergeBodies{body, body + 1});
         break;
       case 7:
-        session.perform(TakeApart{body});
+        session.perform(TakeApart{body, 1 + draw.below(2)});
         break;
       case 8:
         session.perform(SetGravity<D>{v});
@@ -183,6 +184,16 @@ TEST(Sandbox, StagesAreExchangedInOneLaneAlone) {
   ASSERT_TRUE(session.back());
   EXPECT_EQ(session.world(1).hash(), hash);
   EXPECT_EQ(session.lanes()[1].pipeline, "solver=soft_step");
+}
+
+TEST(Sandbox, CostFollowsIterations) {
+  const auto more = withMoreIterations("", 2, 2);
+  ASSERT_TRUE(more);
+  EXPECT_NE(more->find("iterations=20"), std::string::npos) << *more;
+  const auto fewer = withMoreIterations("solver=soft_step{substeps=4}", 0.5, 3);
+  ASSERT_TRUE(fewer);
+  EXPECT_NE(fewer->find("substeps=2"), std::string::npos) << *fewer;
+  EXPECT_FALSE(withMoreIterations("solver=soft_step{substeps=1}", 0.5, 3));  // fewer there are not
 }
 
 }  // namespace

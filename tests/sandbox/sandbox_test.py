@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: Zlib
+"""The sandbox as a user has it, on a display that nobody sees: keys and mouse by a script of input, pictures compared by what is
+in them. Run by ctest: sandbox_test.py SOURCE_DIR LPC, in with_display. `time`: 1,000 bodies, whose pictures a second are printed.
+"""
+
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+SOURCE, LPC = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+PAPER = (247, 247, 245)
+BEARING = (214, 39, 40)  # a contact that bore something
+LONG = float(os.environ.get("LPC_SANDBOX_SECONDS", "0"))  # of scripted use, for sanitizers
+
+
+def png(path):
+    """Rows of (r, g, b) of a PNG of 8 bits without interlacing, which is what the sandbox writes."""
+    data = path.read_bytes()
+    at, body = 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        chunk = data[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            width, height, depth, colour = struct.unpack(">IIBB", chunk[:10])
+            assert (depth, colour) == (8, 2)
+        body += chunk if kind == b"IDAT" else b""
+        at += 12 + size
+    raw, rows, last = zlib.decompress(body), [], bytearray(3 * width)
+    for y in range(height):
+        start = y * (3 * width + 1)
+        kind, line = raw[start], bytearray(raw[start + 1:start + 1 + 3 * width])
+        for i in range(3 * width):
+            a, b = line[i - 3] if i >= 3 else 0, last[i]
+            c = last[i - 3] if i >= 3 else 0
+            p = a + b - c
+            paeth = min((a, b, c), key=lambda x: (abs(p - x), (a, b, c).index(x)))
+            line[i] = (line[i] + (0, a, b, (a + b) // 2, paeth)[kind]) % 256
+        rows.append([tuple(line[i:i + 3]) for i in range(0, 3 * width, 3)])
+        last = line
+    return rows
+
+
+def click(name):
+    return ["on " + name, "wait 1", "press left", "release left", "wait 2"]
+
+
+def drag(a, b, button="left"):
+    return [f"at {a[0]} {a[1]}", f"press {button}", f"at {b[0]} {b[1]}", f"release {button}"]
+
+
+def near(colour, other, by=12):
+    return all(abs(x - y) <= by for x, y in zip(colour, other))
+
+
+class Sandbox(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) if hasattr(self, "enterContext") else None
+        if self.folder is None:
+            held = tempfile.TemporaryDirectory()
+            self.addCleanup(held.cleanup)
+            self.folder = pathlib.Path(held.name)
+
+    def call(self, *arguments, env=None):
+        return subprocess.run([str(LPC), "sandbox", *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
+                              timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE), **(env or {})})
+
+    def play(self, orders, *arguments, states=("end",)):
+        """What `state` wrote under these names, after the orders."""
+        (self.folder / "input.txt").write_text("\n".join([*orders, "state end.json", "quit"]) + "\n")
+        done = self.call(*arguments, "--input", "input.txt")
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        found = [json.loads((self.folder / f"{name}.json").read_text()) for name in states]
+        return found[0] if len(found) == 1 else found
+
+    def lpc_run(self, *arguments):
+        done = subprocess.run([str(LPC), "run", *map(str, arguments), "--json"], cwd=self.folder, capture_output=True, text=True,
+                              timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        return json.loads(done.stdout)
+
+    # --- what is seen ---------------------------------------------------------------------------------------------------
+    def test_bodies_and_contacts_are_where_the_world_has_them(self):
+        for dimension in ("2d", "3d"):
+            with self.subTest(dimension):
+                state = self.play(["until 90", "key p", "wait 2", *click("See"), *click("See/contacts"), "shot a.png"], dimension, "-s", "5")
+                rows = png(self.folder / "a.png")
+                seen = [b for b in state["bodies"] if b["type"] == 2]
+                self.assertEqual(len(seen), sum(range(1, 11)) if len(seen) == 55 else len(seen))
+                self.assertGreater(len(seen), 10)
+                for body in seen:
+                    x, y = map(round, body["pixel"])
+                    self.assertFalse(near(rows[y][x], PAPER), body)
+                self.assertTrue(near(rows[100][20], PAPER) and near(rows[100][1250], PAPER))  # where nobody is
+                self.assertGreater(len(state["contacts"]), 10)
+                if dimension == "2d":  # in space one may hide another
+                    bearing = 0
+                    for x, y in state["contacts"]:
+                        around = [rows[round(y) + j][round(x) + i] for i in range(-2, 3) for j in range(-2, 3)]
+                        bearing += any(near(c, BEARING, 40) for c in around)
+                    self.assertGreater(bearing, 0.8 * len(state["contacts"]))
+
+    def test_competitors_have_their_colours_and_part(self):
+        state = self.play(["until 240", "key p", "wait 2", "shot a.png"], "2", "--pipeline", "", "--pipeline", "solver=soft_step")
+        self.assertEqual(len(state["lanes"]), 2)
+        self.assertGreater(state["lanes"][1]["parted_at"], 0)
+        self.assertGreater(state["lanes"][1]["error"], 1e-3)
+        rows = png(self.folder / "a.png")
+        self.assertGreater(sum(near(c, (0x00, 0x72, 0xB2), 30) for row in rows for c in row), 200)
+
+    # --- keys and menus -------------------------------------------------------------------------------------------------
+    def test_every_key_and_every_menu(self):
+        for dimension in ("2d", "3d"):
+            with self.subTest(dimension):
+                commands = self.play([], dimension, "-s", "1")["commands"]
+                keys = [c for c in commands if c["key"]]
+                self.assertGreater(len(keys), 40)
+                self.assertEqual(len({c["key"] for c in keys}), len(keys), "two commands of one key")
+                orders = []
+                for c in keys:
+                    orders += ["pixel 640 300", "key " + c["key"], "wait 2"]
+                for c in commands:
+                    if c["name"] != "Other dimension":
+                        orders += [*click(c["menu"]), *click(c["menu"] + "/" + c["name"])]
+                orders = [o for o in orders if o != "key F3"]
+                self.play([*orders, "wait 5"], dimension, "-s", "1")
+                for name in ("sandbox.toml", "sandbox.world", "sandbox.png", "sandbox_stats.csv", "sandbox_script.toml", "sandbox_00001.png"):
+                    self.assertTrue((self.folder / name).is_file(), name)
+
+    def test_the_keys_of_2009(self):
+        start, end = self.play(["key p", "state start.json", "pixel 640 200", "key n", "key o", "wait 1", "state spawned.json", "key x",
+                                "wait 1", "state cleared.json", "key r", "wait 2"], "-s", "1", states=("start", "end"))
+        spawned, cleared = (json.loads((self.folder / f"{n}.json").read_text()) for n in ("spawned", "cleared"))
+        self.assertTrue(start["paused"])
+        self.assertEqual(len(spawned["bodies"]), len(start["bodies"]) + 37)
+        self.assertEqual(cleared["bodies"], [])
+        self.assertEqual(len(end["bodies"]), len(start["bodies"]))
+        for key, name in (("0", "preset_10"), ("4", "preset_4"), ("9", "preset_9")):
+            self.assertEqual(self.play(["key " + key, "wait 2"])["scene"], name)
+        self.assertEqual(self.play([])["scene"], "preset_1")  # what is shown when nothing is said
+        self.assertTrue(all(b["awake"] for b in self.play(["until 5"], "1", "--no-sleeping")["bodies"] if b["type"] == 2))
+
+    # --- what is done by hand -------------------------------------------------------------------------------------------
+    def test_a_scene_by_mouse_is_that_of_its_script(self):
+        for dimension in ("2d", "3d"):
+            with self.subTest(dimension):
+                orders = ["key p", "key c", *drag((-4, 3), (-4, 4)), "key b", *drag((0, 3), (2, 5)), "key k", *drag((4, 3), (6, 4)),
+                          "key j", "at -4 3", "press left", "release left", "at 0.5 3.5", "press left", "release left",
+                          "key g", "at 5 3.5", "press left", "at 6 6", "release left", "key p", "wait 30",
+                          "key c", *drag((-8, 8), (-8, 9)), "key g", "at 1 4", "press left", "at 3 9", "wait 30", "down Left Ctrl", "wait 5", "wheel 2", "wait 5",
+                          "up Left Ctrl", "release left", "wait 20", "pixel 640 200", "key n", "key o", "wait 10", "key p", "wait 1", "key F4", "wait 2"]
+                state = self.play(orders, dimension, "-s", "0")
+                self.assertIn("ends in the same bits", state["message"])
+                self.assertEqual(state["joints"], 1)
+                run = self.lpc_run("0", "--script", "sandbox_script.toml", "--steps", state["step"], "--dimension", dimension[0])
+                self.assertEqual(run["hash"], state["lanes"][0]["hash"])
+
+    def test_back_and_forth_is_the_same(self):
+        back = ["key Left", "wait 1"] * 40
+        forth = ["key Right", "wait 1"] * 40
+        there, again = self.play(["until 60", "key p", "wait 1", "state there.json", *back, "state back.json", *forth], "2d", "-s", "7", states=("there", "end"))
+        self.assertEqual(json.loads((self.folder / "back.json").read_text())["step"], there["step"] - 40)
+        self.assertEqual(there["lanes"][0]["hash"], again["lanes"][0]["hash"])
+
+    # --- mistakes -------------------------------------------------------------------------------------------------------
+    def test_a_world_that_diverges_stops_and_can_be_stepped_back(self):
+        (self.folder / "lost.toml").write_text(
+            'name = "lost"\nsummary = "a body is pushed beyond all numbers"\ndimensions = [2]\nneeds = []\n\n[[body]]\nname = "a"\n'
+            'shapes = [{ kind = "circle", radius = 0.5 }]\n\n[[event]]\nstep = 20\ndo = "push"\nbody = "a"\nimpulse = [1.7e308, 0]\n')
+        fell, end = self.play(["wait 60", "state fell.json", "key Left", "wait 1", "key Left", "wait 1"], "lost.toml", states=("fell", "end"))
+        self.assertIn("diverged at step 21", fell["message"])
+        self.assertTrue(fell["paused"])
+        self.assertEqual(end["step"], fell["step"] - 2)
+        self.assertEqual(end["lanes"][0]["fallen"], "")
+
+    def test_a_broken_scene_that_is_dropped_changes_nothing(self):
+        (self.folder / "broken.toml").write_text('name = "broken"\nsummary = 3\n')
+        state = self.play(["drop broken.toml", "wait 2"], "-s", "4")
+        self.assertEqual(state["scene"], "preset_4")
+        self.assertIn("broken.toml:2", state["message"])
+        state = self.play([f"drop {SOURCE}/experiments/scenes/pyramid.toml", "wait 3"], "-s", "4")
+        self.assertEqual(state["scene"], "pyramid")
+
+    def test_mistakes_are_one_line_and_exit_code_2(self):
+        (self.folder / "broken.toml").write_text('name = "broken"\nsummary = 3\n')
+        (self.folder / "bad.txt").write_text("wait 1\nfly 3\n")
+        for arguments, env, say in (
+                ((), {"DISPLAY": ""}, "no window"),
+                ((), {"MESA_GL_VERSION_OVERRIDE": "2.1"}, "OpenGL 3.3"),
+                (("broken.toml",), {}, "broken.toml:2"),
+                (("nowhere",), {}, "nowhere"),
+                (("1", "2"), {}, "one scene"),
+                (("-s", "99"), {}, "preset_99"),
+                (("1", "--pipeline", "solver=nobody"), {}, "nobody"),
+                (("1", *["--pipeline", ""] * 9), {}, "up to 8"),
+                (("--trial", "ab"), {}, "store"),
+                (("1", "--input", "bad.txt"), {}, "bad.txt:2"),
+                (("1", "--input", "none.txt"), {}, "none.txt")):
+            with self.subTest(arguments=arguments, env=env):
+                done = self.call(*arguments, env=env)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                self.assertIn(say, done.stderr)
+
+    # --- cells of a sweep -----------------------------------------------------------------------------------------------
+    def test_a_cell_that_fell_opens_a_step_before(self):
+        (self.folder / "falls.toml").write_text(
+            'name = "falls"\nsummary = "a tower that falls"\nkind = "world"\n\n[axes]\nscene = ["vertical_stack"]\ndimension = [2]\n'
+            'solver = ["split_solver{velocity=catto{iterations=1,warm_start=false},position=none}"]\nsteps = [400]\n')
+        done = subprocess.run([str(LPC), "sweep", "./falls.toml", "--store", "falls.db"], cwd=self.folder, capture_output=True, text=True,
+                              timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
+        self.assertEqual(done.returncode in (0, 1), True, done.stderr)
+        import sqlite3
+        with sqlite3.connect(self.folder / "falls.db") as store:
+            key, outcome, step = store.execute("SELECT key, outcome, step FROM trial").fetchone()
+        self.assertNotEqual(outcome, "ok")
+        state = self.play([], "falls.db", "--trial", key[:8])
+        self.assertEqual(state["step"], step - 1)
+        self.assertTrue(state["paused"])
+        self.assertIn(outcome, state["message"])
+
+    # --- use for a while ------------------------------------------------------------------------------------------------
+    @unittest.skipUnless(LONG, "set LPC_SANDBOX_SECONDS")
+    def test_long_use(self):
+        import time
+        end = time.time() + LONG
+        orders = []
+        for scene in ("1", "2", "5", "7", "8"):
+            orders += ["key " + scene, "key F6", "key F7", "wait 60", *drag((0, 2), (3, 8)), "wait 20", "key p", *["key Left"] * 3, "key p",
+                       "key n", "key o", "wait 20", "key F6", "key F7", "key x", "wait 5"]
+        while time.time() < end:
+            self.play(orders, "2d")
+            self.play(orders, "3d")
+
+
+def frame_rates():
+    for dimension in ("2d", "3d"):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "input.txt"
+            path.write_text("wait 150\nstate end.json\nquit\n")
+            subprocess.run([str(LPC), "sandbox", dimension, "floor_of_spheres" if dimension == "3d" else "circle_rain", "--input", str(path)], cwd=folder,
+                           check=True, env={**os.environ, "LPC_HOME": str(SOURCE)})
+            state = json.loads((pathlib.Path(folder) / "end.json").read_text())
+            print(f"{dimension}: {len(state['bodies'])} bodies, {state['pictures_per_second']:.1f} pictures/s, "
+                  f"drawing {state['draw_ms']:.1f} ms, physics {state['step_ms']:.2f} ms")
+
+
+if __name__ == "__main__":
+    if sys.argv[3:] == ["time"]:
+        frame_rates()
+    else:
+        unittest.main(argv=sys.argv[:1] + sys.argv[3:])
