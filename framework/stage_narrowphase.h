@@ -52,6 +52,9 @@ struct PairMemory {
   bool operator==(const PairMemory&) const = default;
 };
 
+template <int D>
+struct PairTrace;
+
 /// Signed distance of two shapes.
 template <int D>
 class PairQuery : public Stage {
@@ -67,6 +70,11 @@ class PairQuery : public Stage {
   /// (cold).
   virtual void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
                      std::span<PairMemory> memory, WorkDone& work) = 0;
+
+  /// Can it show its steps with a pair of these kinds, which it supports?
+  virtual bool traces(ShapeKind, ShapeKind) const { return false; }
+  /// One pair of such kinds, cold, for witnesses: the steps, the answer and the work of `query` (pair_trace.h).
+  virtual void trace(const PairView<D>&, PairTrace<D>&) { LPC_ASSERT(false); }
 };
 
 /// One pair, any order of kinds. The answer is in A's frame for (a, b) as given. Unsupported kinds give

@@ -29,6 +29,9 @@ class ByKind final : public PairQuery<D> {
     return m_formulas->supports(a, b) || m_rest->supports(a, b);
   }
 
+  bool traces(ShapeKind a, ShapeKind b) const override { return chosen(a, b).traces(a, b); }
+  void trace(const PairView<D>& pair, PairTrace<D>& out) override { chosen(pair.a.kind, pair.b.kind).trace(pair, out); }
+
   // A pair keeps its kinds, and with them its method: nobody reads what another has written. In 2D only curved pairs
   // would be remembered.
   bool remembers() const override { return D == 3; }
@@ -39,7 +42,7 @@ class ByKind final : public PairQuery<D> {
   }
 
  private:
-  PairQuery<D>& chosen(ShapeKind a, ShapeKind b) {
+  PairQuery<D>& chosen(ShapeKind a, ShapeKind b) const {
     if (m_formulas->supports(a, b)) return *m_formulas;
     const bool boxes = coreClass(a) == CoreClass::box && coreClass(b) == CoreClass::box;
     if (boxes || (D == 2 && m_axes->supports(a, b))) return *m_axes;

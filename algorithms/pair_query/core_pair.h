@@ -14,6 +14,7 @@
 
 #include "algorithms/pair_query/hull_climb.h"
 #include "algorithms/pair_query/hull_support.h"
+#include "algorithms/pair_query/watch.h"
 #include "framework/stage_narrowphase.h"
 #include "framework/support_map.h"
 
@@ -114,10 +115,13 @@ struct BestAxis {
     if (value > bound) n = direction, bound = value;
   }
   /// Tests one more direction, of any length but zero.
-  void tryDirection(const CorePair<D>& pair, Vec<D> direction, WorkDone& work) {
+  template <class Watch = NoWatch>
+  void tryDirection(const CorePair<D>& pair, Vec<D> direction, WorkDone& work, const Watch& watch = {}) {
     if (!makeUnit<D>(direction)) return;
     ++work[WorkCount::axisTests];
-    take(direction, pair.bound(direction));
+    const Real value = pair.bound(direction);
+    take(direction, value);
+    watch([&](auto& t) { t.axis(pair, direction, value, *this, "between the nearest features"); });
   }
 };
 

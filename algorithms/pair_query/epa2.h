@@ -19,12 +19,14 @@ struct EpaLimits {
   Real allowed(Real offset) const { return std::max(tolerance, part * std::abs(offset)); }
 };
 
-template <int D>
+template <int D, class Watch = NoWatch>
 class Epa;
 
-template <>
-class Epa<2> {
+template <class Watch>
+class Epa<2, Watch> {
  public:
+  explicit Epa(const Watch& watch = {}) : m_watch(watch) {}
+
   QueryStatus run(const CorePair<2>& pair, const Simplex<2>& start, const EpaLimits& limits, BestAxis<2>& best,
                   WorkDone& work) {
     if (!seed(pair, start, best, work)) return QueryStatus::converged;  // flat: both normals of its line are tested
@@ -38,7 +40,7 @@ class Epa<2> {
       if (lowest == m_edges.size()) return QueryStatus::converged;
       Edge& edge = m_edges[lowest];
       if (-edge.offset <= settled + limits.allowed(edge.offset)) return QueryStatus::converged;
-      const Vec<2> w = support(pair, edge.outward, best, work);
+      const Vec<2> w = support(pair, edge.outward, best, work, static_cast<int>(lowest));
       const bool known = std::any_of(m_edges.begin(), m_edges.end(), [&](const Edge& e) { return e.from == w; });
       if (known || edge.outward.dot(w) - edge.offset <= limits.allowed(edge.offset)) {
         settled = std::max(settled, -edge.outward.dot(w));
@@ -66,11 +68,20 @@ class Epa<2> {
     bool open;
   };
 
-  // The farthest point of the difference along d; every support is a bound as well.
-  static Vec<2> support(const CorePair<2>& pair, const Vec<2>& d, BestAxis<2>& best, WorkDone& work) {
+  // The farthest point of the difference along d, of an edge the normal; every support is a bound as well.
+  Vec<2> support(const CorePair<2>& pair, const Vec<2>& d, BestAxis<2>& best, WorkDone& work, int edge = -1) const {
     work[WorkCount::supportCalls] += 2;
     const Vec<2> w = pair.support(-d);
     best.take(-d, -d.dot(w));
+    m_watch([&](auto& t) {
+      auto& step = t.expansion(pair, Vec<2>(-d), w, best, edge >= 0);
+      step.face = edge;
+      const int count = edge < 0 ? 0 : static_cast<int>(m_edges.size());
+      for (int i = 0; i < count; ++i) {
+        step.corners.push_back(m_edges[static_cast<std::size_t>(i)].from);
+        step.faces.push_back({i, (i + 1) % count});
+      }
+    });
     return w;
   }
 
@@ -127,6 +138,7 @@ class Epa<2> {
     return true;
   }
 
+  [[no_unique_address]] Watch m_watch;
   std::vector<Edge> m_edges;  // counter-clockwise
 };
 

@@ -12,9 +12,11 @@
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
-template <>
-class Epa<3> {
+template <class Watch>
+class Epa<3, Watch> {
  public:
+  explicit Epa(const Watch& watch = {}) : m_watch(watch) {}
+
   QueryStatus run(const CorePair<3>& pair, const Simplex<3>& start, const EpaLimits& limits, BestAxis<3>& best,
                   WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
@@ -31,7 +33,7 @@ class Epa<3> {
       const Face& face = m_faces[at(lowest)];
       const Real allowed = limits.allowed(face.offset);
       if (-face.offset <= settled + allowed) return QueryStatus::converged;
-      const Triple w(support(face.outward.vector()));
+      const Triple w(support(face.outward.vector(), lowest));
       const Real height = dot(face.outward, w);
       if (height - face.offset <= allowed || isKnown(w)) {
         settled = std::max(settled, -height);  // a face of the difference itself: its own bound has been taken
@@ -62,11 +64,20 @@ class Epa<3> {
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  // The farthest point of the difference along unit d; every support is a bound as well.
-  Vec<3> support(const Vec<3>& d) {
+  // The farthest point of the difference along unit d, of a face the normal; every support is a bound as well.
+  Vec<3> support(const Vec<3>& d, int face = -1) {
     (*m_work)[WorkCount::supportCalls] += 2;
     const Vec<3> w = m_pair->support(-d);
     m_best->take(-d, -d.dot(w));
+    m_watch([&](auto& t) {
+      auto& step = t.expansion(*m_pair, Vec<3>(-d), w, *m_best, face >= 0);
+      for (const Triple& p : m_points) step.corners.push_back(p.vector());
+      for (int i = 0; i < m_count; ++i) {
+        const Face& f = m_faces[at(i)];
+        if (i == face) step.face = static_cast<int>(step.faces.size());
+        if (!f.gone) step.faces.push_back({f.v[0], f.v[1], f.v[2]});
+      }
+    });
     return w;
   }
 
@@ -264,6 +275,7 @@ class Epa<3> {
     return openFan(first);
   }
 
+  [[no_unique_address]] Watch m_watch;
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
   WorkDone* m_work = nullptr;

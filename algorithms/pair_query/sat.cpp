@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/pair_query/pair_lanes.h"
-#include "algorithms/pair_query/plane_pair.h"
-#include "algorithms/pair_query/sat_boxes.h"
-#include "algorithms/pair_query/sat_polytope2.h"
-#include "algorithms/pair_query/sat_polytope3.h"
+#include "algorithms/pair_query/sat_answers.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -38,6 +35,9 @@ class Sat final : public PairQuery<D> {
 
   bool remembers() const override { return D == 3; }
 
+  bool traces(ShapeKind a, ShapeKind b) const override { return supports(a, b); }
+  void trace(const PairView<D>& pair, PairTrace<D>& out) override { traceSat(pair, out); }
+
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
              std::span<PairMemory> memory, WorkDone& work) override {
     work[WorkCount::pairQueries] += pairs.size();
@@ -58,25 +58,12 @@ class Sat final : public PairQuery<D> {
   void oneByOne(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
                 std::span<PairMemory> memory, WorkDone& work) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const CorePair<D> pair(pairs[i]);
-      if (hasPlane(pair.a.kind, pair.b.kind)) {
-        answers[i] = m_plane.answer(pair, work);
-        continue;
-      }
-      BestAxis<D> best;
-      if (pair.a.hull || pair.b.hull) {
-        m_polytope.run(pair, need, memory.empty() ? nullptr : &memory[i], best, work);
-      } else {
-        SatBoxes<D>(pair, need, best, work).run();
-      }
-      finishAnswer<D>(pair, best, QueryStatus::converged, need, m_touching, answers[i]);
+      m_axes.answer(pairs[i], need, memory.empty() ? nullptr : &memory[i], answers[i], work);
     }
   }
 
   LaneUse m_lanes;
-  PlanePair<D> m_plane;
-  SatPolytope<D> m_polytope;
-  TouchingPoint m_touching;
+  SatAnswers<D, NoWatch> m_axes;
 };
 
 }  // namespace

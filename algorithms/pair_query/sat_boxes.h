@@ -8,7 +8,7 @@
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
-template <int D>
-using SatBoxes = std::conditional_t<D == 2, SatBoxes2, SatBoxes3>;
+template <int D, class Watch = NoWatch>
+using SatBoxes = std::conditional_t<D == 2, SatBoxes2<Watch>, SatBoxes3<Watch>>;
 
 }  // namespace lpc::inline LPC_PRECISION::pair_query

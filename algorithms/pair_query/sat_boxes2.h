@@ -8,20 +8,21 @@
 namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// All of the pair's candidate directions and the best bound: the signed distance of the cores.
+template <class Watch = NoWatch>
 class SatBoxes2 {
   static constexpr int D = 2;
 
  public:
-  SatBoxes2(const CorePair<D>& pair, QueryNeed need, BestAxis<D>& best, WorkDone& work)
-      : m_pair(pair), m_need(need), m_best(best), m_work(work), m_hA(pair.a.half), m_hB(pair.b.half) {}
+  SatBoxes2(const CorePair<D>& pair, QueryNeed need, BestAxis<D>& best, WorkDone& work, const Watch& watch = {})
+      : m_watch(watch), m_pair(pair), m_need(need), m_best(best), m_work(work), m_hA(pair.a.half), m_hB(pair.b.half) {}
 
   void run() {
     LPC_ASSERT(m_pair.a.core() <= CoreClass::box && m_pair.b.core() <= CoreClass::box);
     const Mat<D> flat = m_pair.r.cwiseAbs();
     Widest widest;
     for (int k = 0; k < D; ++k) {
-      widest.offer(std::abs(m_pair.p[k]) - (m_hA[k] + flat.row(k).dot(m_hB)), k);
-      widest.offer(std::abs(m_pair.r.col(k).dot(m_pair.p)) - (m_hB[k] + flat.col(k).dot(m_hA)), D + k);
+      offer(widest, std::abs(m_pair.p[k]) - (m_hA[k] + flat.row(k).dot(m_hB)), k);
+      offer(widest, std::abs(m_pair.r.col(k).dot(m_pair.p)) - (m_hB[k] + flat.col(k).dot(m_hA)), D + k);
     }
     m_work[WorkCount::axisTests] += 2 * D;
     takeWidest(widest.axis);
@@ -44,20 +45,36 @@ class SatBoxes2 {
     }
   };
 
+  void offer(Widest& widest, Real gap, int number) const {
+    widest.offer(gap, number);
+    m_watch([&](auto& t) {
+      t.axis(m_pair, facing(number), gap, {facing(widest.axis), widest.gap}, t.part("side", number % D, number < D));
+    });
+  }
+
   // Both signs at once: boxes are their own mirror images. What is reported is the bound of the very vector that is.
   void take(const Vec<D>& n) {
     const Real along = n.dot(m_pair.p);
     const Real reach = m_hA.dot(n.cwiseAbs()) + m_hB.dot((m_pair.r.transpose() * n).cwiseAbs());
     m_best.take(along < 0 ? Vec<D>(-n) : n, std::abs(along) - reach);
   }
-  void takeWidest(int number) {
+  Vec<D> axis(int number) const {
     Vec<D> n = Vec<D>::Zero();
     if (number < D) {
       n[number] = 1;
     } else {
       n = m_pair.r.col(number - D);
     }
-    take(n);
+    return n;
+  }
+  // From A to B.
+  Vec<D> facing(int number) const {
+    const Vec<D> n = axis(number);
+    return n.dot(m_pair.p) < 0 ? Vec<D>(-n) : n;
+  }
+  void takeWidest(int number) {
+    take(axis(number));
+    m_watch([&](auto& t) { t.refined(m_pair, m_best, "the widest axis's own vector"); });
   }
 
   // A box's corners in the other's frame, and how far each lies behind the foremost along the best axis: from the other
@@ -107,7 +124,7 @@ class SatBoxes2 {
         if (length2 < least2) least2 = length2, nearest = v, nearestOfA = ofA;
       }
     }
-    m_best.tryDirection(m_pair, toB(nearest, nearestOfA), m_work);
+    m_best.tryDirection(m_pair, toB(nearest, nearestOfA), m_work, m_watch);
     const Real least = std::sqrt(least2);
     if (m_best.bound >= least - slack) return;
     // Among features that tie, rounding decides which is nearest, but not which direction proves most.
@@ -119,11 +136,12 @@ class SatBoxes2 {
       for (std::size_t i = 0; i < kCorners; ++i) {
         if (proved + all.lag[i] > tie) continue;
         const Vec<D> v = all.toOther(i);
-        if (v.norm() <= tie) m_best.tryDirection(m_pair, toB(v, ofA), m_work);
+        if (v.norm() <= tie) m_best.tryDirection(m_pair, toB(v, ofA), m_work, m_watch);
       }
     }
   }
 
+  [[no_unique_address]] Watch m_watch;
   const CorePair<D>& m_pair;
   QueryNeed m_need;
   BestAxis<D>& m_best;

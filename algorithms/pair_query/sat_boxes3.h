@@ -8,10 +8,11 @@
 namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// All of the pair's candidate directions and the best bound: the signed distance of the cores.
+template <class Watch = NoWatch>
 class SatBoxes3 {
  public:
-  SatBoxes3(const CorePair<3>& pair, QueryNeed need, BestAxis<3>& best, WorkDone& work)
-      : m_pair(pair), m_boxes(pair), m_need(need), m_out(best), m_work(work) {}
+  SatBoxes3(const CorePair<3>& pair, QueryNeed need, BestAxis<3>& best, WorkDone& work, const Watch& watch = {})
+      : m_watch(watch), m_pair(pair), m_boxes(pair), m_need(need), m_out(best), m_work(work) {}
 
   void run() {
     LPC_ASSERT(m_pair.a.core() <= CoreClass::box && m_pair.b.core() <= CoreClass::box);
@@ -52,12 +53,16 @@ class SatBoxes3 {
     if (m_bound > -kBoundRounding * m_pair.scale && (m_short || !isAttained(widest.axis))) tryCorners();
   }
 
+  void offer(Widest& widest, Real gap, int number) const {
+    widest.offer(gap, number);
+    m_watch([&](auto& t) { show(t, widest, gap, number); });
+  }
   template <int k>
   void offerFaces(const Triple* flat, const Triple* flatBack, Widest& widest) const {
     const BoxPair3& in = m_boxes;
     const Triple& f = flat[k];
-    widest.offer(std::abs(in.p[k]) - (in.hA[k] + (f.x * in.hB.x + (f.y * in.hB.y + f.z * in.hB.z))), k);
-    widest.offer(std::abs(dot(in.r[k], in.p)) - (in.hB[k] + dot(flatBack[k], in.hA)), 3 + k);
+    offer(widest, std::abs(in.p[k]) - (in.hA[k] + (f.x * in.hB.x + (f.y * in.hB.y + f.z * in.hB.z))), k);
+    offer(widest, std::abs(dot(in.r[k], in.p)) - (in.hB[k] + dot(flatBack[k], in.hA)), 3 + k);
   }
   // Edges parallel to within rounding have no common normal but noise. Their axes are left out only to save time: by
   // core_pair.h no direction can claim more than is true, and the true optimum is then a face normal's. The common
@@ -70,21 +75,25 @@ class SatBoxes3 {
     const Triple& u = in.r[j];
     const Real length2 = u[k] * u[k] + u[l] * u[l];
     if (!(in.hA[i] > 0 && in.hB[j] > 0)) return;
-    if (!(length2 >= kShortNormal * kShortNormal)) return offerShort(i, u, length2);
+    if (!(length2 >= kShortNormal * kShortNormal)) return offerShort(e, u, length2, widest);
     ++m_tests;
     const Real along = std::abs(u[k] * in.p[l] - u[l] * in.p[k]);
     const Real reach = in.hA[k] * flat[j][l] + in.hA[l] * flat[j][k] + in.hB[m] * flat[n][i] + in.hB[n] * flat[m][i];
     const Real gap = along - reach;
-    if (gap * std::abs(gap) < widest.square * length2) return;
-    widest.offer(gap / std::sqrt(length2), 6 + e);
+    if (gap * std::abs(gap) < widest.square * length2) {
+      m_watch([&](auto& t) { show(t, widest, gap / std::sqrt(length2), 6 + e); });
+      return;
+    }
+    offer(widest, gap / std::sqrt(length2), 6 + e);
     widest.settle();
   }
-  void offerShort(int i, const Triple& u, Real length2) {
+  void offerShort(int e, const Triple& u, Real length2, const Widest& widest) {
     if (!(length2 > kParallelSine * kParallelSine)) return;
     ++m_tests, m_short = true;  // products of rounded numbers, divided by little
-    const Triple axis = across(i, u);
+    const Triple axis = across(e / 3, u);
     const Real length = norm(axis);
-    take({axis.x / length, axis.y / length, axis.z / length});
+    [[maybe_unused]] const Real bound = take({axis.x / length, axis.y / length, axis.z / length});
+    m_watch([&](auto& t) { show(t, widest, bound, 6 + e); });
   }
   template <int... e>
   void offerAllEdges(const Triple* flat, Widest& widest, std::integer_sequence<int, e...>) {
@@ -97,25 +106,43 @@ class SatBoxes3 {
   static Triple across(int i, const Triple& u) { return cross(unit(i), u); }
 
   // Both signs at once: boxes are their own mirror images. What is reported is the bound of the very vector that is.
-  void take(const Triple& n) {
+  Real take(const Triple& n) {
     const Real along = dot(n, m_boxes.p);
     const Real reach = dot(m_boxes.hA, sizes(n)) + dot(m_boxes.hB, sizes(m_boxes.back(n)));
     // A branch on the side would be a coin's toss.
-    takeBound(std::copysign(Real(1), along + 0) * n, std::abs(along) - reach);
+    const Real bound = std::abs(along) - reach;
+    takeBound(std::copysign(Real(1), along + 0) * n, bound);
+    return bound;
   }
   void takeBound(const Triple& n, Real bound) {
     if (bound > m_bound) m_n = n, m_bound = bound;
   }
   void takeWidest(int number) {
-    if (number < 6) return take(number < 3 ? unit(number) : m_boxes.r[number - 3]);
+    take(axis(number));
+    m_watch([&](auto& t) { t.refined(m_pair, best(), "the widest axis's own vector"); });
+  }
+  Triple axis(int number) const {
+    if (number < 6) return number < 3 ? unit(number) : m_boxes.r[number - 3];
     const Triple n = across((number - 6) / 3, m_boxes.r[(number - 6) % 3]);
     const Real length = norm(n);
-    take({n.x / length, n.y / length, n.z / length});
+    return {n.x / length, n.y / length, n.z / length};
+  }
+
+  // For who looks.
+  BestAxis<3> best() const { return {m_n.vector(), m_bound}; }
+  Vec<3> facing(const Triple& n) const { return (dot(n, m_boxes.p) < 0 ? -n : n).vector(); }
+  void show(auto& t, const Widest& widest, Real gap, int number) const {
+    const BestAxis<3> most = widest.gap > m_bound ? BestAxis<3>{facing(axis(widest.axis)), widest.gap} : best();
+    const auto what = number < 6 ? t.part("face", number % 3, number < 3)
+                                 : t.part("edge", (number - 6) / 3, true) + ", " + t.part("edge", number % 3, false);
+    t.axis(m_pair, facing(axis(number)), gap, most, what);
   }
   void tryDirection(Triple n) {
     if (!makeUnit(n)) return;
     ++m_work[WorkCount::axisTests];
-    takeBound(n, dot(n, m_boxes.p) - dot(m_boxes.hA, sizes(n)) - dot(m_boxes.hB, sizes(m_boxes.back(n))));
+    const Real bound = dot(n, m_boxes.p) - dot(m_boxes.hA, sizes(n)) - dot(m_boxes.hB, sizes(m_boxes.back(n)));
+    takeBound(n, bound);
+    m_watch([&](auto& t) { t.axis(m_pair, n.vector(), bound, best(), "between the nearest features"); });
   }
 
   // Do the features that the axis belongs to lie above each other: a vertex above the face, or edges that cross? Then
@@ -213,6 +240,7 @@ class SatBoxes3 {
     }
   }
 
+  [[no_unique_address]] Watch m_watch;
   const CorePair<3>& m_pair;
   const BoxPair3 m_boxes;
   QueryNeed m_need;

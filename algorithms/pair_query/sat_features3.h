@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "algorithms/pair_query/sat_core3.h"
 
@@ -15,6 +16,31 @@ struct SatFeatures {
   Kind kind = Kind::none;
   std::int32_t a = 0, b = 0;
 };
+
+/// As who looks at the search reads them.
+inline std::string words(const SatFeatures& f) {
+  using enum SatFeatures::Kind;
+  const auto two = [&](const char* a, const char* b) {
+    return a + std::to_string(f.a) + " of A, " + b + std::to_string(f.b) + " of B";
+  };
+  switch (f.kind) {
+    case none:
+      break;
+    case vertices:
+      return two("vertex ", "vertex ");
+    case vertexEdge:
+      return two("vertex ", "edge ");
+    case edgeVertex:
+      return two("edge ", "vertex ");
+    case edges:
+      return two("edge ", "edge ");
+    case faceOfA:
+      return two("face ", "vertex ");
+    case faceOfB:
+      return two("vertex ", "face ");
+  }
+  return "foremost vertices";
+}
 
 /// An edge that is looked at.
 struct SatRidge {

@@ -8,17 +8,19 @@
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
-template <int D>
+template <int D, class Watch = NoWatch>
 class SatPolytope;
 
-template <>
-class SatPolytope<2> {
+template <class Watch>
+class SatPolytope<2, Watch> {
  public:
+  explicit SatPolytope(const Watch& watch = {}) : m_watch(watch) {}
+
   void run(const CorePair<2>& pair, QueryNeed, PairMemory*, BestAxis<2>& best, WorkDone& work) {
     fill(pair.a, Pose<2>{}.p, Mat<2>::Identity(), m_a);
     fill(pair.b, pair.p, pair.r, m_b);
-    testNormals(m_a, m_b, 1, best, work);
-    testNormals(m_b, m_a, -1, best, work);
+    testNormals(pair, m_a, m_b, 1, best, work);
+    testNormals(pair, m_b, m_a, -1, best, work);
     // Apart, the nearest features are a vertex and an edge, whose normal has been tested, or two vertices.
     if (best.bound <= -kBoundRounding * pair.scale) return;
     Real least = std::numeric_limits<Real>::infinity();
@@ -28,10 +30,10 @@ class SatPolytope<2> {
     const Real tie = std::sqrt(least) * (1 + kTiePart) + kTieRounding * pair.scale;
     for (const Vec<2>& a : m_a.vertices) {
       for (const Vec<2>& b : m_b.vertices) {
-        if ((b - a).squaredNorm() <= tie * tie) best.tryDirection(pair, b - a, work);
+        if ((b - a).squaredNorm() <= tie * tie) best.tryDirection(pair, b - a, work, m_watch);
       }
     }
-    if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<2>::Unit(0), work);  // two equal points
+    if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<2>::Unit(0), work, m_watch);  // two equal points
   }
 
  private:
@@ -69,7 +71,8 @@ class SatPolytope<2> {
   }
 
   // The outward normals of `of`; sign 1 when that is A, so that n points from A to B.
-  static void testNormals(const Core& of, const Core& other, Real sign, BestAxis<2>& best, WorkDone& work) {
+  void testNormals(const CorePair<2>& pair, const Core& of, const Core& other, Real sign, BestAxis<2>& best,
+                   WorkDone& work) const {
     work[WorkCount::axisTests] += of.normals.size();
     for (std::size_t i = 0; i < of.normals.size(); ++i) {
       const Vec<2>& n = of.normals[i];
@@ -80,10 +83,13 @@ class SatPolytope<2> {
         bound = std::min(bound, n.dot(v) - offset);
         if (bound <= best.bound) break;
       }
+      const bool all = bound > best.bound;
       best.take(sign * n, bound);
+      m_watch([&](auto& t) { t.axis(pair, Vec<2>(sign * n), bound, best, t.part("edge", i, sign > 0), all); });
     }
   }
 
+  [[no_unique_address]] Watch m_watch;
   Core m_a, m_b;
 };
 

@@ -7,15 +7,15 @@
 #include <bit>
 
 #include "algorithms/pair_query/sat_features3.h"
+#include "algorithms/pair_query/sat_polytope2.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
-template <int D>
-class SatPolytope;
-
-template <>
-class SatPolytope<3> {
+template <class Watch>
+class SatPolytope<3, Watch> {
  public:
+  explicit SatPolytope(const Watch& watch = {}) : m_watch(watch) {}
+
   /// `memory`, which may be null, holds the features whose axis was the best one.
   void run(const CorePair<3>& pair, QueryNeed need, PairMemory* memory, BestAxis<3>& best, WorkDone& work) {
     m_pair = &pair, m_best = &best, m_work = &work;
@@ -25,7 +25,7 @@ class SatPolytope<3> {
     m_a.start(pair.a), m_b.start(pair.b, pair.p, pair.r);
     const bool somewhere = pair.p.allFinite() && pair.r.allFinite();  // else no bound would end the search
     if (somewhere && !(memory && recall(*memory))) search();
-    if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<3>::Unit(0), work);
+    if (!std::isfinite(best.bound)) best.tryDirection(pair, Vec<3>::Unit(0), work, m_watch);
     if (memory) remember(*memory);
   }
 
@@ -38,9 +38,11 @@ class SatPolytope<3> {
   Real least() const { return m_sideAlone ? std::max(m_best->bound, -m_slack) : m_best->bound; }
   bool isEnough() const { return m_sideAlone && m_best->bound > m_pair->radii(); }
 
-  void take(const Vec<3>& n, Real bound, const SatFeatures& features) {
+  // `all`: no vertex lies lower.
+  void take(const Vec<3>& n, Real bound, const SatFeatures& features, bool all = true) {
     if (bound > m_best->bound) m_features = features;
     m_best->take(n, bound);
+    m_watch([&](auto& t) { t.axis(*m_pair, n, bound, *m_best, words(features), all); });
   }
 
   // --- memory --------------------------------------------------------------------------------------------------------
@@ -133,7 +135,8 @@ class SatPolytope<3> {
     const Real enough = least();
     Real bound = height(low[0]);
     while (bound > enough && ++i < known) bound = height(low[i]);
-    if (i == known) {
+    const bool all = i == known;
+    if (all) {
       if (known < low.size()) {
         ++known;
       } else {
@@ -149,7 +152,7 @@ class SatPolytope<3> {
     of.below[at(face)] = low[0];
     const Real sign = ofA ? Real(1) : Real(-1);
     take(sign * plane.n, bound,
-         ofA ? SatFeatures{Kind::faceOfA, face, low[0]} : SatFeatures{Kind::faceOfB, low[0], face});
+         ofA ? SatFeatures{Kind::faceOfA, face, low[0]} : SatFeatures{Kind::faceOfB, low[0], face}, all);
   }
 
   // The edges whose normals may still prove more than the best. All normals of an edge are sums of those of its faces,
@@ -217,7 +220,10 @@ class SatPolytope<3> {
     Real bound = std::numeric_limits<Real>::infinity();
     for (const Vec<3>& v : m_b.vertices) {
       bound = std::min(bound, n.dot(v) - farA);
-      if (bound <= m_best->bound) return;
+      if (bound <= m_best->bound) {
+        m_watch([&](auto& t) { t.axis(*m_pair, n, bound, *m_best, words(features), false); });
+        return;
+      }
     }
     take(n, bound, features);
   }
@@ -310,6 +316,7 @@ class SatPolytope<3> {
     }
   }
 
+  [[no_unique_address]] Watch m_watch;
   const CorePair<3>* m_pair = nullptr;
   BestAxis<3>* m_best = nullptr;
   WorkDone* m_work = nullptr;

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Zlib
+// A trace with one bug each. Each spoils one of the steps that ask for something, if there is one, and tells whether it
+// did.
+#pragma once
+
+#include "framework/pair_trace.h"
+#include "framework/support_map.h"
+
+namespace lpc::inline LPC_PRECISION::test::wrong_traces {
+
+/// The middle one of the steps that ask.
+template <int D>
+std::size_t middleStep(const PairTrace<D>& trace) {
+  std::vector<std::size_t> asked;
+  for (std::size_t i = 0; i < trace.steps.size(); ++i) {
+    const TraceKind kind = trace.steps[i].kind;
+    const bool asks = kind == TraceKind::support || kind == TraceKind::expansion || kind == TraceKind::axis;
+    if (asks) asked.push_back(i);
+  }
+  return asked.empty() ? trace.steps.size() : asked[asked.size() / 2];
+}
+
+struct DropsAnIteration {
+  static constexpr const char* kName = "an iteration is dropped";
+  template <int D>
+  bool operator()(PairTrace<D>& trace) const {
+    const std::size_t i = middleStep(trace);
+    if (i == trace.steps.size()) return false;
+    trace.steps.erase(trace.steps.begin() + static_cast<std::ptrdiff_t>(i));
+    return true;
+  }
+};
+
+/// The query asked another one. Spoiled is a trace of which this axis does not prove the same by chance, nor one that
+/// was not looked at to its end, which says little.
+struct NamesAnotherAxis {
+  static constexpr const char* kName = "another axis is named";
+  template <int D>
+  bool operator()(PairTrace<D>& trace) const {
+    const std::size_t i = middleStep(trace);
+    if (i == trace.steps.size()) return false;
+    Vec<D>& n = trace.steps[i].direction;
+    n = n[0] < Real(0.5) ? Vec<D>(Vec<D>::Unit(0)) : Vec<D>(Vec<D>::Unit(1));
+    const PairView<D>& pair = trace.pair;
+    const Vec<D> b = pair.X_AB * coreSupport(pair.b, Vec<D>(pair.X_AB.q.inverse() * Vec<D>(-n)));
+    const Real proved = n.dot(b - coreSupport(pair.a, n));
+    return !trace.steps[i].atMost && !(std::abs(proved - trace.steps[i].bound) <= Real(0.001) * std::abs(proved));
+  }
+};
+
+/// Spoiled is a trace of which the two points do not lie as far along the axis.
+struct KeepsTheOldSupport {
+  static constexpr const char* kName = "the support point is that of the step before";
+  template <int D>
+  bool operator()(PairTrace<D>& trace) const {
+    const std::size_t i = middleStep(trace);
+    if (i == trace.steps.size() || i == 0) return false;
+    TraceStep<D>&step = trace.steps[i], &before = trace.steps[i - 1];
+    if (before.direction.isZero(0)) return false;
+    const Real nearer = step.direction.dot(before.support - step.support);
+    const bool other = nearer > Real(0.001) * before.support.norm();
+    step.support = before.support, step.supportA = before.supportA, step.supportB = before.supportB;
+    return other;
+  }
+};
+
+/// The last axis that was asked and proved less is the best one from then on.
+struct KeepsTheLastAxis {
+  static constexpr const char* kName = "the last axis is called the best";
+  template <int D>
+  bool operator()(PairTrace<D>& trace) const {
+    auto& steps = trace.steps;
+    std::size_t i = steps.size();
+    while (i > 0 && (steps[i - 1].kind == TraceKind::answer || steps[i - 1].direction.isZero(0) ||
+                     steps[i - 1].direction == steps[i - 1].bestAxis)) {
+      --i;
+    }
+    if (i == 0) return false;
+    for (std::size_t k = i - 1; k < steps.size(); ++k) {
+      steps[k].best = steps[i - 1].bound, steps[k].bestAxis = steps[i - 1].direction;
+    }
+    return true;
+  }
+};
+
+}  // namespace lpc::inline LPC_PRECISION::test::wrong_traces
