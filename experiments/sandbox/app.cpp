@@ -14,6 +14,7 @@
 #include "experiments/sandbox/deed_script.h"
 #include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/panels.h"
 #include "experiments/sandbox/puppet.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/saved_scene.h"
@@ -56,7 +57,7 @@ Aabb<D> extent(const Simulation<D>& world) {
 std::span<const PanelInfo> panelInfos() {
   static constexpr PanelInfo kPanels[] = {
       {"Scene", &Panels::scene}, {"Stages", &Panels::stages},   {"Layers", &Panels::layers}, {"Step", &Panels::step},
-      {"Body", &Panels::body},   {"Compare", &Panels::compare}, {"Keys", &Panels::help}};
+      {"Body", &Panels::body},   {"Compare", &Panels::compare}, {"Pair", &Panels::pair},     {"Keys", &Panels::help}};
   return kPanels;
 }
 
@@ -345,6 +346,7 @@ void App<D>::draw() {
   const double start = now();
   window.beginFrame();
   marks.clear();
+  if (panels.pair) lookIntoPair(*this);
   const auto lanes = session.lanes().size();
   const bool beside = arrangement == Arrangement::sideBySide && lanes > 1;
   const int width = beside ? window.width() / static_cast<int>(lanes) : window.width();
@@ -356,6 +358,9 @@ void App<D>::draw() {
     if (lanes > 1 && lane == 0 && !beside) drawn.tint.reset();
     drawSimulation(session.world(lane), drawn, m_canvas);
     if (lane == 0) hand.draw(m_canvas);
+    if (lane == 0 && panels.pair && pairTrace) {
+      drawTraceOnShapes(pairTrace->trace, static_cast<std::size_t>(pairStep), pairTrace->X_WA, m_canvas);
+    }
     if (beside || lane + 1 == lanes) m_canvas.end();
   }
   if (beside) camera.resize(width, window.height());  // the mouse is of the first

@@ -14,6 +14,7 @@
 #include "experiments/sandbox/session.h"
 #include "experiments/sandbox/window.h"
 #include "framework/draw_simulation.h"
+#include "framework/pair_trace.h"
 #include "framework/random.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -23,7 +24,8 @@ enum class Arrangement { overlaid, sideBySide };
 
 /// Panels that can be opened and closed.
 struct Panels {
-  bool scene = false, stages = false, layers = false, step = false, body = false, compare = false, help = false;
+  bool scene = false, stages = false, layers = false, step = false, body = false, compare = false, pair = false,
+       help = false;
 };
 struct PanelInfo {
   const char* name;
@@ -92,6 +94,15 @@ class App {
   int verbosity = 1;
   bool logging = false;  // statistics of each step, into a file
   bool imageSequence = false;
+  // The pair that the panel of that name looks into.
+  struct PairShown {
+    PairTrace<D> trace;
+    Pose<D> X_WA;
+  };
+  std::optional<PairShown> pairTrace;
+  std::string pairQuery = "gjk_epa", pairSays;  // why there is none
+  int pairStep = 0;
+  ViewCamera<D> pairCamera;
   bool equalCost = false;  // of competitors, while they run
   std::string message;
   double drawSeconds = 0, stepSeconds = 0;  // of the last picture and the last step

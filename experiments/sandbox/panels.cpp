@@ -75,7 +75,7 @@ void drawPanels(App<D>& app) {
   static constexpr Content kContents[] = {{&Panels::scene, scenePanel<D>},   {&Panels::stages, stagesPanel<D>},
                                           {&Panels::layers, layersPanel<D>}, {&Panels::step, stepPanel<D>},
                                           {&Panels::body, bodyPanel<D>},     {&Panels::compare, comparePanel<D>},
-                                          {&Panels::help, keysPanel<D>}};
+                                          {&Panels::pair, pairPanel<D>},     {&Panels::help, keysPanel<D>}};
   float x = static_cast<float>(app.window.width()) - 370;
   for (const PanelInfo& p : panelInfos()) {
     if (!(app.panels.*p.open)) continue;

@@ -16,5 +16,10 @@ template <int D>
 void bodyPanel(App<D>& app);
 template <int D>
 void comparePanel(App<D>& app);
+template <int D>
+void pairPanel(App<D>& app);
+/// Before a picture: what the pair panel shows in it. It points into the world's shapes.
+template <int D>
+void lookIntoPair(App<D>& app);
 
 }  // namespace lpc::inline LPC_PRECISION
