@@ -259,7 +259,10 @@ struct TakeApart {
     const int body = e.bodyOf("body");
     e.block.require("names");
     const std::vector<std::string> names = e.block.strings("names");
-    for (const std::string& name : names) checkName(e.block, "names", name);
+    for (const std::string& name : names) {
+      checkName(e.block, "names", name);
+      if (name.empty()) e.block.fail(*e.block.find("names"), "a name in 'names' is empty");
+    }
     if (names.empty()) e.block.fail(*e.block.find("names"), "'names' is empty; valid: one for each shape of the body");
     std::vector<int> parts;
     const BodyType type = e.scene.spawns[static_cast<std::size_t>(body)].body.type;

@@ -13,7 +13,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string inQuotes(const std::string& text) {
   if (oneLine(text) != text) throw UserError("'" + oneLine(text) + "' is not one line of text, as a script needs");
   if (text.find_first_of("\"\\") == text.npos) return '"' + text + '"';
   std::ostringstream out;
@@ -22,39 +22,37 @@ std::string quoted(const std::string& text) {
 }
 
 // Always with a point or an exponent: a whole number of TOML has no sign of zero and 64 bits.
-std::string number(Real x) {
+std::string numberText(Real x) {
   if (!std::isfinite(x)) throw UserError("a number that is not finite cannot be written into a script");
   const std::string text = asText(double(x));
   return text.find_first_of(".e") == text.npos ? text + ".0" : text;
 }
 
 template <class Numbers>
-std::string list(const Numbers& numbers) {
+std::string listText(const Numbers& numbers) {
   std::string out;
-  for (const Real x : numbers) out += (out.empty() ? "" : ", ") + number(x);
+  for (const Real x : numbers) out += (out.empty() ? "" : ", ") + numberText(x);
   return "[" + out + "]";
 }
-std::string rotation(const Rot<2>& q) { return list(std::array{q.c, q.s}); }
-std::string rotation(const Rot<3>& q) { return list(std::array{q.w, q.x, q.y, q.z}); }
-std::string angular(const Ang<2>& w) { return number(w[0]); }
-std::string angular(const Ang<3>& w) { return list(w); }
+std::string rotationText(const Rot<2>& q) { return listText(std::array{q.c, q.s}); }
+std::string rotationText(const Rot<3>& q) { return listText(std::array{q.w, q.x, q.y, q.z}); }
+std::string angularText(const Ang<2>& w) { return numberText(w[0]); }
+std::string angularText(const Ang<3>& w) { return listText(w); }
 
 template <int D>
-std::string points(std::span<const Vec<D>> all) {
+std::string pointsText(std::span<const Vec<D>> all) {
   std::string out;
-  for (const Vec<D>& p : all) out += (out.empty() ? "" : ", ") + list(p);
+  for (const Vec<D>& p : all) out += (out.empty() ? "" : ", ") + listText(p);
   return "[" + out + "]";
 }
 
-std::string line(const std::string& key, const std::string& value) { return key + " = " + value + "\n"; }
-std::string flag(bool x) { return x ? "true" : "false"; }
+std::string keyLine(const std::string& key, const std::string& value) { return key + " = " + value + "\n"; }
+std::string flagText(bool x) { return x ? "true" : "false"; }
 
 // A hull is sought again from its corners, and normals of slivers, which are made of rounding, may come out otherwise:
 // then they are written. What comes out otherwise all the same must not be.
-bool sameFaces(const Polytope<2>& a, const Polytope<2>& b) {
-  return a.vertices == b.vertices && a.normals == b.normals;
-}
-bool sameFaces(const Polytope<3>& a, const Polytope<3>& b) {
+bool sameHull(const Polytope<2>& a, const Polytope<2>& b) { return a.vertices == b.vertices && a.normals == b.normals; }
+bool sameHull(const Polytope<3>& a, const Polytope<3>& b) {
   const auto same = [](const auto& f, const auto& g) {
     return f.normal == g.normal && f.offset == g.offset && f.begin == g.begin && f.end == g.end;
   };
@@ -64,42 +62,41 @@ bool sameFaces(const Polytope<3>& a, const Polytope<3>& b) {
 constexpr const char* kOtherHull =
     "a polytope whose hull is another when it is sought from its corners cannot be written";
 
-std::string normals(ShapeKind kind, const Polytope<2>& hull) {
-  if (sameFaces(hull, *Shape<2>::ofCorners(kind, hull.vertices).view().hull)) return "";
+std::string normalsField(ShapeKind kind, const Polytope<2>& hull) {
+  if (sameHull(hull, *Shape<2>::ofCorners(kind, hull.vertices).view().hull)) return "";
   throw UserError(kOtherHull);
 }
-std::string normals(ShapeKind kind, const Polytope<3>& hull) {
-  if (sameFaces(hull, *Shape<3>::ofCorners(kind, hull.vertices).view().hull)) return "";
+std::string normalsField(ShapeKind kind, const Polytope<3>& hull) {
+  if (sameHull(hull, *Shape<3>::ofCorners(kind, hull.vertices).view().hull)) return "";
   std::vector<Vec<3>> all;
   for (const auto& face : hull.faces) all.push_back(face.normal);
-  if (kind != ShapeKind::polytope || !sameFaces(hull, *hullWithNormals(hull.vertices, all)))
-    throw UserError(kOtherHull);
-  return ", normals = " + points<3>(all);
+  if (kind != ShapeKind::polytope || !sameHull(hull, *hullWithNormals(hull.vertices, all))) throw UserError(kOtherHull);
+  return ", normals = " + pointsText<3>(all);
 }
 
 // `kind = "box", half = [...]`, the fields of an inline table.
 template <int D>
-std::string fields(const ShapeView<D>& v) {
-  const std::string rounding = ", rounding = " + number(v.radius);
+std::string shapeFields(const ShapeView<D>& v) {
+  const std::string rounding = ", rounding = " + numberText(v.radius);
   const std::string kind = "kind = \"" + std::string(shapeKindName(v.kind)) + "\"";
   switch (v.core()) {
     case CoreClass::point:
-      return kind + ", radius = " + number(v.radius);
+      return kind + ", radius = " + numberText(v.radius);
     case CoreClass::segment: {
-      const std::string length = ", half_length = " + number(v.half[0]);
-      return kind + length + (v.kind == ShapeKind::capsule ? ", radius = " + number(v.radius) : "");
+      const std::string length = ", half_length = " + numberText(v.half[0]);
+      return kind + length + (v.kind == ShapeKind::capsule ? ", radius = " + numberText(v.radius) : "");
     }
     case CoreClass::box:
-      return kind + ", half = " + list(v.half) + rounding;
+      return kind + ", half = " + listText(v.half) + rounding;
     case CoreClass::hull: {
       const std::span<const Vec<D>> corners(v.hull->vertices);
-      return kind + ", points = " + points<D>(corners) + normals(v.kind, *v.hull) + rounding;
+      return kind + ", points = " + pointsText<D>(corners) + normalsField(v.kind, *v.hull) + rounding;
     }
     case CoreClass::curved: {
       std::string sizes;
       const auto& names = curvedKind<D>(v.kind).sizes;
       for (std::size_t i = 0; i < names.size(); ++i) {
-        sizes += ", " + std::string(names[i]) + " = " + number(v.curved->sizes()[i]);
+        sizes += ", " + std::string(names[i]) + " = " + numberText(v.curved->sizes()[i]);
       }
       return kind + sizes + rounding;
     }
@@ -110,12 +107,12 @@ std::string fields(const ShapeView<D>& v) {
 }
 
 template <int D>
-std::string fields(const Shape<D>& shape) {
+std::string shapeFields(const Shape<D>& shape) {
   if (const Surface<D>* surface = shape.surface()) {
-    const std::string at = ", points = " + points<D>(surface->points());
+    const std::string at = ", points = " + pointsText<D>(surface->points());
     if constexpr (D == 2) {
       const bool closed = surface->corners().size() == surface->points().size();
-      return "kind = \"chain\"" + at + ", closed = " + flag(closed);
+      return "kind = \"chain\"" + at + ", closed = " + flagText(closed);
     } else {
       std::string triangles;
       for (const auto& t : surface->corners()) {
@@ -128,20 +125,20 @@ std::string fields(const Shape<D>& shape) {
   if (!shape.convex()) {
     std::string parts;
     for (const ShapePart<D>& part : shape.parts()) {
-      parts += (parts.empty() ? "{ " : ", { ") + fields(part.shape) + ", offset = " + list(part.X_SP.p) +
-               ", rotation = " + rotation(part.X_SP.q) + " }";
+      parts += (parts.empty() ? "{ " : ", { ") + shapeFields(part.shape) + ", offset = " + listText(part.X_SP.p) +
+               ", rotation = " + rotationText(part.X_SP.q) + " }";
     }
     return "kind = \"compound\", parts = [" + parts + "]";
   }
-  return fields(shape.view());
+  return shapeFields(shape.view());
 }
 
 template <int D>
 std::string shapeTable(const ShapeDef<D>& s) {
   if (s.userData != 0) throw UserError("the user data of a shape cannot be written into a script");
-  return "  { " + fields(s.shape) + ", offset = " + list(s.X_BS.p) + ", rotation = " + rotation(s.X_BS.q) +
-         ", density = " + number(s.density) + ", friction = " + number(s.friction) +
-         ", restitution = " + number(s.restitution) + ", category = " + std::to_string(s.category) +
+  return "  { " + shapeFields(s.shape) + ", offset = " + listText(s.X_BS.p) + ", rotation = " + rotationText(s.X_BS.q) +
+         ", density = " + numberText(s.density) + ", friction = " + numberText(s.friction) +
+         ", restitution = " + numberText(s.restitution) + ", category = " + std::to_string(s.category) +
          ", mask = " + std::to_string(s.mask) + " },\n";
 }
 
@@ -149,15 +146,15 @@ template <int D>
 std::string massKeys(const MassProperties<D>& m) {
   std::string inertia;
   if constexpr (D == 2) {
-    inertia = number(m.inertia(0, 0));
+    inertia = numberText(m.inertia(0, 0));
   } else {
-    for (int i = 0; i < 3; ++i) inertia += (i ? ", " : "[") + list(Vec<3>(m.inertia.row(i).transpose()));
+    for (int i = 0; i < 3; ++i) inertia += (i ? ", " : "[") + listText(Vec<3>(m.inertia.row(i).transpose()));
     inertia += "]";
   }
-  return line("mass", number(m.mass)) + line("center", list(m.center)) + line("inertia", inertia);
+  return keyLine("mass", numberText(m.mass)) + keyLine("center", listText(m.center)) + keyLine("inertia", inertia);
 }
 
-const char* typeName(BodyType type) {
+const char* typeText(BodyType type) {
   switch (type) {
     case BodyType::fixed:
       return "\"fixed\"";
@@ -173,108 +170,114 @@ const char* typeName(BodyType type) {
 
 template <int D>
 void ScriptWriter<D>::event(const char* what, long step, const std::string& keys) {
-  m_events += "\n[[event]]\n" + line("do", quoted(what)) + line("step", std::to_string(step)) + keys;
+  m_events += "\n[[event]]\n" + keyLine("do", inQuotes(what)) + keyLine("step", std::to_string(step)) + keys;
 }
 
 template <int D>
 void ScriptWriter<D>::add(long step, const std::string& name, const BodyDef<D>& body) {
   if (body.userData != 0) throw UserError("the user data of a body cannot be written into a script");
-  std::string keys = line("name", quoted(name)) + line("type", typeName(body.type)) +
-                     line("position", list(body.X_WB.p)) + line("rotation", rotation(body.X_WB.q)) +
-                     line("velocity", list(body.velocity)) + line("angular_velocity", angular(body.angularVelocity));
-  if (body.pinned) keys += line("pinned", flag(true));
-  if (!body.rotatable) keys += line("rotatable", flag(false));
-  if (!body.canSleep) keys += line("can_sleep", flag(false));
-  if (!body.awake) keys += line("awake", flag(false));
-  if (body.gravityScale != 1) keys += line("gravity_scale", number(body.gravityScale));
+  std::string keys = keyLine("name", inQuotes(name)) + keyLine("type", typeText(body.type)) +
+                     keyLine("position", listText(body.X_WB.p)) + keyLine("rotation", rotationText(body.X_WB.q)) +
+                     keyLine("velocity", listText(body.velocity)) +
+                     keyLine("angular_velocity", angularText(body.angularVelocity));
+  if (body.pinned) keys += keyLine("pinned", flagText(true));
+  if (!body.rotatable) keys += keyLine("rotatable", flagText(false));
+  if (!body.canSleep) keys += keyLine("can_sleep", flagText(false));
+  if (!body.awake) keys += keyLine("awake", flagText(false));
+  if (body.gravityScale != 1) keys += keyLine("gravity_scale", numberText(body.gravityScale));
   if (body.mass) keys += massKeys(*body.mass);
   std::string shapes;
   for (const ShapeDef<D>& s : body.shapes) shapes += shapeTable(s);
-  event("add", step, keys + line("shapes", shapes.empty() ? "[]" : "[\n" + shapes + "]"));
+  event("add", step, keys + keyLine("shapes", shapes.empty() ? "[]" : "[\n" + shapes + "]"));
 }
 
 template <int D>
 void ScriptWriter<D>::remove(long step, const std::string& body) {
-  event("remove", step, line("body", quoted(body)));
+  event("remove", step, keyLine("body", inQuotes(body)));
 }
 
 template <int D>
 void ScriptWriter<D>::push(long step, const std::string& body, const Wrench<D>& impulse) {
   event("push", step,
-        line("body", quoted(body)) + line("impulse", list(impulse.force)) +
-            line("angular_impulse", angular(impulse.torque)));
+        keyLine("body", inQuotes(body)) + keyLine("impulse", listText(impulse.force)) +
+            keyLine("angular_impulse", angularText(impulse.torque)));
 }
 
 template <int D>
 void ScriptWriter<D>::force(long step, const std::string& body, const Wrench<D>& force) {
   event("force", step,
-        line("body", quoted(body)) + line("force", list(force.force)) + line("torque", angular(force.torque)));
+        keyLine("body", inQuotes(body)) + keyLine("force", listText(force.force)) +
+            keyLine("torque", angularText(force.torque)));
 }
 
 template <int D>
 void ScriptWriter<D>::set(long step, const std::string& body, const Pose<D>& X_WB) {
-  event("set", step, line("body", quoted(body)) + line("position", list(X_WB.p)) + line("rotation", rotation(X_WB.q)));
+  event("set", step,
+        keyLine("body", inQuotes(body)) + keyLine("position", listText(X_WB.p)) +
+            keyLine("rotation", rotationText(X_WB.q)));
 }
 
 template <int D>
 void ScriptWriter<D>::set(long step, const std::string& body, const Motion<D>& motion) {
   event("set", step,
-        line("body", quoted(body)) + line("velocity", list(motion.v)) + line("angular_velocity", angular(motion.w)));
+        keyLine("body", inQuotes(body)) + keyLine("velocity", listText(motion.v)) +
+            keyLine("angular_velocity", angularText(motion.w)));
 }
 
 template <int D>
 void ScriptWriter<D>::joint(long step, const std::string& name, const JointDef<D>& def, const std::string& a,
                             const std::string& b) {
-  std::string keys = line("name", quoted(name)) + line("kind", quoted(def.kind)) + line("a", quoted(a)) +
-                     line("b", quoted(b)) + line("anchor", list(def.X_WJ.p)) + line("rotation", rotation(def.X_WJ.q));
+  std::string keys = keyLine("name", inQuotes(name)) + keyLine("kind", inQuotes(def.kind)) + keyLine("a", inQuotes(a)) +
+                     keyLine("b", inQuotes(b)) + keyLine("anchor", listText(def.X_WJ.p)) +
+                     keyLine("rotation", rotationText(def.X_WJ.q));
   if (def.X_WJb) {
-    if (rotation(def.X_WJb->q) != rotation(def.X_WJ.q)) {
+    if (rotationText(def.X_WJb->q) != rotationText(def.X_WJ.q)) {
       throw UserError("a joint whose two frames are turned against each other cannot be written into a script");
     }
-    keys += line("anchor_b", list(def.X_WJb->p));
+    keys += keyLine("anchor_b", listText(def.X_WJb->p));
   }
-  if (def.collide) keys += line("collide", flag(true));
-  if (std::isfinite(def.breakForce)) keys += line("break_force", number(def.breakForce));
-  if (std::isfinite(def.breakTorque)) keys += line("break_torque", number(def.breakTorque));
+  if (def.collide) keys += keyLine("collide", flagText(true));
+  if (std::isfinite(def.breakForce)) keys += keyLine("break_force", numberText(def.breakForce));
+  if (std::isfinite(def.breakTorque)) keys += keyLine("break_torque", numberText(def.breakTorque));
   event("joint", step, keys);
 }
 
 template <int D>
 void ScriptWriter<D>::unjoin(long step, const std::string& joint) {
-  event("unjoin", step, line("joint", quoted(joint)));
+  event("unjoin", step, keyLine("joint", inQuotes(joint)));
 }
 
 template <int D>
 void ScriptWriter<D>::addForce(long step, const std::string& name, const ForceDef<D>& def, const std::string& a,
                                const std::string& b) {
-  std::string keys = line("name", quoted(name)) + line("kind", quoted(def.kind));
-  if (!a.empty()) keys += line("a", quoted(a));
-  if (!b.empty()) keys += line("b", quoted(b));
-  if (def.anchorA) keys += line("anchor_a", list(*def.anchorA));
-  if (def.anchorB) keys += line("anchor_b", list(*def.anchorB));
+  std::string keys = keyLine("name", inQuotes(name)) + keyLine("kind", inQuotes(def.kind));
+  if (!a.empty()) keys += keyLine("a", inQuotes(a));
+  if (!b.empty()) keys += keyLine("b", inQuotes(b));
+  if (def.anchorA) keys += keyLine("anchor_a", listText(*def.anchorA));
+  if (def.anchorB) keys += keyLine("anchor_b", listText(*def.anchorB));
   event("add_force", step, keys);
 }
 
 template <int D>
 void ScriptWriter<D>::removeForce(long step, const std::string& force) {
-  event("remove_force", step, line("force", quoted(force)));
+  event("remove_force", step, keyLine("force", inQuotes(force)));
 }
 
 template <int D>
 void ScriptWriter<D>::merge(long step, const std::string& into, const std::string& other) {
-  event("merge", step, line("into", quoted(into)) + line("other", quoted(other)));
+  event("merge", step, keyLine("into", inQuotes(into)) + keyLine("other", inQuotes(other)));
 }
 
 template <int D>
 void ScriptWriter<D>::takeApart(long step, const std::string& body, std::span<const std::string> names) {
   std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + quoted(name);
-  event("take_apart", step, line("body", quoted(body)) + line("names", "[" + all + "]"));
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + inQuotes(name);
+  event("take_apart", step, keyLine("body", inQuotes(body)) + keyLine("names", "[" + all + "]"));
 }
 
 template <int D>
 void ScriptWriter<D>::wake(long step, const std::string& body) {
-  event("wake", step, line("body", quoted(body)));
+  event("wake", step, keyLine("body", inQuotes(body)));
 }
 
 template <int D>
@@ -284,7 +287,7 @@ void ScriptWriter<D>::wakeAll(long step) {
 
 template <int D>
 void ScriptWriter<D>::gravity(long step, const Vec<D>& gravity) {
-  event("gravity", step, line("gravity", list(gravity)));
+  event("gravity", step, keyLine("gravity", listText(gravity)));
 }
 
 template <int D>
@@ -294,26 +297,26 @@ void ScriptWriter<D>::clear(long step) {
 
 template <int D>
 void ScriptWriter<D>::exchange(long step, const Pipeline& pipeline) {
-  event("exchange", step, line("pipeline", quoted(pipeline.text())));
+  event("exchange", step, keyLine("pipeline", inQuotes(pipeline.text())));
 }
 
 template <int D>
 void ScriptWriter<D>::material(long step, const std::string& body, const Material& material) {
-  std::string keys = line("body", quoted(body));
-  if (material.friction) keys += line("friction", number(*material.friction));
-  if (material.restitution) keys += line("restitution", number(*material.restitution));
-  if (material.density) keys += line("density", number(*material.density));
+  std::string keys = keyLine("body", inQuotes(body));
+  if (material.friction) keys += keyLine("friction", numberText(*material.friction));
+  if (material.restitution) keys += keyLine("restitution", numberText(*material.restitution));
+  if (material.density) keys += keyLine("density", numberText(*material.density));
   event("material", step, keys);
 }
 
 template <int D>
 void ScriptWriter<D>::pin(long step, const std::string& body, bool pinned) {
-  event("pin", step, line("body", quoted(body)) + line("pinned", flag(pinned)));
+  event("pin", step, keyLine("body", inQuotes(body)) + keyLine("pinned", flagText(pinned)));
 }
 
 template <int D>
 std::string ScriptWriter<D>::text(const std::string& summary, std::optional<long> steps) const {
-  return line("summary", quoted(summary)) + (steps ? line("steps", std::to_string(*steps)) : "") + m_events;
+  return keyLine("summary", inQuotes(summary)) + (steps ? keyLine("steps", std::to_string(*steps)) : "") + m_events;
 }
 
 template class ScriptWriter<2>;
