@@ -141,9 +141,9 @@ const ShapeMesh<D>& GlCanvas<D>::mesh(const ShapeView<D>& shape, const Vec<D>& p
     meshOf(shape, 4, m_fresh);
     return m_fresh;
   }
-  // Round to a fifth of a pixel, in space to two: a thousand small balls need not be a million triangles.
+  // Round to two fifths of a pixel: a thousand small balls need not be a million triangles.
   const Real radius = shape.radius + (shape.core() == CoreClass::curved ? shape.half.maxCoeff() : 0);
-  const Real wanted = Real(3.15) * std::sqrt(radius * m_camera.scaleAt(p) / Real(D == 2 ? 0.4 : 0.8));
+  const Real wanted = Real(3.15) * std::sqrt(radius * m_camera.scaleAt(p) / Real(0.8));
   int round = 8;
   for (const int finer : {12, 16, 24, 32, 48}) {
     if (wanted > round) round = finer;

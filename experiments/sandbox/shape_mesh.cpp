@@ -79,14 +79,16 @@ void outline(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
 
 // --- in space --------------------------------------------------------------------------------------------------------
 
-void addTriangle(ShapeMesh<3>& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+// But for one that is less than `least` high (m).
+void addTriangle(ShapeMesh<3>& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, float least = 0) {
   const auto &p = mesh.corners[a], &q = mesh.corners[b], &r = mesh.corners[c];
-  if (p == q || q == r || r == p) return;
+  const float longest = std::max({(q - p).norm(), (r - q).norm(), (p - r).norm()});
+  if ((q - p).cross(r - p).norm() <= least * longest) return;
   mesh.triangles.insert(mesh.triangles.end(), {a, b, c});
 }
 
-void addFan(ShapeMesh<3>& mesh, std::uint32_t begin, std::uint32_t corners) {
-  for (std::uint32_t k = 2; k < corners; ++k) addTriangle(mesh, begin, begin + k - 1, begin + k);
+void addFan(ShapeMesh<3>& mesh, std::uint32_t begin, std::uint32_t corners, float least = 0) {
+  for (std::uint32_t k = 2; k < corners; ++k) addTriangle(mesh, begin, begin + k - 1, begin + k, least);
 }
 
 void addBox(const Vec<3>& half, ShapeMesh<3>& mesh) {
@@ -183,22 +185,25 @@ void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round,
       mesh.normals.push_back(point<3>(d));
     }
   }
+  // Where nothing ties, what lies between two of its rows is nothing.
+  const float least = static_cast<float>(10 * kAside * (shape.radius + shape.half.norm()));
   for (std::uint32_t i = 0; i + 1 < tall; ++i) {
     for (std::uint32_t k = 0; k < wide; ++k) {
       const std::uint32_t a = begin + i * wide + k, b = begin + i * wide + (k + 1) % wide;
-      addTriangle(mesh, a, a + wide, b + wide);
-      addTriangle(mesh, a, b + wide, b);
+      addTriangle(mesh, a, a + wide, b + wide, least);
+      addTriangle(mesh, a, b + wide, b, least);
     }
   }
-  addFan(mesh, begin, wide);
+  addFan(mesh, begin, wide, least);
   for (std::uint32_t k = 2, last = begin + (tall - 1) * wide; k < wide; ++k)
-    addTriangle(mesh, last, last + k, last + k - 1);
+    addTriangle(mesh, last, last + k, last + k - 1, least);
 }
 
 // What lies farthest in the directions of each coordinate plane, a little to both sides of it.
 void addRims(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
   std::vector<Vec<3>> rim, other;
-  for (int axis = 0; axis < 3; ++axis) {
+  const int first = shape.core() == CoreClass::point ? 1 : 0;  // two rims tell how a ball is turned
+  for (int axis = first; axis < 3; ++axis) {
     for (const int side : {1, -1}) {
       std::swap(rim, other);
       rim.clear();
