@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """How charts look: colours that stay with an algorithm, log axes with a place for zero and for failures, labels."""
 
+import gc
 import math
 import textwrap
 import zlib
@@ -28,6 +29,7 @@ OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "collapsed": ("#
             "unsupported": ("#BBBBBB", "U"), "nondeterministic": ("#999933", "D")}
 RIGHT, REFUSED, NOT_ASKED = "#E3F0E8", "#B9CFE4", "#F2F2F2"  # of verdicts
 WIDTH = 11.6  # inches at 100 dots: the page's column
+gc.set_threshold(100_000)  # charts are of many small objects that live: to look for dead ones every 700 took a tenth of a report
 
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 9.5, "axes.titlesize": 10.5, "axes.labelsize": 9.5,
