@@ -78,6 +78,12 @@ INSTEAD = {
         "for n in 0 1 2 3 4 9 10 11; do lpc run $n --dimension 3 --pipeline 2009 --steps 8 --film preset_${n}_3d.strip.svg; done",
     "lpc run 7 --dimension 3 --pipeline 2009 --param n=50 --param rows=2 --film preset_7_3d.strip.svg":
         "lpc run 7 --dimension 3 --pipeline 2009 --param n=50 --param rows=2 --steps 8 --film preset_7_3d.strip.svg",
+    "lpc replay catto.rec --film frames/":
+        "lpc run pyramid --param base=2 --dimension 3 --steps 8 --record few.rec && lpc replay few.rec --film frames/",
+    "lpc sweep ./friction.toml --store results/mine.db":  # reports_first_sweep runs it whole, and draws it
+        "lpc sweep ./friction.toml --set n=5 --store results/mine.db",
+    "lpc sweep ./compliance.toml --store results/compliance.db":
+        "lpc sweep ./compliance.toml --dry-run && lpc sweep ./compliance.toml --set problems=stack --store results/compliance.db",
     "lpc needs pyramid --param base=6 --seeds 3 --store results/needs.db":
         "lpc needs box_drop --seeds 1 --store results/needs.db",
     "lpc break vertical_stack --parameter n --from 2 --to 64 --param gap=0 --store results/break.db "
