@@ -276,6 +276,7 @@ struct TakeApart {
       typename SceneSpec<D>::Spawn part;
       part.step = e.step, part.broughtBy = e.number, part.part = true;
       part.body.type = type, part.body.name = name;
+      part.retyped = e.scene.spawns[static_cast<std::size_t>(body)].retyped;
       parts.push_back(e.addPart(std::move(part)));
     }
     addOurs<D>(e, body, kName, [parts](Director<D>& director, World<D>& world, int of) {

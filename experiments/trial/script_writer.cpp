@@ -211,17 +211,29 @@ void ScriptWriter<D>::force(long step, const std::string& body, const Wrench<D>&
 }
 
 template <int D>
+void ScriptWriter<D>::pull(long step, const std::string& body, const Vec<D>& force, const Vec<D>& at) {
+  event("force", step,
+        keyLine("body", inQuotes(body)) + keyLine("force", listText(force)) + keyLine("at", listText(at)));
+}
+
+template <int D>
+void ScriptWriter<D>::set(long step, const std::string& body, const Place& place) {
+  std::string keys = keyLine("body", inQuotes(body));
+  if (place.position) keys += keyLine("position", listText(*place.position));
+  if (place.rotation) keys += keyLine("rotation", rotationText(*place.rotation));
+  if (place.velocity) keys += keyLine("velocity", listText(*place.velocity));
+  if (place.angularVelocity) keys += keyLine("angular_velocity", angularText(*place.angularVelocity));
+  event("set", step, keys);
+}
+
+template <int D>
 void ScriptWriter<D>::set(long step, const std::string& body, const Pose<D>& X_WB) {
-  event("set", step,
-        keyLine("body", inQuotes(body)) + keyLine("position", listText(X_WB.p)) +
-            keyLine("rotation", rotationText(X_WB.q)));
+  set(step, body, Place{.position = X_WB.p, .rotation = X_WB.q});
 }
 
 template <int D>
 void ScriptWriter<D>::set(long step, const std::string& body, const Motion<D>& motion) {
-  event("set", step,
-        keyLine("body", inQuotes(body)) + keyLine("velocity", listText(motion.v)) +
-            keyLine("angular_velocity", angularText(motion.w)));
+  set(step, body, Place{.velocity = motion.v, .angularVelocity = motion.w});
 }
 
 template <int D>
@@ -312,6 +324,11 @@ void ScriptWriter<D>::material(long step, const std::string& body, const Materia
 template <int D>
 void ScriptWriter<D>::pin(long step, const std::string& body, bool pinned) {
   event("pin", step, keyLine("body", inQuotes(body)) + keyLine("pinned", flagText(pinned)));
+}
+
+template <int D>
+void ScriptWriter<D>::type(long step, const std::string& body, BodyType type) {
+  event("type", step, keyLine("body", inQuotes(body)) + keyLine("type", typeText(type)));
 }
 
 template <int D>

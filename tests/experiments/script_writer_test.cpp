@@ -133,7 +133,7 @@ class Hand {
   }
 
   void deed() {
-    const int what = m_draw.below(18);
+    const int what = m_draw.below(20);
     try {
       m_done.push_back(std::to_string(m_step) + ": " + act(what));
     } catch (const UserError& e) {
@@ -271,6 +271,22 @@ class Hand {
         m_writer.exchange(m_step, pipeline);
         return "exchange";
       }
+      case 17: {
+        const Vec<D> force = 10 * drawVector<D>(m_draw), at = drawVector<D>(m_draw);
+        requireDynamic(h);
+        const auto i = static_cast<std::size_t>(h.slot);
+        const Pose<D>& X_WC = w.bodies().pose[i];
+        w.applyForce(h, force, X_WC.p + X_WC.q * Vec<D>(at - w.bodies().center[i]));
+        m_writer.pull(m_step, name, force, at);
+        return "pull " + name;
+      }
+      case 18: {
+        BodyDef<D> def = w.definition(h);
+        def.type = m_draw.pick({BodyType::fixed, BodyType::dynamic, BodyType::kinematic});
+        w.change(h, def);
+        m_writer.type(m_step, name, def.type);
+        return "type of " + name;
+      }
       default: {
         BodyDef<D> def = w.definition(h);
         if (m_draw.coin()) {
@@ -400,7 +416,7 @@ void drawsEach() {
     all += Hand<D>(draw).script();
   }
   for (const char* kind : {"add", "remove", "push", "force", "set", "joint", "unjoin", "add_force", "remove_force",
-                           "merge", "take_apart", "wake", "gravity", "clear", "exchange", "material", "pin"}) {
+                           "merge", "take_apart", "wake", "gravity", "clear", "exchange", "material", "pin", "type"}) {
     EXPECT_NE(all.find("do = \"" + std::string(kind) + "\"\n"), all.npos) << kind;
   }
   for (const char* key : {"compound", "polytope", "capsule", "ellipsoid", "mass = ", "pinned", "body = \"#4\""}) {
