@@ -350,6 +350,7 @@ void App<D>::draw() {
   const auto lanes = session.lanes().size();
   const bool beside = arrangement == Arrangement::sideBySide && lanes > 1;
   const int width = beside ? window.width() / static_cast<int>(lanes) : window.width();
+  camera.resize(width, window.height());
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     if (beside) camera.resize(width, window.height(), width * static_cast<int>(lane), 0);
     if (lane == 0 || beside) m_canvas.begin(camera);
@@ -363,7 +364,7 @@ void App<D>::draw() {
     }
     if (beside || lane + 1 == lanes) m_canvas.end();
   }
-  if (beside) camera.resize(width, window.height());  // the mouse is of the first
+  camera.resize(width, window.height());  // the mouse is of the first
   drawMenus(*this);
   drawPanels(*this);
   drawSeconds = now() - start;

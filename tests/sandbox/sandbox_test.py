@@ -60,11 +60,9 @@ def near(colour, other, by=12):
 
 class Sandbox(unittest.TestCase):
     def setUp(self):
-        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) if hasattr(self, "enterContext") else None
-        if self.folder is None:
-            held = tempfile.TemporaryDirectory()
-            self.addCleanup(held.cleanup)
-            self.folder = pathlib.Path(held.name)
+        held = tempfile.TemporaryDirectory()
+        self.addCleanup(held.cleanup)
+        self.folder = pathlib.Path(held.name)
 
     def call(self, *arguments, env=None):
         return subprocess.run([str(LPC), "sandbox", *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
@@ -88,10 +86,10 @@ class Sandbox(unittest.TestCase):
     def test_bodies_and_contacts_are_where_the_world_has_them(self):
         for dimension in ("2d", "3d"):
             with self.subTest(dimension):
-                state = self.play(["until 90", "key p", "wait 2", *click("See"), *click("See/contacts"), "shot a.png"], dimension, "-s", "5")
+                state = self.play(["until 90", "key p", "wait 2", *click("See"), *click("See/contacts"), "shot a.png"],
+                                  dimension, "-s", "5")
                 rows = png(self.folder / "a.png")
                 seen = [b for b in state["bodies"] if b["type"] == 2]
-                self.assertEqual(len(seen), sum(range(1, 11)) if len(seen) == 55 else len(seen))
                 self.assertGreater(len(seen), 10)
                 for body in seen:
                     x, y = map(round, body["pixel"])
@@ -106,7 +104,8 @@ class Sandbox(unittest.TestCase):
                     self.assertGreater(bearing, 0.8 * len(state["contacts"]))
 
     def test_competitors_have_their_colours_and_part(self):
-        state = self.play(["until 240", "key p", "wait 2", "shot a.png"], "2", "--pipeline", "", "--pipeline", "solver=soft_step")
+        state = self.play(["until 240", "key p", "wait 2", "shot a.png"],
+                          "2", "--pipeline", "", "--pipeline", "solver=soft_step")
         self.assertEqual(len(state["lanes"]), 2)
         self.assertGreater(state["lanes"][1]["parted_at"], 0)
         self.assertGreater(state["lanes"][1]["error"], 1e-3)
@@ -129,12 +128,21 @@ class Sandbox(unittest.TestCase):
                         orders += [*click(c["menu"]), *click(c["menu"] + "/" + c["name"])]
                 orders = [o for o in orders if o != "key F3"]
                 self.play([*orders, "wait 5"], dimension, "-s", "1")
-                for name in ("sandbox.toml", "sandbox.world", "sandbox.png", "sandbox_stats.csv", "sandbox_script.toml", "sandbox_00001.png"):
+                for name in ("sandbox.toml", "sandbox.world", "sandbox.png", "sandbox_stats.csv", "sandbox_script.toml",
+                             "sandbox_00001.png"):
                     self.assertTrue((self.folder / name).is_file(), name)
 
+    def test_the_page_has_the_keys_of_the_program(self):
+        commands = self.play([])["commands"]
+        rows = [f"| `{c['key']}` | {c['menu']}: {c['name']} | {c['meaning']} |" for c in commands if c["key"]]
+        page = (SOURCE / "docs" / "sandbox.md").read_text()
+        found = page[page.index("<!-- keys -->"):].split("<!-- end -->")[0].splitlines()[1:]
+        self.assertEqual(found, ["| key | menu | what |", "| --- | --- | --- |", *rows])
+
     def test_the_keys_of_2009(self):
-        start, end = self.play(["key p", "state start.json", "pixel 640 200", "key n", "key o", "wait 1", "state spawned.json", "key x",
-                                "wait 1", "state cleared.json", "key r", "wait 2"], "-s", "1", states=("start", "end"))
+        orders = ["key p", "state start.json", "pixel 640 200", "key n", "key o", "wait 1", "state spawned.json", "key x",
+                  "wait 1", "state cleared.json", "key r", "wait 2"]
+        start, end = self.play(orders, "-s", "1", states=("start", "end"))
         spawned, cleared = (json.loads((self.folder / f"{n}.json").read_text()) for n in ("spawned", "cleared"))
         self.assertTrue(start["paused"])
         self.assertEqual(len(spawned["bodies"]), len(start["bodies"]) + 37)
@@ -149,11 +157,12 @@ class Sandbox(unittest.TestCase):
     def test_a_scene_by_mouse_is_that_of_its_script(self):
         for dimension in ("2d", "3d"):
             with self.subTest(dimension):
-                orders = ["key p", "key c", *drag((-4, 3), (-4, 4)), "key b", *drag((0, 3), (2, 5)), "key k", *drag((4, 3), (6, 4)),
-                          "key j", "at -4 3", "press left", "release left", "at 0.5 3.5", "press left", "release left",
-                          "key g", "at 5 3.5", "press left", "at 6 6", "release left", "key p", "wait 30",
-                          "key c", *drag((-8, 8), (-8, 9)), "key g", "at 1 4", "press left", "at 3 9", "wait 30", "down Left Ctrl", "wait 5", "wheel 2", "wait 5",
-                          "up Left Ctrl", "release left", "wait 20", "pixel 640 200", "key n", "key o", "wait 10", "key p", "wait 1", "key F4", "wait 2"]
+                orders = ["key p", "key c", *drag((-4, 3), (-4, 4)), "key b", *drag((0, 3), (2, 5)), "key k",
+                          *drag((4, 3), (6, 4)), "key j", "at -4 3", "press left", "release left", "at 0.5 3.5", "press left",
+                          "release left", "key g", "at 5 3.5", "press left", "at 6 6", "release left", "key p", "wait 30",
+                          "key c", *drag((-8, 8), (-8, 9)), "key g", "at 1 4", "press left", "at 3 9", "wait 30",
+                          "down Left Ctrl", "wait 5", "wheel 2", "wait 5", "up Left Ctrl", "release left", "wait 20",
+                          "pixel 640 200", "key n", "key o", "wait 10", "key p", "wait 1", "key F4", "wait 2"]
                 state = self.play(orders, dimension, "-s", "0")
                 self.assertIn("ends in the same bits", state["message"])
                 self.assertEqual(state["joints"], 1)
@@ -163,16 +172,19 @@ class Sandbox(unittest.TestCase):
     def test_back_and_forth_is_the_same(self):
         back = ["key Left", "wait 1"] * 40
         forth = ["key Right", "wait 1"] * 40
-        there, again = self.play(["until 60", "key p", "wait 1", "state there.json", *back, "state back.json", *forth], "2d", "-s", "7", states=("there", "end"))
+        there, again = self.play(["until 60", "key p", "wait 1", "state there.json", *back, "state back.json", *forth],
+                                 "2d", "-s", "7", states=("there", "end"))
         self.assertEqual(json.loads((self.folder / "back.json").read_text())["step"], there["step"] - 40)
         self.assertEqual(there["lanes"][0]["hash"], again["lanes"][0]["hash"])
 
     # --- mistakes -------------------------------------------------------------------------------------------------------
     def test_a_world_that_diverges_stops_and_can_be_stepped_back(self):
         (self.folder / "lost.toml").write_text(
-            'name = "lost"\nsummary = "a body is pushed beyond all numbers"\ndimensions = [2]\nneeds = []\n\n[[body]]\nname = "a"\n'
-            'shapes = [{ kind = "circle", radius = 0.5 }]\n\n[[event]]\nstep = 20\ndo = "push"\nbody = "a"\nimpulse = [1.7e308, 0]\n')
-        fell, end = self.play(["wait 60", "state fell.json", "key Left", "wait 1", "key Left", "wait 1"], "lost.toml", states=("fell", "end"))
+            'name = "lost"\nsummary = "a body is pushed beyond all numbers"\ndimensions = [2]\nneeds = []\n\n'
+            '[[body]]\nname = "a"\nshapes = [{ kind = "circle", radius = 0.5 }]\n\n'
+            '[[event]]\nstep = 20\ndo = "push"\nbody = "a"\nimpulse = [1.7e308, 0]\n')
+        fell, end = self.play(["wait 60", "state fell.json", "key Left", "wait 1", "key Left", "wait 1"], "lost.toml",
+                              states=("fell", "end"))
         self.assertIn("diverged at step 21", fell["message"])
         self.assertTrue(fell["paused"])
         self.assertEqual(end["step"], fell["step"] - 2)
@@ -210,11 +222,12 @@ class Sandbox(unittest.TestCase):
     # --- cells of a sweep -----------------------------------------------------------------------------------------------
     def test_a_cell_that_fell_opens_a_step_before(self):
         (self.folder / "falls.toml").write_text(
-            'name = "falls"\nsummary = "a tower that falls"\nkind = "world"\n\n[axes]\nscene = ["vertical_stack"]\ndimension = [2]\n'
+            'name = "falls"\nsummary = "a tower that falls"\nkind = "world"\n\n'
+            '[axes]\nscene = ["vertical_stack"]\ndimension = [2]\n'
             'solver = ["split_solver{velocity=catto{iterations=1,warm_start=false},position=none}"]\nsteps = [400]\n')
-        done = subprocess.run([str(LPC), "sweep", "./falls.toml", "--store", "falls.db"], cwd=self.folder, capture_output=True, text=True,
-                              timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
-        self.assertEqual(done.returncode in (0, 1), True, done.stderr)
+        done = subprocess.run([str(LPC), "sweep", "./falls.toml", "--store", "falls.db"], cwd=self.folder, capture_output=True,
+                              text=True, timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
+        self.assertIn(done.returncode, (0, 1), done.stderr)
         import sqlite3
         with sqlite3.connect(self.folder / "falls.db") as store:
             key, outcome, step = store.execute("SELECT key, outcome, step FROM trial").fetchone()
@@ -231,8 +244,8 @@ class Sandbox(unittest.TestCase):
         end = time.time() + LONG
         orders = []
         for scene in ("1", "2", "5", "7", "8"):
-            orders += ["key " + scene, "key F6", "key F7", "wait 60", *drag((0, 2), (3, 8)), "wait 20", "key p", *["key Left"] * 3, "key p",
-                       "key n", "key o", "wait 20", "key F6", "key F7", "key x", "wait 5"]
+            orders += ["key " + scene, "key F6", "key F7", "wait 60", *drag((0, 2), (3, 8)), "wait 20", "key p",
+                       *["key Left"] * 3, "key p", "key n", "key o", "wait 20", "key F6", "key F7", "key x", "wait 5"]
         while time.time() < end:
             self.play(orders, "2d")
             self.play(orders, "3d")
@@ -243,8 +256,9 @@ def frame_rates():
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "input.txt"
             path.write_text("wait 150\nstate end.json\nquit\n")
-            subprocess.run([str(LPC), "sandbox", dimension, "floor_of_spheres" if dimension == "3d" else "circle_rain", "--input", str(path)], cwd=folder,
-                           check=True, env={**os.environ, "LPC_HOME": str(SOURCE)})
+            scene = "floor_of_spheres" if dimension == "3d" else "circle_rain"
+            subprocess.run([str(LPC), "sandbox", dimension, scene, "--input", str(path)], cwd=folder, check=True,
+                           env={**os.environ, "LPC_HOME": str(SOURCE)})
             state = json.loads((pathlib.Path(folder) / "end.json").read_text())
             print(f"{dimension}: {len(state['bodies'])} bodies, {state['pictures_per_second']:.1f} pictures/s, "
                   f"drawing {state['draw_ms']:.1f} ms, physics {state['step_ms']:.2f} ms")
