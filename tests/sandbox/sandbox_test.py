@@ -3,13 +3,18 @@
 in them. Run by ctest: sandbox_test.py SOURCE_DIR LPC, in with_display. `time`: 1,000 bodies, whose pictures a second are printed.
 """
 
+import contextlib
 import json
 import os
 import pathlib
+import re
+import shlex
+import sqlite3
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zlib
 
@@ -139,6 +144,16 @@ class Sandbox(unittest.TestCase):
         found = page[page.index("<!-- keys -->"):].split("<!-- end -->")[0].splitlines()[1:]
         self.assertEqual(found, ["| key | menu | what |", "| --- | --- | --- |", *rows])
 
+    def test_the_commands_of_the_page(self):
+        fences = re.findall(r"(?ms)^```sh\n(.*?)^```", (SOURCE / "docs" / "sandbox.md").read_text())
+        commands = [shlex.split(line)[2:] for fence in fences for line in fence.splitlines() if line.startswith("lpc sandbox")]
+        self.assertGreater(len(commands), 3)
+        for command in commands:
+            with self.subTest(command):
+                if "--trial" in command:
+                    command = self.fallen_cell()[0]
+                self.play(["wait 2"], *command)
+
     def test_the_keys_of_2009(self):
         orders = ["key p", "state start.json", "pixel 640 200", "key n", "key o", "wait 1", "state spawned.json", "key x",
                   "wait 1", "state cleared.json", "key r", "wait 2"]
@@ -220,7 +235,8 @@ class Sandbox(unittest.TestCase):
                 self.assertIn(say, done.stderr)
 
     # --- cells of a sweep -----------------------------------------------------------------------------------------------
-    def test_a_cell_that_fell_opens_a_step_before(self):
+    def fallen_cell(self):
+        """What opens it, how it ended, at which step."""
         (self.folder / "falls.toml").write_text(
             'name = "falls"\nsummary = "a tower that falls"\nkind = "world"\n\n'
             '[axes]\nscene = ["vertical_stack"]\ndimension = [2]\n'
@@ -228,11 +244,14 @@ class Sandbox(unittest.TestCase):
         done = subprocess.run([str(LPC), "sweep", "./falls.toml", "--store", "falls.db"], cwd=self.folder, capture_output=True,
                               text=True, timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
         self.assertIn(done.returncode, (0, 1), done.stderr)
-        import sqlite3
-        with sqlite3.connect(self.folder / "falls.db") as store:
+        with contextlib.closing(sqlite3.connect(self.folder / "falls.db")) as store:
             key, outcome, step = store.execute("SELECT key, outcome, step FROM trial").fetchone()
+        return ("falls.db", "--trial", key[:8]), outcome, step
+
+    def test_a_cell_that_fell_opens_a_step_before(self):
+        command, outcome, step = self.fallen_cell()
         self.assertNotEqual(outcome, "ok")
-        state = self.play([], "falls.db", "--trial", key[:8])
+        state = self.play([], *command)
         self.assertEqual(state["step"], step - 1)
         self.assertTrue(state["paused"])
         self.assertIn(outcome, state["message"])
@@ -240,7 +259,6 @@ class Sandbox(unittest.TestCase):
     # --- use for a while ------------------------------------------------------------------------------------------------
     @unittest.skipUnless(LONG, "set LPC_SANDBOX_SECONDS")
     def test_long_use(self):
-        import time
         end = time.time() + LONG
         orders = []
         for scene in ("1", "2", "5", "7", "8"):
