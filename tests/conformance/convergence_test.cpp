@@ -4,11 +4,12 @@
 // theory says; a solver's second step has nothing left to do. Joints: joint_convergence_test.cpp.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "framework/contact_problem.h"
 #include "tests/check_property.h"
@@ -73,6 +74,38 @@ bool nothingOpenCloses(const ImpactScene<D>& s) {
   });
 }
 
+/// Least and largest eigenvalue of a symmetric matrix, row by row, by Jacobi's rotations (Golub and Van Loan, Matrix
+/// Computations, 8.5). Eigen's solver would take most of a quarter of a minute to compile, in each precision.
+std::pair<double, double> extremeEigenvalues(std::vector<double> a, std::size_t n) {
+  const auto at = [&](std::size_t i, std::size_t j) -> double& { return a[i * n + j]; };
+  const auto rotate = [](double& x, double& y, double c, double s) {
+    const double old = x;
+    x = c * old - s * y, y = s * old + c * y;
+  };
+  for (int sweep = 0; sweep < 30; ++sweep) {  // five or six of them are enough
+    for (std::size_t p = 0; p < n; ++p) {
+      for (std::size_t q = p + 1; q < n; ++q) {
+        if (at(p, q) == 0) continue;
+        const double half = (at(q, q) - at(p, p)) / (2 * at(p, q));
+        const double t = (half < 0 ? -1 : 1) / (std::abs(half) + std::sqrt(half * half + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (std::size_t k = 0; k < n; ++k) rotate(at(k, p), at(k, q), c, s);
+        for (std::size_t k = 0; k < n; ++k) rotate(at(p, k), at(q, k), c, s);
+        at(p, q) = at(q, p) = 0;
+      }
+    }
+  }
+  double least = at(0, 0), most = at(0, 0);
+  for (std::size_t i = 1; i < n; ++i) least = std::min(least, at(i, i)), most = std::max(most, at(i, i));
+  return {least, most};
+}
+
+TEST(ConvergenceEigenvalues, AreThoseOfTheBooks) {
+  const auto [least, most] = extremeEigenvalues({2, -1, 0, -1, 2, -1, 0, -1, 2}, 3);
+  EXPECT_NEAR(least, 2 - std::sqrt(2.0), 1e-14);
+  EXPECT_NEAR(most, 2 + std::sqrt(2.0), 1e-14);
+}
+
 /// Friction that leaves one answer. With De Saxce's correction the problem is to find impulses x in their cones with
 /// F(x) = W x + v + mu |u_t| n in the dual ones, and (F(x) - F(y)) . (x - y) >= (least - mu largest) |x - y|^2 by the
 /// eigenvalues of W: of two answers the left side is never positive. A pyramid's |u_t| is up to sqrt(2) of it.
@@ -88,8 +121,8 @@ Real frictionOfOneAnswer(ImpactScene<D> s) {
   std::iota(all.begin(), all.end(), 0);
   std::vector<double> w;
   problem.assemble(all, w);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of(Eigen::Map<const Eigen::MatrixXd>(w.data(), n, n));
-  return Real(std::max(0.5 * of.eigenvalues()[0] / of.eigenvalues()[n - 1], 0.0));
+  const auto [least, most] = extremeEigenvalues(w, static_cast<std::size_t>(n));
+  return Real(std::max(0.5 * least / most, 0.0));
 }
 
 std::vector<int> drawOrder(int n, Draw& draw) {
