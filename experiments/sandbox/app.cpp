@@ -108,7 +108,7 @@ bool App<D>::frame(InputScript* script) {
   advance();
   draw();
   if (imageSequence && !paused) {
-    char name[32];
+    char name[48];
     std::snprintf(name, sizeof name, "sandbox_%05ld.png", ++m_images);
     act([&] { window.savePng(name); });
   }

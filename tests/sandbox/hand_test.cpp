@@ -77,7 +77,9 @@ void draws() {
   const Vec<2> seen = t.camera.toPixel(t.place(0));
   EXPECT_NEAR((seen - t.pixel(1, 1)).norm(), 0, 1e-6);
   EXPECT_EQ(record.shape.kind(), ShapeKind::sphere);
-  if (D == 2) EXPECT_NEAR(double(record.shape.view().radius), 1, 1e-9);
+  if (D == 2) {
+    EXPECT_NEAR(double(record.shape.view().radius), 1, 1e-9);
+  }
 
   t.hand.tool = Tool::box;
   t.drag(t.pixel(-3, -3), t.pixel(-1, -2));
