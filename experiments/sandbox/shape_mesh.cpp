@@ -157,10 +157,21 @@ void addRoundedEdge(const Polytope<3>& hull, const Polytope<3>::Edge& edge, Real
   for (const Vec<3>* n : {&nA, &nB}) addEdge(mesh, p + radius * *n, q + radius * *n);
 }
 
+// So many in a full turn, just beside those along an axis; where corners of the core tie there, on both sides of it.
+std::vector<Real> angles(int round, bool ties) {
+  std::vector<Real> out;
+  for (int k = 0; k < round; ++k) {
+    const Real angle = kTurn * k / round;
+    if (ties && 4 * k % round == 0) out.push_back(angle - kAside);
+    out.push_back(angle + kAside);
+  }
+  return out;
+}
+
 // What lies farthest in each of so many directions, along meridians from x to -x. Where two corners of the core tie
 // there is a row or a column for each, so that what lies between them, a side or a face, gets its triangles.
 void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round, ShapeMesh<3>& mesh) {
-  std::vector<Real> rows, columns;
+  std::vector<Real> rows;
   for (int k = 0; 2 * k <= round; ++k) {
     const Real angle = kTurn * k / round;
     if (4 * k != round) {
@@ -169,12 +180,7 @@ void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round,
       rows.insert(rows.end(), {angle - kAside, angle + kAside});
     }
   }
-  const bool corners = shape.core() == CoreClass::box;
-  for (int k = 0; k < round; ++k) {
-    const Real angle = kTurn * k / round;
-    if (corners && 4 * k % round == 0) columns.push_back(angle - kAside);
-    columns.push_back(angle + kAside);
-  }
+  const std::vector<Real> columns = angles(round, shape.core() == CoreClass::box);
   const auto begin = count(mesh.corners), wide = count(columns), tall = count(rows);
   for (const Real row : rows) {
     for (const Real column : columns) {
@@ -201,14 +207,14 @@ void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round,
 
 // What lies farthest in the directions of each coordinate plane, a little to both sides of it.
 void addRims(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
+  const Real least = 10 * kAside * (shape.radius + shape.half.norm());
   std::vector<Vec<3>> rim, other;
   const int first = shape.core() == CoreClass::point ? 1 : 0;  // two rims tell how a ball is turned
   for (int axis = first; axis < 3; ++axis) {
     for (const int side : {1, -1}) {
       std::swap(rim, other);
       rim.clear();
-      for (int k = 0; k < round; ++k) {
-        const Real angle = kTurn * k / round + kAside;
+      for (const Real angle : angles(round, true)) {
         Vec<3> d;
         d[axis] = side * kAside, d[(axis + 1) % 3] = std::cos(angle), d[(axis + 2) % 3] = std::sin(angle);
         d = evenly(shape, d);
@@ -217,7 +223,10 @@ void addRims(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
       const auto apart = [&](std::size_t k) { return (rim[k] - other[k]).norm() > Real(1e-3) * rim[k].norm(); };
       bool seen = side == 1;
       for (std::size_t k = 0; k < rim.size() && !seen; ++k) seen = apart(k);
-      for (std::size_t k = 0; k < rim.size() && seen; ++k) addEdge(mesh, rim[k], rim[(k + 1) % rim.size()]);
+      for (std::size_t k = 0; k < rim.size() && seen; ++k) {
+        const Vec<3>& next = rim[(k + 1) % rim.size()];
+        if ((next - rim[k]).norm() > least) addEdge(mesh, rim[k], next);
+      }
     }
   }
 }
