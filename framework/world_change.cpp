@@ -260,7 +260,12 @@ void World<D>::exchange(const Pipeline& pipeline) {
   std::array<bool, kShapeKinds> kinds{};
   for (std::size_t k = 0; k < kShapeKinds; ++k) kinds[k] = m_kindCount[k] > 0;
   requireStages(stages, pipeline, kinds, "exchange: ");
-  const auto isAnother = [&](StageKind kind) { return pipeline[kind].text() != m_pipeline[kind].text(); };
+  // With every parameter written out: the same algorithm is no other one where a text leaves out what it says by
+  // itself.
+  const auto whole = [](StageKind kind, const Spec& spec) {
+    return Registry::instance().find(kind, D, spec.name).canonical(spec).text();
+  };
+  const auto isAnother = [&](StageKind kind) { return whole(kind, pipeline[kind]) != whole(kind, m_pipeline[kind]); };
   const bool solver = isAnother(StageKind::solver), contacts = isAnother(StageKind::contacts),
              sleep = isAnother(StageKind::sleep);
   for (std::size_t i = 0; i < m_bodies.pose.size(); ++i) {

@@ -40,7 +40,7 @@ TEST(SceneMistakes, WhatIsNestedTooDeep) {
        {"t.toml:5: ", "nested more than 64"}},
       {"needs = [\"joints\"]\n[parameters]\njoint = { default = \"pivot\", meaning = \"m\" }\n" + kNamed +
            "[[joint]]\nkind = \"" + deep + "\"\na = \"world\"\nb = \"a\"\nanchor = [0, 0]\n",
-       {"t.toml:", "there is no joint"}},
+       {"t.toml:", "nested more than 64"}},
   });
   // What people write is not deep, whatever its strings and comments hold.
   const std::string dots = times(99, "."), open = times(99, "[");
