@@ -42,6 +42,8 @@ struct Player {
     if (d.velocity || d.angularVelocity) world.setMotion(cast[d.body], motion);
   }
   void operator()(const JoinBodies<D>& d) {
+    if (!world.settings().features.joints)
+      throw UserError("in a world that was saved without joints a joint holds nothing");
     JointDef<D> def = d.def;
     def.bodyA = d.bodyA < 0 ? Handle{} : cast[d.bodyA], def.bodyB = cast[d.bodyB];
     world.add(def);

@@ -6,6 +6,7 @@
 
 #include "experiments/runner/locations.h"
 #include "experiments/sandbox/app.h"
+#include "framework/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -20,6 +21,23 @@ void sceneMenu(App<D>& app) {
     const std::string name = std::filesystem::path(path).stem().string();
     if (ImGui::MenuItem(name.c_str(), nullptr, name == app.file.name())) app.act([&app, path] { app.open(path); });
     app.marks.last("Scenes/" + name);
+  }
+  ImGui::EndMenu();
+}
+
+// The kind that the tool of joints makes.
+template <int D>
+void jointMenu(App<D>& app) {
+  const bool open = ImGui::BeginMenu("Joints");
+  app.marks.last("Joints");
+  if (!open) return;
+  for (const Registered* r : Registry::instance().list(StageKind::joint, D)) {
+    if (ImGui::MenuItem(r->info.name.c_str(), nullptr, r->info.name == app.hand.joint)) {
+      app.useTool(Tool::joint);
+      app.hand.joint = r->info.name;
+    }
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", r->info.summary.c_str());
+    app.marks.last("Joints/" + r->info.name);
   }
   ImGui::EndMenu();
 }
@@ -60,7 +78,7 @@ void drawMenus(App<D>& app) {
     }
     if (open) ImGui::EndMenu();
   }
-  layerMenu(app);
+  jointMenu(app), layerMenu(app);
   ImGui::EndMainMenuBar();
 }
 

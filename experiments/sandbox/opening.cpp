@@ -32,6 +32,7 @@ SceneSpec<D> specOf(const SceneFile& file, const Opening& o) {
   SceneSpec<D> scene = file.build<D>(given, o.seed.value_or(file.defaultSeed()));
   if (o.dt) scene.dt = static_cast<Real>(*o.dt);
   if (o.features) scene.settings.features = featuresFromText(*o.features);
+  if (scene.saved.empty()) scene.settings.features.joints = true;  // a hand may make them; who makes none pays nothing
   return scene;
 }
 

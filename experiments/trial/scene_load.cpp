@@ -14,6 +14,17 @@ std::string readLine(TableReader& top, const std::string& key) {
   return text;
 }
 
+// Adds those of the file.
+void readNeeds(TableReader& top, Features& needs) {
+  for (const std::string& need : top.strings("needs")) {
+    try {
+      setFeature(needs, need);
+    } catch (const UserError& e) {
+      top.fail(*top.find("needs"), e.what());
+    }
+  }
+}
+
 void readHeader(TableReader& top, SceneFile::Parsed& out) {
   out.name = readLine(top, "name"), out.summary = readLine(top, "summary");
   const toml::node& dimensions = top.require("dimensions");
@@ -29,13 +40,7 @@ void readHeader(TableReader& top, SceneFile::Parsed& out) {
   if (seed < 0) top.fail(*top.find("seed"), "'seed' is " + std::to_string(seed) + "; valid: 0 or more");
   out.seed = static_cast<std::uint64_t>(seed);
   out.needs = featuresFromText("");
-  for (const std::string& need : top.strings("needs")) {
-    try {
-      setFeature(out.needs, need);
-    } catch (const UserError& e) {
-      top.fail(*top.find("needs"), e.what());
-    }
-  }
+  readNeeds(top, out.needs);
   out.parameters = readParameters(top);
 }
 
@@ -62,6 +67,7 @@ SceneFile SceneFile::parse(std::string bytes, const std::string& path, std::stri
     parsed->script = parseToml(parsed->scriptBytes, scriptPath);
     TableReader script(parsed->script, scriptPath, "the script");
     readLine(script, "summary");
+    readNeeds(script, parsed->needs);
     addScriptParameters(script, *parsed);
     for (auto& [name, mesh] : readMeshes(parsed->script, scriptPath)) {
       if (parsed->meshes.count(name)) throw UserError(scriptPath + ": '" + name + "' is a file of the scene, too");

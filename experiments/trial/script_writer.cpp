@@ -252,6 +252,7 @@ void ScriptWriter<D>::joint(long step, const std::string& name, const JointDef<D
   if (std::isfinite(def.breakForce)) keys += keyLine("break_force", numberText(def.breakForce));
   if (std::isfinite(def.breakTorque)) keys += keyLine("break_torque", numberText(def.breakTorque));
   event("joint", step, keys);
+  m_joins = true;
 }
 
 template <int D>
@@ -333,7 +334,8 @@ void ScriptWriter<D>::type(long step, const std::string& body, BodyType type) {
 
 template <int D>
 std::string ScriptWriter<D>::text(const std::string& summary, std::optional<long> steps) const {
-  return keyLine("summary", inQuotes(summary)) + (steps ? keyLine("steps", std::to_string(*steps)) : "") + m_events;
+  return keyLine("summary", inQuotes(summary)) + (m_joins ? keyLine("needs", "[\"joints\"]") : "") +
+         (steps ? keyLine("steps", std::to_string(*steps)) : "") + m_events;
 }
 
 template class ScriptWriter<2>;

@@ -60,13 +60,14 @@ class ScriptWriter {
   void pin(long step, const std::string& body, bool pinned);
   void type(long step, const std::string& body, BodyType type);
 
-  /// The script's file; `steps`: how long it plays, if it knows.
+  /// The script's file; `steps`: how long it plays, if it knows. Where it joins bodies, it needs `joints`.
   std::string text(const std::string& summary, std::optional<long> steps = {}) const;
 
  private:
   void event(const char* what, long step, const std::string& keys);
 
   std::string m_events;
+  bool m_joins = false;
 };
 
 }  // namespace lpc::inline LPC_PRECISION

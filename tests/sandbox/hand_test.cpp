@@ -11,7 +11,12 @@ namespace {
 
 template <int D>
 struct Table {
-  Session<D> session{SceneSpec<D>{}, {""}};
+  static SceneSpec<D> empty() {
+    SceneSpec<D> scene;
+    scene.settings.features.joints = true;
+    return scene;
+  }
+  Session<D> session{empty(), {""}};
   ViewCamera<D> camera;
   Hand<D> hand{session, camera};
 
@@ -127,7 +132,8 @@ void carries() {
   const Vec<2> at = t.camera.toPixel(from);
   t.hand.press(at, false);
   t.hand.move(at - Vec<2>(100, 0));
-  for (int i = 0; i < 240; ++i) t.hand.pull(D == 3), t.session.step();  // held at its skin, a ball goes on turning about that
+  for (int i = 0; i < 240; ++i)
+    t.hand.pull(D == 3), t.session.step();  // held at its skin, a ball goes on turning about that
   EXPECT_FALSE(t.session.fallen());
   EXPECT_NEAR((t.camera.toPixel(t.place(a)) - (at - Vec<2>(100, 0))).norm(), 0, 5);
   EXPECT_LT(double(t.session.world().bodies().motion[0].v.norm()), 1e-2);
