@@ -14,6 +14,7 @@
 #include "experiments/sandbox/deed_script.h"
 #include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/look_at_all.h"
 #include "experiments/sandbox/panels.h"
 #include "experiments/sandbox/puppet.h"
 #include "experiments/trial/output_file.h"
@@ -30,27 +31,6 @@ constexpr Real kTurn = Real(0.0872664626);      // rad, five degrees a notch
 constexpr int kMostSteps = 4;                   // a picture: what is slower than real time is shown so
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-// What is there of a scene, but planes and what is a hundred times as large as the rest.
-template <int D>
-Aabb<D> extent(const Simulation<D>& world) {
-  std::vector<Aabb<D>> boxes;
-  for (const ShapeRecord<D>& s : world.shapes()) {
-    if (s.body < 0 || s.shape.isPlane()) continue;
-    boxes.push_back(boundingBox(s.shape, world.bodies().pose[static_cast<std::size_t>(s.body)] * s.X_CS));
-  }
-  Aabb<D> all{Vec<D>::Constant(-5), Vec<D>::Constant(5)};
-  if (boxes.empty()) return all;
-  const auto size = [](const Aabb<D>& b) { return (b.hi - b.lo).norm(); };
-  std::sort(boxes.begin(), boxes.end(), [&](const auto& a, const auto& b) { return size(a) < size(b); });
-  const Real middle = size(boxes[boxes.size() / 2]);
-  all = boxes.front();
-  for (const Aabb<D>& b : boxes) {
-    if (size(b) > 100 * middle) continue;
-    all.lo = all.lo.cwiseMin(b.lo), all.hi = all.hi.cwiseMax(b.hi);
-  }
-  return all;
-}
 
 }  // namespace
 
@@ -211,8 +191,7 @@ void App<D>::back() {
 
 template <int D>
 void App<D>::look() {
-  const Aabb<D> all = extent(session.world());
-  camera.look(all.lo, all.hi);
+  lookAtAll(camera, session.world());
 }
 
 template <int D>

@@ -6,54 +6,16 @@
 #include <SDL2/SDL_timer.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
 #include "experiments/sandbox/gl_canvas.h"
+#include "experiments/sandbox/look_at_all.h"
 #include "experiments/sandbox/window.h"
+#include "framework/draw_simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
-
-// Those of films.
-constexpr Colour kFixed{205, 205, 200}, kFixedEdge{120, 120, 115};
-constexpr std::array<Colour, 6> kColours = {
-    {{102, 153, 204}, {238, 170, 85}, {119, 178, 119}, {204, 119, 136}, {160, 140, 200}, {190, 180, 100}}};
-
-Colour darker(const Colour& c) {
-  const auto half = [](unsigned char x) { return static_cast<unsigned char>(x * 0.55); };
-  return {half(c.red), half(c.green), half(c.blue), c.alpha};
-}
-
-template <int D>
-void drawBodies(DebugDraw<D>& draw, const Simulation<D>& world) {
-  const Bodies<D>& bodies = world.bodies();
-  for (const ShapeRecord<D>& record : world.shapes()) {
-    if (record.body < 0) continue;
-    const auto body = static_cast<std::size_t>(record.body);
-    const bool moves = bodies.type[body] != BodyType::fixed;
-    const Colour fill = moves ? kColours[body % kColours.size()] : kFixed;
-    const Look look{fill, moves ? darker(fill) : kFixedEdge, moves};
-    forParts(record.shape, bodies.pose[body] * record.X_CS,
-             [&](const ShapeView<D>& part, const Pose<D>& X_WS) { draw.shape(part, X_WS, look); });
-  }
-}
-
-// All that moves, or of a world at rest all that has an end.
-template <int D>
-void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world) {
-  Aabb<D> moving, bounded;
-  for (const ShapeRecord<D>& record : world.shapes()) {
-    if (record.body < 0 || record.shape.isPlane()) continue;
-    const auto body = static_cast<std::size_t>(record.body);
-    const Aabb<D> box = boundingBox(record.shape, world.bodies().pose[body] * record.X_CS);
-    bounded = bounded.merged(box);
-    if (world.bodies().type[body] != BodyType::fixed) moving = moving.merged(box);
-  }
-  const auto any = [](const Aabb<D>& box) { return (box.lo.array() <= box.hi.array()).all(); };
-  if (any(bounded)) camera.look(any(moving) ? moving.lo : bounded.lo, any(moving) ? moving.hi : bounded.hi);
-}
 
 void drag(ViewCamera<2>& camera, bool, Real dx, Real dy) { camera.pan(dx, dy); }
 void drag(ViewCamera<3>& camera, bool turns, Real dx, Real dy) { turns ? camera.orbit(dx, dy) : camera.pan(dx, dy); }
@@ -78,6 +40,7 @@ void view(Simulation<D>& world, Real dt) {
   ViewCamera<D> camera;
   camera.resize(window.width(), window.height());
   lookAtAll(camera, world);
+  const DrawLayers layers{.contacts = true, .joints = true};
   bool pause = false;
   Real owed = 0;  // s that the world is behind the clock
   for (std::uint64_t last = SDL_GetTicks64();;) {
@@ -103,7 +66,7 @@ void view(Simulation<D>& world, Real dt) {
     window.beginFrame();
     camera.resize(window.width(), window.height());
     canvas.begin(camera);
-    drawBodies(canvas, world);
+    drawSimulation(world, layers, canvas);
     canvas.end();
     window.endFrame();
   }

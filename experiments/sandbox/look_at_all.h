@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "experiments/sandbox/view_camera.h"
+#include "framework/simulation.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// All that moves, or of a world at rest all that has an end.
+template <int D>
+void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world);
+
+}  // namespace lpc::inline LPC_PRECISION
