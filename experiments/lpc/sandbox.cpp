@@ -132,7 +132,7 @@ json sceneOpening(const SandboxOptions& o, const Asked& asked) {
     cell.pipeline = pipeline;
     const PlannedTrial trial = planner.world(asked.scene, cell);
     if (!trial.unsupported.empty()) throw UserError(trial.unsupported);
-    out["pipelines"].push_back(trial.canonical.at("pipeline"));
+    out["pipelines"].push_back(pipeline);
     out["dimension"] = trial.canonical.at("dimension");
     out["parameters"] = trial.canonical.at("params"), out["dt"] = trial.canonical.at("dt");
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/panels.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -27,7 +28,7 @@ void comparePanel(App<D>& app) {
     const Colour c = laneColour(lane);
     ImGui::TextColored(ImVec4(float(c.red) / 255, float(c.green) / 255, float(c.blue) / 255, 1), "%zu", lane + 1);
     ImGui::SameLine();
-    ImGui::TextWrapped("%s", l.pipeline.empty() ? "the default stages" : l.pipeline.c_str());
+    ImGui::TextWrapped("%s", laneLabel(l.pipeline, D).c_str());
     const double time = medianTime(l.samples);
     ImGui::Text("step %.3f ms (%.2f of the first)", 1e3 * time, first > 0 ? time / first : 0.0);
     if (!l.fallen.empty()) ImGui::TextWrapped("%s", l.fallen.c_str());

@@ -5,6 +5,7 @@
 #include <imgui.h>
 
 #include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/lane_label.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -58,7 +59,7 @@ void status(App<D>& app) {
                               : l.partedAt >= 0 ? "  parted at step " + std::to_string(l.partedAt)
                                                 : "";
     ImGui::TextColored(ImVec4(float(c.red) / 255, float(c.green) / 255, float(c.blue) / 255, 1), "%s%s",
-                       l.pipeline.empty() ? "the default stages" : l.pipeline.c_str(), state.c_str());
+                       laneLabel(l.pipeline, D).c_str(), state.c_str());
   }
   if (!app.message.empty()) ImGui::TextUnformatted(app.message.c_str());
   ImGui::End();
@@ -77,12 +78,13 @@ void drawPanels(App<D>& app) {
                                           {&Panels::body, bodyPanel<D>},     {&Panels::compare, comparePanel<D>},
                                           {&Panels::pair, pairPanel<D>},     {&Panels::help, keysPanel<D>}};
   float x = static_cast<float>(app.window.width()) - 370;
+  const float tall = static_cast<float>(app.window.height()) - 120;
   for (const PanelInfo& p : panelInfos()) {
     if (!(app.panels.*p.open)) continue;
     ImGui::SetNextWindowPos(ImVec2(x, 30), ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize(ImVec2(360, 0), ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSizeConstraints(ImVec2(360, 0), ImVec2(360, tall));
     x = x > 400 ? x - 370 : x;
-    if (ImGui::Begin(p.name, &(app.panels.*p.open))) {
+    if (ImGui::Begin(p.name, &(app.panels.*p.open), ImGuiWindowFlags_AlwaysAutoResize)) {
       ImGui::PushItemWidth(-140);  // room for names
       for (const Content& c : kContents) {
         if (c.open == p.open) c.draw(app);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/sandbox/equal_cost.h"
+#include "experiments/sandbox/lane_label.h"
 #include "framework/check.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
@@ -184,6 +185,14 @@ TEST(Sandbox, StagesAreExchangedInOneLaneAlone) {
   ASSERT_TRUE(session.back());
   EXPECT_EQ(session.world(1).hash(), hash);
   EXPECT_EQ(session.lanes()[1].pipeline, "solver=soft_step");
+}
+
+TEST(Sandbox, ALabelSaysWhatIsNotTheDefault) {
+  EXPECT_EQ(laneLabel("", 2), "the default stages");
+  EXPECT_EQ(laneLabel("solver=soft_step sleep=none", 3), "solver=soft_step");
+  EXPECT_EQ(laneLabel("solver=split_solver{velocity=catto{iterations=20},order=stored} broadphase=naive", 2),
+            "broadphase=naive solver=split_solver{velocity=catto{iterations=20}}");
+  EXPECT_EQ(laneLabel("engine=bullet{iterations=10}", 3), "engine=bullet{iterations=10}");
 }
 
 TEST(Sandbox, CostFollowsIterations) {
