@@ -28,7 +28,6 @@
 #include "experiments/trial/saved_scene.h"
 #include "experiments/trial/trial.h"
 #include "framework/names.h"
-#include "framework/settings.h"
 #include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -66,20 +65,6 @@ std::vector<SaveRequest> readSaves(const std::vector<std::string>& texts) {
     SavedScene::worldPath(out.back().scene);
   }
   return out;
-}
-
-// `2009` in front stands for the pipeline of that report, which what follows changes.
-std::string pipelineOf(const RunSceneOptions& o, int dimension) {
-  std::string text = o.pipeline;
-  if (text == "2009" || text.starts_with("2009 ")) {
-    Pipeline pipeline = Settings::named("2009", dimension).pipeline();
-    pipeline.replace(text.substr(4));
-    text = pipeline.text();
-  }
-  if (!o.noSleeping || engineOf(text)) return text;  // whole engines never sleep here
-  Pipeline pipeline = Pipeline::parse(text);
-  pipeline.replace("sleep=none");
-  return pipeline.text();
 }
 
 // Of the entry itself, or of the one that stands for several ("us_*").
@@ -206,7 +191,8 @@ void runScene(const RunSceneOptions& o, Session& session) {
   cell.params = readParameters(o.params), cell.script = o.script;
   Planner planner;
   const SceneFile& file = planner.scene(o.scene, o.script);
-  cell.dimension = o.dimension, cell.pipeline = pipelineOf(o, o.dimension.value_or(file.dimensions().at(0)));
+  cell.dimension = o.dimension,
+  cell.pipeline = pipelineOf(o.pipeline, o.dimension.value_or(file.dimensions().at(0)), o.noSleeping);
   if (o.memory && engineOf(cell.pipeline)) {
     throw UserError("--memory: an engine has stages and an allocator of its own; valid: a pipeline");
   }

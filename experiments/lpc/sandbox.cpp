@@ -14,7 +14,6 @@
 #include "experiments/runner/store.h"
 #include "experiments/runner/trial_plan.h"
 #include "framework/names.h"
-#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -124,11 +123,7 @@ json sceneOpening(const SandboxOptions& o, const Asked& asked) {
   cell.dimension = asked.dimension;
   json out = {{"scene", file.path()}, {"script", file.scriptPath()}};
   for (std::string pipeline : o.pipelines.empty() ? std::vector<std::string>{""} : o.pipelines) {
-    if (o.noSleeping && !engineOf(pipeline)) {  // whole engines never sleep here
-      Pipeline awake = Pipeline::parse(pipeline);
-      awake.replace("sleep=none");
-      pipeline = awake.text();
-    }
+    pipeline = pipelineOf(pipeline, asked.dimension.value_or(file.dimensions().at(0)), o.noSleeping);
     cell.pipeline = pipeline;
     const PlannedTrial trial = planner.world(asked.scene, cell);
     if (!trial.unsupported.empty()) throw UserError(trial.unsupported);

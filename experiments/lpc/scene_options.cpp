@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "framework/check.h"
+#include "framework/settings.h"
+#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -27,6 +29,19 @@ ParameterValues readParameters(const std::vector<std::string>& texts) {
     out[name] = value ? ParameterValue(*value) : ParameterValue(given);
   }
   return out;
+}
+
+std::string pipelineOf(const std::string& given, int dimension, bool noSleeping) {
+  std::string text = given;
+  if (text == "2009" || text.starts_with("2009 ")) {
+    Pipeline pipeline = Settings::named("2009", dimension).pipeline();
+    pipeline.replace(text.substr(4));
+    text = pipeline.text();
+  }
+  if (!noSleeping || engineOf(text)) return text;  // whole engines never sleep here
+  Pipeline pipeline = Pipeline::parse(text);
+  pipeline.replace("sleep=none");
+  return pipeline.text();
 }
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -151,6 +151,16 @@ class Sandbox(unittest.TestCase):
         fences = re.findall(r"(?ms)^```sh\n(.*?)^```", (SOURCE / "docs" / "sandbox.md").read_text())
         commands = [shlex.split(line)[2:] for fence in fences for line in fence.splitlines() if line.startswith("lpc sandbox")]
         self.assertGreater(len(commands), 3)
+        page = (SOURCE / "docs" / "sandbox.md").read_text()
+        pictures = re.findall(r"(?m)^\*`lpc sandbox (.*) --input docs/drawings/(\w+)\.txt`\*$", page)
+        self.assertEqual(len(pictures), 3)
+        for command, name in pictures:  # what the page shows is what they draw, but for times
+            with self.subTest(name):
+                done = self.call(*shlex.split(command), "--input", SOURCE / "docs" / "drawings" / f"{name}.txt")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                made, shown = png(self.folder / f"{name}.png"), png(SOURCE / "docs" / "drawings" / f"{name}.png")
+                unlike = sum(a != b for r, q in zip(made, shown) for a, b in zip(r, q))
+                self.assertLess(unlike, 0.02 * len(made) * len(made[0]))
         for command in commands:
             with self.subTest(command):
                 if "--trial" in command:
