@@ -5,7 +5,7 @@
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/draw_twins.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::engine_drawing_test {
 namespace {
 
 // A box that rests, and one that hangs beside it.
@@ -43,4 +43,4 @@ TEST(EngineDrawing, TellsWhatEnginesTell2) { enginesAreDrawn<2>(); }
 TEST(EngineDrawing, TellsWhatEnginesTell3) { enginesAreDrawn<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::engine_drawing_test

@@ -4,7 +4,7 @@
 #include "framework/invariants.h"
 #include "tests/engines/engine_checks.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::engine_joints_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979;
@@ -417,4 +417,4 @@ TEST(EngineJoints, WhatTheyLackIsRefusedAndLeavesNoTrace) {
 }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::engine_joints_test

@@ -3,7 +3,7 @@
 #include "framework/invariants.h"
 #include "tests/engines/engine_checks.h"
 
-namespace lpc::inline LPC_PRECISION::test {
+namespace lpc::inline LPC_PRECISION::test::engine_script_test {
 namespace {
 
 // A cube of 2 kg whose frame is not at its centre.
@@ -242,4 +242,4 @@ void refusesNonsense() {
 TEST(EngineScripts, NonsenseIsRefusedAndChangesNothing) { refusesNonsense<2>(), refusesNonsense<3>(); }
 
 }  // namespace
-}  // namespace lpc::inline LPC_PRECISION::test
+}  // namespace lpc::inline LPC_PRECISION::test::engine_script_test
