@@ -42,7 +42,7 @@ class Builder {
 
   SceneSpec<D> build() {
     for (const char* done : {"name", "summary", "dimensions", "seed", "needs", "parameters"}) m_top.find(done);
-    for (const char* done : {"summary", "parameters"}) m_script.find(done);
+    for (const char* done : {"summary", "needs", "parameters"}) m_script.find(done);
     sceneLets();
     m_top.find("saved");
     if (!m_parsed.saved.empty()) startFromSaved(m_top, m_parsed, m_scene);
