@@ -67,7 +67,7 @@ class SimulationDrawing {
     if (m_layers.shapes) shapes();
     if (const auto* world = dynamic_cast<const World<D>*>(&m_simulation)) {
       if (m_layers.boxes) boxes(world->proxies());
-      if (m_layers.structure) drawStructure(*world, m_draw);
+      if (m_layers.structure) drawStructure(*world, m_draw, m_layers.tint);
       if (m_layers.pairs) pairs(*world);
     }
     for (const JointRecord<D>& j : m_joints) {

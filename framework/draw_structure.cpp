@@ -42,7 +42,7 @@ void drawPart(const Aabb<D>& box, const Colour& colour, DebugDraw<D>& draw) {
 }  // namespace
 
 template <int D>
-void drawStructure(const World<D>& world, DebugDraw<D>& draw) {
+void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optional<Colour>& tint) {
   std::vector<StructureBox<D>> told;
   world.broadphaseStructure(told);
   Aabb<D> all;
@@ -52,11 +52,11 @@ void drawStructure(const World<D>& world, DebugDraw<D>& draw) {
     if (!box.lo.allFinite() || !box.hi.allFinite()) continue;  // nobody is there
     Colour colour = kLevelColours[static_cast<std::size_t>(part.level) % kLevelColours.size()];
     if (!part.holds) colour.alpha = kEmptyAlpha;
-    drawPart(box, colour, draw);
+    drawPart(box, tint.value_or(colour), draw);
   }
 }
 
-template void drawStructure(const World<2>&, DebugDraw<2>&);
-template void drawStructure(const World<3>&, DebugDraw<3>&);
+template void drawStructure(const World<2>&, DebugDraw<2>&, const std::optional<Colour>&);
+template void drawStructure(const World<3>&, DebugDraw<3>&, const std::optional<Colour>&);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -15,10 +15,10 @@ struct OrderKind {
   const char* name;
   std::size_t least, most;  // words behind it
 };
-constexpr OrderKind kKinds[] = {{"key", 1, 3},   {"down", 1, 3},  {"up", 1, 3},    {"at", 2, 3},
-                                {"pixel", 2, 2}, {"on", 1, 20},   {"press", 1, 1}, {"release", 1, 1},
-                                {"wheel", 1, 1}, {"type", 1, 20}, {"wait", 1, 1},  {"until", 1, 1},
-                                {"shot", 1, 1},  {"state", 1, 1}, {"drop", 1, 1},  {"quit", 0, 0}};
+constexpr OrderKind kKinds[] = {{"key", 1, 3},  {"down", 1, 3},  {"up", 1, 3},      {"at", 2, 3},    {"pixel", 2, 2},
+                                {"on", 1, 20},  {"press", 1, 1}, {"release", 1, 1}, {"wheel", 1, 1}, {"type", 1, 20},
+                                {"wait", 1, 1}, {"until", 1, 1}, {"shot", 1, 1},    {"state", 1, 1}, {"drop", 1, 1},
+                                {"size", 2, 2}, {"quit", 0, 0}};
 
 }  // namespace
 

@@ -9,12 +9,7 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// key NAME | down NAME | up NAME        a key of the keyboard, as SDL names it: p, F1, Return, Left Ctrl
-/// at X Y [Z] | pixel X Y | on NAME      moves the mouse to a point of the world (m), of the window, or to a menu or
-/// slider press left|right|middle | release     mouse buttons wheel N                               notches, away from
-/// the user type TEXT                             into what has the keyboard wait N pictures until N steps shot
-/// FILE.png | state FILE.json       the window, and what the world says drop FILE                             as if it
-/// were dropped on the window quit
+/// docs/sandbox.md has a table of them, `kKinds` (input_script.cpp) how many words each has.
 struct InputOrder {
   int line;
   std::string name;

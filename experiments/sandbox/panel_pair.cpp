@@ -11,6 +11,7 @@
 #include "framework/check.h"
 #include "framework/pair_trace.h"
 #include "framework/registry.h"
+#include "framework/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -49,10 +50,17 @@ void drawDifference(const PairTrace<D>& trace, std::size_t step, ViewCamera<D>& 
   const int width = static_cast<int>(ImGui::GetContentRegionAvail().x), height = 260;
   ImGui::InvisibleButton("difference", ImVec2(static_cast<float>(width), static_cast<float>(height)));
   camera.resize(width, height, static_cast<int>(corner.x), static_cast<int>(corner.y));
-  Vec<D> lo = Vec<D>::Zero(), hi = lo;  // the origin is always seen
-  for (const TraceStep<D>& s : trace.steps) {
-    for (const Vec<D>& p : s.corners) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
-    if (s.support.allFinite()) lo = lo.cwiseMin(s.support), hi = hi.cwiseMax(s.support);
+  // All of the difference, and the origin.
+  Vec<D> lo = Vec<D>::Zero(), hi = lo;
+  const PairView<D>& pair = trace.pair;
+  for (int axis = 0; axis < D; ++axis) {
+    for (const Real side : {Real(-1), Real(1)}) {
+      const Vec<D> n = side * Vec<D>::Unit(axis);
+      const Vec<D> a = coreSupport(pair.a, Vec<D>(-n));
+      const Vec<D> b = pair.X_AB * coreSupport(pair.b, Vec<D>(pair.X_AB.q.inverse() * n));
+      if (!(b - a).allFinite()) continue;  // of a plane
+      lo = lo.cwiseMin(b - a), hi = hi.cwiseMax(b - a);
+    }
   }
   camera.look(lo - Vec<D>::Constant(Real(0.2)), hi + Vec<D>::Constant(Real(0.2)));
   ImDrawList& list = *ImGui::GetWindowDrawList();

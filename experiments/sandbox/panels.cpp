@@ -36,7 +36,7 @@ template <int D>
 void status(App<D>& app) {
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos(ImVec2(0, io.DisplaySize.y), 0, ImVec2(0, 1));
-  ImGui::SetNextWindowBgAlpha(0.6f);
+  ImGui::SetNextWindowBgAlpha(0.85f);
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_AlwaysAutoResize |
                                       ImGuiWindowFlags_NoFocusOnAppearing;

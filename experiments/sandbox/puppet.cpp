@@ -3,7 +3,8 @@
 
 #include <SDL2/SDL.h>
 
-#include <cstring>
+#include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "experiments/sandbox/app.h"
@@ -179,6 +180,11 @@ void playOrder(App<D>& app, InputScript& script) {
     OutputFile out(words[0]);
     out.stream() << stateOf(app).dump(1) << '\n';
     out.finish();
+  } else if (is("size")) {
+    const auto pixels = [&](std::size_t i) {
+      return static_cast<int>(std::clamp(number(words[i], script), 200.0, 8000.0));
+    };
+    app.window.resize(pixels(0), pixels(1));
   } else if (is("drop")) {
     SDL_Event event{};
     event.type = SDL_DROPFILE, event.drop.file = SDL_strdup(words[0].c_str());

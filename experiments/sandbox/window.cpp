@@ -63,6 +63,7 @@ Window::Window(const char* title, int width, int height) : m_width(width), m_hei
     keepDrivers();
     SDL_GL_SetSwapInterval(0);  // waits are ours: a display that is not looked at may never answer
     ImGui::CreateContext();
+    ImGui::StyleColorsLight();             // the colours of competitors are those of charts, for paper
     ImGui::GetIO().IniFilename = nullptr;  // no file that nobody asked for
     ImGui_ImplSDL2_InitForOpenGL(m_window, m_context);
     ImGui_ImplOpenGL3_Init("#version 330 core");
@@ -130,6 +131,8 @@ bool Window::forPanels(const SDL_Event& event) const {
       return false;
   }
 }
+
+void Window::resize(int width, int height) { SDL_SetWindowSize(m_window, width, height); }
 
 std::vector<std::string> Window::takeDropped() { return std::exchange(m_dropped, {}); }
 

@@ -24,6 +24,9 @@ class Window {
   int width() const { return m_width; }
   int height() const { return m_height; }
 
+  /// As if a user had drawn at its edge.
+  void resize(int width, int height);
+
   /// The next thing that happened, if anything did. ImGui and the list of dropped files have heard of it already.
   bool poll(SDL_Event& event);
   /// Is it ImGui's alone: a click on a panel, a key typed into a field?

@@ -427,7 +427,9 @@ class Builder {
   void checkTwo(const TableReader& block, int bodyA, int bodyB) const {
     if (m_numbers.rehearsing()) return;
     const auto moves = [&](int body) {
-      return body >= 0 && m_scene.spawns[static_cast<std::size_t>(body)].body.type == BodyType::dynamic;
+      if (body < 0) return false;
+      const auto& spawn = m_scene.spawns[static_cast<std::size_t>(body)];
+      return spawn.body.type == BodyType::dynamic || spawn.retyped;
     };
     if (bodyA == bodyB) {
       block.fail("a joint of a body with itself; valid: two bodies, or \"world\" and one");

@@ -66,7 +66,7 @@ const std::vector<Allowance> kAllowances = {
     {"experiments/", {}, {"fmt/", "muParser.h", "png.h", "sqlite3.h", "xxhash.h", "content_hashes.inc"}},
     {"experiments/", {}, {"assimp/", "fclib.h", "hdf5.h", "hdf5_hl.h"}},
     {"experiments/trial/", {}, kAllocator},
-    {"experiments/sandbox/", {"SDL2/"}, {"backends/imgui", "epoxy/", "imgui.h", "link.h"}},
+    {"experiments/sandbox/", {"SDL2/"}, {"backends/imgui", "epoxy/", "imgui.h", "imgui_stdlib.h", "link.h"}},
     {"experiments/bench/", {"benchmark/"}, {"BulletCollision/", "box2d/", "fcl/", "ode/"}},
     {"tests/", {""}, {}},
 };

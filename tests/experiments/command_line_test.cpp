@@ -278,6 +278,7 @@ TEST(CommandLine, numbersAreNumbers) {
                                                    {"record", "pyramid --param base=2 --problems p.json"},
                                                    {"needs", "slope --store n.db"},
                                                    {"break", "slope --parameter friction --pipeline cache=none"},
+                                                   {"sandbox", "pyramid --input nowhere.txt"},
                                                    {"sweep", "broadphase_crossover --store s.db --dry-run"},
                                                    {"verify", "--store v.db"},
                                                    {"corpus", "--export c"}};

@@ -225,15 +225,16 @@ TEST(FilmBeside, TwinsAreTheSameBody) {
   for (const char* n : {"0", "1", "2", "3"}) {
     scene += "gone_" + std::string(n) + " = { default = 99, min = 0, max = 99, meaning = \"when this one goes\" }\n";
   }
+  // In the order of the file: who comes is there before another goes, and gets no slot of his.
+  const std::string ball = "position = [1, 0]\nshapes = [{ kind = \"circle\", radius = 0.2 }]\n";
+  std::string going = "[[event]]\ndo = \"remove\"\nstep = \"ghost\"\nbody = \"ghost\"\n";  // seen in no frame
   for (const std::string n : {"0", "1", "2", "3"}) {
     scene += "[[body]]\nname = \"body_" + n + "\"\nposition = [" + n +
-             ", 0]\nshapes = [{ kind = \"circle\", radius = 0.2 }]\n" + "[[event]]\ndo = \"remove\"\nstep = \"gone_" +
-             n + "\"\nbody = \"body_" + n + "\"\n";
+             ", 0]\nshapes = [{ kind = \"circle\", radius = 0.2 }]\n";
+    going += "[[event]]\ndo = \"remove\"\nstep = \"gone_" + n + "\"\nbody = \"body_" + n + "\"\n";
   }
-  const std::string ball = "position = [1, 0]\nshapes = [{ kind = \"circle\", radius = 0.2 }]\n";
-  scene += "[[event]]\ndo = \"add\"\nstep = \"ghost\"\nname = \"ghost\"\n" + ball +  // seen in no frame
-           "[[event]]\ndo = \"remove\"\nstep = \"ghost\"\nbody = \"ghost\"\n" +
-           "[[event]]\ndo = \"add\"\nstep = 5\nname = \"new\"\n" + ball;
+  scene += "[[event]]\ndo = \"add\"\nstep = \"ghost\"\nname = \"ghost\"\n" + ball +
+           "[[event]]\ndo = \"add\"\nstep = 5\nname = \"new\"\n" + ball + going;
   w.write("cast.toml", scene);
   const auto record = [&](const std::string& name, const std::string& parameters) {
     const Outcome out = w.lpc("run cast.toml " + parameters + " --record " + name);

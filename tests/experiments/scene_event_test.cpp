@@ -393,7 +393,8 @@ TEST(SceneEvent, MistakesAreOneLine) {
       {"do = \"pusch\"\nstep = 3\n",
        {"t.toml:17: ",
         "unknown event 'pusch'; did you mean 'push'? valid: add, add_force, clear, exchange, "
-        "force, gravity, joint, material, merge, pin, push, remove, remove_force, set, take_apart, unjoin, wake"}},
+        "force, gravity, joint, material, merge, pin, push, remove, remove_force, set, take_apart, type, unjoin, "
+        "wake"}},
       {"step = 3\n", {"t.toml:16: ", "'do' is missing"}},
       {"do = \"push\"\nbody = \"box\"\nimpulse = [1, 0]\n", {"t.toml:16: ", "'step' is missing"}},
       {"do = \"push\"\nstep = -3\nbody = \"box\"\n", {"t.toml:18: ", "'step' is -3", "valid: 0 to"}},

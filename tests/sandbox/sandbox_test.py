@@ -126,9 +126,9 @@ class Sandbox(unittest.TestCase):
                 keys = [c for c in commands if c["key"]]
                 self.assertGreater(len(keys), 40)
                 self.assertEqual(len({c["key"] for c in keys}), len(keys), "two commands of one key")
-                orders = []
+                orders = ["size 800 600", "wait 2"]
                 for c in keys:
-                    orders += ["pixel 640 300", "key " + c["key"], "wait 2"]
+                    orders += ["pixel 640 300", "key " + c["key"], "wait 1"]
                 for c in commands:
                     if c["name"] != "Other dimension":
                         orders += [*click(c["menu"]), *click(c["menu"] + "/" + c["name"])]
@@ -273,7 +273,7 @@ class Sandbox(unittest.TestCase):
     @unittest.skipUnless(LONG, "set LPC_SANDBOX_SECONDS")
     def test_long_use(self):
         end = time.time() + LONG
-        orders = []
+        orders = ["size 800 600", "wait 2"]
         for scene in ("1", "2", "5", "7", "8"):
             orders += ["key " + scene, "key F6", "key F7", "wait 60", *drag((0, 2), (3, 8)), "wait 20", "key p",
                        *["key Left"] * 3, "key p", "key n", "key o", "wait 20", "key F6", "key F7", "key x", "wait 5"]
