@@ -222,10 +222,11 @@ void App<D>::open(const std::string& scene) {
 
 template <int D>
 void App<D>::reload() {
-  Session<D> played(specOf<D>(file, opening), opening.pipelines);
-  later = [this, played = std::make_shared<Session<D>>(std::move(played))] {
+  const SceneFile loaded = SceneFile::load(opening.scene, opening.script);  // as it is now
+  Session<D> played(specOf<D>(loaded, opening), opening.pipelines);
+  later = [this, loaded, played = std::make_shared<Session<D>>(std::move(played))] {
     hand.cancel(), hand.select({});
-    session = std::move(*played);
+    file = loaded, session = std::move(*played);
     session.keepFrames(logging || !opening.profile.empty());
   };
 }

@@ -43,7 +43,7 @@ std::vector<Command<D>> makeCommands() {
     a.hand.setPaused(true);
   });
   add("World", "Step back", SDLK_LEFT, "to the step before, then a pause", [](A& a) { a.back(); });
-  add("World", "Reload", SDLK_r, "the scene from its beginning", [](A& a) { a.reload(); });
+  add("World", "Reload", SDLK_r, "the scene's file again, from its beginning", [](A& a) { a.reload(); });
   add("World", "Clear", SDLK_x, "takes all bodies out", [](A& a) { a.clear(); });
   add("World", "Save", SDLK_F1, "the world as a scene, sandbox.toml", [](A& a) { a.save(); });
   add("World", "Load", SDLK_F2, "sandbox.toml", [](A& a) { a.load(); });
