@@ -2,7 +2,6 @@
 // Starts the window, which is a program of its own: who has none of its libraries has all the rest.
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -10,6 +9,7 @@
 
 #include "experiments/lpc/command.h"
 #include "experiments/lpc/scene_options.h"
+#include "experiments/parse/toml_reader.h"
 #include "experiments/runner/locations.h"
 #include "experiments/runner/store.h"
 #include "experiments/runner/trial_plan.h"
@@ -64,6 +64,8 @@ std::filesystem::path programFolder() { return std::filesystem::read_symlink("/p
 
 // Without a window it is what `lpc run` does.
 [[noreturn]] void runUnseen(const SandboxOptions& o, const Asked& asked) {
+  if (o.pipelines.size() > 1)
+    throw UserError("-i with several pipelines; valid: one, since nobody would see them together");
   std::vector<std::string> words = {"run", asked.scene};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
   if (asked.dimension) add({"--dimension", std::to_string(*asked.dimension)});
@@ -73,6 +75,8 @@ std::filesystem::path programFolder() { return std::filesystem::read_symlink("/p
   if (o.noSleeping) add({"--no-sleeping"});
   if (o.pipelines.size() == 1) add({"--pipeline", o.pipelines[0]});
   for (const std::string& p : o.params) add({"--param", p});
+  if (o.seed) add({"--seed", std::to_string(*o.seed)});
+  if (o.dt) add({"--dt", asText(*o.dt)});
   become((programFolder() / "lpc").string(), words);
 }
 
@@ -167,7 +171,7 @@ void addSandbox(CommandLine& app, Session& session) {
   command.option("--dt", o->dt, "length of a step (s); default: the scene's");
   command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's");
   command.flag("--no-sleeping", o->noSleeping, "keeps every body awake");
-  command.flag("-i", o->unseen, "without a window, as lpc run");
+  Option unseen = command.flag("-i", o->unseen, "without a window, as lpc run");
   command.flag("-p", o->profiled, "writes times and counts of each step as CSV at the end");
   command.flag("-g", o->plots, "as -p, and draws them: in a panel, or with -i in the terminal");
   command.option("-o", o->profile, "name of that file; default: sandbox_profile.csv");

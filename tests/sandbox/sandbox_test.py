@@ -217,6 +217,8 @@ class Sandbox(unittest.TestCase):
                 (("-s", "99"), {}, "preset_99"),
                 (("1", "--pipeline", "solver=nobody"), {}, "nobody"),
                 (("1", *["--pipeline", ""] * 9), {}, "up to 8"),
+                (("1", "-i", "--pipeline", "", "--pipeline", "sleep=none"), {}, "several pipelines"),
+                (("1", "-i", "--trial", "ab"), {}, "excludes"),
                 (("--trial", "ab"), {}, "store"),
                 (("1", "--input", "bad.txt"), {}, "bad.txt:2"),
                 (("1", "--input", "none.txt"), {}, "none.txt")):
@@ -225,6 +227,15 @@ class Sandbox(unittest.TestCase):
                 self.assertEqual(done.returncode, 2, done.stderr)
                 self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
                 self.assertIn(say, done.stderr)
+
+    def test_without_a_window_it_is_lpc_run(self):
+        done = self.call("2d", "-s", "4", "-i", "-g", "-o", "p.csv")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("scene     preset_4 in 2D", done.stdout)
+        self.assertIn("step                    100.0 %", done.stdout)
+        self.assertTrue((self.folder / "p.csv").is_file())
+        self.play(["wait 5"], "4", "-p", "-o", "q.csv")
+        self.assertEqual(len([x for x in (self.folder / "q.csv").read_text().splitlines() if x[0].isdigit()]), 7)
 
     # --- cells of a sweep -----------------------------------------------------------------------------------------------
     def fallen_cell(self):
