@@ -175,9 +175,10 @@ void addSandbox(CommandLine& app, Session& session) {
   command.flag("-p", o->profiled, "writes times and counts of each step as CSV at the end");
   command.flag("-g", o->plots, "as -p, and draws them: in a panel, or with -i in the terminal");
   command.option("-o", o->profile, "name of that file; default: sandbox_profile.csv");
-  command.option("--trial", o->trial,
-                 "a cell of a store, by the first digits of its key: opens it a step before it fell");
-  command.option("--input", o->input, "plays keys and mouse from a file").file();
+  command
+      .option("--trial", o->trial, "a cell of a store, by the first digits of its key: opens it a step before it fell")
+      .without(unseen);
+  command.option("--input", o->input, "plays keys and mouse from a file").file().without(unseen);
   command.footer(
       "Example: lpc sandbox\n"
       "         lpc sandbox 3d -s 5\n"
