@@ -278,9 +278,8 @@ def frame_rates():
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "input.txt"
             path.write_text("wait 150\nstate end.json\nquit\n")
-            scene = "floor_of_spheres" if dimension == "3d" else "circle_rain"
-            subprocess.run([str(LPC), "sandbox", dimension, scene, "--input", str(path)], cwd=folder, check=True,
-                           env={**os.environ, "LPC_HOME": str(SOURCE)})
+            subprocess.run([str(LPC), "sandbox", dimension, "pyramid", "--param", "base=45", "--input", str(path)], cwd=folder,
+                           check=True, env={**os.environ, "LPC_HOME": str(SOURCE)})
             state = json.loads((pathlib.Path(folder) / "end.json").read_text())
             print(f"{dimension}: {len(state['bodies'])} bodies, {state['pictures_per_second']:.1f} pictures/s, "
                   f"drawing {state['draw_ms']:.1f} ms, physics {state['step_ms']:.2f} ms")
