@@ -28,7 +28,7 @@ namespace {
 
 constexpr const char* kSaved = "sandbox.toml";  // F1 and F2
 constexpr Real kTurn = Real(0.0872664626);      // rad, five degrees a notch
-constexpr int kMostSteps = 4;                   // a picture: what is slower than real time is shown so
+constexpr int kMostSteps = 4;  // a picture, as many as the largest time scale asks for: what is slower is shown so
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 

@@ -49,7 +49,7 @@ std::vector<Command<D>> makeCommands() {
   add("World", "Load", SDLK_F2, "sandbox.toml", [](A& a) { a.load(); });
   add("World", "Wake all", SDLK_w, "wakes all bodies up", [](A& a) { a.hand.wake(); });
   add("World", "Slower", SDLK_COMMA, "half as fast", [](A& a) { a.timeScale = std::max(a.timeScale / 2, 1.0 / 64); });
-  add("World", "Faster", SDLK_PERIOD, "twice as fast", [](A& a) { a.timeScale = std::min(a.timeScale * 2, 64.0); });
+  add("World", "Faster", SDLK_PERIOD, "twice as fast", [](A& a) { a.timeScale = std::min(a.timeScale * 2, 4.0); });
   add("World", "Other dimension", SDLK_F3, "the scene in 3D, or in 2D again", [](A& a) { a.otherDimension(); });
 
   tool("Grab", SDLK_g, "selects and drags", Tool::grab, false);
