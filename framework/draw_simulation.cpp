@@ -18,16 +18,16 @@ constexpr double kContactPixels = 6, kAnchorPixels = 5, kCentrePixels = 4;
 // Of a joint: smaller errors are not seen, and words of them would cover the rest.
 constexpr double kSeenGap = kLinearSlop, kSeenTurn = 0.01;  // m, rad
 
-constexpr std::array<Colour, 6> kTurns = {
+constexpr std::array<DrawColour, 6> kTurns = {
     {{102, 153, 204}, {238, 170, 85}, {119, 178, 119}, {204, 119, 136}, {160, 140, 200}, {190, 180, 100}}};
 
-Look lookOf(const Colour& colour, bool awake) {
-  const Colour fill = colour * (awake ? 1 : 1.15);
+Look lookOf(const DrawColour& colour, bool awake) {
+  const DrawColour fill = colour * (awake ? 1 : 1.15);
   return {fill, fill * 0.55};
 }
 
 // Steps of the golden section round the circle of hues: however many there are, each is far from those before.
-Colour islandColour(std::size_t number) {
+DrawColour islandColour(std::size_t number) {
   const double hue = std::fmod(0.6180339887498949 * static_cast<double>(number), 1) * 6;
   const auto part = [&](double turn) {
     const double k = std::fmod(turn + hue, 6);
@@ -82,10 +82,10 @@ class SimulationDrawing {
   }
 
  private:
-  void point(const Vec<D>& p, double pixels, const Colour& colour) {
+  void point(const Vec<D>& p, double pixels, const DrawColour& colour) {
     if (p.allFinite()) m_draw.point(p, pixels, m_layers.tint.value_or(colour));
   }
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) {
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) {
     if (a.allFinite() && b.allFinite() && a != b) m_draw.line(a, b, m_layers.tint.value_or(colour));
   }
 

@@ -13,18 +13,18 @@
 namespace lpc::inline LPC_PRECISION {
 
 // Colours that mean something, for legends.
-inline constexpr Colour kDrawnFixed{205, 205, 200};  // a body that never moves
-inline constexpr Colour kDrawnBearing{214, 39, 40};  // a contact that bore something in the last step
-inline constexpr Colour kDrawnIdle{90, 110, 140};    // one that bore nothing
-inline constexpr Colour kDrawnNormal{44, 110, 44};
-inline constexpr Colour kDrawnImpulse{214, 39, 40};
-inline constexpr Colour kDrawnFriction{230, 120, 20};
-inline constexpr Colour kDrawnBox{150, 150, 160};
-inline constexpr Colour kDrawnPair{120, 90, 170};
-inline constexpr Colour kDrawnJoint{20, 110, 160};
-inline constexpr Colour kDrawnJointError{200, 0, 120};
-inline constexpr Colour kDrawnCentre{30, 30, 30};
-inline constexpr Colour kDrawnVelocity{0, 130, 120};
+inline constexpr DrawColour kDrawnFixed{205, 205, 200};  // a body that never moves
+inline constexpr DrawColour kDrawnBearing{214, 39, 40};  // a contact that bore something in the last step
+inline constexpr DrawColour kDrawnIdle{90, 110, 140};    // one that bore nothing
+inline constexpr DrawColour kDrawnNormal{44, 110, 44};
+inline constexpr DrawColour kDrawnImpulse{214, 39, 40};
+inline constexpr DrawColour kDrawnFriction{230, 120, 20};
+inline constexpr DrawColour kDrawnBox{150, 150, 160};
+inline constexpr DrawColour kDrawnPair{120, 90, 170};
+inline constexpr DrawColour kDrawnJoint{20, 110, 160};
+inline constexpr DrawColour kDrawnJointError{200, 0, 120};
+inline constexpr DrawColour kDrawnCentre{30, 30, 30};
+inline constexpr DrawColour kDrawnVelocity{0, 130, 120};
 
 struct DrawLayers {
   bool shapes = true, sleep = true, islands = false;
@@ -37,7 +37,7 @@ struct DrawLayers {
   Real impulseLength = 1;          // m per N s
   Real velocityTime = Real(0.1);   // s
   /// All in this colour, and of shapes the edges alone: for one simulation over another on the same scene.
-  std::optional<Colour> tint = {};
+  std::optional<DrawColour> tint = {};
 
   void visit(ParamVisitor& v) {
     v.real("normal_length", normalLength, 0, 10, "m", "how long normals are drawn");

@@ -7,12 +7,12 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 // From the root on, and again; neighbours are far apart.
-constexpr std::array<Colour, 6> kLevelColours = {{{0, 114, 178, 255},
-                                                  {230, 159, 0, 255},
-                                                  {0, 158, 115, 255},
-                                                  {204, 121, 167, 255},
-                                                  {86, 180, 233, 255},
-                                                  {213, 94, 0, 255}}};
+constexpr std::array<DrawColour, 6> kLevelColours = {{{0, 114, 178, 255},
+                                                      {230, 159, 0, 255},
+                                                      {0, 158, 115, 255},
+                                                      {204, 121, 167, 255},
+                                                      {86, 180, 233, 255},
+                                                      {213, 94, 0, 255}}};
 constexpr unsigned char kEmptyAlpha = 90;  // alpha
 
 template <int D>
@@ -26,7 +26,7 @@ Aabb<D> withEnds(const Aabb<D>& box, const Aabb<D>& all) {
 }
 
 template <int D>
-void drawPart(const Aabb<D>& box, const Colour& colour, DebugDraw<D>& draw) {
+void drawPart(const Aabb<D>& box, const DrawColour& colour, DebugDraw<D>& draw) {
   for (int corner = 0; corner < 1 << D; ++corner) {
     Vec<D> from;
     for (int d = 0; d < D; ++d) from[d] = (corner >> d) & 1 ? box.hi[d] : box.lo[d];
@@ -42,7 +42,7 @@ void drawPart(const Aabb<D>& box, const Colour& colour, DebugDraw<D>& draw) {
 }  // namespace
 
 template <int D>
-void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optional<Colour>& tint) {
+void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optional<DrawColour>& tint) {
   std::vector<StructureBox<D>> told;
   world.broadphaseStructure(told);
   Aabb<D> all;
@@ -50,13 +50,13 @@ void drawStructure(const World<D>& world, DebugDraw<D>& draw, const std::optiona
   for (const StructureBox<D>& part : told) {
     const Aabb<D> box = withEnds(part.box, all);
     if (!box.lo.allFinite() || !box.hi.allFinite()) continue;  // nobody is there
-    Colour colour = kLevelColours[static_cast<std::size_t>(part.level) % kLevelColours.size()];
+    DrawColour colour = kLevelColours[static_cast<std::size_t>(part.level) % kLevelColours.size()];
     if (!part.holds) colour.alpha = kEmptyAlpha;
     drawPart(box, tint.value_or(colour), draw);
   }
 }
 
-template void drawStructure(const World<2>&, DebugDraw<2>&, const std::optional<Colour>&);
-template void drawStructure(const World<3>&, DebugDraw<3>&, const std::optional<Colour>&);
+template void drawStructure(const World<2>&, DebugDraw<2>&, const std::optional<DrawColour>&);
+template void drawStructure(const World<3>&, DebugDraw<3>&, const std::optional<DrawColour>&);
 
 }  // namespace lpc::inline LPC_PRECISION

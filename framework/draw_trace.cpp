@@ -10,7 +10,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr Colour kGrey{130, 130, 130, 255}, kBlue{40, 90, 220, 255}, kYellow{230, 160, 0, 255},
+constexpr DrawColour kGrey{130, 130, 130, 255}, kBlue{40, 90, 220, 255}, kYellow{230, 160, 0, 255},
     kGreen{20, 160, 60, 255};
 constexpr double kSmall = 3, kDot = 6, kBig = 9;  // pixels
 
@@ -48,13 +48,13 @@ std::vector<Vec<3>> around(const PairView<3>& pair) {
 }
 
 template <int D>
-void drawAll(const std::vector<Vec<D>>& points, double pixels, const Colour& colour, DebugDraw<D>& draw) {
+void drawAll(const std::vector<Vec<D>>& points, double pixels, const DrawColour& colour, DebugDraw<D>& draw) {
   for (const Vec<D>& p : points) draw.point(p, pixels, colour);
 }
 
 // A line between every two, as a simplex has.
 template <int D>
-void drawEdges(const std::vector<Vec<D>>& points, const Colour& colour, DebugDraw<D>& draw) {
+void drawEdges(const std::vector<Vec<D>>& points, const DrawColour& colour, DebugDraw<D>& draw) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t k = i + 1; k < points.size(); ++k) draw.line(points[i], points[k], colour);
   }
@@ -62,7 +62,7 @@ void drawEdges(const std::vector<Vec<D>>& points, const Colour& colour, DebugDra
 
 // A rim in the order in which it goes around n.
 template <int D>
-void drawRim(std::vector<Vec<D>> points, const Vec<D>& n, const Colour& colour, DebugDraw<D>& draw) {
+void drawRim(std::vector<Vec<D>> points, const Vec<D>& n, const DrawColour& colour, DebugDraw<D>& draw) {
   drawAll(points, kDot, colour, draw);
   if constexpr (D == 3) {
     const RealMatrix<3, 2> t = tangents(n);
@@ -124,7 +124,7 @@ void drawTrace(const PairTrace<D>& trace, std::size_t number, DebugDraw<D>& draw
   if (step.faces.empty()) drawEdges(step.corners, kBlue, draw);
   for (std::size_t i = 0; i < step.faces.size(); ++i) {
     const auto& face = step.faces[i];
-    const Colour colour = static_cast<int>(i) == step.face ? kYellow : kBlue;
+    const DrawColour colour = static_cast<int>(i) == step.face ? kYellow : kBlue;
     for (std::size_t k = 0; k + (D == 2) < face.size(); ++k) {
       const auto at = [&](std::size_t c) { return step.corners[static_cast<std::size_t>(face[c % face.size()])]; };
       draw.line(at(k), at(k + 1), colour);

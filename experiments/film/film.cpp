@@ -17,7 +17,7 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr double kStripWidth = 320, kFilmWidth = 720;  // px, of one picture
-constexpr Colour kDivider{120, 120, 115};
+constexpr DrawColour kDivider{120, 120, 115};
 
 int dimensionOf(const std::string& path) {
   std::error_code absent;  // a pipe would wait for somebody who writes, and be empty when it is read again

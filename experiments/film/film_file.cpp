@@ -28,7 +28,7 @@ void putPatches(std::ostream& out, const Picture& picture) {
   }
   for (const Label& l : picture.labels) {
     out << "<text x=\"" << l.at[0] << "\" y=\"" << l.at[1] << "\"";
-    if (l.colour != Colour{}) out << " fill=\"" << colourText(l.colour) << "\"";
+    if (l.colour != DrawColour{}) out << " fill=\"" << colourText(l.colour) << "\"";
     out << " paint-order=\"stroke\" stroke=\"#f7f7f5\" stroke-width=\"3\">" << l.text << "</text>\n";
   }
 }

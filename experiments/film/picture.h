@@ -11,7 +11,7 @@
 namespace lpc::inline LPC_PRECISION {
 
 /// As #rrggbb, or #rrggbbaa where something shines through.
-inline std::string colourText(const Colour& c) {
+inline std::string colourText(const DrawColour& c) {
   char text[10];
   const int end = std::snprintf(text, sizeof text, "#%02x%02x%02x", c.red, c.green, c.blue);
   if (c.alpha < 255) std::snprintf(text + end, sizeof text - static_cast<std::size_t>(end), "%02x", c.alpha);
@@ -20,7 +20,7 @@ inline std::string colourText(const Colour& c) {
 
 struct Patch {
   std::vector<Vec<2>> corners;  // convex, in order; two are a line
-  Colour fill, edge;
+  DrawColour fill, edge;
 };
 
 /// What of a convex polygon lies where inward . p >= least.
@@ -29,7 +29,7 @@ std::vector<Vec<2>> cutPolygon(const std::vector<Vec<2>>& corners, const Vec<2>&
 struct Label {
   Vec<2> at;  // left end of its base line
   std::string text;
-  Colour colour = {};
+  DrawColour colour = {};
 };
 
 struct Picture {

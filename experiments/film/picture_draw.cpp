@@ -24,7 +24,7 @@ std::vector<Patch> ofGlass(const std::vector<Patch>& patches) {
 }  // namespace
 
 template <int D>
-void PictureDraw<D>::point(const Vec<D>& p, double pixels, const Colour& colour) {
+void PictureDraw<D>::point(const Vec<D>& p, double pixels, const DrawColour& colour) {
   const Vec<2> at = m_camera.pixel(p);
   Patch dot{{}, colour, colour};
   Vec<2> out(pixels / 2, 0);
@@ -36,7 +36,7 @@ void PictureDraw<D>::point(const Vec<D>& p, double pixels, const Colour& colour)
 }
 
 template <int D>
-void PictureDraw<D>::line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) {
+void PictureDraw<D>::line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) {
   m_over.push_back({{m_camera.pixel(a), m_camera.pixel(b)}, colour, colour});
 }
 
@@ -61,7 +61,7 @@ void PictureDraw<D>::shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const
 }
 
 template <int D>
-void PictureDraw<D>::text(const Vec<D>& p, std::string_view text, const Colour& colour) {
+void PictureDraw<D>::text(const Vec<D>& p, std::string_view text, const DrawColour& colour) {
   m_labels.push_back({m_camera.pixel(p), std::string(text), colour});
 }
 

@@ -17,10 +17,10 @@ class PictureDraw final : public DebugDraw<D> {
  public:
   explicit PictureDraw(const Camera<D>& camera) : m_camera(camera) {}
 
-  void point(const Vec<D>& p, double pixels, const Colour& colour) override;
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) override;
+  void point(const Vec<D>& p, double pixels, const DrawColour& colour) override;
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override;
   void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;
-  void text(const Vec<D>& p, std::string_view text, const Colour& colour) override;
+  void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override;
 
   /// All that was drawn; the next picture begins anew. Planes are behind: one that stands in front would hide the
   /// others. Points and lines are over all shapes: contacts are within.

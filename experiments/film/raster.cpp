@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSamples = 3;  // per pixel along each axis
 
-Colour over(const Colour& c, const Colour& below) {
+DrawColour over(const DrawColour& c, const DrawColour& below) {
   const auto part = [&](int x, int y) { return static_cast<unsigned char>((x * c.alpha + y * (255 - c.alpha)) / 255); };
   return {part(c.red, below.red), part(c.green, below.green), part(c.blue, below.blue)};
 }
@@ -26,7 +26,7 @@ class Raster {
       : m_width(width * kSamples),
         m_height(height * kSamples),
         m_samples(static_cast<std::size_t>(m_width * m_height)) {
-    std::fill(m_samples.begin(), m_samples.end(), Colour{247, 247, 245});
+    std::fill(m_samples.begin(), m_samples.end(), DrawColour{247, 247, 245});
   }
 
   void draw(const Patch& patch) {
@@ -43,7 +43,7 @@ class Raster {
       for (int x = 0; x < m_width; x += kSamples) {
         int red = 0, green = 0, blue = 0;
         for (int k = 0; k < kSamples * kSamples; ++k) {
-          const Colour& c = m_samples[static_cast<std::size_t>((y + k / kSamples) * m_width + x + k % kSamples)];
+          const DrawColour& c = m_samples[static_cast<std::size_t>((y + k / kSamples) * m_width + x + k % kSamples)];
           red += c.red, green += c.green, blue += c.blue;
         }
         for (const int sum : {red, green, blue}) out.push_back(static_cast<png_byte>(sum / (kSamples * kSamples)));
@@ -54,7 +54,7 @@ class Raster {
 
  private:
   // Samples whose middle is within; the span of a row lies between the edges that cross it.
-  void fill(const std::vector<Vec<2>>& corners, const Colour& colour) {
+  void fill(const std::vector<Vec<2>>& corners, const DrawColour& colour) {
     double top = m_height, bottom = 0;
     for (const Vec<2>& c : corners) top = std::min(top, kSamples * c[1]), bottom = std::max(bottom, kSamples * c[1]);
     const int last = static_cast<int>(std::min<double>(m_height - 1, bottom));
@@ -68,13 +68,13 @@ class Raster {
       }
       const int end = static_cast<int>(std::min<double>(m_width, std::floor(right + 0.5)));
       for (int x = static_cast<int>(std::max(0.0, std::ceil(left - 0.5))); x < end; ++x) {
-        Colour& sample = m_samples[static_cast<std::size_t>(y * m_width + x)];
+        DrawColour& sample = m_samples[static_cast<std::size_t>(y * m_width + x)];
         sample = colour.alpha == 255 ? colour : over(colour, sample);
       }
     }
   }
 
-  void line(const Vec<2>& a, const Vec<2>& b, const Colour& colour) {
+  void line(const Vec<2>& a, const Vec<2>& b, const DrawColour& colour) {
     const Vec<2> along = b - a;
     if (along.norm() < 1e-9) return;
     const Vec<2> aside = 0.5 * Vec<2>(-along[1], along[0]) / along.norm();  // a pixel wide
@@ -82,7 +82,7 @@ class Raster {
   }
 
   int m_width, m_height;
-  std::vector<Colour> m_samples;
+  std::vector<DrawColour> m_samples;
 };
 
 }  // namespace

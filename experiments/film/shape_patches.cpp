@@ -11,16 +11,16 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-void drawFaces(const ShapeView<2>& shape, const Pose<2>& X_WS, const Camera<2>& camera, const Colour&,
-               const Colour& edge, std::vector<Patch>& out) {
+void drawFaces(const ShapeView<2>& shape, const Pose<2>& X_WS, const Camera<2>& camera, const DrawColour&,
+               const DrawColour& edge, std::vector<Patch>& out) {
   if (shape.core() != CoreClass::point) return;
   out.push_back(
       {{camera.pixel(X_WS.p), camera.pixel(X_WS * Vec<2>(shape.radius, 0))}, edge, edge});  // how it is turned
 }
 
 // The flat faces that look at the viewer, the brighter the more they look up.
-void drawFaces(const ShapeView<3>& shape, const Pose<3>& X_WS, const Camera<3>& camera, const Colour& fill,
-               const Colour& edge, std::vector<Patch>& out) {
+void drawFaces(const ShapeView<3>& shape, const Pose<3>& X_WS, const Camera<3>& camera, const DrawColour& fill,
+               const DrawColour& edge, std::vector<Patch>& out) {
   const auto face = [&](const Vec<3>& normal_S, const std::vector<Vec<3>>& corners_S) {
     const Vec<3> normal_W = X_WS.q * normal_S;
     if (normal_W.dot(camera.towards) <= 1e-9) return;
@@ -99,7 +99,7 @@ std::vector<Vec<2>> planePatch(const Pose<D>& X_WS, const Camera<D>& camera) {
 
 template <int D>
 std::vector<Patch> patchesOf(const ShapeView<D>& shape, const Pose<D>& X_WS, const Camera<D>& camera,
-                             const Colour& fill, const Colour& edge) {
+                             const DrawColour& fill, const DrawColour& edge) {
   std::vector<Patch> out;
   const bool flatFaced = shape.core() == CoreClass::box || shape.core() == CoreClass::hull;
   if (D == 2 || !flatFaced || shape.radius > 0) out.push_back({outlineOf(shape, X_WS, camera), fill, edge});
@@ -111,9 +111,9 @@ template std::vector<Vec<2>> outlineOf(const ShapeView<2>&, const Pose<2>&, cons
 template std::vector<Vec<2>> outlineOf(const ShapeView<3>&, const Pose<3>&, const Camera<3>&);
 template std::vector<Vec<2>> planePatch(const Pose<2>&, const Camera<2>&);
 template std::vector<Vec<2>> planePatch(const Pose<3>&, const Camera<3>&);
-template std::vector<Patch> patchesOf(const ShapeView<2>&, const Pose<2>&, const Camera<2>&, const Colour&,
-                                      const Colour&);
-template std::vector<Patch> patchesOf(const ShapeView<3>&, const Pose<3>&, const Camera<3>&, const Colour&,
-                                      const Colour&);
+template std::vector<Patch> patchesOf(const ShapeView<2>&, const Pose<2>&, const Camera<2>&, const DrawColour&,
+                                      const DrawColour&);
+template std::vector<Patch> patchesOf(const ShapeView<3>&, const Pose<3>&, const Camera<3>&, const DrawColour&,
+                                      const DrawColour&);
 
 }  // namespace lpc::inline LPC_PRECISION

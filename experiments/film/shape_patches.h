@@ -21,6 +21,6 @@ std::vector<Vec<2>> planePatch(const Pose<D>& X_WS, const Camera<D>& camera);
 /// A bounded shape, in the order in which its patches cover each other.
 template <int D>
 std::vector<Patch> patchesOf(const ShapeView<D>& shape, const Pose<D>& X_WS, const Camera<D>& camera,
-                             const Colour& fill, const Colour& edge);
+                             const DrawColour& fill, const DrawColour& edge);
 
 }  // namespace lpc::inline LPC_PRECISION

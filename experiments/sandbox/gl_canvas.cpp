@@ -54,7 +54,7 @@ unsigned shaderOf(unsigned kind, const char* text) {
 }
 
 // A body of one colour is told from its neighbours by how its surface lies: up is bright, and what looks at the viewer.
-Colour lit(const Colour& c, float light) {
+DrawColour lit(const DrawColour& c, float light) {
   const auto of = [&](unsigned char x) {
     return static_cast<unsigned char>(std::clamp(static_cast<float>(x) * light, 0.0f, 255.0f));
   };
@@ -111,19 +111,19 @@ void GlCanvas<D>::begin(const ViewCamera<D>& camera) {
 }
 
 template <int D>
-void GlCanvas<D>::point(const Vec<D>& p, double pixels, const Colour& colour) {
+void GlCanvas<D>::point(const Vec<D>& p, double pixels, const DrawColour& colour) {
   const Point at = near(p);
   m_points.vertices.push_back({at[0], at[1], D == 3 ? at[D - 1] : 0, static_cast<float>(pixels), colour});
   m_points.blends |= colour.alpha < 255;
 }
 
 template <int D>
-void GlCanvas<D>::line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) {
+void GlCanvas<D>::line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) {
   addLine(m_lines, near(a), near(b), colour);
 }
 
 template <int D>
-void GlCanvas<D>::text(const Vec<D>& p, std::string_view text, const Colour& colour) {
+void GlCanvas<D>::text(const Vec<D>& p, std::string_view text, const DrawColour& colour) {
   m_words.push_back({p, std::string(text), colour});
 }
 
@@ -206,7 +206,7 @@ void GlCanvas<D>::addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const 
 
 // In the plane a strip that may be as wide as one likes, in space what OpenGL calls a line.
 template <int D>
-void GlCanvas<D>::addLine(Layer& layer, const Point& a, const Point& b, const Colour& colour) {
+void GlCanvas<D>::addLine(Layer& layer, const Point& a, const Point& b, const DrawColour& colour) {
   layer.blends |= colour.alpha < 255;
   if constexpr (D == 2) {
     const Point along = b - a;
@@ -323,7 +323,7 @@ void GlCanvas<D>::drawWords() {
   for (const Word& word : m_words) {
     const Eigen::Vector2f at = m_camera.toPixel(word.p).template cast<float>();
     if (!(at[0] < end.x && at[1] > corner.y && at[1] - ImGui::GetFontSize() < end.y)) continue;
-    const Colour& c = word.colour;
+    const DrawColour& c = word.colour;
     list.AddText({std::round(at[0]), std::round(at[1] - ImGui::GetFont()->Ascent)},
                  IM_COL32(c.red, c.green, c.blue, c.alpha), word.text.data(), word.text.data() + word.text.size());
   }

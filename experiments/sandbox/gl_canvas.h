@@ -25,18 +25,18 @@ class GlCanvas final : public DebugDraw<D> {
   GlCanvas& operator=(const GlCanvas&) = delete;
 
   void begin(const ViewCamera<D>& camera);
-  void point(const Vec<D>& p, double pixels, const Colour& colour) override;
+  void point(const Vec<D>& p, double pixels, const DrawColour& colour) override;
   /// In 3D what is hidden of lines and points is seen faintly.
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) override;
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override;
   void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;
-  void text(const Vec<D>& p, std::string_view text, const Colour& colour) override;
+  void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override;
   /// Draws it all over what is there.
   void end();
 
  private:
   struct Vertex {
     float x, y, z, pixels;  // of a point, its size
-    Colour colour;
+    DrawColour colour;
   };
   struct Layer {
     std::vector<Vertex> vertices;
@@ -50,7 +50,7 @@ class GlCanvas final : public DebugDraw<D> {
   struct Word {
     Vec<D> p;
     std::string text;
-    Colour colour;
+    DrawColour colour;
   };
   // All that a mesh depends on: kind, corners of a full turn, and the shape's numbers.
   using MeshKey = std::tuple<ShapeKind, int, std::vector<Real>>;
@@ -62,7 +62,7 @@ class GlCanvas final : public DebugDraw<D> {
   void plane(const Pose<D>& X_WS, const Look& look);
   void addFill(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look);
   void addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look);
-  void addLine(Layer& layer, const Point& a, const Point& b, const Colour& colour);
+  void addLine(Layer& layer, const Point& a, const Point& b, const DrawColour& colour);
   Layer& layerOf(const Look& look);
   void drawLayers();
   void use(const Program& program, const Layer& layer, float strength);

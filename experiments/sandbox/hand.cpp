@@ -10,7 +10,7 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr Real kSpring = 12;  // rad/s, of the spring that drags: half a second for a swing
-constexpr Colour kPreview{40, 120, 220, 120}, kPreviewEdge{20, 80, 180}, kSelected{230, 90, 20},
+constexpr DrawColour kPreview{40, 120, 220, 120}, kPreviewEdge{20, 80, 180}, kSelected{230, 90, 20},
     kSpringLine{200, 40, 40};
 
 constexpr ToolInfo kTools[] = {

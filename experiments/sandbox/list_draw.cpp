@@ -6,19 +6,19 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-ImU32 packed(const Colour& c) { return IM_COL32(c.red, c.green, c.blue, c.alpha); }
+ImU32 packed(const DrawColour& c) { return IM_COL32(c.red, c.green, c.blue, c.alpha); }
 
 ImVec2 inPanel(const Vec<2>& pixel) { return {static_cast<float>(pixel[0]), static_cast<float>(pixel[1])}; }
 
 }  // namespace
 
 template <int D>
-void ListDraw<D>::point(const Vec<D>& p, double pixels, const Colour& colour) {
+void ListDraw<D>::point(const Vec<D>& p, double pixels, const DrawColour& colour) {
   m_list.AddCircleFilled(inPanel(m_camera.toPixel(p)), static_cast<float>(pixels) / 2, packed(colour));
 }
 
 template <int D>
-void ListDraw<D>::line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) {
+void ListDraw<D>::line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) {
   m_list.AddLine(inPanel(m_camera.toPixel(a)), inPanel(m_camera.toPixel(b)), packed(colour), 1.5f);
 }
 
@@ -28,7 +28,7 @@ void ListDraw<D>::shape(const ShapeView<D>&, const Pose<D>& X_WS, const Look& lo
 }
 
 template <int D>
-void ListDraw<D>::text(const Vec<D>& p, std::string_view text, const Colour& colour) {
+void ListDraw<D>::text(const Vec<D>& p, std::string_view text, const DrawColour& colour) {
   m_list.AddText(inPanel(m_camera.toPixel(p)), packed(colour), text.data(), text.data() + text.size());
 }
 

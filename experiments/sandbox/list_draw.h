@@ -15,10 +15,10 @@ class ListDraw final : public DebugDraw<D> {
   /// Both must outlive it.
   ListDraw(const ViewCamera<D>& camera, ImDrawList& list) : m_camera(camera), m_list(list) {}
 
-  void point(const Vec<D>& p, double pixels, const Colour& colour) override;
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) override;
+  void point(const Vec<D>& p, double pixels, const DrawColour& colour) override;
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override;
   void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;  // its origin alone
-  void text(const Vec<D>& p, std::string_view text, const Colour& colour) override;
+  void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override;
 
  private:
   const ViewCamera<D>& m_camera;

@@ -25,7 +25,7 @@ void comparePanel(App<D>& app) {
   for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
     const auto& l = lanes[lane];
     ImGui::PushID(static_cast<int>(lane));
-    const Colour c = laneColour(lane);
+    const DrawColour c = laneColour(lane);
     ImGui::TextColored(ImVec4(float(c.red) / 255, float(c.green) / 255, float(c.blue) / 255, 1), "%zu", lane + 1);
     ImGui::SameLine();
     ImGui::TextWrapped("%s", laneLabel(l.pipeline, D).c_str());

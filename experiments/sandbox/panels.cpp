@@ -54,7 +54,7 @@ void status(App<D>& app) {
   }
   for (std::size_t lane = 0; app.session.lanes().size() > 1 && lane < app.session.lanes().size(); ++lane) {
     const auto& l = app.session.lanes()[lane];
-    const Colour c = laneColour(lane);
+    const DrawColour c = laneColour(lane);
     const std::string state = !l.fallen.empty() ? "  " + l.fallen
                               : l.partedAt >= 0 ? "  parted at step " + std::to_string(l.partedAt)
                                                 : "";

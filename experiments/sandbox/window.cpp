@@ -181,7 +181,7 @@ void Window::holdButton(int button, bool down) {
   m_down[button == SDL_BUTTON_LEFT ? 0 : button == SDL_BUTTON_RIGHT ? 1 : 2] = down;
 }
 
-Colour Window::Picture::at(int x, int y) const {
+DrawColour Window::Picture::at(int x, int y) const {
   LPC_ASSERT(x >= 0 && x < width && y >= 0 && y < height);
   const unsigned char* pixel =
       rgb.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));

@@ -54,7 +54,7 @@ class Window {
   struct Picture {
     int width = 0, height = 0;
     std::vector<unsigned char> rgb;  // row by row from the top
-    Colour at(int x, int y) const;
+    DrawColour at(int x, int y) const;
   };
   /// The last frame that has ended.
   Picture screenshot() const;

@@ -283,10 +283,10 @@ template <int D>
 struct Drawn final : DebugDraw<D> {
   std::vector<Vec<D>> points;
   std::vector<std::pair<Vec<D>, Vec<D>>> lines;
-  void point(const Vec<D>& p, double, const Colour&) override { points.push_back(p); }
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour&) override { lines.emplace_back(a, b); }
+  void point(const Vec<D>& p, double, const DrawColour&) override { points.push_back(p); }
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour&) override { lines.emplace_back(a, b); }
   void shape(const ShapeView<D>&, const Pose<D>&, const Look&) override {}
-  void text(const Vec<D>&, std::string_view, const Colour&) override {}
+  void text(const Vec<D>&, std::string_view, const DrawColour&) override {}
   bool has(const Vec<D>& p) const { return std::find(points.begin(), points.end(), p) != points.end(); }
 };
 

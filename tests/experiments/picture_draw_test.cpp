@@ -67,7 +67,7 @@ struct Pixels {
   std::size_t width = 0, height = 0;
   std::vector<png_byte> rgb;
 
-  Colour at(const Vec<2>& pixel) const {
+  DrawColour at(const Vec<2>& pixel) const {
     const png_byte* p = &rgb[3 * (static_cast<std::size_t>(pixel[1]) * width + static_cast<std::size_t>(pixel[0]))];
     return {p[0], p[1], p[2]};
   }
@@ -86,7 +86,7 @@ Pixels pixelsOf(const Picture& picture) {
   return out;
 }
 
-constexpr Colour kPaper{247, 247, 245}, kInk{200, 0, 0}, kOther{0, 0, 200};
+constexpr DrawColour kPaper{247, 247, 245}, kInk{200, 0, 0}, kOther{0, 0, 200};
 
 // Marks are where the camera sees their places, over a shape that covers these.
 template <int D>
@@ -107,7 +107,7 @@ void marksAreOverShapes() {
   EXPECT_EQ(colourAt(-0.3, -0.2), kOther);
   EXPECT_EQ(colourAt(-2, 0.5), kPaper);
   EXPECT_EQ(colourAt(2, -0.3), kPaper) << "within an outline";
-  const Colour line = colourAt(-1.5, 1.5);
+  const DrawColour line = colourAt(-1.5, 1.5);
   EXPECT_GT(line.red, line.blue + 60);
   EXPECT_TRUE(draw.picture().patches.empty()) << "the next picture begins anew";
 }
@@ -135,11 +135,11 @@ TEST(PictureDraw, ShinesThroughAndHasWords) {
   const Camera<2> camera = cameraOf<2>(Sight{{-3, -2}, {3, 2}}, 300);
   PictureDraw<2> draw(camera);
   const auto ball = Shape<2>::sphere(1);
-  const Colour half{200, 0, 0, 128};
+  const DrawColour half{200, 0, 0, 128};
   draw.shape(ball.view(), {}, {half, half});
   draw.text({1, 1}, "300 mm", kOther);
   const Picture picture = draw.picture();
-  const Colour seen = pixelsOf(picture).at(camera.pixel({0.3, 0.3}));
+  const DrawColour seen = pixelsOf(picture).at(camera.pixel({0.3, 0.3}));
   EXPECT_NEAR(seen.red, (200 + 247) / 2, 2);
   EXPECT_NEAR(seen.blue, 245 / 2, 2);
   const Workspace w;

@@ -44,7 +44,7 @@ template <int D>
 bool near(const Vec<D>& a, const Vec<D>& b, double within = 1e-9) {
   return (a - b).norm() <= within;
 }
-int brightness(const Colour& c) { return c.red + c.green + c.blue; }
+int brightness(const DrawColour& c) { return c.red + c.green + c.blue; }
 
 template <int D>
 Shape<D> cube(double half = 0.5) {
@@ -422,7 +422,7 @@ void tintIsAll() {
   addJointed(world, at<D>(30, 5));
   for (int i = 0; i < 60; ++i) world.step(kDt);
   DrawLayers layers = allLayers();
-  layers.tint = Colour{1, 2, 3, 200};
+  layers.tint = DrawColour{1, 2, 3, 200};
   const HeardDrawing<D> all = heard<D>(drawSimulation<D>, world, layers);
   EXPECT_GT(all.dots.size(), 0u);
   for (const auto& d : all.dots) EXPECT_EQ(d.colour, *layers.tint);

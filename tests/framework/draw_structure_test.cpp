@@ -15,14 +15,14 @@ template <int D>
 struct Lines final : DebugDraw<D> {
   struct Line {
     Vec<D> a, b;
-    Colour colour;
+    DrawColour colour;
   };
   std::vector<Line> lines;
 
-  void point(const Vec<D>&, double, const Colour&) override { FAIL(); }
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) override { lines.push_back({a, b, colour}); }
+  void point(const Vec<D>&, double, const DrawColour&) override { FAIL(); }
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override { lines.push_back({a, b, colour}); }
   void shape(const ShapeView<D>&, const Pose<D>&, const Look&) override { FAIL(); }
-  void text(const Vec<D>&, std::string_view, const Colour&) override { FAIL(); }
+  void text(const Vec<D>&, std::string_view, const DrawColour&) override { FAIL(); }
 };
 
 Pipeline by(const std::string& broadphase) { return Pipeline::parse("broadphase=" + broadphase); }

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "framework/director.h"
+#include "framework/draw_simulation.h"
+#include "framework/draw_structure.h"
 #include "framework/invariants.h"
 #include "framework/plugin.h"
 #include "framework/pose_penetration.h"

@@ -17,11 +17,11 @@ class HeardDrawing : public DebugDraw<D> {
  public:
   struct Dot {
     Vec<D> p;
-    Colour colour;
+    DrawColour colour;
   };
   struct Stroke {
     Vec<D> a, b;
-    Colour colour;
+    DrawColour colour;
   };
   struct Solid {
     ShapeView<D> shape;
@@ -31,19 +31,19 @@ class HeardDrawing : public DebugDraw<D> {
   struct Words {
     Vec<D> p;
     std::string text;
-    Colour colour;
+    DrawColour colour;
   };
   std::vector<Dot> dots;
   std::vector<Stroke> strokes;
   std::vector<Solid> solids;
   std::vector<Words> words;
 
-  void point(const Vec<D>& p, double, const Colour& c) override { dots.push_back({p, c}); }
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour& c) override { strokes.push_back({a, b, c}); }
+  void point(const Vec<D>& p, double, const DrawColour& c) override { dots.push_back({p, c}); }
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& c) override { strokes.push_back({a, b, c}); }
   void shape(const ShapeView<D>& s, const Pose<D>& X_WS, const Look& look) override {
     solids.push_back({s, X_WS, look});
   }
-  void text(const Vec<D>& p, std::string_view text, const Colour& c) override {
+  void text(const Vec<D>& p, std::string_view text, const DrawColour& c) override {
     words.push_back({p, std::string(text), c});
   }
   std::size_t size() const { return dots.size() + strokes.size() + solids.size() + words.size(); }

@@ -59,12 +59,14 @@ template <int D>
 class CanvasTwin : public DebugDraw<D> {
  public:
   explicit CanvasTwin(DebugDraw<D>& inner) : m_inner(inner) {}
-  void point(const Vec<D>& p, double pixels, const Colour& colour) override { m_inner.point(p, pixels, colour); }
-  void line(const Vec<D>& a, const Vec<D>& b, const Colour& colour) override { m_inner.line(a, b, colour); }
+  void point(const Vec<D>& p, double pixels, const DrawColour& colour) override { m_inner.point(p, pixels, colour); }
+  void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override { m_inner.line(a, b, colour); }
   void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override {
     m_inner.shape(shape, X_WS, look);
   }
-  void text(const Vec<D>& p, std::string_view text, const Colour& colour) override { m_inner.text(p, text, colour); }
+  void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override {
+    m_inner.text(p, text, colour);
+  }
 
  protected:
   DebugDraw<D>& m_inner;

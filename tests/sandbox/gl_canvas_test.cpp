@@ -14,7 +14,7 @@
 namespace lpc::inline LPC_PRECISION::test::gl_canvas_test {
 namespace {
 
-constexpr Colour kRed{220, 0, 0}, kBlue{0, 0, 220};
+constexpr DrawColour kRed{220, 0, 0}, kBlue{0, 0, 220};
 constexpr Look kRedBody{kRed, kRed}, kBlueBody{kBlue, kBlue};
 
 class Canvas : public testing::Test {

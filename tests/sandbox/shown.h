@@ -7,7 +7,7 @@
 
 namespace lpc::inline LPC_PRECISION::test {
 
-inline constexpr Colour kPaper{247, 247, 245};
+inline constexpr DrawColour kPaper{247, 247, 245};
 
 /// One frame of what `draw` draws, as its camera sees it.
 template <int D>
@@ -20,12 +20,12 @@ Window::Picture shown(Window& window, GlCanvas<D>& canvas, const ViewCamera<D>& 
   return window.screenshot();
 }
 
-inline bool isPaper(const Colour& c) { return c == kPaper; }
+inline bool isPaper(const DrawColour& c) { return c == kPaper; }
 /// Of whatever brightness.
-inline bool isRed(const Colour& c) { return c.red > 60 && c.green < c.red / 4 && c.blue < c.red / 4; }
-inline bool isBlue(const Colour& c) { return c.blue > 60 && c.green < c.blue / 4 && c.red < c.blue / 4; }
+inline bool isRed(const DrawColour& c) { return c.red > 60 && c.green < c.red / 4 && c.blue < c.red / 4; }
+inline bool isBlue(const DrawColour& c) { return c.blue > 60 && c.green < c.blue / 4 && c.red < c.blue / 4; }
 
-inline int count(const Window::Picture& picture, bool (*is)(const Colour&)) {
+inline int count(const Window::Picture& picture, bool (*is)(const DrawColour&)) {
   int n = 0;
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) n += is(picture.at(x, y));
