@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Convex patches into pixels. All that is drawn is convex, so that a row of pixels has one span of each patch: a
-// library for drawing would be more than these lines. libpng writes the file.
+// library for drawing would be more than these lines.
 #include "experiments/film/raster.h"
-
-#include <png.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/trial/output_file.h"
+#include "experiments/film/png_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -36,8 +34,8 @@ class Raster {
     }
   }
 
-  std::vector<png_byte> pixels() const {
-    std::vector<png_byte> out;
+  std::vector<unsigned char> pixels() const {
+    std::vector<unsigned char> out;
     out.reserve(m_samples.size() * 3 / (kSamples * kSamples));
     for (int y = 0; y < m_height; y += kSamples) {
       for (int x = 0; x < m_width; x += kSamples) {
@@ -46,7 +44,7 @@ class Raster {
           const DrawColour& c = m_samples[static_cast<std::size_t>((y + k / kSamples) * m_width + x + k % kSamples)];
           red += c.red, green += c.green, blue += c.blue;
         }
-        for (const int sum : {red, green, blue}) out.push_back(static_cast<png_byte>(sum / (kSamples * kSamples)));
+        for (const int sum : {red, green, blue}) out.push_back(static_cast<unsigned char>(sum / (kSamples * kSamples)));
       }
     }
     return out;
@@ -91,13 +89,7 @@ void writePng(const std::string& path, const Picture& picture) {
   const int width = static_cast<int>(picture.width), height = static_cast<int>(picture.height);
   Raster raster(width, height);
   for (const Patch& p : picture.patches) raster.draw(p);
-  const std::vector<png_byte> pixels = raster.pixels();
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION, image.format = PNG_FORMAT_RGB;
-  image.width = static_cast<png_uint_32>(width), image.height = static_cast<png_uint_32>(height);
-  if (!png_image_write_to_file(&image, path.c_str(), 0, pixels.data(), 0, nullptr)) {
-    throw CannotWrite(path + ": cannot be written: " + image.message);
-  }
+  writePng(path, width, height, raster.pixels());
 }
 
 }  // namespace lpc::inline LPC_PRECISION

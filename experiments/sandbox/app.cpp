@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "experiments/film/png_file.h"
 #include "experiments/runner/locations.h"
 #include "experiments/sandbox/deed_script.h"
 #include "experiments/sandbox/equal_cost.h"
@@ -90,7 +91,7 @@ bool App<D>::frame(InputScript* script) {
   if (imageSequence && !paused) {
     char name[48];
     std::snprintf(name, sizeof name, "sandbox_%05ld.png", ++m_images);
-    act([&] { window.savePng(name); });
+    act([&] { savePicture(name); });
   }
   if (later) act(std::exchange(later, nullptr));
   return !closed && !m_next;
@@ -310,9 +311,15 @@ void App<D>::saveScript() {
 template <int D>
 void App<D>::screenshot() {
   later = [this] {
-    window.savePng("sandbox.png");
+    savePicture("sandbox.png");
     say("written: sandbox.png");
   };
+}
+
+template <int D>
+void App<D>::savePicture(const std::string& path) const {
+  const Window::Picture shown = window.screenshot();
+  writePng(path, shown.width, shown.height, shown.rgb);
 }
 
 template <int D>

@@ -73,6 +73,8 @@ class App {
   void addLane(const std::string& pipeline);
   void toggleLog();
   void writeProfile(const std::string& path);
+  /// The last picture, as PNG. Throws UserError for what cannot be written.
+  void savePicture(const std::string& path) const;
   void say(std::string text);  // in the window's last line
   /// Does it; of a mistake it says why.
   void act(const std::function<void()>& what);

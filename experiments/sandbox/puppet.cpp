@@ -175,7 +175,7 @@ void playOrder(App<D>& app, InputScript& script) {
     std::snprintf(event.text.text, sizeof event.text.text, "%s", joined(words).c_str());
     push(event);
   } else if (is("shot")) {
-    app.window.savePng(words[0]);
+    app.savePicture(words[0]);
   } else if (is("state")) {
     OutputFile out(words[0]);
     out.stream() << stateOf(app).dump(1) << '\n';

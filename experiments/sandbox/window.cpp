@@ -6,7 +6,6 @@
 #include <backends/imgui_impl_sdl.h>
 #include <epoxy/gl.h>
 #include <imgui.h>
-#include <png.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -199,16 +198,6 @@ Window::Picture Window::screenshot() const {
                  picture.rgb.data() + y * row);
   }
   return picture;
-}
-
-void Window::savePng(const std::string& path) const {
-  const Picture picture = screenshot();
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION, image.format = PNG_FORMAT_RGB;
-  image.width = static_cast<png_uint_32>(picture.width), image.height = static_cast<png_uint_32>(picture.height);
-  if (!png_image_write_to_file(&image, path.c_str(), 0, picture.rgb.data(), 0, nullptr)) {
-    throw UserError(path + ": cannot be written: " + image.message);
-  }
 }
 
 }  // namespace lpc::inline LPC_PRECISION

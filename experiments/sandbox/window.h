@@ -58,8 +58,6 @@ class Window {
   };
   /// The last frame that has ended.
   Picture screenshot() const;
-  /// Throws UserError for what cannot be written.
-  void savePng(const std::string& path) const;
 
  private:
   void fit();

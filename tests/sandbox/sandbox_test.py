@@ -208,6 +208,8 @@ class Sandbox(unittest.TestCase):
     def test_mistakes_are_one_line_and_exit_code_2(self):
         (self.folder / "broken.toml").write_text('name = "broken"\nsummary = 3\n')
         (self.folder / "bad.txt").write_text("wait 1\nfly 3\n")
+        (self.folder / "nowhere.txt").write_text("shot nowhere/a.png\n")
+        before = sorted(self.folder.iterdir())
         for arguments, env, say in (
                 ((), {"DISPLAY": ""}, "no window"),
                 # A driver that is unloaded again has leaked a little, which sanitizers cannot name any more.
@@ -222,12 +224,14 @@ class Sandbox(unittest.TestCase):
                 (("1", "-i", "--trial", "ab"), {}, "excludes"),
                 (("--trial", "ab"), {}, "store"),
                 (("1", "--input", "bad.txt"), {}, "bad.txt:2"),
+                (("1", "--input", "nowhere.txt"), {}, "nowhere/a.png: cannot be written: No such file or directory"),
                 (("1", "--input", "none.txt"), {}, "none.txt")):
             with self.subTest(arguments=arguments, env=env):
                 done = self.call(*arguments, env=env)
                 self.assertEqual(done.returncode, 2, done.stderr)
                 self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
                 self.assertIn(say, done.stderr)
+        self.assertEqual(sorted(self.folder.iterdir()), before)
 
     def test_without_a_window_it_is_lpc_run(self):
         done = self.call("2d", "-s", "4", "-i", "-g", "-o", "p.csv")

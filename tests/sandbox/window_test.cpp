@@ -5,10 +5,8 @@
 #include <SDL2/SDL.h>
 #include <gtest/gtest.h>
 #include <imgui.h>
-#include <png.h>
 
 #include <cstdlib>
-#include <filesystem>
 
 #include "experiments/sandbox/view.h"
 #include "framework/world.h"
@@ -38,29 +36,14 @@ void drawHalf(Window& window) {
   });
 }
 
-TEST(Window, WritesWhatItShows) {
+TEST(Window, ShowsWhatIsDrawn) {
   Window window("test", 300, 200);
   drawHalf(window);
   const auto picture = window.screenshot();
   EXPECT_TRUE(isRed(picture.at(20, 20)));
   EXPECT_TRUE(isPaper(picture.at(280, 20)));
-  const std::string path = (std::filesystem::temp_directory_path() / ("lpc_window_" + currentTest() + ".png")).string();
-  window.savePng(path);
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  ASSERT_TRUE(png_image_begin_read_from_file(&image, path.c_str()));
-  image.format = PNG_FORMAT_RGB;
-  std::vector<unsigned char> read(PNG_IMAGE_SIZE(image));
-  ASSERT_TRUE(png_image_finish_read(&image, nullptr, read.data(), 0, nullptr));
-  std::filesystem::remove(path);
-  EXPECT_EQ(image.width, 300u);
-  EXPECT_EQ(read, picture.rgb);
-  try {
-    window.savePng("/nowhere/picture.png");
-    FAIL() << "written";
-  } catch (const UserError& e) {
-    EXPECT_TRUE(std::string(e.what()).starts_with("/nowhere/picture.png: cannot be written: ")) << e.what();
-  }
+  EXPECT_EQ(picture.width, 300);
+  EXPECT_EQ(picture.height, 200);
 }
 
 TEST(Window, FollowsItsSize) {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "framework/space.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// A PNG file of red, green and blue, row by row from the top: whole or not at all (OutputFile). Throws CannotWrite.
+void writePng(const std::string& path, int width, int height, std::span<const unsigned char> rgb);
+
+}  // namespace lpc::inline LPC_PRECISION
