@@ -5,29 +5,15 @@
 #include <limits>
 #include <sstream>
 
+#include "experiments/trial/simulation_of_scene.h"
 #include "framework/check.h"
 #include "framework/invariants.h"
-#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr long kKeepEvery = 30;                // steps: so many are done again at most to go one back
 constexpr std::size_t kKeptBytes = 256 << 20;  // of one lane; beyond, every second is given up
-
-template <int D>
-std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const SceneSpec<D>& scene) {
-  if (const auto engine = engineOf(pipeline)) {
-    if (!scene.saved.empty()) throw UserError("a saved world is one of ours: no engine takes it");
-    return createStage<Engine<D>>(*engine)->start(scene.settings);
-  }
-  auto world = std::make_unique<World<D>>(Pipeline::parse(pipeline), scene.settings);
-  if (!scene.saved.empty()) {
-    std::istringstream in(scene.saved);
-    world->load(in);
-  }
-  return world;
-}
 
 }  // namespace
 

@@ -6,7 +6,6 @@
 #include <deque>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <utility>
 
 #include "experiments/trial/ghost_hits.h"
@@ -15,6 +14,7 @@
 #include "experiments/trial/saved_scene.h"
 #include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_file.h"
+#include "experiments/trial/simulation_of_scene.h"
 #include "experiments/trial/trial.h"
 #include "experiments/trial/tunnelling.h"
 #include "experiments/trial/world_metrics.h"
@@ -22,7 +22,6 @@
 #include "framework/director.h"
 #include "framework/pose_penetration.h"
 #include "framework/recording.h"
-#include "framework/stage_engine.h"
 #include "framework/world.h"
 #include "framework/worse.h"
 
@@ -42,25 +41,6 @@ constexpr double kLightSpeed = 299792458;  // m/s
 std::string underscored(std::string name) {
   std::replace(name.begin(), name.end(), '.', '_');
   return name;
-}
-
-template <int D>
-std::unique_ptr<Simulation<D>> simulationOf(const json& trial, const SceneSpec<D>& scene) {
-  const std::string pipeline = trial.at("pipeline");
-  if (const auto engine = engineOf(pipeline)) {
-    if (!scene.saved.empty()) throw UserError("a saved world is one of ours: no engine takes it");
-    for (const auto& e : scene.events) {
-      if (e.oursAlone) throw UserError(*e.place + ": this event is one of our worlds: no engine has it");
-    }
-    return createStage<Engine<D>>(*engine)->start(scene.settings);
-  }
-  auto world = std::make_unique<World<D>>(Pipeline::parse(pipeline), scene.settings);
-  if (scene.saved.empty()) return world;
-  std::istringstream in(scene.saved);
-  world->load(in);
-  const std::string has = featuresText(world->settings().features), asked = featuresText(scene.settings.features);
-  if (has != asked) throw UserError("the saved world has the model '" + has + "' and keeps it; asked: '" + asked + "'");
-  return world;
 }
 
 // The velocity problem of a step, and what its answer leaves of it.
@@ -161,7 +141,7 @@ class WorldTrial {
 
   Simulation<D>& makeWorld() {
     const MemoryUse before = memoryNow();
-    m_simulation = simulationOf(m_request.at("trial"), m_scene);
+    m_simulation = simulationOf(m_request.at("trial").at("pipeline").template get<std::string>(), m_scene);
     addMemory("scene", memoryNow() - before, 0);
     return *m_simulation;
   }

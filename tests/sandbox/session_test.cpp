@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_label.h"
 #include "framework/check.h"
@@ -172,6 +174,19 @@ TEST(Sandbox, WhatAHandCannotDoIsRefusedAndChangesNothing) {
   EXPECT_EQ(session.world().hash(), before);
   EXPECT_TRUE(session.deeds().empty());
   EXPECT_FALSE(session.back());
+}
+
+// As `lpc run` refuses it: a world that was saved has its features, whatever the scene says.
+TEST(Sandbox, ASavedWorldOfOtherFeaturesIsRefused) {
+  Session<2> session(heap<2>(), {""});
+  for (int i = 0; i < 10; ++i) session.step();
+  std::ostringstream out;
+  dynamic_cast<const World<2>&>(session.world()).save(out);
+  SceneSpec<2> scene;
+  scene.settings = session.scene().settings, scene.saved = out.str();
+  EXPECT_EQ(Session<2>(scene, {""}).world().hash(), session.world().hash());
+  scene.settings.features.friction = false;
+  EXPECT_THROW(Session<2>(scene, {""}), UserError);
 }
 
 TEST(Sandbox, StagesAreExchangedInOneLaneAlone) {
