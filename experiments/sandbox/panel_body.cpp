@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiments/sandbox/panels.h"
+#include "experiments/trial/body_type_name.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -16,18 +17,6 @@ double turnOf(const Rot<D>& q) {
   } else {
     return 2 * std::acos(std::min(1.0, std::abs(static_cast<double>(q.w))));
   }
-}
-
-const char* typeName(BodyType type) {
-  switch (type) {
-    case BodyType::fixed:
-      return "static";
-    case BodyType::kinematic:
-      return "kinematic";
-    case BodyType::dynamic:
-      return "dynamic";
-  }
-  return "";
 }
 
 }  // namespace
@@ -43,7 +32,7 @@ void bodyPanel(App<D>& app) {
   const auto i = static_cast<std::size_t>(h.slot);
   const Bodies<D>& b = world.bodies();
   const Pose<D> X_WB = world.pose(h);
-  ImGui::Text("body %d of %d, %s%s%s", body, static_cast<int>(selected.size()), typeName(b.type[i]),
+  ImGui::Text("body %d of %d, %s%s%s", body, static_cast<int>(selected.size()), bodyTypeName(b.type[i]),
               b.pinned[i] ? ", pinned" : "", b.awake[i] ? "" : ", asleep");
   ImGui::Text("mass %.6g kg, turned %.4g rad", static_cast<double>(b.mass[i]), turnOf<D>(X_WB.q));
   ImGui::Text("speed %.4g m/s", static_cast<double>(b.motion[i].v.norm()));

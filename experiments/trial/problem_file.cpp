@@ -10,6 +10,7 @@
 #include <ostream>
 
 #include "experiments/parse/toml_reader.h"
+#include "experiments/trial/body_type_name.h"
 #include "experiments/trial/fclib_file.h"
 #include "framework/names.h"
 
@@ -20,7 +21,8 @@ using nlohmann::json;
 
 constexpr const char* kFormat = "lpc problems";
 constexpr int kVersion = 1;
-constexpr const char* kTypes[] = {"fixed", "kinematic", "dynamic", "sleeping"};
+constexpr const char* kTypes[] = {bodyTypeName(BodyType::fixed), bodyTypeName(BodyType::kinematic),
+                                  bodyTypeName(BodyType::dynamic), "sleeping"};
 constexpr const char* kLaws[] = {"rigid", "spring", "motor"};
 constexpr const char* kBlocks[] = {"equality", "box"};
 

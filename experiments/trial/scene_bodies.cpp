@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "experiments/trial/body_type_name.h"
 #include "experiments/trial/scene_parsed.h"
 #include "framework/curved_core.h"
 #include "framework/inverse_inertia.h"
@@ -444,11 +445,14 @@ Rot<D> readRotation(TableReader& table, SceneNumbers& numbers) {
 }
 
 BodyType readBodyType(TableReader& body) {
-  const std::string type = body.string("type", "dynamic");
-  if (type == "dynamic") return BodyType::dynamic;
-  if (type == "fixed" || type == "static") return BodyType::fixed;
-  if (type == "kinematic") return BodyType::kinematic;
-  body.fail(*body.find("type"), "unknown type '" + type + "'" + validNames({"dynamic", "fixed", "kinematic"}, type));
+  const std::string type = body.string("type", bodyTypeName(BodyType::dynamic));
+  if (type == "static") return BodyType::fixed;
+  std::vector<std::string> names;
+  for (const BodyType known : kBodyTypes) {
+    names.emplace_back(bodyTypeName(known));
+    if (type == names.back()) return known;
+  }
+  body.fail(*body.find("type"), "unknown type '" + type + "'" + validNames(names, type));
 }
 
 template <int D>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The features that scenes need and the bodies that they have, by name.
+#include "experiments/trial/body_type_name.h"
 #include "experiments/trial/scene_parsed.h"
 #include "framework/names.h"
 
@@ -54,8 +55,7 @@ std::map<std::string, int> census(const SceneSpec<D>& scene) {
   for (const auto& spawn : scene.spawns) {
     if (spawn.part) continue;  // of one that is counted
     const BodyDef<D>& b = spawn.body;
-    const std::string type =
-        b.type == BodyType::dynamic ? "dynamic" : (b.type == BodyType::fixed ? "fixed" : "kinematic");
+    const std::string type = bodyTypeName(b.type);
     ++out[type];
     if (b.pinned) ++out["pinned"];
     if (!b.rotatable) ++out["non-rotatable"];

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "experiments/trial/body_type_name.h"
 #include "experiments/trial/scene_parsed.h"
 #include "framework/curved_core.h"
 #include "framework/names.h"
@@ -154,18 +155,6 @@ std::string massKeys(const MassProperties<D>& m) {
   return keyLine("mass", numberText(m.mass)) + keyLine("center", listText(m.center)) + keyLine("inertia", inertia);
 }
 
-const char* typeText(BodyType type) {
-  switch (type) {
-    case BodyType::fixed:
-      return "\"fixed\"";
-    case BodyType::kinematic:
-      return "\"kinematic\"";
-    case BodyType::dynamic:
-      return "\"dynamic\"";
-  }
-  return "";
-}
-
 }  // namespace
 
 template <int D>
@@ -176,7 +165,7 @@ void ScriptWriter<D>::event(const char* what, long step, const std::string& keys
 template <int D>
 void ScriptWriter<D>::add(long step, const std::string& name, const BodyDef<D>& body) {
   if (body.userData != 0) throw UserError("the user data of a body cannot be written into a script");
-  std::string keys = keyLine("name", inQuotes(name)) + keyLine("type", typeText(body.type)) +
+  std::string keys = keyLine("name", inQuotes(name)) + keyLine("type", inQuotes(bodyTypeName(body.type))) +
                      keyLine("position", listText(body.X_WB.p)) + keyLine("rotation", rotationText(body.X_WB.q)) +
                      keyLine("velocity", listText(body.velocity)) +
                      keyLine("angular_velocity", angularText(body.angularVelocity));
@@ -329,7 +318,7 @@ void ScriptWriter<D>::pin(long step, const std::string& body, bool pinned) {
 
 template <int D>
 void ScriptWriter<D>::type(long step, const std::string& body, BodyType type) {
-  event("type", step, keyLine("body", inQuotes(body)) + keyLine("type", typeText(type)));
+  event("type", step, keyLine("body", inQuotes(body)) + keyLine("type", inQuotes(bodyTypeName(type))));
 }
 
 template <int D>

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "framework/body.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+inline constexpr BodyType kBodyTypes[] = {BodyType::dynamic, BodyType::fixed, BodyType::kinematic};
+
+/// As scenes, scripts and messages have it.
+constexpr const char* bodyTypeName(BodyType type) {
+  switch (type) {
+    case BodyType::fixed:
+      return "fixed";
+    case BodyType::kinematic:
+      return "kinematic";
+    case BodyType::dynamic:
+      return "dynamic";
+  }
+  return "";
+}
+
+}  // namespace lpc::inline LPC_PRECISION
