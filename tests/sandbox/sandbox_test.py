@@ -233,6 +233,20 @@ class Sandbox(unittest.TestCase):
                 self.assertIn(say, done.stderr)
         self.assertEqual(sorted(self.folder.iterdir()), before)
 
+    def test_a_plugin_of_another_build_is_refused(self):
+        other = self.folder / "other.so"
+        other.write_bytes(b"\x7fELF\0LPC-ABI|0.1.0|f32|another compiler\0")
+        scene = SOURCE / "experiments" / "scenes" / "pyramid.toml"
+        window = [LPC.with_name("lpc-sandbox"), json.dumps({"scene": str(scene), "dimension": 2, "pipelines": [""],
+                                                            "plugins": [str(other)]})]
+        for command in ([LPC, "--plugin", other, "sandbox"], window):  # lpc refuses before it starts the window's program
+            with self.subTest(command[0].name):
+                done = subprocess.run([str(c) for c in command], cwd=self.folder, capture_output=True, text=True, timeout=300,
+                                      env={**os.environ, "DISPLAY": ""})  # a window would be refused first
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertRegex(done.stderr, r"^lpc: plugin .*other\.so: it was built as '0\.1\.0\|f32\|another compiler'; "
+                                              r"valid: '[^']*f64[^']*'\n$")
+
     def test_without_a_window_it_is_lpc_run(self):
         done = self.call("2d", "-s", "4", "-i", "-g", "-o", "p.csv")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
