@@ -183,7 +183,12 @@ TEST(BroadphaseStructure, KnownAnswers) {
   const std::vector<Expected> crosses = {
       {-kFar, -kFar, kFar, kFar, 0, true}, {-kFar, -kFar, 2.5, 2.5, 1, true}, {2.5, 2.5, kFar, kFar, 1, true}};
   expectTold("region_tree{mode=tight,capacity=1}", three, crosses);
-  expectTold("region_tree{mode=multi,capacity=1}", three, {});
+  expectTold("region_tree{mode=multi,capacity=1,max_depth=1}", three,
+             {{-kFar, -kFar, kFar, kFar, 0, false},
+              {-kFar, -kFar, 2.5, 2.5, 1, true},
+              {2.5, -kFar, kFar, 2.5, 1, true},
+              {-kFar, 2.5, 2.5, kFar, 1, false},
+              {2.5, 2.5, kFar, kFar, 1, true}});
   // By the middle of the third of four, which stands on both sides.
   std::vector<Aabb<2>> row;
   for (int i = 0; i < 4; ++i) row.push_back({at<2>(2 * i, 0), at<2>(2 * i + 1, 1)});
@@ -202,6 +207,7 @@ void checkWhoTells() {
                                                              {"dynamic_tree", true},
                                                              {"rebuilt_bvh", true},
                                                              {"region_tree", true},
+                                                             {"region_tree{mode=multi}", true},
                                                              {"region_tree{mode=loose}", true},
                                                              {"sort_and_sweep", false},
                                                              {"spatial_hash", false},
