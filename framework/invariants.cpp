@@ -8,6 +8,50 @@
 #include "framework/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <class Numbers>
+bool areFinite(const Numbers& numbers) {
+  return std::all_of(std::begin(numbers), std::end(numbers), [](Real x) { return std::isfinite(x); });
+}
+
+template <int D>
+bool bodyIsFinite(const Bodies<D>& b, std::size_t i) {
+  return b.pose[i].p.allFinite() && b.motion[i].v.allFinite() && b.motion[i].w.allFinite() &&
+         b.pose[i].q.matrix().allFinite();
+}
+
+template <int D>
+bool jointIsFinite(const JointRecord<D>& joint, const JointError& error) {
+  return std::isfinite(error.linear) && std::isfinite(error.angular) && areFinite(joint.impulse);
+}
+
+template <int D>
+bool contactsAreFinite(const Simulation<D>& world) {
+  for (const Manifold<D>& m : world.contacts().value_or(std::span<const Manifold<D>>())) {
+    for (int k = 0; k < m.count; ++k) {
+      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+      if (!std::isfinite(c.separation) || !areFinite(c.impulse)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+template <int D>
+bool stateIsFinite(const Simulation<D>& world) {
+  const Bodies<D>& b = world.bodies();
+  for (std::size_t i = 0; i < b.pose.size(); ++i) {
+    if (b.used[i] && !bodyIsFinite(b, i)) return false;
+  }
+  JointRows<D> rows;
+  for (const JointRecord<D>& j : world.joints()) {
+    jointRows(j, b, rows);
+    if (!jointIsFinite(j, jointError(rows.all()))) return false;
+  }
+  return contactsAreFinite(world);
+}
 
 template <int D>
 StateInvariants<D> stateInvariants(const Simulation<D>& world) {
@@ -19,7 +63,7 @@ StateInvariants<D> stateInvariants(const Simulation<D>& world) {
     const Eigen::Matrix<double, D, 1> p = b.pose[i].p.template cast<double>();
     const Eigen::Matrix<double, D, 1> v = b.motion[i].v.template cast<double>();
     const Eigen::Matrix<double, kAngDim<D>, 1> w = b.motion[i].w.template cast<double>();
-    out.finite = out.finite && p.allFinite() && v.allFinite() && w.allFinite() && b.pose[i].q.matrix().allFinite();
+    out.finite = out.finite && bodyIsFinite(b, i);
     if (b.type[i] != BodyType::dynamic) continue;
     const double mass = b.mass[i];
     out.kinetic += 0.5 * mass * v.squaredNorm();
@@ -45,16 +89,9 @@ StateInvariants<D> stateInvariants(const Simulation<D>& world) {
     const JointError error = jointError(rows.all());
     out.jointError = worse(out.jointError, error.linear);
     out.jointTurn = worse(out.jointTurn, error.angular);
-    out.finite = out.finite && std::isfinite(error.linear) && std::isfinite(error.angular);
-    for (const Real impulse : j.impulse) out.finite = out.finite && std::isfinite(impulse);
+    out.finite = out.finite && jointIsFinite(j, error);
   }
-  for (const Manifold<D>& m : world.contacts().value_or(std::span<const Manifold<D>>())) {
-    for (int k = 0; k < m.count; ++k) {
-      const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
-      out.finite = out.finite && std::isfinite(c.separation);
-      for (const Real impulse : c.impulse) out.finite = out.finite && std::isfinite(impulse);
-    }
-  }
+  out.finite = out.finite && contactsAreFinite(world);
   return out;
 }
 
@@ -95,6 +132,8 @@ ContactInvariants contactInvariants(const Simulation<D>& world) {
 
 template StateInvariants<2> stateInvariants(const Simulation<2>&);
 template StateInvariants<3> stateInvariants(const Simulation<3>&);
+template bool stateIsFinite(const Simulation<2>&);
+template bool stateIsFinite(const Simulation<3>&);
 template ContactInvariants contactInvariants(const Simulation<2>&);
 template ContactInvariants contactInvariants(const Simulation<3>&);
 

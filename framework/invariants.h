@@ -36,6 +36,9 @@ struct Invariants : StateInvariants<D>, ContactInvariants {};
 
 template <int D>
 StateInvariants<D> stateInvariants(const Simulation<D>& simulation);
+/// `finite` of stateInvariants alone, for less.
+template <int D>
+bool stateIsFinite(const Simulation<D>& simulation);
 template <int D>
 ContactInvariants contactInvariants(const Simulation<D>& simulation);
 template <int D>

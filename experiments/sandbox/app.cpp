@@ -60,6 +60,7 @@ App<D>::App(Window& w, const Opening& o, const SceneFile& f)
   camera.resize(window.width(), window.height());
   look();
   panels.step = o.plots;
+  session.measure(panels.step);
   session.keepFrames(!o.profile.empty());
   for (long i = 0; i < o.steps && !session.fallen(); ++i) session.step();
   paused = o.steps > 0;
@@ -163,6 +164,7 @@ void App<D>::step() {
   act([&] {
     hand.pull(m_control);
     spawnDue();
+    session.measure(panels.step);
     session.step();
     if (equalCost && session.steps() % kTimedSteps == 0) equaliseCost();
     stepSeconds = session.world().profiler().frame().seconds;

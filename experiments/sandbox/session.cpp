@@ -2,7 +2,6 @@
 #include "experiments/sandbox/session.h"
 
 #include <algorithm>
-#include <limits>
 #include <sstream>
 
 #include "experiments/trial/simulation_of_scene.h"
@@ -92,10 +91,14 @@ void Session<D>::stepLane(std::size_t lane) {
 template <int D>
 void Session<D>::look(std::size_t lane, double seconds) {
   Lane& l = m_lanes[lane];
-  const Invariants<D> seen = invariants(*l.world);
+  Sample sample{.seconds = seconds};
+  if (m_measure) {
+    const Invariants<D> seen = invariants(*l.world);
+    sample.energy = seen.kinetic + seen.potential, sample.penetration = seen.maxPenetration;
+  }
   l.samples.resize(static_cast<std::size_t>(m_plays[lane].steps - 1));
-  l.samples.push_back({seconds, seen.kinetic + seen.potential, seen.maxPenetration, 0});
-  if (seen.finite) return;
+  l.samples.push_back(sample);
+  if (stateIsFinite(*l.world)) return;
   l.fallen = "diverged at step " + std::to_string(m_plays[lane].steps);
   const Bodies<D>& b = l.world->bodies();
   for (std::size_t i = 0; i < b.pose.size(); ++i) {

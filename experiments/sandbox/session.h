@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,12 +15,12 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// Of one lane after one step.
+/// Of one lane after one step. NaN: nobody looked, or an engine does not tell its contacts.
 struct Sample {
-  double seconds = 0;      // of the step
-  double energy = 0;       // J, kinetic and potential
-  double penetration = 0;  // m, the deepest contact; NaN where contacts are not told
-  double error = 0;        // m, the farthest that a body is from where the first lane has it
+  double seconds = 0;                                             // of the step
+  double energy = std::numeric_limits<double>::quiet_NaN();       // J, kinetic and potential
+  double penetration = std::numeric_limits<double>::quiet_NaN();  // m, the deepest contact
+  double error = 0;  // m, the farthest that a body is from where the first lane has it
 };
 
 inline constexpr int kTimedSteps = 60;
@@ -53,6 +54,8 @@ class Session {
   bool fallen() const;
   Real dt() const { return m_scene.dt; }
 
+  /// Whether energy and penetration of the coming steps are looked at.
+  void measure(bool measure) { m_measure = measure; }
   /// Whether the first lane's profiler keeps what each step took. A step back begins its list anew.
   void keepFrames(bool keep);
 
@@ -99,7 +102,7 @@ class Session {
 
   SceneSpec<D> m_scene;
   long m_steps = 0;
-  bool m_keepFrames = false;
+  bool m_keepFrames = false, m_measure = false;
   std::vector<Deed<D>> m_deeds;  // by step
   std::vector<Lane> m_lanes;
   std::vector<Play> m_plays;

@@ -9,6 +9,7 @@
 #include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_label.h"
 #include "framework/check.h"
+#include "framework/invariants.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
@@ -145,6 +146,24 @@ TEST(Sandbox, EqualLanesNeverPartAndOthersAreMeasured) {
   EXPECT_GT(lane.samples[at - 1].error, Session<2>::kParted);
   for (std::size_t i = 0; i + 1 < at; ++i) EXPECT_LE(lane.samples[i].error, Session<2>::kParted);
   expectCaught("lanes that part are not told apart", lane.samples.back().error == 0);
+}
+
+// What nobody looks at is not computed.
+TEST(Sandbox, EnergyAndPenetrationAreOfThoseStepsThatAreLookedAt) {
+  Session<2> session(heap<2>(), {"", "solver=soft_step"});
+  for (int i = 0; i < 90; ++i) {
+    session.measure(i >= 60);
+    session.step();
+    for (std::size_t lane = 0; lane < 2; ++lane) {
+      const Sample& sample = session.lanes()[lane].samples.back();
+      const Invariants<2> seen = invariants(session.world(lane));
+      EXPECT_EQ(std::isnan(sample.energy), i < 60);
+      EXPECT_EQ(std::isnan(sample.penetration), i < 60);
+      if (i < 60) continue;
+      EXPECT_EQ(sample.energy, seen.kinetic + seen.potential);
+      EXPECT_EQ(sample.penetration, seen.maxPenetration);
+    }
+  }
 }
 
 // One that comes to no number stops where it fell, says why, and can be stepped back.

@@ -39,6 +39,7 @@ bool survives(const std::string& pipeline, Real force, double where) {
     if (i < kFrom - 1 && sick.hash() != well.hash()) return false;
     if (i < kFrom) continue;  // who asks for forces at the end of a step has met it one earlier
     const Invariants<D> now = invariants(sick);
+    if (stateIsFinite(sick) != now.finite) return false;
     if (now.finite && !(std::isfinite(force) && now.maxSpeed > 1e25)) return false;
     if (where < 100) continue;  // among the others it hits them
     for (std::size_t b = 0; b < kSick; ++b) {

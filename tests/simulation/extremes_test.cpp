@@ -18,7 +18,7 @@ template <int D>
 bool staysFinite(World<D>& world, Real dt, int steps) {
   for (int i = 0; i < steps; ++i) {
     world.step(dt);
-    if (!invariants(world).finite) return false;
+    if (!invariants(world).finite || !stateIsFinite(world)) return false;
   }
   return true;
 }
