@@ -11,8 +11,8 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/pair_stream.h"
+#include "experiments/trial/written_rotation.h"
 #include "framework/curved_core.h"
-#include "framework/user_numbers.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -22,9 +22,6 @@ using nlohmann::json;
 constexpr const char* kPairsFormat = "lpc pairs";
 constexpr int kPairsVersion = 1;
 constexpr std::size_t kPairFields = 10;  // a shape and four numbers of its part, twice
-
-// How far from a unit a rotation may be that either precision wrote: f32's rounding, whatever reads it.
-constexpr double kWrittenRotation = 1e-5;
 
 template <int D>
 constexpr std::size_t kRotationNumbers = D == 2 ? 2 : 4;
@@ -192,14 +189,12 @@ typename PairStream<D>::Meeting readMeeting(const PairHeader& header, const char
   std::memcpy(x.data(), bytes + sizeof out.pair, sizeof x);
   if (out.pair >= pairs) header.fail("the number of a pair in a step", "0 to " + std::to_string(pairs - 1));
   RotationNumbers q{};
-  double norm = 0;
-  for (std::size_t i = 0; i < kRotationNumbers<D>; ++i) q[i] = x[D + i], norm += q[i] * q[i];
+  for (std::size_t i = 0; i < kRotationNumbers<D>; ++i) q[i] = x[D + i];
+  setNumbers(out.X_AB.q, q);
   for (int i = 0; i < D; ++i) out.X_AB.p[i] = static_cast<Real>(x[static_cast<std::size_t>(i)]);
-  if (!out.X_AB.p.allFinite() || !(std::abs(std::sqrt(norm) - 1) < kWrittenRotation)) {
+  if (!out.X_AB.p.allFinite() || !takeWritten<D>(out.X_AB.q)) {
     header.fail("a pose", "a finite position, a rotation of length 1");
   }
-  setNumbers(out.X_AB.q, q);
-  if (!isUnit(out.X_AB.q)) out.X_AB.q = out.X_AB.q.normalized();
   return out;
 }
 

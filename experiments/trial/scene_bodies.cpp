@@ -6,12 +6,12 @@
 
 #include "experiments/trial/body_type_name.h"
 #include "experiments/trial/scene_parsed.h"
+#include "experiments/trial/written_rotation.h"
 #include "framework/curved_core.h"
 #include "framework/inverse_inertia.h"
 #include "framework/mass.h"
 #include "framework/names.h"
 #include "framework/shape_tolerances.h"
-#include "framework/user_numbers.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -440,7 +440,7 @@ Rot<D> readRotation(TableReader& table, SceneNumbers& numbers) {
   } else {
     q = {x[0], x[1], x[2], x[3]};
   }
-  if (!numbers.rehearsing() && !isUnit(q)) table.fail(*given, "'rotation' has not the length 1");
+  if (!numbers.rehearsing() && !takeWritten<D>(q)) table.fail(*given, "'rotation' has not the length 1");
   return numbers.rehearsing() ? Rot<D>{} : q;
 }
 
