@@ -146,7 +146,7 @@ const ShapeMesh<D>& GlCanvas<D>::mesh(const ShapeView<D>& shape, const Vec<D>& p
   const Real wanted = Real(3.15) * std::sqrt(radius * m_camera.scaleAt(p) / Real(0.8));
   int round = 8;
   for (const int finer : {12, 16, 24, 32, 48}) {
-    if (wanted > round) round = finer;
+    if (wanted > Real(round)) round = finer;
   }
   auto& [kind, turn, numbers] = m_key;
   kind = shape.kind, turn = round;
@@ -230,7 +230,7 @@ void GlCanvas<D>::plane(const Pose<D>& X_WS, const Look& look) {
   ShapeMesh<D> patch;
   patch.triangles = {0, 1, 2, 0, 2, 3};
   if constexpr (D == 2) {
-    const Real reach = 2 * (m_camera.width() + m_camera.height()) / m_camera.scaleAt({});
+    const Real reach = Real(2 * (m_camera.width() + m_camera.height())) / m_camera.scaleAt({});
     const Real left = middle[0] - reach, right = middle[0] + reach, bottom = std::min<Real>(middle[1], 0) - reach;
     for (const Vec<2>& p : {Vec<2>(left, bottom), Vec<2>(right, bottom), Vec<2>(right, 0), Vec<2>(left, 0)}) {
       patch.corners.push_back(p.template cast<float>());
@@ -242,7 +242,7 @@ void GlCanvas<D>::plane(const Pose<D>& X_WS, const Look& look) {
     // Of one face as large as that depths would be rough where one looks, and lines on it come and go.
     for (const Real size : {10 * m_camera.distance(), m_camera.farthest()}) {
       for (const auto& [x, z] : {std::pair(-1, -1), std::pair(-1, 1), std::pair(1, 1), std::pair(1, -1)}) {
-        patch.corners.push_back(on(middle[0] + x * size, middle[2] + z * size));
+        patch.corners.push_back(on(middle[0] + Real(x) * size, middle[2] + Real(z) * size));
         patch.normals.push_back(ShapeMesh<3>::Point::UnitY());
       }
     }
@@ -252,9 +252,11 @@ void GlCanvas<D>::plane(const Pose<D>& X_WS, const Look& look) {
     }
     constexpr int kLines = 25;  // on each side of the middle
     const Real x0 = std::round(middle[0] / step) * step, z0 = std::round(middle[2] / step) * step;
+    const Real reach = kLines * step;
     for (int k = -kLines; k <= kLines; ++k) {
-      for (const int end : {-kLines, kLines}) patch.ends.push_back(on(x0 + k * step, z0 + end * step));
-      for (const int end : {-kLines, kLines}) patch.ends.push_back(on(x0 + end * step, z0 + k * step));
+      const Real aside = Real(k) * step;
+      for (const Real end : {-reach, reach}) patch.ends.push_back(on(x0 + aside, z0 + end));
+      for (const Real end : {-reach, reach}) patch.ends.push_back(on(x0 + end, z0 + aside));
     }
   }
   if (!look.outline) addFill(patch, X_WS, look);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "framework/check.h"
 
@@ -53,7 +54,8 @@ Rot<3> facing(const ViewCamera<3>& camera) {
   return Rot<3>{q.w(), q.x(), q.y(), q.z()}.normalized();
 }
 
-constexpr Real kGap = Real(1e-6);  // m: ends are not apart but by rounding
+// m: ends are not apart but by rounding.
+constexpr Real kGap = std::max(Real(1e-6), 1000 * std::numeric_limits<Real>::epsilon());
 
 // Whether a joint of this kind may have its two ends apart, as a rod or a spring may: none of its rigid rows is broken.
 template <int D>

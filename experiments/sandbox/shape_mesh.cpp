@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "framework/support_map.h"
@@ -10,8 +11,9 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr Real kTurn = 2 * std::numbers::pi_v<Real>;
-constexpr Real kAside = Real(1e-6);  // rad: just beside a direction along which two corners of a core tie
+constexpr Real kFullTurn = 2 * std::numbers::pi_v<Real>;
+// rad: just beside a direction along which two corners of a core tie, and more than rounding.
+constexpr Real kAside = std::max(Real(1e-6), 64 * std::numeric_limits<Real>::epsilon());
 
 template <int D>
 typename ShapeMesh<D>::Point point(const Vec<D>& p) {
@@ -23,6 +25,9 @@ template <int D>
 Vec<D> evenly(const ShapeView<D>& shape, const Vec<D>& d) {
   return shape.core() == CoreClass::curved ? Vec<D>(d.cwiseQuotient(shape.half).normalized()) : d;
 }
+
+// The k-th of so many angles (rad) that divide a full turn.
+Real shareOfTurn(int k, int round) { return kFullTurn * Real(k) / Real(round); }
 
 std::uint32_t count(const auto& list) { return static_cast<std::uint32_t>(list.size()); }
 
@@ -54,7 +59,7 @@ void outline(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
   straightCore(shape, core);
   if (core.empty()) {
     for (int i = 0; i < round; ++i) {
-      const Vec<2> d = evenly<2>(shape, {std::cos(kTurn * i / round), std::sin(kTurn * i / round)});
+      const Vec<2> d = evenly<2>(shape, {std::cos(shareOfTurn(i, round)), std::sin(shareOfTurn(i, round))});
       mesh.corners.push_back(point<2>(coreSupport(shape, d) + shape.radius * d));
     }
     return;
@@ -68,10 +73,10 @@ void outline(const ShapeView<2>& shape, int round, ShapeMesh<2>& mesh) {
     const Vec<2> in = core[i] - core[(i + n - 1) % n], out = core[(i + 1) % n] - core[i];
     const Real begin = std::atan2(-in[0], in[1]);
     Real turn = std::atan2(-out[0], out[1]) - begin;
-    if (turn < 0) turn += kTurn;
-    const int steps = std::max(1, static_cast<int>(std::ceil(turn / kTurn * round - kAside)));
+    if (turn < 0) turn += kFullTurn;
+    const int steps = std::max(1, static_cast<int>(std::ceil(turn / kFullTurn * Real(round) - kAside)));
     for (int k = 0; k <= steps; ++k) {
-      const Real angle = begin + turn * k / steps;
+      const Real angle = begin + turn * Real(k) / Real(steps);
       mesh.corners.push_back(point<2>(core[i] + shape.radius * Vec<2>(std::cos(angle), std::sin(angle))));
     }
   }
@@ -98,15 +103,15 @@ void addBox(const Vec<3>& half, ShapeMesh<3>& mesh) {
       const auto begin = count(mesh.corners);
       for (const auto& [x, y] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)}) {
         Vec<3> p;
-        p[axis] = side * half[axis], p[u] = side * x * half[u], p[v] = y * half[v];
+        p[axis] = Real(side) * half[axis], p[u] = Real(side * x) * half[u], p[v] = Real(y) * half[v];
         mesh.corners.push_back(point<3>(p));
-        mesh.normals.push_back(side * ShapeMesh<3>::Point::Unit(axis));
+        mesh.normals.push_back(float(side) * ShapeMesh<3>::Point::Unit(axis));
       }
       addFan(mesh, begin, 4);
       // four edges lie along v, so there are twelve
       for (const int other : {-1, 1}) {
         Vec<3> p;
-        p[axis] = side * half[axis], p[u] = other * half[u], p[v] = -half[v];
+        p[axis] = Real(side) * half[axis], p[u] = Real(other) * half[u], p[v] = -half[v];
         mesh.ends.push_back(point<3>(p));
         p[v] = half[v];
         mesh.ends.push_back(point<3>(p));
@@ -140,10 +145,11 @@ void addRoundedEdge(const Polytope<3>& hull, const Polytope<3>::Edge& edge, Real
   const Vec<3>&nA = hull.faces[static_cast<std::size_t>(edge.faceA)].normal,
         &nB = hull.faces[static_cast<std::size_t>(edge.faceB)].normal;
   const Real turn = std::acos(std::clamp<Real>(nA.dot(nB), -1, 1));
-  const int steps = std::max(1, static_cast<int>(std::ceil(turn / kTurn * round)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(turn / kFullTurn * Real(round))));
   const auto begin = count(mesh.corners);
   for (int k = 0; k <= steps; ++k) {
-    const Vec<3> n = (std::sin((steps - k) * turn / steps) * nA + std::sin(k * turn / steps) * nB).normalized();
+    const Real share = turn / Real(steps);
+    const Vec<3> n = (std::sin(Real(steps - k) * share) * nA + std::sin(Real(k) * share) * nB).normalized();
     for (const Vec<3>* end : {&p, &q}) {
       mesh.corners.push_back(point<3>(*end + radius * n));
       mesh.normals.push_back(point<3>(n));
@@ -161,7 +167,7 @@ void addRoundedEdge(const Polytope<3>& hull, const Polytope<3>::Edge& edge, Real
 std::vector<Real> angles(int round, bool ties) {
   std::vector<Real> out;
   for (int k = 0; k < round; ++k) {
-    const Real angle = kTurn * k / round;
+    const Real angle = shareOfTurn(k, round);
     if (ties && 4 * k % round == 0) out.push_back(angle - kAside);
     out.push_back(angle + kAside);
   }
@@ -173,7 +179,7 @@ std::vector<Real> angles(int round, bool ties) {
 void addRoundSurface(const ShapeView<3>& shape, const Vec<3>& middle, int round, ShapeMesh<3>& mesh) {
   std::vector<Real> rows;
   for (int k = 0; 2 * k <= round; ++k) {
-    const Real angle = kTurn * k / round;
+    const Real angle = shareOfTurn(k, round);
     if (4 * k != round) {
       rows.push_back(k == 0 ? kAside : 2 * k == round ? angle - kAside : angle);
     } else {
@@ -216,7 +222,7 @@ void addRims(const ShapeView<3>& shape, int round, ShapeMesh<3>& mesh) {
       rim.clear();
       for (const Real angle : angles(round, true)) {
         Vec<3> d;
-        d[axis] = side * kAside, d[(axis + 1) % 3] = std::cos(angle), d[(axis + 2) % 3] = std::sin(angle);
+        d[axis] = Real(side) * kAside, d[(axis + 1) % 3] = std::cos(angle), d[(axis + 2) % 3] = std::sin(angle);
         d = evenly(shape, d);
         rim.push_back(coreSupport(shape, d) + shape.radius * d);
       }

@@ -72,7 +72,8 @@ void App<D>::spawnDue() {
   const long step = session.steps();
   // Above what is seen.
   const auto above = [&](Real share) {
-    const Vec<2> pixel(camera.left() + share * static_cast<Real>(camera.width()), static_cast<Real>(camera.top()));
+    const Vec<2> pixel(static_cast<Real>(camera.left()) + share * static_cast<Real>(camera.width()),
+                       static_cast<Real>(camera.top()));
     Vec<D> at = onPlane<D>(camera, pixel, camera.origin());
     if constexpr (D == 3) at[2] += chance(-1, 1) * (camera.eye() - camera.origin()).norm() / 4;
     return at;

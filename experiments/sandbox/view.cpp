@@ -23,7 +23,7 @@ void drag(ViewCamera<3>& camera, bool turns, Real dx, Real dy) { turns ? camera.
 template <int D>
 void moveCamera(ViewCamera<D>& camera, const SDL_Event& event) {
   if (event.type == SDL_MOUSEMOTION && event.motion.state != 0) {
-    drag(camera, event.motion.state & SDL_BUTTON_LMASK, event.motion.xrel, event.motion.yrel);
+    drag(camera, event.motion.state & SDL_BUTTON_LMASK, Real(event.motion.xrel), Real(event.motion.yrel));
   } else if (event.type == SDL_MOUSEWHEEL) {
     camera.zoom(std::pow(Real(1.15), static_cast<Real>(event.wheel.y)),
                 Vec<2>(Real(event.wheel.mouseX), Real(event.wheel.mouseY)));

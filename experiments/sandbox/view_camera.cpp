@@ -9,8 +9,8 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr Real kRim = Real(1.1);     // what a box that is looked at is grown by
-constexpr Real kLeast = Real(1e-3);  // m: no box is looked at closer
+constexpr Real kRim = Real(1.1);         // what a box that is looked at is grown by
+constexpr Real kLeastSize = Real(1e-3);  // m: no box is looked at closer
 constexpr Real kRadiansPerPixel = Real(0.008);
 // Pixels per metre, and metres to the target: beyond, floats of the matrix come to nothing.
 constexpr Real kNearest = Real(1e-6), kFarthest = Real(1e9);
@@ -43,15 +43,15 @@ void ViewCamera<2>::zoom(Real factor, const Vec<2>& pixel) {
 }
 
 void ViewCamera<2>::look(const Vec<2>& lo, const Vec<2>& hi) {
-  const Vec<2> size = kRim * (hi - lo).cwiseMax(kLeast);
+  const Vec<2> size = kRim * (hi - lo).cwiseMax(kLeastSize);
   m_middle = (lo + hi) / 2;
-  m_scale = std::clamp(std::min(width() / size[0], height() / size[1]), kNearest, kFarthest);
+  m_scale = std::clamp(std::min(Real(width()) / size[0], Real(height()) / size[1]), kNearest, kFarthest);
 }
 
 ViewMatrix ViewCamera<2>::matrix() const {
   ViewMatrix m{};
-  m[0] = static_cast<float>(2 * m_scale / width());
-  m[5] = static_cast<float>(2 * m_scale / height());
+  m[0] = static_cast<float>(2 * m_scale / Real(width()));
+  m[5] = static_cast<float>(2 * m_scale / Real(height()));
   m[10] = m[15] = 1;
   return m;
 }
@@ -62,7 +62,7 @@ Vec<3> ViewCamera<3>::towards() const {
   return {std::cos(m_elevation) * std::sin(m_azimuth), std::sin(m_elevation),
           std::cos(m_elevation) * std::cos(m_azimuth)};
 }
-Real ViewCamera<3>::focal() const { return height() / (2 * tangentOfHalfView()); }
+Real ViewCamera<3>::focal() const { return Real(height()) / (2 * tangentOfHalfView()); }
 
 Real ViewCamera<3>::scaleAt(const Vec<3>& p) const {
   return focal() / std::max(m_distance - (p - m_target).dot(towards()), nearest());
@@ -97,8 +97,8 @@ void ViewCamera<3>::zoom(Real factor, const Vec<2>& pixel) {
 
 void ViewCamera<3>::look(const Vec<3>& lo, const Vec<3>& hi) {
   m_target = (lo + hi) / 2;
-  const Vec<3> half = kRim / 2 * (hi - lo).cwiseMax(kLeast);
-  const Real tall = tangentOfHalfView(), wide = tall * width() / height();
+  const Vec<3> half = kRim / 2 * (hi - lo).cwiseMax(kLeastSize);
+  const Real tall = tangentOfHalfView(), wide = tall * Real(width()) / Real(height());
   Real distance = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec<3> sides((corner & 1) ? 1 : -1, (corner & 2) ? 1 : -1, (corner & 4) ? 1 : -1);
@@ -112,8 +112,8 @@ void ViewCamera<3>::look(const Vec<3>& lo, const Vec<3>& hi) {
 ViewMatrix ViewCamera<3>::matrix() const {
   const Real near = nearest(), far = farthest();
   const Real deep = (far + near) / (far - near), shift = 2 * far * near / (far - near);
-  const std::array<Vec<3>, 4> rows = {2 * focal() / width() * right(), 2 * focal() / height() * up(), -deep * towards(),
-                                      -towards()};
+  const std::array<Vec<3>, 4> rows = {2 * focal() / Real(width()) * right(), 2 * focal() / Real(height()) * up(),
+                                      -deep * towards(), -towards()};
   const std::array<Real, 4> last = {0, 0, deep * m_distance - shift, m_distance};
   ViewMatrix m{};
   for (std::size_t row = 0; row < 4; ++row) {

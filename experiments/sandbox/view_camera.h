@@ -18,7 +18,7 @@ class ViewFrame {
   int height() const { return m_height; }
   int left() const { return m_left; }
   int top() const { return m_top; }
-  Vec<2> center() const { return {m_left + Real(m_width) / 2, m_top + Real(m_height) / 2}; }
+  Vec<2> center() const { return {Real(m_left) + Real(m_width) / 2, Real(m_top) + Real(m_height) / 2}; }
 
  private:
   int m_width = 1280, m_height = 800, m_left = 0, m_top = 0;
