@@ -13,6 +13,7 @@
 #include "experiments/runner/locations.h"
 #include "experiments/runner/store.h"
 #include "experiments/runner/trial_plan.h"
+#include "experiments/trial/plugin.h"
 #include "framework/names.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -22,7 +23,7 @@ using nlohmann::json;
 
 struct SandboxOptions {
   std::vector<std::string> what, pipelines, params;
-  std::string number, script, profile, trial, input;
+  std::string number, script, profile, trial, input, precision = "f64";
   std::optional<std::uint64_t> seed;
   std::optional<double> dt;
   bool unseen = false, profiled = false, plots = false, noSleeping = false;
@@ -62,12 +63,24 @@ Asked readWhat(const SandboxOptions& o) {
 
 std::filesystem::path programFolder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
 
+// One for each precision, as of workers.
+std::string programOf(const std::string& precision) {
+  const std::filesystem::path f64 = programFolder() / "lpc-sandbox";
+  const std::filesystem::path program = precision == "f64" ? f64 : programFolder() / ("lpc-sandbox-" + precision);
+  if (std::filesystem::exists(program)) return program.string();
+  if (std::filesystem::exists(f64)) {
+    throw UserError("the sandbox was not built for " + precision + ": build with -DLPC_PRECISIONS=\"f64;f32\"");
+  }
+  throw UserError("the sandbox was not built: install the packages of experiments/sandbox/packages, and build again");
+}
+
 // Without a window it is what `lpc run` does.
 [[noreturn]] void runUnseen(const SandboxOptions& o, const Asked& asked) {
   if (o.pipelines.size() > 1)
     throw UserError("-i with several pipelines; valid: one, since nobody would see them together");
   std::vector<std::string> words = {"run", asked.scene};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
+  add({"--precision", o.precision});
   if (asked.dimension) add({"--dimension", std::to_string(*asked.dimension)});
   if (!o.script.empty()) add({"--script", o.script});
   if (o.profiled || o.plots) add({"--profile", o.profile.empty() ? "sandbox_profile.csv" : o.profile});
@@ -88,14 +101,11 @@ json trialOpening(const std::string& store, const std::string& key) {
     throw UserError("--trial: " + key + " is one of kind '" + t.at("kind").get<std::string>() +
                     "'; valid: kind 'world'");
   }
-  if (t.at("precision") != "f64") {
-    throw UserError("--trial: " + found.key +
-                    " is of precision f32, and the window computes in f64; valid: cells of f64");
-  }
   WorldCell cell;
   cell.params = t.at("params").get<ParameterValues>(), cell.script = t.value("script", "");
   cell.dimension = t.at("dimension").get<int>(), cell.pipeline = t.at("pipeline");
   cell.dt = t.at("dt").get<double>(), cell.seed = t.at("seed").get<std::uint64_t>();
+  cell.precision = t.at("precision").get<std::string>();
   Planner planner;
   const PlannedTrial now = planner.world(t.at("scene"), cell);
   if (!now.unsupported.empty()) throw UserError(now.unsupported);
@@ -114,6 +124,7 @@ json trialOpening(const std::string& store, const std::string& key) {
           {"dimension", t.at("dimension")},
           {"pipelines", {t.at("pipeline")}},
           {"dt", t.at("dt")},
+          {"precision", cell.precision},
           {"features", t.at("features")},
           {"steps", found.step > 0 ? found.step - 1 : 0},
           {"say", told}};
@@ -124,8 +135,8 @@ json sceneOpening(const SandboxOptions& o, const Asked& asked) {
   const SceneFile& file = planner.scene(asked.scene, o.script);
   WorldCell cell;
   cell.params = readParameters(o.params), cell.script = o.script, cell.seed = o.seed, cell.dt = o.dt;
-  cell.dimension = asked.dimension;
-  json out = {{"scene", file.path()}, {"script", file.scriptPath()}};
+  cell.dimension = asked.dimension, cell.precision = o.precision;
+  json out = {{"scene", file.path()}, {"script", file.scriptPath()}, {"precision", o.precision}};
   for (std::string pipeline : o.pipelines.empty() ? std::vector<std::string>{""} : o.pipelines) {
     pipeline = pipelineOf(pipeline, asked.dimension.value_or(file.dimensions().at(0)), o.noSleeping);
     cell.pipeline = pipeline;
@@ -149,12 +160,11 @@ void sandbox(const SandboxOptions& o, const Session& session) {
   json opening = o.trial.empty() ? sceneOpening(o, asked) : trialOpening(asked.scene, o.trial);
   if (o.profiled || o.plots) opening["profile"] = o.profile.empty() ? "sandbox_profile.csv" : o.profile;
   opening["plots"] = o.plots, opening["input"] = o.input;
-  opening["plugins"] = session.plugins;
-  const std::filesystem::path program = programFolder() / "lpc-sandbox";
-  if (!std::filesystem::exists(program)) {
-    throw UserError("the sandbox was not built: install the packages of experiments/sandbox/packages, and build again");
+  const std::string precision = opening.at("precision");
+  for (const std::string& path : session.plugins) {
+    if (pluginPrecision(path) == precision) opening["plugins"].push_back(path);
   }
-  become(program.string(), {opening.dump()});
+  become(programOf(precision), {opening.dump()});
 }
 
 void addSandbox(CommandLine& app, Session& session) {
@@ -170,6 +180,7 @@ void addSandbox(CommandLine& app, Session& session) {
   command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--dt", o->dt, "length of a step (s); default: the scene's");
   command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's");
+  Option precision = command.option("--precision", o->precision, "f64 or f32; with --trial: the cell's own");
   command.flag("--no-sleeping", o->noSleeping, "keeps every body awake");
   Option unseen = command.flag("-i", o->unseen, "without a window, as lpc run");
   command.flag("-p", o->profiled, "writes times and counts of each step as CSV at the end");
@@ -177,7 +188,8 @@ void addSandbox(CommandLine& app, Session& session) {
   command.option("-o", o->profile, "name of that file; default: sandbox_profile.csv");
   command
       .option("--trial", o->trial, "a cell of a store, by the first digits of its key: opens it a step before it fell")
-      .without(unseen);
+      .without(unseen)
+      .without(precision);
   command.option("--input", o->input, "plays keys and mouse from a file").file().without(unseen);
   command.footer(
       "Example: lpc sandbox\n"

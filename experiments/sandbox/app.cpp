@@ -152,7 +152,8 @@ void App<D>::advance() {
   if (paused || session.fallen()) return;
   const double dt = static_cast<double>(session.dt());
   m_due = std::min(m_due + window.secondsPerFrame() * timeScale, kMostSteps * dt);
-  for (; m_due > dt * (1 - 1e-6); m_due -= dt) step();
+  // Never below none: a dt that is rounded up would owe a step to rounding, at last.
+  for (; m_due > dt * (1 - 1e-6); m_due = std::max(m_due - dt, 0.0)) step();
   if (!session.fallen()) return;
   paused = true;  // it is shown where it fell, and can be stepped back
   hand.setPaused(true);

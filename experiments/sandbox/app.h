@@ -19,6 +19,9 @@
 
 namespace lpc::inline LPC_PRECISION {
 
+/// What the world computes in, as the command line calls it.
+inline constexpr const char* kPrecision = std::is_same_v<Real, float> ? "f32" : "f64";
+
 /// Who is drawn, of several: all in one view in their own colours, or each in its own.
 enum class Arrangement { overlaid, sideBySide };
 

@@ -43,10 +43,10 @@ void status(App<D>& app) {
   ImGui::Begin("##status", nullptr, kFlags);
   const Simulation<D>& world = app.session.world();
   if (app.verbosity > 0) {
-    ImGui::Text("%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f pictures/s%s",
-                app.file.name().c_str(), app.session.steps(), static_cast<double>(world.time()), world.bodyCount(),
-                1e3 * app.stepSeconds, 1e3 * app.drawSeconds, app.window.picturesPerSecond(),
-                app.paused ? "  paused" : "");
+    ImGui::Text("%s%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f pictures/s%s",
+                app.file.name().c_str(), std::is_same_v<Real, float> ? " in f32" : "", app.session.steps(),
+                static_cast<double>(world.time()), world.bodyCount(), 1e3 * app.stepSeconds, 1e3 * app.drawSeconds,
+                app.window.picturesPerSecond(), app.paused ? "  paused" : "");
   }
   if (app.verbosity > 1) {
     const Profiler::Frame& f = app.session.world().profiler().frame();

@@ -75,6 +75,7 @@ template <int D>
 json stateOf(const App<D>& app) {
   json out = {{"scene", app.file.name()},
               {"dimension", D},
+              {"precision", kPrecision},
               {"step", app.session.steps()},
               {"paused", app.paused},
               {"message", app.message},

@@ -9,6 +9,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -20,6 +21,7 @@ import matplotlib.image
 import numpy
 
 SOURCE, LPC = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+PRECISIONS = [p for p in ("f64", "f32") if (LPC.parent / f"lpc-worker-{p}").is_file()]  # that were built
 PAPER = (247, 247, 245)
 BEARING, IDLE = (214, 39, 40), (90, 110, 140)  # contacts that bore something, and nothing
 LONG = float(os.environ.get("LPC_SANDBOX_SECONDS", "0"))  # of scripted use, for sanitizers
@@ -51,8 +53,8 @@ class Sandbox(unittest.TestCase):
         self.addCleanup(held.cleanup)
         self.folder = pathlib.Path(held.name)
 
-    def call(self, *arguments, env=None):
-        return subprocess.run([str(LPC), "sandbox", *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
+    def call(self, *arguments, env=None, program=LPC):
+        return subprocess.run([str(program), "sandbox", *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
                               timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE), **(env or {})})
 
     def play(self, orders, *arguments, states=("end",), size=(320, 240)):
@@ -177,18 +179,22 @@ class Sandbox(unittest.TestCase):
 
     # --- what is done by hand -------------------------------------------------------------------------------------------
     def test_a_scene_by_mouse_is_that_of_its_script(self):
-        for dimension in ("2d", "3d"):
-            with self.subTest(dimension):
+        steps = {}
+        for dimension, precision in (("2d", "f64"), ("3d", "f64"), ("2d", PRECISIONS[-1])):
+            with self.subTest(dimension, precision=precision):
                 orders = ["key p", "key c", *drag((-4, 3), (-4, 4)), "key b", *drag((0, 3), (2, 5)), "key k",
                           *drag((4, 3), (6, 4)), "key j", "at -4 3", "press left", "release left", "at 0.5 3.5", "press left",
                           "release left", "key g", "at 5 3.5", "press left", "at 6 6", "release left", "key p", "wait 30",
                           "key c", *drag((-8, 8), (-8, 9)), "key g", "at 1 4", "press left", "at 3 9", "wait 30",
                           "down Left Ctrl", "wait 5", "wheel 2", "wait 5", "up Left Ctrl", "release left", "wait 20",
                           "pixel 320 140", "key n", "key o", "wait 10", "key p", "wait 1", "key F4", "wait 2"]
-                state = self.play(orders, dimension, "-s", "0", size=(640, 480))
+                state = self.play(orders, dimension, "-s", "0", "--precision", precision, size=(640, 480))
+                self.assertEqual(state["precision"], precision)
+                self.assertEqual(state["step"], steps.setdefault(dimension, state["step"]))  # a picture makes one, rounded or not
                 self.assertIn("ends in the same bits", state["message"])
                 self.assertEqual(state["joints"], 1)
-                run = self.lpc_run("0", "--script", "sandbox_script.toml", "--steps", state["step"], "--dimension", dimension[0])
+                run = self.lpc_run("0", "--script", "sandbox_script.toml", "--steps", state["step"], "--dimension", dimension[0],
+                                   "--precision", precision)
                 self.assertEqual(run["hash"], state["lanes"][0]["hash"])
 
     def test_back_and_forth_is_the_same(self):
@@ -238,6 +244,8 @@ class Sandbox(unittest.TestCase):
                 (("1", *["--pipeline", ""] * 9), {}, "up to 8"),
                 (("1", "-i", "--pipeline", "", "--pipeline", "sleep=none"), {}, "several pipelines"),
                 (("1", "-i", "--trial", "ab"), {}, "excludes"),
+                (("1", "--precision", "f32", "--trial", "ab"), {}, "excludes"),
+                (("1", "--precision", "f16"), {}, "f64, f32"),
                 (("--trial", "ab"), {}, "store"),
                 (("1", "--input", "bad.txt"), {}, "bad.txt:2"),
                 (("1", "--input", "nowhere.txt"), {}, "nowhere/a.png: cannot be written: No such file or directory"),
@@ -263,10 +271,22 @@ class Sandbox(unittest.TestCase):
                 self.assertRegex(done.stderr, r"^lpc: plugin .*other\.so: it was built as '0\.1\.0\|f32\|another compiler'; "
                                               r"valid: '[^']*f64[^']*'\n$")
 
+    def test_what_was_not_built_is_said(self):
+        alone = self.folder / "lpc"
+        shutil.copy(LPC, alone)
+        for there, arguments, say in ((None, (), "experiments/sandbox/packages"), (None, ("--precision", "f32"), "packages"),
+                                      ("lpc-sandbox", ("--precision", "f32"), "not built for f32: build with -DLPC_PRECISIONS")):
+            with self.subTest(there=there, arguments=arguments):
+                if there:
+                    (self.folder / there).touch()
+                done = self.call("1", *arguments, program=alone)
+                self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+                self.assertIn(say, done.stderr)
+
     def test_without_a_window_it_is_lpc_run(self):
-        done = self.call("2d", "-s", "4", "-i", "-g", "-o", "p.csv")
+        done = self.call("2d", "-s", "4", "-i", "-g", "-o", "p.csv", "--precision", PRECISIONS[-1])
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertIn("scene     preset_4 in 2D", done.stdout)
+        self.assertIn("scene     preset_4 in 2D, " + PRECISIONS[-1], done.stdout)
         self.assertIn("step                    100.0 %", done.stdout)
         self.assertTrue((self.folder / "p.csv").is_file())
         step = self.play(["wait 5"], "4", "-p", "-o", "q.csv")["step"]
@@ -274,25 +294,33 @@ class Sandbox(unittest.TestCase):
         self.assertEqual(len(rows), step + 2)  # until it was closed, two pictures later
 
     # --- cells of a sweep -----------------------------------------------------------------------------------------------
-    def fallen_cell(self):
-        """What opens it, how it ended, at which step."""
+    def fallen_cells(self):
+        """Of each precision: what opens it, how it ended, at which step."""
         (self.folder / "falls.toml").write_text(
             'summary = "a tower that falls"\nkind = "world"\n\n[axes]\nscene = "vertical_stack"\ndimension = 2\nsteps = 400\n'
+            f'precision = {json.dumps(PRECISIONS)}\n'
             'solver = ["split_solver{velocity=catto{iterations=1,warm_start=false},position=none}"]\n')
         done = subprocess.run([str(LPC), "sweep", "./falls.toml", "--store", "falls.db"], cwd=self.folder, capture_output=True,
                               text=True, timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
         self.assertIn(done.returncode, (0, 1), done.stderr)
         with contextlib.closing(sqlite3.connect(self.folder / "falls.db")) as store:
-            key, outcome, step = store.execute("SELECT key, outcome, step FROM trial").fetchone()
-        return ("falls.db", "--trial", key[:8]), outcome, step
+            rows = store.execute("SELECT json_extract(canonical, '$.precision'), key, outcome, step FROM trial").fetchall()
+        return {precision: (("falls.db", "--trial", key[:8]), outcome, step) for precision, key, outcome, step in rows}
 
     def test_a_cell_that_fell_opens_a_step_before(self):
-        command, outcome, step = self.fallen_cell()
-        self.assertNotEqual(outcome, "ok")
-        state = self.play([], *command)
-        self.assertEqual(state["step"], step - 1)
-        self.assertTrue(state["paused"])
-        self.assertIn(outcome, state["message"])
+        cells = self.fallen_cells()
+        self.assertEqual(sorted(cells), sorted(PRECISIONS))
+        for precision, (command, outcome, step) in cells.items():
+            with self.subTest(precision):
+                self.assertNotEqual(outcome, "ok")
+                state = self.play([], *command)
+                self.assertEqual(state["step"], step - 1)
+                self.assertTrue(state["paused"])
+                self.assertIn(outcome, state["message"])
+                self.assertEqual(state["precision"], precision)
+                run = self.lpc_run("vertical_stack", "--dimension", 2, "--steps", step - 1, "--precision", precision,
+                                   "--pipeline", state["lanes"][0]["pipeline"])
+                self.assertEqual(run["hash"], state["lanes"][0]["hash"])
 
     # --- use for a while ------------------------------------------------------------------------------------------------
     @unittest.skipUnless(LONG, "set LPC_SANDBOX_SECONDS")
