@@ -158,7 +158,11 @@ void Session<D>::goTo(std::size_t lane, long step) {
     p = {std::make_unique<Director<D>>(from.director), from.hand, from.deed, from.step};
   }
   if (lane == 0) keepFrames(m_keepFrames);
-  playDue(lane);
+  try {
+    playDue(lane);
+  } catch (const UserError& e) {  // what this lane alone cannot
+    l.fallen = e.what();
+  }
   while (l.fallen.empty() && p.steps < step) stepLane(lane);
 }
 

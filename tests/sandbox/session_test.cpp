@@ -184,6 +184,21 @@ TEST(Sandbox, ALaneThatFallsCanBeSteppedBack) {
   EXPECT_FALSE(session.fallen());
 }
 
+// Before its first step, too: a step back is one of all, and who could not follow is where it fell.
+TEST(Sandbox, ALaneThatAloneCannotIsLeftBehind) {
+  Session<3> session(heap<3>(), {"contacts=query_clip", "contacts=sat_clip"});
+  BodyDef<3> def = ball<3>(1, 2);
+  def.shapes[0].shape = Shape<3>::curved(ShapeKind::cylinder, std::vector<Real>{Real(0.5), Real(0.5)});
+  session.perform(AddBody<3>{def});
+  const std::string why = session.lanes()[1].fallen;
+  ASSERT_FALSE(why.empty());
+  for (int i = 0; i < 3; ++i) session.step();
+  ASSERT_TRUE(session.back());
+  EXPECT_EQ(session.steps(), 2);
+  EXPECT_FALSE(session.fallen());
+  EXPECT_EQ(session.lanes()[1].fallen, why);
+}
+
 TEST(Sandbox, WhatAHandCannotDoIsRefusedAndChangesNothing) {
   Session<2> session(heap<2>(), {""});
   const std::uint64_t before = session.world().hash();
