@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t kMostMeshes = 20000;  // then all are forgotten: their bodies may be gone
 constexpr float kHidden = 0.3f;             // how much is seen of lines and points behind a body
 constexpr float kLineWidth = 1.2f;          // px, in the plane
+constexpr unsigned char kGlass = 50;        // alpha
+constexpr std::size_t kMostRays = 20000;    // a picture: some milliseconds
 
 constexpr const char* kVertexShader = R"(#version 330 core
 layout(location = 0) in vec4 at;
@@ -106,7 +108,7 @@ void GlCanvas<D>::begin(const ViewCamera<D>& camera) {
     layer->triangles.clear();
     layer->blends = false;
   }
-  m_words.clear();
+  m_words.clear(), m_walls.clear(), m_bodies.clear();
   if (m_meshes.size() > kMostMeshes) m_meshes.clear();
 }
 
@@ -130,6 +132,42 @@ void GlCanvas<D>::text(const Vec<D>& p, std::string_view text, const DrawColour&
 template <int D>
 void GlCanvas<D>::shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) {
   if (shape.core() == CoreClass::plane) return plane(X_WS, look);
+  if (D == 2 || look.outline) return addSolid(shape, X_WS, look);
+  if (!look.moves) return m_walls.push_back({shape, X_WS, look});
+  m_bodies.push_back(X_WS.p);
+  addSolid(shape, X_WS, look);
+}
+
+// Of many walls and many bodies not every two are looked at: who hides one of a heap hides others of it.
+template <int D>
+void GlCanvas<D>::addWalls() {
+  if constexpr (D == 3) {
+    if (m_bodies.empty()) m_bodies.push_back(m_camera.origin());
+    const Vec<3> eye = m_camera.eye();
+    const std::size_t stride = 1 + m_walls.size() * m_bodies.size() / kMostRays;
+    const auto hides = [&](const Wall& wall) {
+      const Aabb<3> box = boundingBox(wall.shape, wall.X_WS);
+      const Vec<3> middle = box.center() - eye;
+      const Real reach = (box.hi - box.lo).norm() / 2;
+      for (std::size_t i = 0; i < m_bodies.size(); i += stride) {
+        const Vec<3> way = m_bodies[i] - eye;
+        const Real far = way.norm();
+        if (!(far > 0) || way.cross(middle).norm() > reach * far) continue;  // beside it
+        if (rayEntry(wall.shape, wall.X_WS, eye, Vec<3>(way / far), far).t >= 0) return true;
+      }
+      return false;
+    };
+    for (const Wall& wall : m_walls) {
+      Look look = wall.look;
+      if (hides(wall)) look.fill.alpha = kGlass;
+      addSolid(wall.shape, wall.X_WS, look);
+    }
+  }
+  m_walls.clear(), m_bodies.clear();
+}
+
+template <int D>
+void GlCanvas<D>::addSolid(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) {
   const ShapeMesh<D>& seen = mesh(shape, X_WS.p);
   if (!look.outline) addFill(seen, X_WS, look);
   addEdges(seen, X_WS, look);
@@ -334,6 +372,7 @@ void GlCanvas<D>::drawWords() {
 
 template <int D>
 void GlCanvas<D>::end() {
+  addWalls();
   const int windowHeight = static_cast<int>(ImGui::GetIO().DisplaySize.y);
   const int bottom = windowHeight - m_camera.top() - m_camera.height();
   glViewport(m_camera.left(), bottom, m_camera.width(), m_camera.height());

@@ -28,6 +28,8 @@ class GlCanvas final : public DebugDraw<D> {
   void point(const Vec<D>& p, double pixels, const DrawColour& colour) override;
   /// In 3D what is hidden of lines and points is seen faintly.
   void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override;
+  /// In 3D a solid that never moves is of glass while it hides one that does, or with nobody there what the camera
+  /// looks at. Which do is known at the end: until then hulls of shapes stay where they are.
   void shape(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look) override;
   void text(const Vec<D>& p, std::string_view text, const DrawColour& colour) override;
   /// Draws it all over what is there.
@@ -52,6 +54,11 @@ class GlCanvas final : public DebugDraw<D> {
     std::string text;
     DrawColour colour;
   };
+  struct Wall {
+    ShapeView<D> shape;
+    Pose<D> X_WS;
+    Look look;
+  };
   // All that a mesh depends on: kind, corners of a full turn, and the shape's numbers.
   using MeshKey = std::tuple<ShapeKind, int, std::vector<Real>>;
 
@@ -60,6 +67,8 @@ class GlCanvas final : public DebugDraw<D> {
   Point near(const Vec<D>& p) const { return (p - m_camera.origin()).template cast<float>(); }
   const ShapeMesh<D>& mesh(const ShapeView<D>& shape, const Vec<D>& p);
   void plane(const Pose<D>& X_WS, const Look& look);
+  void addWalls();
+  void addSolid(const ShapeView<D>& shape, const Pose<D>& X_WS, const Look& look);
   void addFill(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look);
   void addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look);
   void addLine(Layer& layer, const Point& a, const Point& b, const DrawColour& colour);
@@ -75,6 +84,8 @@ class GlCanvas final : public DebugDraw<D> {
   // one sees through.
   Layer m_under, m_over, m_edges, m_lines, m_points;
   std::vector<Word> m_words;
+  std::vector<Wall> m_walls;     // in 3D
+  std::vector<Vec<D>> m_bodies;  // middles of what moves
   std::map<MeshKey, ShapeMesh<D>> m_meshes;
   MeshKey m_key;            // of the one that is looked for
   ShapeMesh<D> m_fresh;     // not worth keeping

@@ -99,7 +99,7 @@ void Hand<D>::press(const Vec<2>& pixel, bool addToSelection) {
   const Picked<D> picked = pick(m_session.world(), m_camera, pixel);
   if (tool == Tool::joint) return join(pixel);
   if (drawnBy(tool)) {
-    if (!m_planeThrough) m_planeThrough = picked.point;
+    if (!m_planeThrough) m_planeThrough = freePoint(m_session.world(), m_camera, pixel);
     if (m_points.empty()) m_points.emplace_back();
     m_points.back() = planePoint(pixel);
     m_points.push_back(m_points.back());  // the end, which follows the cursor

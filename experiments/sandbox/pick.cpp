@@ -48,14 +48,29 @@ template <>
 Picked<3> pick(const Simulation<3>& world, const ViewCamera<3>& camera, const Vec<2>& pixel) {
   const auto ray = camera.ray(pixel);
   Picked<3> out{-1, onPlane<3>(camera, pixel, camera.origin())};
-  Real nearest = std::numeric_limits<Real>::infinity();
+  constexpr Real kFar = std::numeric_limits<Real>::infinity();
+  Real nearest = kFar;
+  bool moving = false;
   forAllParts<3>(world, [&](std::int32_t body, const ShapeView<3>& view, const Pose<3>& X_WP) {
-    const RayEntry<3> hit = rayEntry(view, X_WP, ray.origin, ray.direction, nearest);
-    if (hit.t < 0 || hit.t >= nearest) return;
-    nearest = hit.t, out.slot = body, out.point = ray.origin + hit.t * ray.direction;
+    const bool better = moves(world.bodies().type[static_cast<std::size_t>(body)]);
+    if (moving && !better) return;
+    const Real most = better && !moving ? kFar : nearest;
+    const RayEntry<3> hit = rayEntry(view, X_WP, ray.origin, ray.direction, most);
+    if (hit.t < 0 || hit.t >= most) return;
+    nearest = hit.t, moving = better, out.slot = body, out.point = ray.origin + hit.t * ray.direction;
   });
   return out;
 }
+
+template <int D>
+Vec<D> freePoint(const Simulation<D>& world, const ViewCamera<D>& camera, const Vec<2>& pixel) {
+  const Picked<D> picked = pick(world, camera, pixel);
+  if (picked.slot >= 0 && moves(world.bodies().type[static_cast<std::size_t>(picked.slot)])) return picked.point;
+  return onPlane<D>(camera, pixel, camera.origin());
+}
+
+template Vec<2> freePoint(const Simulation<2>&, const ViewCamera<2>&, const Vec<2>&);
+template Vec<3> freePoint(const Simulation<3>&, const ViewCamera<3>&, const Vec<2>&);
 
 template <int D>
 std::vector<std::int32_t> within(const Simulation<D>& world, const ViewCamera<D>& camera, const Vec<2>& corner,

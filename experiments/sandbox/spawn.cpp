@@ -46,14 +46,14 @@ void App<D>::spawnPolygon() {
     if (p.norm() > Real(0.1)) points.push_back(kSize / p.norm() * p);
   }
   BodyDef<D> def;
-  def.X_WB.p = pick(session.world(), camera, hand.cursor()).point;
+  def.X_WB.p = freePoint(session.world(), camera, hand.cursor());
   def.shapes.push_back({.shape = Shape<D>::polytope(points)});
   session.perform(AddBody<D>{std::move(def)});
 }
 
 template <int D>
 void App<D>::fireworks() {
-  burst(pick(session.world(), camera, hand.cursor()).point);
+  burst(freePoint(session.world(), camera, hand.cursor()));
 }
 
 template <int D>

@@ -169,6 +169,29 @@ TEST_F(Canvas, WhatIsBehindIsCovered) {
   EXPECT_GT(through.at(160, 120).red, 50);
 }
 
+// What is in a closed room is seen, and so is a room with nobody in it; a wall behind all is solid.
+TEST_F(Canvas, AWallIsOfGlassWhileItHidesABody) {
+  const auto camera = this->camera<3>();
+  const Shape<3> wall = Shape<3>::sphere(2), ball = Shape<3>::sphere(Real(0.5));
+  Look fixed = kRedBody;
+  fixed.moves = false;
+  Pose<3> before, behind;
+  before.p = 4 * camera.towards(), behind.p = -4 * camera.towards();
+  const auto picture = [&](const Pose<3>& X, bool somebody) {
+    const auto seen = shown<3>(camera, [&](DebugDraw<3>& draw) {
+      draw.shape(wall.view(), X, fixed);
+      if (somebody) draw.shape(ball.view(), {}, kBlueBody);
+    });
+    return seen.at(160, 117);  // beside the line that goes around
+  };
+  EXPECT_GT(picture(before, true).blue, 100);
+  EXPECT_GT(picture(before, false).green, 150);  // paper
+  EXPECT_TRUE(isBlue(picture(behind, true)));
+  const DrawColour solid = picture(behind, false);
+  EXPECT_GT(solid.red, 100);
+  EXPECT_EQ(solid.green, 0);
+}
+
 TEST_F(Canvas, WhatMovesIsBeforeWhatIsFixed) {
   const Shape<2> shape = Shape<2>::box({2, 2});
   Look fixed = kBlueBody;

@@ -70,6 +70,18 @@ TEST(SandboxHand, OfTwoTheOneInFrontIsPicked) {
   const Picked<3> picked = pick(space.session.world(), space.camera, space.camera.toPixel(Vec<3>::Zero()));
   EXPECT_EQ(space.session.bodyAt(picked.slot), 1);
   EXPECT_NEAR((picked.point - nearer).norm(), 0.5, 1e-9);
+
+  // Nor is a wall meant that hides them, and nothing is drawn on it.
+  BodyDef<3> wall = BodyDef<3>::fixed({.shape = Shape<3>::sphere(2)});
+  wall.X_WB.p = 6 * space.camera.towards();
+  space.session.perform(AddBody<3>{wall});
+  const Picked<3> through = pick(space.session.world(), space.camera, space.camera.toPixel(Vec<3>::Zero()));
+  EXPECT_EQ(space.session.bodyAt(through.slot), 1);
+  EXPECT_NEAR((through.point - nearer).norm(), 0.5, 1e-9);
+  const Vec<2> aside = space.camera.toPixel(wall.X_WB.p + Real(1.2) * space.camera.up());
+  EXPECT_EQ(space.session.bodyAt(pick(space.session.world(), space.camera, aside).slot), 2);
+  const Vec<3> drawn = freePoint(space.session.world(), space.camera, aside);
+  EXPECT_NEAR((drawn - space.camera.origin()).dot(space.camera.towards()), 0, 1e-9);
 }
 
 template <int D>
