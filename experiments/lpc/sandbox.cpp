@@ -154,6 +154,8 @@ void sandbox(const SandboxOptions& o, const Session& session) {
   Asked asked = readWhat(o);
   if (!o.trial.empty() && asked.scene.empty())
     throw UserError("--trial without a store; valid: lpc sandbox STORE.db --trial KEY");
+  if (!o.trial.empty() && asked.dimension) throw UserError("--trial beside a dimension; valid: that of the cell");
+  if (!o.profile.empty() && !o.profiled && !o.plots) throw UserError("-o without a profile; valid: beside -p or -g");
   if (asked.scene.empty()) asked.scene = "1";  // that of 2009
   if (o.unseen) runUnseen(o, asked);
   if (o.pipelines.size() > 8) throw UserError(std::to_string(o.pipelines.size()) + " pipelines; valid: up to 8");
@@ -174,22 +176,23 @@ void addSandbox(CommandLine& app, Session& session) {
   command.option(
       "scene", o->what,
       "2d or 3d, and a name in experiments/scenes, the number of a preset, a TOML file, or a store with --trial");
-  command.option("-s,--scene", o->number, "the number of a preset, 0 to 11, or a scene");
-  command.option("-S,--script", o->script, "plays in it: the number of a director's script, a name, or a file");
-  command.option("--pipeline", o->pipelines, "algorithms, or engine=NAME; up to 8 play at once (may be repeated)");
-  command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
-  command.option("--dt", o->dt, "length of a step (s); default: the scene's");
-  command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's");
-  Option precision = command.option("--precision", o->precision, "f64 or f32; with --trial: the cell's own");
-  command.flag("--no-sleeping", o->noSleeping, "keeps every body awake");
+  const Option ofScene[] = {
+      command.option("-s,--scene", o->number, "the number of a preset, 0 to 11, or a scene"),
+      command.option("-S,--script", o->script, "plays in it: the number of a director's script, a name, or a file"),
+      command.option("--pipeline", o->pipelines, "algorithms, or engine=NAME; up to 8 play at once (may be repeated)"),
+      command.option("--param", o->params, "a parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)"),
+      command.option("--dt", o->dt, "length of a step (s); default: the scene's"),
+      command.option("--seed", o->seed, "of the scene's random numbers; default: the scene's"),
+      command.option("--precision", o->precision, "f64 or f32; with --trial: the cell's own"),
+      command.flag("--no-sleeping", o->noSleeping, "keeps every body awake")};
   Option unseen = command.flag("-i", o->unseen, "without a window, as lpc run");
   command.flag("-p", o->profiled, "writes times and counts of each step as CSV at the end");
   command.flag("-g", o->plots, "as -p, and draws them: in a panel, or with -i in the terminal");
   command.option("-o", o->profile, "name of that file; default: sandbox_profile.csv");
-  command
-      .option("--trial", o->trial, "a cell of a store, by the first digits of its key: opens it a step before it fell")
-      .without(unseen)
-      .without(precision);
+  Option trial = command.option("--trial", o->trial,
+                                "a cell of a store, by the first digits of its key: opens it a step before it fell");
+  trial.without(unseen);
+  for (const Option& other : ofScene) trial.without(other);  // all that is the cell's
   command.option("--input", o->input, "plays keys and mouse from a file").file().without(unseen);
   command.footer(
       "Example: lpc sandbox\n"

@@ -247,6 +247,9 @@ class Sandbox(unittest.TestCase):
                 (("1", "--precision", "f32", "--trial", "ab"), {}, "excludes"),
                 (("1", "--precision", "f16"), {}, "f64, f32"),
                 (("--trial", "ab"), {}, "store"),
+                (("x.db", "--trial", "ab", "2d"), {}, "dimension"),
+                (("x.db", "--trial", "ab", "--dt", "0.1"), {}, "excludes"),
+                (("1", "-o", "p.csv"), {}, "-p or -g"),
                 (("1", "--input", "bad.txt"), {}, "bad.txt:2"),
                 (("1", "--input", "nowhere.txt"), {}, "nowhere/a.png: cannot be written: No such file or directory"),
                 (("1", "--input", "none.txt"), {}, "none.txt")):
