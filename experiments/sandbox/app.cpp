@@ -29,7 +29,9 @@ namespace {
 
 constexpr const char* kSaved = "sandbox.toml";  // F1 and F2
 constexpr Real kTurn = Real(0.0872664626);      // rad, five degrees a notch
-constexpr int kMostSteps = 4;  // a picture, as many as the largest time scale asks for: what is slower is shown so
+// Of a picture, as much as the largest time scale asks for; what takes longer is shown slower.
+constexpr int kMostSteps = 4;
+constexpr double kMostTime = 4.0 / 60, kMostSeconds = 0.1;  // s, of the world's and of the user's time
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -84,14 +86,20 @@ void App<D>::act(const std::function<void()>& what) {
 
 template <int D>
 bool App<D>::frame(InputScript* script) {
+  m_scripted = script != nullptr;
   if (script) playOrder(*this, *script);
   for (SDL_Event event; window.poll(event);) handle(event);
-  for (const std::string& path : window.takeDropped()) act([&] { open(path); });
+  for (const std::string& path : window.takeDropped()) {
+    act([&] {
+      if (!std::filesystem::is_regular_file(path)) throw UserError("'" + path + "' is no file; valid: a scene");
+      open(path);
+    });
+  }
   advance();
   draw();
   if (imageSequence && !paused) {
     char name[48];
-    std::snprintf(name, sizeof name, "sandbox_%05ld.png", ++m_images);
+    std::snprintf(name, sizeof name, "sandbox_%05ld.png", ++images);
     act([&] { savePicture(name); });
   }
   if (later) act(std::exchange(later, nullptr));
@@ -104,7 +112,7 @@ void App<D>::handle(const SDL_Event& event) {
   if (event.type == SDL_QUIT) closed = true;
   if (event.type == SDL_WINDOWEVENT) camera.resize(window.width(), window.height());
   if (event.type == SDL_KEYUP || (event.type == SDL_KEYDOWN && !window.forPanels(event))) {
-    key(event.key.keysym.sym, event.type == SDL_KEYDOWN);
+    key(event.key.keysym.sym, event.type == SDL_KEYDOWN, event.key.repeat != 0);
   }
   if (event.type == SDL_MOUSEMOTION) {
     const Vec<2> to = mouse(event.motion), by = to - m_drag;
@@ -138,12 +146,12 @@ void App<D>::handle(const SDL_Event& event) {
 }
 
 template <int D>
-void App<D>::key(int code, bool down) {
+void App<D>::key(int code, bool down, bool again) {
   if (code == SDLK_LCTRL || code == SDLK_RCTRL) m_control = down;
   if (code == SDLK_LSHIFT || code == SDLK_RSHIFT) m_shift = down;
   if (!down) return;
   for (const Command<D>& c : commands<D>()) {
-    if (c.key == code) return act([&] { c.run(*this); });
+    if (c.key == code && (c.repeats || !again)) return act([&] { c.run(*this); });
   }
 }
 
@@ -151,9 +159,13 @@ template <int D>
 void App<D>::advance() {
   if (paused || session.fallen()) return;
   const double dt = static_cast<double>(session.dt());
-  m_due = std::min(m_due + window.secondsPerFrame() * timeScale, kMostSteps * dt);
+  m_due = std::min(m_due + window.secondsPerFrame() * timeScale, std::max(kMostSteps * dt, kMostTime));
+  const double begun = now();
   // Never below none: a dt that is rounded up would owe a step to rounding, at last.
-  for (; m_due > dt * (1 - 1e-6); m_due = std::max(m_due - dt, 0.0)) step();
+  for (int made = 0; m_due > dt * (1 - 1e-6) && !session.fallen(); m_due = std::max(m_due - dt, 0.0)) {
+    if (made++ >= kMostSteps && !m_scripted && now() - begun > kMostSeconds) m_due = dt;  // the last
+    step();
+  }
   if (!session.fallen()) return;
   paused = true;  // it is shown where it fell, and can be stepped back
   hand.setPaused(true);
@@ -205,20 +217,14 @@ void App<D>::zoom(Real factor) {
 
 template <int D>
 void App<D>::open(const std::string& scene) {
-  Opening next = opening;
-  next.scene = findToml("scenes", scene), next.script.clear(), next.say.clear(), next.steps = 0;
+  Opening next = playing();
+  next.scene = findToml("scenes", scene), next.script.clear();
   next.parameters.clear(), next.seed.reset(), next.dt.reset(), next.features.reset();
   const SceneFile loaded = SceneFile::load(next.scene);
-  if (!loaded.has(D)) {
-    next.dimension = loaded.dimensions().front();
-    m_next = next;
-    return;
-  }
+  if (!loaded.has(D)) return showOther(next, loaded);
   Session<D> played(specOf<D>(loaded, next), next.pipelines);
   later = [this, next, loaded, played = std::make_shared<Session<D>>(std::move(played))] {
-    hand.cancel(), hand.select({});
-    opening = next, file = loaded, session = std::move(*played);
-    session.keepFrames(logging || !opening.profile.empty());
+    begin(next, loaded, std::move(*played));
     look();
     say(file.name() + ": " + file.summary());
   };
@@ -227,12 +233,38 @@ void App<D>::open(const std::string& scene) {
 template <int D>
 void App<D>::reload() {
   const SceneFile loaded = SceneFile::load(opening.scene, opening.script);  // as it is now
-  Session<D> played(specOf<D>(loaded, opening), opening.pipelines);
-  later = [this, loaded, played = std::make_shared<Session<D>>(std::move(played))] {
-    hand.cancel(), hand.select({});
-    file = loaded, session = std::move(*played);
-    session.keepFrames(logging || !opening.profile.empty());
+  const Opening next = playing();
+  Session<D> played(specOf<D>(loaded, next), next.pipelines);
+  later = [this, next, loaded, played = std::make_shared<Session<D>>(std::move(played))] {
+    begin(next, loaded, std::move(*played));
   };
+}
+
+template <int D>
+void App<D>::begin(const Opening& next, const SceneFile& loaded, Session<D> played) {
+  if (logging) toggleLog();  // of the world that goes
+  hand.cancel(), hand.select({});
+  opening = next, file = loaded, session = std::move(played);
+  session.keepFrames(!opening.profile.empty());
+}
+
+template <int D>
+Opening App<D>::playing() const {
+  Opening out = opening;
+  out.say.clear(), out.steps = 0;
+  const auto& lanes = session.lanes();
+  for (std::size_t i = 0; lanes.size() == out.pipelines.size() && i < lanes.size(); ++i) {
+    out.pipelines[i] = lanes[i].pipeline;
+  }
+  return out;
+}
+
+template <int D>
+void App<D>::showOther(Opening next, const SceneFile& loaded) {
+  constexpr int kOther = 5 - D;
+  next.dimension = kOther;
+  Session<kOther>(specOf<kOther>(loaded, next), next.pipelines);  // who cannot play there is refused here
+  m_next = next;
 }
 
 template <int D>
@@ -255,6 +287,10 @@ void App<D>::save() {
 
 template <int D>
 void App<D>::load() {
+  if (!std::filesystem::is_regular_file(kSaved)) {
+    throw UserError(std::string("there is no ") + kSaved +
+                    " in this folder; valid: a world that was saved before (F1)");
+  }
   open(kSaved);
 }
 
@@ -262,17 +298,22 @@ template <int D>
 void App<D>::otherDimension() {
   constexpr int kOther = 5 - D;
   if (!file.has(kOther)) throw UserError(file.name() + " is not there in " + std::to_string(kOther) + "D");
-  Opening next = opening;
-  next.dimension = kOther, next.steps = 0;
-  m_next = next;
+  showOther(playing(), SceneFile::load(opening.scene, opening.script));
 }
 
 template <int D>
 void App<D>::addLane(const std::string& pipeline) {
-  Opening next = opening;
+  Opening next = playing();
   next.pipelines.push_back(pipeline);
   Session<D> played(specOf<D>(file, next), next.pipelines);  // who cannot play is refused here
   opening.pipelines = next.pipelines;
+  reload();
+}
+
+template <int D>
+void App<D>::takeOut(std::size_t lane) {
+  opening.pipelines = playing().pipelines;
+  opening.pipelines.erase(opening.pipelines.begin() + static_cast<long>(lane));
   reload();
 }
 
@@ -366,15 +407,15 @@ template class App<3>;
 
 namespace {
 
-// Panels and switches stay when the dimension changes.
 template <int D>
 std::optional<Opening> showOne(Window& window, const Opening& opening, const SceneFile& file, InputScript* script,
-                               Panels& panels) {
+                               std::optional<Switches>& kept) {
   App<D> app(window, opening, file);
-  app.panels = panels;
+  if (kept) static_cast<Switches&>(app) = *kept, app.hand.setPaused(app.paused);
   while (app.frame(script)) {
   }
-  panels = app.panels;
+  kept = app;
+  if (app.logging) app.toggleLog();
   if (!app.next() && !app.opening.profile.empty()) app.writeProfile(app.opening.profile);
   return app.next();
 }
@@ -382,11 +423,11 @@ std::optional<Opening> showOne(Window& window, const Opening& opening, const Sce
 }  // namespace
 
 void show(Window& window, Opening opening, InputScript* script) {
-  Panels panels;
+  std::optional<Switches> kept;
   for (std::optional<Opening> next = std::move(opening); next;) {
     const SceneFile file = SceneFile::load(next->scene, next->script);
-    next = next->dimension == 2 ? showOne<2>(window, *next, file, script, panels)
-                                : showOne<3>(window, *next, file, script, panels);
+    next = next->dimension == 2 ? showOne<2>(window, *next, file, script, kept)
+                                : showOne<3>(window, *next, file, script, kept);
   }
 }
 

@@ -36,6 +36,19 @@ struct PanelInfo {
 };
 std::span<const PanelInfo> panelInfos();
 
+/// What stays when another dimension is shown.
+struct Switches {
+  DrawLayers layers;
+  Panels panels;
+  Arrangement arrangement = Arrangement::overlaid;
+  bool paused = false;
+  bool meteors = false, rain = false, showers = false;  // come by themselves while they are on
+  double timeScale = 1;
+  int verbosity = 1;
+  bool imageSequence = false;
+  long images = 0;  // that were written
+};
+
 /// Places of the window that a script can click on by name: "World/Pause", "Scene/base".
 class Marks {
  public:
@@ -51,7 +64,7 @@ class Marks {
 };
 
 template <int D>
-class App {
+class App : public Switches {
  public:
   App(Window& window, const Opening& opening, const SceneFile& file);
 
@@ -74,6 +87,7 @@ class App {
   void zoom(Real factor);
   void otherDimension();
   void addLane(const std::string& pipeline);
+  void takeOut(std::size_t lane);
   void toggleLog();
   void writeProfile(const std::string& path);
   /// The last picture, as PNG. Throws UserError for what cannot be written.
@@ -89,16 +103,9 @@ class App {
   Session<D> session;
   ViewCamera<D> camera;
   Hand<D> hand;
-  DrawLayers layers;
-  Panels panels;
-  Arrangement arrangement = Arrangement::overlaid;
   Marks marks;
-  bool paused = false, closed = false;
-  bool meteors = false, rain = false, showers = false;  // come by themselves while they are on
-  double timeScale = 1;
-  int verbosity = 1;
+  bool closed = false;
   bool logging = false;  // statistics of each step, into a file
-  bool imageSequence = false;
   // The pair that the panel of that name looks into.
   struct PairShown {
     PairTrace<D> trace;
@@ -115,11 +122,14 @@ class App {
 
  private:
   void handle(const SDL_Event& event);
-  void key(int code, bool down);
+  void key(int code, bool down, bool again);
   void advance();
   void spawnDue();
   void equaliseCost();
   void burst(const Vec<D>& at);
+  Opening playing() const;  // what is shown, from its beginning, by who plays it now
+  void begin(const Opening& next, const SceneFile& loaded, Session<D> played);
+  void showOther(Opening next, const SceneFile& loaded);
   void addCircle(const Vec<D>& at, const Vec<D>& velocity, Real radius, Real density);
   void draw();
 
@@ -132,7 +142,7 @@ class App {
   Vec<2> m_drag = Vec<2>::Zero();
   bool m_panning = false, m_orbiting = false;
   bool m_control = false, m_shift = false;
-  long m_images = 0;
+  bool m_scripted = false;  // then the clock decides nothing
 };
 
 /// A thing that a user can ask for: in a menu, by a key, or both. The manual's table of keys is written from these.
@@ -143,6 +153,7 @@ struct Command {
   const char* meaning;
   std::function<void(App<D>&)> run;
   std::function<bool(const App<D>&)> on = {};  // of a switch
+  bool repeats = false;                        // while its key is held down
 };
 template <int D>
 const std::vector<Command<D>>& commands();

@@ -3,7 +3,9 @@
 #include <SDL2/SDL_keycode.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "experiments/sandbox/app.h"
 
@@ -107,6 +109,10 @@ std::vector<Command<D>> makeCommands() {
     add(
         "Panels", p.name, key, "opens or closes it", [&p](A& a) { a.panels.*p.open = !(a.panels.*p.open); },
         [&p](const A& a) { return a.panels.*p.open; });
+  }
+  constexpr int kRepeated[] = {SDLK_RIGHT, SDLK_LEFT, SDLK_PAGEUP, SDLK_PAGEDOWN, SDLK_n, SDLK_o};
+  for (Command<D>& c : out) {
+    c.repeats = c.key && std::find(std::begin(kRepeated), std::end(kRepeated), c.key) != std::end(kRepeated);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 // Keys and mouse as a file, for tests, for pictures and for showing again what was found: one order a line.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,12 @@ class InputScript {
   void done() { ++m_next, m_waited = 0; }
   /// Counts: true when so many pictures have come since the order was the next.
   bool waited(long pictures) { return ++m_waited > pictures; }
+  /// True of a key that is pressed while it is down.
+  bool holdKey(int key, bool down) {
+    if (down) return !m_down.insert(key).second;
+    m_down.erase(key);
+    return false;
+  }
   [[noreturn]] void fail(const std::string& why) const;  // at the line of the next order
 
  private:
@@ -32,6 +39,7 @@ class InputScript {
   std::vector<InputOrder> m_orders;
   std::size_t m_next = 0;
   long m_waited = 0;
+  std::set<int> m_down;  // keys
 };
 
 }  // namespace lpc::inline LPC_PRECISION

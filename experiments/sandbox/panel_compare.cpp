@@ -37,8 +37,7 @@ void comparePanel(App<D>& app) {
                   l.partedAt < 0 ? "no step yet" : ("step " + std::to_string(l.partedAt)).c_str());
     }
     if (lanes.size() > 1 && ImGui::SmallButton("take out")) {
-      app.opening.pipelines.erase(app.opening.pipelines.begin() + static_cast<long>(lane));
-      app.act([&] { app.reload(); });
+      app.act([&] { app.takeOut(lane); });
     }
     app.marks.last("Compare/take out " + std::to_string(lane + 1));
     ImGui::PopID();

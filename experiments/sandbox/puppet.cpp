@@ -32,14 +32,20 @@ double number(const std::string& word, const InputScript& script) {
 
 void push(SDL_Event event) { SDL_PushEvent(&event); }
 
-void pushKey(const std::string& name, bool down, const InputScript& script) {
+void pushKey(const std::string& name, bool down, InputScript& script) {
   const SDL_Keycode code = SDL_GetKeyFromName(name.c_str());
   if (code == SDLK_UNKNOWN)
     script.fail("there is no key '" + name + "'; valid: names such as p, F1, Return, Left Ctrl");
+  for (const auto& [key, flag] : {std::pair(SDLK_LCTRL, KMOD_LCTRL), std::pair(SDLK_LSHIFT, KMOD_LSHIFT)}) {
+    if (code == key)
+      SDL_SetModState(static_cast<SDL_Keymod>(down ? SDL_GetModState() | flag : SDL_GetModState() & ~flag));
+  }
   SDL_Event event{};
   event.type = down ? SDL_KEYDOWN : SDL_KEYUP;
+  event.key.keysym.mod = static_cast<Uint16>(SDL_GetModState());
   event.key.keysym.sym = code, event.key.keysym.scancode = SDL_GetScancodeFromKey(code);
   event.key.state = down ? SDL_PRESSED : SDL_RELEASED;
+  event.key.repeat = script.holdKey(code, down);  // as of a key that is held down
   push(event);
 }
 

@@ -205,6 +205,43 @@ class Sandbox(unittest.TestCase):
         self.assertEqual(json.loads((self.folder / "back.json").read_text())["step"], there["step"] - 40)
         self.assertEqual(there["lanes"][0]["hash"], again["lanes"][0]["hash"])
 
+    # --- what stays -----------------------------------------------------------------------------------------------------
+    def test_who_plays_and_what_is_on_stays(self):
+        def on(state):
+            return {c["name"] for c in state["commands"] if c["on"]}
+
+        orders = ["size 800 600", "wait 2", "state plots.json", "down p", "down p", "down p", "up p", "key F6", "key ,", "wait 1",
+                  "key F3", "wait 2", "state other.json", "key F3", "key L", "key Right", *click("Panels"),
+                  *click("Panels/Stages"), *click("Stages/solver"), *click("Stages/solver/soft_step"), "wait 1",
+                  "state changed.json", "key F1", "wait 1", "key F2", "wait 2", "state loaded.json", "key r", "wait 2"]
+        plots, other, changed, loaded, again = self.play(orders, "2d", "4", "-g",
+                                                         states=("plots", "other", "changed", "loaded", "end"))
+        self.assertIn("Step", on(plots))  # the panel of plots, by -g
+        self.assertEqual(other["dimension"], 3)
+        self.assertLessEqual({"Step", "Pause", "Rain"}, on(other))  # P was held down, and is one press
+        self.assertIn("solver=soft_step", changed["lanes"][0]["pipeline"])
+        self.assertEqual(loaded["scene"], "sandbox")
+        for state in (loaded, again):
+            self.assertEqual(state["lanes"], changed["lanes"])
+        self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # of the world that another came after
+
+    def test_who_cannot_play_there_is_refused_and_all_stays(self):
+        (self.folder / "folder").mkdir()
+        orders = ["key F3", "wait 2", "state other.json", "key F2", "wait 2", "state missing.json", "drop folder", "wait 2",
+                  "state folder.json", "key L", "wait 3"]
+        other, missing, folder = self.play(orders, "3d", "4", "--pipeline", "engine=bullet",
+                                           states=("other", "missing", "folder"))
+        self.assertEqual(other["dimension"], 3)
+        self.assertIn("no engine 'bullet' in 2D", other["message"])
+        self.assertIn("there is no sandbox.toml", missing["message"])
+        self.assertIn("'folder' is no file", folder["message"])
+        self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # it was on when the window was closed
+
+    def test_small_steps_keep_up_with_the_clock(self):
+        state = self.play(["wait 6", "state begun.json", "wait 6"], "spinning_top")
+        begun = json.loads((self.folder / "begun.json").read_text())
+        self.assertGreaterEqual(state["step"] - begun["step"], 7 * 66)  # of 0.25 ms, in seven sixtieths of a second
+
     # --- mistakes -------------------------------------------------------------------------------------------------------
     def test_a_world_that_diverges_stops_and_can_be_stepped_back(self):
         (self.folder / "lost.toml").write_text(
