@@ -29,6 +29,7 @@ enum class Arrangement { overlaid, sideBySide };
 struct Panels {
   bool scene = false, stages = false, layers = false, step = false, body = false, compare = false, pair = false,
        help = false;
+  std::map<std::string, int> places = {};  // of those that are open
 };
 struct PanelInfo {
   const char* name;

@@ -32,8 +32,9 @@ void bodyPanel(App<D>& app) {
   const auto i = static_cast<std::size_t>(h.slot);
   const Bodies<D>& b = world.bodies();
   const Pose<D> X_WB = world.pose(h);
-  ImGui::Text("body %d of %d, %s%s%s", body, static_cast<int>(selected.size()), bodyTypeName(b.type[i]),
-              b.pinned[i] ? ", pinned" : "", b.awake[i] ? "" : ", asleep");
+  if (selected.size() > 1) ImGui::Text("the last of %d that are selected", static_cast<int>(selected.size()));
+  ImGui::Text("body %d, %s%s%s", body, bodyTypeName(b.type[i]), b.pinned[i] ? ", pinned" : "",
+              b.awake[i] ? "" : ", asleep");
   ImGui::Text("mass %.6g kg, turned %.4g rad", static_cast<double>(b.mass[i]), turnOf<D>(X_WB.q));
   ImGui::Text("speed %.4g m/s", static_cast<double>(b.motion[i].v.norm()));
   constexpr const char* kAxes[] = {"x (m)", "y (m)", "z (m)"};

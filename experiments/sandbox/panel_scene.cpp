@@ -74,8 +74,10 @@ void scenePanel(App<D>& app) {
     }
   };
   const auto coefficient = [&](auto member) {
+    const std::vector<int>& selected = app.hand.selected();
+    const std::int32_t of = selected.empty() ? -1 : app.session.handle(selected.back()).slot;
     for (const ShapeRecord<D>& s : app.session.world().shapes()) {
-      if (s.body >= 0) return static_cast<double>(s.*member);
+      if (s.body >= 0 && (of < 0 || s.body == of)) return static_cast<double>(s.*member);
     }
     return 0.0;
   };

@@ -60,7 +60,10 @@ class SpecEditor {
       changed = number(id, p, value);
       mark(id);
     }
-    if (!p.stage && ImGui::IsItemHovered()) ImGui::SetTooltip("%s (%s)", p.meaning.c_str(), p.unit.c_str());
+    if (!p.stage && ImGui::IsItemHovered()) {
+      ImGui::SetTooltip("%s%s", p.meaning.c_str(),
+                        p.unit == "1" || p.unit.empty() ? "" : (" (" + p.unit + ")").c_str());
+    }
     if (changed) spec.set(p.name, value);
     return changed;
   }

@@ -4,22 +4,54 @@
 #include <SDL2/SDL_keyboard.h>
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "experiments/sandbox/lane_colours.h"
 #include "experiments/sandbox/lane_label.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+// A key, and behind it what it does, in as many lines as it needs.
+void keyLine(const char* key, const std::string& does) {
+  ImGui::TextUnformatted(key);
+  ImGui::SameLine(90);
+  ImGui::TextWrapped("%s", does.c_str());
+}
+
 template <int D>
 void keysPanel(App<D>&) {
   for (const Command<D>& c : commands<D>()) {
-    if (c.key) ImGui::Text("%-10s %s: %s", SDL_GetKeyName(c.key), c.name, c.meaning);
+    if (c.key) keyLine(SDL_GetKeyName(c.key), std::string(c.name) + ": " + c.meaning);
   }
-  ImGui::TextUnformatted("left mouse  selects, drags, draws (Shift: adds to the selection)");
-  ImGui::TextUnformatted(D == 2 ? "right mouse pans; the wheel zooms"
-                                : "right mouse turns, with Shift pans; the wheel zooms");
-  ImGui::TextUnformatted("Ctrl        while dragging: no rotation; with the wheel: turns");
+  keyLine("left mouse", "selects, drags, draws (Shift: adds to the selection)");
+  keyLine("right mouse", D == 2 ? "pans; the wheel zooms" : "turns, with Shift pans; the wheel zooms");
+  keyLine("Ctrl", "while dragging: no rotation; with the wheel: turns");
 }
+
+// Of what is no algorithm: numbers, each in its range.
+class Sliders final : public ParamVisitor {
+ public:
+  explicit Sliders(Marks& marks, std::string panel) : m_marks(marks), m_panel(std::move(panel)) {}
+  void real(std::string_view name, Real& value, Real lo, Real hi, std::string_view unit,
+            std::string_view meaning) override {
+    const std::string label(name), told = std::string(meaning) + " (" + std::string(unit) + ")";
+    ImGui::SliderScalar(label.c_str(), ImGuiDataType_Double, &value, &lo, &hi, "%.3g",
+                        ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", told.c_str());
+    m_marks.last(m_panel + "/" + label);
+  }
+  void integer(std::string_view, int&, int, int, std::string_view) override {}
+  void flag(std::string_view, bool&, std::string_view) override {}
+  void stage(std::string_view, Spec&, StageKind, std::string_view) override {}
+
+ protected:
+  void choiceIndex(std::string_view, int&, const std::vector<std::string_view>&, std::string_view) override {}
+
+ private:
+  Marks& m_marks;
+  std::string m_panel;
+};
 
 template <int D>
 void layersPanel(App<D>& app) {
@@ -29,6 +61,41 @@ void layersPanel(App<D>& app) {
     app.marks.last("Layers/" + name);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", std::string(layer.meaning).c_str());
   }
+  Sliders sliders(app.marks, "Layers");
+  app.layers.visit(sliders);
+}
+
+// One that opens comes where no other was opened, from the right to the left, and so again, a little lower.
+ImVec2 placeOf(std::map<std::string, int>& places, const char* panel, int width) {
+  if (!places.contains(panel)) {
+    int place = 0;
+    const auto taken = [&](const auto& p) { return p.second == place; };
+    while (std::any_of(places.begin(), places.end(), taken)) ++place;
+    places[panel] = place;
+  }
+  const int columns = std::max(1, width / 370), place = places[panel];
+  return {static_cast<float>(width - 370 * (1 + place % columns)), static_cast<float>(30 + 50 * (place / columns))};
+}
+
+// What is on, for who cannot see it in a menu.
+template <int D>
+std::string statesOf(const App<D>& app) {
+  std::string out;
+  const auto add = [&](bool on, const std::string& what) {
+    if (on) out += "  " + what;
+  };
+  char times[16];
+  std::snprintf(times, sizeof times, "%gx", app.timeScale);
+  add(app.paused, "paused");
+  add(app.timeScale != 1, times);
+  for (const ToolInfo& t : tools()) {
+    const bool drawn = app.hand.drawing() && app.hand.drawsStatic;
+    add(t.tool == app.hand.tool && t.tool != Tool::grab,
+        "tool: " + std::string(drawn ? "static " : "") + (t.tool == Tool::joint ? app.hand.joint + " " : "") + t.name);
+  }
+  add(app.meteors, "meteors"), add(app.rain, "rain"), add(app.showers, "fireworks");
+  add(app.logging, "statistics"), add(app.imageSequence, "image " + std::to_string(app.images));
+  return out;
 }
 
 // One line at the foot of the window, or more.
@@ -41,12 +108,13 @@ void status(App<D>& app) {
                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_AlwaysAutoResize |
                                       ImGuiWindowFlags_NoFocusOnAppearing;
   ImGui::Begin("##status", nullptr, kFlags);
+  ImGui::PushTextWrapPos(io.DisplaySize.x - 2 * ImGui::GetStyle().WindowPadding.x);
   const Simulation<D>& world = app.session.world();
   if (app.verbosity > 0) {
     ImGui::Text("%s%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f pictures/s%s",
                 app.file.name().c_str(), std::is_same_v<Real, float> ? " in f32" : "", app.session.steps(),
                 static_cast<double>(world.time()), world.bodyCount(), 1e3 * app.stepSeconds, 1e3 * app.drawSeconds,
-                app.window.picturesPerSecond(), app.paused ? "  paused" : "");
+                app.window.picturesPerSecond(), statesOf(app).c_str());
   }
   if (app.verbosity > 1) {
     const Profiler::Frame& f = app.session.world().profiler().frame();
@@ -62,6 +130,7 @@ void status(App<D>& app) {
                        laneLabel(l.pipeline, D).c_str(), state.c_str());
   }
   if (!app.message.empty()) ImGui::TextUnformatted(app.message.c_str());
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
@@ -77,13 +146,14 @@ void drawPanels(App<D>& app) {
                                           {&Panels::layers, layersPanel<D>}, {&Panels::step, stepPanel<D>},
                                           {&Panels::body, bodyPanel<D>},     {&Panels::compare, comparePanel<D>},
                                           {&Panels::pair, pairPanel<D>},     {&Panels::help, keysPanel<D>}};
-  float x = static_cast<float>(app.window.width()) - 370;
   const float tall = static_cast<float>(app.window.height()) - 120;
   for (const PanelInfo& p : panelInfos()) {
-    if (!(app.panels.*p.open)) continue;
-    ImGui::SetNextWindowPos(ImVec2(x, 30), ImGuiCond_FirstUseEver);
+    if (!(app.panels.*p.open)) {
+      app.panels.places.erase(p.name);
+      continue;
+    }
+    ImGui::SetNextWindowPos(placeOf(app.panels.places, p.name, app.window.width()), ImGuiCond_Appearing);
     ImGui::SetNextWindowSizeConstraints(ImVec2(360, 0), ImVec2(360, tall));
-    x = x > 400 ? x - 370 : x;
     if (ImGui::Begin(p.name, &(app.panels.*p.open), ImGuiWindowFlags_AlwaysAutoResize)) {
       ImGui::PushItemWidth(-140);  // room for names
       for (const Content& c : kContents) {

@@ -205,6 +205,14 @@ class Sandbox(unittest.TestCase):
         self.assertEqual(json.loads((self.folder / "back.json").read_text())["step"], there["step"] - 40)
         self.assertEqual(there["lanes"][0]["hash"], again["lanes"][0]["hash"])
 
+    def test_panels_stand_beside_each_other(self):
+        orders = ["wait 2", "key p", "at 0 4", "press left", "release left"]
+        for name in ("Body", "Layers", "Keys"):  # not in the order of the menu
+            orders += [*click("Panels"), *click("Panels/" + name)]
+        marks = self.play([*orders, "wait 1"], "2d", "5")["marks"]
+        self.assertGreater(abs(marks["Body/x (m)"][0] - marks["Layers/shapes"][0]), 300)
+        self.assertIn("Layers/impulse_length", marks)
+
     # --- what stays -----------------------------------------------------------------------------------------------------
     def test_who_plays_and_what_is_on_stays(self):
         def on(state):
