@@ -24,4 +24,17 @@ class Engine : public Stage {
   virtual std::string differences() const = 0;
 };
 
+/// What an engine's simulation may be besides: one whose gravity changes while it goes on.
+template <int D>
+class ChangesGravity {
+ public:
+  virtual ~ChangesGravity() = default;
+  /// Of all bodies, from now on (m/s^2). Throws UserError for what is not finite.
+  virtual void setGravity(const Vec<D>& gravity) = 0;
+};
+
+/// Of a world of ours, or of an engine that can. Throws UserError, with the reason.
+template <int D>
+void changeGravity(Simulation<D>& simulation, const Vec<D>& gravity);
+
 }  // namespace lpc::inline LPC_PRECISION

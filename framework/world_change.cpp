@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "framework/inverse_inertia.h"
+#include "framework/stage_engine.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -253,6 +254,16 @@ void World<D>::setGravity(const Vec<D>& gravity) {
   m_settings.gravity = gravity;
   wakeAll();
 }
+
+template <int D>
+void changeGravity(Simulation<D>& simulation, const Vec<D>& gravity) {
+  if (auto* world = dynamic_cast<World<D>*>(&simulation)) return world->setGravity(gravity);
+  auto* engine = dynamic_cast<ChangesGravity<D>*>(&simulation);
+  if (!engine) throw UserError("this engine keeps the gravity that it began with");
+  engine->setGravity(gravity);
+}
+template void changeGravity(Simulation<2>&, const Vec<2>&);
+template void changeGravity(Simulation<3>&, const Vec<3>&);
 
 template <int D>
 void World<D>::exchange(const Pipeline& pipeline) {

@@ -2,6 +2,7 @@
 #include "experiments/sandbox/deed.h"
 
 #include "framework/check.h"
+#include "framework/stage_engine.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -62,7 +63,7 @@ struct Player {
     if (!own) return;  // nobody sleeps in an engine
     d.body < 0 ? own->wakeAll() : own->wake(cast[d.body]);
   }
-  void operator()(const SetGravity<D>& d) { worldOf(world, "change gravity").setGravity(d.gravity); }
+  void operator()(const SetGravity<D>& d) { changeGravity(world, d.gravity); }
   void operator()(const ChangeBody& d) {
     World<D>& own = worldOf(world, "change a body");
     BodyDef<D> def = own.definition(cast[d.body]);

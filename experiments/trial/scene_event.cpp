@@ -7,6 +7,7 @@
 
 #include "experiments/trial/scene_names.h"
 #include "framework/director.h"
+#include "framework/stage_engine.h"
 #include "framework/world.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -313,7 +314,7 @@ struct Gravity {
   template <int D>
   static void read(const EventBlock<D>& e) {
     const Vec<D> gravity = e.numbers.template vector<D>(e.block.require("gravity"));
-    addOurs<D>(e, -1, kName, [gravity](Director<D>&, World<D>& world, int) { world.setGravity(gravity); });
+    addDeed<D>(e, -1, [gravity](Simulation<D>& simulation, Handle) { changeGravity(simulation, gravity); });
   }
 };
 

@@ -180,6 +180,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
             std::abs(m_joints[slot]->GetReactionTorque(perSecond))};
   }
 
+  void putGravity() override { m_world.SetGravity(vector(settings().gravity)); }
   void putPose(std::size_t slot, const Pose<2>& X_WC) override {
     b2Body& b = *m_bodies[slot];
     // The nearest of the angles that look alike: joints count the whole turns of their bodies.

@@ -192,7 +192,7 @@ class BulletWorld final : public EngineWorld<3> {
     putMotion(slot, motionOf(slot));
     m_world.addRigidBody(b.body.get(), static_cast<int>(record ? record->category : 0u),
                          static_cast<int>(record ? record->mask : 0u));
-    b.body->setGravity(vector(Vec<3>(def.gravityScale * settings().gravity)));  // adding it has set the world's
+    putGravity(slot);  // adding it has set the world's
   }
   static void addShapes(Body& b, const std::vector<std::pair<ShapeView<3>, Pose<3>>>& parts) {
     const Pose<3> X_PC = b.X_CP.inverse();
@@ -276,6 +276,15 @@ class BulletWorld final : public EngineWorld<3> {
     return {j.load->m_appliedForceBodyB.length(), torque.length()};
   }
 
+  void putGravity() override {
+    m_world.setGravity(vector(settings().gravity));
+    for (std::size_t slot = 0; slot < m_bodies.size(); ++slot) {
+      if (m_bodies[slot].body) putGravity(slot);
+    }
+  }
+  void putGravity(std::size_t slot) {
+    m_bodies[slot].body->setGravity(vector(Vec<3>(scene().bodies().gravityScale[slot] * settings().gravity)));
+  }
   void putPose(std::size_t slot, const Pose<3>& X_WC) override {
     const Body& b = m_bodies[slot];
     b.body->setCenterOfMassTransform(transform(X_WC * b.X_CP));

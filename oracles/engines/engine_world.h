@@ -14,7 +14,7 @@
 namespace lpc::inline LPC_PRECISION {
 
 template <int D>
-class EngineWorld : public Simulation<D> {
+class EngineWorld : public Simulation<D>, public ChangesGravity<D> {
  public:
   Handle add(const BodyDef<D>& def) final {
     refresh();
@@ -73,6 +73,11 @@ class EngineWorld : public Simulation<D> {
     if (held) dropJoint(j);
   }
 
+  void setGravity(const Vec<D>& gravity) final {
+    refresh();
+    m_scene.setGravity(gravity);
+    putGravity();
+  }
   void setPose(Handle body, const Pose<D>& X_WB) final {
     refresh();
     m_scene.setPose(body, X_WB);
@@ -144,6 +149,7 @@ class EngineWorld : public Simulation<D> {
   virtual void dropJoint(std::size_t slot) = 0;
   /// What B felt of the joint in the last step, of dt (s): asked of joints that may break.
   virtual JointLoad load(std::size_t slot, Real dt) const = 0;
+  virtual void putGravity() = 0;  // that of the settings
   virtual void putPose(std::size_t slot, const Pose<D>& X_WC) = 0;
   virtual void putMotion(std::size_t slot, const Motion<D>& motion) = 0;
   virtual void push(std::size_t slot, const Wrench<D>& wrench) = 0;  // for the coming step

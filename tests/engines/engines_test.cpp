@@ -27,6 +27,22 @@ bool falls(const Start<D>& start) {
          near(double(s->pose(ball).p[0]), 1, 1e-6);
 }
 
+// One ball at rest, and one that takes a third of gravity, which begins after a second.
+template <int D>
+bool fallsLater(const Start<D>& start) {
+  const auto s = start(gravity<D>(0, 0));
+  BodyDef<D> a = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-2, 0)), b = a;
+  b.X_WB.p[0] = 2, b.gravityScale = Real(1) / 3;
+  s->add(a), s->add(b);
+  run(*s, 1);
+  if (!s->bodies().motion[0].v.isZero()) return false;
+  changeGravity<D>(*s, at<D>(3, -kG));
+  run(*s, 1);
+  const Motion<D>&whole = s->bodies().motion[0], &third = s->bodies().motion[1];
+  return near((whole.v - at<D>(3, -kG)).norm(), 0, 1e-4) && near((3 * third.v - at<D>(3, -kG)).norm(), 0, 1e-4) &&
+         s->settings().gravity == at<D>(3, -kG);
+}
+
 // Two balls meet head on with pair restitution e = (1 + 0.5) / 2.
 template <int D>
 bool collides(const Start<D>& start) {
@@ -162,7 +178,9 @@ TEST(Engines, OneIsThere) {
   EXPECT_FALSE(Registry::instance().list(StageKind::engine, 3).empty());
   EXPECT_FALSE(engines<2>().empty() && engines<3>().empty()) << "none has its library";
 }
-TEST(Engines, BallsFall) { everywhere("falls", falls<2>, falls<3>); }
+TEST(Engines, BallsFall) {
+  everywhere("falls", falls<2>, falls<3>), everywhere("falls later", fallsLater<2>, fallsLater<3>);
+}
 TEST(Engines, BallsCollideByTheScenesMassesAndRestitution) { everywhere("collides", collides<2>, collides<3>); }
 TEST(Engines, BlocksSlideByTheScenesFriction) { everywhere("slides", slides<2>, slides<3>); }
 TEST(Engines, StacksRest) { everywhere("rests", rests<2>, rests<3>); }
@@ -184,6 +202,7 @@ void twinsAreCaught() {
   for (const auto& e : engines<D>()) {
     EXPECT_FALSE(falls<D>(upsideDown<D>(e.start))) << e.name;
     EXPECT_FALSE(rests<D>(upsideDown<D>(e.start))) << e.name;
+    EXPECT_FALSE(fallsLater<D>(deafToGravity<D>(e.start))) << e.name;
     EXPECT_FALSE(collides<D>(ownMass<D>(e.start))) << e.name;
     EXPECT_FALSE(bears<D>(ownMass<D>(e.start))) << e.name;
     EXPECT_FALSE(swingsOnASpring<D>(ownMass<D>(e.start))) << e.name;
@@ -199,8 +218,8 @@ TEST(Engines, PlantedAdaptersAreCaught) { twinsAreCaught<2>(), twinsAreCaught<3>
 template <int D>
 void worldPasses() {
   const Start<D> start = [](const WorldSettings<D>& s) { return std::make_unique<World<D>>(Pipeline{}, s); };
-  EXPECT_TRUE(falls<D>(start) && collides<D>(start) && slides<D>(start) && bears<D>(start) && swings<D>(start) &&
-              swingsOnASpring<D>(start));
+  EXPECT_TRUE(falls<D>(start) && fallsLater<D>(start) && collides<D>(start) && slides<D>(start) && bears<D>(start) &&
+              swings<D>(start) && swingsOnASpring<D>(start));
   if constexpr (D == 2) {
     EXPECT_TRUE(rests<D>(start) && tumbles<D>(start));
   }

@@ -104,6 +104,7 @@ TEST(EngineTrial, EveryEventIsPlayedAlike) {
       {head + go +
            "[[event]]\ndo = \"joint\"\nstep = 32\nkind = \"weld\"\na = \"world\"\nb = \"box\"\nanchor = [2, 2, 3]",
        1, 0},
+      {"[[event]]\ndo = \"gravity\"\nstep = 32\ngravity = [4, 0, 0]", 4 * (32 * 33 / 2) / 4096., 4},
       {head + go + wall + "[[event]]\ndo = \"remove\"\nstep = 9\nbody = \"wall\"", 2, 4}};
   for (const auto& [events, way, energy] : scripts) {
     const std::string scene = w.write("scripted.toml", kScripted + events + "\n");
@@ -126,13 +127,12 @@ TEST(EngineTrial, EveryEventIsPlayedAlike) {
 TEST(EngineTrial, WhatIsOfOurWorldsAloneIsARowWithAReason) {
   if (!built("lpc-engine-worker-f64")) GTEST_SKIP() << "this build has no engines";
   const Workspace w;
-  const std::string head = "[[event]]\nstep = 32\ndo = ", wake = "\"wake\"\n",
-                    gravity = "\"gravity\"\ngravity = [0, 1]\n";
+  const std::string head = "[[event]]\nstep = 32\ndo = ", wake = "\"wake\"\n", clear = "\"clear\"\n";
   const auto outcome = [&](const std::string& event) {
     return runScene(w, w.write("ours.toml", kScripted + head + event) + " --dimension 3 --pipeline engine=bullet");
   };
   EXPECT_EQ(outcome(wake)["outcome"], "ok");
-  const json r = outcome(gravity);
+  const json r = outcome(clear);
   EXPECT_EQ(r["outcome"], "unsupported");
   EXPECT_NE(r["reason"].get<std::string>().find("no engine has it"), std::string::npos) << r["reason"];
 }

@@ -31,11 +31,12 @@ struct Changes {
   std::function<void(Vec<D>& force, Vec<D>& point)> force = [](Vec<D>&, Vec<D>&) {};
   std::function<void(Ang<D>&)> torque = [](Ang<D>&) {};
   std::function<void(Wrench<D>&)> impulse = [](Wrench<D>&) {};
+  std::function<void(Vec<D>&)> gravity = [](Vec<D>&) {};
 };
 
 /// All else is the inner simulation's.
 template <int D>
-class Twin final : public Simulation<D> {
+class Twin final : public Simulation<D>, public ChangesGravity<D> {
  public:
   Twin(std::unique_ptr<Simulation<D>> inner, Changes<D> changes)
       : m_inner(std::move(inner)), m_changes(std::move(changes)) {}
@@ -75,6 +76,11 @@ class Twin final : public Simulation<D> {
     m_changes.impulse(changed);
     m_inner->applyImpulse(body, changed);
   }
+  void setGravity(const Vec<D>& gravity) override {
+    Vec<D> changed = gravity;
+    m_changes.gravity(changed);
+    changeGravity(*m_inner, changed);
+  }
   ForceHandle add(const ForceDef<D>& def) override { return m_inner->add(def); }
   void remove(ForceHandle force) override { m_inner->remove(force); }
   void add(std::shared_ptr<const ForceGenerator<D>> generator) override { m_inner->add(std::move(generator)); }
@@ -104,6 +110,16 @@ class Twin final : public Simulation<D> {
 template <int D>
 Start<D> twin(Start<D> start, Changes<D> changes) {
   return [=](const WorldSettings<D>& settings) { return std::make_unique<Twin<D>>(start(settings), changes); };
+}
+
+/// Keeps the gravity that it began with.
+template <int D>
+Start<D> deafToGravity(Start<D> start) {
+  return [start](const WorldSettings<D>& settings) {
+    Changes<D> changes;
+    changes.gravity = [began = settings.gravity](Vec<D>& gravity) { gravity = began; };
+    return std::make_unique<Twin<D>>(start(settings), changes);
+  };
 }
 
 /// Leaves every body at the mass that the engine gives by itself, of density 1.
