@@ -1,9 +1,37 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/sandbox/look_at_all.h"
 
+#include <algorithm>
+
 #include "framework/aabb.h"
 
 namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// As low as the lowest top of what never moves beneath them, which they will fall on: but no farther than they are
+// large.
+template <int D>
+Real floorBelow(const Simulation<D>& world, const Aabb<D>& moving) {
+  Real floor = moving.lo[1];
+  for (const ShapeRecord<D>& record : world.shapes()) {
+    if (record.body < 0) continue;
+    const auto body = static_cast<std::size_t>(record.body);
+    if (world.bodies().type[body] != BodyType::fixed) continue;
+    const Pose<D> X_WS = world.bodies().pose[body] * record.X_CS;
+    Real top = X_WS.p[1];
+    if (!record.shape.isPlane()) {
+      const Aabb<D> box = boundingBox(record.shape, X_WS);
+      bool beneath = true;
+      for (int d = 0; d < D; ++d) beneath &= d == 1 || (box.lo[d] < moving.hi[d] && box.hi[d] > moving.lo[d]);
+      if (!beneath) continue;
+      top = box.hi[1];
+    }
+    if (top < floor) floor = top;
+  }
+  return std::max(floor, moving.lo[1] - (moving.hi - moving.lo).maxCoeff());
+}
+
+}  // namespace
 
 template <int D>
 void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world) {
@@ -16,6 +44,7 @@ void lookAtAll(ViewCamera<D>& camera, const Simulation<D>& world) {
     if (world.bodies().type[body] != BodyType::fixed) moving = moving.merged(box);
   }
   const auto any = [](const Aabb<D>& box) { return (box.lo.array() <= box.hi.array()).all(); };
+  if (any(moving)) moving.lo[1] = floorBelow(world, moving);
   if (any(bounded)) camera.look(any(moving) ? moving.lo : bounded.lo, any(moving) ? moving.hi : bounded.hi);
 }
 

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "experiments/sandbox/look_at_all.h"
+#include "framework/world.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/planted_bugs/view_twins.h"
@@ -145,6 +147,34 @@ TEST(ViewCamera, RaysGoThroughWhatTheyShow) {
     RC_ASSERT((camera.toPixel(origin + t * direction) - pixel).norm() <= kPixel * 100);
     RC_ASSERT(std::isnan(camera.toPixel(origin - t * direction)[0]));
   });
+}
+
+// What falls is still seen where it lies; a floor that is far below is not waited for.
+template <int D>
+void looksAtTheFloor() {
+  const auto lowest = [](Real height) {
+    World<D> world(Pipeline::parse("solver=split_solver"));
+    BodyDef<D> floor = BodyDef<D>::fixed({.shape = Shape<D>::box(Vec<D>::Constant(50))});
+    floor.X_WB.p[1] = -50;
+    world.add(floor);
+    BodyDef<D> ball;
+    ball.X_WB.p[1] = height;
+    ball.shapes = {{.shape = Shape<D>::sphere(1)}};
+    world.add(ball);
+    ViewCamera<D> camera;
+    camera.resize(800, 600);
+    lookAtAll(camera, world);
+    return camera.toPixel(Vec<D>::Zero())[1];
+  };
+  EXPECT_GT(lowest(2), 300);
+  EXPECT_LT(lowest(2), 600);
+  EXPECT_GT(lowest(2.9), 400);
+  EXPECT_LT(lowest(2.9), 600);
+  EXPECT_GT(lowest(30), 600);
+}
+TEST(ViewCamera, LooksAtTheFloorThatTheyFallOn) {
+  looksAtTheFloor<2>();
+  looksAtTheFloor<3>();
 }
 
 }  // namespace
