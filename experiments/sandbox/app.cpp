@@ -22,13 +22,13 @@
 #include "experiments/trial/saved_scene.h"
 #include "framework/check.h"
 #include "framework/names.h"
-#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr const char* kSaved = "sandbox.toml";  // F1 and F2
-constexpr Real kTurn = Real(0.0872664626);      // rad, five degrees a notch
+constexpr const char* kSaved = "sandbox.toml";      // F1 and F2
+constexpr Real kTurn = Real(0.0872664626);          // rad, five degrees a notch
+constexpr double kToldAfter = 0.3, kPatience = 10;  // s: with a step back that takes long
 // Of a picture, as much as the largest time scale asks for; what takes longer is shown slower.
 constexpr int kMostSteps = 4;
 constexpr double kMostTime = 4.0 / 60, kMostSeconds = 0.1;  // s, of the world's and of the user's time
@@ -179,29 +179,33 @@ void App<D>::step() {
     spawnDue();
     session.measure(panels.step);
     session.step();
-    if (equalCost && session.steps() % kTimedSteps == 0) equaliseCost();
-    stepSeconds = session.world().profiler().frame().seconds;
+    if (equalCost) equaliseCost(session);
+    const std::vector<Sample>& samples = session.lanes()[0].samples;
+    stepSeconds = samples.empty() ? 0 : samples.back().seconds;
   });
 }
 
-// Times of different competitors are those of the same steps: what else the machine does meets all.
-template <int D>
-void App<D>::equaliseCost() {
-  constexpr double kNear = 0.1;
-  const double first = medianTime(session.lanes()[0].samples);
-  for (std::size_t lane = 1; lane < session.lanes().size(); ++lane) {
-    const auto& l = session.lanes()[lane];
-    const double factor = first / medianTime(l.samples);
-    if (!l.fallen.empty() || engineOf(l.pipeline) || std::abs(factor - 1) < kNear) continue;
-    const auto pipeline = withMoreIterations(l.pipeline, std::clamp(factor, 0.25, 4.0), D);
-    if (pipeline) session.perform(ExchangeStages{static_cast<int>(lane), *pipeline});
-  }
-}
-
+// The window does not answer while an engine makes its steps again: its title tells how far it is.
 template <int D>
 void App<D>::back() {
   paused = true;
-  if (!session.back()) say("this is the beginning");
+  const double start = now();
+  bool told = false;
+  const auto patience = [&](std::size_t lane, double part) {
+    const double seconds = now() - start;
+    told |= seconds > kToldAfter;
+    if (told) {
+      char text[96];
+      std::snprintf(text, sizeof text, "LPC sandbox: a step back, lane %zu, %.0f %%", lane + 1, 100 * part);
+      window.setTitle(text);
+    }
+    return seconds < kPatience;
+  };
+  if (!session.back(patience)) say("this is the beginning");
+  if (told) window.setTitle("LPC sandbox");
+  for (const auto& lane : session.lanes()) {
+    if (lane.fallen.starts_with("given up")) say(lane.fallen + "; R begins all anew");
+  }
   hand.setPaused(true);
 }
 

@@ -126,7 +126,6 @@ class App : public Switches {
   void key(int code, bool down, bool again);
   void advance();
   void spawnDue();
-  void equaliseCost();
   void burst(const Vec<D>& at);
   Opening playing() const;  // what is shown, from its beginning, by who plays it now
   void begin(const Opening& next, const SceneFile& loaded, Session<D> played);

@@ -6,12 +6,15 @@
 #include <cstdlib>
 
 #include "framework/registry.h"
+#include "framework/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+enum class Scaled { hasNone, atLimit, changed };
+
 // In the stage itself first, then in those that it holds, in their order.
-bool scale(StageKind stage, int dimension, Spec& spec, double factor) {
+Scaled scale(StageKind stage, int dimension, Spec& spec, double factor) {
   const Registered& entry = Registry::instance().find(stage, dimension, spec.name);
   for (const ParamInfo& p : entry.params) {
     if (p.type != "integer" || (p.name != "iterations" && p.name != "substeps")) continue;
@@ -19,26 +22,74 @@ bool scale(StageKind stage, int dimension, Spec& spec, double factor) {
     const double wanted =
         factor > 1 ? std::max(std::round(now * factor), now + 1) : std::min(std::round(now * factor), now - 1);
     const double next = std::clamp(wanted, std::max(1.0, p.range->lo), p.range->hi);
-    if (next == now) return false;
+    if (next == now) return Scaled::atLimit;
     spec.set(p.name, Spec{std::to_string(std::lround(next)), {}});
-    return true;
+    return Scaled::changed;
   }
+  Scaled out = Scaled::hasNone;
   for (const ParamInfo& p : entry.params) {
     if (!p.stage) continue;
     Spec held = *spec.find(p.name);
-    if (!scale(p.stage->kind, dimension, held, factor)) continue;
+    const Scaled scaled = scale(p.stage->kind, dimension, held, factor);
+    if (scaled != Scaled::hasNone) out = scaled;
+    if (scaled != Scaled::changed) continue;
     spec.set(p.name, held);
-    return true;
+    break;
   }
-  return false;
+  return out;
+}
+
+Scaled scale(std::string& text, double factor, int dimension) {
+  Pipeline pipeline = Pipeline::parse(canonicalText(Pipeline::parse(text), dimension));
+  const Scaled scaled = scale(StageKind::solver, dimension, pipeline[StageKind::solver], factor);
+  if (scaled == Scaled::changed) text = pipeline.text();
+  return scaled;
+}
+
+// How many times the first's a lane's step may take; 1 where nobody can tell.
+template <int D>
+double factorOf(const Session<D>& session, std::size_t lane) {
+  const double first = medianTime(session.lanes()[0].samples), time = medianTime(session.lanes()[lane].samples);
+  return first > 0 && time > 0 ? first / time : 1;
 }
 
 }  // namespace
 
 std::optional<std::string> withMoreIterations(const std::string& text, double factor, int dimension) {
-  Pipeline pipeline = Pipeline::parse(canonicalText(Pipeline::parse(text), dimension));
-  if (factor == 1 || !scale(StageKind::solver, dimension, pipeline[StageKind::solver], factor)) return std::nullopt;
-  return pipeline.text();
+  std::string out = text;
+  if (factor == 1 || scale(out, factor, dimension) != Scaled::changed) return std::nullopt;
+  return out;
 }
+
+template <int D>
+void equaliseCost(Session<D>& session) {
+  for (std::size_t lane = 1; lane < session.lanes().size(); ++lane) {
+    const auto& l = session.lanes()[lane];
+    const long made = session.steps() - l.since;
+    if (!l.fallen.empty() || engineOf(l.pipeline) || made == 0 || made % kTimedSteps != 0) continue;
+    const double factor = factorOf(session, lane);
+    if (std::abs(factor - 1) < kSameCost) continue;
+    const auto pipeline = withMoreIterations(l.pipeline, std::clamp(factor, 0.25, 4.0), D);
+    if (pipeline) session.perform(ExchangeStages{static_cast<int>(lane), *pipeline});
+  }
+}
+
+template <int D>
+std::string whyCostStays(const Session<D>& session, std::size_t lane) {
+  const auto& l = session.lanes()[lane];
+  const double factor = factorOf(session, lane);
+  if (lane == 0 || !l.fallen.empty() || std::abs(factor - 1) < kSameCost) return "";
+  if (engineOf(l.pipeline)) return "an engine keeps the iterations that it began with";
+  std::string text = l.pipeline;
+  const Scaled scaled = scale(text, factor, D);
+  if (scaled == Scaled::hasNone) return "its solver has no iterations";
+  if (scaled == Scaled::changed) return "";
+  return factor < 1 ? "it cannot have fewer iterations" : "it cannot have more iterations";
+}
+
+template void equaliseCost(Session<2>&);
+template void equaliseCost(Session<3>&);
+template std::string whyCostStays(const Session<2>&, std::size_t);
+template std::string whyCostStays(const Session<3>&, std::size_t);
 
 }  // namespace lpc::inline LPC_PRECISION

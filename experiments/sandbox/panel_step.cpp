@@ -35,7 +35,7 @@ void plot(const char* name, const char* unit, const std::vector<Sample>& samples
 template <int D>
 void stepPanel(App<D>& app) {
   const Profiler::Frame& frame = app.session.world().profiler().frame();
-  ImGui::Text("physics %.3f ms, drawing %.3f ms", 1e3 * frame.seconds, 1e3 * app.drawSeconds);
+  ImGui::Text("physics %.3f ms, drawing %.3f ms", 1e3 * app.stepSeconds, 1e3 * app.drawSeconds);
   const auto bar = [&](const Profiler::Time& t) {
     char text[64];
     std::snprintf(text, sizeof text, "%s %.3f ms", t.name, 1e3 * t.seconds);

@@ -2,6 +2,7 @@
 #include "experiments/sandbox/session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <sstream>
 
 #include "experiments/trial/simulation_of_scene.h"
@@ -12,6 +13,7 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 constexpr long kKeepEvery = 30;                // steps: so many are done again at most to go one back
+constexpr long kAskEvery = 16;                 // steps of an engine that are made again
 constexpr std::size_t kKeptBytes = 256 << 20;  // of one lane; beyond, every second is given up
 
 }  // namespace
@@ -27,7 +29,16 @@ double medianTime(const std::vector<Sample>& samples) {
 }
 
 template <int D>
-Session<D>::Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines) : m_scene(std::move(scene)) {
+double timedStep(Simulation<D>& world, Real dt) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  world.step(dt);
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+template <int D>
+Session<D>::Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines, Stepper<D> stepper)
+    : m_scene(std::move(scene)), m_stepper(std::move(stepper)) {
   m_lanes.resize(pipelines.size()), m_plays.resize(pipelines.size()), m_kept.resize(pipelines.size());
   for (std::size_t lane = 0; lane < pipelines.size(); ++lane) {
     m_lanes[lane].pipeline = pipelines[lane];
@@ -40,8 +51,8 @@ template <int D>
 void Session<D>::begin(std::size_t lane) {
   Lane& l = m_lanes[lane];
   l.world = simulationOf(l.pipeline, m_scene);
-  l.fallen.clear();
-  m_plays[lane] = {std::make_unique<Director<D>>(m_scene), {}, 0, 0};
+  l.fallen.clear(), l.since = 0;
+  m_plays[lane] = {std::make_unique<Director<D>>(m_scene), {}, 0, 0, false};
   m_plays[lane].director->advance(*l.world);
 }
 
@@ -50,7 +61,7 @@ void Session<D>::playOne(std::size_t lane, const Deed<D>& deed) {
   Cast<D> cast{*m_plays[lane].director, m_plays[lane].hand};
   play(deed, static_cast<int>(lane), *m_lanes[lane].world, cast);
   const auto* e = std::get_if<ExchangeStages>(&deed.what);
-  if (e && e->lane == static_cast<int>(lane)) m_lanes[lane].pipeline = e->pipeline;
+  if (e && e->lane == static_cast<int>(lane)) m_lanes[lane].pipeline = e->pipeline, m_lanes[lane].since = deed.step;
 }
 
 template <int D>
@@ -77,9 +88,9 @@ template <int D>
 void Session<D>::stepLane(std::size_t lane) {
   Lane& l = m_lanes[lane];
   try {
-    l.world->step(m_scene.dt);
+    const double seconds = m_stepper(*l.world, m_scene.dt);
     ++m_plays[lane].steps;
-    look(lane, l.world->profiler().frame().seconds);
+    look(lane, seconds);
     if (!l.fallen.empty()) return;
     m_plays[lane].director->advance(*l.world);
     playDue(lane);
@@ -133,7 +144,7 @@ void Session<D>::keep(std::size_t lane) {
   std::ostringstream out;
   world->save(out);
   const Play& p = m_plays[lane];
-  kept.push_back({m_steps, m_lanes[lane].pipeline, out.str(), *p.director, p.hand, p.deed});
+  kept.push_back({m_steps, m_lanes[lane].since, m_lanes[lane].pipeline, out.str(), *p.director, p.hand, p.deed});
   std::size_t bytes = 0;
   for (const Keyframe& k : kept) bytes += k.bytes.size();
   if (bytes <= kKeptBytes) return;
@@ -141,39 +152,48 @@ void Session<D>::keep(std::size_t lane) {
 }
 
 template <int D>
-void Session<D>::goTo(std::size_t lane, long step) {
+void Session<D>::goTo(std::size_t lane, long step, const Patience& patience) {
   Lane& l = m_lanes[lane];
   Play& p = m_plays[lane];
+  if (p.givenUp) return;
   const auto& kept = m_kept[lane];
   const auto after = std::find_if(kept.begin(), kept.end(), [&](const Keyframe& k) { return k.step > step; });
   if (after == kept.begin()) {
     begin(lane);
   } else {
     const Keyframe& from = *(after - 1);
-    l.pipeline = from.pipeline, l.fallen.clear();
+    l.pipeline = from.pipeline, l.since = from.since, l.fallen.clear();
     auto world = std::make_unique<World<D>>(Pipeline::parse(from.pipeline), m_scene.settings);
     std::istringstream in(from.bytes);
     world->load(in);
     l.world = std::move(world);
-    p = {std::make_unique<Director<D>>(from.director), from.hand, from.deed, from.step};
+    p = {std::make_unique<Director<D>>(from.director), from.hand, from.deed, from.step, false};
   }
   if (lane == 0) keepFrames(m_keepFrames);
   try {
     playDue(lane);
-  } catch (const UserError& e) {  // what this lane alone cannot
+  } catch (const UserError& e) {  // what this lane alone refused
     l.fallen = e.what();
   }
-  while (l.fallen.empty() && p.steps < step) stepLane(lane);
+  const bool engine = after == kept.begin();
+  for (long made = 0; l.fallen.empty() && p.steps < step; ++made) {
+    if (engine && patience && made % kAskEvery == 0 && !patience(lane, double(p.steps) / double(step))) {
+      l.fallen = "given up while it made " + std::to_string(step) + " steps again for a step back";
+      p.givenUp = true;
+      return;
+    }
+    stepLane(lane);
+  }
 }
 
 template <int D>
-bool Session<D>::back() {
+bool Session<D>::back(const Patience& patience) {
   if (m_steps == 0) return false;
   --m_steps;
   for (std::size_t lane = 0; lane < m_lanes.size(); ++lane) {
     Lane& l = m_lanes[lane];
     std::vector<Sample> samples = std::move(l.samples);  // errors and times are those of the first time
-    goTo(lane, m_steps);
+    goTo(lane, m_steps, patience);
     samples.resize(std::min(samples.size(), static_cast<std::size_t>(m_steps)));
     l.samples = std::move(samples);
     if (l.partedAt > m_steps) l.partedAt = -1;
@@ -241,13 +261,15 @@ Handle Session<D>::handle(int body, std::size_t lane) const {
 }
 
 template <int D>
-int Session<D>::bodyAt(std::int32_t slot) const {
+int Session<D>::bodyAt(std::int32_t slot, std::size_t lane) const {
   for (int body = bodies() - 1; body >= 0; --body) {  // the last tenant of the slot
-    if (const Handle h = handle(body); h.slot == slot && world().valid(h)) return body;
+    if (const Handle h = handle(body, lane); h.slot == slot && world(lane).valid(h)) return body;
   }
   return -1;
 }
 
+template double timedStep(Simulation<2>&, Real);
+template double timedStep(Simulation<3>&, Real);
 template class Session<2>;
 template class Session<3>;
 

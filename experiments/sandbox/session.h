@@ -3,7 +3,7 @@
 // shows. All competitors ("lanes") get the same scene, the same deeds and the same steps. It can be stepped back.
 #pragma once
 
-#include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -27,6 +27,13 @@ inline constexpr int kTimedSteps = 60;
 /// s, the median of the last of them: a single step says little. 0 before the first.
 double medianTime(const std::vector<Sample>& samples);
 
+/// Makes a step of dt and says how long it took (s).
+template <int D>
+using Stepper = std::function<double(Simulation<D>& world, Real dt)>;
+/// By the clock, whoever steps: an engine's profiler tells no time.
+template <int D>
+double timedStep(Simulation<D>& world, Real dt);
+
 template <int D>
 class Session {
  public:
@@ -36,19 +43,26 @@ class Session {
     std::string fallen;           // why it goes no further; empty: it runs
     std::vector<Sample> samples;  // [i]: after i + 1 steps
     long partedAt = -1;  // the first step after which a body was farther than `kParted` from the first lane's; -1: none
+    long since = 0;      // the step before which it got this pipeline
   };
   /// m: farther apart than this is another run. What rounding does grows to it within seconds of a heap.
   static constexpr double kParted = 1e-3;
 
+  /// While an engine makes its steps again, now and then: the lane and the part that is done, 0 to 1. False: that is
+  /// enough.
+  using Patience = std::function<bool(std::size_t lane, double part)>;
+
   /// Throws UserError for pipelines that this scene or this build cannot have.
-  Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines);
+  Session(SceneSpec<D> scene, const std::vector<std::string>& pipelines, Stepper<D> stepper = timedStep<D>);
 
   // --- running -------------------------------------------------------------------------------------------------------
   /// All lanes that have not fallen.
   void step();
   /// To the state of a step less, from the last one that was kept and the same steps again: what was done by hand in
   /// between is done again, what was done after it is forgotten by the next deed. False at the beginning.
-  bool back();
+  /// An engine keeps no states: it begins anew and makes all of its steps again, which `patience` is told of. Who is
+  /// given up so has fallen, for good.
+  bool back(const Patience& patience = {});
   long steps() const { return m_steps; }
   /// Of the first lane. True as well after `back`, until it goes on.
   bool fallen() const;
@@ -65,8 +79,8 @@ class Session {
   const std::vector<Deed<D>>& deeds() const { return m_deeds; }
   /// How many bodies have a number: the next that is added has this one.
   int bodies() const;
-  /// Its number; -1: of nobody. `slot` is the first lane's.
-  int bodyAt(std::int32_t slot) const;
+  /// Its number; -1: of nobody. `slot` is the lane's.
+  int bodyAt(std::int32_t slot, std::size_t lane = 0) const;
   Handle handle(int body, std::size_t lane = 0) const;
 
   const SceneSpec<D>& scene() const { return m_scene; }
@@ -81,9 +95,10 @@ class Session {
     std::vector<Handle> hand;  // of the bodies that came by hand
     std::size_t deed = 0;      // the next one that is due
     long steps = 0;            // that were made; those of a saved world began before
+    bool givenUp = false;      // by who waited for it
   };
   struct Keyframe {
-    long step;
+    long step, since;
     std::string pipeline, bytes;
     Director<D> director;
     std::vector<Handle> hand;
@@ -97,10 +112,11 @@ class Session {
   bool takenBack(const typename Deed<D>::What& what);
   void look(std::size_t lane, double seconds);
   void keep(std::size_t lane);
-  void goTo(std::size_t lane, long step);
+  void goTo(std::size_t lane, long step, const Patience& patience);
   void markError(std::size_t lane);
 
   SceneSpec<D> m_scene;
+  Stepper<D> m_stepper;
   long m_steps = 0;
   bool m_keepFrames = false, m_measure = false;
   std::vector<Deed<D>> m_deeds;  // by step

@@ -133,6 +133,8 @@ bool Window::forPanels(const SDL_Event& event) const {
 
 void Window::resize(int width, int height) { SDL_SetWindowSize(m_window, width, height); }
 
+void Window::setTitle(const std::string& title) { SDL_SetWindowTitle(m_window, title.c_str()); }
+
 std::vector<std::string> Window::takeDropped() { return std::exchange(m_dropped, {}); }
 
 void Window::beginFrame() {

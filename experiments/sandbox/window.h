@@ -26,6 +26,7 @@ class Window {
 
   /// As if a user had drawn at its edge.
   void resize(int width, int height);
+  void setTitle(const std::string& title);
 
   /// The next thing that happened, if anything did. ImGui and the list of dropped files have heard of it already.
   bool poll(SDL_Event& event);

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Zlib
+// Several competitors on one scene, without a window: who is where, and at which cost.
+#include <gtest/gtest.h>
+
+#include "experiments/sandbox/equal_cost.h"
+#include "experiments/sandbox/lane_label.h"
+#include "experiments/sandbox/session.h"
+#include "framework/check.h"
+#include "tests/expect_caught.h"
+#include "tests/planted_bugs/engine_twins.h"
+
+namespace lpc::inline LPC_PRECISION::test::compare_test {
+namespace {
+
+template <int D>
+BodyDef<D> boxAt(Real x, Real y) {
+  BodyDef<D> def;
+  def.X_WB.p[0] = x, def.X_WB.p[1] = y;
+  def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5)))});
+  return def;
+}
+
+// A floor, and a pyramid of three.
+template <int D>
+SceneSpec<D> pile() {
+  SceneSpec<D> scene;
+  scene.settings.features.friction = scene.settings.features.rotation = scene.settings.features.cache = true;
+  scene.spawns.push_back({.step = 0, .body = BodyDef<D>::fixed({.shape = Shape<D>::plane()})});
+  for (const auto& [x, y] : {std::pair(-0.6, 0.5), std::pair(0.6, 0.5), std::pair(0.0, 1.6)}) {
+    scene.spawns.push_back({.step = 0, .body = boxAt<D>(Real(x), Real(y))});
+  }
+  return scene;
+}
+
+// Plays as our world does, and is none: nothing is kept of it.
+struct StandInParams {
+  void visit(ParamVisitor&) {}
+};
+template <int D>
+class StandIn final : public Engine<D> {
+ public:
+  using Params = StandInParams;
+  explicit StandIn(const Params&) {}
+  static AlgorithmInfo info() {
+    return {.name = "stand_in",
+            .summary = "for tests",
+            .paper = "",
+            .complexity = "n",
+            .guarantee = Guarantee::approximate,
+            .role = AlgorithmRole::engine};
+  }
+  std::unique_ptr<Simulation<D>> start(const WorldSettings<D>& settings) const override {
+    return std::make_unique<Twin<D>>(std::make_unique<World<D>>(Pipeline(), settings), Changes<D>());
+  }
+  std::string differences() const override { return ""; }
+};
+LPC_REGISTER(Engine, StandIn, 2, 3);
+
+template <int D>
+void steps(Session<D>& session, int n) {
+  for (int i = 0; i < n; ++i) session.step();
+}
+
+// --- who is where ----------------------------------------------------------------------------------------------------
+
+template <int D>
+bool allCorrespond(const Session<D>& session) {
+  for (int body = 0; body < session.bodies(); ++body) {
+    const Handle first = session.handle(body);
+    for (std::size_t lane = 1; lane < session.lanes().size(); ++lane) {
+      const Handle h = session.handle(body, lane);
+      if (h.slot != first.slot || session.world(lane).valid(h) != session.world().valid(first)) return false;
+    }
+  }
+  return true;
+}
+
+template <int D>
+void bodiesComeAndGoInAll() {
+  Session<D> session(pile<D>(), {"", "", "solver=soft_step", "engine=stand_in"});
+  steps(session, 20);
+  session.perform(RemoveBody{2});
+  session.perform(AddBody<D>{boxAt<D>(2, 3)});  // into the slot that is free
+  steps(session, 20);
+  session.perform(AddBody<D>{boxAt<D>(-2, 3)});
+  session.perform(RemoveBody{4});
+  steps(session, 30);
+  EXPECT_TRUE(allCorrespond(session));
+  EXPECT_EQ(session.lanes()[1].partedAt, -1);
+  EXPECT_EQ(session.lanes()[3].partedAt, -1) << "an engine that plays as the first does";
+  for (const Sample& s : session.lanes()[1].samples) EXPECT_EQ(s.error, 0);
+  EXPECT_EQ(session.world(1).hash(), session.world().hash());
+  EXPECT_GT(session.lanes()[2].samples.back().error, 0);
+
+  // A millimetre and a half in one of them alone is seen at the step at which it came, and only of it.
+  Pose<D> X = session.world(1).pose(session.handle(1, 1));
+  X.p[0] += Real(1.5e-3);
+  session.world(1).setPose(session.handle(1, 1), X);
+  session.step();
+  EXPECT_EQ(session.lanes()[1].partedAt, session.steps());
+  EXPECT_EQ(session.lanes()[3].partedAt, -1);
+  session.world(1).remove(session.handle(3, 1));
+  expectCaught("a body that goes in one alone", allCorrespond(session));
+}
+TEST(Compare, BodiesComeAndGoInAll) { bodiesComeAndGoInAll<2>(), bodiesComeAndGoInAll<3>(); }
+
+// What is done to it here no deed knows of: it is the lane's own misfortune.
+TEST(Compare, WhenOneFallsTheOthersGoOn) {
+  Session<2> session(pile<2>(), {"", "", "solver=soft_step"}), whole(pile<2>(), {"", "", "solver=soft_step"});
+  steps(session, 10), steps(whole, 30);
+  session.world(1).applyImpulse(session.handle(3, 1), {Vec<2>(1.7e308, 0), {}});
+  steps(session, 20);
+  const auto& lanes = session.lanes();
+  EXPECT_TRUE(lanes[1].fallen.starts_with("diverged at step 1")) << lanes[1].fallen;
+  EXPECT_LT(lanes[1].samples.size(), 13u);
+  EXPECT_FALSE(session.fallen());
+  EXPECT_EQ(lanes[2].samples.size(), 30u);
+  EXPECT_EQ(session.world().hash(), whole.world().hash());
+  EXPECT_EQ(session.world(2).hash(), whole.world(2).hash());
+  EXPECT_EQ(lanes[2].samples.back().error, whole.lanes()[2].samples.back().error);
+  EXPECT_EQ(laneState(session, 1), lanes[1].fallen);
+  while (session.steps() > 9) ASSERT_TRUE(session.back());
+  EXPECT_EQ(lanes[1].fallen, "");  // before its fall it goes on
+  steps(session, 21);
+  EXPECT_EQ(session.world(1).hash(), whole.world(1).hash());
+}
+
+// --- engines, of which nothing is kept -------------------------------------------------------------------------------
+
+template <int D>
+void enginesBeginAnew() {
+  Session<D> session(pile<D>(), {"engine=stand_in", "", "engine=stand_in"});
+  session.perform(SetGravity<D>{Vec<D>(-5 * Vec<D>::Unit(1))});  // before the first step
+  std::vector<std::uint64_t> seen = {session.world().hash()};
+  for (int i = 0; i < 40; ++i) {
+    if (i == 20) session.perform(PushBody<D>{2, Vec<D>(3 * Vec<D>::Unit(0))});
+    seen.back() = session.world().hash();
+    session.step();
+    seen.push_back(session.world().hash());
+  }
+  double last = 0;
+  int asked = 0;
+  const auto patient = [&](std::size_t lane, double part) {
+    EXPECT_TRUE(lane == 0 || lane == 2);
+    EXPECT_TRUE(part >= 0 && part < 1);
+    last = part, ++asked;
+    return true;
+  };
+  for (std::size_t step = 40; step-- > 0;) {
+    ASSERT_TRUE(session.back(patient));
+    ASSERT_EQ(session.world().hash(), seen[step]) << step;
+    ASSERT_EQ(session.world(2).hash(), seen[step]) << step;
+  }
+  EXPECT_GT(asked, 80);
+  expectCaught("a step back that does not go back", seen[39] == seen[0]);
+}
+TEST(Compare, EnginesBeginAnew) { enginesBeginAnew<2>(), enginesBeginAnew<3>(); }
+
+TEST(Compare, AnEngineThatTakesTooLongIsGivenUp) {
+  Session<2> session(pile<2>(), {"", "engine=stand_in"});
+  steps(session, 100);
+  const std::uint64_t before = session.world().hash();
+  session.step();
+  int asked = 0;
+  ASSERT_TRUE(session.back([&](std::size_t lane, double part) {
+    EXPECT_EQ(lane, 1u);
+    return ++asked < 3 && part < 1;
+  }));
+  EXPECT_EQ(asked, 3);
+  EXPECT_TRUE(session.lanes()[1].fallen.starts_with("given up")) << session.lanes()[1].fallen;
+  EXPECT_LT(session.world(1).stepCount(), 50);
+  EXPECT_EQ(session.world().hash(), before);
+  ASSERT_TRUE(session.back([&](std::size_t, double) { return ++asked < 3; }));  // it is not tried again
+  EXPECT_EQ(asked, 3);
+  EXPECT_FALSE(session.lanes()[1].fallen.empty());
+  steps(session, 5);
+  EXPECT_EQ(session.steps(), 104);
+}
+
+// What an engine cannot: its lane falls, says why, and falls again when the deed is played again. Such a deed before
+// the first step, or where a world was kept, once ended the step back half-way.
+TEST(Compare, WhatOneLaneCannotIsItsOwnFall) {
+  for (const int before : {0, 30}) {
+    Session<2> session(pile<2>(), {"", "engine=stand_in", "solver=soft_step"});
+    steps(session, before);
+    session.perform(ChangeBody{.body = 2, .friction = Real(0.1)});
+    EXPECT_NE(session.lanes()[1].fallen.find("an engine cannot change a body"), std::string::npos);
+    steps(session, 3);
+    EXPECT_EQ(session.lanes()[2].fallen, "");
+    const std::uint64_t hash = session.world().hash();
+    session.step();
+    ASSERT_TRUE(session.back());
+    EXPECT_EQ(session.steps(), before + 3);
+    EXPECT_EQ(session.world().hash(), hash);
+    EXPECT_NE(session.lanes()[1].fallen.find("an engine cannot change a body"), std::string::npos);
+    EXPECT_EQ(session.lanes()[2].samples.size(), static_cast<std::size_t>(before) + 3);
+  }
+}
+
+// --- the same cost ---------------------------------------------------------------------------------------------------
+
+// The time of a step is what it has solved: no clock is read.
+double byWork(Simulation<2>& world, Real dt) {
+  world.step(dt);
+  return 1e-6 * static_cast<double>(1 + world.profiler().frame().work[WorkCount::rowUpdates]);
+}
+
+double costOf(const Session<2>& session, std::size_t lane) {
+  return medianTime(session.lanes()[lane].samples) / medianTime(session.lanes()[0].samples);
+}
+
+// `equalise` after each step, as the window does.
+template <class Equalise>
+Session<2> playedAtOneCost(int rounds, const Equalise& equalise) {
+  Session<2> session(
+      pile<2>(),
+      {"solver=split_solver{position=none}", "solver=split_solver{velocity=catto{iterations=90},position=none}",
+       "solver=soft_step{substeps=1}", "solver=split_solver{velocity=direct_lcp,position=none}", "engine=stand_in"},
+      byWork);
+  for (int i = 0; i < rounds * kTimedSteps; ++i) session.step(), equalise(session);
+  return session;
+}
+
+int exchanges(const Session<2>& session) {
+  int n = 0;
+  for (const Deed<2>& deed : session.deeds()) n += std::holds_alternative<ExchangeStages>(deed.what);
+  return n;
+}
+
+TEST(Compare, CostsComeTogether) {
+  Session<2> session = playedAtOneCost(8, [](Session<2>& s) { equaliseCost(s); });
+  for (const std::size_t lane : {1u, 2u}) {
+    EXPECT_NEAR(costOf(session, lane), 1, kSameCost) << session.lanes()[lane].pipeline;
+    EXPECT_EQ(whyCostStays(session, lane), "");
+  }
+  EXPECT_EQ(laneLabel(session.lanes()[1].pipeline, 2), laneLabel("solver=split_solver{position=none}", 2));
+  EXPECT_EQ(session.lanes()[3].since, 0);
+  EXPECT_EQ(whyCostStays(session, 3), "its solver has no iterations");
+  EXPECT_EQ(session.lanes()[4].since, 0);
+  // Who has been changed has made all of the steps that its time is taken of.
+  EXPECT_LE(exchanges(session), 2 * 8);
+  const Session<2> hasty = playedAtOneCost(1, [](Session<2>& s) {
+    for (std::size_t lane = 1; lane < 3; ++lane) {
+      const double factor = 1 / costOf(s, lane);
+      const auto other = withMoreIterations(s.lanes()[lane].pipeline, std::clamp(factor, 0.25, 4.0), 2);
+      if (std::abs(factor - 1) >= kSameCost && other) s.perform(ExchangeStages{int(lane), *other});
+    }
+  });
+  expectCaught("times of other iterations are taken for those of the present", exchanges(hasty) <= 2);
+}
+
+// What was changed at a step is done again there, once.
+TEST(Compare, CostsAreNotChangedTwiceByAStepBack) {
+  Session<2> session(pile<2>(), {"", "solver=split_solver{velocity=catto{iterations=90}}"}, byWork);
+  const auto go = [&](int n) {
+    for (int i = 0; i < n; ++i) session.step(), equaliseCost(session);
+  };
+  go(kTimedSteps + 2);
+  const std::string changed = session.lanes()[1].pipeline;
+  EXPECT_NE(changed.find("iterations=2"), std::string::npos) << changed;  // a quarter at most at a time: 22 or 23
+  ASSERT_EQ(exchanges(session), 1);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(session.back());
+  EXPECT_NE(session.lanes()[1].pipeline, changed);
+  go(5);
+  EXPECT_EQ(session.lanes()[1].pipeline, changed);
+  EXPECT_EQ(exchanges(session), 1);
+}
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION::test::compare_test
