@@ -181,7 +181,9 @@ class Sandbox(unittest.TestCase):
         self.assertEqual(cleared["bodies"], [])
         self.assertEqual(len(end["bodies"]), len(start["bodies"]))
         self.assertEqual([state["scene"] for state in opened], list(presets.values()))
-        self.assertTrue(all(b["awake"] for b in self.play(["until 5"], "1", "--no-sleeping")["bodies"] if b["type"] == 2))
+        awake = self.play(["until 5"], "1", "--no-sleeping", "-p")["bodies"]
+        self.assertTrue(all(b["awake"] for b in awake if b["type"] == 2))
+        self.assertTrue((self.folder / "sandbox_profile.csv").is_file())
 
     # --- what is done by hand -------------------------------------------------------------------------------------------
     def test_a_scene_by_mouse_is_that_of_its_script(self):
@@ -343,9 +345,10 @@ class Sandbox(unittest.TestCase):
         self.assertIn("scene     preset_4 in 2D, " + PRECISIONS[-1], done.stdout)
         self.assertIn("step                    100.0 %", done.stdout)
         self.assertTrue((self.folder / "p.csv").is_file())
-        step = self.play(["wait 5"], "4", "-p", "-o", "q.csv")["step"]
+        state = self.play(["wait 5"], "4", "-g", "-o", "q.csv")
+        self.assertIn("Step", [c["name"] for c in state["commands"] if c["menu"] == "Panels" and c["on"]])
         rows = [x for x in (self.folder / "q.csv").read_text().splitlines() if x[0].isdigit()]
-        self.assertEqual(len(rows), step + 2)  # until it was closed, two pictures later
+        self.assertEqual(len(rows), state["step"] + 2)  # until it was closed, two pictures later
 
     # --- cells of a sweep -----------------------------------------------------------------------------------------------
     def fallen_cells(self):
