@@ -99,8 +99,12 @@ bool App<D>::frame(InputScript* script) {
   draw();
   if (imageSequence && !paused) {
     char name[48];
-    std::snprintf(name, sizeof name, "sandbox_%05ld.png", ++images);
-    act([&] { savePicture(name); });
+    std::snprintf(name, sizeof name, "sandbox_%05ld.png", images + 1);
+    act([&] {
+      imageSequence = false;  // where one cannot be written, others cannot
+      savePicture(name);
+      imageSequence = true, ++images;
+    });
   }
   if (later) act(std::exchange(later, nullptr));
   return !closed && !m_next;

@@ -47,6 +47,7 @@ struct Player {
       throw UserError("in a world that was saved without joints a joint holds nothing");
     JointDef<D> def = d.def;
     def.bodyA = d.bodyA < 0 ? Handle{} : cast[d.bodyA], def.bodyB = cast[d.bodyB];
+    if (d.bodyA >= 0 && !world.valid(def.bodyA)) throw UserError("the body that is joined is gone");
     world.add(def);
   }
   void operator()(const MergeBodies& d) { worldOf(world, "merge bodies").merge(cast[d.into], cast[d.other]); }

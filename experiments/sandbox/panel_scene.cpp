@@ -2,7 +2,10 @@
 // The scene's parameters, which begin it anew, and what of the world changes while it goes on.
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "experiments/sandbox/panels.h"
+#include "framework/check.h"
 #include "framework/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -24,7 +27,8 @@ void parameter(App<D>& app, const SceneParameter& p) {
     }
   } else {
     ImGui::SliderScalar(p.name.c_str(), ImGuiDataType_Double, &value.number, &p.lo, &p.hi, "%g",
-                        p.hi > 1000 * std::max(1.0, std::abs(p.lo)) ? ImGuiSliderFlags_Logarithmic : 0);
+                        ImGuiSliderFlags_AlwaysClamp |
+                            (p.hi > 1000 * std::max(1.0, std::abs(p.lo)) ? ImGuiSliderFlags_Logarithmic : 0));
     if (ImGui::IsItemActive() || value.number != (it == given.end() ? p.value.number : it->second.number)) {
       given[p.name] = value;
     }
@@ -33,8 +37,16 @@ void parameter(App<D>& app, const SceneParameter& p) {
   app.marks.last("Scene/" + p.name);
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", p.meaning.c_str());
   if (!changed) return;
+  const ParameterValues before = given;
   given[p.name] = value;
-  app.act([&] { app.reload(); });
+  app.act([&] {
+    try {
+      app.reload();
+    } catch (const UserError&) {  // or R could not begin it, either
+      given = before;
+      throw;
+    }
+  });
 }
 
 // A number that acts when the mouse lets it go.
@@ -64,7 +76,8 @@ void scenePanel(App<D>& app) {
     changed[1] = static_cast<Real>(g);
     app.session.perform(SetGravity<D>{changed});
   });
-  slider(app, "time scale", app.timeScale, 1.0 / 64, 4, [&](double s) { app.timeScale = s; });
+  slider(app, "time scale", app.timeScale, 1.0 / 64, 4,
+         [&](double s) { app.timeScale = std::clamp(s, 1.0 / 64, 4.0); });
   // Of those that are selected, or of all.
   const auto all = [&](const auto& change) {
     std::vector<int> bodies = app.hand.selected();

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/check.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test::hand_test {
@@ -190,6 +191,14 @@ TEST(SandboxHand, JoinsTwoBodiesOrOneWithTheWorld) {
   EXPECT_NEAR((pivot.X_CaJ.p - Vec<2>(1, 0)).norm(), 0, 1e-6);
   for (int i = 0; i < 60; ++i) t.session.step();
   EXPECT_NEAR((t.place(1) - Vec<2>(1, 0)).norm(), 0, 1e-6);
+
+  // Nor with the world in place of one that is no more, since a step back was before it came.
+  t.session.step();
+  t.add(3, 0);
+  click(t.pixel(3, 0));
+  ASSERT_TRUE(t.session.back());
+  EXPECT_THROW(click(t.pixel(1, 0)), UserError);
+  EXPECT_EQ(t.session.world().joints().size(), 2u);
 }
 
 TEST(SandboxHand, TurnsWhatIsSelected) {
