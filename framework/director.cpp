@@ -60,13 +60,11 @@ void Director<D>::addForce(Simulation<D>& world, int force) {
 }
 
 template <int D>
-void Director<D>::advance(Simulation<D>& world) {
+void Director<D>::begin(Simulation<D>& world) {
   if (!m_begin) m_begin = world.stepCount();
   const long step = world.stepCount() - *m_begin;
-  const auto joints = [&](bool late) { m_joints.play(step, late, [&](int i) { addJoint(world, i); }); };
-  const auto forces = [&](bool late) { m_forces.play(step, late, [&](int i) { addForce(world, i); }); };
   m_coming.play(step, false, [&](int i) { bring(world, i); });
-  joints(false);
+  m_joints.play(step, false, [&](int i) { addJoint(world, i); });
   std::erase_if(m_ending, [&](const Ending& e) {
     if (e.step > step) return false;
     const ForceRecord<D>& f = world.forces()[static_cast<std::size_t>(e.force.slot)];
@@ -74,7 +72,7 @@ void Director<D>::advance(Simulation<D>& world) {
       world.remove(e.force);  // else it went with a body, or by an event
     return true;
   });
-  forces(false);
+  m_forces.play(step, false, [&](int i) { addForce(world, i); });
   for (; m_nextEvent < m_scene.events.size() && m_scene.events[m_nextEvent].step <= step; ++m_nextEvent) {
     const auto& event = m_scene.events[m_nextEvent];
     try {
@@ -85,7 +83,13 @@ void Director<D>::advance(Simulation<D>& world) {
     }
     m_begin = world.stepCount() - step;  // a world that was cleared begins at 0, the script goes on
   }
-  joints(true), forces(true);
+}
+
+template <int D>
+void Director<D>::finish(Simulation<D>& world) {
+  const long step = world.stepCount() - *m_begin;
+  m_joints.play(step, true, [&](int i) { addJoint(world, i); });
+  m_forces.play(step, true, [&](int i) { addForce(world, i); });
   m_leaving.play(step, true, [&](int i) {
     if (world.valid(body(i))) world.remove(body(i));  // else an event has cleared the world
   });

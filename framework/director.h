@@ -21,7 +21,12 @@ class Director {
   /// Does what is due before the world's next step. Call it once before every Simulation::step. Its steps count from
   /// the first call: a world that was saved goes on with a script of its own. Throws UserError with file and line for
   /// an event that this simulation, as it is then, refuses.
-  void advance(Simulation<D>& world);
+  void advance(Simulation<D>& world) { begin(world), finish(world); }
+  /// Its two halves, for who acts in between, as the last of the step's events would: a hand whose deeds a script can
+  /// then say again. What they find is after all events, and before the joints and forces that wait for these and the
+  /// bodies that go by themselves.
+  void begin(Simulation<D>& world);
+  void finish(Simulation<D>& world);
   const SceneSpec<D>& scene() const { return m_scene; }
   // By place in the scene's lists; slot -1 before it came. It stays known after it is removed.
   Handle body(int spawn) const { return at(m_bodyHandles, spawn); }

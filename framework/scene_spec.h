@@ -24,8 +24,10 @@ struct SceneSpec {
     Handle there = {};   // of a body of the saved world; nobody: it comes by itself
     // The blocks of the events that bring it and take it out, each in its turn among all events; -1: none.
     int broughtBy = -1, takenBy = -1;
-    bool retyped = false;  // by an event: of `body` the type is what it comes with
-    bool part = false;     // of a body that an event takes apart: of `body` its name and type alone are known
+    bool retyped = false;     // by an event: of `body` the type is what it comes with
+    bool part = false;        // of a body that an event takes apart: of `body` its name and type alone are known
+    bool exact = false;       // `perturb` leaves it where it is
+    std::string called = {};  // by events of a script that plays in the scene, whatever events stand below them
   };
   /// Bodies are named by their place in `spawns`; -1 is the world.
   struct Joint {

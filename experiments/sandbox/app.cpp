@@ -285,7 +285,7 @@ void App<D>::clear() {
 
 template <int D>
 void App<D>::save() {
-  const auto* world = dynamic_cast<const World<D>*>(&session.world());
+  const auto world = session.ready();
   if (!world) throw UserError("the state of an engine is its own: it cannot be saved");
   SavedScene saved(session.steps(), kSaved);
   saved.write(*world, session.scene(), session.lanes()[0].pipeline);
@@ -342,15 +342,18 @@ void App<D>::writeProfile(const std::string& path) {
 
 template <int D>
 void App<D>::saveScript() {
-  if (!opening.script.empty()) throw UserError("a script plays already, and a run has one; valid: a scene without");
   constexpr const char* kPath = "sandbox_script.toml";
-  const std::string text = scriptOf<D>(session.deeds(), static_cast<int>(session.scene().spawns.size()),
-                                       "what was done by hand in " + file.name(), session.steps());
+  const std::string text =
+      "# " + runOf(opening, file, kPath) + "\n" + scriptOf<D>(session.deeds(), session.scene(), file, session.steps());
   // The proof that it does the same: a run of it, from the same scene, ends in the same bits.
   std::ifstream scene(file.path(), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(scene), {}};
   const SceneFile scripted = SceneFile::parse(bytes, file.path(), text, kPath);
-  Session<D> again(specOf<D>(scripted, opening), {opening.pipelines.front()});
+  Opening plain = opening;
+  plain.features.reset();
+  SceneSpec<D> spec = specOf<D>(scripted, plain);
+  if (spec.saved.empty()) spec.settings.features = scripted.needs();  // no joints where nobody asks for them
+  Session<D> again(std::move(spec), {opening.pipelines.front()});
   while (again.steps() < session.steps() && !again.fallen()) again.step();
   const bool same = again.world().hash() == session.world().hash();
   OutputFile out(kPath);

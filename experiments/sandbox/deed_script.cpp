@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/sandbox/deed_script.h"
 
+#include <algorithm>
+
 #include "experiments/trial/script_writer.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -9,15 +11,15 @@ namespace {
 template <int D>
 class DeedWriter {
  public:
-  explicit DeedWriter(int ofScene) : m_ofScene(ofScene) {}
+  DeedWriter(const SceneSpec<D>& scene, std::string byHand) : m_scene(scene), m_prefix(std::move(byHand)) {}
 
   void write(const Deed<D>& deed) {
     m_step = deed.step;
     std::visit(*this, deed.what);
   }
-  std::string text(const std::string& summary, long steps) const { return m_out.text(summary, steps); }
+  const ScriptWriter<D>& out() const { return m_out; }
 
-  void operator()(const AddBody<D>& d) { m_out.add(m_step, name(m_ofScene + m_byHand++), d.def); }
+  void operator()(const AddBody<D>& d) { m_out.add(m_step, byHand(m_byHand++), d.def); }
   void operator()(const RemoveBody& d) { m_out.remove(m_step, name(d.body)); }
   void operator()(const PushBody<D>& d) { m_out.push(m_step, name(d.body), {d.impulse, d.angular}); }
   void operator()(const PullBody<D>& d) { m_out.pull(m_step, name(d.body), d.force, d.at); }
@@ -26,12 +28,12 @@ class DeedWriter {
   }
   void operator()(const JoinBodies<D>& d) {
     const auto end = [&](int body) { return body < 0 ? std::string("world") : name(body); };
-    m_out.joint(m_step, "joint_" + std::to_string(m_joints++), d.def, end(d.bodyA), end(d.bodyB));
+    m_out.joint(m_step, m_prefix + "_joint_" + std::to_string(m_joints++), d.def, end(d.bodyA), end(d.bodyB));
   }
   void operator()(const MergeBodies& d) { m_out.merge(m_step, name(d.into), name(d.other)); }
   void operator()(const TakeApart& d) {
-    std::vector<std::string> names = {"whole_" + std::to_string(m_wholes++)};
-    for (int i = 1; i < d.shapes; ++i) names.push_back(name(m_ofScene + m_byHand++));
+    std::vector<std::string> names = {m_prefix + "_whole_" + std::to_string(m_wholes++)};
+    for (int i = 1; i < d.shapes; ++i) names.push_back(byHand(m_byHand++));
     m_out.takeApart(m_step, name(d.body), names);
   }
   void operator()(const WakeBodies& d) { d.body < 0 ? m_out.wakeAll(m_step) : m_out.wake(m_step, name(d.body)); }
@@ -48,25 +50,41 @@ class DeedWriter {
   }
 
  private:
+  std::string byHand(std::size_t i) const { return m_prefix + "_" + std::to_string(i); }
   std::string name(int body) const {
-    return body < m_ofScene ? "#" + std::to_string(body) : "hand_" + std::to_string(body - m_ofScene);
+    const auto i = static_cast<std::size_t>(body);
+    return i < m_scene.spawns.size() ? m_scene.spawns[i].called : byHand(i - m_scene.spawns.size());
   }
 
+  const SceneSpec<D>& m_scene;
+  std::string m_prefix;  // of all names that are given here
   ScriptWriter<D> m_out;
   long m_step = 0;
-  int m_ofScene, m_byHand = 0, m_joints = 0, m_wholes = 0;
+  std::size_t m_byHand = 0;
+  int m_joints = 0, m_wholes = 0;
 };
+
+// A word that begins no name of the scene, which may be what was written here before.
+std::string freshPrefix(const std::string& text) {
+  std::string out = "hand";
+  for (int i = 2; text.find(out + "_") != text.npos; ++i) out = "hand" + std::to_string(i);
+  return out;
+}
 
 }  // namespace
 
 template <int D>
-std::string scriptOf(std::span<const Deed<D>> deeds, int ofScene, const std::string& summary, long steps) {
-  DeedWriter<D> writer(ofScene);
-  for (const Deed<D>& deed : deeds) writer.write(deed);
-  return writer.text(summary, steps);
+std::string scriptOf(std::span<const Deed<D>> deeds, const SceneSpec<D>& scene, const SceneFile& file, long steps) {
+  DeedWriter<D> writer(scene, freshPrefix(file.content()));
+  long last = -1;
+  for (const Deed<D>& deed : deeds) {
+    if (deed.step <= steps) writer.write(deed), last = deed.step;  // after a step back others may yet come again
+  }
+  return writer.out().text("what was done by hand in " + file.name(),
+                           last < steps ? steps : std::max(scene.steps, steps + 1), file.scriptText());
 }
 
-template std::string scriptOf(std::span<const Deed<2>>, int, const std::string&, long);
-template std::string scriptOf(std::span<const Deed<3>>, int, const std::string&, long);
+template std::string scriptOf(std::span<const Deed<2>>, const SceneSpec<2>&, const SceneFile&, long);
+template std::string scriptOf(std::span<const Deed<3>>, const SceneSpec<3>&, const SceneFile&, long);
 
 }  // namespace lpc::inline LPC_PRECISION

@@ -1,11 +1,36 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/sandbox/opening.h"
 
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+
+#include "experiments/parse/toml_reader.h"
+#include "experiments/runner/locations.h"
 
 namespace lpc::inline LPC_PRECISION {
 
 using nlohmann::json;
+
+namespace {
+
+// As a shell reads it.
+std::string word(const std::string& text) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("._-/=+,", c); };
+  return std::all_of(text.begin(), text.end(), plain) ? text : "'" + text + "'";
+}
+
+// A scene of experiments/scenes is called by its name.
+std::string sceneWord(const std::string& path) {
+  const std::string name = std::filesystem::path(path).stem().string();
+  const std::vector<std::string> known = listToml("scenes");
+  const bool ours = std::find(known.begin(), known.end(), path) != known.end();
+  return ours && !std::filesystem::exists(name) ? name : path;
+}
+
+}  // namespace
 
 Opening openingFromJson(const json& in) {
   Opening out;
@@ -34,6 +59,22 @@ SceneSpec<D> specOf(const SceneFile& file, const Opening& o) {
   if (o.features) scene.settings.features = featuresFromText(*o.features);
   if (scene.saved.empty()) scene.settings.features.joints = true;  // a hand may make them; who makes none pays nothing
   return scene;
+}
+
+std::string runOf(const Opening& o, const SceneFile& file, const std::string& script) {
+  std::string out = "lpc run " + word(sceneWord(o.scene)) + " --script " + word(script) + " --dimension " +
+                    std::to_string(o.dimension);
+  for (const auto& [name, value] : o.parameters) {
+    const SceneParameter* p = file.parameter(name);
+    if (!p && name != kPerturbParameter) continue;
+    const ParameterValue usual = p ? p->value : ParameterValue(0.0);
+    if (value.number == usual.number && value.text == usual.text) continue;
+    out += " --param " + word(name + "=" + (value.isText() ? value.text : asText(value.number)));
+  }
+  if (o.seed) out += " --seed " + std::to_string(*o.seed);
+  if (o.dt) out += " --dt " + asText(*o.dt);
+  if (!o.pipelines.front().empty()) out += " --pipeline " + word(o.pipelines.front());
+  return out;
 }
 
 template SceneSpec<2> specOf(const SceneFile&, const Opening&);

@@ -34,4 +34,7 @@ Opening openingFromJson(const nlohmann::json& json);
 template <int D>
 SceneSpec<D> specOf(const SceneFile& file, const Opening& opening);
 
+/// The command that plays it without a window, as the first competitor does, with that script.
+std::string runOf(const Opening& opening, const SceneFile& file, const std::string& script);
+
 }  // namespace lpc::inline LPC_PRECISION

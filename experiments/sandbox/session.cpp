@@ -53,7 +53,7 @@ void Session<D>::begin(std::size_t lane) {
   l.world = simulationOf(l.pipeline, m_scene);
   l.fallen.clear(), l.since = 0;
   m_plays[lane] = {std::make_unique<Director<D>>(m_scene), {}, 0, 0, false};
-  m_plays[lane].director->advance(*l.world);
+  m_plays[lane].director->begin(*l.world);
 }
 
 template <int D>
@@ -83,16 +83,18 @@ void Session<D>::step() {
   }
 }
 
-// What a script and a hand do next comes right after the step, so that it is seen before the coming one.
+// What a script and a hand do next comes right after the step, so that it is seen before the coming one. What the scene
+// does after its events waits for the hand: written as a script, its deeds are events, too.
 template <int D>
 void Session<D>::stepLane(std::size_t lane) {
   Lane& l = m_lanes[lane];
   try {
+    m_plays[lane].director->finish(*l.world);
     const double seconds = m_stepper(*l.world, m_scene.dt);
     ++m_plays[lane].steps;
     look(lane, seconds);
     if (!l.fallen.empty()) return;
-    m_plays[lane].director->advance(*l.world);
+    m_plays[lane].director->begin(*l.world);
     playDue(lane);
   } catch (const std::exception& e) {  // an event that comes to no number, an engine that gives up
     l.fallen = e.what();
@@ -144,11 +146,25 @@ void Session<D>::keep(std::size_t lane) {
   std::ostringstream out;
   world->save(out);
   const Play& p = m_plays[lane];
-  kept.push_back({m_steps, m_lanes[lane].since, m_lanes[lane].pipeline, out.str(), *p.director, p.hand, p.deed});
+  kept.push_back({m_steps, m_lanes[lane].since, m_lanes[lane].pipeline, world->pipeline(), out.str(), *p.director,
+                  p.hand, p.deed});
   std::size_t bytes = 0;
   for (const Keyframe& k : kept) bytes += k.bytes.size();
   if (bytes <= kKeptBytes) return;
   for (std::size_t i = 1; i + 1 < kept.size(); ++i) kept.erase(kept.begin() + static_cast<long>(i));
+}
+
+template <int D>
+std::unique_ptr<World<D>> Session<D>::ready() const {
+  const auto* world = dynamic_cast<const World<D>*>(m_lanes[0].world.get());
+  if (!world) return nullptr;
+  std::stringstream bytes;
+  world->save(bytes);
+  auto out = std::make_unique<World<D>>(world->pipeline(), m_scene.settings);
+  out->load(bytes);
+  Director<D> rest = *m_plays[0].director;
+  rest.finish(*out);
+  return out;
 }
 
 template <int D>
@@ -163,7 +179,7 @@ void Session<D>::goTo(std::size_t lane, long step, const Patience& patience) {
   } else {
     const Keyframe& from = *(after - 1);
     l.pipeline = from.pipeline, l.since = from.since, l.fallen.clear();
-    auto world = std::make_unique<World<D>>(Pipeline::parse(from.pipeline), m_scene.settings);
+    auto world = std::make_unique<World<D>>(from.stages, m_scene.settings);
     std::istringstream in(from.bytes);
     world->load(in);
     l.world = std::move(world);

@@ -73,7 +73,7 @@ class Session {
   /// Whether the first lane's profiler keeps what each step took. A step back begins its list anew.
   void keepFrames(bool keep);
 
-  // --- deeds, before the next step -----------------------------------------------------------------------------------
+  // --- deeds, before the next step, as the last of its events -------------------------------------------------------
   /// Throws UserError where the first lane refuses it: nothing has changed then. A lane that alone cannot has fallen.
   void perform(typename Deed<D>::What what);
   const std::vector<Deed<D>>& deeds() const { return m_deeds; }
@@ -82,6 +82,10 @@ class Session {
   /// Its number; -1: of nobody. `slot` is the lane's.
   int bodyAt(std::int32_t slot, std::size_t lane = 0) const;
   Handle handle(int body, std::size_t lane = 0) const;
+
+  /// A copy of the first lane's world as the coming step finds it, after all that the scene does before it: who goes on
+  /// with it has no more of the scene. Nobody: it is an engine.
+  std::unique_ptr<World<D>> ready() const;
 
   const SceneSpec<D>& scene() const { return m_scene; }
   const std::vector<Lane>& lanes() const { return m_lanes; }
@@ -99,7 +103,9 @@ class Session {
   };
   struct Keyframe {
     long step, since;
-    std::string pipeline, bytes;
+    std::string pipeline;
+    Pipeline stages;  // which the scene may have exchanged
+    std::string bytes;
     Director<D> director;
     std::vector<Handle> hand;
     std::size_t deed;

@@ -35,11 +35,11 @@ void addOurs(const EventBlock<D>& e, int body, std::string_view what, Act act) {
   }).oursAlone = true;
 }
 
-// The body goes with this event, if it was not to go anyhow.
+// The body goes with this event; by its own `remove` not before it.
 template <int D>
 void takeOut(const EventBlock<D>& e, const char* key, int body) {
   auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
-  if (spawn.removeAt >= 0) {
+  if (spawn.removeAt >= 0 && (spawn.takenBy >= 0 || spawn.removeAt < e.step)) {
     e.block.fail(*e.block.find(key), "this body is removed at step " + std::to_string(spawn.removeAt) + " already");
   }
   spawn.removeAt = e.step, spawn.takenBy = e.number;

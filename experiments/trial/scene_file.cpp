@@ -106,6 +106,7 @@ class Builder {
       m_top.fail(*m_top.find("saved"), "'perturb' moves who starts, and a saved world has started; valid: perturb = 0");
     }
     perturb(m_scene, m_perturb, m_seed);
+    m_bodies.write(m_scene);
     return std::move(m_scene);
   }
 
@@ -255,7 +256,7 @@ class Builder {
     typename SceneSpec<D>::Spawn spawn;
     spawn.step = step, spawn.removeAt = removeAt;
     spawn.body = readBody<D>(block, m_numbers, m_defaults, m_settings);
-    spawn.body.name = name;
+    spawn.body.name = name, spawn.exact = block.flag("exact", false);
     if (m_numbers.rehearsing()) return -1;
     if (removeAt >= 0 && removeAt < step) {
       block.fail(*block.find("remove"), "'remove' is " + std::to_string(removeAt) + "; valid: from step " +
@@ -267,7 +268,7 @@ class Builder {
   int addSpawn(typename SceneSpec<D>::Spawn spawn, bool ofScene) {
     const int place = static_cast<int>(m_scene.spawns.size());
     m_bodies.add(spawn.body.name, place);
-    if (ofScene) m_bodies.number(place);
+    ofScene ? m_bodies.number(place) : m_bodies.numberOfScript(place);
     m_scene.spawns.push_back(std::move(spawn));
     return place;
   }

@@ -66,6 +66,7 @@ class SceneFile {
   const std::string& summary() const;
   const std::string& path() const;
   const std::string& scriptPath() const;  // empty: without one
+  const std::string& scriptText() const;
   /// Its bytes, those of the files that it names, and its script's: what a trial's key is made of.
   std::string content() const;
   const std::vector<int>& dimensions() const;

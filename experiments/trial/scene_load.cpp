@@ -83,6 +83,7 @@ const std::string& SceneFile::name() const { return m_parsed->name; }
 const std::string& SceneFile::summary() const { return m_parsed->summary; }
 const std::string& SceneFile::path() const { return m_parsed->path; }
 const std::string& SceneFile::scriptPath() const { return m_parsed->scriptPath; }
+const std::string& SceneFile::scriptText() const { return m_parsed->scriptBytes; }
 std::string SceneFile::content() const {
   std::string all = m_parsed->bytes;
   if (!m_parsed->saved.empty()) all += std::string("\0saved\0", 7) + m_parsed->saved;

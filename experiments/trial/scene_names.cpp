@@ -24,21 +24,41 @@ void checkName(TableReader& block, const std::string& key, const std::string& na
 void SceneNames::renumber(const std::vector<int>& place) {
   const auto moved = [&](int i) { return place[static_cast<std::size_t>(i)]; };
   for (auto& [name, list] : m_named) std::transform(list.begin(), list.end(), list.begin(), moved);
-  std::transform(m_numbered.begin(), m_numbered.end(), m_numbered.begin(), moved);
+  for (auto* list : {&m_numbered, &m_ofScript}) std::transform(list->begin(), list->end(), list->begin(), moved);
   std::sort(m_numbered.begin(), m_numbered.end());
 }
+
+// A script that goes on brings more bodies, which are read before those that come of others (`take_apart`): these have
+// names, whose order stays.
+template <int D>
+void SceneNames::write(SceneSpec<D>& scene) const {
+  const auto call = [&](const std::vector<int>& list, const std::string& before, const std::string& after) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      scene.spawns.at(static_cast<std::size_t>(list[i])).called = before + std::to_string(i) + after;
+    }
+  };
+  call(m_ofScript, "##", "");
+  for (const auto& [name, list] : m_named) call(list, name + "[", "]");
+  call(m_numbered, "#", "");
+}
+template void SceneNames::write(SceneSpec<2>&) const;
+template void SceneNames::write(SceneSpec<3>&) const;
 
 int SceneNames::find(TableReader& block, SceneNumbers& numbers, const std::string& key) const {
   const toml::node& node = block.require(key);
   const std::string text = block.requireString(key), many = m_what == "body" ? "bodies" : m_what + "s";
   if (text.starts_with('#')) {
+    const bool ofScript = text.starts_with("##");
+    const std::string sign = ofScript ? "##" : "#";
+    const std::vector<int>& list = ofScript ? m_ofScript : m_numbered;
     std::size_t number = 0;
-    const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || number >= m_numbered.size()) {
-      block.fail(node, "'" + key + "' is '" + text + "', and the scene has " + std::to_string(m_numbered.size()) + " " +
-                           many + " of its own; valid: #0 for the first, and so on");
+    const auto [end, error] = std::from_chars(text.data() + sign.size(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || number >= list.size()) {
+      block.fail(node, "'" + key + "' is '" + text + "', and the " + (ofScript ? "script" : "scene") + " has " +
+                           std::to_string(list.size()) + " " + many + " of its own; valid: " + sign +
+                           "0 for the first, and so on");
     }
-    return numbers.rehearsing() ? 0 : m_numbered[number];
+    return numbers.rehearsing() ? 0 : list[number];
   }
   const std::size_t bracket = text.find('[');
   const auto it = m_named.find(text.substr(0, bracket));

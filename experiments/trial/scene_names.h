@@ -19,7 +19,7 @@ void checkName(TableReader& block, const std::string& key, const std::string& na
 
 /// The names of one kind of thing. A name is of all that have it, in the order in which they were read: "plank[i + 1]",
 /// "plank" for the first. "#12" is the thirteenth of the scene's own, whatever it is called: those of its script do not
-/// count, so that a script can name who has no name.
+/// count, so that a script can name who has no name. Of those "##12" is the thirteenth that was read.
 class SceneNames {
  public:
   explicit SceneNames(std::string what) : m_what(std::move(what)) {}
@@ -31,15 +31,19 @@ class SceneNames {
     if (!name.empty()) m_named[name].push_back(place);
   }
   void number(int place) { m_numbered.push_back(place); }
+  void numberOfScript(int place) { m_ofScript.push_back(place); }
   /// Who was at i is now at place[i]; numbers follow the new places.
   void renumber(const std::vector<int>& place);
+  /// Of bodies: Spawn::called.
+  template <int D>
+  void write(SceneSpec<D>& scene) const;
   /// Whom the text under this key means, as a place. Throws UserError at its line.
   int find(TableReader& block, SceneNumbers& numbers, const std::string& key) const;
 
  private:
   std::string m_what;
   std::map<std::string, std::vector<int>> m_named;
-  std::vector<int> m_numbered;
+  std::vector<int> m_numbered, m_ofScript;
 };
 
 /// When bodies are named, which must be there then.

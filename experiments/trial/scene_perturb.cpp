@@ -34,7 +34,7 @@ void perturb(SceneSpec<D>& scene, double amount, std::uint64_t seed) {
   Random random(seed ^ kStream);
   for (auto& spawn : scene.spawns) {
     BodyDef<D>& body = spawn.body;
-    if (body.type != BodyType::dynamic) continue;
+    if (body.type != BodyType::dynamic || spawn.exact) continue;
     // Drawn for all alike: what is pinned or does not turn shifts nobody else's numbers.
     const Vec<D> shift = drawn<Vec<D>>(random, amount);
     const Ang<D> turn = drawn<Ang<D>>(random, amount);

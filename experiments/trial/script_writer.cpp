@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "experiments/trial/body_type_name.h"
@@ -155,6 +156,22 @@ std::string massKeys(const MassProperties<D>& m) {
   return keyLine("mass", numberText(m.mass)) + keyLine("center", listText(m.center)) + keyLine("inertia", inertia);
 }
 
+// A file but for the lines of those keys of its own: TOML has no two of them in a line.
+std::string withoutKeys(const std::string& text, const toml::table& table, const std::vector<const char*>& keys) {
+  std::set<std::size_t> gone;
+  for (const char* key : keys) {
+    const toml::node* node = table.get(key);
+    if (!node) continue;
+    for (auto line = node->source().begin.line; line <= node->source().end.line; ++line) gone.insert(line);
+  }
+  std::string out, line;
+  std::istringstream in(text);
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (!gone.count(number)) out += line + '\n';
+  }
+  return out;
+}
+
 }  // namespace
 
 template <int D>
@@ -177,6 +194,7 @@ void ScriptWriter<D>::add(long step, const std::string& name, const BodyDef<D>& 
   if (body.mass) keys += massKeys(*body.mass);
   std::string shapes;
   for (const ShapeDef<D>& s : body.shapes) shapes += shapeTable(s);
+  keys += keyLine("exact", flagText(true));
   event("add", step, keys + keyLine("shapes", shapes.empty() ? "[]" : "[\n" + shapes + "]"));
 }
 
@@ -322,9 +340,20 @@ void ScriptWriter<D>::type(long step, const std::string& body, BodyType type) {
 }
 
 template <int D>
-std::string ScriptWriter<D>::text(const std::string& summary, std::optional<long> steps) const {
-  return keyLine("summary", inQuotes(summary)) + (m_joins ? keyLine("needs", "[\"joints\"]") : "") +
-         (steps ? keyLine("steps", std::to_string(*steps)) : "") + m_events;
+std::string ScriptWriter<D>::text(const std::string& summary, std::optional<long> steps,
+                                  const std::string& before) const {
+  const toml::table other = parseToml(before, "the script before");
+  std::set<std::string> needs;
+  for (const std::string& need : TableReader(other, "the script before", "the script").strings("needs")) {
+    needs.insert(need);
+  }
+  if (m_joins) needs.insert("joints");
+  std::vector<const char*> keys = {"summary", "needs"};  // its own stand above
+  if (steps) keys.push_back("steps");
+  std::string list;
+  for (const std::string& need : needs) list += (list.empty() ? "" : ", ") + inQuotes(need);
+  return keyLine("summary", inQuotes(summary)) + (needs.empty() ? "" : keyLine("needs", "[" + list + "]")) +
+         (steps ? keyLine("steps", std::to_string(*steps)) : "") + withoutKeys(before, other, keys) + m_events;
 }
 
 template class ScriptWriter<2>;

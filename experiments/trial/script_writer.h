@@ -60,8 +60,9 @@ class ScriptWriter {
   void pin(long step, const std::string& body, bool pinned);
   void type(long step, const std::string& body, BodyType type);
 
-  /// The script's file; `steps`: how long it plays, if it knows. Where it joins bodies, it needs `joints`.
-  std::string text(const std::string& summary, std::optional<long> steps = {}) const;
+  /// The script's file; `steps`: how long it plays, if it knows. Where it joins bodies, it needs `joints`. `before`:
+  /// the text of another script, which it then is, too: within a step what that does comes first.
+  std::string text(const std::string& summary, std::optional<long> steps = {}, const std::string& before = "") const;
 
  private:
   void event(const char* what, long step, const std::string& keys);

@@ -439,6 +439,8 @@ TEST(SceneEvent, MistakesAreOneLine) {
        {"t.toml:20: ", "'a[0]'", "without a '['"}},
       {"do = \"push\"\nstep = 3\nbody = \"#2\"\nimpulse = [1, 0]\n",
        {"t.toml:19: ", "'body' is '#2', and the scene has 2 bodies of its own"}},
+      {"do = \"push\"\nstep = 3\nbody = \"##0\"\nimpulse = [1, 0]\n",
+       {"t.toml:19: ", "'body' is '##0', and the script has 0 bodies of its own"}},
       {"do = \"unjoin\"\nstep = 3\njoint = \"string\"\n", {"t.toml:19: ", "there is no joint named 'string'"}},
       {"do = \"remove_force\"\nstep = 3\nforce = \"wind\"\n", {"t.toml:19: ", "there is no force named 'wind'"}},
       {"do = \"add_force\"\nstep = 3\nkind = \"winde\"\n", {"t.toml:16: ", "'winde'", "wind"}},

@@ -259,6 +259,16 @@ class Sandbox(unittest.TestCase):
         self.assertGreaterEqual(state["step"] - begun["step"], 7 * 66)  # of 0.25 ms, in seven sixtieths of a second
 
     # --- mistakes -------------------------------------------------------------------------------------------------------
+    def test_by_hand_beside_events_and_a_script(self):
+        orders = ["until 58", "key p", "key g", *drag((-8, 0.5), (-7, 3)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
+                  "at 6 10", "key d", "wait 20", "key p", "wait 1", "key F4", "wait 2"]
+        state = self.play(orders, "script_events", "-S", "firework", "--param", "speed=2", "--param", "x=-3")
+        self.assertIn("ends in the same bits", state["message"])
+        self.assertGreater(len(state["bodies"]), 36)
+        first = (self.folder / "sandbox_script.toml").read_text().splitlines()[0]
+        self.assertTrue(first.startswith("# lpc run script_events "), first)
+        self.assertEqual(self.lpc_run(*shlex.split(first)[3:])["hash"], state["lanes"][0]["hash"])
+
     def test_a_world_that_diverges_stops_and_can_be_stepped_back(self):
         (self.folder / "lost.toml").write_text(
             'name = "lost"\nsummary = "a body is pushed beyond all numbers"\ndimensions = [2]\nneeds = []\n\n'
