@@ -401,8 +401,8 @@ void App<D>::draw() {
     if (lanes > 1 && lane == 0 && !beside) drawn.tint.reset();
     drawSimulation(session.world(lane), drawn, m_canvas);
     if (lane == 0) hand.draw(m_canvas);
-    if (lane == 0 && panels.pair && pairTrace) {
-      drawTraceOnShapes(pairTrace->trace, static_cast<std::size_t>(pairStep), pairTrace->X_WA, m_canvas);
+    if (lane == 0 && panels.pair && pair.trace()) {
+      drawTraceOnShapes(*pair.trace(), static_cast<std::size_t>(pairStep), pair.X_WA(), m_canvas);
     }
     if (beside || lane + 1 == lanes) m_canvas.end();
   }

@@ -11,10 +11,10 @@
 #include "experiments/sandbox/hand.h"
 #include "experiments/sandbox/input_script.h"
 #include "experiments/sandbox/opening.h"
+#include "experiments/sandbox/pair_look.h"
 #include "experiments/sandbox/session.h"
 #include "experiments/sandbox/window.h"
 #include "framework/draw_simulation.h"
-#include "framework/pair_trace.h"
 #include "framework/random.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -107,13 +107,8 @@ class App : public Switches {
   Marks marks;
   bool closed = false;
   bool logging = false;  // statistics of each step, into a file
-  // The pair that the panel of that name looks into.
-  struct PairShown {
-    PairTrace<D> trace;
-    Pose<D> X_WA;
-  };
-  std::optional<PairShown> pairTrace;
-  std::string pairQuery = "gjk_epa", pairSays;  // why there is none
+  PairLook<D> pair;  // that the panel of this name looks into
+  std::string pairQuery = "gjk_epa";
   int pairStep = 0;
   ViewCamera<D> pairCamera;
   bool equalCost = false;  // of competitors, while they run

@@ -4,45 +4,15 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 #include "experiments/sandbox/list_draw.h"
 #include "experiments/sandbox/panels.h"
-#include "framework/check.h"
-#include "framework/pair_trace.h"
 #include "framework/registry.h"
 #include "framework/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
-
-template <int D>
-struct Part {
-  ShapeView<D> view;
-  Pose<D> X_WP;
-};
-
-// The parts of two bodies whose middles are nearest to each other.
-template <int D>
-std::optional<std::pair<Part<D>, Part<D>>> nearestParts(const Simulation<D>& world, std::int32_t a, std::int32_t b) {
-  std::vector<Part<D>> ofA, ofB;
-  for (const ShapeRecord<D>& s : world.shapes()) {
-    if (s.body != a && s.body != b) continue;
-    const Pose<D> X_WS = world.bodies().pose[static_cast<std::size_t>(s.body)] * s.X_CS;
-    forParts(s.shape, X_WS, [&](const ShapeView<D>& view, const Pose<D>& X_WP) {
-      (s.body == a ? ofA : ofB).push_back({view, X_WP});
-    });
-  }
-  std::optional<std::pair<Part<D>, Part<D>>> out;
-  Real nearest = std::numeric_limits<Real>::infinity();
-  for (const Part<D>& p : ofA) {
-    for (const Part<D>& q : ofB) {
-      const Real far = (p.X_WP.p - q.X_WP.p).norm();
-      if (far < nearest) nearest = far, out = std::pair(p, q);
-    }
-  }
-  return out;
-}
 
 template <int D>
 void drawDifference(const PairTrace<D>& trace, std::size_t step, ViewCamera<D>& camera) {
@@ -62,7 +32,8 @@ void drawDifference(const PairTrace<D>& trace, std::size_t step, ViewCamera<D>& 
       lo = lo.cwiseMin(b - a), hi = hi.cwiseMax(b - a);
     }
   }
-  camera.look(lo - Vec<D>::Constant(Real(0.2)), hi + Vec<D>::Constant(Real(0.2)));
+  const Vec<D> rim = Vec<D>::Constant((hi - lo).norm() / 20);
+  camera.look(lo - rim, hi + rim);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const ImVec2 end(corner.x + static_cast<float>(width), corner.y + static_cast<float>(height));
   list.PushClipRect(corner, end, true);
@@ -72,36 +43,41 @@ void drawDifference(const PairTrace<D>& trace, std::size_t step, ViewCamera<D>& 
   list.PopClipRect();
 }
 
+// What is proved after each step, and where this one is.
+template <int D>
+void plotProved(const PairTrace<D>& trace, int step) {
+  std::vector<float> best;
+  for (const TraceStep<D>& s : trace.steps) {
+    if (std::isfinite(s.best)) best.push_back(static_cast<float>(s.best));  // not before the first direction
+  }
+  if (best.size() < 8) return;  // of a few steps the words say it
+  ImGui::TextUnformatted("proved (m), step by step");
+  const auto [least, most] = std::minmax_element(best.begin(), best.end());
+  const float low = *least, high = std::max(*most, low + 1e-12f);
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = 40;
+  ImGui::PlotLines("##proved", best.data(), static_cast<int>(best.size()), 0, nullptr, low, high,
+                   ImVec2(width, height));
+  const float at = static_cast<float>(step) - static_cast<float>(trace.steps.size() - best.size());
+  const float x = corner.x + width * std::max(at, 0.0f) / static_cast<float>(best.size() - 1);
+  ImGui::GetWindowDrawList()->AddLine(ImVec2(x, corner.y), ImVec2(x, corner.y + height), IM_COL32(230, 160, 0, 255), 2);
+}
+
 }  // namespace
 
 template <int D>
 void lookIntoPair(App<D>& app) {
-  app.pairTrace.reset(), app.pairSays.clear();
+  const PairTrace<D>* before = app.pair.trace();
+  const bool atAnswer = before && app.pairStep + 1 == static_cast<int>(before->steps.size());
   const std::vector<int>& selected = app.hand.selected();
-  if (selected.size() < 2) {
-    app.pairSays = "select two bodies (Shift adds the second)";
-    return;
-  }
+  if (selected.size() < 2) return app.pair.nobody("select two bodies (Shift adds the second)");
   const Handle a = app.session.handle(selected[0]), b = app.session.handle(selected[1]);
   const Simulation<D>& world = app.session.world();
-  if (!world.valid(a) || !world.valid(b)) {
-    app.pairSays = "one of them is gone";
-    return;
-  }
-  const auto parts = nearestParts(world, a.slot, b.slot);
-  if (!parts) {
-    app.pairSays = "one of them has no shape";
-    return;
-  }
-  const auto& [p, q] = *parts;
-  try {
-    PairTrace<D> trace = tracePair<D>(app.pairQuery, p.view, q.view, p.X_WP.inverse() * q.X_WP);
-    app.pairStep = std::clamp(app.pairStep, 0, static_cast<int>(trace.steps.size()) - 1);
-    const Pose<D> X_WA = trace.swapped ? q.X_WP : p.X_WP;
-    app.pairTrace = {std::move(trace), X_WA};
-  } catch (const UserError& e) {
-    app.pairSays = e.what();
-  }
+  if (!world.valid(a) || !world.valid(b)) return app.pair.nobody("one of them is gone");
+  app.pair.look(app.pairQuery, world, a.slot, b.slot);
+  if (!app.pair.trace()) return;
+  const int last = static_cast<int>(app.pair.trace()->steps.size()) - 1;
+  app.pairStep = atAnswer ? last : std::clamp(app.pairStep, 0, last);
 }
 
 template <int D>
@@ -115,13 +91,27 @@ void pairPanel(App<D>& app) {
     ImGui::EndCombo();
   }
   app.marks.last("Pair/query");
-  if (!app.pairTrace) return ImGui::TextWrapped("%s", app.pairSays.c_str());
-  const PairTrace<D>& trace = app.pairTrace->trace;
-  ImGui::SliderInt("step", &app.pairStep, 0, static_cast<int>(trace.steps.size()) - 1);
+  const PairTrace<D>* trace = app.pair.trace();
+  if (!trace) return ImGui::TextWrapped("%s", app.pair.says().c_str());
+  const int last = static_cast<int>(trace->steps.size()) - 1;
+  ImGui::SliderInt("step", &app.pairStep, 0, last, ("%d of " + std::to_string(last)).c_str());
   app.marks.last("Pair/step");
+  const auto jump = [&](const char* name, int to, const char* meaning) {
+    if (ImGui::Button(name)) app.pairStep = std::clamp(to, 0, last);
+    app.marks.last(std::string("Pair/") + name);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", meaning);
+    ImGui::SameLine();
+  };
+  jump("first", 0, "the first step");
+  jump("-1", app.pairStep - 1, "the step before");
+  jump("+1", app.pairStep + 1, "the next step");
+  jump("found", static_cast<int>(app.pair.found()), "the step that first has the answer's axis; the others prove it");
+  jump("answer", last, "the last step");
+  ImGui::NewLine();
+  plotProved(*trace, app.pairStep);
   const auto step = static_cast<std::size_t>(app.pairStep);
-  ImGui::TextWrapped("%s", describe(trace.steps[step]).c_str());
-  drawDifference(trace, step, app.pairCamera);
+  ImGui::TextWrapped("%s", describe(trace->steps[step]).c_str());
+  drawDifference(*trace, step, app.pairCamera);
 }
 
 template void lookIntoPair(App<2>&);

@@ -18,7 +18,7 @@ template <int D>
 void comparePanel(App<D>& app);
 template <int D>
 void pairPanel(App<D>& app);
-/// Before a picture: what the pair panel shows in it. It points into the world's shapes.
+/// Before a picture: what the pair panel shows in it.
 template <int D>
 void lookIntoPair(App<D>& app);
 

@@ -135,6 +135,9 @@ json stateOf(const App<D>& app) {
                                {"meaning", c.meaning},
                                {"on", c.on && c.on(app)}});
   }
+  if (const PairTrace<D>* trace = app.pair.trace()) {
+    out["pair"] = {{"steps", trace->steps.size()}, {"step", app.pairStep}, {"made", app.pair.made()}};
+  }
   out["pictures_per_second"] = app.window.picturesPerSecond();
   for (const auto& [name, at] : app.marks.all()) out["marks"][name] = {at[0], at[1]};
   return out;

@@ -110,6 +110,15 @@ class Sandbox(unittest.TestCase):
         rows = png(self.folder / "a.png")
         self.assertGreater(like(rows, (0x00, 0x72, 0xB2), 30).sum(), 200)
 
+    def test_a_look_into_a_pair_is_made_once(self):
+        orders = ["key p", "wait 1", "at 4 5", "press left", "release left", "wait 1", "down Left Shift", "at 8 3.5",
+                  "press left", "release left", "up Left Shift", *click("Panels"), *click("Panels/Pair"), "wait 9",
+                  "state look.json", *click("Pair/answer"), "state answer.json", "key Right", "wait 9"]
+        look, answer, end = self.play(orders, "-s", "1", states=("look", "answer", "end"))
+        self.assertEqual((look["pair"]["made"], look["pair"]["step"]), (1, 0))
+        self.assertEqual((answer["pair"]["made"], answer["pair"]["step"]), (1, answer["pair"]["steps"] - 1))
+        self.assertEqual((end["pair"]["made"], end["pair"]["step"]), (2, end["pair"]["steps"] - 1))
+
     # --- keys and menus -------------------------------------------------------------------------------------------------
     def test_every_key_and_every_menu(self):
         for dimension in ("2d", "3d"):
@@ -205,6 +214,16 @@ class Sandbox(unittest.TestCase):
                                    "--precision", precision)
                 self.assertEqual(run["hash"], state["lanes"][0]["hash"])
 
+    def test_by_hand_beside_events_and_a_script(self):
+        orders = ["until 58", "key p", "key g", *drag((-8, 0.5), (-7, 3)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
+                  "at 6 10", "key d", "wait 20", "key p", "wait 1", "key F4", "wait 2"]
+        state = self.play(orders, "script_events", "-S", "firework", "--param", "speed=2", "--param", "x=-3", size=(640, 480))
+        self.assertIn("ends in the same bits", state["message"])
+        self.assertGreater(len(state["bodies"]), 36)
+        first = (self.folder / "sandbox_script.toml").read_text().splitlines()[0]
+        self.assertTrue(first.startswith("# lpc run script_events "), first)
+        self.assertEqual(self.lpc_run(*shlex.split(first)[3:])["hash"], state["lanes"][0]["hash"])
+
     def test_back_and_forth_is_the_same(self):
         back = ["key Left", "wait 1"] * 40
         forth = ["key Right", "wait 1"] * 40
@@ -259,16 +278,6 @@ class Sandbox(unittest.TestCase):
         self.assertGreaterEqual(state["step"] - begun["step"], 7 * 66)  # of 0.25 ms, in seven sixtieths of a second
 
     # --- mistakes -------------------------------------------------------------------------------------------------------
-    def test_by_hand_beside_events_and_a_script(self):
-        orders = ["until 58", "key p", "key g", *drag((-8, 0.5), (-7, 3)), "key c", *drag((0, 5), (0, 5.5)), "key p", "until 62",
-                  "at 6 10", "key d", "wait 20", "key p", "wait 1", "key F4", "wait 2"]
-        state = self.play(orders, "script_events", "-S", "firework", "--param", "speed=2", "--param", "x=-3")
-        self.assertIn("ends in the same bits", state["message"])
-        self.assertGreater(len(state["bodies"]), 36)
-        first = (self.folder / "sandbox_script.toml").read_text().splitlines()[0]
-        self.assertTrue(first.startswith("# lpc run script_events "), first)
-        self.assertEqual(self.lpc_run(*shlex.split(first)[3:])["hash"], state["lanes"][0]["hash"])
-
     def test_a_world_that_diverges_stops_and_can_be_stepped_back(self):
         (self.folder / "lost.toml").write_text(
             'name = "lost"\nsummary = "a body is pushed beyond all numbers"\ndimensions = [2]\nneeds = []\n\n'
