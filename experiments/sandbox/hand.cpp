@@ -45,6 +45,9 @@ std::optional<DrawnKind> drawnBy(Tool tool) {
 Rot<2> turnBy(const ViewCamera<2>&, Real angle) { return Rot<2>::angle(angle); }
 Rot<3> turnBy(const ViewCamera<3>& camera, Real angle) { return Rot<3>::vector(angle * camera.towards()); }
 
+Ang<2> spinTurned(const Rot<2>&, const Ang<2>& w) { return w; }
+Ang<3> spinTurned(const Rot<3>& q, const Ang<3>& w) { return q * w; }
+
 Rot<2> facing(const ViewCamera<2>&) { return {}; }
 // Turns x to the window's right, y up and z to the viewer.
 Rot<3> facing(const ViewCamera<3>& camera) {
@@ -119,7 +122,7 @@ void Hand<D>::press(const Vec<2>& pixel, bool addToSelection) {
   if (!addToSelection && !has) m_selected.clear();
   if (!has) m_selected.push_back(body);
   const Pose<D> X_WB = m_session.world().pose(m_session.handle(body));
-  m_carried = Carried{body, X_WB.inverse() * picked.point, picked.point, std::nullopt};
+  m_carried = Carried{body, X_WB.inverse() * picked.point, picked.point, {}};
   if (m_paused) setPaused(true);
 }
 
@@ -129,9 +132,22 @@ void Hand<D>::setPaused(bool paused) {
   if (!m_carried) return;
   const Handle h = m_session.handle(m_carried->body);
   if (!m_session.world().valid(h)) return m_carried.reset();
-  Pose<D> X_WP;
-  X_WP.p = m_carried->target;
-  m_carried->X_PB = paused ? std::optional(X_WP.inverse() * m_session.world().pose(h)) : std::nullopt;
+  m_carried->placed.clear();
+  if (!paused) return;
+  std::vector<int> all = there(m_selected);
+  if (std::find(all.begin(), all.end(), m_carried->body) == all.end()) all = {m_carried->body};
+  for (const int body : all) {
+    m_carried->placed.push_back({body, m_session.world().pose(m_session.handle(body)).p - m_carried->target});
+  }
+}
+
+template <int D>
+std::vector<int> Hand<D>::there(const std::vector<int>& bodies) const {
+  std::vector<int> out;
+  for (const int body : bodies) {
+    if (m_session.world().valid(m_session.handle(body))) out.push_back(body);
+  }
+  return out;
 }
 
 template <int D>
@@ -144,14 +160,17 @@ void Hand<D>::move(const Vec<2>& pixel) {
 template <int D>
 void Hand<D>::carry(const Vec<2>& pixel) {
   m_carried->target = target(pixel);
-  if (!m_carried->X_PB) return;
+  if (!m_paused) return;
   if (!m_session.world().valid(m_session.handle(m_carried->body))) return m_carried.reset();
-  m_session.perform(SetBody<D>{.body = m_carried->body, .position = m_carried->target + m_carried->X_PB->p});
+  for (const Placed& p : m_carried->placed) {
+    if (!m_session.world().valid(m_session.handle(p.body))) continue;
+    m_session.perform(SetBody<D>{.body = p.body, .position = m_carried->target + p.p_PB});
+  }
 }
 
 template <int D>
 void Hand<D>::pull(bool keepRotation) {
-  if (!m_carried || m_carried->X_PB) return;
+  if (!m_carried || m_paused) return;
   const Handle h = m_session.handle(m_carried->body);
   const Simulation<D>& world = m_session.world();
   if (!world.valid(h)) return m_carried.reset();
@@ -168,18 +187,43 @@ void Hand<D>::pull(bool keepRotation) {
 
 template <int D>
 void Hand<D>::turn(Real angle) {
-  const std::vector<int> bodies = m_carried ? std::vector<int>{m_carried->body} : m_selected;
-  for (const int body : bodies) {
-    const Handle h = m_session.handle(body);
-    if (!m_session.world().valid(h)) continue;
-    const Pose<D> X_WB = m_session.world().pose(h);
-    const Vec<D> about =
-        m_carried ? Vec<D>(X_WB * m_carried->at) : m_session.world().bodies().pose[static_cast<std::size_t>(h.slot)].p;
-    const Rot<D> q = turnBy(m_camera, angle);
-    m_session.perform(SetBody<D>{
-        .body = body, .position = about + q * Vec<D>(X_WB.p - about), .rotation = (q * X_WB.q).normalized()});
+  std::vector<int> bodies = m_selected;
+  if (m_carried) {
+    bodies.clear();
+    for (const Placed& p : m_carried->placed) bodies.push_back(p.body);
+    if (!m_paused) bodies.push_back(m_carried->body);
   }
-  if (m_carried && m_paused) setPaused(true);
+  bodies = there(bodies);
+  if (bodies.empty()) return;
+  if (m_carried && there({m_carried->body}).empty()) return m_carried.reset();
+  const auto row = [&](int body) { return static_cast<std::size_t>(m_session.handle(body).slot); };
+  const Bodies<D>& b = m_session.world().bodies();
+  Real mass = 0;  // of those that move
+  Vec<D> moment = Vec<D>::Zero(), momentum = moment, middle = moment;
+  for (const int body : bodies) {
+    const std::size_t i = row(body);
+    middle += b.pose[i].p / static_cast<Real>(bodies.size());
+    if (b.type[i] == BodyType::dynamic) {
+      mass += b.mass[i], moment += b.mass[i] * b.pose[i].p, momentum += b.mass[i] * b.motion[i].v;
+    }
+  }
+  Vec<D> about = mass > 0 ? Vec<D>(moment / mass) : middle;
+  const Vec<D> common = mass > 0 ? Vec<D>(momentum / mass) : momentum;
+  if (m_carried) about = m_session.world().pose(m_session.handle(m_carried->body)) * m_carried->at;
+  const Rot<D> q = turnBy(m_camera, angle);
+  for (const int body : bodies) {
+    const Pose<D> X_WB = m_session.world().pose(m_session.handle(body));
+    SetBody<D> set{.body = body, .position = about + q * Vec<D>(X_WB.p - about), .rotation = (q * X_WB.q).normalized()};
+    const std::size_t i = row(body);
+    if (b.type[i] == BodyType::dynamic) {
+      const Vec<D> v = common + q * Vec<D>(b.motion[i].v - common);
+      const Ang<D> w = spinTurned(q, b.motion[i].w);
+      if (v != b.motion[i].v) set.velocity = v;
+      if (w != b.motion[i].w) set.angularVelocity = w;
+    }
+    m_session.perform(set);
+  }
+  setPaused(m_paused);
 }
 
 template <int D>
@@ -266,10 +310,7 @@ void Hand<D>::join(const Vec<2>& pixel) {
 
 template <int D>
 std::vector<int> Hand<D>::chosen() const {
-  std::vector<int> out;
-  for (const int body : m_selected) {
-    if (m_session.world().valid(m_session.handle(body))) out.push_back(body);
-  }
+  std::vector<int> out = there(m_selected);
   if (!out.empty()) return out;
   const std::int32_t slot = pick(m_session.world(), m_camera, m_cursor).slot;
   return slot < 0 ? out : std::vector<int>{m_session.bodyAt(slot)};

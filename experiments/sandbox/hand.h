@@ -36,9 +36,12 @@ class Hand {
   void cancel();
   /// Before each step while it runs: the spring pulls; with `keepRotation` the body does not turn.
   void pull(bool keepRotation);
-  /// Turns the body that is carried, or those that are selected, by so many radians.
+  /// Turns those that are selected as one body by so many radians: about what is held, else about their common centre
+  /// of mass. Their motion about it turns with them, so that momentum and energy stay, and what joins them fits as
+  /// before. Who is held by the spring turns alone.
   void turn(Real angle);
-  /// While the world is paused, what is carried follows the cursor exactly; else a spring pulls it.
+  /// While the world is paused, all that are selected follow the cursor exactly; else a spring pulls the one that is
+  /// held.
   void setPaused(bool paused);
 
   // --- what keys and menus do to the selection, or to the body under the cursor when nothing is selected
@@ -63,11 +66,15 @@ class Hand {
   void draw(DebugDraw<D>& out) const;
 
  private:
+  struct Placed {
+    int body;
+    Vec<D> p_PB;  // from the cursor's point, in the world's axes
+  };
   struct Carried {
     int body;
-    Vec<D> at;                    // p_B of the point that is held, in the body's own frame
-    Vec<D> target;                // of the cursor, in the world
-    std::optional<Pose<D>> X_PB;  // paused: of the body against the cursor's point
+    Vec<D> at;                   // p_B of the point that is held, in the body's own frame
+    Vec<D> target;               // of the cursor, in the world
+    std::vector<Placed> placed;  // paused: all that follow the cursor
   };
   struct FirstEnd {
     int body;  // -1: the world
@@ -75,6 +82,7 @@ class Hand {
   };
 
   Vec<D> target(const Vec<2>& pixel) const;
+  std::vector<int> there(const std::vector<int>& bodies) const;  // without those that are gone
   std::optional<BodyDef<D>> preview() const;
   void carry(const Vec<2>& pixel);
   void add(BodyDef<D> def);

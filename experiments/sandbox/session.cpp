@@ -228,19 +228,21 @@ bool Session<D>::fallen() const {
   return !m_lanes[0].fallen.empty();
 }
 
-// Of a body that is carried along, only the last place counts.
+// Of bodies that are carried along, only the last places count.
 template <int D>
 bool Session<D>::takenBack(const typename Deed<D>::What& what) {
-  if (m_deeds.empty() || m_deeds.back().step != m_steps) return false;
-  auto* last = std::get_if<SetBody<D>>(&m_deeds.back().what);
+  const auto places = [](const SetBody<D>* set) { return set && !set->velocity && !set->angularVelocity; };
   const auto* now = std::get_if<SetBody<D>>(&what);
-  if (!last || !now || last->body != now->body || last->velocity || last->angularVelocity || now->velocity ||
-      now->angularVelocity) {
-    return false;
+  if (!places(now)) return false;
+  for (auto deed = m_deeds.rbegin(); deed != m_deeds.rend() && deed->step == m_steps; ++deed) {
+    auto* last = std::get_if<SetBody<D>>(&deed->what);
+    if (!places(last)) return false;
+    if (last->body != now->body) continue;
+    if (now->position) last->position = now->position;
+    if (now->rotation) last->rotation = now->rotation;
+    return true;
   }
-  if (now->position) last->position = now->position;
-  if (now->rotation) last->rotation = now->rotation;
-  return true;
+  return false;
 }
 
 template <int D>

@@ -201,15 +201,115 @@ TEST(SandboxHand, JoinsTwoBodiesOrOneWithTheWorld) {
   EXPECT_EQ(t.session.world().joints().size(), 2u);
 }
 
-TEST(SandboxHand, TurnsWhatIsSelected) {
-  Table<2> t;
-  const int a = t.add(2, 0);
-  t.hand.select({a});
-  t.hand.turn(Real(0.5));
-  const Pose<2> X = t.session.world().pose(t.session.handle(a));
-  EXPECT_NEAR(double(X.q.radians()), 0.5, 1e-12);
-  EXPECT_NEAR((X.p - Vec<2>(2, 0)).norm(), 0, 1e-12);
+Rot<2> turnedBy(const ViewCamera<2>&, Real angle) { return Rot<2>::angle(angle); }
+Rot<3> turnedBy(const ViewCamera<3>& camera, Real angle) { return Rot<3>::vector(angle * camera.towards()); }
+
+Ang<2> inItsFrame(const Rot<2>&, const Ang<2>& w) { return w; }
+Ang<3> inItsFrame(const Rot<3>& q, const Ang<3>& w) { return q.inverse() * w; }
+
+// Three that move, each with another mass, centre and motion, and one that does not.
+template <int D>
+struct Group {
+  Table<D> t;
+  std::vector<int> bodies;
+  std::vector<Pose<D>> before;
+  Vec<D> center = Vec<D>::Zero(), momentum = center;
+  Real energy = 0;
+
+  Group() {
+    for (int i = 0; i < 4; ++i) {
+      BodyDef<D> def;
+      if (i == 3) def.type = BodyType::fixed;
+      def.X_WB.p = Table<D>::at(Real(i - 1), Real(i * i) / 2 - 2);
+      for (int k = 0; k < 2; ++k) {
+        ShapeDef<D> shape{.shape = Shape<D>::sphere(Real(0.2 + 0.1 * i))};
+        shape.X_BS.p = Table<D>::at(Real(0.3 * k), Real(0.1 * i));
+        def.shapes.push_back(shape);
+      }
+      if (i < 3) def.velocity = Table<D>::at(Real(i), Real(1 - 2 * i)), def.angularVelocity[0] = Real(i + 1);
+      t.session.perform(AddBody<D>{def});
+      bodies.push_back(t.session.bodies() - 1);
+      before.push_back(t.session.world().pose(t.session.handle(i)));
+    }
+    measure(center, momentum, energy);
+  }
+  void measure(Vec<D>& at, Vec<D>& p, Real& kinetic) const {
+    at.setZero(), p.setZero(), kinetic = 0;
+    Real mass = 0;
+    const Bodies<D>& b = t.session.world().bodies();
+    for (std::size_t i = 0; i < 3; ++i) {
+      mass += b.mass[i], at += b.mass[i] * b.pose[i].p, p += b.mass[i] * b.motion[i].v;
+      kinetic += b.mass[i] * b.motion[i].v.squaredNorm() / 2;
+      const Ang<D> w = inItsFrame(b.pose[i].q, b.motion[i].w);
+      kinetic += w.dot(b.invInertiaBody[i].inverse() * w) / 2;
+    }
+    at /= mass;
+  }
+  // Is all of it turned by so much about that point, as one body?
+  bool turnedAbout(const Vec<D>& about, Real angle) const {
+    const Rot<D> q = turnedBy(t.camera, angle);
+    Real worst = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const Pose<D> X = t.session.world().pose(t.session.handle(bodies[i]));
+      const Vec<D> probe = Vec<D>::Constant(Real(0.7));
+      worst = std::max(worst, (X * probe - (about + q * Vec<D>(before[i] * probe - about))).norm());
+    }
+    Vec<D> at, p;
+    Real kinetic = 0;
+    measure(at, p, kinetic);
+    return worst < 1e-12 && (p - momentum).norm() < 1e-12 * momentum.norm() &&
+           std::abs(kinetic - energy) < 1e-12 * energy;
+  }
+};
+
+template <int D>
+void turnsAsOne() {
+  Group<D> one;
+  one.t.hand.select(one.bodies);
+  one.t.hand.turn(Real(0.5));
+  EXPECT_TRUE(one.turnedAbout(one.center, Real(0.5)));
+  // Planted bug: each about its own centre, as the sandbox once did.
+  Group<D> each;
+  for (const int body : each.bodies) each.t.hand.select({body}), each.t.hand.turn(Real(0.5));
+  expectCaught("each turns about its own centre", each.turnedAbout(each.center, Real(0.5)));
+  // Alone it turns where it is.
+  Group<D> alone;
+  alone.bodies = {1}, alone.before = {alone.before[1]};
+  alone.t.hand.select({1}), alone.t.hand.turn(Real(0.5));
+  EXPECT_TRUE(alone.turnedAbout(alone.t.session.world().bodies().pose[1].p, Real(0.5)));
+  // Those that never move turn about their middle.
+  Group<D> fixed;
+  fixed.bodies = {3}, fixed.before = {fixed.before[3]};
+  const Vec<D> middle = fixed.t.session.world().bodies().pose[3].p;
+  fixed.t.hand.select({3}), fixed.t.hand.turn(Real(0.5));
+  EXPECT_TRUE(fixed.turnedAbout(middle, Real(0.5)));
 }
+TEST(SandboxHand, TurnsWhatIsSelectedAsOne) { turnsAsOne<2>(), turnsAsOne<3>(); }
+
+// Paused, all that are selected are carried and turned by what is held.
+template <int D>
+void carriesAll() {
+  Table<D> t;
+  const int a = t.add(0, 0), b = t.add(2, 1), other = t.add(-3, -3);
+  t.hand.setPaused(true);
+  t.hand.select({a, b});
+  const Vec<D> from = t.place(a), apart = t.place(b) - from;
+  t.hand.press(t.camera.toPixel(from), false);
+  const Vec<D> held = pick(t.session.world(), t.camera, t.camera.toPixel(from)).point;
+  const Vec<D> to = held + Table<D>::at(1, 2);
+  t.hand.move(t.camera.toPixel(to)), t.hand.move(t.camera.toPixel(to));
+  EXPECT_GT((t.place(a) - from).norm(), 1);
+  EXPECT_NEAR((t.place(b) - t.place(a) - apart).norm(), 0, 1e-12);
+  EXPECT_EQ(t.session.deeds().size(), 6u);  // gravity, three bodies, and a place for each
+  t.hand.turn(Real(0.5));
+  const Vec<D> turned = turnedBy(t.camera, Real(0.5)) * apart;
+  EXPECT_NEAR((t.place(b) - t.place(a) - turned).norm(), 0, 1e-12);
+  t.hand.move(t.camera.toPixel(held)), t.hand.release(t.camera.toPixel(held));
+  EXPECT_NEAR((t.place(b) - t.place(a) - turned).norm(), 0, 1e-12);
+  EXPECT_EQ(t.session.deeds().size(), 6u);
+  EXPECT_EQ(t.place(other), Table<D>::at(-3, -3));
+}
+TEST(SandboxHand, CarriesAllThatAreSelected) { carriesAll<2>(), carriesAll<3>(); }
 
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::test::hand_test
