@@ -121,11 +121,12 @@ class App : public Switches {
   void key(int code, bool down, bool again);
   void advance();
   void spawnDue();
+  void bring(const char* script, const ParameterValues& given);
+  void bringOne(const char* script, const Vec<D>& at);
   void burst(const Vec<D>& at);
   Opening playing() const;  // what is shown, from its beginning, by who plays it now
   void begin(const Opening& next, const SceneFile& loaded, Session<D> played);
   void showOther(Opening next, const SceneFile& loaded);
-  void addCircle(const Vec<D>& at, const Vec<D>& velocity, Real radius, Real density);
   void draw();
 
   Real chance(Real lo, Real hi);

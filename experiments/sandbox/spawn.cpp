@@ -1,24 +1,30 @@
 // SPDX-License-Identifier: Zlib
-// What comes by a key or by itself: random polygons, fireworks, meteors, rain. The numbers are those of the scripts of
-// the same names in experiments/scripts.
+// What comes by a key or by itself: random polygons, fireworks, meteors, rain. It is what the scripts of these names
+// bring (experiments/scripts), each body at a place of this window's.
 #include <cmath>
 
+#include "experiments/parse/toml_reader.h"
+#include "experiments/runner/locations.h"
 #include "experiments/sandbox/app.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr int kShowEvery = 60;  // steps between two fireworks of a show
 
-Vec<2> onCircle(double turn) { return {static_cast<Real>(std::cos(turn)), static_cast<Real>(std::sin(turn))}; }
-
-// The i-th of n directions: a circle's, or of a spiral of equal areas on the sphere.
-Vec<2> direction(int i, int n, const Vec<2>&) { return onCircle(2 * kPi * (i + 0.5) / n); }
-Vec<3> direction(int i, int n, const Vec<3>&) {
-  const Real w = 1 - static_cast<Real>(2 * i + 1) / static_cast<Real>(n);
-  const Vec<2> flat = std::sqrt(1 - w * w) * onCircle(kPi * (3 - std::sqrt(5.0)) * i);
-  return {flat[0], flat[1], w};
+// A script by its name, in a scene of nobody.
+const SceneFile& scriptNamed(const std::string& name) {
+  static std::map<std::string, SceneFile> read;
+  const auto it = read.find(name);
+  if (it != read.end()) return it->second;
+  const std::string path = findToml("scripts", name);
+  return read
+      .emplace(name, SceneFile::parse("name = \"empty\"\nsummary = \"nobody\"\ndimensions = [2, 3]\n", "empty",
+                                      readFile(path), path))
+      .first->second;
 }
+
+long everyOf(const char* script) { return std::lround(scriptNamed(script).parameter("pause")->value.number); }
 
 }  // namespace
 
@@ -27,44 +33,36 @@ Real App<D>::chance(Real lo, Real hi) {
   return static_cast<Real>(m_random.uniform(static_cast<double>(lo), static_cast<double>(hi)));
 }
 
+// All that a script brings.
 template <int D>
-void App<D>::addCircle(const Vec<D>& at, const Vec<D>& velocity, Real radius, Real density) {
-  BodyDef<D> def;
-  def.X_WB.p = at, def.velocity = velocity;
-  def.shapes.push_back({.shape = Shape<D>::sphere(radius), .density = density});
+void App<D>::bring(const char* script, const ParameterValues& given) {
+  for (const auto& spawn : scriptNamed(script).build<D>(given, m_random.next()).spawns) {
+    session.perform(AddBody<D>{spawn.body});
+  }
+}
+
+template <int D>
+void App<D>::bringOne(const char* script, const Vec<D>& at) {
+  BodyDef<D> def = scriptNamed(script).build<D>({{"begin", 0.0}, {"end", 1.0}}, m_random.next()).spawns.front().body;
+  def.X_WB.p = at;
   session.perform(AddBody<D>{std::move(def)});
 }
 
 template <int D>
+void App<D>::burst(const Vec<D>& at) {
+  ParameterValues place;
+  for (int d = 0; d < D; ++d) place[std::string(1, "xyz"[d])] = static_cast<double>(at[d]);
+  bring("firework", place);
+}
+
+template <int D>
 void App<D>::spawnPolygon() {
-  const int corners = std::max(D + 1, 3 + static_cast<int>(m_random.below(6)));
-  constexpr Real kSize = Real(0.5);  // m
-  std::vector<Vec<D>> points;
-  while (static_cast<int>(points.size()) < corners) {
-    Vec<D> p;
-    for (int d = 0; d < D; ++d) p[d] = chance(-1, 1);
-    if (p.norm() > Real(0.1)) points.push_back(kSize / p.norm() * p);
-  }
-  BodyDef<D> def;
-  def.X_WB.p = freePoint(session.world(), camera, hand.cursor());
-  def.shapes.push_back({.shape = Shape<D>::polytope(points)});
-  session.perform(AddBody<D>{std::move(def)});
+  bringOne("polygons", freePoint(session.world(), camera, hand.cursor()));
 }
 
 template <int D>
 void App<D>::fireworks() {
   burst(freePoint(session.world(), camera, hand.cursor()));
-}
-
-template <int D>
-void App<D>::burst(const Vec<D>& at) {
-  constexpr int kSparks = 36;
-  constexpr Real kRadius = Real(0.05), kSpeed = 10;  // m, m/s
-  const Real far = kRadius * (1 + (D == 2 ? Real(kSparks) / 3 : Real(1.2) * std::sqrt(Real(kSparks))));
-  for (int i = 0; i < kSparks; ++i) {
-    const Vec<D> way = direction(i, kSparks, Vec<D>(Vec<D>::Zero()));
-    addCircle(at + far * way, kSpeed * way, kRadius, 1);
-  }
 }
 
 template <int D>
@@ -78,25 +76,22 @@ void App<D>::spawnDue() {
     if constexpr (D == 3) at[2] += chance(-1, 1) * (camera.eye() - camera.origin()).norm() / 4;
     return at;
   };
-  if (meteors && step % 20 == 0) {
-    Vec<D> v = Vec<D>::Zero();
-    v[0] = 30 * std::sqrt(Real(0.1)), v[1] = -30 * std::sqrt(Real(0.9));
-    addCircle(above(chance(0, Real(0.7))), v, Real(0.6), 10);
-  }
-  if (rain && step % 3 == 0) addCircle(above(chance(Real(0.05), Real(0.95))), Vec<D>::Zero(), Real(0.1), 1);
-  if (showers && step % 60 == 0) {
+  if (meteors && step % everyOf("meteors") == 0) bringOne("meteors", above(chance(0, Real(0.7))));
+  if (rain && step % everyOf("rain") == 0) bringOne("rain", above(chance(Real(0.05), Real(0.95))));
+  if (showers && step % kShowEvery == 0) {
     Vec<D> at = above(chance(Real(0.2), Real(0.8)));
     at[1] = (at[1] + camera.origin()[1]) / 2;
     burst(at);
   }
 }
 
-#define LPC_SPAWN(D)                                                         \
-  template Real App<D>::chance(Real, Real);                                  \
-  template void App<D>::addCircle(const Vec<D>&, const Vec<D>&, Real, Real); \
-  template void App<D>::spawnPolygon();                                      \
-  template void App<D>::fireworks();                                         \
-  template void App<D>::burst(const Vec<D>&);                                \
+#define LPC_SPAWN(D)                                                \
+  template Real App<D>::chance(Real, Real);                         \
+  template void App<D>::bring(const char*, const ParameterValues&); \
+  template void App<D>::bringOne(const char*, const Vec<D>&);       \
+  template void App<D>::burst(const Vec<D>&);                       \
+  template void App<D>::spawnPolygon();                             \
+  template void App<D>::fireworks();                                \
   template void App<D>::spawnDue();
 LPC_SPAWN(2)
 LPC_SPAWN(3)
