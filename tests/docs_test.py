@@ -67,7 +67,7 @@ NOT_RUN = {
         "six builds; heritage_compilers_build makes one, with --deep",
     "reports/heritage_compilers.py results/heritage_compilers --to docs/drawings/heritage_compilers.svg "
     "--page docs/heritage_figures.md":
-        "of what that has measured; reports_heritage_compilers draws the like",
+        "of what that has measured; reports/tests/heritage_compilers_test.py draws the like",
 }
 # The same in a second or two.
 INSTEAD = {
