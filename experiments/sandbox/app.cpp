@@ -15,6 +15,7 @@
 #include "experiments/sandbox/deed_script.h"
 #include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/look_at_all.h"
 #include "experiments/sandbox/panels.h"
 #include "experiments/sandbox/puppet.h"
@@ -60,7 +61,7 @@ template <int D>
 App<D>::App(Window& w, const Opening& o, const SceneFile& f)
     : window(w), opening(o), file(f), session(specOf<D>(f, o), o.pipelines), hand(session, camera) {
   camera.resize(window.width(), window.height());
-  look();
+  lookAtAll(camera, session.world());
   panels.step = o.plots;
   session.measure(panels.step);
   session.keepFrames(!o.profile.empty());
@@ -114,7 +115,6 @@ template <int D>
 void App<D>::handle(const SDL_Event& event) {
   const auto mouse = [](const auto& e) { return Vec<2>(e.x, e.y); };
   if (event.type == SDL_QUIT) closed = true;
-  if (event.type == SDL_WINDOWEVENT) camera.resize(window.width(), window.height());
   if (event.type == SDL_KEYUP || (event.type == SDL_KEYDOWN && !window.forPanels(event))) {
     key(event.key.keysym.sym, event.type == SDL_KEYDOWN, event.key.repeat != 0);
   }
@@ -125,18 +125,24 @@ void App<D>::handle(const SDL_Event& event) {
     if constexpr (D == 3) {
       if (m_orbiting) camera.orbit(by[0], by[1]);
     }
-    act([&] { hand.move(to); });
+    act([&] { hand.move(inFirstView(to)); });
   }
   if (event.type == SDL_MOUSEBUTTONUP) {
     m_panning = m_orbiting = false;
-    if (event.button.button == SDL_BUTTON_LEFT) act([&] { hand.release(mouse(event.button)); });
+    if (event.button.button == SDL_BUTTON_LEFT) {
+      act([&] { hand.release(inFirstView(mouse(event.button))); });
+      m_holding = false;
+    }
   }
   if (window.forPanels(event)) return;
   if (event.type == SDL_MOUSEBUTTONDOWN) {
     m_drag = mouse(event.button);
-    if (event.button.button == SDL_BUTTON_LEFT) act([&] { hand.press(m_drag, m_shift); });
+    if (event.button.button == SDL_BUTTON_LEFT) {
+      act([&] { hand.press(inFirstView(m_drag), m_shiftKey); });
+      m_holding = true;
+    }
     // The report pans with the right button; in 3D it turns the world, as everywhere today, unless shift is down.
-    const bool turns = D == 3 && event.button.button == SDL_BUTTON_RIGHT && !m_shift;
+    const bool turns = D == 3 && event.button.button == SDL_BUTTON_RIGHT && !m_shiftKey;
     m_orbiting = turns, m_panning = event.button.button != SDL_BUTTON_LEFT && !turns;
   }
   if (event.type == SDL_MOUSEWHEEL) {
@@ -152,7 +158,7 @@ void App<D>::handle(const SDL_Event& event) {
 template <int D>
 void App<D>::key(int code, bool down, bool again) {
   if (code == SDLK_LCTRL || code == SDLK_RCTRL) m_control = down;
-  if (code == SDLK_LSHIFT || code == SDLK_RSHIFT) m_shift = down;
+  if (code == SDLK_LSHIFT || code == SDLK_RSHIFT) m_shiftKey = down;
   if (!down) return;
   for (const Command<D>& c : commands<D>()) {
     if (c.key == code && (c.repeats || !again)) return act([&] { c.run(*this); });
@@ -215,7 +221,13 @@ void App<D>::back() {
 
 template <int D>
 void App<D>::look() {
-  lookAtAll(camera, session.world());
+  m_lookDue = true;
+}
+
+template <int D>
+void App<D>::arrangeAs(Arrangement as) {
+  if (as != arrangement) look();
+  arrangement = as;
 }
 
 template <int D>
@@ -389,24 +401,8 @@ void App<D>::draw() {
   window.beginFrame();
   marks.clear();
   if (panels.pair) lookIntoPair(*this);
-  const auto lanes = session.lanes().size();
-  const bool beside = arrangement == Arrangement::sideBySide && lanes > 1;
-  const int width = beside ? window.width() / static_cast<int>(lanes) : window.width();
-  camera.resize(width, window.height());
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    if (beside) camera.resize(width, window.height(), width * static_cast<int>(lane), 0);
-    if (lane == 0 || beside) m_canvas.begin(camera);
-    DrawLayers drawn = layers;
-    if (lanes > 1 && (lane > 0 || !beside)) drawn.tint = laneColour(lane);
-    if (lanes > 1 && lane == 0 && !beside) drawn.tint.reset();
-    drawSimulation(session.world(lane), drawn, m_canvas);
-    if (lane == 0) hand.draw(m_canvas);
-    if (lane == 0 && panels.pair && pair.trace()) {
-      drawTraceOnShapes(*pair.trace(), static_cast<std::size_t>(pairStep), pair.X_WA(), m_canvas);
-    }
-    if (beside || lane + 1 == lanes) m_canvas.end();
-  }
-  camera.resize(width, window.height());  // the mouse is of the first
+  arrange();
+  isSideBySide() ? drawSideBySide() : drawOverlaid();
   drawMenus(*this);
   drawPanels(*this);
   drawSeconds = now() - start;

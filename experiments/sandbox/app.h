@@ -2,7 +2,7 @@
 // The sandbox's window on one scene: what is shown, and what keys, menus and panels do.
 #pragma once
 
-#include <deque>
+#include <array>
 #include <functional>
 #include <map>
 #include <string>
@@ -13,6 +13,7 @@
 #include "experiments/sandbox/opening.h"
 #include "experiments/sandbox/pair_look.h"
 #include "experiments/sandbox/session.h"
+#include "experiments/sandbox/tiles.h"
 #include "experiments/sandbox/window.h"
 #include "framework/draw_simulation.h"
 #include "framework/random.h"
@@ -50,6 +51,12 @@ struct Switches {
   long images = 0;  // that were written
 };
 
+/// What tells a competitor from the others.
+struct LaneLook {
+  std::string pipeline, label, title;
+  DrawColour colour;
+};
+
 /// Places of the window that a script can click on by name: "World/Pause", "Scene/base".
 class Marks {
  public:
@@ -85,6 +92,7 @@ class App : public Switches {
   void spawnPolygon(), fireworks();
   void useTool(Tool tool, bool drawsStatic = false);
   void look();  // the whole scene fills the view
+  void arrangeAs(Arrangement as);
   void zoom(Real factor);
   void otherDimension();
   void addLane(const std::string& pipeline);
@@ -104,10 +112,14 @@ class App : public Switches {
   Session<D> session;
   ViewCamera<D> camera;
   Hand<D> hand;
+  std::vector<Tile> views, titles;  // of the last picture: where each lane was seen, and above it, side by side
+  int titleLines = 1;               // for a label
+  const std::vector<LaneLook>& laneLooks();
+  bool isSideBySide() const { return arrangement == Arrangement::sideBySide && session.lanes().size() > 1; }
   Marks marks;
   bool closed = false;
   bool logging = false;  // statistics of each step, into a file
-  PairLook<D> pair;  // that the panel of this name looks into
+  PairLook<D> pair;      // that the panel of this name looks into
   std::string pairQuery = "gjk_epa";
   int pairStep = 0;
   ViewCamera<D> pairCamera;
@@ -128,16 +140,29 @@ class App : public Switches {
   void begin(const Opening& next, const SceneFile& loaded, Session<D> played);
   void showOther(Opening next, const SceneFile& loaded);
   void draw();
+  void arrange();
+  void lookInto(std::size_t lane);  // the camera into its view
+  Vec<2> inFirstView(const Vec<2>& pixel);
+  void drawOverlaid();
+  void drawSideBySide();
+  void drawHand();
+  void drawSelected(std::size_t lane);
 
   Real chance(Real lo, Real hi);
 
   GlCanvas<D> m_canvas;
   std::optional<Opening> m_next;
-  Random m_random{1};  // the same hand, the same bodies
-  double m_due = 0;    // s of the world's time that are still to be stepped
+  std::vector<LaneLook> m_laneLooks;
+  bool m_lookDue = true;              // at all, as soon as it is known how the window is divided
+  int m_columns = 1;                  // of tiles
+  std::array<int, 4> m_columnsFor{};  // what they were chosen for
+  Random m_random{1};                 // the same hand, the same bodies
+  double m_due = 0;                   // s of the world's time that are still to be stepped
   Vec<2> m_drag = Vec<2>::Zero();
+  Vec<2> m_shift = Vec<2>::Zero();  // px, from where the mouse is to where the hand is, which works in the first view
+  bool m_holding = false;           // the left button
   bool m_panning = false, m_orbiting = false;
-  bool m_control = false, m_shift = false;
+  bool m_control = false, m_shiftKey = false;
   bool m_scripted = false;  // then the clock decides nothing
 };
 

@@ -18,6 +18,7 @@ constexpr float kHidden = 0.3f;             // how much is seen of lines and poi
 constexpr float kLineWidth = 1.2f;          // px, in the plane
 constexpr unsigned char kGlass = 50;        // alpha
 constexpr std::size_t kMostRays = 20000;    // a picture: some milliseconds
+constexpr float kDash = 7;                  // px
 
 constexpr const char* kVertexShader = R"(#version 330 core
 layout(location = 0) in vec4 at;
@@ -103,6 +104,7 @@ GlCanvas<D>::~GlCanvas() {
 template <int D>
 void GlCanvas<D>::begin(const ViewCamera<D>& camera) {
   m_camera = camera;
+  m_part = 0, m_turns = 1;
   for (Layer* layer : {&m_under, &m_over, &m_edges, &m_lines, &m_points}) {
     layer->vertices.clear();
     layer->triangles.clear();
@@ -237,9 +239,36 @@ void GlCanvas<D>::addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const 
   Layer& layer = D == 2 ? layerOf(look) : m_edges;
   const Eigen::Matrix<float, D, D> turn = X_WS.q.matrix().template cast<float>();
   const Point origin = near(X_WS.p);
+  const bool dashed = look.outline && m_turns > 1;
+  float walked = 0;
   for (std::size_t i = 0; i < mesh.ends.size(); i += 2) {
-    addLine(layer, origin + turn * mesh.ends[i], origin + turn * mesh.ends[i + 1], look.edge);
+    const Point a = origin + turn * mesh.ends[i], b = origin + turn * mesh.ends[i + 1];
+    if (dashed) {
+      walked = addDashes(layer, a, b, look.edge, walked);
+    } else {
+      addLine(layer, a, b, look.edge);
+    }
   }
+}
+
+// Those of an edge that begins when so many pixels of the outline have been walked; returns how many have at its end.
+template <int D>
+float GlCanvas<D>::addDashes(Layer& layer, const Point& a, const Point& b, const DrawColour& colour, float walked) {
+  const Point along = b - a;
+  const float length =
+      static_cast<float>(m_camera.scaleAt((a + b).template cast<Real>() / 2 + m_camera.origin())) * along.norm();
+  const auto turns = static_cast<float>(m_turns);
+  const float longest = 100 * kDash * turns;  // of an edge without end a hundred turns are seen
+  if (!(length > 0) || length > longest) {
+    addLine(layer, a, b, colour);
+    return walked;
+  }
+  const float first = std::floor(walked / (kDash * turns)) * turns + static_cast<float>(m_part);
+  for (float dash = first * kDash; dash < walked + length; dash += kDash * turns) {
+    const float from = std::max((dash - walked) / length, 0.0f), to = std::min((dash + kDash - walked) / length, 1.0f);
+    if (from < to) addLine(layer, a + from * along, a + to * along, colour);
+  }
+  return walked + length;
 }
 
 // In the plane a strip that may be as wide as one likes, in space what OpenGL calls a line.

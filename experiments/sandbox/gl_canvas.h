@@ -25,6 +25,9 @@ class GlCanvas final : public DebugDraw<D> {
   GlCanvas& operator=(const GlCanvas&) = delete;
 
   void begin(const ViewCamera<D>& camera);
+  /// From now on, until `begin`, outlines are dashed: their `part`-th of so many turns. Where outlines of several
+  /// competitors lie on one another, all of their colours are seen so.
+  void dash(int part, int turns) { m_part = part, m_turns = turns; }
   void point(const Vec<D>& p, double pixels, const DrawColour& colour) override;
   /// In 3D what is hidden of lines and points is seen faintly.
   void line(const Vec<D>& a, const Vec<D>& b, const DrawColour& colour) override;
@@ -72,6 +75,7 @@ class GlCanvas final : public DebugDraw<D> {
   void addFill(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look);
   void addEdges(const ShapeMesh<D>& mesh, const Pose<D>& X_WS, const Look& look);
   void addLine(Layer& layer, const Point& a, const Point& b, const DrawColour& colour);
+  float addDashes(Layer& layer, const Point& a, const Point& b, const DrawColour& colour, float walked);
   Layer& layerOf(const Look& look);
   void drawLayers();
   void use(const Program& program, const Layer& layer, float strength);
@@ -80,6 +84,7 @@ class GlCanvas final : public DebugDraw<D> {
   void drawWords();
 
   ViewCamera<D> m_camera;
+  int m_part = 0, m_turns = 1;  // of dashes
   // Under and over: in the plane what is fixed and what moves, with their edges; in space what hides others and what
   // one sees through.
   Layer m_under, m_over, m_edges, m_lines, m_points;

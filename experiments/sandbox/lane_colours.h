@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Zlib
+// The colours of competitors on one screen: those that the report's charts give them.
 #pragma once
+
+#include <string>
+#include <vector>
 
 #include "framework/debug_draw.h"
 
@@ -7,12 +11,14 @@ namespace lpc::inline LPC_PRECISION {
 
 inline constexpr std::size_t kMostLanes = 8;
 
-/// Of competitors on one screen, in the order in which they were named: those of the report's charts.
-inline DrawColour laneColour(std::size_t lane) {
-  constexpr DrawColour kColours[kMostLanes] = {{0xd5, 0x5e, 0x00}, {0x00, 0x72, 0xb2}, {0x00, 0x9e, 0x73},
-                                               {0xcc, 0x79, 0xa7}, {0xe6, 0x9f, 0x00}, {0x56, 0xb4, 0xe9},
-                                               {0x33, 0x22, 0x88}, {0x88, 0x22, 0x55}};
-  return kColours[lane % kMostLanes];
-}
+/// How far two colours are apart to the eye (CIE 1976). Closer than `kToldApart` lines of them are taken for one
+/// another.
+double difference(const DrawColour& a, const DrawColour& b);
+inline constexpr double kToldApart = 25;
+
+/// One for each, that of its family on all pages of a report: of `soft_step` for "solver=soft_step{substeps=2}". Who
+/// comes after another of its family, or of one whose colour is too near, gets the one of the report's that is farthest
+/// from all that are there.
+std::vector<DrawColour> laneColours(const std::vector<std::string>& pipelines, int dimension);
 
 }  // namespace lpc::inline LPC_PRECISION

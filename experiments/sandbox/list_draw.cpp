@@ -3,10 +3,10 @@
 
 #include <imgui.h>
 
+#include "experiments/sandbox/panels.h"
+
 namespace lpc::inline LPC_PRECISION {
 namespace {
-
-ImU32 packed(const DrawColour& c) { return IM_COL32(c.red, c.green, c.blue, c.alpha); }
 
 ImVec2 inPanel(const Vec<2>& pixel) { return {static_cast<float>(pixel[0]), static_cast<float>(pixel[1])}; }
 

@@ -4,19 +4,59 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_colours.h"
 #include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/panels.h"
 
 namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// How far from the first, over all steps: a nanometre at the foot and ten metres at the top, by powers of ten. A grey
+// line at the error at which they part, a red one at the step in which they did.
+void errorPlot(const std::vector<Sample>& samples, double parted, long partedAt, const DrawColour& colour) {
+  constexpr double kFoot = 1e-9, kTop = 10;
+  constexpr float kTall = 24;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float wide = ImGui::GetContentRegionAvail().x;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const auto y = [&](double error) {
+    const double part = std::log(std::clamp(error, kFoot, kTop) / kFoot) / std::log(kTop / kFoot);
+    return at.y + kTall * (1 - static_cast<float>(part));
+  };
+  list.AddRectFilled(at, {at.x + wide, at.y + kTall}, IM_COL32_WHITE);
+  list.AddLine({at.x, y(parted)}, {at.x + wide, y(parted)}, IM_COL32(200, 200, 200, 255));
+  const auto columns = static_cast<std::size_t>(std::max(wide, 1.0f));
+  const auto x = [&](std::size_t sample) {
+    return at.x + wide * static_cast<float>(sample) / static_cast<float>(samples.size());
+  };
+  const std::size_t each = samples.size() / columns + 1;  // of a column the worst
+  ImVec2 last;
+  for (std::size_t i = 0; i < samples.size(); i += each) {
+    double worst = 0;
+    for (std::size_t k = i; k < std::min(i + each, samples.size()); ++k) worst = std::max(worst, samples[k].error);
+    const ImVec2 next(x(i), y(worst));
+    if (i > 0) list.AddLine(last, next, packed(colour), 1.5f);
+    last = next;
+  }
+  if (partedAt > 0) {
+    const float mark = std::floor(x(static_cast<std::size_t>(partedAt - 1)));
+    list.AddRectFilled({mark, at.y}, {mark + 1, at.y + kTall}, packed(kPartedMark));
+  }
+  ImGui::Dummy({wide, kTall});
+}
+
+}  // namespace
+
 template <int D>
 void comparePanel(App<D>& app) {
   const auto& lanes = app.session.lanes();
   bool beside = app.arrangement == Arrangement::sideBySide;
   ImGui::Checkbox("side by side", &beside);
   app.marks.last("Compare/side by side");
-  app.arrangement = beside ? Arrangement::sideBySide : Arrangement::overlaid;
+  app.arrangeAs(beside ? Arrangement::sideBySide : Arrangement::overlaid);
   const double first = medianTime(lanes[0].samples);
   if (lanes.size() > 1) {
     ImGui::Checkbox("same cost: iterations follow the first's time", &app.equalCost);
@@ -25,21 +65,21 @@ void comparePanel(App<D>& app) {
   for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
     const auto& l = lanes[lane];
     ImGui::PushID(static_cast<int>(lane));
-    const DrawColour c = laneColour(lane);
-    ImGui::TextColored(ImVec4(float(c.red) / 255, float(c.green) / 255, float(c.blue) / 255, 1), "%zu", lane + 1);
-    ImGui::SameLine();
-    ImGui::TextWrapped("%s", laneLabel(l.pipeline, D).c_str());
-    const double time = medianTime(l.samples);
-    ImGui::Text("step %.3f ms (%.2f of the first)", 1e3 * time, first > 0 ? time / first : 0.0);
-    if (!l.fallen.empty()) ImGui::TextWrapped("%s", l.fallen.c_str());
-    if (lane > 0 && !l.samples.empty()) {
-      ImGui::Text("%.3g m from the first; parted at %s", l.samples.back().error,
-                  l.partedAt < 0 ? "no step yet" : ("step " + std::to_string(l.partedAt)).c_str());
-    }
+    swatch(app.laneLooks()[lane].colour);
+    ImGui::TextWrapped("%zu %s", lane + 1, app.laneLooks()[lane].title.c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", app.laneLooks()[lane].label.c_str());
+    ImGui::TextWrapped("%s", laneState(app.session, lane).c_str());
+    const std::string stays = app.equalCost ? whyCostStays(app.session, lane) : "";
+    if (!stays.empty()) ImGui::TextWrapped("no other cost: %s", stays.c_str());
+    if (lane > 0) errorPlot(l.samples, Session<D>::kParted, l.partedAt, app.laneLooks()[lane].colour);
     if (lanes.size() > 1 && ImGui::SmallButton("take out")) {
       app.act([&] { app.takeOut(lane); });
     }
     app.marks.last("Compare/take out " + std::to_string(lane + 1));
+    if (lane > 0 && first > 0) {
+      ImGui::SameLine();
+      ImGui::Text("a step takes %.2f of the first's", medianTime(l.samples) / first);
+    }
     ImGui::PopID();
   }
   if (lanes.size() >= kMostLanes) return;

@@ -5,8 +5,13 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
 
-#include "experiments/sandbox/lane_colours.h"
 #include "experiments/sandbox/lane_label.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -98,43 +103,114 @@ std::string statesOf(const App<D>& app) {
   return out;
 }
 
-// One line at the foot of the window, or more.
 template <int D>
-void status(App<D>& app) {
-  const ImGuiIO& io = ImGui::GetIO();
-  ImGui::SetNextWindowPos(ImVec2(0, io.DisplaySize.y), 0, ImVec2(0, 1));
-  ImGui::SetNextWindowBgAlpha(0.85f);
-  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
-                                      ImGuiWindowFlags_NoNav | ImGuiWindowFlags_AlwaysAutoResize |
-                                      ImGuiWindowFlags_NoFocusOnAppearing;
-  ImGui::Begin("##status", nullptr, kFlags);
-  ImGui::PushTextWrapPos(io.DisplaySize.x - 2 * ImGui::GetStyle().WindowPadding.x);
+bool hasLegend(const App<D>& app) {
+  return app.session.lanes().size() > 1 && !app.isSideBySide();
+}
+
+constexpr std::size_t kMostLines = 12;  // of one text at the window's foot
+
+struct StatusLine {
+  std::string text;
+  std::optional<DrawColour> colour = {};
+};
+
+std::size_t charactersBeside(float pixels) {
+  return static_cast<std::size_t>(std::max((ImGui::GetIO().DisplaySize.x - pixels) / ImGui::CalcTextSize("m").x, 1.0f));
+}
+float swatchWidth() { return ImGui::GetTextLineHeight() + 4; }
+
+// Who is who, where all are in one view.
+template <int D>
+std::vector<StatusLine> legend(App<D>& app) {
+  std::vector<StatusLine> out;
+  const std::size_t room = charactersBeside(swatchWidth() + 2 * ImGui::GetStyle().WindowPadding.x);
+  for (std::size_t lane = 0; lane < app.session.lanes().size(); ++lane) {
+    const LaneLook& look = app.laneLooks()[lane];
+    const std::string number = std::to_string(lane + 1) + " ";
+    const std::string state = (lane == 0 ? " (filled): " : ": ") + laneState(app.session, lane);
+    const std::size_t others = std::min(room, number.size() + state.size());  // what a long title gives way to
+    const std::string title = brokenIntoLines(look.title, std::max(room - others, room / 3), 1).front();
+    out.push_back({number + title + state, look.colour});
+  }
+  return out;
+}
+
+template <int D>
+std::vector<StatusLine> statusLines(App<D>& app) {
+  std::vector<StatusLine> out;
+  const std::size_t room = charactersBeside(2 * ImGui::GetStyle().WindowPadding.x);
+  const auto add = [&](const std::string& words) {
+    for (std::string& one : brokenIntoLines(words, room, kMostLines)) out.push_back({std::move(one)});
+  };
+  char text[512];
   const Simulation<D>& world = app.session.world();
   if (app.verbosity > 0) {
-    ImGui::Text("%s%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f pictures/s%s",
-                app.file.name().c_str(), std::is_same_v<Real, float> ? " in f32" : "", app.session.steps(),
-                static_cast<double>(world.time()), world.bodyCount(), 1e3 * app.stepSeconds, 1e3 * app.drawSeconds,
-                app.window.picturesPerSecond(), statesOf(app).c_str());
+    std::snprintf(text, sizeof text,
+                  "%s%s  step %ld  %.2f s  %d bodies  physics %.2f ms  drawing %.2f ms  %.0f pictures/s%s",
+                  app.file.name().c_str(), std::is_same_v<Real, float> ? " in f32" : "", app.session.steps(),
+                  static_cast<double>(world.time()), world.bodyCount(), 1e3 * app.stepSeconds, 1e3 * app.drawSeconds,
+                  app.window.picturesPerSecond(), statesOf(app).c_str());
+    add(text);
   }
   if (app.verbosity > 1) {
     const Profiler::Frame& f = app.session.world().profiler().frame();
-    ImGui::Text("awake %d  pairs %d  manifolds %d  points %d", f.awake, f.pairs, f.manifolds, f.points);
+    std::snprintf(text, sizeof text, "awake %d  pairs %d  manifolds %d  points %d", f.awake, f.pairs, f.manifolds,
+                  f.points);
+    add(text);
   }
-  for (std::size_t lane = 0; app.session.lanes().size() > 1 && lane < app.session.lanes().size(); ++lane) {
-    const auto& l = app.session.lanes()[lane];
-    const DrawColour c = laneColour(lane);
-    const std::string state = !l.fallen.empty() ? "  " + l.fallen
-                              : l.partedAt >= 0 ? "  parted at step " + std::to_string(l.partedAt)
-                                                : "";
-    ImGui::TextColored(ImVec4(float(c.red) / 255, float(c.green) / 255, float(c.blue) / 255, 1), "%s%s",
-                       laneLabel(l.pipeline, D).c_str(), state.c_str());
+  if (hasLegend(app)) {
+    for (StatusLine& line : legend(app)) out.push_back(std::move(line));
   }
-  if (!app.message.empty()) ImGui::TextUnformatted(app.message.c_str());
-  ImGui::PopTextWrapPos();
+  if (!app.message.empty()) add(app.message);
+  return out;
+}
+
+float heightOf(const std::vector<StatusLine>& lines) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  return std::ceil(static_cast<float>(lines.size()) * ImGui::GetTextLineHeightWithSpacing() - style.ItemSpacing.y +
+                   2 * style.WindowPadding.y);
+}
+
+// At the foot of the window. As large as its words are now: ImGui's own guess is that of the picture before.
+template <int D>
+void status(App<D>& app) {
+  const std::vector<StatusLine> lines = statusLines(app);
+  if (lines.empty()) return;
+  float wide = 0;
+  for (const StatusLine& line : lines) {
+    wide = std::max(wide, ImGui::CalcTextSize(line.text.c_str()).x + (line.colour ? swatchWidth() : 0));
+  }
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos(ImVec2(0, io.DisplaySize.y), 0, ImVec2(0, 1));
+  ImGui::SetNextWindowSize(ImVec2(std::ceil(wide + 2 * ImGui::GetStyle().WindowPadding.x), heightOf(lines)));
+  ImGui::SetNextWindowBgAlpha(0.85f);
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                                      ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
+  ImGui::Begin("##status", nullptr, kFlags);
+  for (const StatusLine& line : lines) {
+    if (line.colour) swatch(*line.colour);
+    ImGui::TextUnformatted(line.text.c_str());
+  }
   ImGui::End();
 }
 
 }  // namespace
+
+std::uint32_t packed(const DrawColour& c) { return IM_COL32(c.red, c.green, c.blue, c.alpha); }
+
+void swatch(const DrawColour& colour) {
+  const float size = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + size, at.y + size}, packed(colour));
+  ImGui::Dummy({size, size});
+  ImGui::SameLine(0, 4);
+}
+
+template <int D>
+int statusHeight(App<D>& app) {
+  return static_cast<int>(heightOf(statusLines(app)));
+}
 
 template <int D>
 void drawPanels(App<D>& app) {
@@ -166,6 +242,8 @@ void drawPanels(App<D>& app) {
   status(app);
 }
 
+template int statusHeight(App<2>&);
+template int statusHeight(App<3>&);
 template void drawPanels(App<2>&);
 template void drawPanels(App<3>&);
 

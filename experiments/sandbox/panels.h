@@ -2,6 +2,8 @@
 // What the panels hold, each in a file of its own.
 #pragma once
 
+#include <cstdint>
+
 #include "experiments/sandbox/app.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -21,5 +23,16 @@ void pairPanel(App<D>& app);
 /// Before a picture: what the pair panel shows in it.
 template <int D>
 void lookIntoPair(App<D>& app);
+
+/// A colour as ImGui has it.
+std::uint32_t packed(const DrawColour& c);
+/// Where competitors part.
+inline constexpr DrawColour kPartedMark{214, 39, 40};
+/// A square of a colour before words: of light ones words would not be read.
+void swatch(const DrawColour& colour);
+
+/// px: of the lines at the window's foot.
+template <int D>
+int statusHeight(App<D>& app);
 
 }  // namespace lpc::inline LPC_PRECISION

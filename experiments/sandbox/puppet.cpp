@@ -78,7 +78,7 @@ void pushButton(A& app, int button, bool down) {
 
 // What the window shows, for whoever looks at it with a program.
 template <int D>
-json stateOf(const App<D>& app) {
+json stateOf(App<D>& app) {
   json out = {{"scene", app.file.name()},
               {"dimension", D},
               {"precision", kPrecision},
@@ -93,14 +93,34 @@ json stateOf(const App<D>& app) {
               {"lanes", json::array()},
               {"joints", 0},
               {"deeds", app.session.deeds().size()}};
-  for (const auto& lane : app.session.lanes()) {
+  for (std::size_t i = 0; i < app.session.lanes().size(); ++i) {
+    const auto& lane = app.session.lanes()[i];
     char hash[20];
     std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(lane.world->hash()));
     out["lanes"].push_back({{"pipeline", lane.pipeline},
                             {"hash", hash},
                             {"fallen", lane.fallen},
                             {"parted_at", lane.partedAt},
-                            {"error", lane.samples.empty() ? 0.0 : lane.samples.back().error}});
+                            {"error", lane.samples.empty() ? 0.0 : lane.samples.back().error},
+                            {"step_ms", 1e3 * medianTime(lane.samples)},
+                            {"bodies", json::array()}});
+    json& seen = out["lanes"].back();
+    const LaneLook& look = app.laneLooks()[i];
+    seen["title"] = look.title, seen["colour"] = {look.colour.red, look.colour.green, look.colour.blue};
+    const Tile view = i < app.views.size() ? app.views[i] : Tile{0, 0, app.window.width(), app.window.height()};
+    seen["view"] = {view.left, view.top, view.width, view.height};
+    if (i < app.titles.size()) {
+      const Tile& head = app.titles[i];
+      seen["head"] = {head.left, head.top, head.width, head.height};
+    }
+    ViewCamera<D> camera = app.camera;
+    camera.resize(view.width, view.height, view.left, view.top);
+    for (int body = 0; body < app.session.bodies(); ++body) {
+      const Handle h = app.session.handle(body, i);
+      if (!lane.world->valid(h)) continue;
+      const Vec<2> at = camera.toPixel(lane.world->bodies().pose[static_cast<std::size_t>(h.slot)].p);
+      seen["bodies"].push_back({at[0], at[1]});
+    }
   }
   const Simulation<D>& world = app.session.world();
   for (const JointRecord<D>& j : world.joints()) out["joints"] = out["joints"].get<int>() + (j.kind != nullptr);

@@ -24,6 +24,7 @@ SOURCE, LPC = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).res
 PRECISIONS = [p for p in ("f64", "f32") if (LPC.parent / f"lpc-worker-{p}").is_file()]  # that were built
 PAPER = (247, 247, 245)
 BEARING, IDLE = (214, 39, 40), (90, 110, 140)  # contacts that bore something, and nothing
+MARK = (214, 39, 40)  # where competitors part
 LONG = float(os.environ.get("LPC_SANDBOX_SECONDS", "0"))  # of scripted use, for sanitizers
 QUICK = ["key .", "key ."]  # four steps a picture
 MENUS = (600, 420)  # a window where every menu has room: pictures without a graphics card cost by the pixel
@@ -73,6 +74,14 @@ class Sandbox(unittest.TestCase):
             self.known[dimension] = self.play([], dimension)["commands"]
         return self.known[dimension]
 
+    def registry(self):
+        done = subprocess.run([str(LPC), "list", "--json"], capture_output=True, text=True, timeout=60, check=True)
+        return json.loads(done.stdout)["algorithms"]
+
+    def has(self, engine):
+        return any(a["stage"] == "engine" and a["name"] == engine and not a["summary"].startswith("absent")
+                   for a in self.registry())
+
     def lpc_run(self, *arguments):
         done = subprocess.run([str(LPC), "run", *map(str, arguments), "--json"], cwd=self.folder, capture_output=True, text=True,
                               timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
@@ -102,13 +111,85 @@ class Sandbox(unittest.TestCase):
                     self.assertEqual(seen, len(open_ones))
 
     def test_competitors_have_their_colours_and_part(self):
-        state = self.play([*QUICK, "until 240", "key p", "wait 2", "shot a.png"],
-                          "2", "--pipeline", "", "--pipeline", "solver=soft_step", size=(640, 480))
+        orders = ["wait 1", *click("Panels"), *click("Panels/Compare"), *QUICK, "until 120", "key p", "wait 2", "shot a.png"]
+        state = self.play(orders, "2", "--pipeline", "", "--pipeline", "solver=soft_step", size=(1280, 800))
         self.assertEqual(len(state["lanes"]), 2)
         self.assertGreater(state["lanes"][1]["parted_at"], 0)
         self.assertGreater(state["lanes"][1]["error"], 1e-3)
         rows = png(self.folder / "a.png")
-        self.assertGreater(like(rows, (0x00, 0x72, 0xB2), 30).sum(), 200)
+        self.assertGreater(like(rows[:700, :900], state["lanes"][1]["colour"], 30).sum(), 200)
+        marks = numpy.argwhere(like(rows[:, 900:], MARK, 2))
+        self.assertEqual(len(marks), 24)  # a line as tall as the plot
+        self.assertEqual(len(set(marks[:, 1])), 1)
+
+    # Eight whose boxes still stand as those of the first, more or less.
+    EIGHT = ("", "solver=soft_step", "solver=avbd", "solver=xpbd", "solver=tgs", "solver=split_solver{velocity=jacobi}",
+             "solver=split_solver{velocity=catto{iterations=30},position=ngs{iterations=7}}",
+             "solver=split_solver{velocity=nncg}")
+
+    def lanes(self, *pipelines):
+        return [word for pipeline in pipelines for word in ("--pipeline", pipeline)]
+
+    def test_each_of_eight_side_by_side_is_seen_in_its_tile(self):
+        toggle = [*click("Panels"), *click("Panels/Compare")]
+        orders = ["key p", "wait 1", *toggle, *click("Compare/side by side"), *toggle, "key Right", "wait 2",
+                  "shot a.png"]
+        engines = ("engine=bullet", "engine=bullet{iterations=4}") if self.has("bullet") else ()
+        for dimension, pipelines in (("2d", self.EIGHT), ("3d", (*self.EIGHT[:6], *engines))):
+            with self.subTest(dimension):
+                command = (dimension, "pyramid", "--param", "base=8", *self.lanes(*pipelines))
+                state = self.play(orders, *command, size=(1280, 600))
+                rows = png(self.folder / "a.png")
+                moving = [b["type"] == 2 for b in state["bodies"]]
+                views = [lane["view"] for lane in state["lanes"]]
+                self.assertEqual(len({tuple(view[:2]) for view in views}), len(pipelines))
+                for lane, (left, top, width, height) in zip(state["lanes"], views):
+                    self.assertGreater(lane["step_ms"], 0, lane["pipeline"])
+                    spots = [spot for spot, moves in zip(lane["bodies"], moving) if moves]
+                    self.assertGreater(len(spots), 30)
+                    for x, y in spots:
+                        self.assertTrue(left < x < left + width and top < y < top + height, (lane["pipeline"], x, y))
+                        self.assertFalse(like(rows[round(y), round(x)], PAPER, 12), (lane["pipeline"], x, y))
+                    left, top, width, height = lane["head"]
+                    head = rows[top + 1:top + height - 1, left + 1:left + width - 1]
+                    self.assertGreaterEqual(like(head, lane["colour"], 2).sum(), 13 * 13, lane["pipeline"])
+                    self.assertGreater((head.max(axis=-1) < 60).sum(), 60, "words")
+                    self.assertFalse((head[:, -4:].max(axis=-1) < 120).any(), "words are cut off at the tile's end")
+        x, y = state["lanes"][5]["bodies"][20]  # who is clicked on in a tile
+        clicked = self.play([*orders, f"pixel {x} {y}", "wait 1", "press left", "release left", "wait 1"], *command,
+                            size=(1280, 600))
+        self.assertEqual(clicked["selected"], [state["bodies"][20]["body"]])
+
+    def test_all_colours_are_seen_where_all_are_alike(self):
+        others = ("naive", "uniform_grid", "dynamic_tree", "spatial_hash", "region_tree")
+        pipelines = ("", *("broadphase=" + name for name in others))
+        state = self.play(["key p", "wait 2", "shot a.png"], "2d", "pyramid", *self.lanes(*pipelines), size=(1280, 800))
+        rows = png(self.folder / "a.png")
+        left, top, width, height = state["lanes"][0]["view"]
+        view = rows[top:top + height, left:left + width]
+        for lane in state["lanes"][1:]:
+            self.assertEqual(lane["error"], 0)
+            self.assertGreater(like(view, lane["colour"], 25).sum(), 200, lane["pipeline"])
+        legend = rows[top + height:]
+        for lane in state["lanes"]:
+            self.assertGreater(like(legend, lane["colour"], 2).sum(), 60, lane["pipeline"])
+        for body in state["bodies"]:  # none is under the legend
+            self.assertTrue(body["type"] != 2 or body["pixel"][1] < top + height, body)
+
+    def test_colours_are_those_of_the_report(self):
+        sys.path.insert(0, str(SOURCE / "reports"))
+        import style
+        algorithms = self.registry()
+        solver = [a for a in algorithms if a["group"] == "solver"]
+        solver.sort(key=lambda a: a["role"] != "competitor")
+        looks = style.Looks(None, solver, ["box2d", "bullet"])
+        pipelines = ("", "solver=soft_step", "solver=avbd", "solver=xpbd", "solver=tgs", "solver=split_solver{velocity=jacobi}",
+                     "solver=split_solver{velocity=naive}", "solver=split_solver{velocity=nncg}")
+        names = ("catto", "soft_step", "avbd", "xpbd", "tgs", "jacobi", "naive", "nncg")
+        lanes = self.play(["key p"], "2d", "1", *self.lanes(*pipelines))["lanes"]
+        same = ["#{:02X}{:02X}{:02X}".format(*lane["colour"]) == looks.looks[name][0] for lane, name in zip(lanes, names)]
+        self.assertTrue(same[0])
+        self.assertGreaterEqual(sum(same), 5, list(zip(names, same)))  # but for who would not be told from who came first
 
     def test_a_look_into_a_pair_is_made_once(self):
         orders = ["key p", "wait 1", "at 4 5", "press left", "release left", "wait 1", "down Left Shift", "at 8 3.5",
@@ -158,7 +239,7 @@ class Sandbox(unittest.TestCase):
         self.assertGreater(len(commands), 3)
         page = (SOURCE / "docs" / "sandbox.md").read_text()
         pictures = re.findall(r"(?m)^\*`lpc sandbox (.*) --input docs/drawings/(\w+)\.txt`\*$", page)
-        self.assertEqual(len(pictures), 3)
+        self.assertEqual(len(pictures), 4)
         for command, name in pictures:  # what the page shows is what they draw, but for times
             with self.subTest(name):
                 done = self.call(*shlex.split(command), "--input", SOURCE / "docs" / "drawings" / f"{name}.txt")

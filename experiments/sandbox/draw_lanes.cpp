@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Zlib
+// The picture of a session: all competitors in one view, or each in a tile with its title.
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/sandbox/app.h"
+#include "experiments/sandbox/lane_colours.h"
+#include "experiments/sandbox/lane_label.h"
+#include "experiments/sandbox/look_at_all.h"
+#include "experiments/sandbox/panels.h"
+#include "experiments/sandbox/pick.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+constexpr int kPad = 4;  // px, around the words of a title
+constexpr DrawColour kSelectedElsewhere{230, 90, 20};
+constexpr std::size_t kMostTitle = 2;  // lines of a label, with one more of numbers below
+
+int titleHeight(int lines) { return (lines + 1) * static_cast<int>(ImGui::GetTextLineHeightWithSpacing()) + 2 * kPad; }
+
+ImVec2 cornerOf(const Tile& t) { return {static_cast<float>(t.left), static_cast<float>(t.top)}; }
+ImVec2 endOf(const Tile& t) { return {static_cast<float>(t.left + t.width), static_cast<float>(t.top + t.height)}; }
+
+// Where the words of a title begin: after the square of its colour and its number.
+float indentOf() { return 2 * kPad + ImGui::GetTextLineHeight() + 2 * ImGui::CalcTextSize("m").x; }
+
+std::size_t charactersIn(const Tile& tile) {
+  const float room = static_cast<float>(tile.width) - indentOf() - 2 * kPad;
+  return static_cast<std::size_t>(std::max(room / ImGui::CalcTextSize("m").x, 1.0f));
+}
+
+std::string inFewerWords(std::string state) {
+  for (const std::string_view word : {" off", " step"}) {
+    if (const std::size_t at = state.find(word); at != state.npos) state.erase(at, word.size());
+  }
+  return state;
+}
+
+// The part of a tile below its title, within its frame.
+Tile viewIn(const Tile& tile, int head) {
+  return {tile.left + 1, tile.top + head, std::max(tile.width - 2, 1), std::max(tile.height - head - 1, 1)};
+}
+
+template <int D>
+void drawTitle(App<D>& app, std::size_t lane) {
+  const Tile &top = app.titles[lane], &view = app.views[lane];
+  const Tile tile{top.left, top.top, top.width, view.top + view.height + 1 - top.top};
+  const LaneLook& look = app.laneLooks()[lane];
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled(cornerOf(top), endOf(top), IM_COL32(240, 240, 238, 255));
+  list.AddRect(cornerOf(tile), endOf(tile), IM_COL32(190, 190, 190, 255));
+  list.PushClipRect(cornerOf(top), endOf(top), true);
+  const float size = ImGui::GetTextLineHeight(), line = ImGui::GetTextLineHeightWithSpacing();
+  const ImVec2 at(static_cast<float>(tile.left + kPad), static_cast<float>(tile.top + kPad));
+  list.AddRectFilled(at, {at.x + size, at.y + size}, packed(look.colour));
+  const float x = at.x + size + kPad;
+  list.AddText({x, at.y}, IM_COL32_BLACK, std::to_string(lane + 1).c_str());
+  const float indent = static_cast<float>(tile.left) + indentOf();
+  float y = at.y;
+  const auto words = [&](const std::string& text, int lines) {
+    for (const std::string& one : brokenIntoLines(text, charactersIn(tile), static_cast<std::size_t>(lines))) {
+      list.AddText({indent, y}, IM_COL32_BLACK, one.c_str());
+      y += line;
+    }
+  };
+  words(look.title, app.titleLines);
+  y = at.y + static_cast<float>(app.titleLines) * line;
+  const std::string state = laneState(app.session, lane);
+  words(state.size() <= charactersIn(tile) ? state : inFewerWords(state), 1);
+  list.PopClipRect();
+  if (ImGui::IsMouseHoveringRect(cornerOf(top), endOf(top), false) && !ImGui::GetIO().WantCaptureMouse) {
+    ImGui::SetTooltip("%s\n%s", look.label.c_str(), state.c_str());
+  }
+}
+
+}  // namespace
+
+template <int D>
+const std::vector<LaneLook>& App<D>::laneLooks() {
+  const auto& lanes = session.lanes();
+  if (std::equal(lanes.begin(), lanes.end(), m_laneLooks.begin(), m_laneLooks.end(),
+                 [](const auto& lane, const LaneLook& look) { return lane.pipeline == look.pipeline; })) {
+    return m_laneLooks;
+  }
+  std::vector<std::string> pipelines;
+  for (const auto& lane : lanes) pipelines.push_back(lane.pipeline);
+  const std::vector<DrawColour> colours = laneColours(pipelines, D);
+  m_laneLooks.clear();
+  for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
+    const std::string& pipeline = pipelines[lane];
+    m_laneLooks.push_back({pipeline, laneLabel(pipeline, D), laneTitle(pipeline, D), colours[lane]});
+  }
+  return m_laneLooks;
+}
+
+// Of several competitors neither their titles nor their legend hides a body; with one the foot is within the rim.
+template <int D>
+void App<D>::arrange() {
+  const std::size_t lanes = session.lanes().size();
+  Tile area{0, 0, window.width(), window.height()};
+  if (lanes > 1) {
+    area.top = static_cast<int>(std::ceil(ImGui::GetFrameHeight()));
+    area.height = std::max(area.height - area.top - statusHeight(*this), 1);
+  }
+  views.assign(lanes, area), titles.clear();
+  if (isSideBySide()) {
+    const std::array<int, 4> chosenFor = {static_cast<int>(lanes), area.width, window.height(), 1};
+    if (m_lookDue || m_columnsFor != chosenFor) {
+      const int columns = columnsFor(camera, session.world(), lanes, area, titleHeight(1));
+      m_lookDue |= columns != m_columns || m_columnsFor != chosenFor;
+      m_columns = columns, m_columnsFor = chosenFor;
+    }
+    views = tilesOf(lanes, m_columns, area);
+    titleLines = 1;
+    for (const LaneLook& look : laneLooks()) {
+      const auto lines = brokenIntoLines(look.title, charactersIn(views[0]), kMostTitle);
+      titleLines = std::max(titleLines, static_cast<int>(lines.size()));
+    }
+    for (Tile& tile : views) {
+      titles.push_back({tile.left, tile.top, tile.width, titleHeight(titleLines)});
+      tile = viewIn(tile, titles.back().height);
+    }
+  } else {
+    m_columnsFor = {};
+  }
+  lookInto(0);
+  if (std::exchange(m_lookDue, false)) lookAtAll(camera, session.world());
+}
+
+template <int D>
+void App<D>::lookInto(std::size_t lane) {
+  const Tile& view = views[lane];
+  camera.resize(view.width, view.height, view.left, view.top);
+}
+
+// Who is under the mouse in a tile is the same body in the first view, wherever that one has it.
+template <int D>
+Vec<2> App<D>::inFirstView(const Vec<2>& pixel) {
+  const auto at = std::find_if(views.begin(), views.end(), [&](const Tile& view) { return view.has(pixel); });
+  if (m_holding || at == views.end()) return pixel + m_shift;
+  m_shift = Vec<2>(views[0].left - at->left, views[0].top - at->top);
+  const auto lane = static_cast<std::size_t>(at - views.begin());
+  if (!isSideBySide() || lane == 0 || lane >= session.lanes().size()) return pixel + m_shift;
+  const Picked<D> picked = pick(session.world(lane), camera, Vec<2>(pixel + m_shift));
+  const int body = picked.slot < 0 ? -1 : session.bodyAt(picked.slot, lane);
+  if (body < 0 || !session.world().valid(session.handle(body))) return pixel + m_shift;
+  const Pose<D> X_WB = session.world(lane).pose(session.handle(body, lane));
+  const Vec<D> there = session.world().pose(session.handle(body)) * (X_WB.inverse() * picked.point);
+  if (const Vec<2> seen = camera.toPixel(there); seen.allFinite()) m_shift = seen - pixel;
+  return pixel + m_shift;
+}
+
+template <int D>
+void App<D>::drawOverlaid() {
+  const std::size_t lanes = session.lanes().size();
+  DrawLayers drawn = layers;
+  m_canvas.begin(camera);
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    if (lane > 0) drawn.tint = laneLooks()[lane].colour;
+    drawSimulation(session.world(lane), drawn, m_canvas);
+  }
+  DrawLayers outlines;
+  outlines.shapes = layers.shapes;
+  for (std::size_t lane = 1; lane < lanes && lanes > 2; ++lane) {
+    m_canvas.dash(static_cast<int>(lane) - 1, static_cast<int>(lanes) - 1);
+    outlines.tint = laneLooks()[lane].colour;
+    drawSimulation(session.world(lane), outlines, m_canvas);
+  }
+  drawHand();
+  m_canvas.end();
+}
+
+template <int D>
+void App<D>::drawSideBySide() {
+  for (std::size_t lane = 0; lane < session.lanes().size(); ++lane) {
+    lookInto(lane);
+    m_canvas.begin(camera);
+    drawSimulation(session.world(lane), layers, m_canvas);
+    lane == 0 ? drawHand() : drawSelected(lane);
+    m_canvas.end();
+    drawTitle(*this, lane);
+  }
+  lookInto(0);  // the mouse is of the first
+}
+
+template <int D>
+void App<D>::drawHand() {
+  hand.draw(m_canvas);
+  if (!panels.pair || !pair.trace()) return;
+  drawTraceOnShapes(*pair.trace(), static_cast<std::size_t>(pairStep), pair.X_WA(), m_canvas);
+}
+
+// The hand draws the first lane's.
+template <int D>
+void App<D>::drawSelected(std::size_t lane) {
+  const Simulation<D>& world = session.world(lane);
+  for (const int body : hand.selected()) {
+    const Handle h = session.handle(body, lane);
+    if (!world.valid(h)) continue;
+    const Pose<D>& X_WC = world.bodies().pose[static_cast<std::size_t>(h.slot)];
+    for (const ShapeRecord<D>& s : world.shapes()) {
+      if (s.body != h.slot || !isPlace(X_WC)) continue;
+      forParts(s.shape, X_WC * s.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
+        m_canvas.shape(part, X_WP,
+                       {.fill = kSelectedElsewhere, .edge = kSelectedElsewhere, .moves = true, .outline = true});
+      });
+    }
+  }
+}
+
+template Vec<2> App<2>::inFirstView(const Vec<2>&);
+template Vec<2> App<3>::inFirstView(const Vec<2>&);
+template void App<2>::arrange();
+template void App<3>::arrange();
+template void App<2>::drawOverlaid();
+template void App<3>::drawOverlaid();
+template void App<2>::drawSideBySide();
+template void App<3>::drawSideBySide();
+template const std::vector<LaneLook>& App<2>::laneLooks();
+template const std::vector<LaneLook>& App<3>::laneLooks();
+
+}  // namespace lpc::inline LPC_PRECISION
