@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "experiments/sandbox/panels.h"
 #include "framework/check.h"
@@ -11,9 +12,27 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
+// A number that the scene refuses may be a count, of which a slider gives fractions. What it refuses then is not kept:
+// R could not begin it, either.
+template <int D>
+void beginWith(App<D>& app, const std::string& name, ParameterValue value) {
+  const ParameterValues before = app.opening.parameters;
+  app.opening.parameters[name] = value;
+  try {
+    app.reload();
+  } catch (const UserError&) {
+    const double whole = std::round(value.number);
+    const bool mayCount = !value.isText() && whole != value.number;
+    app.opening.parameters = before;
+    if (!mayCount) throw;
+    value.number = whole;
+    beginWith(app, name, value);
+  }
+}
+
 template <int D>
 void parameter(App<D>& app, const SceneParameter& p) {
-  ParameterValues& given = app.opening.parameters;
+  const ParameterValues& given = app.opening.parameters;
   const auto it = given.find(p.name);
   ParameterValue value = it == given.end() ? p.value : it->second;
   bool changed = false;
@@ -26,27 +45,20 @@ void parameter(App<D>& app, const SceneParameter& p) {
       ImGui::EndCombo();
     }
   } else {
-    ImGui::SliderScalar(p.name.c_str(), ImGuiDataType_Double, &value.number, &p.lo, &p.hi, "%g",
-                        ImGuiSliderFlags_AlwaysClamp |
-                            (p.hi > 1000 * std::max(1.0, std::abs(p.lo)) ? ImGuiSliderFlags_Logarithmic : 0));
-    if (ImGui::IsItemActive() || value.number != (it == given.end() ? p.value.number : it->second.number)) {
-      given[p.name] = value;
+    static std::map<std::string, double> held;  // by name: what is being dragged
+    if (const auto h = held.find(p.name); h != held.end()) value.number = h->second;
+    const bool wide = p.hi > 1000 * std::max(1.0, std::abs(p.lo));
+    if (ImGui::SliderScalar(p.name.c_str(), ImGuiDataType_Double, &value.number, &p.lo, &p.hi, "%g",
+                            ImGuiSliderFlags_AlwaysClamp | (wide ? ImGuiSliderFlags_Logarithmic : 0))) {
+      held[p.name] = value.number;
     }
     changed = ImGui::IsItemDeactivatedAfterEdit();
+    if (changed) held.erase(p.name);
   }
   app.marks.last("Scene/" + p.name);
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", p.meaning.c_str());
   if (!changed) return;
-  const ParameterValues before = given;
-  given[p.name] = value;
-  app.act([&] {
-    try {
-      app.reload();
-    } catch (const UserError&) {  // or R could not begin it, either
-      given = before;
-      throw;
-    }
-  });
+  app.act([&] { beginWith(app, p.name, value); });
 }
 
 // A number that acts when the mouse lets it go.

@@ -321,6 +321,14 @@ class Sandbox(unittest.TestCase):
         self.assertGreater(abs(marks["Body/x (m)"][0] - marks["Layers/shapes"][0]), 300)
         self.assertIn("Layers/impulse_length", marks)
 
+    def test_a_slider_begins_the_scene_with_its_number(self):
+        state = self.play(["wait 2", *click("Panels"), *click("Panels/Scene"), "on Scene/base", "wait 1", "press left", "wait 1",
+                           "pixel 935 100", "wait 1", "release left", "wait 3"], "2d", "5")
+        rows = round((2 * len(state["bodies"])) ** 0.5) - 1
+        self.assertEqual(len(state["bodies"]), rows * (rows + 1) // 2 + 1, state["message"])
+        self.assertNotEqual(rows, 15)
+        self.assertLess(state["step"], 6)
+
     # --- what stays -----------------------------------------------------------------------------------------------------
     def test_who_plays_and_what_is_on_stays(self):
         def on(state):
