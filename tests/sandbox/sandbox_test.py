@@ -17,77 +17,17 @@ import tempfile
 import time
 import unittest
 
-import matplotlib.image
 import numpy
+from played import LPC, PAPER, QUICK, SOURCE, Played, choose, click, drag, like, png
 
-SOURCE, LPC = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 PRECISIONS = [p for p in ("f64", "f32") if (LPC.parent / f"lpc-worker-{p}").is_file()]  # that were built
-PAPER = (247, 247, 245)
 BEARING, IDLE = (214, 39, 40), (90, 110, 140)  # contacts that bore something, and nothing
 MARK = (214, 39, 40)  # where competitors part
 LONG = float(os.environ.get("LPC_SANDBOX_SECONDS", "0"))  # of scripted use, for sanitizers
-QUICK = ["key .", "key ."]  # four steps a picture
 MENUS = (600, 420)  # a window where every menu has room: pictures without a graphics card cost by the pixel
 
 
-def png(path):
-    """Height x width x (r, g, b), 0 to 255."""
-    return (matplotlib.image.imread(path)[..., :3] * 255).round().astype(int)
-
-
-def like(rows, colour, by):
-    return (abs(rows - numpy.array(colour)) <= by).all(axis=-1)
-
-
-def choose(menu, name):
-    """The menu is open one picture later, and closed two after the choice."""
-    return ["on " + menu, "press left", "release left", f"on {menu}/{name}", "press left", "release left", "wait 1"]
-
-
-def drag(a, b, button="left"):
-    return [f"at {a[0]} {a[1]}", f"press {button}", f"at {b[0]} {b[1]}", f"release {button}"]
-
-
-class Sandbox(unittest.TestCase):
-    def setUp(self):
-        held = tempfile.TemporaryDirectory()
-        self.addCleanup(held.cleanup)
-        self.folder = pathlib.Path(held.name)
-
-    def call(self, *arguments, env=None, program=LPC):
-        return subprocess.run([str(program), "sandbox", *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
-                              timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE), **(env or {})})
-
-    def play(self, orders, *arguments, states=("end",), size=(320, 240)):
-        """What `state` wrote under these names, after the orders, in a window of this size that shows the whole scene."""
-        begin = ["size {} {}".format(*size), "wait 1", "key Home"]
-        (self.folder / "input.txt").write_text("\n".join([*begin, *orders, "state end.json", "quit"]) + "\n")
-        done = self.call(*arguments, "--input", "input.txt")
-        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
-        found = [json.loads((self.folder / f"{name}.json").read_text()) for name in states]
-        return found[0] if len(found) == 1 else found
-
-    known = {}
-
-    def commands(self, dimension):
-        if dimension not in self.known:
-            self.known[dimension] = self.play([], dimension)["commands"]
-        return self.known[dimension]
-
-    def registry(self):
-        done = subprocess.run([str(LPC), "list", "--json"], capture_output=True, text=True, timeout=60, check=True)
-        return json.loads(done.stdout)["algorithms"]
-
-    def has(self, engine):
-        return any(a["stage"] == "engine" and a["name"] == engine and not a["summary"].startswith("absent")
-                   for a in self.registry())
-
-    def lpc_run(self, *arguments):
-        done = subprocess.run([str(LPC), "run", *map(str, arguments), "--json"], cwd=self.folder, capture_output=True, text=True,
-                              timeout=300, env={**os.environ, "LPC_HOME": str(SOURCE)})
-        self.assertIn(done.returncode, (0, 1), done.stderr)
-        return json.loads(done.stdout)
-
+class Sandbox(Played):
     # --- what is seen ---------------------------------------------------------------------------------------------------
     def test_bodies_and_contacts_are_where_the_world_has_them(self):
         for dimension in ("2d", "3d"):
@@ -195,7 +135,7 @@ class Sandbox(unittest.TestCase):
         orders = ["key p", "wait 1", "at 4 5", "press left", "release left", "wait 1", "down Left Shift", "at 8 3.5",
                   "press left", "release left", "up Left Shift", *click("Panels"), *click("Panels/Pair"), "wait 9",
                   "state look.json", *click("Pair/answer"), "state answer.json", "key Right", "wait 9"]
-        look, answer, end = self.play(orders, "-s", "1", states=("look", "answer", "end"))
+        look, answer, end = self.play(orders, "-s", "1", states=("look", "answer", "end"), size=(1280, 800))
         self.assertEqual((look["pair"]["made"], look["pair"]["step"]), (1, 0))
         self.assertEqual((answer["pair"]["made"], answer["pair"]["step"]), (1, answer["pair"]["steps"] - 1))
         self.assertEqual((end["pair"]["made"], end["pair"]["step"]), (2, end["pair"]["steps"] - 1))
@@ -317,13 +257,13 @@ class Sandbox(unittest.TestCase):
         orders = ["wait 2", "key p", "at 0 4", "press left", "release left"]
         for name in ("Body", "Layers", "Keys"):  # not in the order of the menu
             orders += [*click("Panels"), *click("Panels/" + name)]
-        marks = self.play([*orders, "wait 1"], "2d", "5")["marks"]
+        marks = self.play([*orders, "wait 1"], "2d", "5", size=(1280, 800))["marks"]
         self.assertGreater(abs(marks["Body/x (m)"][0] - marks["Layers/shapes"][0]), 300)
         self.assertIn("Layers/impulse_length", marks)
 
     def test_a_slider_begins_the_scene_with_its_number(self):
         state = self.play(["wait 2", *click("Panels"), *click("Panels/Scene"), "on Scene/base", "wait 1", "press left", "wait 1",
-                           "pixel 935 100", "wait 1", "release left", "wait 3"], "2d", "5")
+                           "pixel 935 100", "wait 1", "release left", "wait 3"], "2d", "5", size=(1280, 800))
         rows = round((2 * len(state["bodies"])) ** 0.5) - 1
         self.assertEqual(len(state["bodies"]), rows * (rows + 1) // 2 + 1, state["message"])
         self.assertNotEqual(rows, 15)
@@ -334,12 +274,12 @@ class Sandbox(unittest.TestCase):
         def on(state):
             return {c["name"] for c in state["commands"] if c["on"]}
 
-        orders = ["size 800 600", "wait 2", "state plots.json", "down p", "down p", "down p", "up p", "key F6", "key ,", "wait 1",
+        orders = ["wait 2", "state plots.json", "down p", "down p", "down p", "up p", "key F6", "key ,", "wait 1",
                   "key F3", "wait 2", "state other.json", "key F3", "key L", "key Right", *click("Panels"),
                   *click("Panels/Stages"), *click("Stages/solver"), *click("Stages/solver/soft_step"), "wait 1",
                   "state changed.json", "key F1", "wait 1", "key F2", "wait 2", "state loaded.json", "key r", "wait 2"]
         plots, other, changed, loaded, again = self.play(orders, "2d", "4", "-g",
-                                                         states=("plots", "other", "changed", "loaded", "end"))
+                                                         states=("plots", "other", "changed", "loaded", "end"), size=(800, 600))
         self.assertIn("Step", on(plots))  # the panel of plots, by -g
         self.assertEqual(other["dimension"], 3)
         self.assertLessEqual({"Step", "Pause", "Rain"}, on(other))  # P was held down, and is one press
