@@ -159,9 +159,11 @@ class Sandbox(Played):
                         orders += choose(menu, name)
                 orders = [o for o in orders if o != "key F3"]
                 state = self.play([*orders, "wait 5"], dimension, "-s", "1", size=MENUS)
-                # What is switched by its key and in its menu is as it was; a panel without a key is open.
+                # What is switched by its key and in its menu is as it was, but statistics, which ended with the first world in
+                # between; a panel without a key is open.
                 on = {c["name"] for c in state["commands"] if c["menu"] in ("Create", "Record", "Panels") and c["on"]}
-                self.assertEqual(on, {"Joint", *(c["name"] for c in commands if c["menu"] == "Panels" and not c["key"])})
+                panels = (c["name"] for c in commands if c["menu"] == "Panels" and not c["key"])
+                self.assertEqual(on, {"Joint", "Statistics", *panels})
                 for name in ("sandbox.toml", "sandbox.world", "sandbox.png", "sandbox_stats.csv", "sandbox_script.toml",
                              "sandbox_00001.png"):
                     self.assertTrue((self.folder / name).is_file(), name)
@@ -285,8 +287,8 @@ class Sandbox(Played):
         self.assertLessEqual({"Step", "Pause", "Rain"}, on(other))  # P was held down, and is one press
         self.assertIn("solver=soft_step", changed["lanes"][0]["pipeline"])
         self.assertEqual(loaded["scene"], "sandbox")
-        for state in (loaded, again):
-            self.assertEqual(state["lanes"], changed["lanes"])
+        lanes = [[(lane["pipeline"], lane["hash"]) for lane in state["lanes"]] for state in (changed, loaded, again)]
+        self.assertEqual(lanes[1:], lanes[:1] * 2)
         self.assertTrue((self.folder / "sandbox_stats.csv").is_file())  # of the world that another came after
 
     def test_who_cannot_play_there_is_refused_and_all_stays(self):
