@@ -146,7 +146,6 @@ class App : public Switches {
   void drawOverlaid();
   void drawSideBySide();
   void drawHand();
-  void drawSelected(std::size_t lane);
 
   Real chance(Real lo, Real hi);
 

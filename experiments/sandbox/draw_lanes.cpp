@@ -15,8 +15,7 @@
 namespace lpc::inline LPC_PRECISION {
 namespace {
 
-constexpr int kPad = 4;  // px, around the words of a title
-constexpr DrawColour kSelectedElsewhere{230, 90, 20};
+constexpr int kPad = 4;                // px, around the words of a title
 constexpr std::size_t kMostTitle = 2;  // lines of a label, with one more of numbers below
 
 int titleHeight(int lines) { return (lines + 1) * static_cast<int>(ImGui::GetTextLineHeightWithSpacing()) + 2 * kPad; }
@@ -179,7 +178,7 @@ void App<D>::drawSideBySide() {
     lookInto(lane);
     m_canvas.begin(camera);
     drawSimulation(session.world(lane), layers, m_canvas);
-    lane == 0 ? drawHand() : drawSelected(lane);
+    lane == 0 ? drawHand() : hand.drawSelected(lane, m_canvas);
     m_canvas.end();
     drawTitle(*this, lane);
   }
@@ -191,24 +190,6 @@ void App<D>::drawHand() {
   hand.draw(m_canvas);
   if (!panels.pair || !pair.trace()) return;
   drawTraceOnShapes(*pair.trace(), static_cast<std::size_t>(pairStep), pair.X_WA(), m_canvas);
-}
-
-// The hand draws the first lane's.
-template <int D>
-void App<D>::drawSelected(std::size_t lane) {
-  const Simulation<D>& world = session.world(lane);
-  for (const int body : hand.selected()) {
-    const Handle h = session.handle(body, lane);
-    if (!world.valid(h)) continue;
-    const Pose<D>& X_WC = world.bodies().pose[static_cast<std::size_t>(h.slot)];
-    for (const ShapeRecord<D>& s : world.shapes()) {
-      if (s.body != h.slot || !isPlace(X_WC)) continue;
-      forParts(s.shape, X_WC * s.X_CS, [&](const ShapeView<D>& part, const Pose<D>& X_WP) {
-        m_canvas.shape(part, X_WP,
-                       {.fill = kSelectedElsewhere, .edge = kSelectedElsewhere, .moves = true, .outline = true});
-      });
-    }
-  }
 }
 
 template Vec<2> App<2>::inFirstView(const Vec<2>&);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "framework/check.h"
+#include "framework/draw_simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -367,6 +368,23 @@ std::optional<BodyDef<D>> Hand<D>::preview() const {
 }
 
 template <int D>
+void Hand<D>::drawSelected(std::size_t lane, DebugDraw<D>& out) const {
+  const Simulation<D>& world = m_session.world(lane);
+  std::vector<std::int32_t> slots;
+  for (const int body : m_selected) {
+    if (const Handle h = m_session.handle(body, lane); world.valid(h)) slots.push_back(h.slot);
+  }
+  for (const ShapeRecord<D>& s : world.shapes()) {
+    if (s.body < 0 || std::find(slots.begin(), slots.end(), s.body) == slots.end()) continue;
+    const Pose<D>& X_WC = world.bodies().pose[static_cast<std::size_t>(s.body)];
+    if (!isPlace(X_WC)) continue;
+    forParts(s.shape, X_WC * s.X_CS, [&](const ShapeView<D>& view, const Pose<D>& X_WS) {
+      out.shape(view, X_WS, {.fill = kSelected, .edge = kSelected, .moves = true, .outline = true});
+    });
+  }
+}
+
+template <int D>
 void Hand<D>::draw(DebugDraw<D>& out) const {
   const Simulation<D>& world = m_session.world();
   const auto drawShapes = [&](const BodyDef<D>& def) {
@@ -386,17 +404,7 @@ void Hand<D>::draw(DebugDraw<D>& out) const {
       out.point(at.origin + at.q * in, 5, kPreviewEdge);
     }
   }
-  std::vector<std::int32_t> slots;
-  for (const int body : m_selected) {
-    if (const Handle h = m_session.handle(body); world.valid(h)) slots.push_back(h.slot);
-  }
-  for (const ShapeRecord<D>& s : world.shapes()) {
-    if (s.body < 0 || std::find(slots.begin(), slots.end(), s.body) == slots.end()) continue;
-    forParts(s.shape, world.bodies().pose[static_cast<std::size_t>(s.body)] * s.X_CS,
-             [&](const ShapeView<D>& view, const Pose<D>& X_WS) {
-               out.shape(view, X_WS, {.fill = kSelected, .edge = kSelected, .moves = true, .outline = true});
-             });
-  }
+  drawSelected(0, out);
   if (m_carried && world.valid(m_session.handle(m_carried->body))) {
     out.line(world.pose(m_session.handle(m_carried->body)) * m_carried->at, m_carried->target, kSpringLine);
   }

@@ -64,6 +64,8 @@ class Hand {
   bool drawing() const { return tool != Tool::grab && tool != Tool::joint; }
   /// The preview, the selection, the spring and the rectangle.
   void draw(DebugDraw<D>& out) const;
+  /// The outlines of who is selected, where a lane has them.
+  void drawSelected(std::size_t lane, DebugDraw<D>& out) const;
 
  private:
   struct Placed {

@@ -8,17 +8,10 @@
 #include "framework/check.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/engine_twins.h"
+#include "tests/sandbox/box_at.h"
 
 namespace lpc::inline LPC_PRECISION::test::compare_test {
 namespace {
-
-template <int D>
-BodyDef<D> boxAt(Real x, Real y) {
-  BodyDef<D> def;
-  def.X_WB.p[0] = x, def.X_WB.p[1] = y;
-  def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5)))});
-  return def;
-}
 
 // A floor, and a pyramid of three.
 template <int D>

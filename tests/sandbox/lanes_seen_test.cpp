@@ -9,17 +9,10 @@
 #include "framework/world.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
+#include "tests/sandbox/box_at.h"
 
 namespace lpc::inline LPC_PRECISION::test::lanes_seen_test {
 namespace {
-
-template <int D>
-BodyDef<D> boxAt(Real x, Real y) {
-  BodyDef<D> def;
-  def.X_WB.p[0] = x, def.X_WB.p[1] = y;
-  def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5)))});
-  return def;
-}
 
 // --- in words --------------------------------------------------------------------------------------------------------
 

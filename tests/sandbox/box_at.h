@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "framework/body.h"
+
+namespace lpc::inline LPC_PRECISION::test {
+
+/// A dynamic box with edges of 1 m, its middle at (x, y) and in 3D at z = 0.
+template <int D>
+BodyDef<D> boxAt(Real x, Real y) {
+  BodyDef<D> def;
+  def.X_WB.p[0] = x, def.X_WB.p[1] = y;
+  def.shapes.push_back({.shape = Shape<D>::box(Vec<D>::Constant(Real(0.5)))});
+  return def;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::test
