@@ -70,6 +70,16 @@ class Times(unittest.TestCase):
             self.assertIn("| b | 2 | 5.5 |", lines)
             self.assertFalse([line for line in lines if "none.db" in line])
 
+    def test_a_command_is_measured_with_all_that_it_runs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            busy = "python3 -c 'sum(range(20_000_000))'"
+            clock, processor, seen, code = times.took(f"touch page; {busy}; exit 3", root, root / "page")
+            self.assertEqual(code, 3)
+            self.assertGreater(processor, 0.05)  # of the command's child
+            self.assertLess(seen, clock)
+            self.assertIsNone(times.took("true", root, root / "absent")[2])
+
     def test_programs(self):
         junit = ('<testsuite time="9"><testcase name="f64.A.B" time="2"/><testcase name="f64.A.C" time="1.5"/>'
                  '<testcase name="reports" time="4"/></testsuite>')
