@@ -43,7 +43,7 @@ NOT_RUN = {
     "./experiments/run quick": "builds and sweeps for minutes",
     "./experiments/run heritage": "builds and sweeps for minutes",
     "./tests/run": "it is what runs this",
-    ".ci/install_packages": "installs",
+    ".ci/install_packages run window": "installs",
     "cmake --preset release && cmake --build --preset release": "builds for minutes; this build stands for it",
     "cmake --preset release -DLPC_BUILD_BENCHMARKS=ON && cmake --build --preset release --target lpc-bench":
         "builds; the test `benchmarks_start` runs what the preset `test` builds of the same",

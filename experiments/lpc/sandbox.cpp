@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Starts the window, which is a program of its own: who has none of its libraries has all the rest.
+// Starts the window, which is a program of its own: all else works without its libraries.
 #include <unistd.h>
 
 #include <cstdio>
@@ -65,13 +65,13 @@ std::filesystem::path programFolder() { return std::filesystem::read_symlink("/p
 
 // One for each precision, as of workers.
 std::string programOf(const std::string& precision) {
-  const std::filesystem::path f64 = programFolder() / "lpc-sandbox";
-  const std::filesystem::path program = precision == "f64" ? f64 : programFolder() / ("lpc-sandbox-" + precision);
+  const std::string name = precision == "f64" ? "lpc-sandbox" : "lpc-sandbox-" + precision;
+  const std::filesystem::path program = programFolder() / name;
   if (std::filesystem::exists(program)) return program.string();
-  if (std::filesystem::exists(f64)) {
-    throw UserError("the sandbox was not built for " + precision + ": build with -DLPC_PRECISIONS=\"f64;f32\"");
-  }
-  throw UserError("the sandbox was not built: install the packages of experiments/sandbox/packages, and build again");
+  throw UserError(program.string() +
+                  " does not exist; build it: .ci/install_packages window && cmake --preset release && "
+                  "cmake --build --preset release --target " +
+                  name);
 }
 
 // Without a window it is what `lpc run` does.

@@ -380,8 +380,8 @@ class Sandbox(Played):
     def test_what_was_not_built_is_said(self):
         alone = self.folder / "lpc"
         shutil.copy(LPC, alone)
-        for there, arguments, say in ((None, (), "experiments/sandbox/packages"), (None, ("--precision", "f32"), "packages"),
-                                      ("lpc-sandbox", ("--precision", "f32"), "not built for f32: build with -DLPC_PRECISIONS")):
+        for there, arguments, say in ((None, (), "--target lpc-sandbox\n"), (None, ("--precision", "f32"), "--target lpc-sandbox-f32\n"),
+                                      ("lpc-sandbox", ("--precision", "f32"), "--target lpc-sandbox-f32\n")):
             with self.subTest(there=there, arguments=arguments):
                 if there:
                     (self.folder / there).touch()
