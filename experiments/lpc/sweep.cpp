@@ -13,11 +13,28 @@ namespace lpc::inline LPC_PRECISION {
 namespace {
 
 struct SweepOptions {
-  std::string sweep, store;
+  std::string sweep, store, precision;
   std::vector<std::string> only, with, set;
   bool dryRun = false;
   RunOptions run;
 };
+
+// Drops the trials of the other precision, and sweeps that have no other.
+void keepPrecision(std::vector<PlannedSweep>& sweeps, const std::string& precision) {
+  if (precision != "f64" && precision != "f32") {
+    throw UserError("--precision " + precision + "; valid: f64, f32");
+  }
+  const auto other = [&](const PlannedTrial& t) { return t.canonical.at("precision") != precision; };
+  for (PlannedSweep& s : sweeps) {
+    std::erase_if(s.trials, other);
+    std::erase_if(s.calibrated, [&](const CalibratedCell& cell) { return other(cell.plan(1).at(0)); });
+    std::erase_if(s.ladders, [&](const Ladder& ladder) {
+      return other(ladder.plan({ladder.question.from, 1, s.calibration ? 1 : 0, false}).at(0));
+    });
+  }
+  std::erase_if(sweeps,
+                [](const PlannedSweep& s) { return s.trials.empty() && s.calibrated.empty() && s.ladders.empty(); });
+}
 
 // What will run. The cells of a search are known, but for their setting.
 void printPlan(const PlannedSweep& s) {
@@ -69,6 +86,7 @@ void sweep(SweepOptions& o, Session& session) {
   for (const PlannedSweep& s : sweeps) {
     for (const std::string& note : s.notes) std::fprintf(stderr, "lpc: sweep %s: %s\n", s.name.c_str(), note.c_str());
   }
+  if (!o.precision.empty()) keepPrecision(sweeps, o.precision);
   if (o.dryRun) {
     checkStore(o.store);
     for (const PlannedSweep& s : sweeps) printPlan(s);
@@ -102,6 +120,8 @@ void addSweep(CommandLine& app, Session& session) {
       .commaSeparated();
   command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
   command.option("--set", o->set, "AXIS=VALUE: this value in place of the axis's own (may be repeated)");
+  command.option("--precision", o->precision,
+                 "only trials of this precision, f64 or f32; a page shows the others again once all are run");
   command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
   command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
   command.flag("--dry-run", o->dryRun, "counts the trials, looks whether the store can take them, and runs none");
