@@ -97,7 +97,7 @@ def finding(cells, dimension, least):
     said = [f"{names[0]} on {first.count(names)}" for names in wins if len(names) == 1]
     shared = [f"{' or '.join(names)} on {first.count(names)}" for names in wins if len(names) > 1]
     told = [f"the fastest without a failure is {listing(said)}"] if said else []
-    told += [f"within the noise of each other, {listing(shared)}"] if shared else []
+    told += [f"{_alike(least)}, {listing(shared)}"] if shared else []
     told += [f"without a rival, {listing([f'{m} on {only.count(m)}' for m in sorted(set(only))])}"] if only else []
     text = f"In {dimension}D, of {plural(len(parts), 'pair of shapes', 'pairs of shapes')}, {'; '.join(told)}"
     errors, failed = metrics.column(good, "max_error"), sorted(set(good["method"][~passed]))
@@ -166,8 +166,14 @@ def _told_times(cells, dimension, least):
     return Headline(f"In {dimension}D nobody fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ "
                     f"most on {pair}, where {part['method'].iloc[-1]} takes {times(ratio)} times the "
                     f"{si(part[TIME].iloc[0], 'ns')} a query of "
-                    f"{names}{', which are within the noise of each other' if len(first) > 1 else ''}.",
+                    f"{names}{f', which are {_alike(least)}' if len(first) > 1 else ''}.",
                     dict(zip(part["method"], part[TIME])), "ns", "time per query")
+
+
+def _alike(least):
+    """What methods are whose times are not told apart."""
+    word = noise.silence(least)
+    return "within the noise of each other" if word == noise.NOISE else f"alike {noise.IN_WORDS[word]}"
 
 
 def _scatter(context, cells, dimension, refused, least):

@@ -89,7 +89,7 @@ def finding(rows):
         if behind:
             text += f" (most on {behind[0][1]}, where {behind[0][2]} takes {times(behind[0][0])} of our time)"
         silent = len(with_right) - len(told)
-        said.append(text + (f", within the noise on {silent}" if silent else ""))
+        said.append(text + (f", not told apart on {silent}" if silent else ""))
     none = [row for row in rows if not right(row)]
     if none:
         quick = [row for row in none if any(peer["ratio"] < 1 and peer["told"] for peer in row["peers"])]

@@ -23,7 +23,7 @@ def of_sweep(context, cells):
     for part in split(cells, ["method", *same]):
         base = part[part["model"] == base_name]
         for _, row in part[part["model"] != base_name].iterrows():
-            rows.append((describe(row, same) or "scene", str(row["model"]), base.iloc[0] if len(base) else None, row))
+            rows.append((describe(row, same) or str(row["scene"]), str(row["model"]), base.iloc[0] if len(base) else None, row))
     least, said = noise.floor_of(context, cells["sweep"].iloc[0], COST), []
     for place, part in twins.grouped(rows):
         words = [(model, twins.told(base, row, COST, least)) for model, base, row in part]
