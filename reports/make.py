@@ -8,8 +8,8 @@ from pathlib import Path
 
 EXAMPLE = """example:
   reports/make.py --store results/quick.db --out reports/out/quick
-  reports/make.py --store results/quick.db --out reports/out/quick --only broadphase_crossover_2d
-  reports/make.py --store results/quick.db --chart resolvers_pyramid__2d --to chart.svg
+  reports/make.py --store results/quick.db --out reports/out/quick --only quick_broadphase_2d
+  reports/make.py --store results/quick.db --chart quick_resolvers_pyramid__2d --to chart.svg
   reports/make.py --store results/quick.db --readme README.md
   reports/make.py --store results/evidence.db --page docs/evidence.md"""
 

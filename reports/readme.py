@@ -14,20 +14,20 @@ import table
 from chart import identifier, listing
 from load import UserError
 
-SWEEP, SCENE, DIMENSION = "resolvers", "pyramid", 2
-CHART = identifier(f"{SWEEP} {SCENE}, {DIMENSION}D")
+SWEEPS, SCENE, DIMENSION = ("quick_resolvers", "resolvers"), "pyramid", 2  # the first that the store has
+CHARTS = [identifier(f"{sweep} {SCENE}, {DIMENSION}D") for sweep in SWEEPS]
 COMMANDS = ("./experiments/run quick", "reports/make.py --store results/quick.db --readme README.md")
 BEGIN, END = "<!-- figure -->", "<!-- end -->"
 
 
 def about(context, chart):
     """What the numbers of the chart are of."""
-    cells = context.cells(SWEEP)
+    cells = context.cells(chart.sweep)
     cells = cells[(cells["scene"] == SCENE) & (cells["dimension"] == DIMENSION)]
     bodies = sorted({int(n) for n in cells["bodies"].dropna()})
     if len(bodies) != 1:
-        raise UserError(f"--readme: {SCENE} in {SWEEP} has runs of {bodies or 'no'} bodies; a caption needs one number")
-    return {"id": chart.id, "sweep": SWEEP, "scene": SCENE, "dimension": DIMENSION, "bodies": bodies[0],
+        raise UserError(f"--readme: {SCENE} in {chart.sweep} has runs of {bodies or 'no'} bodies; a caption needs one number")
+    return {"id": chart.id, "sweep": chart.sweep, "scene": SCENE, "dimension": DIMENSION, "bodies": bodies[0],
             "settings": {axis: sorted(float(v) for v in set(cells[axis].dropna())) for axis in context.settings(cells)},
             "finding": chart.headline.text if chart.headline else chart.finding, **pages.source(context.store)}
 
@@ -62,9 +62,10 @@ def caption_of_figure(svg):
 
 def write(context, charts, readme):
     """Writes docs/resolvers.svg, docs/resolvers.json and the README's caption; returns the caption."""
-    chart = next((c for c in charts if c.id == CHART and c.figure is not None), None)
+    drawn = {c.id: c for c in charts if c.figure is not None}
+    chart = next((drawn[name] for name in CHARTS if name in drawn), None)
     if chart is None:
-        raise UserError(f"--readme: the chart {CHART} is not drawn from this store; the sweep {SWEEP} makes it")
+        raise UserError(f"--readme: the chart {CHARTS[0]} is not drawn from this store; the sweep {SWEEPS[0]} makes it")
     if not readme.is_file():
         raise UserError(f"--readme {readme}: no such file")
     text = readme.read_text(encoding="utf-8")

@@ -121,7 +121,7 @@ void addSweep(CommandLine& app, Session& session) {
   command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
   command.option("--set", o->set, "AXIS=VALUE: this value in place of the axis's own (may be repeated)");
   command.option("--precision", o->precision,
-                 "only trials of this precision, f64 or f32; a page shows the others again once all are run");
+                 "only trials of this precision, f64 or f32; the plan in the store has no others until they are asked for");
   command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
   command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
   command.flag("--dry-run", o->dryRun, "counts the trials, looks whether the store can take them, and runs none");

@@ -73,6 +73,11 @@ def right(row):
     return next((peer for peer in row["peers"] if peer["share"] == 0), None)
 
 
+def _silence(*cells):
+    """Why times are not told apart."""
+    return noise.FEW if any(0 < len(noise.runs(cell, TIME)) < noise.FEWEST for cell in cells) else noise.NOISE
+
+
 def finding(rows):
     with_right = [(row, right(row)) for row in rows if right(row)]
     said = []
@@ -88,8 +93,10 @@ def finding(rows):
         text += f", slower on {len(behind)}"
         if behind:
             text += f" (most on {behind[0][1]}, where {behind[0][2]} takes {times(behind[0][0])} of our time)"
-        silent = len(with_right) - len(told)
-        said.append(text + (f", not told apart on {silent}" if silent else ""))
+        silent = [_silence(row["ours"], peer["cell"]) for row, peer in with_right if not peer["told"]]
+        for why in (noise.NOISE, noise.FEW):
+            text += f", {noise.IN_WORDS[why]} on {silent.count(why)}" if why in silent else ""
+        said.append(text)
     none = [row for row in rows if not right(row)]
     if none:
         quick = [row for row in none if any(peer["ratio"] < 1 and peer["told"] for peer in row["peers"])]

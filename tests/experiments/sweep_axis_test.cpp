@@ -167,9 +167,9 @@ TEST(ShippedSweeps, HoldEveryResolver) {
 #if defined(LPC_SANITIZED)
   GTEST_SKIP() << "plans are the same in every build, and long to make in this one";
 #endif
-  for (const char* name :
-       {"resolvers", "resolvers_full", "breaking_points_stack", "breaking_points_stack_full",
-        "breaking_points_mass_ratio", "breaking_points_dt", "reference", "breaking_map", "momenta"}) {
+  for (const char* name : {"resolvers", "resolvers_full", "breaking_points_stack", "breaking_points_stack_full",
+                           "breaking_points_mass_ratio", "breaking_points_dt", "reference", "breaking_map", "momenta",
+                           "quick_resolvers", "quick_scenes", "quick_breaking_points"}) {
     const PlannedSweep sweep = planSweeps(name, {}).at(0);
     EXPECT_EQ(lacking(sweep), Names{}) << name;
     EXPECT_EQ(without(withoutSetting(sweep), kWithoutSweeps), Names{}) << name;
@@ -255,12 +255,15 @@ TEST(SweepWith, ShippedSweepsTakeOneMore) {
   const std::string method =
       "mine=solver=split_solver{velocity=catto{iterations=$iterations},position=none} cache=none";
   EXPECT_TRUE(resolversOf(planSweeps("resolvers", {}, {method}).at(0)).count("mine"));
-  for (const PlannedSweep& s : planSweeps("quick", {}, {method})) {
-    const auto isIt = [](const auto& cell) { return cell.axes.value("resolver", "") == "mine"; };
-    const bool here = std::any_of(s.trials.begin(), s.trials.end(), isIt) ||
-                      std::any_of(s.calibrated.begin(), s.calibrated.end(), isIt);
-    const bool compares = s.name == "resolvers" || s.name == "momenta" || s.name.starts_with("equal_");
-    EXPECT_EQ(here, compares || s.name.starts_with("breaking_points")) << s.name;
+  const Names compare = {"resolvers",       "momenta",      "equal_cost",           "equal_time",
+                         "quick_resolvers", "quick_scenes", "quick_breaking_points"};
+  for (const char* set : {"quick", "standard"}) {
+    for (const PlannedSweep& s : planSweeps(set, {}, {method})) {
+      const auto isIt = [](const auto& cell) { return cell.axes.value("resolver", "") == "mine"; };
+      const bool here = std::any_of(s.trials.begin(), s.trials.end(), isIt) ||
+                        std::any_of(s.calibrated.begin(), s.calibrated.end(), isIt);
+      EXPECT_EQ(here, compare.count(s.name) || s.name.starts_with("breaking_points")) << s.name;
+    }
   }
 }
 

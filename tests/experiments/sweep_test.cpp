@@ -57,6 +57,21 @@ TEST(SweepPlan, onlyKeepsWhatTakesPart) {
   EXPECT_NE(messageOf(path, {"naive", "nobody"}).find("--only nobody"), std::string::npos);
 }
 
+TEST(SweepPlan, PrecisionKeepsTheTrialsOfOne) {
+  Workspace w;
+  w.write("a.toml",
+          "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"box_drop\"\nprecision = [\"f64\", \"f32\"]\n");
+  w.write("b.toml", boxes("n = 8\nbroadphase = \"naive\"\n"));
+  w.write("both.toml", "summary = \"s\"\nsweeps = [\"a.toml\", \"b.toml\"]\n");
+  const auto planned = [&](const std::string& more) {
+    const std::string text = w.lpc("sweep both.toml --dry-run --store s.db" + more).text;
+    return std::pair(text.find("    1 trials") != text.npos, text.find("\nb ") != text.npos);
+  };
+  EXPECT_EQ(planned(""), std::pair(true, true));  // the one of b
+  EXPECT_EQ(planned(" --precision f64"), std::pair(true, true));
+  EXPECT_EQ(planned(" --precision f32"), std::pair(true, false)) << "a sweep without a trial is no part of it";
+}
+
 // The plan is made in f64 and writes every parameter out: a default of f64 must be one that f32 takes.
 TEST(SweepRun, DefaultsHoldInEitherPrecision) {
   if (!test::kSingle) GTEST_SKIP() << "this build has no f32";
