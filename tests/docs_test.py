@@ -57,13 +57,13 @@ NOT_RUN = {
     "python3 tests/fuzz/target.py build/sanitize/bin/scene_fuzz . build/sanitize/fuzz -max_total_time=7200":
         "two hours, of another build; its tests run the same",
     "lpc verify --cases results/verify.db.found/libccd_mpr-wrong_distance-3d-f64.json": "a long verification finds that file",
-    "reports/claims.py --into docs/claims.md": "reports_claims runs the same",
+    "reports/claims.py --into docs/claims.md": "reports_claims_ShippedClaims runs the same",
     "reports/make.py --store results/evidence.db --page docs/evidence.md":
-        "of sweeps that take minutes; reports_docs_page does it with a small store",
+        "of sweeps that take minutes; reports/tests/docs_page_test.py does it with a small store",
     "reports/make.py --store results/pairs.db --page docs/pair_queries.md":
-        "of sweeps that take minutes; reports_docs_page does it with a small store",
+        "of sweeps that take minutes; reports/tests/docs_page_test.py does it with a small store",
     "reports/make.py --store results/heritage.db --page docs/heritage_figures.md":
-        "of sweeps that take minutes; reports_docs_page does it with a small store",
+        "of sweeps that take minutes; reports/tests/docs_page_test.py does it with a small store",
     "experiments/heritage/compilers --out results/heritage_compilers":
         "six builds; heritage_compilers_build makes one, with --deep",
     "reports/heritage_compilers.py results/heritage_compilers --to docs/drawings/heritage_compilers.svg "

@@ -10,6 +10,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import against_reference  # noqa: E402
 
@@ -48,6 +49,7 @@ class AgainstReference(with_store.WithStore):
                 run({**of, "dt": FINE, "perturb": 1e-9}, FINE, beside, 300)
         return fill
 
+    @undrawn.drawn
     def test_where_the_reference_agrees_with_itself_methods_are_compared_at_equal_cost(self):
         made = self.made(against_reference, self.scene())
         self.assertEqual(len(made), 1)

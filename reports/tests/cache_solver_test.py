@@ -9,6 +9,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import cache_solver  # noqa: E402
 
@@ -34,6 +35,7 @@ class CacheSolver(with_store.WithStore):
                                 50 if fell else None, repeats=5 if timed else 0, work=2350)
         return fill
 
+    @undrawn.drawn
     def test_who_stands_and_which_choice_matters_more(self):
         made = self.made(cache_solver, self.towers())
         self.assertEqual(len(made), 1)
@@ -51,6 +53,7 @@ class CacheSolver(with_store.WithStore):
         self.assertEqual(sorted(cache_solver.effects(found, 1)), [8, 20], "of each resolver over its caches")
         self.assertEqual(sorted(cache_solver.effects(found, 0)), [0, 4, 16], "of each cache over its resolvers")
 
+    @undrawn.drawn
     def test_times_stand_beside_and_the_letter_of_what_fell(self):
         made = self.made(cache_solver, self.towers(timed=True))[0]
         titles = [ax.get_title("left") for ax in made.figure.axes]

@@ -21,6 +21,7 @@ import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import choose  # noqa: E402
 
 SEEDS = (1, 2, 3)
@@ -49,7 +50,7 @@ def pipeline(broadphase="region_tree", resolver="catto+split_impulse"):
     return f"broadphase={broadphase} cache=by_feature {solver}"
 
 
-class Choose(unittest.TestCase):
+class Choose(undrawn.Undrawn):
     def made(self, resolvers=RESOLVERS, whole=None, seeds=SEEDS, repeats=9, hashes="same", broadphases=BROADPHASES):
         """(context, charts); `whole`: ms per step of the taken pipeline, where it ran beside what was given."""
         folder = tempfile.TemporaryDirectory()
@@ -81,7 +82,7 @@ class Choose(unittest.TestCase):
         made = choose.of_store(context)
         self.addCleanup(style.plt.close, "all")
         for c in made:
-            if c.figure is not None:
+            if c.figure is not None and self.draws:
                 self.assertEqual(overlap.overlaps(c.figure), ([], []))
         return context, made
 
@@ -233,6 +234,7 @@ class Choose(unittest.TestCase):
             self.assertAlmostEqual(value, expected)
         self.assertLess(table["time per step, low end [s]"], table["time per step [s]"])
 
+    @undrawn.drawn
     def test_methods_are_named_where_they_stand(self):
         """A legend of nineteen entries is no legend: each row has its name, other libraries' say what they are."""
         _, made = self.made(whole=1.0)

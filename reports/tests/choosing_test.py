@@ -17,6 +17,7 @@ import load  # noqa: E402
 import make  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import cost_against_error  # noqa: E402
 
 
@@ -97,7 +98,7 @@ FIRST_SWEEP = [{"scene": "leaning_stack", "n": n, "iterations": i, "resolver": l
                for n in (5, 10, 20) for i in (4, 10, 30) for label in ("catto", "soft_step")]
 
 
-class Choosing(unittest.TestCase):
+class Choosing(undrawn.Undrawn):
     def made(self, fill):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -208,7 +209,7 @@ class Choosing(unittest.TestCase):
                 chart.made(bad, context)
 
 
-class Engines(unittest.TestCase):
+class Engines(undrawn.Undrawn):
     def charts(self, engine):
         with tempfile.TemporaryDirectory() as folder:
             made = synthetic_store.Maker(Path(folder) / "engines.db")
@@ -221,6 +222,7 @@ class Engines(unittest.TestCase):
             context = chart.Context(store)
             return next(c for c in make.all_charts(context) if c.figure is not None and c.section == cost_against_error.SECTION)
 
+    @undrawn.drawn
     def test_an_engine_is_marked_kept_in_its_precision_and_told_apart(self):
         made = self.charts({"precision": "f32", "engine": {"name": "box2d", "differs": "a skin of 1 cm"}})
         self.assertIn("box2d", set(made.table["method"]))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
 """All claims on trial are judged again, and docs/claims.md is what they say; a verdict that is not measured is seen. Run by
-ctest, or python3 reports/tests/claims_test.py build/test/bin/lpc."""
+ctest, or python3 reports/tests/claims_test.py build/test/bin/lpc [CLASS]: OneClaim, or ShippedClaims, which takes longer."""
 
 import contextlib
 import io

@@ -11,6 +11,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import noise  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import contact_rules  # noqa: E402
 
@@ -51,6 +52,7 @@ class Rules(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @undrawn.drawn
     def test_the_sentence(self):
         made = self.one()
         if PICTURE:

@@ -32,7 +32,7 @@ class DocsPage(unittest.TestCase):
     def test_a_page_of_other_data_is_seen(self):
         with tempfile.TemporaryDirectory() as folder:
             store, page = Path(folder) / "s.db", Path(folder) / "page.md"
-            synthetic_store.write(store, themes=(synthetic_store.resolvers,))
+            synthetic_store.write(store, themes=(synthetic_store.one_scene,))
             page.write_text(MARKS, encoding="utf-8")
             self.assertEqual(docs_page.faults(page), [f"{CHART}: there are no {CHART}.png and {CHART}.json"])
             self.assertEqual(make.main(["--store", str(store), "--page", str(page)]), 0)

@@ -18,6 +18,7 @@ import make  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import equal_cost  # noqa: E402
 
 EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations"}
@@ -60,7 +61,7 @@ def ranks_of_those_that_stood(part, name):
     return equal_cost.ranks(part[part["outcome"] == "ok"], name)
 
 
-class EqualCost(unittest.TestCase):
+class EqualCost(undrawn.Undrawn):
     def test_ranks(self):
         self.assertEqual(check_ranks(equal_cost.ranks), "")
         for bug in (ranks_without_ties, ranks_of_those_that_stood):
@@ -87,6 +88,7 @@ class EqualCost(unittest.TestCase):
         self.addCleanup(style.plt.close, "all")
         return made
 
+    @undrawn.drawn
     def test_a_calibrated_sweep_has_this_chart_and_no_other(self):
         made = self.made()
         self.assertEqual([c.id for c in made], ["mine_pyramid__2d"])
@@ -106,6 +108,7 @@ class EqualCost(unittest.TestCase):
     def test_those_of_one_rank_between_first_and_last_are_named_together(self):
         self.assertEqual(equal_cost._tied([(2, "a", 1e-3, 0, 1), (2, "b", 1e-3, 0, 1)], "m"), "a and b, tied (1 mm)")
 
+    @undrawn.drawn
     def test_what_equal_row_updates_hide_in_time_is_said_and_drawn(self):
         made = self.made(slow=5)[0]
         self.assertRegex(made.finding, r"What is equal by row updates per step is not so by time per step: at (100|400) "
@@ -119,6 +122,7 @@ class EqualCost(unittest.TestCase):
         self.assertIn("By time per step the methods are alike, within the noise.", alike.finding)
         self.assertNotIn("not so by", alike.finding)
 
+    @undrawn.drawn
     def test_who_stopped_at_the_most_iterations_is_told_and_ringed(self):
         made = self.made({**EQUAL, "most": 8})[0]
         self.assertIn("Stopped by the largest value of iterations that is searched, 8, with budget left: catto at 400 (360 "

@@ -19,6 +19,7 @@ import silhouette  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import failing_pairs  # noqa: E402
 
 STILL = {2: {"t": [0, 0], "cos_sin": [1, 0]}, 3: {"t": [0, 0, 0], "q_wxyz": [1, 0, 0, 0]}}
@@ -56,7 +57,7 @@ def without_rounding(shape, pose, dimension):
     return silhouette.outline({**shape, **({"radius": 0.0} if shape["type"] == "box" else {})}, pose, dimension)
 
 
-class Gallery(unittest.TestCase):
+class Gallery(undrawn.Undrawn):
     def test_outlines_are_those_of_the_shapes(self):
         self.assertEqual(check_outlines(silhouette.outline), "")
         self.assertNotEqual(check_outlines(without_rounding), "", "the planted bug was not seen")
@@ -74,6 +75,7 @@ class Gallery(unittest.TestCase):
         del wrong["wrong_side"]
         self.assertIn("off by 0.1 of the size along its normal alone", failing_pairs.finding(wrong, 2, "f64"))
 
+    @undrawn.drawn
     def test_the_simplest_and_the_worst_pair_stand_beside_each_other(self):
         with tempfile.TemporaryDirectory() as folder:
             made = synthetic_store.Maker(Path(folder) / "s.db")

@@ -18,6 +18,7 @@ import load  # noqa: E402
 import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import distinctness, pair_queries, within_tolerance  # noqa: E402
 
 MANUAL = HERE.parent.parent / "docs" / "manual.md"
@@ -34,7 +35,7 @@ def front_of_all(cost, error, _failures):
     return metrics.pareto(cost, error)
 
 
-class Synthetic(unittest.TestCase):
+class Synthetic(undrawn.Undrawn):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -73,6 +74,7 @@ class Failure(Synthetic):
             cells[name] = 5.0
             self.assertEqual(failure.in_pairs(cells)[0], 5, name)
 
+    @undrawn.drawn
     def test_a_method_with_a_wrong_answer_is_in_no_list_of_those_without_a_failure(self):
         charts = self.charts()
         for made in charts:
@@ -166,7 +168,7 @@ def any_iterations(store, cells):
     return distinctness.agreements(store, cells.drop(columns="iterations").assign(outcome="ok"))
 
 
-class Distinctness(unittest.TestCase):
+class Distinctness(undrawn.Undrawn):
     def test_methods_that_end_in_the_same_bits_are_one_path(self):
         wrong, text = check_paths(distinctness.agreements)
         self.assertEqual(wrong, "")

@@ -16,6 +16,7 @@ import chart  # noqa: E402
 import load  # noqa: E402
 import overlap  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import falls  # noqa: E402
 
 FLOOR = ["#cdcdc8", "#787873", [-10, 90, 110, 90, 110, 130, -10, 130]]
@@ -61,7 +62,8 @@ THREE = [("tower", 2, "naive", "collapsed", 90, True), ("tower", 2, "millington"
          ("tower", 3, "naive", "collapsed", 120, True), ("bridge", 2, "naive", "exploded", 200, True)]
 
 
-class Falls(unittest.TestCase):
+class Falls(undrawn.Undrawn):
+    @undrawn.drawn
     def test_of_each_scene_dimension_and_outcome_one_is_drawn_and_the_others_counted(self):
         made, = made_of(THREE)
         self.assertEqual(sorted(made.table["step"]), [120, 200, 250])
@@ -93,6 +95,7 @@ class Falls(unittest.TestCase):
         self.assertIsNone(made.figure)
         self.assertIn("nothing collapsed", made.finding)
 
+    @undrawn.drawn
     def test_pictures_show_each_body_where_the_film_has_it(self):
         made, = made_of(THREE[1:2])
         pictures = [ax for ax in made.figure.axes if ax.findobj(PolyCollection)]
@@ -104,6 +107,7 @@ class Falls(unittest.TestCase):
             self.assertEqual((ax.get_xlim(), ax.get_ylim()), ((0, 100), (122, 22)))  # upright, without the band for words
             self.assertAlmostEqual(ax.bbox.width, ax.bbox.height)  # as wide as high: nothing is stretched
 
+    @undrawn.drawn
     def test_energy_and_overlap_stand_beneath_over_the_same_steps_with_the_fall_marked(self):
         made, = made_of(THREE[1:2])
         energy, depth = [ax for ax in made.figure.axes if ax.get_ylabel()]
@@ -123,6 +127,7 @@ class Falls(unittest.TestCase):
         steps = energy.transData.inverted().transform(ends)[:, 0]
         np.testing.assert_allclose(steps, [210, 230, 245, 250], atol=1e-6)
 
+    @undrawn.drawn
     def test_who_tells_no_contacts_says_so_and_is_measured_by_its_shapes(self):
         for contacts in (True, False):
             made, = made_of(THREE[1:2], contacts)
@@ -135,6 +140,7 @@ class Falls(unittest.TestCase):
             self.assertLess(max(depth.lines[1].get_ydata()), top)  # no dot is cut in half
             self.assertAlmostEqual(made.table["largest penetration of shapes [m]"][0], 0.03)
 
+    @undrawn.drawn
     def test_what_has_left_the_picture_is_told(self):
         made, = made_of(THREE[1:2], gone=(250,))
         self.assertEqual(words(made.figure).count("out of sight"), 1)

@@ -16,6 +16,7 @@ import numpy as np  # noqa: E402
 import chart  # noqa: E402
 import noise  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import broadphase, budgets, distinctness, energy, ensembles, residual, stages, steadiness  # noqa: E402
 
@@ -85,6 +86,7 @@ class Findings(with_store.WithStore):
         self.assertRegex(found.finding, r"within 1\.02 ms, .*per step that of catto \(1 mm\)\.")
         self.assertIn("a time above the budget by no more than the noise is within it", found.note)
 
+    @undrawn.drawn
     def test_a_cost_of_0_is_drawn_and_within_every_budget(self):
         def fill(maker):
             maker.sweep("costs", "world", resolver="label", iterations="setting")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
 """The manual's first scene and first sweep, run word for word, end in charts of that sweep. Run by ctest, or
-python3 reports/tests/first_sweep_test.py build/test/bin/lpc."""
+python3 reports/tests/first_sweep_test.py build/test/bin/lpc [CLASS]: FirstSweep, or Choose, which takes longer."""
 
 import re
 import shlex
@@ -69,7 +69,9 @@ class FirstSweep(unittest.TestCase):
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
             self.assertIn(said, done.stderr)
 
-    def test_choose_says_what_to_take_for_fifty_bodies(self):
+
+class Choose(unittest.TestCase):
+    def test_it_says_what_to_take_for_fifty_bodies(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "choose.db"
 

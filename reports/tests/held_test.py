@@ -9,6 +9,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import held  # noqa: E402
 
@@ -33,6 +34,7 @@ class Held(with_store.WithStore):
                                  (drift, drift / 2, key))
         return fill
 
+    @undrawn.drawn
     def test_who_holds_and_at_what_cost(self):
         chart, = self.made(held, self.fill())
         self.assertRegex(chart.finding, r"^In 2D tower, n=10 is held by all; the cheapest of them but catto is newton, "

@@ -14,6 +14,7 @@ import numpy as np  # noqa: E402
 
 import noise  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import hull_sizes  # noqa: E402
 
@@ -55,6 +56,7 @@ class Hulls(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @undrawn.drawn
     def test_exponents_and_what_they_say(self):
         made = self.one(drawings=("apart", "overlapping"))
         if PICTURE:
@@ -92,6 +94,7 @@ class Hulls(with_store.WithStore):
         slope, half = hull_sizes.exponent(n, n * np.array([1, 2, 1, 2, 1, 2]))
         self.assertGreater(half, abs(slope - 1), "the interval holds the power under the noise")
 
+    @undrawn.drawn
     def test_what_failed_is_told_and_has_no_time(self):
         made = self.one(hung=(("fcl", 256),))
         self.assertIn("fcl, vertices=256: timeout (too long)", made.holes)

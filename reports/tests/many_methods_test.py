@@ -14,6 +14,7 @@ import chart  # noqa: E402
 import make  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import steadiness  # noqa: E402
 
@@ -46,11 +47,13 @@ def before_the_limits(ax, spots, **kwargs):
 
 
 class ManyMethods(with_store.WithStore):
+    @undrawn.drawn
     def test_no_letters_overlap_or_are_cut_off(self):
         for made in make.all_charts(self.context(sweep_of_twenty)):
             if made.figure is not None:
                 self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
 
+    @undrawn.drawn
     def test_limits_that_change_after_the_letters_are_seen(self):
         with unittest.mock.patch("over_steps.fallen", before_the_limits):
             figures = [made.figure for made in chart.made(steadiness, self.context(sweep_of_twenty))]

@@ -11,6 +11,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import momenta  # noqa: E402
 
@@ -50,6 +51,7 @@ class Momenta(with_store.WithStore):
         self.assertAlmostEqual(table.at["avbd", "change of momentum over what there is [1]"], 0.03)
         self.assertEqual(list(table["declares that it changes linear momentum"]), [m == "avbd" for m in table.index])
 
+    @undrawn.drawn
     def test_rings_are_around_what_is_declared(self):
         made = self.made(momenta, self.free())[0]
         rings = [sum(line.get_markerfacecolor() == "none" for line in ax.get_lines()) for ax in made.figure.axes]

@@ -18,6 +18,7 @@ import chart  # noqa: E402
 import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import (broadphase, cost_against_error, ensembles, noise_floor, precision, step_times,  # noqa: E402
                     unneeded)
@@ -111,6 +112,7 @@ class OfStores(with_store.WithStore):
         self.assertEqual(float(np.median(cells[f"{COST} runs"].iloc[0])), cells[COST].iloc[0])
         self.assertEqual(cells["load"].iloc[0], 0.4)
 
+    @undrawn.drawn
     def test_the_floor_is_that_of_a_method_with_itself(self):
         def fill(maker, spread=0.2):
             for repeat in range(6):
@@ -151,6 +153,7 @@ class OfStores(with_store.WithStore):
         for least in (1.1, noise.UNMEASURED):
             self.assertIn("and the whiskers of the two are apart", noise.rule(least))
 
+    @undrawn.drawn
     def test_the_fastest_broadphases_within_the_noise_are_all_named(self):
         def fill(maker):
             maker.sweep("boxes", "boxes", "naive", broadphase="stage")
@@ -185,6 +188,7 @@ class OfStores(with_store.WithStore):
         self.assertIn("other is as fast as it at the largest size, within the noise", found.finding)
         self.assertNotIn("times faster", found.finding)
 
+    @undrawn.drawn
     def test_no_chart_calls_too_few_repeats_noise(self):
         def fill(maker):
             self.features(1.0)(maker)

@@ -14,6 +14,7 @@ import chart  # noqa: E402
 import over_steps  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import broadphase, energy, ensembles, residual, steadiness, step_times  # noqa: E402
 
@@ -36,6 +37,7 @@ class OverSteps(with_store.WithStore):
                 axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
                 maker.world("mine", axes, 1.0, 1e-3, *failed)
 
+    @undrawn.drawn
     def test_runs_that_fail_at_one_place_are_one_letter_with_their_number(self):
         for module in (energy, residual, steadiness):
             figure = self.made(module, self.two_that_fail_alike)[0].figure
@@ -64,6 +66,7 @@ class OverSteps(with_store.WithStore):
         self.assertIn("trials of kind boxes", self.made(broadphase, fill)[0].finding)
         self.assertIsNotNone(self.made(ensembles, fill)[0].figure)
 
+    @undrawn.drawn
     def test_each_scene_is_drawn_at_the_middle_of_its_own_setting(self):
         def fill(maker):
             maker.sweep("mine", "world", resolver="label", iterations="setting")

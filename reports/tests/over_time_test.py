@@ -10,6 +10,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import over_time  # noqa: E402
 
@@ -69,6 +70,7 @@ class OverTime(with_store.WithStore):
         self.assertIn("is borne in part by", said(naive_linear=90, naive_ngs=50, catto_linear=50, catto_ngs=None))
         self.assertNotIn("this scene", said(catto_ngs=None, catto_nonlinear=None))
 
+    @undrawn.drawn
     def test_the_planted_bug_curves_apart_are_no_one_line(self):
         def drawn(apart):
             made = self.made(over_time, self.piles(falls={"catto+linear": None, "catto+ngs": None}, apart=apart))[0]

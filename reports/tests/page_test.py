@@ -33,8 +33,10 @@ import pages  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import table  # noqa: E402
+import undrawn  # noqa: E402
 from charts import coverage as coverage_chart  # noqa: E402
 
+CASES = 60 if undrawn.ALL else 20  # of pictures that are drawn at random
 PREFIXED = re.compile(r"^-?[\d.]+(e[-+]?\d+)? ?([pnµmk]?(m|s|J|m/s)|%)$")  # a number that was rounded for eyes
 
 
@@ -138,7 +140,7 @@ class Pictures(unittest.TestCase):
 
     def test_failures_stay_apart_wherever_they_are(self):
         source = random.Random(4)
-        for _ in range(60):
+        for _ in range(CASES):
             spots = [(source.uniform(0, 10), source.choice([9.0, 9.3, 5.0]), source.choice(["collapsed", "diverged", "timeout"]),
                       "#000000") for _ in range(source.randrange(1, 25))]
             told = []
@@ -150,7 +152,7 @@ class Pictures(unittest.TestCase):
 
     def test_ticks_leave_room_for_zero_and_failures(self):
         source = random.Random(6)
-        for _ in range(60):
+        for _ in range(CASES):
             values = [10**source.uniform(-9, 3) for _ in range(source.randrange(1, 5))] + [0.0, math.nan]
             unit = source.choice(["ns", "m", "1"])
             found = self.figure(lambda ax: (style.ZeroLog(ax, "x", values, unit, failed_name="not timed"),
@@ -191,7 +193,7 @@ def check_titles(charts, name_apart):
     return ", ".join(sorted({title for title in titles if titles.count(title) > 1}))
 
 
-class Words(unittest.TestCase):
+class Words(undrawn.Undrawn):
     """What the page says beside its charts."""
 
     def page(self, fill):
@@ -249,6 +251,7 @@ class Words(unittest.TestCase):
         self.assertNotIn("Every planned cell is shown", page, "charts have room for some scenes only")
         self.assertNotIn("finished and is ok", page, "a run that collapsed has finished, too")
 
+    @undrawn.drawn
     def test_what_is_unsupported_or_was_never_started_did_not_run(self):
         with tempfile.TemporaryDirectory() as folder:
             maker = synthetic_store.Maker(Path(folder) / "s.db")
@@ -277,7 +280,14 @@ class WholeReport(unittest.TestCase):
             cls.charts = real(*arguments)
             return cls.charts
 
+        def listed(pictures):
+            """What takes half of the time: command_test.py writes pictures, and here each is drawn once, to be measured."""
+            for _, target in pictures:
+                target.touch()
+
+        save_all = pages.save_all if undrawn.ALL else listed
         with unittest.mock.patch.object(make, "all_charts", kept), contextlib.redirect_stderr(cls.said), (
+                unittest.mock.patch.object(pages, "save_all", save_all)), (
                 contextlib.redirect_stdout(io.StringIO())) as printed, warnings.catch_warnings():
             warnings.simplefilter("always")
             cls.code = make.main(["--store", str(path), "--out", str(cls.out)])
@@ -296,6 +306,10 @@ class WholeReport(unittest.TestCase):
         self.assertNotIn("http", page.replace("http-equiv", ""), "the page must open from disk alone")
 
     def test_no_letters_overlap_or_are_cut_off(self):
+        warned = warnings.catch_warnings()
+        warned.__enter__()
+        self.addCleanup(warned.__exit__, None, None, None)
+        warnings.simplefilter("error")  # of a letter that the font lacks, of a layout that has no room
         for made in self.charts:
             figures = [made.figure] if made.figure is not None else []
             figures += [headlines.drawn(made.headline)] if made.headline is not None else []

@@ -20,6 +20,7 @@ import noise  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import ledger, pair_queries  # noqa: E402
 
 PAIRS = (("box", "box"), ("box", "sphere"), ("sphere", "sphere"))
@@ -48,7 +49,7 @@ def queries(maker, failing=(), asked=600, missing=()):
                             "wrong" if wrong else "ok")
 
 
-class PairQueries(unittest.TestCase):
+class PairQueries(undrawn.Undrawn):
     def made(self, **kwargs):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -58,7 +59,8 @@ class PairQueries(unittest.TestCase):
         maker.close()
         found = chart.made(pair_queries, chart.Context(load.Store(Path(folder.name) / "store.db")))
         for made in found:
-            self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
+            if self.draws:
+                self.assertEqual(overlap.overlaps(made.figure), ([], []), made.id)
         return found
 
     def test_leaders_within_the_noise_are_named_together(self):
@@ -92,6 +94,7 @@ class PairQueries(unittest.TestCase):
                       "each; the 3 others fail on 8.3% of 96", first.headline.text)
         self.assertTrue(all(math.isnan(first.headline.values[m]) for m in ("fcl_libccd", "libccd_mpr", "fcl_indep")))
 
+    @undrawn.drawn
     def test_shares_have_the_number_of_queries_beside_them(self):
         rates = self.made(failing=("fcl_libccd",))[1]
         self.assertIn("fcl_libccd fails most often, on sphere–sphere: 8 of 96 (8.3%)", rates.finding)
@@ -100,6 +103,7 @@ class PairQueries(unittest.TestCase):
         labels = [label.get_text() for label in rates.figure.axes[0].get_yticklabels()]
         self.assertEqual(labels, ["closed_form, 600", "fcl_libccd (witness), 96", "gjk_epa, 600", "sat, 600"])
 
+    @undrawn.drawn
     def test_what_is_not_asked_or_not_declared_has_its_word_in_the_legend(self):
         legend = lambda made: [text.get_text() for text in made.figure.legends[0].get_texts()]  # noqa: E731
         asked, blank = self.made()[1], self.made(missing=(("sat", "box", "box"),))[1]
@@ -107,6 +111,7 @@ class PairQueries(unittest.TestCase):
         self.assertNotIn("blank: was not asked", legend(asked))
         self.assertIn("blank: was not asked", legend(blank))
 
+    @undrawn.drawn
     def test_a_pair_that_is_not_declared_takes_no_room_on_the_axes(self):
         first = self.made()[0]
         for ax in (ax for ax in first.figure.axes if ax.get_visible()):
@@ -115,6 +120,7 @@ class PairQueries(unittest.TestCase):
                 self.assertFalse({"none", "not timed", "failed"} & {label.get_text() for label in axis.get_ticklabels()})
         self.assertNotIn("at step 0", " ".join(first.holes), "a query has no steps")
 
+    @undrawn.drawn
     def test_no_tick_stands_below_what_is_shown_as_zero(self):
         figure, ax = style.plt.subplots()
         scale = style.ZeroLog(ax, "y", [0.0, 1.0001e-17, 10.0], "1", floor=1e-17)
@@ -123,7 +129,7 @@ class PairQueries(unittest.TestCase):
         style.plt.close(figure)
 
 
-class OneTiming(unittest.TestCase):
+class OneTiming(undrawn.Undrawn):
     """Of the ledger: a time has no repeats, so that no floor can be measured."""
 
     def rows(self, *of_methods):

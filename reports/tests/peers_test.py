@@ -11,6 +11,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import noise  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import peers  # noqa: E402
 
@@ -42,6 +43,7 @@ class Peers(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @undrawn.drawn
     def test_who_fails_is_no_peer_that_is_right(self):
         made = self.one()
         self.assertEqual(made.finding, "Of 3 questions that ours answer without a failure, on 2 a library fails nowhere, either: "

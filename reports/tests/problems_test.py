@@ -10,6 +10,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import problems  # noqa: E402
 
@@ -41,6 +42,7 @@ def invented(maker, dear=False, ns=None):
 
 
 class Problems(with_store.WithStore):
+    @undrawn.drawn
     def test_who_solves_how_much_at_which_cost(self):
         curves, profile, rates = self.made(problems, invented)
         self.assertEqual(curves.finding, "Of 2 problems, with all iterations, who leaves least: nncg of 2 and catto of 1.",
@@ -62,6 +64,7 @@ class Problems(with_store.WithStore):
         self.assertIn("direct_lcp and nncg solve most, 100 %", profile.finding)
         self.assertEqual(profile.holes, ["direct_lcp: 1 more of 2 problems at 200 times the best, not drawn"])
 
+    @undrawn.drawn
     def test_what_is_timed_has_curves_over_time(self):
         # On easy catto has 10 iterations to a thousandth and nncg 5: 1.6 times the time. On hard nncg is alone.
         ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}

@@ -15,6 +15,7 @@ import make  # noqa: E402
 import readme  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import cost_against_error  # noqa: E402
 
 ROOT = HERE.parent.parent
@@ -36,10 +37,11 @@ def check(page):
     return ""
 
 
-class Readme(unittest.TestCase):
+class Readme(undrawn.Undrawn):
     def test_caption_figure_and_numbers_agree(self):
         self.assertEqual(check(ROOT / "README.md"), "")
 
+    @undrawn.drawn
     def test_a_caption_of_other_data_is_seen(self):
         with tempfile.TemporaryDirectory() as folder:
             page = Path(folder) / "README.md"

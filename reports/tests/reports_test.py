@@ -25,11 +25,12 @@ import make  # noqa: E402
 import metrics  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 from charts import breaking_points, broadphase, ledger, ledger_clean, micro  # noqa: E402
 from charts import coverage as coverage_chart  # noqa: E402
 
 
-class WithStore(unittest.TestCase):
+class WithStore(undrawn.Undrawn):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -378,6 +379,7 @@ class PlainLog(style.ZeroLog):
 
 
 class Drawing(WithStore):
+    @undrawn.drawn
     def test_zero_and_failures_have_a_place(self):
         self.assertTrue(check_zero_place(style.ZeroLog))
         self.assertFalse(check_zero_place(PlainLog), "the planted bug was not seen")

@@ -12,6 +12,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import numpy as np  # noqa: E402
 
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import script_profile  # noqa: E402
 
@@ -50,6 +51,7 @@ class ScriptProfile(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @undrawn.drawn
     def test_numbers_of_each_run_and_the_ratio(self):
         made = self.one()
         if PICTURE:

@@ -12,6 +12,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import with_store  # noqa: E402
 
 import sleep_scenes  # noqa: E402
+import undrawn  # noqa: E402
 from charts import sleeping  # noqa: E402
 
 # policy: (woken, steps) of a wave of 5, woken by a touch at 0.05 m/s, from which step rollers sleep at 0.001 and 0.1 m/s
@@ -47,6 +48,7 @@ class SleepScenes(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @undrawn.drawn
     def test_what_each_policy_does(self):
         made = self.one()
         if PICTURE:

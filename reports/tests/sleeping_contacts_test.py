@@ -9,6 +9,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import sleeping_contacts  # noqa: E402
 
@@ -41,6 +42,7 @@ class SleepingContacts(with_store.WithStore):
                         maker.trial("mine", {**axes, "timed": True, "repeat": repeat}, {**found, **time}, outcome, hash=bits)
         return fill
 
+    @undrawn.drawn
     def test_what_is_saved_and_what_it_changes(self):
         made = self.made(sleeping_contacts, self.stack())
         self.assertEqual(len(made), 1)
@@ -62,6 +64,7 @@ class SleepingContacts(with_store.WithStore):
     def test_the_planted_bug_that_the_first_poses_are_compared_would_be_seen(self):
         self.assertAlmostEqual(self.made(sleeping_contacts, self.stack())[0].table["ends apart, largest [m]"].max(), 0.002)
 
+    @undrawn.drawn
     def test_times_within_the_noise_are_no_headline(self):
         same = {name: (kept, anew, 1.0, 1.001, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
         made = self.made(sleeping_contacts, self.stack(same))[0]

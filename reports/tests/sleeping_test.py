@@ -9,6 +9,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import sleeping  # noqa: E402
 
@@ -39,6 +40,7 @@ class Sleeping(with_store.WithStore):
                 maker.poses(key, last, [[slot, slot + off * (slot == 1), 1.0, 0.0] for slot in there])
         return fill
 
+    @undrawn.drawn
     def test_savings_distances_and_the_wave(self):
         made = self.made(sleeping, self.stack())
         self.assertEqual(len(made), 1)
@@ -52,6 +54,7 @@ class Sleeping(with_store.WithStore):
         self.assertEqual(len(made[0].figure.axes), 2)
         self.assertIn("by slow 80 % and 30 mm", made[0].headline.text)
 
+    @undrawn.drawn
     def test_time_saved_where_it_was_timed_with_the_count_beside_it(self):
         times = {"none": (10, 10, 10), "quick": (6, 6, 6), "slow": (2, 3, 9)}
         made = self.made(sleeping, self.stack(times=times))[0]
@@ -64,6 +67,7 @@ class Sleeping(with_store.WithStore):
         self.assertEqual({ax.get_xlabel() for ax in untimed.figure.axes}, {"row updates saved (%)"})
         self.assertNotIn("of the time", untimed.finding)
 
+    @undrawn.drawn
     def test_no_mark_is_cut_by_the_frame(self):
         low, high = self.made(sleeping, self.stack())[0].figure.axes[1].get_ylim()
         self.assertTrue(low < 0 and high > 4, (low, high))

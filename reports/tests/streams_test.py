@@ -12,6 +12,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import noise  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import streams  # noqa: E402
 
@@ -53,6 +54,7 @@ class Streams(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @undrawn.drawn
     def test_ranks_that_part_are_told_with_both_ratios(self):
         made = self.one()
         if PICTURE:
@@ -80,6 +82,7 @@ class Streams(with_store.WithStore):
         finally:
             noise.tells = real
 
+    @undrawn.drawn
     def test_who_fails_has_a_ring(self):
         rings = lambda made: sum(line.get_markersize() == 11 for ax in made.figure.axes for line in ax.lines)  # noqa: E731
         self.assertEqual(rings(self.one()), 0)

@@ -191,9 +191,9 @@ class Maker:
         self.db.close()
 
 
-def broadphase(make, sizes=(50, 100, 200, 500, 1000, 2000)):
+def broadphase(make, sizes=(50, 100, 200, 500, 1000, 2000), dimensions=(2, 3)):
     make.sweep("broadphase_crossover", "boxes", "naive", broadphase="stage")
-    for dimension in (2, 3):
+    for dimension in dimensions:
         for distribution in ("uniform", "cluster"):
             for name, (scale, power, tests) in BROADPHASES.items():
                 for n in sizes:
@@ -212,9 +212,12 @@ def broadphase(make, sizes=(50, 100, 200, 500, 1000, 2000)):
                                    {"ns_per_frame_median": ns, "ns_per_frame_p25": ns * 0.95, "ns_per_frame_p75": ns * 1.1})
 
 
-def resolvers(make):
-    make.sweep("resolvers", "world", "naive", resolver="label", iterations="setting")
-    for scene, dimensions in (("vertical_stack", (2, 3)), ("pyramid", (2,)), ("slope", (2,)), ("mass_ratio", (2,))):
+RESOLVED = (("vertical_stack", (2, 3)), ("pyramid", (2,)), ("slope", (2,)), ("mass_ratio", (2,)))
+
+
+def resolvers(make, scenes=RESOLVED, **about):
+    make.sweep("resolvers", "world", "naive", resolver="label", iterations="setting", **about)
+    for scene, dimensions in scenes:
         for dimension in dimensions:
             for label, (ms, error, _) in RESOLVERS.items():
                 for i, iterations in enumerate((4, 10, 40)):
@@ -228,6 +231,11 @@ def resolvers(make):
                         make.world("resolvers", axes, ms, math.nan, "diverged", "nan", 12)
                     else:
                         make.world("resolvers", axes, ms * (1 + i), e, restless=error * 5, extra=extra)
+
+
+def one_scene(make):
+    """A sweep with one chart: few pictures for tests of what writes them."""
+    resolvers(make, (("pyramid", (2,)),), report=["cost_against_error"])
 
 
 def breaking(make):

@@ -12,6 +12,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import noise  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import tolerance_cost  # noqa: E402
 
@@ -48,6 +49,7 @@ class Tolerance(with_store.WithStore):
         self.assertEqual(len(found), 1)
         return found[0]
 
+    @undrawn.drawn
     def test_the_sentence_and_the_numbers(self):
         made = self.one()
         if PICTURE:

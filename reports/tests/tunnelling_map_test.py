@@ -12,6 +12,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import noise  # noqa: E402
 import synthetic_store  # noqa: E402
+import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import tunnelling_map  # noqa: E402
 
@@ -87,6 +88,7 @@ class Map(with_store.WithStore):
         self.assertIn("“≈”: within the noise.", made.note)
         self.assertNotIn("“=”", made.note)
 
+    @undrawn.drawn
     def test_a_panel_for_each_method_the_baseline_first(self):
         made = self.one()
         panels = [ax for ax in made.figure.axes if ax.get_visible()]
@@ -117,12 +119,14 @@ class Map(with_store.WithStore):
                       made.finding)
         self.assertIn("“?”: with too few repeats", made.note)
 
+    @undrawn.drawn
     def test_untimed_there_is_no_word_of_times(self):
         made = self.one(repeats=0)
         self.assertTrue(made.finding.endswith("let no bullet through in any of 6 cells."), made.finding)
         self.assertEqual(sum(ax.get_visible() for ax in made.figure.axes), 5)
         self.assertNotIn(RATIO, made.table)
 
+    @undrawn.drawn
     def test_what_failed_is_a_letter_and_no_zero(self):
         made = self.one(fell=(("ray", 400), ("none", 25)))
         panels = {ax.get_title("left"): ax for ax in made.figure.axes if ax.get_visible()}
@@ -152,6 +156,7 @@ class Map(with_store.WithStore):
         found = self.made(tunnelling_map, self.bullets(dimensions=(2, 3)))
         self.assertEqual([c.id for c in found], ["mine_tunnelling_map_bullet_wall__2d", "mine_tunnelling_map_bullet_wall__3d"])
 
+    @undrawn.drawn
     def test_many_methods_stand_in_rows(self):
         many = {f"method_{i}" if i else "none": (10.0 + i, METHODS["none"][1]) for i in range(12)}
         made = self.one(of=many)
