@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
 """Damages what ships (scenes, sweeps, pipelines, cases, recordings, stores, command lines) and gives it to the program, which
-owes each call what judge.py says. Run by ctest: mutate.py LPC SOURCE_DIR WORK_DIR [--sanitized]; inputs that once failed
-(kept/KIND/) come first. LPC_TEST_CASES scales the number of cases, in per cent; LPC_TEST_SEED, a number, replaces the fixed
+owes each call what judge.py says. Run by ctest: mutate.py LPC SOURCE_DIR WORK_DIR [--sanitized] [--part FROM TO]; inputs that
+once failed (kept/KIND/) come first. LPC_TEST_CASES scales the number of cases, in per cent; LPC_TEST_SEED, a number, replaces the fixed
 seed. One input again: mutate.py LPC SOURCE_DIR WORK_DIR --replay KIND FILE."""
 
 import argparse
@@ -208,6 +208,8 @@ def main():
     parser.add_argument("--sanitized", action="store_true")
     parser.add_argument("--replay", nargs=2, metavar=("KIND", "FILE"))
     parser.add_argument("--only", choices=sorted(KINDS), action="append", help="these kinds (for a longer search by hand)")
+    parser.add_argument("--part", nargs=2, type=int, default=(0, 100), metavar=("FROM", "TO"),
+                        help="of the cases of each kind, in per cent; what once failed belongs to the first")
     o = parser.parse_args()
     if o.replay and o.replay[0] not in KINDS:
         parser.error(f"there is no kind '{o.replay[0]}'; valid: {', '.join(sorted(KINDS))}")
@@ -223,13 +225,14 @@ def main():
     started, bad, cases = time.monotonic(), 0, 0
     kinds = o.only or KINDS
     for kind in kinds:
-        for path in sorted((HERE / "kept" / kind).glob("*")):
+        for path in sorted((HERE / "kept" / kind).glob("*")) if o.part[0] == 0 else ():
             cases += 1
             if told := fuzzer.fault(kind, path.read_bytes()):
                 fuzzer.tell(kind, path, told)
                 bad += 1
     for kind in kinds:
-        for number in range(max(1, round(KINDS[kind].cases * percent / 100))):
+        several = max(1, round(KINDS[kind].cases * percent / 100))
+        for number in range(*(round(several * part / 100) for part in o.part)):
             cases += 1
             bad += not fuzzer.one(kind, seed, number)
     codes = ", ".join(f"{n} with {code}" for code, n in sorted(fuzzer.codes.items()))
