@@ -1,6 +1,6 @@
 # Installs LPC into an empty folder and builds what a user would build against it: the programs of the manual, the plugin of the
 # guide, and what stands beside this file: cmake -DSOURCE_DIR=... -DBINARY_DIR=... -DWORK_DIR=... -DCXX=... [-DLAUNCHER=...]
-# [-DDEEP=ON] -P. Headers take most of the time: all is compiled without optimisation and the files of a target as one. With DEEP
+# [-DPART=programs, or extensions: the plugin, the dominoes and the window] [-DDEEP=ON] -P. Headers take most of the time: all is compiled without optimisation and the files of a target as one. With DEEP
 # each file is compiled by itself, as Release.
 cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
 include(${CMAKE_CURRENT_LIST_DIR}/../guide.cmake)
@@ -53,6 +53,8 @@ else()
 endif()
 set(manual ${SOURCE_DIR}/docs/manual.md)
 set(guide ${SOURCE_DIR}/docs/adding_an_algorithm.md)
+
+if(NOT PART STREQUAL extensions)
 
 foreach(file IN ITEMS main.cpp CMakeLists.txt)
   page_file(${manual} ${file} ${WORK_DIR}/manual/${file})
@@ -127,6 +129,11 @@ foreach(library IN LISTS libraries)
     message(FATAL_ERROR "${library} links an oracle library:\n${links}")
   endif()
 endforeach()
+
+endif()
+if(PART STREQUAL programs)
+  return()
+endif()
 
 # A broadphase, a resolver and a shape outside of the tree, word for word.
 foreach(file IN ITEMS algorithms/broadphase/bucket_sort.cpp algorithms/velocity/backward.cpp mine/plugin.cpp mine/CMakeLists.txt
