@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Zlib
-"""Runs files of tests, each in a process of its own that has matplotlib and pandas from the start: to import them takes a second,
-which is more than most of these tests do. Run by ctest, or python3 reports/tests/each.py FILE..."""
+"""Runs files of tests, each in a process of its own that has matplotlib, pandas and the report from the start: to import them
+takes a second, which is more than most of these tests do. Run by ctest, or python3 reports/tests/each.py FILE..."""
 
 import os
 import runpy
 import sys
+from pathlib import Path
 
 import jinja2  # noqa: F401
 import matplotlib
@@ -12,6 +13,18 @@ import pandas  # noqa: F401
 
 matplotlib.use("Agg")
 import matplotlib.pyplot  # noqa: E402, F401
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import chart  # noqa: E402
+import docs_page  # noqa: E402, F401
+import make  # noqa: E402, F401
+import pages  # noqa: E402, F401
+import readme  # noqa: E402, F401
+import with_store  # noqa: E402, F401
+
+chart.modules()
 
 
 def run(file):
