@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Zlib
 """Damages what ships (scenes, sweeps, pipelines, cases, recordings, stores, command lines) and gives it to the program, which
 owes each call what judge.py says. Run by ctest: mutate.py LPC SOURCE_DIR WORK_DIR [--sanitized] [--part FROM TO]; inputs that
-once failed (kept/KIND/) come first. LPC_TEST_CASES scales the number of cases, in per cent; LPC_TEST_SEED, a number, replaces the fixed
-seed. One input again: mutate.py LPC SOURCE_DIR WORK_DIR --replay KIND FILE."""
+once failed (kept/KIND/) come first. LPC_TEST_CASES scales the number of cases, in per cent; LPC_TEST_SEED, a number, replaces the
+fixed seed. One input again: mutate.py LPC SOURCE_DIR WORK_DIR --replay KIND FILE."""
 
 import argparse
 import dataclasses

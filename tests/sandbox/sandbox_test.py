@@ -380,7 +380,8 @@ class Sandbox(Played):
     def test_what_was_not_built_is_said(self):
         alone = self.folder / "lpc"
         shutil.copy(LPC, alone)
-        for there, arguments, say in ((None, (), "--target lpc-sandbox\n"), (None, ("--precision", "f32"), "--target lpc-sandbox-f32\n"),
+        for there, arguments, say in ((None, (), "--target lpc-sandbox\n"),
+                                      (None, ("--precision", "f32"), "--target lpc-sandbox-f32\n"),
                                       ("lpc-sandbox", ("--precision", "f32"), "--target lpc-sandbox-f32\n")):
             with self.subTest(there=there, arguments=arguments):
                 if there:

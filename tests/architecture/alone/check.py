@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Each source of the product compiles alone: batches (LPC_UNITE) hide an #include that an earlier file of the batch has. Run by
 ctest: check.py SOURCE_DIR BINARY_DIR COMPILER. It configures the project without batches, takes the compile commands of one
-precision, and parses each file by the precompiled headers of BINARY_DIR. tests/run --deep also goes without precompiled headers."""
+precision, and parses each file with the precompiled headers of BINARY_DIR. tests/run --deep also compiles without them."""
 
 import json
 import os
@@ -19,9 +19,9 @@ FOLDERS = ("framework", "algorithms", "oracles", "experiments")
 
 def configure():
     """The compile commands of a build without batches."""
-    done = subprocess.run(["cmake", "-G", "Ninja", "-S", SOURCE, "-B", ALONE, f"-DCMAKE_CXX_COMPILER={COMPILER}", "-DCMAKE_BUILD_TYPE=Release",
-                           "-DLPC_ENABLE_ASSERT=ON", "-DLPC_UNITE=OFF", "-DLPC_PRECISIONS=f64", "-DCMAKE_CXX_COMPILER_LAUNCHER=",
-                           "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"], capture_output=True, text=True)
+    done = subprocess.run(["cmake", "-G", "Ninja", "-S", SOURCE, "-B", ALONE, f"-DCMAKE_CXX_COMPILER={COMPILER}",
+                           "-DCMAKE_BUILD_TYPE=Release", "-DLPC_ENABLE_ASSERT=ON", "-DLPC_UNITE=OFF",
+                           "-DLPC_PRECISIONS=f64", "-DCMAKE_CXX_COMPILER_LAUNCHER=", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"], capture_output=True, text=True)
     if done.returncode:
         sys.exit(done.stdout + done.stderr)
     return json.loads((ALONE / "compile_commands.json").read_text())
