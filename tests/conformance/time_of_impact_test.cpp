@@ -2,6 +2,7 @@
 // Every method that finds times of impact, on moving pairs of every kind: before the referee, and before itself.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 
