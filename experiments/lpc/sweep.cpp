@@ -99,6 +99,12 @@ void sweep(SweepOptions& o, Session& session) {
   o.run.partial = !o.only.empty();
   o.run.plugins = session.plugins;
   for (PlannedSweep& s : sweeps) addPlugins(s.command, session);
+  long changed = 0;
+  for (const PlannedSweep& s : sweeps) changed += store.changed(s);
+  if (changed > 0) {
+    std::fprintf(stderr, "lpc: %ld trials of %s run again: their scene, code, compiler or options have changed\n",
+                 changed, o.store.c_str());
+  }
   RunSummary done = runSweeps(sweeps, store, o.run);
   for (const PlannedSweep& s : sweeps) done.stopped = done.stopped || !filmFalls(s, store, o.run);
   printEnd(o.store, done);
@@ -120,8 +126,9 @@ void addSweep(CommandLine& app, Session& session) {
       .commaSeparated();
   command.option("--with", o->with, "LABEL=PIPELINE: one more method among the labelled ones (may be repeated)");
   command.option("--set", o->set, "AXIS=VALUE: this value in place of the axis's own (may be repeated)");
-  command.option("--precision", o->precision,
-                 "only trials of this precision, f64 or f32; the plan in the store has no others until they are asked for");
+  command.option(
+      "--precision", o->precision,
+      "only trials of this precision, f64 or f32; the plan in the store has no others until they are asked for");
   command.option("--jobs", o->run.jobs, "untimed trials at once; default: one per core").range(1L, 4096L);
   command.flag("--retry", o->run.retry, "runs timeouts, crashes and out-of-memory again");
   command.flag("--dry-run", o->dryRun, "counts the trials, looks whether the store can take them, and runs none");

@@ -243,6 +243,18 @@ void Store::forgetCells(const PlannedSweep& sweep) {
   }
 }
 
+long Store::changed(const PlannedSweep& sweep) {
+  std::set<std::string> cells, keys;
+  for (const PlannedTrial& t : sweep.trials) cells.insert(t.axes.dump()), keys.insert(t.key);
+  long out = 0;
+  SQLite::Statement s(m_db, "SELECT key, axes FROM planned JOIN trial USING(key) WHERE sweep=?");
+  s.bind(1, sweep.name);
+  while (s.executeStep()) {
+    out += !keys.count(s.getColumn(0).getString()) && cells.count(s.getColumn(1).getString());
+  }
+  return out;
+}
+
 void Store::plan(const PlannedSweep& sweep, bool replace) try {
   SQLite::Transaction transaction(m_db);
   if (replace) {

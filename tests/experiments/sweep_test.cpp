@@ -251,6 +251,21 @@ TEST(SweepRun, theLastLineAddsUp) {
   EXPECT_EQ(w.lpc(run).text, "s.db: 10 trials planned, 8 were done, 0 run, 0 of these not ok, 2 shared\n");
 }
 
+// A line says how many trials run again since something in their keys has changed.
+TEST(SweepRun, OneLineSaysWhatRunsAgain) {
+  Workspace w;
+  const std::string scene = readFile(LPC_SOURCE_DIR "/experiments/scenes/box_drop.toml");
+  w.write("drop.toml", scene);
+  w.write("s.toml", "summary = \"s\"\nkind = \"world\"\n[axes]\nscene = \"drop.toml\"\nsteps = [1, 2]\n");
+  const std::string again = "run again", run = "sweep s.toml --store s.db --quiet";
+  EXPECT_EQ(w.lpc(run).text.find(again), std::string::npos) << "of an empty store";
+  EXPECT_EQ(w.lpc(run).text.find(again), std::string::npos) << "of a store that is whole";
+  w.write("drop.toml", scene + "\n# changed\n");
+  EXPECT_EQ(
+      w.lpc(run).text.find("lpc: 2 trials of s.db run again: their scene, code, compiler or options have changed\n"),
+      0u);
+}
+
 // A program in the place of all workers, in the folder "workers".
 std::string workers(const Workspace& w, const std::string& text, bool executable = true) {
   std::filesystem::create_directory(w.path("workers"));
