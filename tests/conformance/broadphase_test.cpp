@@ -16,6 +16,8 @@
 namespace lpc::inline LPC_PRECISION::test {
 namespace broadphase_test {
 
+constexpr int kRuns = 60;  // histories of each method, and of each bug that they must catch
+
 template <int D>
 void checkAllPairs() {
   const auto list = Registry::instance().list(StageKind::broadphase, D);
@@ -25,15 +27,19 @@ void checkAllPairs() {
     const std::vector<Spec> specs = variants(*algorithm);
     std::size_t runs = 0, total = 0;
     // The lengths grow with the number of the case: half of the cases are the default, so that it sees the long ones.
-    check("pairs of " + algorithm->info.name + " are those of brute force, " + std::to_string(D) + "D", [&] {
-      const auto commandList = drawCommands();
-      const auto family = anyFamily();
-      const int variant = RapidCheckDraw().below(2 * static_cast<int>(specs.size()));
-      const Spec& spec = specs[static_cast<std::size_t>(std::max(0, variant - static_cast<int>(specs.size())))];
-      ++runs, total += commandList.size();
-      RC_LOG() << spec.text() << ", family " << static_cast<int>(family) << '\n';
-      checkPairs<D>([&] { return createStage<Broadphase<D>>(spec); }, algorithm->info.guarantee, family, commandList);
-    });
+    check(
+        "pairs of " + algorithm->info.name + " are those of brute force, " + std::to_string(D) + "D",
+        [&] {
+          const auto commandList = drawCommands();
+          const auto family = anyFamily();
+          const int variant = RapidCheckDraw().below(2 * static_cast<int>(specs.size()));
+          const Spec& spec = specs[static_cast<std::size_t>(std::max(0, variant - static_cast<int>(specs.size())))];
+          ++runs, total += commandList.size();
+          RC_LOG() << spec.text() << ", family " << static_cast<int>(family) << '\n';
+          checkPairs<D>([&] { return createStage<Broadphase<D>>(spec); }, algorithm->info.guarantee, family,
+                        commandList);
+        },
+        kRuns);
     if (!::testing::Test::HasFailure() && runs >= 50) {
       EXPECT_GE(total / runs, 1000u) << "sequences are too short to age a structure";
     }
@@ -102,15 +108,18 @@ TEST(BroadphaseSample, IsOfThoseWhoAreAwake) {
 
 template <template <int> class Bug>
 void expectRefused(const std::string& name, Guarantee guarantee = Guarantee::exact) {
-  expectFalsified("planted bug: " + name, [&] {
-    const auto commandList = drawCommands();
-    const auto family = anyFamily();
-    if (*rc::gen::arbitrary<bool>()) {
-      checkPairs<2>([] { return std::make_unique<Bug<2>>(); }, guarantee, family, commandList);
-    } else {
-      checkPairs<3>([] { return std::make_unique<Bug<3>>(); }, guarantee, family, commandList);
-    }
-  });
+  expectFalsified(
+      "planted bug: " + name,
+      [&] {
+        const auto commandList = drawCommands();
+        const auto family = anyFamily();
+        if (*rc::gen::arbitrary<bool>()) {
+          checkPairs<2>([] { return std::make_unique<Bug<2>>(); }, guarantee, family, commandList);
+        } else {
+          checkPairs<3>([] { return std::make_unique<Bug<3>>(); }, guarantee, family, commandList);
+        }
+      },
+      kRuns);
 }
 TEST(BroadphasePlantedBugs, OpenBoxes) { expectRefused<OpenBoxes>("open boxes"); }
 TEST(BroadphasePlantedBugs, ForgetsCenterLine) { expectRefused<ForgetsCenterLine>("forgets the centre line"); }
