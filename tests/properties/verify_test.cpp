@@ -89,7 +89,7 @@ void everythingIsDrawn() {
   std::set<double> scales, offsets;
   int asked = 0, hits = 0, polytopes = 0;
   for (const auto& [a, b] : kindPairs(D)) {
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 150; ++i) {
       const HardPair<D> pair = hardPair<D>(a, b, 5, i);
       const RefereeAnswer<D> truth = referee<D>(pair.a.view(), {}, pair.b.view(), pair.X_AB);
       ASSERT_EQ(pair.a.kind(), a);
@@ -132,25 +132,20 @@ TEST(VerifyInputs, PairsAreTheSameWhereverTheyAreDrawn) {
 
 // --- our methods -----------------------------------------------------------------------------------------------------
 
+// A right answer along another normal than the referee's is a tie, and ties happen.
 TEST(Verify, OurMethodsAreRight) {
   for (const StageKind stage : {StageKind::pairQuery, StageKind::contacts, StageKind::broadphase}) {
     for (const int d : {2, 3}) {
-      const Verified verified = verifyOurs(stage, d, caseCount(stage == StageKind::pairQuery ? 150 : 40));
+      const Verified verified = verifyOurs(stage, d, caseCount(stage == StageKind::pairQuery ? 100 : 40));
       EXPECT_GT(total(verified)[Tally::asked], 0);
+      if (stage == StageKind::pairQuery && d == 3) {
+        EXPECT_GT(total(verified, "family", "ties")[Tally::tie], 0);
+      }
       for (const auto& [key, entry] : verified.ledger) {
         if (key.axis != "all") continue;
         EXPECT_EQ(faultsOfOurs(key, entry), 0) << d << "D " << key.method << "\n" << entry.worst;
       }
     }
-  }
-}
-
-// A right answer along another normal than the referee's is a tie, and ties happen.
-TEST(Verify, TiesAreNotWrong) {
-  const Verified ours = verifyOurs(StageKind::pairQuery, 3, 60);
-  EXPECT_GT(total(ours, "family", "ties")[Tally::tie], 0);
-  for (const auto& [key, entry] : ours.ledger) {
-    EXPECT_EQ(key.value == "ties" ? faultsOfOurs(key, entry) : 0, 0) << key.method;
   }
 }
 
