@@ -234,13 +234,12 @@ TEST(EngineTrial, JudgesOfPairsAreNotTheirs) {
   EXPECT_EQ(judgesHash(plain), judgesHash(more)) << "an engine changes no key of a pairs trial";
 }
 
-// Towers of boxes, 1 cm off to the left and right in turn, 0.1 m apart at the start, 10 iterations, 30 s: ten stand and
-// fifteen fall, in Box2D as in ours. Twelve fall in Box2D, which was measured before this adapter was; ours lean and
-// stand.
-std::string towers(const std::string& pipeline) {
+// Towers of boxes, 1 cm off to the left and right in turn, 0.1 m apart at the start, 10 iterations, 30 s. In Box2D ten
+// stand and twelve fall, which was measured before this adapter was. Twelve of ours lean and stand, fifteen fall.
+std::string towers(const std::string& pipeline, std::initializer_list<int> heights) {
   const Workspace w;
   std::string outcomes;
-  for (const int n : {10, 12, 15}) {
+  for (const int n : heights) {
     const json r = runScene(w, "vertical_stack --steps 1800 --param n=" + std::to_string(n) + " " + pipeline);
     outcomes += (outcomes.empty() ? "" : " ") + r["outcome"].get<std::string>();
   }
@@ -248,11 +247,11 @@ std::string towers(const std::string& pipeline) {
 }
 TEST(EngineTrial, TowersFallInBox2dAsTheyDid) {
   if (!built("lpc-engine-worker-f32")) GTEST_SKIP() << "this build has no f32";
-  EXPECT_EQ(towers("--precision f32 --pipeline 'engine=box2d{iterations=10}'"), "ok collapsed collapsed");
+  EXPECT_EQ(towers("--precision f32 --pipeline 'engine=box2d{iterations=10}'", {10, 12}), "ok collapsed");
 }
 TEST(EngineTrial, TowersOfOursFallLater) {
-  EXPECT_EQ(towers("--pipeline 'solver=split_solver{velocity=catto{iterations=10}}'"), "ok ok collapsed");
-  EXPECT_EQ(towers("--pipeline 'solver=soft_step{substeps=10}'"), "ok ok collapsed");
+  EXPECT_EQ(towers("--pipeline 'solver=split_solver{velocity=catto{iterations=10}}'", {12, 15}), "ok collapsed");
+  EXPECT_EQ(towers("--pipeline 'solver=soft_step{substeps=10}'", {12, 15}), "ok collapsed");
 }
 
 }  // namespace

@@ -129,17 +129,14 @@ TEST(SweepRules, NeitherOrderNorParallelismMatters) {
   Workspace w;
   w.write("s.toml", sweepText(kSizes, kMethods));
   ASSERT_EQ(w.lpc(sweepCommand("one.db", "--jobs 1")).code, 0);
-  ASSERT_EQ(w.lpc(sweepCommand("four.db", "--jobs 4")).code, 0);
   w.write("s.toml", sweepText("32, 8, 16", "\"region_tree\", \"naive\", \"planted_slow\""));
-  ASSERT_EQ(w.lpc(sweepCommand("turned.db", "--jobs 3")).code, 0);
-  const std::string one = untimed(w.path("one.db"));
-  EXPECT_EQ(untimed(w.path("four.db")), one);
-  EXPECT_EQ(untimed(w.path("turned.db")), one);
+  ASSERT_EQ(w.lpc(sweepCommand("turned.db", "--jobs 4")).code, 0);
+  EXPECT_EQ(untimed(w.path("turned.db")), untimed(w.path("one.db")));
 }
 
-// Fifty kills, of runners that start or are at work, half of them after all workers were killed as well: no row is run
+// Twenty kills, of runners that start or are at work, half of them after all workers were killed as well: no row is run
 // twice, none is half there, and the end is that of an uninterrupted sweep.
-TEST(SweepRules, SurviveFiftyKills) {
+TEST(SweepRules, SurviveTwentyKills) {
   Workspace w;
   w.write("s.toml", sweepText("8, 16, 24, 32, 40, 48", kMethods));
   ASSERT_EQ(w.lpc(sweepCommand("whole.db")).code, 0);
@@ -151,8 +148,8 @@ TEST(SweepRules, SurviveFiftyKills) {
     EXPECT_EQ(untimed(pieces), untimed(w.path("whole.db")));
     EXPECT_NE(w.lpc(sweepCommand("pieces.db", "--retry")).text.find(" 0 run"), std::string::npos);
   };
-  Random random(test::seedOf("fifty kills"));
-  const int most = std::clamp(test::caseCount(50), 10, 250);  // more take more than minutes
+  Random random(test::seedOf("twenty kills"));
+  const int most = std::clamp(test::caseCount(20), 10, 250);  // more take more than minutes
   int kills = 0, workers = 0;
   std::map<std::string, std::string> before;
   for (int turn = 0; (kills < most || workers == 0) && turn < 10 * most && !HasFailure(); ++turn) {

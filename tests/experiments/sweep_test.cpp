@@ -405,14 +405,8 @@ TEST(Store, merges) {
   EXPECT_EQ(timeless(w.path("all.db")), before);
 }
 
-TEST(Store, refusesWhatIsNone) {
+TEST(Store, takesBenchmarks) {
   Workspace w;
-  w.write("text.db",
-          "this is not a database, but it is long enough to be read as a header of one, is it not? yes it is");
-  w.write("s.toml", boxes("n = 8\nbroadphase = \"naive\"\n"));
-  EXPECT_EQ(w.lpc("sweep s.toml --store text.db").code, 2);
-  EXPECT_EQ(w.lpc("merge all.db nowhere.db").code, 2);
-  EXPECT_EQ(w.lpc("import-benchmark s.toml --store x.db").code, 2);
   w.write("bench.json", "{\"context\": {}, \"benchmarks\": [{\"name\": \"a\"}]}");
   ASSERT_EQ(w.lpc("import-benchmark bench.json --store x.db").code, 0);
   EXPECT_EQ(ask(w.path("x.db"), "SELECT json_extract(data, '$.benchmarks[0].name') FROM benchmark"), "a");
