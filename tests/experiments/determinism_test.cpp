@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // A hash per scene and pipeline: the same scene, run again, is the same bits, also after other worlds ran in between;
-// and every exact broadphase gives the same trajectory.
+// and the broadphases, a few for each scene, give the same trajectory.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "experiments/trial/scene_file.h"
 #include "framework/director.h"
 #include "framework/world.h"
+#include "tests/check_property.h"
 #include "tests/experiments/scene_states.h"
 
 namespace lpc::inline LPC_PRECISION::determinism_test {
@@ -21,6 +22,7 @@ constexpr long kSteps = 90;
 #endif
 constexpr std::size_t kBodies = 400;  // larger scenes are for sweeps
 constexpr long kWork = 4000;          // bodies times steps of a run: many bodies are run for fewer steps
+constexpr int kShare = 4;             // of the broadphases one in so many for a scene, others for the next
 
 std::vector<SceneFile> scenes() {
   std::vector<std::string> paths;
@@ -49,7 +51,7 @@ std::uint64_t historyOf(const SceneSpec<D>& scene, const std::string& pipeline) 
 }
 
 template <int D>
-void sameBits(const SceneFile& file) {
+void sameBits(const SceneFile& file, int number) {
   if (!file.has(D) || test::bodiesOf(file.name(), D) > kBodies) return;
   const SceneSpec<D> scene = file.build<D>({}, file.defaultSeed());
   if (scene.spawns.size() > kBodies) return;
@@ -58,22 +60,25 @@ void sameBits(const SceneFile& file) {
   const auto bodies = census(scene);
   const bool curved = bodies.count("dynamic cylinder") || bodies.count("dynamic ellipsoid");
   const std::string contacts = curved ? "contacts=query_clip " : "";
+  const std::uint64_t expected = historyOf(scene, contacts);
   for (const std::string& pipeline :
        {contacts, contacts + "solver=soft_step sleep=split_average",
         std::string("contacts=query_clip solver=split_solver{velocity=naive,position=linear}")}) {
-    const std::uint64_t once = historyOf(scene, pipeline);
+    const std::uint64_t once = pipeline == contacts ? expected : historyOf(scene, pipeline);
     EXPECT_EQ(historyOf(scene, pipeline), once) << pipeline;
   }
-  const std::uint64_t expected = historyOf(scene, contacts + "broadphase=naive");
+  const int share = test::caseCount(test::kCases) > test::kCases ? 1 : kShare;
   for (const Registered* r : Registry::instance().list(StageKind::broadphase, D)) {
+    if (number++ % share != 0) continue;
     EXPECT_EQ(historyOf(scene, contacts + "broadphase=" + r->info.name), expected) << r->info.name;
   }
 }
 
 TEST(Determinism, EveryScene) {
+  int number = 0;
   for (const SceneFile& file : scenes()) {
-    sameBits<2>(file);
-    sameBits<3>(file);
+    sameBits<2>(file, number++);
+    sameBits<3>(file, number++);
   }
 }
 

@@ -192,9 +192,9 @@ TEST(FclibFile, RefusesInOneLine) {
   // The length of a list, wherever it stands: libfclib would read what is not there.
   const std::string length = bytesOf(points), shorter = bytesOf(points - 1);
   bool refusedForIt = false;
-  for (std::size_t at = good.find(length); at != good.npos; at = good.find(length, at + 1)) {
+  for (std::size_t at = good.find(length); at != good.npos && !refusedForIt; at = good.find(length, at + 1)) {
     const std::string said = messageOf(std::string(good).replace(at, length.size(), shorter), path);
-    refusedForIt = refusedForIt || said.find("its vectors/mu has " + std::to_string(points - 1)) != said.npos;
+    refusedForIt = said.find("its vectors/mu has " + std::to_string(points - 1)) != said.npos;
   }
   EXPECT_TRUE(refusedForIt);
   // Any byte of another value: refused in one line, or a problem still.
