@@ -193,6 +193,8 @@ class Sandbox(Played):
                     writing = [(rows[50:600, 910:1270].max(axis=-1) < 90).sum() for rows in (made, shown)]
                     self.assertLess(abs(writing[0] / writing[1] - 1), 0.1)
                     other[50:600, 910:1270] = False
+                if name == "sandbox_eight":  # and in the second line of each tile's title: 0.22 ms is shorter than 0.219 ms
+                    other[40:56] = other[407:423] = False
                 self.assertLess(other.mean(), 0.001)
         for command in commands:
             if "--trial" not in command:  # that of a store of one's own: test_a_cell_that_fell_opens_a_step_before
