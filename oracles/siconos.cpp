@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "framework/contact_problem.h"
+#include "oracles/pseudo_inverse.h"
 #include "oracles/verdict.h"
 #include "oracles/witness_resolver.h"
 
@@ -195,9 +196,8 @@ class Siconos final : public WitnessResolver<D> {
       qe[i] = free[static_cast<std::size_t>(row)];
       for (Eigen::Index j = 0; j < m; ++j) wee(i, j) = entry(row, equalities[static_cast<std::size_t>(j)]);
     }
-    Eigen::CompleteOrthogonalDecomposition<Matrix> inverse;
-    if (m > 0) inverse.compute(wee);
-    if (m > 0 && n > 0) of.w -= wce * inverse.solve(wce.transpose()), of.q -= wce * inverse.solve(qe);
+    const PseudoInverse inverse(wee);
+    if (m > 0 && n > 0) of.w -= wce * inverse.solve(wce.transpose()), of.q -= wce * Vector(inverse.solve(qe));
     const double before = threadNanoseconds();
     const Vector r = n > 0 ? ask(of) : Vector(0);
     m_nanoseconds += of.nanoseconds - (threadNanoseconds() - before);
