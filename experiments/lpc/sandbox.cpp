@@ -68,10 +68,9 @@ std::string programOf(const std::string& precision) {
   const std::string name = precision == "f64" ? "lpc-sandbox" : "lpc-sandbox-" + precision;
   const std::filesystem::path program = programFolder() / name;
   if (std::filesystem::exists(program)) return program.string();
-  throw UserError(program.string() +
-                  " does not exist; build it: .ci/install_packages window && cmake --preset release && "
-                  "cmake --build --preset release --target " +
-                  name);
+  const std::string build = programFolder().parent_path().string();
+  throw UserError(program.string() + " does not exist; build it: .ci/install_packages window && cmake " + build +
+                  " && cmake --build " + build + " --target " + name);
 }
 
 // Without a window it is what `lpc run` does.

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include "experiments/film/falls.h"
 #include "experiments/lpc/command.h"
@@ -99,11 +100,11 @@ void sweep(SweepOptions& o, Session& session) {
   o.run.partial = !o.only.empty();
   o.run.plugins = session.plugins;
   for (PlannedSweep& s : sweeps) addPlugins(s.command, session);
-  long changed = 0;
-  for (const PlannedSweep& s : sweeps) changed += store.changed(s);
-  if (changed > 0) {
-    std::fprintf(stderr, "lpc: %ld trials of %s run again: their scene, code, compiler or options have changed\n",
-                 changed, o.store.c_str());
+  std::set<std::string> changed;
+  for (const PlannedSweep& s : sweeps) changed.merge(store.changed(s));
+  if (!changed.empty()) {
+    std::fprintf(stderr, "lpc: %zu trials of %s run again: their scene, code, compiler or options have changed\n",
+                 changed.size(), o.store.c_str());
   }
   RunSummary done = runSweeps(sweeps, store, o.run);
   for (const PlannedSweep& s : sweeps) done.stopped = done.stopped || !filmFalls(s, store, o.run);

@@ -98,9 +98,10 @@ std::string workerPath(const std::string& precision, bool engine) {
   const fs::path path = (given && *given ? fs::path(given) : program.parent_path()) /
                         ((engine ? "lpc-engine-worker-" : "lpc-worker-") + precision);
   if (!fs::exists(path)) {
-    throw UserError(path.string() + " does not exist; build the target " + (precision == "f64" ? "lpc" : "lpc-f32") +
-                    ": cmake --build --preset release --target " + (precision == "f64" ? "lpc" : "lpc-f32") +
-                    (engine ? " (an engine also needs -DLPC_BUILD_ORACLES=ON)" : ""));
+    const std::string target = precision == "f64" ? "lpc" : "lpc-f32";
+    throw UserError(path.string() + " does not exist; build it: cmake --build " +
+                    path.parent_path().parent_path().string() + " --target " + target +
+                    (engine ? " (configured with -DLPC_BUILD_ORACLES=ON)" : ""));
   }
   return path.string();
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "experiments/runner/code_identity.h"
@@ -243,15 +244,17 @@ void Store::forgetCells(const PlannedSweep& sweep) {
   }
 }
 
-long Store::changed(const PlannedSweep& sweep) {
-  std::set<std::string> cells, keys;
-  for (const PlannedTrial& t : sweep.trials) cells.insert(t.axes.dump()), keys.insert(t.key);
-  long out = 0;
+std::set<std::string> Store::changed(const PlannedSweep& sweep) {
+  std::map<std::string, std::string> keyOf;  // by the axes of the cell
+  for (const PlannedTrial& t : sweep.trials) keyOf[t.axes.dump()] = t.key;
+  std::set<std::string> out;
   SQLite::Statement s(m_db, "SELECT key, axes FROM planned JOIN trial USING(key) WHERE sweep=?");
   s.bind(1, sweep.name);
   while (s.executeStep()) {
-    out += !keys.count(s.getColumn(0).getString()) && cells.count(s.getColumn(1).getString());
+    const auto now = keyOf.find(s.getColumn(1).getString());
+    if (now != keyOf.end() && now->second != s.getColumn(0).getString()) out.insert(now->second);
   }
+  std::erase_if(out, [&](const std::string& key) { return outcome(key).has_value(); });
   return out;
 }
 

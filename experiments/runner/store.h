@@ -5,6 +5,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -60,9 +61,9 @@ class Store {
   StoredTrial find(const std::string& keyBegin);
   /// Seconds that the trial took.
   std::optional<double> wall(const std::string& key);
-  /// How many cells that the sweep planned before are cells of it still, with another key: scene, code, compiler or
-  /// options have changed, and they run again.
-  long changed(const PlannedSweep& sweep);
+  /// Keys of trials that run again: of cells that the sweep had before, with another key since scene, code, compiler or
+  /// options have changed, and without a result yet.
+  std::set<std::string> changed(const PlannedSweep& sweep);
   /// Replaces what the sweep planned before, or adds to it (a part of a sweep was asked for).
   void plan(const PlannedSweep& sweep, bool replace);
   void put(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall);

@@ -1,7 +1,8 @@
 # Installs LPC into an empty folder and builds what a user would build against it: the programs of the manual, the plugin of the
 # guide, and what stands beside this file: cmake -DSOURCE_DIR=... -DBINARY_DIR=... -DWORK_DIR=... -DCXX=... [-DLAUNCHER=...]
-# [-DPART=programs, or extensions: the plugin, the dominoes and the window] [-DDEEP=ON] -P. Headers take most of the time: all is compiled without optimisation and the files of a target as one. With DEEP
-# each file is compiled by itself, as Release.
+# [-DPART=programs, or extensions: the plugin, the dominoes and the window] [-DDEEP=ON] -P. Headers take most of the time:
+# everything is compiled without optimisation, and the programs of the pages as one file. With DEEP the other files are compiled
+# by themselves, as Release.
 cmake_minimum_required(VERSION 3.25)  # for its policies: a script has none of its own
 include(${CMAKE_CURRENT_LIST_DIR}/../guide.cmake)
 

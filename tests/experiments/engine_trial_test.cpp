@@ -14,7 +14,10 @@ using test::ask;
 using test::Outcome;
 using test::Workspace;
 
-bool built(const std::string& worker) { return std::filesystem::exists(LPC_BINARY_DIR "/bin/" + worker); }
+// A worker that an earlier configuration with f32 has left is not one of this build.
+bool built(const std::string& worker) {
+  return (test::kSingle || !worker.ends_with("f32")) && std::filesystem::exists(LPC_BINARY_DIR "/bin/" + worker);
+}
 
 json runScene(const Workspace& w, const std::string& arguments) {
   const Outcome out = w.lpc("run --json " + arguments);

@@ -232,7 +232,7 @@ TEST(Tunnelling, IsMeasuredAlikeForEngines) {
   if (std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-engine-worker-f64")) {
     EXPECT_EQ(tunnelled("--dimension 3 --pipeline engine=bullet"), "1.0");
   }
-  if (std::filesystem::exists(LPC_BINARY_DIR "/bin/lpc-engine-worker-f32")) {
+  if (test::kSingle) {
     EXPECT_EQ(tunnelled("--dimension 2 --precision f32 --pipeline engine=box2d"), "1.0");
   }
 }

@@ -15,24 +15,21 @@ import sys
 SOURCE, BINARY, COMPILER = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
 ALONE = BINARY / "alone"
 PLANTED = pathlib.Path(__file__).resolve().parent / "planted.cpp"
-FOLDERS = ("framework", "algorithms", "oracles", "experiments")
 
 
 def hidden():
     """The files of the product that stand in a batch behind another file."""
     found = set()
-    for batch in BINARY.glob("**/*f64*.dir/Unity/*_cxx.cxx"):
-        files = [pathlib.Path(line) for line in re.findall(r'(?m)^#include "(.*)"$', batch.read_text())]
-        found.update(file for file in files[1:] if file.relative_to(SOURCE).parts[0] in FOLDERS)
-    for batch in BINARY.glob("experiments/CMakeFiles/*.dir/Unity/*_cxx.cxx"):  # of targets without a precision in their name
-        found.update(map(pathlib.Path, re.findall(r'(?m)^#include "(.*)"$', batch.read_text())[1:]))
-    return found
+    for folder in (".", "oracles", "experiments", "experiments/bench", "experiments/sandbox"):
+        for batch in (BINARY / folder / "CMakeFiles").glob("*.dir/Unity/*_cxx.cxx"):
+            found.update(map(pathlib.Path, re.findall(r'(?m)^#include "(.*)"$', batch.read_text())[1:]))
+    return {file for file in found if file.exists()}  # not what an earlier state of the sources had
 
 
 def configure():
     """The compile command of each file in a build without batches."""
     done = subprocess.run(["cmake", "-G", "Ninja", "-S", SOURCE, "-B", ALONE, f"-DCMAKE_CXX_COMPILER={COMPILER}",
-                           "-DCMAKE_BUILD_TYPE=Release", "-DLPC_ENABLE_ASSERT=ON", "-DLPC_UNITE=OFF",
+                           "-DCMAKE_BUILD_TYPE=Release", "-DLPC_ENABLE_ASSERT=ON", "-DLPC_UNITE=OFF", "-DLPC_BUILD_BENCHMARKS=ON",
                            "-DLPC_PRECISIONS=f64", "-DCMAKE_CXX_COMPILER_LAUNCHER=",
                            "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"], capture_output=True, text=True)
     if done.returncode:
