@@ -114,7 +114,8 @@ INSTEAD = {
     "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*'":
         "build/test/bin/test_properties_f64 --gtest_filter='*EachWitness.*/libccd_gjk_*' --gtest_list_tests | grep libccd_gjk",
 }
-# What starts workers of single precision, or reads what they have made: a build of double precision has none, tests/run --all has.
+# What starts workers of single precision, or reads what they have made: a build of double precision has none, that of
+# tests/run --all has them.
 SINGLE = re.compile(r"--precision \S*f32|\bchoose")
 # The same in less; with --deep they are run as they are.
 SHORTER = {
