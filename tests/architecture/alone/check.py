@@ -9,6 +9,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 
@@ -28,6 +29,7 @@ def hidden():
 
 def configure():
     """The compile command of each file in a build without batches."""
+    shutil.rmtree(ALONE, ignore_errors=True)  # a cache of another compiler would drop the options below
     done = subprocess.run(["cmake", "-G", "Ninja", "-S", SOURCE, "-B", ALONE, f"-DCMAKE_CXX_COMPILER={COMPILER}",
                            "-DCMAKE_BUILD_TYPE=Release", "-DLPC_ENABLE_ASSERT=ON", "-DLPC_UNITE=OFF", "-DLPC_BUILD_BENCHMARKS=ON",
                            "-DLPC_PRECISIONS=f64", "-DCMAKE_CXX_COMPILER_LAUNCHER=",
