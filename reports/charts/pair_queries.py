@@ -171,7 +171,7 @@ def _told_times(cells, dimension, least):
 
 
 def _alike(least):
-    """What methods are whose times are not told apart."""
+    """The words for methods with times that cannot be told apart: noise, or too few repeats."""
     word = noise.silence(least)
     return "within the noise of each other" if word == noise.NOISE else f"alike {noise.IN_WORDS[word]}"
 

@@ -423,7 +423,7 @@ TEST(BadInput, CaseFiles) {
   refused(w, "verify --store c.json/s.db", {"c.json/s.db: ", "Not a directory"});
   refused(w, "verify --store s.db --pairs 0", {"--pairs", "0"});
   refused(w, "verify --store s.db --precision f16", {"'f16'", "f64, f32"});
-  refused(w, "verify --store s.db --methods nobody", {"'nobody'", "gjk_epa"});
+  refused(w, "verify --store s.db --methods absent", {"'absent'", "gjk_epa"});
 }
 
 TEST(BadInput, BenchmarksPluginsAndScripts) {

@@ -148,7 +148,7 @@ std::string wrong(const std::string& store, const Film& film) {
   return film.dimension == 2 ? wrong<2>(store, film) : wrong<3>(store, film);
 }
 
-// The last of each kind, once, and by a store that has the trials and no films. Who stands is not drawn.
+// The last run of each kind is drawn once, also from a store with trials and without films. A run that stands is not drawn.
 TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
   Workspace w;
   w.write("towers.toml", kTowers);
@@ -168,7 +168,7 @@ TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
     EXPECT_EQ(wrong(w.path("s.db"), film), "");
   }
   EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) > 2 FROM trial WHERE outcome='collapsed'"), "1");
-  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) > 0 FROM trial WHERE outcome='ok'"), "1") << "nobody stands";
+  EXPECT_EQ(ask(w.path("s.db"), "SELECT count(*) > 0 FROM trial WHERE outcome='ok'"), "1") << "no run stands";
 
   // What a wrong film would be is told from a right one.
   const std::pair<const char*, std::function<void(json&)>> twins[] = {

@@ -155,7 +155,7 @@ Names lacking(const PlannedSweep& sweep) {
 
 // They cost what they cost.
 const Names kWithoutSweeps = {"direct_lcp", "proximal_newton"};
-// Methods whose trials are the same whatever is calibrated: by the first cell of each that can run.
+// Methods with the same trials for every calibrated setting, told by the first cell of each that can run.
 Names withoutSetting(const PlannedSweep& sweep) {
   Names out, seen;
   const auto look = [&](const json& axes, const auto& planAt) {
