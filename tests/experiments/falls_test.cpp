@@ -148,7 +148,8 @@ std::string wrong(const std::string& store, const Film& film) {
   return film.dimension == 2 ? wrong<2>(store, film) : wrong<3>(store, film);
 }
 
-// The last run of each kind is drawn once, also from a store with trials and without films. A run that stands is not drawn.
+// The last run of each kind is drawn once, also from a store with trials and without films. A run that stands is not
+// drawn.
 TEST(Falls, AreDrawnAsTheyFellOnceAndByAStoreWithoutThem) {
   Workspace w;
   w.write("towers.toml", kTowers);
