@@ -17,7 +17,7 @@ enum class WorkCount {
   supportCalls,   // support points computed
   axisTests,      // separating axes projected
   polytopeFaces,  // faces created by EPA
-  rowUpdates,     // one constraint row solved once
+  rowUpdates,     // one constraint row solved once by a sweep; 0 where a method factorises instead
   forceEvals,     // evaluations of all forces
   detections,     // collision detections that a solver asked for inside its step
   eventVisits,    // slots, shapes and contacts looked at for what users did between steps, and for who wakes whom
@@ -26,13 +26,14 @@ enum class WorkCount {
   fallbacks,      // rows that a direct method left to Gauss-Seidel
   sweptPairs,     // pairs of convex parts that may meet on their way through a step, of which one is fast
   stops,          // bodies that were stopped on their way
+  multiplyAdds,   // of constraint rows, factorisations, solves and residuals: the one cost that ranks all resolvers
   kCount
 };
 
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(WorkCount::kCount)> kCountNames = {
     "box_tests",    "node_visits",    "sort_moves",  "part_tests",  "pair_queries", "support_calls",
     "axis_tests",   "polytope_faces", "row_updates", "force_evals", "detections",   "event_visits",
-    "graph_visits", "impact_limits",  "fallbacks",   "swept_pairs", "stops"};
+    "graph_visits", "impact_limits",  "fallbacks",   "swept_pairs", "stops",        "multiply_adds"};
 
 struct WorkDone {
   std::array<std::uint64_t, static_cast<std::size_t>(WorkCount::kCount)> counts{};
@@ -40,5 +41,17 @@ struct WorkDone {
   std::uint64_t& operator[](WorkCount c) { return counts[static_cast<std::size_t>(c)]; }
   std::uint64_t operator[](WorkCount c) const { return counts[static_cast<std::size_t>(c)]; }
 };
+
+/// Multiply-adds of one Gauss-Seidel update of a row between two bodies: the relative velocity, the impulse, and both
+/// changes of velocity.
+template <int D>
+inline constexpr std::uint64_t kRowMultiplyAdds = (D + D * (D - 1)) + 1 + (2 * D + D * (D - 1));
+
+/// n rows updated once.
+template <int D>
+void countRows(WorkDone& work, std::uint64_t n) {
+  work[WorkCount::rowUpdates] += n;
+  work[WorkCount::multiplyAdds] += n * kRowMultiplyAdds<D>;
+}
 
 }  // namespace lpc

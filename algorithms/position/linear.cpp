@@ -55,7 +55,7 @@ class Linear final : public PositionResolver<D> {
           if (row.binds()) error += row.error * row.d;
         }
         push(j.bodyA, j.bodyB, -m_params.factor * error);
-        in.work[WorkCount::rowUpdates] += m_rows.all().size();
+        countRows<D>(in.work, m_rows.all().size());
       }
       for (int k : in.order) {
         const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
@@ -64,7 +64,7 @@ class Linear final : public PositionResolver<D> {
           const ContactPoint<D>& c = m.points[static_cast<std::size_t>(p)];
           const Real depth = -ContactArms<D>(c, m.normal, bodies.pose[a], bodies.pose[b]).separation - m_params.slop;
           if (depth > 0) push(m.bodyA, m.bodyB, m_params.factor * depth * m.normal);
-          ++in.work[WorkCount::rowUpdates];
+          countRows<D>(in.work, 1);
         }
       }
     }

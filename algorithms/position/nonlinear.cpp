@@ -82,7 +82,7 @@ class Nonlinear final : public PositionResolver<D> {
         if (body < 0) continue;
         for (std::uint32_t k : m_neighbours.of(body)) m_depths.set(k, depth(in.bodies, m_contacts[k]));
       }
-      ++in.work[WorkCount::rowUpdates];
+      countRows<D>(in.work, 1);
     }
   }
 

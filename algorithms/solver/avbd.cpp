@@ -380,7 +380,7 @@ class Avbd final : public Solver<D> {
           add(m.t.col(d), isB ? tangent.armB : tangent.armA, side * rub.impulse[d], rub.stiffness);
         }
       }
-      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
     }
     for (const std::int32_t number : in.graph.jointsOf(body)) {
       const int at = m_jointAt[static_cast<std::size_t>(number)];
@@ -396,7 +396,7 @@ class Avbd final : public Solver<D> {
         if (!row.angular) load += ask.impulse * ask.impulse;
       }
       bends += std::sqrt(load) * (isB ? joint.reachB : joint.reachA);
-      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(joint.rows.count);
+      countRows<D>(in.work, static_cast<std::uint64_t>(joint.rows.count));
     }
     if (rotates) a.template bottomRightCorner<kAngDim<D>, kAngDim<D>>().diagonal().array() += m_h * bends;
     if (within == last) return last;
@@ -456,7 +456,7 @@ class Avbd final : public Solver<D> {
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, m_rotation), old = row.impulse[0];
         row.impulse[0] = std::max(old - row.normal.mass * (v + e * m_points[p].arrival), old);
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, m_rotation);
-        ++in.work[WorkCount::rowUpdates];
+        countRows<D>(in.work, 1);
       }
     }
   }

@@ -225,7 +225,7 @@ class Impact {
   // Sweeps until nothing changes. `hold`: only contacts that were hit, and no friction.
   void settle(const VelocityInput<D>& in, std::span<const ManifoldRows<D>> which, bool hold) {
     for (int i = 0; i < m_limit; ++i) {
-      if (!m_joints.blocks.empty()) in.work[WorkCount::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, {});
+      if (!m_joints.blocks.empty()) countRows<D>(in.work, m_joints.sweep(in.bodies.motion, in.dt, {}));
       Real change = 0;
       for (const ManifoldRows<D>& m : which) change = std::max(change, sweep(in, m, hold));
       if (!(change > m_still)) return;
@@ -248,14 +248,14 @@ class Impact {
       row.impulse[0] = std::max(wanted, hold ? Real(0) : state.least);
       applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old[0], a, b, rotation);
       change = std::max(change, std::abs(row.impulse[0] - old[0]) / row.normal.mass);
-      ++in.work[WorkCount::rowUpdates];
+      countRows<D>(in.work, 1);
       if (hold || !(m.friction > 0)) continue;
       rubAt(m, row, a, b, rotation);
       for (std::size_t d = 1; d < D; ++d) {
         const Real mass = row.tangent[d - 1].mass;
         if (mass > 0) change = std::max(change, std::abs(row.impulse[d] - old[d]) / mass);
       }
-      in.work[WorkCount::rowUpdates] += D - 1;
+      countRows<D>(in.work, D - 1);
     }
     return change;
   }

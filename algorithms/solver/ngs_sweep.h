@@ -35,7 +35,7 @@ class NgsSweep {
     for (const int k : in.order) {
       const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
       for (int p = 0; p < m.count; ++p) separate(in, m, m.points[static_cast<std::size_t>(p)], share);
-      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count);
+      countRows<D>(in.work, static_cast<std::uint64_t>(m.count));
     }
     return m_moved;
   }
@@ -44,7 +44,7 @@ class NgsSweep {
   void mend(const PositionInput<D>& in, std::span<const JointRecord<D>> joint, const NgsShare& share) {
     if (!joint[0].active()) return;
     m_joint.prepare(in.bodies, joint);
-    in.work[WorkCount::rowUpdates] += m_joint.sweepErrors(m_moves, share.factor);
+    countRows<D>(in.work, m_joint.sweepErrors(m_moves, share.factor));
     for (const JointBlock<D>& block : m_joint.blocks) {
       move(in, block.a), move(in, block.b);
     }

@@ -47,7 +47,7 @@ class RowSweep {
     for (const std::int32_t i : which) p.push(i, x[static_cast<std::size_t>(i)]);
     for (int n = 0; n < sweeps; ++n) sweep(p, which, freeVelocity, x);
     work[WorkCount::fallbacks] += which.size();
-    work[WorkCount::rowUpdates] += which.size() * static_cast<std::uint64_t>(sweeps);
+    countRows<D>(work, which.size() * static_cast<std::uint64_t>(sweeps));
   }
 
  private:

@@ -265,7 +265,7 @@ class Substeps {
   void sweep(const StepInput<D>& in, const Push& push) {
     auto& motion = in.bodies.motion;
     const bool rotation = in.features.rotation;
-    in.work[WorkCount::rowUpdates] += m_joints.sweep(motion, m_h, push.joint);
+    countRows<D>(in.work, m_joints.sweep(motion, m_h, push.joint));
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
       const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? push.contact : push.contactFixed;
@@ -292,7 +292,7 @@ class Substeps {
           rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], a, b, rotation);
         }
       }
-      in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+      countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
       motion[static_cast<std::size_t>(m.a)] = a, motion[static_cast<std::size_t>(m.b)] = b;
     }
   }
@@ -314,7 +314,7 @@ class Substeps {
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
         state.load += row.impulse[0] - old;
         if (m.friction > 0 && row.impulse[0] < old) rubAt(m, row, a, b, rotation);
-        ++in.work[WorkCount::rowUpdates];
+        countRows<D>(in.work, 1);
       }
     }
   }

@@ -97,7 +97,7 @@ class Xpbd final : public Solver<D> {
       }
       {
         Profiler::Scope scope(in.profiler, "solver.iterate");
-        in.work[WorkCount::rowUpdates] += m_joints.sweep(motion, h, {.rate = m_params.jointShare / h});
+        countRows<D>(in.work, m_joints.sweep(motion, h, {.rate = m_params.jointShare / h}));
         for (const ManifoldRows<D>& m : m_contacts.manifolds) push(m, in, h);
       }
       {
@@ -181,7 +181,7 @@ class Xpbd final : public Solver<D> {
                     rotation);
       }
     }
-    in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
   }
 
   // On velocities: a point that was pushed stops or bounces, whatever the push was for. It may be pulled by no more
@@ -200,13 +200,13 @@ class Xpbd final : public Solver<D> {
       const Real v = rowVelocity<D>(row.normal, m.n, motion[a], motion[b], rotation);
       row.impulse[0] = std::max(old + row.normal.mass * (target - v), Real(0));
       applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, motion[a], motion[b], rotation);
-      ++in.work[WorkCount::rowUpdates];
+      countRows<D>(in.work, 1);
     }
     if (!(m.friction > 0)) return;
     for (int k = 0; k < m.count; ++k) {
       rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], motion[a], motion[b], rotation);
     }
-    in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (D - 1);
+    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (D - 1));
   }
 
   // Impulses are those of a whole step, as in every other solver.

@@ -93,7 +93,7 @@ class Catto final : public VelocityResolver<D> {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
     }
-    in.work[WorkCount::rowUpdates] += rows * static_cast<std::uint64_t>(m_params.iterations);
+    countRows<D>(in.work, rows * static_cast<std::uint64_t>(m_params.iterations));
     m_contacts.store(in.manifolds);
     m_joints.store(in.joints);
   }

@@ -96,7 +96,7 @@ class Millington final : public VelocityResolver<D> {
       for (int body : {m_points[k].a, m_points[k].b}) {
         for (std::uint32_t other : m_neighbours.of(body)) m_errors.set(other, error(in, m_points[other]));
       }
-      in.work[WorkCount::rowUpdates] += in.features.friction ? D : 1;
+      countRows<D>(in.work, in.features.friction ? D : 1);
     }
   }
 
@@ -109,7 +109,7 @@ class Millington final : public VelocityResolver<D> {
       if (!(error(in, p) > m_params.epsilon)) continue;
       resolve(in, p);
       quiet = -1;
-      in.work[WorkCount::rowUpdates] += in.features.friction ? D : 1;
+      countRows<D>(in.work, in.features.friction ? D : 1);
     }
   }
 
@@ -141,7 +141,7 @@ class Millington final : public VelocityResolver<D> {
   void solveJoints(const VelocityInput<D>& in) {
     const Feedback feedback{.rate = in.position.jointBias(in.dt)};
     for (int i = 0; i < static_cast<int>(m_params.iterationFactor) + 1 && !m_joints.rows.empty(); ++i) {
-      in.work[WorkCount::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, feedback);
+      countRows<D>(in.work, m_joints.sweep(in.bodies.motion, in.dt, feedback));
     }
   }
 

@@ -70,7 +70,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
                                              in.features.restitution ? manifold.restitution : Real(0),
                                              in.restitutionThreshold, in.dt, in.position);
         const Real impulse = row.normal.mass * (target - v);
-        ++in.work[WorkCount::rowUpdates];
+        countRows<D>(in.work, 1);
         if (!(impulse > 0)) continue;  // moving apart
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, impulse, a, b, rotation);
         row.impulse[0] += impulse;
@@ -82,7 +82,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
         rubAt(m, row, a, b, rotation);
         row.impulse[0] = total[0];
         for (std::size_t d = 1; d < D; ++d) row.impulse[d] += total[d];
-        in.work[WorkCount::rowUpdates] += D - 1;
+        countRows<D>(in.work, D - 1);
       }
     }
   }

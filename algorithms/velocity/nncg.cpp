@@ -71,7 +71,7 @@ class Nncg final : public VelocityResolver<D> {
     for (int n = 0; n < m_params.iterations; ++n) {
       for (const std::int32_t i : rows) m_before[at(i)] = m_impulse[at(i)];
       m_sweep.sweep(m_problem, rows, m_free, m_impulse);
-      work[WorkCount::rowUpdates] += rows.size();
+      countRows<D>(work, rows.size());
       if (n + 1 == m_params.iterations) return;  // ends with a sweep: all limits hold
       double change = 0;                         // in J, so that N s and N m s may be added
       for (const std::int32_t i : rows) {

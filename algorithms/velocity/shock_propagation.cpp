@@ -72,7 +72,7 @@ class ShockPropagation final : public VelocityResolver<D> {
 
  private:
   void sweepJoints(const VelocityInput<D>& in) {
-    in.work[WorkCount::rowUpdates] += m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)});
+    countRows<D>(in.work, m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)}));
   }
 
   void sweep(const ManifoldRows<D>& m, const VelocityInput<D>& in) {
@@ -81,7 +81,7 @@ class ShockPropagation final : public VelocityResolver<D> {
     for (int i = 0; i < m.count; ++i) pushAt(m, points[i], Real(1), a, b, in.features.rotation);
     for (int i = 0; i < m.count && m.friction > 0; ++i) rubAt(m, points[i], a, b, in.features.rotation);
     in.bodies.motion[static_cast<std::size_t>(m.a)] = a, in.bodies.motion[static_cast<std::size_t>(m.b)] = b;
-    in.work[WorkCount::rowUpdates] += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
+    countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
   }
 
   void propagate(const VelocityInput<D>& in) {
