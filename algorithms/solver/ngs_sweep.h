@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <vector>
 
 #include "algorithms/solver/contact_rows.h"
@@ -21,6 +23,20 @@ struct NgsShare {
   }
 };
 
+/// Places of bodies as those of the step's start and the ways since, m. Far from the origin a way keeps the digits that
+/// a place has lost. Empty: poses alone.
+template <int D>
+struct Places {
+  std::span<const Vec<D>> start;
+  std::span<Vec<D>> way;
+
+  bool empty() const { return start.empty(); }
+  /// Poses of two bodies in a frame that has its origin where A started.
+  std::array<Pose<D>, 2> pair(const Bodies<D>& bodies, std::size_t a, std::size_t b) const {
+    return {Pose<D>{way[a], bodies.pose[a].q}, Pose<D>{(start[b] - start[a]) + way[b], bodies.pose[b].q}};
+  }
+};
+
 /// Each joint, then each contact in the order given, is measured where its bodies are by now, and its bodies are moved
 /// and turned out of a part of it at once. (Whole errors of joints, a sweep in each sub-step: two bodies that hang from
 /// hinges at their stops never rest.) Normals are those of the detection, inertias those of the step.
@@ -28,8 +44,8 @@ template <int D>
 class NgsSweep {
  public:
   /// False: nothing was wrong.
-  bool sweep(const PositionInput<D>& in, const NgsShare& share) {
-    m_moved = false;
+  bool sweep(const PositionInput<D>& in, const NgsShare& share, const Places<D>& places = {}) {
+    m_moved = false, m_places = places;
     m_moves.resize(in.bodies.pose.size());
     for (std::size_t j = 0; j < in.joints.size() && in.features.joints; ++j) mend(in, in.joints.subspan(j, 1), share);
     for (const int k : in.order) {
@@ -53,7 +69,7 @@ class NgsSweep {
   void separate(const PositionInput<D>& in, const Manifold<D>& m, const ContactPoint<D>& c, const NgsShare& share) {
     const Bodies<D>& bodies = in.bodies;
     const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
-    const ContactArms<D> arms(c, m.normal, bodies.pose[a], bodies.pose[b]);
+    const ContactArms<D> arms = armsOf(bodies, a, b, c, m.normal);
     const Real depth = -arms.separation - share.slop;
     if (!(depth > 0)) return;
     const Real invMassSum = bodies.invMass[a] + bodies.invMass[b];
@@ -64,19 +80,32 @@ class NgsSweep {
     move(in, m.bodyA), move(in, m.bodyB);
   }
 
+  ContactArms<D> armsOf(const Bodies<D>& bodies, std::size_t a, std::size_t b, const ContactPoint<D>& c,
+                        const Vec<D>& n) const {
+    if (m_places.empty()) return ContactArms<D>(c, n, bodies.pose[a], bodies.pose[b]);
+    const auto [atA, atB] = m_places.pair(bodies, a, b);
+    return ContactArms<D>(c, n, atA, atB);
+  }
+
   void move(const PositionInput<D>& in, std::int32_t body) {
     if (body < 0) return;
     const auto i = static_cast<std::size_t>(body);
     Motion<D>& by = m_moves[i];
     m_moved = m_moved || !by.v.isZero(0) || !by.w.isZero(0);
     Pose<D>& x = in.bodies.pose[i];
-    x.p += by.v;
+    if (m_places.empty()) {
+      x.p += by.v;
+    } else {
+      m_places.way[i] += by.v;
+      x.p = m_places.start[i] + m_places.way[i];
+    }
     if (in.features.rotation && by.w.squaredNorm() > 0) x.q = integrateRotation(x.q, by.w);
     by = {};
   }
 
   JointSystem<D> m_joint;
   std::vector<Motion<D>> m_moves;  // of each body, m and rad; zero between two rows
+  Places<D> m_places;
   bool m_moved = false;
 };
 

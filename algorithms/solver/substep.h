@@ -12,6 +12,7 @@
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/free_motion.h"
 #include "algorithms/solver/joint_rows.h"
+#include "algorithms/solver/ngs_sweep.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
@@ -38,19 +39,23 @@ struct Push {
   bool softGaps = false;                  // springs also stop what closes a gap: a law without a jump at touch
 };
 
+/// Does the impulse that throws a body back allow friction, too?
+enum class Bounce { frictionless, withFriction };
+
 /// The springs of sub-steps of h, those of joints twice as stiff as those of contacts.
 inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real maxSpeed, Real h) {
   return {Softness(hertz, dampingRatio, h), Softness(2 * hertz, dampingRatio, h),
           Softness(2 * hertz, jointDampingRatio, h), 0, maxSpeed};
 }
 
+/// Of methods whose contacts keep the arms of the detection.
+inline const FailureMode kArmsStay = {"bodies that press on each other and turn together",
+                                      "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
+                                      "Solver.TurningKeepsAngularMomentum"};
 /// A method's own failures and those of all sub-steps whose impulses are the next one's first guess. `braked`: how.
 inline std::vector<FailureMode> substepFailures(const std::string& braked, std::vector<FailureMode> own) {
   for (const FailureMode& shared :
-       {FailureMode{"bodies that press on each other and turn together",
-                    "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
-                    "Solver.TurningKeepsAngularMomentum"},
-        FailureMode{"bodies that part within the step",
+       {FailureMode{"bodies that part within the step",
                     "what a sub-step has moved apart keeps its impulse, so that the order of contacts tells",
                     "Solver.OrderDoesNotMatter"},
         FailureMode{"a heavy body that falls on a light one",
@@ -65,8 +70,12 @@ inline std::vector<FailureMode> substepFailures(const std::string& braked, std::
   return own;
 }
 
-/// The contacts and joints of a step that is cut into equal sub-steps. Directions and arms of contacts are those of the
-/// detection; their separations are those of the anchors, which move with the bodies.
+/// The contacts and joints of a step that is cut into equal sub-steps. Directions of contacts are those of the
+/// detection, and so are arms, unless they are turned; separations are those of the anchors, which move with the
+/// bodies.
+///
+/// The way of each body since the start of the step is kept beside its place. A place in f32 a kilometre away is
+/// rounded to 0.06 mm; read as a separation, that would be a speed of 60 mm/s in a sub-step of 1 ms.
 template <int D>
 class Substeps {
  public:
@@ -75,11 +84,15 @@ class Substeps {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     m_count = static_cast<Real>(count), m_h = in.dt / m_count;
     haltUnmoving(in.bodies, in.features.rotation);
+    m_start.resize(in.bodies.pose.size());
+    for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
+    m_way.assign(m_start.size(), Vec<D>::Zero());
     const Real scale = (in.lastDt > 0 ? in.dt / in.lastDt : Real(1)) / m_count;
     const NoBias none;
     m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
                         in.restitutionThreshold, in.work, in.profiler});
     if (armsAsMade) keepArms(in);
+    m_detected.clear();
     m_states.resize(m_contacts.points.size());
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& from = in.manifolds[static_cast<std::size_t>(m.manifold)];
@@ -129,16 +142,41 @@ class Substeps {
   void move(const StepInput<D>& in) {
     Profiler::Scope scope(in.profiler, "solver.move");
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
-      if (travels(in.bodies, k)) moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.features.rotation);
+      if (!travels(in.bodies, k)) continue;
+      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.features.rotation);
+      m_way[k] += m_h * in.bodies.motion[k].v;
+      in.bodies.pose[k].p = m_start[k] + m_way[k];
     }
     measure(in);
+  }
+
+  /// For position resolvers, which move bodies themselves.
+  Places<D> places() { return {m_start, m_way}; }
+
+  /// Arms of contacts as the bodies are turned now. Both bodies get an impulse at one point, so that it is no torque on
+  /// the pair. Where their anchors have slid apart, the point is nearer to that of the lighter body: beside a floor it
+  /// is the body's own.
+  void turnArms(const StepInput<D>& in) {
+    Profiler::Scope scope(in.profiler, "solver.prepare");
+    if (in.features.restitution && m_detected.empty()) m_detected = m_contacts.points;
+    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
+      const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+      const auto [atA, atB] = places().pair(in.bodies, a, b);
+      const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
+      for (int k = 0; k < rows.count; ++k) {
+        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+        const Vec<D> fromA = atA.q * c.localA, fromB = atB.q * c.localB, gap = (atB.p - atA.p) + fromB - fromA;
+        const Vec<D> rA = fromA + share * gap, rB = fromB - (1 - share) * gap;
+        makeRows(in, rows, rA, rB, m_contacts.points[static_cast<std::size_t>(rows.first + k)]);
+      }
+    }
   }
 
   /// Poses were changed by others: where contacts are now.
   void measure(const StepInput<D>& in) {
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
-      const Pose<D>& X_WA = in.bodies.pose[static_cast<std::size_t>(m.a)];
-      const Pose<D>& X_WB = in.bodies.pose[static_cast<std::size_t>(m.b)];
+      const auto [X_WA, X_WB] = places().pair(in.bodies, static_cast<std::size_t>(m.a), static_cast<std::size_t>(m.b));
       for (int k = 0; k < m.count; ++k) {
         State& state = m_states[static_cast<std::size_t>(m.first + k)];
         state.separation = ((X_WB.p - X_WA.p) + X_WB.q * state.localB - X_WA.q * state.localA).dot(m.n);
@@ -170,8 +208,8 @@ class Substeps {
   /// Restitution, then the impulses: those of contacts as the next step starts from them, which is the last sub-step's
   /// for as long as a whole step. A ball that rolls, whose anchor turns up and away, bears in the first sub-steps
   /// alone.
-  void finish(const StepInput<D>& in) {
-    if (in.features.restitution) bounce(in);
+  void finish(const StepInput<D>& in, Bounce how = Bounce::withFriction) {
+    if (in.features.restitution) bounce(in, how);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       for (int k = 0; k < m.count; ++k) {
         for (Real& x : m_contacts.points[static_cast<std::size_t>(m.first + k)].impulse) x *= m_count;
@@ -227,23 +265,27 @@ class Substeps {
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
       if (made(m)) continue;
-      const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
         Ang<D> turn;
         std::copy_n(c.memory.begin(), turn.size(), turn.begin());
         const Rot<D> q = integrateRotation(Rot<D>{}, turn);
-        const Vec<D> rA = q * c.localA, rB = q * (m.X_AB.q * c.localB);
-        const auto make = [&](const Vec<D>& d) {
-          return makeRow<D>(d, rA, rB, rows.invMassA + rows.invMassB, in.bodies.invInertia[a], in.bodies.invInertia[b]);
-        };
-        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(rows.first + k)];
-        row.normal = make(rows.n);
-        if (!(rows.friction > 0)) continue;
-        for (int d = 0; d < D - 1; ++d) row.tangent[static_cast<std::size_t>(d)] = make(rows.t.col(d));
-        prepareFriction(row);
+        makeRows(in, rows, q * c.localA, q * (m.X_AB.q * c.localB),
+                 m_contacts.points[static_cast<std::size_t>(rows.first + k)]);
       }
     }
+  }
+
+  void makeRows(const StepInput<D>& in, const ManifoldRows<D>& rows, const Vec<D>& rA, const Vec<D>& rB,
+                PointRows<D>& row) const {
+    const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+    const auto make = [&](const Vec<D>& d) {
+      return makeRow<D>(d, rA, rB, rows.invMassA + rows.invMassB, in.bodies.invInertia[a], in.bodies.invInertia[b]);
+    };
+    row.normal = make(rows.n);
+    if (!(rows.friction > 0)) return;
+    for (int d = 0; d < D - 1; ++d) row.tangent[static_cast<std::size_t>(d)] = make(rows.t.col(d));
+    prepareFriction(row);
   }
 
   void applyAccumulated(const StepInput<D>& in) {
@@ -297,7 +339,8 @@ class Substeps {
     }
   }
 
-  void bounce(const StepInput<D>& in) {
+  // By the arms of the detection, as the velocity before the step was measured.
+  void bounce(const StepInput<D>& in, Bounce how) {
     const bool rotation = in.features.rotation;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
@@ -305,16 +348,30 @@ class Substeps {
       Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
       Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
       for (int k = 0; k < m.count; ++k) {
-        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
-        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        const auto at = static_cast<std::size_t>(m.first + k);
+        PointRows<D>& row = m_contacts.points[at];
+        State& state = m_states[at];
         if (!(state.velocity < -in.restitutionThreshold) || !(state.maxImpulse > 0)) continue;
+        if (!m_detected.empty()) {
+          const std::array<Real, D> impulse = row.impulse;
+          row = m_detected[at], row.impulse = impulse;
+        }
         const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
         const Real old = row.impulse[0];
         row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
         state.load += row.impulse[0] - old;
-        if (m.friction > 0 && row.impulse[0] < old) rubAt(m, row, a, b, rotation);
         countRows<D>(in.work, 1);
+        if (!(m.friction > 0) || (row.impulse[0] > old && how == Bounce::frictionless)) continue;
+        if (row.impulse[0] > old) {  // beside the friction of the sub-steps, what this impulse allows
+          PointRows<D> alone = row;
+          alone.impulse = {row.impulse[0] - old};
+          rubAt(m, alone, a, b, rotation);
+          for (std::size_t d = 1; d < D; ++d) row.impulse[d] += alone.impulse[d];
+        } else {
+          rubAt(m, row, a, b, rotation);
+        }
+        countRows<D>(in.work, D - 1);
       }
     }
   }
@@ -322,6 +379,8 @@ class Substeps {
   Real m_count = 1, m_h = 0;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
+  std::vector<Vec<D>> m_start, m_way;        // by body: place at the start of the step, way since, m
+  std::vector<PointRows<D>> m_detected;      // by point, before arms were turned; empty: they were not
   std::vector<State> m_states;               // by point
   std::vector<JointImpulse> m_jointImpulse;  // by joint slot
   std::vector<Wrench<D>> m_wrenches;

@@ -7,9 +7,11 @@ namespace {
 
 using namespace solver;
 
-// The rigid twin of soft_step: what is wrong is asked for as velocity, as Baumgarte does, and taken out again after the
-// move. Errors are measured anew in each sub-step, of contacts along the normal of the detection by its anchors, which
-// move with the bodies, of joints by fresh rows. Friction is Coulomb's on velocities, without anchors.
+// A variant of our own, the rigid twin of soft_step; neither the sub-steps of macklin2019, which are xpbd's, nor
+// PhysX's TGS, whose order of sweeps is relax_at=end. What is wrong is asked for as velocity, as Baumgarte does, and
+// taken out again after the move. Errors are measured anew in each sub-step, of contacts along the normal of the
+// detection by its anchors, which move with the bodies, of joints by fresh rows. Friction is Coulomb's on velocities,
+// without anchors.
 //
 // The push is a share of the error per step, not per sub-step. A rigid row remembers all that it was ever asked for, so
 // that pushing and starting warm together are an integral of the error: `lpc run bridge --pipeline
@@ -28,14 +30,18 @@ using namespace solver;
 template <int D>
 class Tgs final : public Solver<D> {
  public:
+  enum class RelaxAt { eachSubstep, end };
   struct Params {
     int substeps = 4, sweeps = 1, relax = 2;
+    RelaxAt relaxAt = RelaxAt::eachSubstep;
     Real factor = Real(0.2), slop = kLinearSlop, pushSpeed = 4;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
       v.integer("sweeps", sweeps, 0, 100000, "sweeps over all joints and contacts in each sub-step");
-      v.integer("relax", relax, 0, 100, "sweeps without a push after each move");
+      v.integer("relax", relax, 0, 100, "sweeps without a push");
+      v.choice("relax_at", relaxAt, {"each_substep", "end"},
+               "after the move of each sub-step, or, as PhysX, of the last");
       v.real("factor", factor, 0, 1, "1", "share of an error to remove in one step; more throws chains about");
       v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
       v.real("push_speed", pushSpeed, 0, 1000, "m/s", "limit of the speed at which overlap is undone");
@@ -46,13 +52,14 @@ class Tgs final : public Solver<D> {
 
   static AlgorithmInfo info() {
     return {.name = "tgs",
-            .summary = "rigid sub-steps that undo errors by velocity, relaxed after each move, restitution at the end",
-            .paper = "macklin2019",
+            .summary = "own rigid twin of soft_step: sub-steps that undo errors by velocity, relaxed after each move",
+            .paper = "catto2024",
             .complexity = "substeps x (sweeps + relax) x (contacts + joints)",
             .guarantee = Guarantee::approximate,
             .failures = substepFailures(
                 "is braked by more than sweeps do",
-                {{"a hinge that is beyond its stop",
+                {kArmsStay,
+                 {"a hinge that is beyond its stop",
                   "leaves it with a speed: one sweep takes too little out of stop and pivot, which are coupled",
                   "JointStep.LeavesNoSpeed"}}),
             .friction = FrictionLaw::coulomb};
@@ -66,7 +73,7 @@ class Tgs final : public Solver<D> {
       m_substeps.begin(in, i);
       m_substeps.solve(in, push, m_params.sweeps);
       m_substeps.move(in);
-      m_substeps.relax(in, m_params.relax);
+      if (m_params.relaxAt == RelaxAt::eachSubstep || i + 1 == m_params.substeps) m_substeps.relax(in, m_params.relax);
       m_substeps.end();
     }
     m_substeps.finish(in);

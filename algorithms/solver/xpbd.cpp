@@ -16,59 +16,58 @@ using namespace solver;
 // restitution, and takes back what was only there to undo overlap.
 //
 // A correction is written as the change of velocity that makes it in this sub-step, so that a velocity is never the
-// difference of two places: far from the origin that would have no digits. Errors and directions are those of the
-// predicted poses and linear from there on. Corrections fall with h^2, so what is left out falls with h^4.
+// difference of two places: far from the origin that would have no digits. Rows of joints are those of the predicted
+// poses and linear from there on. Rows of contacts have the arms of the sub-step's start: at the predicted poses the
+// anchor of a ball that rolls has turned with it, and the floor's push at that arm would turn the ball.
 template <int D>
 class Xpbd final : public Solver<D> {
  public:
   struct Params {
     int substeps = 8;
     Real contactCompliance = 0, jointCompliance = 0, slop = Real(0.0005);
-    // All of it at once turns the rounding of a float's place, divided by h, into speed.
-    Real jointShare = Real(0.5);
+    Real jointShare = 1;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each");
       v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "of contacts; 0: rigid");
       v.real("joint_compliance", jointCompliance, 0, 1, "m/N", "of joints, rad/(N m) where they hold an angle");
-      v.real("joint_share", jointShare, Real(0.01), 1, "1", "of a joint's old error that a sub-step undoes");
+      v.real("joint_share", jointShare, Real(0.01), 1, "1", "of a joint's error that a sub-step undoes; published: 1");
       v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
     }
   };
   explicit Xpbd(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "xpbd",
-        .summary = "extended position based dynamics: sub-steps of one iteration on positions, then velocities",
-        .paper = "mueller2020",
-        .complexity = "substeps x 2 x contacts + substeps x joints",
-        .guarantee = Guarantee::approximate,
-        .failures = {{"boxes deep inside each other",
-                      "are thrown apart: in one sub-step depth becomes velocity, and one sweep does not take it back",
-                      "Overlap.ComesApartOrSaysThatItDoesNot"},
-                     {"a joint that is pulled together, a contact that is turned out of its depth",
-                      "moves on: what moves a body is its velocity", "PositionError.AddsNoVelocity"},
-                     {"a box on a slope below the critical angle",
-                      "creeps: friction holds it where the sub-step began, and nothing is remembered",
-                      "Slope.HoldsOrSaysThatItDoesNot"},
-                     {"cubes on each other", "tremble and creep, since each sub-step is one cold sweep",
-                      "Rest.StackStays"},
-                     {"brakes in a row that hold a weight", "slip for the same reason: nothing pulls back",
-                      "JointMotion.Rests"},
-                     {"bodies that press on each other and turn together",
-                      "gain angular momentum: arms are those of the predicted poses, by a sub-step ahead",
-                      "Solver.TurningKeepsAngularMomentum"},
-                     {"bodies that part within the step",
-                      "what one sub-step has pushed apart no later one takes back, so that the order of contacts tells",
-                      "Solver.OrderDoesNotMatter"},
-                     {"a ball that rolls",
-                      "gains speed: its anchor turns with it and stays behind, where the floor's push turns it on",
-                      "Rolling.StopsOrSaysThatItDoesNot"},
-                     {"a heavy body that falls on a light one",
-                      "is thrown up: what one sub-step leaves sunk, a later one pushes out, which is velocity",
-                      "Solver.HeavyIsNotThrownUp"},
-                     {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"}},
-        .friction = FrictionLaw::coulomb};
+    return {.name = "xpbd",
+            .summary = "extended position based dynamics: sub-steps of one iteration on positions, then velocities",
+            .paper = "mueller2020",
+            .complexity = "substeps x 2 x contacts + substeps x joints",
+            .guarantee = Guarantee::approximate,
+            .failures =
+                {{"boxes deep inside each other",
+                  "are thrown apart: in one sub-step depth becomes velocity, and one sweep does not take it back",
+                  "Overlap.ComesApartOrSaysThatItDoesNot"},
+                 {"a joint that is pulled together, a contact that is turned out of its depth",
+                  "moves on: what moves a body is its velocity", "PositionError.AddsNoVelocity"},
+                 {"a box on a slope below the critical angle",
+                  "creeps: friction holds it where the sub-step began, and nothing is remembered",
+                  "Slope.HoldsOrSaysThatItDoesNot"},
+                 {"cubes on each other", "tremble and creep, since each sub-step is one cold sweep", "Rest.StackStays"},
+                 {"brakes in a row that hold a weight", "slip for the same reason: nothing pulls back",
+                  "JointMotion.Rests"},
+                 {"bodies that press on each other and turn together",
+                  "change their angular momentum: arms of joints are a sub-step ahead of those of contacts",
+                  "Solver.TurningKeepsAngularMomentum"},
+                 {"bodies that part within the step",
+                  "what one sub-step has pushed apart no later one takes back, so that the order of contacts tells",
+                  "Solver.OrderDoesNotMatter"},
+                 {"a ball that rolls",
+                  "gains speed: within a step its anchor turns with it, and the floor's push at that arm turns it on",
+                  "Rolling.StopsOrSaysThatItDoesNot"},
+                 {"a heavy body that falls on a light one",
+                  "is thrown up: what one sub-step leaves sunk, a later one pushes out, which is velocity",
+                  "Solver.HeavyIsNotThrownUp"},
+                 {"the same", "is braked by more than sweeps do", "Solver.ConvergesAsPredicted"}},
+            .friction = FrictionLaw::coulomb};
   }
 
   void step(const StepInput<D>& in) override {
@@ -87,13 +86,16 @@ class Xpbd final : public Solver<D> {
         Profiler::Scope scope(in.profiler, "solver.integrate");
         m_arrival.assign(motion.begin(), motion.end());
         kick<D>({h, in.time + static_cast<Real>(i) * h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
-        m_from.assign(pose.begin(), pose.end());
-        move(in, h);  // a prediction
       }
       {
         Profiler::Scope scope(in.profiler, "solver.prepare");
-        prepare(in, h);
+        prepareContacts(in, h);
         if (i == 0) m_total.assign(m_contacts.points.size(), {});
+        m_from.assign(pose.begin(), pose.end());
+        if (in.features.joints) {
+          move(in, h);  // a prediction
+          prepareJoints(in, h);
+        }
       }
       {
         Profiler::Scope scope(in.profiler, "solver.iterate");
@@ -127,11 +129,8 @@ class Xpbd final : public Solver<D> {
     }
   }
 
-  // Rows at the predicted poses. An error there less the way that the prediction has gone along its row is the error
-  // from which the velocity of this sub-step starts.
-  void prepare(const StepInput<D>& in, Real h) {
-    const bool rotation = in.features.rotation;
-    const auto& motion = in.bodies.motion;
+  // A velocity that closes more than the gap, or that leaves depth, is corrected.
+  void prepareContacts(const StepInput<D>& in, Real h) {
     const NoBias none;
     m_contacts.prepare({h, h, in.bodies, in.manifolds, in.active, in.joints, none, in.features, in.restitutionThreshold,
                         in.work, in.profiler, m_arrival});
@@ -139,13 +138,16 @@ class Xpbd final : public Solver<D> {
       const Manifold<D>& of = in.manifolds[static_cast<std::size_t>(m.manifold)];
       const auto a = static_cast<std::size_t>(m.a), b = static_cast<std::size_t>(m.b);
       for (int k = 0; k < m.count; ++k) {
-        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
         const ContactArms<D> arms(of.points[static_cast<std::size_t>(k)], m.n, in.bodies.pose[a], in.bodies.pose[b]);
-        const Real from = arms.separation - h * rowVelocity<D>(row.normal, m.n, motion[a], motion[b], rotation);
-        row.target = -(from + std::clamp(-from, Real(0), m_params.slop)) / h;
+        const Real kept = std::clamp(-arms.separation, Real(0), m_params.slop);
+        m_contacts.points[static_cast<std::size_t>(m.first + k)].target = -(arms.separation + kept) / h;
       }
     }
-    if (!in.features.joints) return;
+  }
+  // At the predicted poses. An error there less the way that the prediction has gone along its row is the error from
+  // which the velocity of this sub-step starts.
+  void prepareJoints(const StepInput<D>& in, Real h) {
+    const auto& motion = in.bodies.motion;
     m_joints.prepare(in.bodies, in.joints, m_params.jointCompliance / (h * h));
     for (const JointBlock<D>& block : m_joints.blocks) {
       const Motion<D> a = block.a < 0 ? Motion<D>{} : motion[static_cast<std::size_t>(block.a)];

@@ -303,6 +303,9 @@ void hinges() {
     }
     EXPECT_EQ(held == 3, !declares<D>(solver, "Joint.StopHoldsAgainstItsMotor")) << solver << " " << held;
   }
+  // The ablation of what avbd declares.
+  const auto strong = kindOf<D>("hinge{upper=0.5,motor_speed=1,motor_torque=1000000}");
+  EXPECT_TRUE(motorStopsAtTheStop<D>(strong, "avbd{tries=3}"));
   const auto wrong = [](const Kind<D>& right, JointBug bug) { return std::make_shared<WrongJoint<D>>(right, bug); };
   const std::string dimension = " " + std::to_string(D) + "D";
   expectCaught("a motor without a limit" + dimension,

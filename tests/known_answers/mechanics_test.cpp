@@ -147,7 +147,9 @@ Vec<D> skipped(const std::string& solver, double mu, double gap) {
 template <int D>
 void skips() {
   const double k = D == 2 ? 0.5 : 0.4, lost = 0.1 * 1.8 * 2;
-  for (const char* solver : kSolvers) {
+  std::vector<const char*> solvers(std::begin(kSolvers), std::end(kSolvers));
+  solvers.push_back("soft_step{bounce_friction=true}"), solvers.push_back("pgs_soft");
+  for (const char* solver : solvers) {
     for (const bool grips : {false, true}) {
       const Vec<D> v = skipped<D>(solver, grips ? 1 : 0.1, 0.502);
       const std::string which = grips ? "grips: " : "slides: ";

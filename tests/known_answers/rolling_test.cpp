@@ -126,6 +126,7 @@ void everyWay() {
     const double way = wayUnder<D>(solver);
     EXPECT_EQ(isRight(way), !declares<D>(solver, name)) << solver << ' ' << D << "D " << way;
   }
+  EXPECT_TRUE(isRight(wayUnder<D>("tgs_ngs{arms=detection}"))) << "the ablation of what tgs_ngs declares";
   EXPECT_TRUE(isRight(wayBy<D>(Load::asBorne)));
   expectCaught("resistance by the impulse of the last sub-step", isRight(wayBy<D>(Load::lastSubstep)));
 }
