@@ -232,4 +232,13 @@ void rubAt(const ManifoldRows<D>& m, PointRows<D>& row, Motion<D>& a, Motion<D>&
   }
 }
 
+/// Friction that `normal`, an impulse beside the accumulated one, allows besides the accumulated friction.
+template <int D>
+void rubBeside(const ManifoldRows<D>& m, PointRows<D>& row, Real normal, Motion<D>& a, Motion<D>& b, bool rotation) {
+  PointRows<D> alone = row;
+  alone.impulse = {normal};
+  rubAt(m, alone, a, b, rotation);
+  for (std::size_t d = 1; d < D; ++d) row.impulse[d] += alone.impulse[d];
+}
+
 }  // namespace lpc::inline LPC_PRECISION::solver

@@ -3,12 +3,11 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <span>
 #include <vector>
 
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/joint_rows.h"
+#include "algorithms/solver/places.h"
 #include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
@@ -20,20 +19,6 @@ struct NgsShare {
     v.real("factor", factor, 0, 1, "1", "share of an error to remove in one sweep");
     v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
     v.real("max_move", maxMove, 0, 1000, "m", "largest displacement of one contact in one sweep");
-  }
-};
-
-/// Places of bodies as those of the step's start and the ways since, m. Far from the origin a way keeps the digits that
-/// a place has lost. Empty: poses alone.
-template <int D>
-struct Places {
-  std::span<const Vec<D>> start;
-  std::span<Vec<D>> way;
-
-  bool empty() const { return start.empty(); }
-  /// Poses of two bodies in a frame that has its origin where A started.
-  std::array<Pose<D>, 2> pair(const Bodies<D>& bodies, std::size_t a, std::size_t b) const {
-    return {Pose<D>{way[a], bodies.pose[a].q}, Pose<D>{(start[b] - start[a]) + way[b], bodies.pose[b].q}};
   }
 };
 

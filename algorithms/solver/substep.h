@@ -12,7 +12,7 @@
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/free_motion.h"
 #include "algorithms/solver/joint_rows.h"
-#include "algorithms/solver/ngs_sweep.h"
+#include "algorithms/solver/places.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
@@ -363,11 +363,8 @@ class Substeps {
         state.load += row.impulse[0] - old;
         countRows<D>(in.work, 1);
         if (!(m.friction > 0) || (row.impulse[0] > old && how == Bounce::frictionless)) continue;
-        if (row.impulse[0] > old) {  // beside the friction of the sub-steps, what this impulse allows
-          PointRows<D> alone = row;
-          alone.impulse = {row.impulse[0] - old};
-          rubAt(m, alone, a, b, rotation);
-          for (std::size_t d = 1; d < D; ++d) row.impulse[d] += alone.impulse[d];
+        if (row.impulse[0] > old) {
+          rubBeside(m, row, row.impulse[0] - old, a, b, rotation);
         } else {
           rubAt(m, row, a, b, rotation);
         }

@@ -4,6 +4,7 @@
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/free_motion.h"
 #include "algorithms/solver/joint_rows.h"
+#include "algorithms/solver/places.h"
 #include "framework/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
@@ -79,7 +80,8 @@ class Xpbd final : public Solver<D> {
     m_contacts.points.clear();
     m_jointImpulse.assign(in.joints.size(), {});
     m_joints.clear();
-    m_start.assign(pose.begin(), pose.end());
+    m_start.resize(pose.size());
+    for (std::size_t k = 0; k < pose.size(); ++k) m_start[k] = pose[k].p;
     m_way.assign(pose.size(), Vec<D>::Zero());
     for (int i = 0; i < m_params.substeps; ++i) {
       {
@@ -125,7 +127,7 @@ class Xpbd final : public Solver<D> {
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
       if (!travels(in.bodies, k)) continue;
       moveBody(in.bodies.pose[k], in.bodies.motion[k], h, in.features.rotation);
-      in.bodies.pose[k].p = m_start[k].p + (m_way[k] + h * in.bodies.motion[k].v);
+      in.bodies.pose[k].p = m_start[k] + (m_way[k] + h * in.bodies.motion[k].v);
     }
   }
 
@@ -136,9 +138,10 @@ class Xpbd final : public Solver<D> {
                         in.work, in.profiler, m_arrival});
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       const Manifold<D>& of = in.manifolds[static_cast<std::size_t>(m.manifold)];
-      const auto a = static_cast<std::size_t>(m.a), b = static_cast<std::size_t>(m.b);
+      const auto [atA, atB] =
+          Places<D>{m_start, m_way}.pair(in.bodies, static_cast<std::size_t>(m.a), static_cast<std::size_t>(m.b));
       for (int k = 0; k < m.count; ++k) {
-        const ContactArms<D> arms(of.points[static_cast<std::size_t>(k)], m.n, in.bodies.pose[a], in.bodies.pose[b]);
+        const ContactArms<D> arms(of.points[static_cast<std::size_t>(k)], m.n, atA, atB);
         const Real kept = std::clamp(-arms.separation, Real(0), m_params.slop);
         m_contacts.points[static_cast<std::size_t>(m.first + k)].target = -(arms.separation + kept) / h;
       }
@@ -236,9 +239,9 @@ class Xpbd final : public Solver<D> {
   Params m_params;
   ContactRows<D> m_contacts;
   JointSystem<D> m_joints;
-  std::vector<Pose<D>> m_start, m_from;  // before the step, before the move of this sub-step
-  std::vector<Vec<D>> m_way;             // since the start of the step, m
-  std::vector<Motion<D>> m_arrival;      // before its forces
+  std::vector<Pose<D>> m_from;         // before the move of this sub-step
+  std::vector<Vec<D>> m_start, m_way;  // place at the start of the step, way since, m
+  std::vector<Motion<D>> m_arrival;    // before its forces
   std::vector<std::array<Real, D>> m_total;
   std::vector<std::array<Real, kJointRows>> m_jointImpulse;  // by slot
   std::vector<Wrench<D>> m_wrenches;

@@ -170,6 +170,13 @@ TEST(Extrusion, AgreesOrSaysThatItDoesNot) {
     }
     EXPECT_EQ(agrees, !told) << text << ": " << found;
   }
+  // The ablation of what avbd declares.
+  for (const Scene& scene : kScenes) {
+    const double error = mostApart(often(StageKind::solver, Spec::parse("avbd{tries=3}")), scene);
+    EXPECT_LE(error, scene.swept) << scene.name;
+    double& most = used[{scene.name, false}];
+    most = std::max(most, error);
+  }
   for (const Scene& scene : kScenes) {
     for (const bool gives : {false, true}) {
       const double bound = gives ? scene.giving : scene.swept;

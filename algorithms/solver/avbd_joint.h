@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Zlib
+// A joint as avbd solves it: rows, impulses, penalties.
+#pragma once
+
+#include <array>
+
+#include "framework/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+template <int D>
+struct AvbdJoint {
+  std::int32_t joint, a, b;  // a -1: the world
+  JointRows<D> rows;
+  std::array<Real, kJointRows> impulse, mass, start;  // start: the error at the start of the step that is left
+  Real linear, angular;                               // penalties
+  Real reachA, reachB;                                // from the centres of mass to the frames, m
+
+  /// Relative speed along a row, m/s or rad/s.
+  Real speed(const Bodies<D>& bodies, const ConstraintRow<D>& row) const {
+    const Motion<D> from = a < 0 ? Motion<D>{} : bodies.motion[static_cast<std::size_t>(a)];
+    const Motion<D>& to = bodies.motion[static_cast<std::size_t>(b)];
+    return rowSpeed<D>(row, from.v, from.w, to.v, to.w);
+  }
+
+  /// Effective masses of the rows. Rows that are held together have one, so that it does not matter along which axes
+  /// they lie.
+  void setMasses(const Bodies<D>& bodies) {
+    Real linearSum = 0, angularSum = 0;
+    int linearRows = 0, angularRows = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows.count); ++i) {
+      const ConstraintRow<D>& row = rows.row[i];
+      if (row.absent()) continue;
+      const Real k = response(bodies, a, row.d, row.armA) + response(bodies, b, row.d, row.armB);
+      mass[i] = k > 0 ? 1 / k : Real(0);
+      if (row.block != RowBlock::equality) continue;
+      (row.angular ? angularSum : linearSum) += k;
+      ++(row.angular ? angularRows : linearRows);
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows.count); ++i) {
+      const ConstraintRow<D>& row = rows.row[i];
+      if (row.absent() || row.block != RowBlock::equality) continue;
+      const Real sum = row.angular ? angularSum : linearSum;
+      mass[i] = sum > 0 ? static_cast<Real>(row.angular ? angularRows : linearRows) / sum : Real(0);
+    }
+  }
+
+ private:
+  static Real response(const Bodies<D>& bodies, std::int32_t body, const Vec<D>& d, const Ang<D>& arm) {
+    if (body < 0) return Real(0);
+    const auto i = static_cast<std::size_t>(body);
+    return bodies.invMass[i] * d.squaredNorm() + arm.dot(bodies.invInertia[i] * arm);
+  }
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "framework/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// Places of bodies as those of the step's start and the ways since, m. Far from the origin a way keeps the digits that
+/// a place has lost. Empty: poses alone.
+template <int D>
+struct Places {
+  std::span<const Vec<D>> start;
+  std::span<Vec<D>> way;
+
+  bool empty() const { return start.empty(); }
+  /// Poses of two bodies in a frame that has its origin where A started.
+  std::array<Pose<D>, 2> pair(const Bodies<D>& bodies, std::size_t a, std::size_t b) const {
+    return {Pose<D>{way[a], bodies.pose[a].q}, Pose<D>{(start[b] - start[a]) + way[b], bodies.pose[b].q}};
+  }
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver
