@@ -54,4 +54,14 @@ void countRows(WorkDone& work, std::uint64_t n) {
   work[WorkCount::multiplyAdds] += n * kRowMultiplyAdds<D>;
 }
 
+/// Multiply-adds of making a row: both arms, both changes of angular velocity per impulse, the effective mass.
+template <int D>
+inline constexpr std::uint64_t kRowMakingMultiplyAdds = 2 * D*(D - 1) + D* D*(D - 1) * (D - 1) / 2 + D*(D - 1) + 1;
+
+/// n rows made, or made again in the same step.
+template <int D>
+void countMadeRows(WorkDone& work, std::uint64_t n) {
+  work[WorkCount::multiplyAdds] += n * kRowMakingMultiplyAdds<D>;
+}
+
 }  // namespace lpc

@@ -72,17 +72,20 @@ class Nonlinear final : public PositionResolver<D> {
       const Item& item = m_contacts[k];
       m_depths.set(k, moves(item.a) || moves(item.b) ? depth(in.bodies, item) : Real(0));
     }
+    countMadeRows<D>(in.work, n);
     const auto limit = static_cast<long>(m_params.iterationFactor * static_cast<Real>(n));
     for (long i = 0; i < limit; ++i) {
       const std::size_t worst = m_depths.top();
       if (!(m_depths.value(worst) > 0)) break;
       const Item& item = m_contacts[worst];
       separate(in.bodies, item);
+      std::uint64_t places = 1;
       for (int body : {item.a, item.b}) {
         if (body < 0) continue;
-        for (std::uint32_t k : m_neighbours.of(body)) m_depths.set(k, depth(in.bodies, m_contacts[k]));
+        for (std::uint32_t k : m_neighbours.of(body)) m_depths.set(k, depth(in.bodies, m_contacts[k])), ++places;
       }
       countRows<D>(in.work, 1);
+      countMadeRows<D>(in.work, places);
     }
   }
 

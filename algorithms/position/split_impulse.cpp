@@ -91,8 +91,9 @@ class SplitImpulse final : public PositionResolver<D> {
              0});
       }
     }
+    countMadeRows<D>(in.work, m_contacts.size());
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(bodies, in.joints);
+    if (in.features.joints) m_joints.prepare(in.work, bodies, in.joints);
     m_wrong = m_wrong || !m_joints.rows.empty();
     m_moves.assign(bodies.pose.size(), Motion<D>{});
   }

@@ -243,6 +243,7 @@ class Avbd final : public Solver<D> {
     for (Joint& joint : m_joints) {
       jointRows(in.joints[static_cast<std::size_t>(joint.joint)], in.bodies, joint.rows);
       joint.setMasses(in.bodies);
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(joint.rows.count));
       for (std::size_t i = 0; moved && i < static_cast<std::size_t>(joint.rows.count); ++i) {
         ConstraintRow<D>& row = joint.rows.row[i];
         if (!row.absent()) row.error -= m_h * joint.speed(in.bodies, row);

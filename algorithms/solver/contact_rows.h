@@ -177,6 +177,7 @@ struct ContactRows {
                                       in.restitutionThreshold, in.dt, in.position);
         row.impulse.fill(0);
       }
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
     }
   }
 

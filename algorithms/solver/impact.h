@@ -84,7 +84,7 @@ class Impact {
     });
     if (m_rows.manifolds.empty()) return false;
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
+    if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
     m_blocks.assign(m_joints.blocks.begin(), m_joints.blocks.end());
     for (JointRow<D>& row : m_joints.rows) {
       if (row.law != RowLaw::rigid) row.lo = row.hi = 0;  // springs and motors do nothing in no time

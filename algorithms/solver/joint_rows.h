@@ -55,12 +55,13 @@ class JointSystem {
 
   void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}; }
   /// `compliance` is added to what each rigid row gives way by per impulse, 1/kg or 1/(kg m^2).
-  void prepare(const Bodies<D>& bodies, std::span<const JointRecord<D>> joints, Real compliance = 0) {
+  void prepare(WorkDone& work, const Bodies<D>& bodies, std::span<const JointRecord<D>> joints, Real compliance = 0) {
     clear();
     m_compliance = compliance;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       if (joints[j].active()) add(bodies, joints[j], static_cast<std::int32_t>(j));
     }
+    countMadeRows<D>(work, rows.size());
   }
 
   /// `start(joint, row number)` is the impulse to begin with. Applied by applyAccumulated().

@@ -44,7 +44,7 @@ class NgsSweep {
  private:
   void mend(const PositionInput<D>& in, std::span<const JointRecord<D>> joint, const NgsShare& share) {
     if (!joint[0].active()) return;
-    m_joint.prepare(in.bodies, joint);
+    m_joint.prepare(in.work, in.bodies, joint);
     countRows<D>(in.work, m_joint.sweepErrors(m_moves, share.factor));
     for (const JointBlock<D>& block : m_joint.blocks) {
       move(in, block.a), move(in, block.b);
@@ -59,6 +59,7 @@ class NgsSweep {
     if (!(depth > 0)) return;
     const Real invMassSum = bodies.invMass[a] + bodies.invMass[b];
     const Row<D> row = makeRow<D>(m.normal, arms.rA, arms.rB, invMassSum, bodies.invInertia[a], bodies.invInertia[b]);
+    countMadeRows<D>(in.work, 1);
     const Real impulse = row.mass * std::min(share.factor * depth, share.maxMove);  // kg m
     applyRow<D>(row, m.normal, bodies.invMass[a], bodies.invMass[b], impulse, m_moves[a], m_moves[b],
                 in.features.rotation);

@@ -126,7 +126,7 @@ class Substeps {
     Profiler::Scope scope(in.profiler, "solver.integrate");
     kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
     if (!in.features.joints) return;
-    m_joints.prepare(in.bodies, in.joints);
+    m_joints.prepare(in.work, in.bodies, in.joints);
     m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) {
       return m_jointImpulse[static_cast<std::size_t>(joint)].substep[static_cast<std::size_t>(row)];
     });
@@ -163,6 +163,7 @@ class Substeps {
       const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
       const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
       const auto [atA, atB] = places().pair(in.bodies, a, b);
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
       const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
       for (int k = 0; k < rows.count; ++k) {
         const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];

@@ -151,7 +151,7 @@ class Xpbd final : public Solver<D> {
   // which the velocity of this sub-step starts.
   void prepareJoints(const StepInput<D>& in, Real h) {
     const auto& motion = in.bodies.motion;
-    m_joints.prepare(in.bodies, in.joints, m_params.jointCompliance / (h * h));
+    m_joints.prepare(in.work, in.bodies, in.joints, m_params.jointCompliance / (h * h));
     for (const JointBlock<D>& block : m_joints.blocks) {
       const Motion<D> a = block.a < 0 ? Motion<D>{} : motion[static_cast<std::size_t>(block.a)];
       const Motion<D>& b = motion[static_cast<std::size_t>(block.b)];

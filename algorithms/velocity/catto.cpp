@@ -74,7 +74,7 @@ class Catto final : public VelocityResolver<D> {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_contacts.prepare(in);
       m_joints.clear();
-      if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
+      if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
       if (m_params.block) prepareBlocks();
       if (m_params.friction == Friction::box) prepareLimits(in);
       if (m_params.warmStart) warmStart(in);

@@ -96,7 +96,7 @@ class Jacobi final : public VelocityResolver<D> {
     }
     m_contacts.prepare(in);
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(bodies, in.joints);
+    if (in.features.joints) m_joints.prepare(in.work, bodies, in.joints);
     if (m_params.splitting == Splitting::mass) bodies.invMass = m_invMass, bodies.invInertia = m_invInertia;
   }
 

@@ -134,7 +134,7 @@ class Millington final : public VelocityResolver<D> {
         in.bodies.pose.size(), m_points.size(), [&](std::size_t k) { return std::pair(m_points[k].a, m_points[k].b); },
         moves);
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
+    if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
   }
 
   // Joints have no place in the order by error: as often as a contact is solved on average, before and after them.

@@ -48,7 +48,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
     Profiler::Scope scope(in.profiler, "solver.iterate");
     m_contacts.prepare(in);
     m_joints.clear();
-    if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
+    if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
     for (int i = 0; i < m_params.iterations; ++i) pass(in);
     m_contacts.store(in.manifolds);
     m_joints.store(in.joints);

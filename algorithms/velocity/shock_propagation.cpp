@@ -49,7 +49,7 @@ class ShockPropagation final : public VelocityResolver<D> {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_contacts.prepare(in);
       m_joints.clear();
-      if (in.features.joints) m_joints.prepare(in.bodies, in.joints);
+      if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
       const Real growth = in.lastDt > 0 ? in.dt / in.lastDt : Real(1);
       warmStartContacts(in, growth, m_contacts);
       m_joints.warmStart(in.dt, [&](std::int32_t joint, std::int32_t row) {
