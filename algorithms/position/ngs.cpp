@@ -6,7 +6,8 @@ namespace {
 
 using namespace solver;
 
-// As in Box2D 2: a part of each depth, one contact after the other, each where the others have left its bodies.
+// A part of each depth, one contact after the other, each where the others have left its bodies, as in solver2d. (In
+// Box2D 2 the normal turns with its body, and contacts go before joints.)
 template <int D>
 class Ngs final : public PositionResolver<D> {
  public:

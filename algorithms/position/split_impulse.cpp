@@ -44,7 +44,7 @@ class SplitImpulse final : public PositionResolver<D> {
     if (!m_wrong) return;
     const bool rotation = in.features.rotation;
     for (int i = 0; i < m_params.iterations; ++i) {
-      m_joints.sweepErrors(m_moves, m_params.factor);
+      m_joints.sweepErrors(m_moves, m_params.factor, m_params.factor);
       for (Contact& c : m_contacts) {
         Motion<D>& a = m_moves[static_cast<std::size_t>(c.a)];
         Motion<D>& b = m_moves[static_cast<std::size_t>(c.b)];

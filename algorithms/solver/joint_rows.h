@@ -101,12 +101,17 @@ class JointSystem {
     }
     if (block.equalities > 0) sweepEqualities(block, rigid, a, b);
   }
-  /// The same in displacements instead of velocities, `share` of each error at once. Springs and motors have no error.
-  std::uint64_t sweepErrors(std::vector<Motion<D>>& moves, Real share) {
-    for (JointRow<D>& row : rows) {
-      if (row.law != RowLaw::rigid) row.lo = row.hi = 0;
+  /// The same in displacements instead of velocities: so much of each error at once, of equalities and of stops.
+  /// Springs and motors have no error.
+  std::uint64_t sweepErrors(std::vector<Motion<D>>& moves, Real share, Real stopShare) {
+    for (JointBlock<D>& block : blocks) {
+      Motion<D>&a = at(moves, block.a), &b = at(moves, block.b);
+      for (JointRow<D>& row : of(block).subspan(static_cast<std::size_t>(block.equalities))) {
+        if (row.law == RowLaw::rigid) sweepBox(block, row, 1, {stopShare, 1, 0}, a, b);
+      }
+      if (block.equalities > 0) sweepEqualities(block, {share, 1, 0}, a, b);
     }
-    return sweep(moves, 1, {share, 1, 0});
+    return rows.size();
   }
 
   /// Writes the accumulated impulses. A joint that took no part, since its bodies sleep, keeps what it had; a row that
