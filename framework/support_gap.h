@@ -45,9 +45,11 @@ bool dropToFace(std::span<const Vec<D>> edges, Vec<D>& w) {
 /// By the walk of Gilbert, Johnson and Keerthi (1988). `support(d)` is a point of the set that lies farthest along d.
 /// What is returned is the best bound that was met and no difference of points, so a direction that is off by a little
 /// costs only the square of that little. For few questions about sets without corners: the nearest point of a simplex
-/// is looked for among all its faces.
+/// is looked for among all its faces. `left`: by how much the gap may be too small (m), beside roundings; `far`: one
+/// that is proved to be more is not looked for any further.
 template <int D, class Support>
-Gap<D> gapToOrigin(const Support& support, Vec<D> start) {
+Gap<D> gapToOrigin(const Support& support, Vec<D> start, Real left = 0,
+                   Real far = std::numeric_limits<Real>::infinity()) {
   Gap<D> best;
   std::array<Vec<D>, static_cast<std::size_t>(D) + 1> points;
   std::size_t count = 0;
@@ -57,7 +59,8 @@ Gap<D> gapToOrigin(const Support& support, Vec<D> start) {
     const Vec<D> towards = v / length;
     const Vec<D> w = support(Vec<D>(-towards));
     if (towards.dot(w) > best.gap) best = {towards.dot(w), towards};
-    if (step > 0 && length - best.gap <= kGapRounding * (length + w.norm())) break;
+    if (best.gap > far) break;
+    if (step > 0 && length - best.gap <= std::max(left, kGapRounding * (length + w.norm()))) break;
     if (count == points.size()) break;  // rounding: the last simplex was full and had to hold the origin
     points[count++] = w;
     Real least = std::numeric_limits<Real>::infinity();

@@ -69,7 +69,7 @@ class ClosedForm final : public PairQuery<D> {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {
-        answers[i] = m_plane.answer(pair, work);
+        answers[i] = m_plane.answer(pair, need, work);
         continue;
       }
       BestAxis<D> best;
@@ -80,14 +80,15 @@ class ClosedForm final : public PairQuery<D> {
       } else {
         pointA ? pointSegment(pair, best, work) : segmentSegment(pair, need, best, work);
       }
-      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
+      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching, work);
     }
   }
 
   // Takes the direction of v = pB - pA if it proves the distance |v| as far as rounding lets it.
-  static bool proves(const CorePair<D>& pair, const Vec<D>& v, BestAxis<D>& best) {
+  static bool proves(const CorePair<D>& pair, const Vec<D>& v, BestAxis<D>& best, WorkDone& work) {
     Vec<D> n = v;
     if (!makeUnit<D>(n)) return false;
+    ++work[WorkCount::axisTests];
     best.take(n, pair.bound(n));
     return best.bound >= v.norm() - kBoundRounding * pair.scale;
   }
@@ -119,7 +120,7 @@ class ClosedForm final : public PairQuery<D> {
   static void pointSegment(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     const Vec<D> u = pair.r.col(0);
     const Vec<D> v = pair.p + std::clamp(-pair.p.dot(u), -pair.b.half[0], pair.b.half[0]) * u;
-    if (!proves(pair, v, best)) tryPerpendicular(pair, u, v, best, work);
+    if (!proves(pair, v, best, work)) tryPerpendicular(pair, u, v, best, work);
   }
 
   static void pointBox(const CorePair<D>& pair, BestAxis<D>& best) {
@@ -138,7 +139,7 @@ class ClosedForm final : public PairQuery<D> {
     const Vec<D>&p = pair.p, u = pair.r.col(0);
     const Real lA = pair.a.half[0], lB = pair.b.half[0];
     const Vec<D> v = segmentGap<D>(p, u, lA, lB);
-    if (proves(pair, v, best)) return;
+    if (proves(pair, v, best, work)) return;
     // Of a boolean the difference says enough where it is clearly shorter than the radii.
     if (need == QueryNeed::boolean && best.bound > -std::numeric_limits<Real>::infinity() &&
         (best.bound > pair.radii() || v.norm() + kBoundRounding * pair.scale < pair.radii())) {
@@ -184,7 +185,7 @@ class ClosedForm final : public PairQuery<D> {
     Real t = lo;
     if (slopeLo < 0) t = slopeHi > 0 ? lo + (hi - lo) * (slopeLo / (slopeLo - slopeHi)) : hi;
     const Vec<D> v = -(pair.r * excess(t));
-    if (proves(pair, v, best)) return;
+    if (proves(pair, v, best, work)) return;
     const Vec<D> inBox = -excess(t);
     tryPerpendicularWithinBox(pair, inBox, u, best, work);
     for (int k = 0; k < D; ++k) {

@@ -118,13 +118,13 @@ class CoreMargin final : public PairQuery<D> {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {
-        answers[i] = m_plane.answer(pair, work);
+        answers[i] = m_plane.answer(pair, need, work);
         continue;
       }
       PairMemory* remembered = memory.empty() ? nullptr : &memory[i];
       BestAxis<D> best;
       const QueryStatus status = search(pair, remembered, best, work);
-      answers[i] = answerFrom<D>(pair, best, status, need, m_touching);
+      answers[i] = answerFrom<D>(pair, best, status, need, m_touching, work);
     }
   }
 

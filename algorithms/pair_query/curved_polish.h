@@ -57,7 +57,7 @@ class CurvedPolish {
       const Real before = best.bound;
       const Vec<D> n = best.n;
       best.tryDirection(pair, newtonDirection<D, D - 1>(pair, n, tangents(n), work), work);
-      const int edges = gatherEdges(pair, n);
+      const int edges = gatherEdges(pair, n, work);
       if constexpr (D == 3) {
         if (edges == 1) best.tryDirection(pair, acrossEdge(pair, n, work), work);
       }
@@ -71,13 +71,14 @@ class CurvedPolish {
   void settle(const CorePair<D>& pair, BestAxis<D>& best, WorkDone& work) {
     for (int step = 0; step < kSettleSteps; ++step) {
       Vec<D> n = best.n;
-      const int edges = gatherEdges(pair, n);
+      const int edges = gatherEdges(pair, n, work);
       if (edges == D - 1) return;  // they fix the normal
       if (edges == 0) n = newtonDirection<D, D - 1>(pair, n, tangents(n), work);
       if constexpr (D == 3) {
         if (edges == 1) n = acrossEdge(pair, n, work);
       }
       if (!makeUnit<D>(n)) return;
+      ++work[WorkCount::axisTests];
       const Real bound = pair.bound(n);
       if (!(bound >= best.bound - kBoundRounding * pair.scale)) return;
       best.n = n, best.bound = std::max(bound, best.bound);
@@ -86,15 +87,16 @@ class CurvedPolish {
 
  private:
   // Into m_vertices: those that a small turn of n may make the foremost one, which stands first.
-  void nearVertices(const ShapeView<D>& shape, const Vec<D>& n) {
-    const Vec<D> foremost = coreSupport(shape, n);
+  void nearVertices(const ShapeView<D>& shape, const Vec<D>& n, WorkDone& work) {
     Real size = 0;  // of a hull that may lie far from its own frame
     if (shape.hull) {
+      ++work[WorkCount::supportCalls];
+      const Vec<D> foremost = coreSupport(shape, n);
       for (const Vec<D>& v : shape.hull->vertices) size = std::max(size, (v - foremost).norm());
     } else {
       size = 2 * shape.half.norm();
     }
-    supportingVertices<D>(shape, n, kTurn * size, m_vertices);
+    supportingVertices<D>(shape, n, kTurn * size, m_vertices, work);
     if (m_vertices.empty()) return;  // not a number
     const auto higher = [&](const Vec<D>& u, const Vec<D>& v) { return u.dot(n) < v.dot(n); };
     std::iter_swap(m_vertices.begin(), std::max_element(m_vertices.begin(), m_vertices.end(), higher));
@@ -102,12 +104,12 @@ class CurvedPolish {
 
   // How many dimensions the straight edges span that lie across n within a small turn: there L has no gradient. m_edge
   // is the first of them.
-  int gatherEdges(const CorePair<D>& pair, const Vec<D>& n) {
+  int gatherEdges(const CorePair<D>& pair, const Vec<D>& n, WorkDone& work) {
     int dimensions = 0;
     for (const bool second : {false, true}) {
       const ShapeView<D>& shape = second ? pair.b : pair.a;
       const Vec<D> local = second ? Vec<D>(-(pair.r.transpose() * n)) : n;
-      nearVertices(shape, local);
+      nearVertices(shape, local, work);
       for (std::size_t i = 1; i < m_vertices.size() && dimensions < D - 1; ++i) {
         Vec<D> edge = m_vertices[i] - m_vertices[0];
         if (!makeUnit<D>(edge) || std::abs(edge.dot(local)) > kTurn) continue;
@@ -129,13 +131,14 @@ class CurvedPolish {
       const ShapeView<D>& shape = second ? pair.b : pair.a;
       if (shape.core() == CoreClass::curved) continue;
       const Vec<D> local = second ? Vec<D>(-(pair.r.transpose() * n)) : n;
-      nearVertices(shape, local);
+      nearVertices(shape, local, work);
       if (m_vertices.size() < 2 || m_vertices.size() > kMostLocalVertices) continue;
       for (const Vec<D>& v : m_vertices) {
         const ShapeView<D> point;
         CorePair<D> corner = second ? pair.withShapes(pair.a, point) : pair.withShapes(point, pair.b);
         corner.p = second ? Vec<D>(pair.p + pair.r * v) : Vec<D>(pair.p - v);
         BestAxis<D> top;
+        ++work[WorkCount::axisTests];
         top.take(n, corner.bound(n));
         for (int step = 0; step < kMostPolishSteps; ++step) {
           const Real before = top.bound;

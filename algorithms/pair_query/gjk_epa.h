@@ -82,7 +82,7 @@ class GjkEpaSearch {
   /// `memory` may be null.
   PairAnswer<D> answer(const PairView<D>& view, QueryNeed need, PairMemory* memory, WorkDone& work) {
     CorePair<D> pair(view);
-    if (hasPlane(pair.a.kind, pair.b.kind)) return m_plane.answer(pair, work);
+    if (hasPlane(pair.a.kind, pair.b.kind)) return m_plane.answer(pair, need, work);
     std::array<int, 2> climb{};
     if (m_params.support == Support::climb) pair.climb = &climb;
     if constexpr (D == 3) {
@@ -94,9 +94,16 @@ class GjkEpaSearch {
     BestAxis<D> best;
     const QueryStatus status = search(pair, need, memory, best, work);
     if (memory) m_warmth.remember(best.n, m_last, *memory);
-    if ((pair.a.curved || pair.b.curved) && need == QueryNeed::witnesses) m_polish.settle(pair, best, work);
+    const Real left = allowedToLeave(pair, best.bound);
+    const bool settles = (pair.a.curved || pair.b.curved) && need == QueryNeed::witnesses;
+    const bool first = left <= kShallow * pair.scale;  // Newton's steps are cheaper than a walk to so little
+    if (settles && first) m_polish.settle(pair, best, work);
     m_watch([&](auto& t) { t.refined(pair, best, "last steps around features and curved cores"); });
-    const PairAnswer<D> out = answerFrom<D>(pair, best, status, need, m_touching);
+    PairAnswer<D> out = answerFrom<D>(pair, best, status, need, m_touching, work, left);
+    if (settles && !first && !m_touching.met()) {
+      m_polish.settle(pair, best, work);
+      out = answerFrom<D>(pair, best, status, need, m_touching, work, left);
+    }
     m_watch([&](auto& t) { t.refined(pair, best, "between the features that touch"); });
     return out;
   }
@@ -107,6 +114,13 @@ class GjkEpaSearch {
   using Gap = typename Params::Gap;
   using Measure = typename Params::Measure;
   using Support = typename Params::Support;
+
+  // How much of a distance or depth the tolerances leave (m); 0: no more than roundings.
+  Real allowedToLeave(const CorePair<D>& pair, Real bound) const {
+    const Real part = bound > 0 ? m_params.tolerance : std::max(m_params.tolerance, m_params.depthTolerance);
+    const Real whole = m_params.measure == Measure::size ? pair.scale : std::abs(bound);
+    return std::isfinite(whole) ? part * whole : 0;
+  }
 
   Vec<D> firstDirection(const CorePair<D>& pair) const {
     Vec<D> n = m_warmth.direction();
@@ -218,7 +232,9 @@ class GjkEpaSearch {
                            ofSize ? std::max(depthPart * pair.scale, rounding) : rounding, ofSize ? Real(0) : depthPart,
                            inside};
     const QueryStatus status = m_epa.run(pair, simplex, limits, best, work);
-    if (curved) m_polish.improve(pair, best, work);
+    // Where a tolerance has been kept, last steps are not owed.
+    const bool enough = allowedToLeave(pair, best.bound) > 0 && status == QueryStatus::converged;
+    if (curved && !enough) m_polish.improve(pair, best, work);
     // Near contact rounding says on which side GJK's origin is: the bound knows better.
     const bool overlaps = best.bound < -tolerance || (inside && best.bound <= tolerance);
     // A needle of a face: the edges themselves, which are not rounded sums, give its normal.
@@ -232,6 +248,7 @@ class GjkEpaSearch {
     if (isShort()) m_local.improve(pair, best.n, length - best.bound, best, work);
     // The best direction may be an early one, and the last, which rounding spoilt, the nearer one.
     if (Vec<D> n; isShort() && featureDirection(nearest, n)) {
+      ++work[WorkCount::axisTests];
       m_local.improve(pair, n, length - pair.bound(n), best, work);
     }
     // A bound that is short by a part of the length means a direction that is off by the root of twice that part: where

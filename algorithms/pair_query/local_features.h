@@ -13,8 +13,8 @@ class LocalFeatures {
   /// Around the unit direction n, whose bound may be `gap` from the truth (m).
   void improve(const CorePair<D>& pair, Vec<D> n, Real gap, BestAxis<D>& best, WorkDone& work) {
     const Real band = kGapBand * gap + kFeatureBand * pair.scale;
-    supportingVertices<D>(pair.a, n, band, m_a);
-    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, m_b);
+    supportingVertices<D>(pair.a, n, band, m_a, work);
+    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, m_b, work);
     if (m_a.size() > kMostLocalVertices || m_b.size() > kMostLocalVertices) return;
     for (Vec<D>& v : m_b) v = pair.p + pair.r * v;
     const auto test = [&](const Vec<D>& v) { best.tryDirection(pair, v, work); };
@@ -47,8 +47,8 @@ class LocalFeatures {
     const Real band = -kGapBand * best.bound + kFeatureBand * pair.scale;
     for (int round = 0; round < kMostEdgeRounds; ++round) {
       const Real before = best.bound;
-      edgesAt(pair.a, best.n, band, m_a);
-      edgesAt(pair.b, Vec<3>(-(pair.r.transpose() * best.n)), band, m_b);
+      edgesAt(pair.a, best.n, band, m_a, work);
+      edgesAt(pair.b, Vec<3>(-(pair.r.transpose() * best.n)), band, m_b, work);
       for (Vec<3>& e : m_b) e = pair.r * e;
       m_a.insert(m_a.end(), m_b.begin(), m_b.end());
       for (std::size_t i = 0; i < m_a.size(); ++i) {
@@ -63,7 +63,7 @@ class LocalFeatures {
 
  private:
   // Unit edges with an end within `band` of the core's farthest along n.
-  static void edgesAt(const ShapeView<3>& shape, const Vec<3>& n, Real band, std::vector<Vec<3>>& out) {
+  static void edgesAt(const ShapeView<3>& shape, const Vec<3>& n, Real band, std::vector<Vec<3>>& out, WorkDone& work) {
     out.clear();
     switch (shape.core()) {
       case CoreClass::point:
@@ -80,6 +80,7 @@ class LocalFeatures {
         break;
     }
     const std::vector<Vec<3>>& vertices = shape.hull->vertices;
+    ++work[WorkCount::supportCalls];
     const Real height = coreSupport(shape, n).dot(n) - band;
     for (const auto& edge : shape.hull->edges) {
       const Vec<3>&u = vertices[static_cast<std::size_t>(edge.v0)], &v = vertices[static_cast<std::size_t>(edge.v1)];

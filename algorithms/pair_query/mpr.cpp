@@ -28,7 +28,7 @@ class Refinement {
     const Real size = pair.scale + pair.radii();
     m_rounding = kBoundRounding * size;
     const Real least = kBoundRounding * (round ? kCurvedTolerance : Real(1));
-    m_tolerance = std::max(tolerance, least) * size;
+    m_least = least * size, m_tolerance = std::max(tolerance * size, m_least);
     m_near = std::max(least, kAttainedRounding) * size;  // the side is owed whatever the tolerance
     m_center = (pair.p + pair.r * middle(pair.b)) - middle(pair.a);
     m_ray = -m_center;
@@ -46,7 +46,7 @@ class Refinement {
   /// Of shapes apart the best direction that was tried, else that of the portal.
   BestAxis<D> axis() const {
     BestAxis<D> exit;
-    if (!isApart() && !m_sideAlone) exit.take(m_exit, m_pair.bound(m_exit));
+    if (!isApart() && !m_sideAlone) exit.take(m_exit, m_pair.bound(m_exit)), ++m_work[WorkCount::axisTests];
     return exit.n.isZero(0) ? m_best : exit;
   }
 
@@ -120,7 +120,9 @@ class Refinement {
       if (m_left-- <= 0) return QueryStatus::iterationLimit;
       const Vec<D> w = support(out);
       if (isApart()) return QueryStatus::converged;
-      if (out.dot(w) - height <= m_tolerance || !replace(w)) break;
+      // A tolerance is of the depth: where the portal does not hold the origin yet it goes on, or others would decide.
+      const Real rise = out.dot(w) - height;
+      if (rise <= m_least || (rise <= m_tolerance && holdsOrigin()) || !replace(w)) break;
     }
     return overlapOrDecide();
   }
@@ -197,8 +199,8 @@ class Refinement {
   WorkDone& m_work;
   int m_left;
   bool m_sideAlone, m_exitAtOnce = false;
-  Real m_rounding = 0, m_tolerance = 0, m_near = 0;  // m
-  Vec<D> m_center, m_ray, m_exit = Vec<D>::Zero();   // m_exit as in core_pair.h
+  Real m_rounding = 0, m_least = 0, m_tolerance = 0, m_near = 0;  // m
+  Vec<D> m_center, m_ray, m_exit = Vec<D>::Zero();                // m_exit as in core_pair.h
   std::array<Vec<D>, static_cast<std::size_t>(D)> m_portal;
   BestAxis<D> m_best;
 };
@@ -253,13 +255,14 @@ class Mpr final : public PairQuery<D> {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {
-        answers[i] = m_plane.answer(pair, work);
+        answers[i] = m_plane.answer(pair, need, work);
         continue;
       }
       Refinement<D> refinement(pair, need, m_params.iterations, m_params.tolerance, work);
       const QueryStatus status = refinement.run();
       BestAxis<D> axis = refinement.axis();
-      answers[i] = answerFrom<D>(pair, axis, status, need, m_touching);
+      const Real left = m_params.tolerance * (pair.scale + pair.radii());
+      answers[i] = answerFrom<D>(pair, axis, status, need, m_touching, work, left);
     }
   }
 

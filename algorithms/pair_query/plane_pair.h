@@ -19,8 +19,9 @@ inline bool supportsPlane(ShapeKind a, ShapeKind b) {
 template <int D>
 class PlanePair {
  public:
-  /// The pair's answer, with the middle of the feature that faces the plane as witness. Exact but for rounding.
-  PairAnswer<D> answer(const CorePair<D>& pair, WorkDone& work) {
+  /// The pair's answer, if asked with the middle of the feature that faces the plane as witness. Exact but for
+  /// rounding.
+  PairAnswer<D> answer(const CorePair<D>& pair, QueryNeed need, WorkDone& work) {
     const bool planeB = pair.b.core() == CoreClass::plane;
     const ShapeView<D>& body = planeB ? pair.a : pair.b;
     // Up out of the half-space, and how high the frame's origin stands, in the body's frame.
@@ -32,14 +33,16 @@ class PlanePair {
     PairAnswer<D> answer;
     answer.status = QueryStatus::converged;
     answer.distance = lowest + origin;
-    supportingVertices<D>(body, -up, kFeatureBand * pair.scale, m_vertices);
+    answer.normal = planeB ? Vec<D>(-up) : Vec<D>(pair.r * up);
+    if (need != QueryNeed::witnesses) return answer;
+    supportingVertices<D>(body, -up, kFeatureBand * pair.scale, m_vertices, work);
     Vec<D> middle = Vec<D>::Zero();
     for (const Vec<D>& v : m_vertices) middle += v / static_cast<Real>(m_vertices.size());
     const Vec<D> onBody = middle + (lowest - middle.dot(up)) * up, onPlane = onBody - answer.distance * up;
     if (planeB) {
-      answer.normal = -up, answer.pA = onBody, answer.pB = onPlane;
+      answer.pA = onBody, answer.pB = onPlane;
     } else {  // A is the plane: back into its frame
-      answer.normal = pair.r * up, answer.pA = pair.p + pair.r * onPlane, answer.pB = pair.p + pair.r * onBody;
+      answer.pA = pair.p + pair.r * onPlane, answer.pB = pair.p + pair.r * onBody;
     }
     return answer;
   }

@@ -25,7 +25,7 @@ class SatAnswers {
                                              PairAnswer<D>& out, WorkDone& work) {
     const CorePair<D> pair(view);
     if (hasPlane(pair.a.kind, pair.b.kind)) {
-      out = m_plane.answer(pair, work);
+      out = m_plane.answer(pair, need, work);
       return;
     }
     BestAxis<D> best;
@@ -34,7 +34,7 @@ class SatAnswers {
     } else {
       SatBoxes<D, Watch>(pair, need, best, work, m_watch).run();
     }
-    finishAnswer<D>(pair, best, QueryStatus::converged, need, m_touching, out);
+    finishAnswer<D>(pair, best, QueryStatus::converged, need, m_touching, out, work);
     m_watch([&](auto& t) { t.refined(pair, best, "between the features that touch"); });
   }
 

@@ -234,7 +234,9 @@ class SatPolytope<3, Watch> {
   // they meet, both are the distance. Else the features around the foremost vertices may have a shorter way. False
   // when they have none; then m_way is the shortest that is known.
   bool closeGap(SatFeatures features) {
-    m_way = features.kind == Kind::none ? m_pair->support(m_best->n) : wayBetween(features, m_a, m_b);
+    const bool known = features.kind != Kind::none;
+    if (!known) (*m_work)[WorkCount::supportCalls] += 2;
+    m_way = known ? wayBetween(features, m_a, m_b) : m_pair->support(m_best->n);
     for (int i = 0; i < kMostTurns; ++i) {
       const Real length = m_way.norm();
       if (length - m_best->bound <= m_slack) return true;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Rounded segments, as ClosedForm::segmentSegment has them. Segments that are parallel, or have a stretch in common
 // that they meet along, are left.
+#include <bit>
+
 #include "algorithms/pair_query/pair_lanes.h"
 
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
@@ -27,7 +29,7 @@ class SegmentLanes {
     tB = clamp(sumOneByOne((tA - p[0]) * u[0], (tA * zero - p[1]) * u[1], (tA * zero - p[2]) * u[2]), hn::Neg(lB), lB);
     m_v = difference(tB);
     const Lane square = dot(m_v, m_v), length = hn::Sqrt(square), slack = all(kBoundRounding) * m_in.scale;
-    m_n = m_v / length, m_bound = m_in.bound(m_n), m_tests = zero;
+    m_n = m_v / length, m_bound = m_in.bound(m_n), m_tests = all(1);
     m_known = hn::And(across2 > zero, isSafeSquare(square));
     Mask enough = m_bound >= length - slack;
     if (need == QueryNeed::boolean) {
@@ -151,6 +153,8 @@ std::uint64_t segments(std::span<const PairView<3>> pairs, [[maybe_unused]] Quer
     left |= othersThan(hn::Or(hn::Not(enough), lanes.answer(need, out))) << i;
     out.store(&answers[i], QueryStatus::converged);
   }
+  const std::uint64_t asked = i < 64 ? (std::uint64_t{1} << i) - 1 : ~std::uint64_t{0};
+  work[WorkCount::axisTests] += static_cast<std::uint64_t>(std::popcount(asked & ~unproved & ~left));
   left |= searchSegments(pairs, unproved, need, answers, work);
 #endif
   for (; i < pairs.size(); ++i) left |= std::uint64_t{1} << i;

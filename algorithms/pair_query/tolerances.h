@@ -156,11 +156,11 @@ inline constexpr int kSettleSteps = 2;
 /// apart, a direction that found the right features and is itself off stays.
 inline constexpr int kTouchRounds = 3;
 
-/// The band of features grows by this factor (1), so often at most (count), until the features of both shapes meet; the
-/// last band is 4^10 x kFeatureBand. Larger: witnesses leave their shapes by more. Smaller: features that a leaning
-/// normal holds apart never meet, and the witnesses do not lie one above the other.
+/// The band of features grows by this factor (1), from kFeatureBand or the tolerance of the search to the last one
+/// (x scale), until the features of both shapes meet. Larger: witnesses leave their shapes by more. Smaller: features
+/// that a leaning normal holds apart never meet, and the witnesses do not lie one above the other.
 inline constexpr Real kBandGrowth = 4;
-inline constexpr int kMostBands = 11;
+inline constexpr Real kLastBand = 1048576 * kFeatureBand;
 
 /// How often a curved face is asked for one more point of its rim (count), and how far the direction leans towards that
 /// (tangent): more than the rounding of n, and less than any visible angle. Larger: a point of another face, which the

@@ -4,6 +4,7 @@
 // not in whichever vertex an iteration met last.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "algorithms/pair_query/touching_boxes.h"
@@ -12,11 +13,13 @@
 namespace lpc::inline LPC_PRECISION::pair_query {
 
 /// The vertices of a core that lie within `band` (m) of its farthest along unit n (all in the core's frame); of a
-/// curved core the corners of its support face that do, or its support point. `climb`: as in CorePair.
+/// curved core the corners of its support face that do, or its support point. `climb`: as in CorePair. A look for all
+/// of them counts as one support point, and a support face as another.
 template <int D>
-void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, std::vector<Vec<D>>& out,
+void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, std::vector<Vec<D>>& out, WorkDone& work,
                         const int* climb = nullptr) {
   out.clear();
+  ++work[WorkCount::supportCalls];
   switch (shape.core()) {
     case CoreClass::hull: {
       if constexpr (D == 3) {
@@ -41,6 +44,7 @@ void supportingVertices(const ShapeView<D>& shape, const Vec<D>& n, Real band, s
     }
     case CoreClass::curved: {
       const Vec<D> farthest = coreSupport(shape, n);
+      ++work[WorkCount::supportCalls];
       shape.curved->supportFace(n, out);
       std::erase_if(out, [&](const Vec<D>& v) { return v.dot(n) < farthest.dot(n) - band; });
       if (out.size() < 2) out.assign(1, farthest);
@@ -103,45 +107,93 @@ class TouchingPoint {
  public:
   /// Fills the answer's witnesses from its normal; answer.distance includes the radii already. For cores that are apart
   /// the nearest features, now known, may give a better direction than the one that found them: it is then taken.
+  /// `left`: what the search for the normal was allowed to leave (m), which is as far as witnesses may leave their
+  /// shapes, too; 0: no more than roundings.
   template <int D>
-  void find(const CorePair<D>& pair, BestAxis<D>& best, PairAnswer<D>& answer) {
+  void find(const CorePair<D>& pair, Real left, BestAxis<D>& best, PairAnswer<D>& answer, WorkDone& work) {
     Vec<D> common = Vec<D>::Zero();
     const bool boxes = pair.a.core() <= CoreClass::box && pair.b.core() <= CoreClass::box;
     if (boxes && TouchingBoxes<D>(pair, best.n, kFeatureBand * pair.scale).find(common)) {
-      return place(pair, best, common, answer);
+      m_met = true;
+      return place(pair, best, common, answer, work);
     }
+    const Real first = std::max(kFeatureBand * pair.scale, left), last = std::max(kLastBand * pair.scale, left);
     for (int round = 0; round < kTouchRounds; ++round) {
       // A normal that is off by a rounding lifts the far end of a feature by more than a rounding: the band grows until
-      // the features meet. Witnesses leave their shapes by the band at most.
+      // the features meet. Where they do not within the last one, no other is tried.
       Real least = kInf;
       Vec<D> miss = Vec<D>::Zero();
-      Real band = kFeatureBand * pair.scale;
-      for (int i = 0; i < kMostBands; ++i, band *= kBandGrowth) {
-        gather(pair, best.n, band);
+      Seen<D> seen;
+      const Real far = best.bound > 0 ? kInf : last;  // how far they miss counts for a better direction alone
+      const auto meetWithin = [&](Real band) {
         Vec<D> offset = Vec<D>::Zero();
-        Vec<D> q = commonPoint(best.n, offset);
-        for (int more = 0; more < kMostRimPoints && offset.norm() > band && reachOut(pair, best.n, offset, band);
-             ++more) {
-          offset = Vec<D>::Zero();
-          q = commonPoint(best.n, offset);
-        }
-        if (offset.norm() > band) standOnCurved(pair, best.n, q, offset);
+        const Vec<D> q = nearestPlace(pair, best.n, band, left, far, seen, offset, work);
         if (offset.norm() + band < least) least = offset.norm() + band, common = q, miss = offset;
-        if (!(offset.norm() > band)) break;
+        return !(offset.norm() > band);
+      };
+      m_met = meetWithin(first);
+      if (!m_met && first < last && meetWithin(last)) {
+        m_met = true;
+        for (Real band = kBandGrowth * first; band < last && !meetWithin(band); band *= kBandGrowth) continue;
       }
       // The common point belongs to this normal: the last round must not change it any more.
       if (round == kTouchRounds - 1 || !(best.bound > 0) || miss.squaredNorm() == 0) break;
+      if (left > 0 && m_met) break;
       Vec<D> direct = best.bound * best.n + miss;
       const Real before = best.bound;
-      if (makeUnit<D>(direct)) best.take(direct, pair.bound(direct));
+      if (makeUnit<D>(direct)) best.take(direct, pair.bound(direct)), ++work[WorkCount::axisTests];
       if (!(best.bound > before)) break;
     }
-    place(pair, best, common, answer);
+    place(pair, best, common, answer, work);
   }
+  /// Did the features of the last pair meet within the last band?
+  bool met() const { return m_met; }
 
  private:
+  // What is known of curved cores along one normal, whatever the band: the points that lie farthest towards the other
+  // core, each in its own frame; and where a place of the features, missed by so much, was moved on the cores.
   template <int D>
-  static void place(const CorePair<D>& pair, const BestAxis<D>& best, const Vec<D>& common, PairAnswer<D>& answer) {
+  struct Seen {
+    std::optional<Vec<D>> topA, topB;
+    Vec<D> missed = Vec<D>::Constant(kInf), by = missed, place = missed, offset = missed;
+  };
+  template <int D>
+  static Vec<D> top(const ShapeView<D>& shape, const Vec<D>& n, std::optional<Vec<D>>& known, WorkDone& work) {
+    if (!known) known = supportOf(shape, n, work);
+    return *known;
+  }
+  template <int D>
+  static Vec<D> supportOf(const ShapeView<D>& shape, const Vec<D>& d, WorkDone& work) {
+    ++work[WorkCount::supportCalls];
+    return coreSupport(shape, d);
+  }
+
+  // As commonPoint, of the features within the band.
+  template <int D>
+  Vec<D> nearestPlace(const CorePair<D>& pair, const Vec<D>& n, Real band, Real left, Real far, Seen<D>& seen,
+                      Vec<D>& offset, WorkDone& work) {
+    gather(pair, n, band, work);
+    Vec<D> q = commonPoint(n, offset);
+    for (int more = 0; more < kMostRimPoints && offset.norm() > band; ++more) {
+      if (!reachOut(pair, n, offset, band, seen, work)) break;
+      const Vec<D> before = offset;
+      offset = Vec<D>::Zero();
+      q = commonPoint(n, offset);
+      if (offset == before || (left > 0 && 2 * offset.norm() > before.norm())) break;  // the next ones bring no more
+    }
+    if (!(offset.norm() > band) || (!pair.a.curved && !pair.b.curved)) return q;
+    if (q != seen.missed || offset != seen.by) {
+      seen.missed = q, seen.by = offset;
+      standOnCurved(pair, n, left, far, seen, q, offset, work);
+      seen.place = q, seen.offset = offset;
+    }
+    offset = seen.offset;
+    return seen.place;
+  }
+
+  template <int D>
+  static void place(const CorePair<D>& pair, const BestAxis<D>& best, const Vec<D>& common, PairAnswer<D>& answer,
+                    WorkDone& work) {
     answer.normal = best.n;
     answer.distance = best.bound - pair.radii();
     if constexpr (D == 3) {
@@ -152,6 +204,7 @@ class TouchingPoint {
         return;
       }
     }
+    if (pair.a.core() > CoreClass::box) ++work[WorkCount::supportCalls];  // of others a matter of signs
     const Real height = farthest(pair.a, best.n, nullptr, pair.climbOnA()).dot(best.n) + pair.a.radius;
     answer.pA = common + height * answer.normal;
     answer.pB = answer.pA + answer.distance * answer.normal;
@@ -160,50 +213,53 @@ class TouchingPoint {
   static constexpr Real kInf = std::numeric_limits<Real>::infinity();
 
   template <int D>
-  void gather(const CorePair<D>& pair, const Vec<D>& n, Real band) {
+  void gather(const CorePair<D>& pair, const Vec<D>& n, Real band, WorkDone& work) {
     auto& a = vertices<D>(m_a2, m_a3);
     auto& b = vertices<D>(m_b2, m_b3);
-    supportingVertices<D>(pair.a, n, band, a, pair.climbOnA());
-    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, b, pair.climbOnB());
+    supportingVertices<D>(pair.a, n, band, a, work, pair.climbOnA());
+    supportingVertices<D>(pair.b, Vec<D>(-(pair.r.transpose() * n)), band, b, work, pair.climbOnB());
     for (Vec<D>& v : b) v = pair.p + pair.r * v;
   }
-  // The corners of a curved face are a few of its rim: adds the one that lies towards the other feature.
+  // The corners of a curved face are a few of its rim: adds the one that lies towards the other feature, if there is.
   template <int D>
-  bool reachOut(const CorePair<D>& pair, const Vec<D>& n, const Vec<D>& offset, Real band) {
+  bool reachOut(const CorePair<D>& pair, const Vec<D>& n, const Vec<D>& offset, Real band, Seen<D>& seen,
+                WorkDone& work) {
     if (!pair.a.curved && !pair.b.curved) return false;
     const Vec<D> aside = kTilt / offset.norm() * offset;
+    bool found = false;
     if (pair.a.curved) {
-      const Vec<D> v = coreSupport(pair.a, Vec<D>(n + aside));
-      if (v.dot(n) >= coreSupport(pair.a, n).dot(n) - band) vertices<D>(m_a2, m_a3).push_back(v);
+      const Vec<D> v = supportOf(pair.a, Vec<D>(n + aside), work);
+      if (v.dot(n) >= top(pair.a, n, seen.topA, work).dot(n) - band) vertices<D>(m_a2, m_a3).push_back(v), found = true;
     }
     if (pair.b.curved) {
       const Vec<D> back = -(pair.r.transpose() * n);
-      const Vec<D> v = coreSupport(pair.b, Vec<D>(back - pair.r.transpose() * aside));
-      if (v.dot(back) >= coreSupport(pair.b, back).dot(back) - band) {
-        vertices<D>(m_b2, m_b3).push_back(pair.p + pair.r * v);
+      const Vec<D> v = supportOf(pair.b, Vec<D>(back - pair.r.transpose() * aside), work);
+      if (v.dot(back) >= top(pair.b, back, seen.topB, work).dot(back) - band) {
+        vertices<D>(m_b2, m_b3).push_back(pair.p + pair.r * v), found = true;
       }
     }
-    return true;
+    return found;
   }
   // Between the corners of a curved face and its rim lies more of it: is the other feature's point on the core itself?
   template <int D>
-  void standOnCurved(const CorePair<D>& pair, const Vec<D>& n, Vec<D>& q, Vec<D>& offset) {
+  void standOnCurved(const CorePair<D>& pair, const Vec<D>& n, Real left, Real far, Seen<D>& seen, Vec<D>& q,
+                     Vec<D>& offset, WorkDone& work) {
     const Vec<D> onA = q - offset / 2, onB = q + offset / 2;
     const Real length = offset.norm();
     const auto take = [&](const Vec<D>& point, Real gap) {
       if (gap < offset.norm()) q = point, offset *= std::max(gap, Real(0)) / length;
     };
     if (pair.a.curved) {
-      const Vec<D> at = onB + coreSupport(pair.a, n).dot(n) * n;
-      const auto difference = [&](const Vec<D>& d) { return Vec<D>(coreSupport(pair.a, d) - at); };
-      take(onB, gapToOrigin<D>(difference, -at).gap);
+      const Vec<D> at = onB + top(pair.a, n, seen.topA, work).dot(n) * n;
+      const auto difference = [&](const Vec<D>& d) { return Vec<D>(supportOf(pair.a, d, work) - at); };
+      take(onB, gapToOrigin<D>(difference, -at, left, far).gap);
     }
     if (pair.b.curved) {
       const Vec<D> back = -(pair.r.transpose() * n);
       const Vec<D> across = pair.r.transpose() * (onA - pair.p);
-      const Vec<D> at = across + (coreSupport(pair.b, back) - across).dot(back) * back;
-      const auto difference = [&](const Vec<D>& d) { return Vec<D>(coreSupport(pair.b, d) - at); };
-      take(onA, gapToOrigin<D>(difference, -at).gap);
+      const Vec<D> at = across + (top(pair.b, back, seen.topB, work) - across).dot(back) * back;
+      const auto difference = [&](const Vec<D>& d) { return Vec<D>(supportOf(pair.b, d, work) - at); };
+      take(onA, gapToOrigin<D>(difference, -at, left, far).gap);
     }
   }
   template <int D>
@@ -321,21 +377,23 @@ class TouchingPoint {
     return middle;
   }
 
+  bool m_met = false;
   std::vector<Vec<2>> m_a2, m_b2;
   std::vector<Vec<3>> m_a3, m_b3;
   std::vector<Planar> m_polygonA, m_polygonB, m_clip, m_scratch;
 };
 
-/// Finishes an answer, where it stays, from its best axis: radii, normal, witnesses if asked.
+/// Finishes an answer, where it stays, from its best axis: radii, normal, witnesses if asked, with what the search was
+/// allowed to leave (TouchingPoint::find).
 template <int D>
 void finishAnswer(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, QueryNeed need,
-                  TouchingPoint& touching, PairAnswer<D>& answer) {
+                  TouchingPoint& touching, PairAnswer<D>& answer, WorkDone& work, Real left = 0) {
   answer.status = status;
   answer.normal = best.n;
   answer.distance = best.bound - pair.radii();
   if (!std::isfinite(answer.distance)) answer.status = QueryStatus::failed;  // no direction has a number: a NaN came in
   if (need == QueryNeed::witnesses) {
-    touching.find(pair, best, answer);
+    touching.find(pair, left, best, answer, work);
   } else {
     answer.pA = answer.pB = Vec<D>::Zero();
   }
@@ -343,9 +401,9 @@ void finishAnswer(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status
 
 template <int D>
 PairAnswer<D> answerFrom(const CorePair<D>& pair, BestAxis<D>& best, QueryStatus status, QueryNeed need,
-                         TouchingPoint& touching) {
+                         TouchingPoint& touching, WorkDone& work, Real left = 0) {
   PairAnswer<D> answer;
-  finishAnswer(pair, best, status, need, touching, answer);
+  finishAnswer(pair, best, status, need, touching, answer, work, left);
   return answer;
 }
 

@@ -83,8 +83,9 @@ class Tracer {
     const Vec<D> back = -(pair.r.transpose() * n);
     step.direction = n, step.bound = bound;
     step.supportA = farthest(pair.a, n), step.supportB = pair.p + pair.r * farthest(pair.b, back);
-    supportingVertices<D>(pair.a, n, kFeatureBand * pair.scale, step.featureA);
-    supportingVertices<D>(pair.b, back, kFeatureBand * pair.scale, step.featureB);
+    WorkDone ofLooking;  // not the search's
+    supportingVertices<D>(pair.a, n, kFeatureBand * pair.scale, step.featureA, ofLooking);
+    supportingVertices<D>(pair.b, back, kFeatureBand * pair.scale, step.featureB, ofLooking);
     for (Vec<D>& v : step.featureB) v = pair.p + pair.r * v;
   }
 

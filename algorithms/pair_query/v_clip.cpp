@@ -296,7 +296,7 @@ class VClip final : public PairQuery<D> {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       CorePair<D> pair(pairs[i]);
       if (hasPlane(pair.a.kind, pair.b.kind)) {
-        answers[i] = m_plane.answer(pair, work);
+        answers[i] = m_plane.answer(pair, need, work);
         continue;
       }
       std::array<int, 2> climb{};
@@ -310,7 +310,7 @@ class VClip final : public PairQuery<D> {
           SatBoxes<D>(pair, need, best, work).run();
         }
       }
-      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching);
+      answers[i] = answerFrom<D>(pair, best, QueryStatus::converged, need, m_touching, work);
     }
   }
 
@@ -342,7 +342,7 @@ class VClip final : public PairQuery<D> {
     const bool faces =
         features[0].kind == FeatureKind::face && features[1].kind == FeatureKind::face;  // no walk ends there
     if (last.known != 1 || faces || !exists(features[0], m_a) || !exists(features[1], m_b)) {
-      ++work[WorkCount::supportCalls];
+      work[WorkCount::supportCalls] += 2;
       features[0] = foremost(pair.a, pair.p, pair.climbOnA());
       features[1] = foremost(pair.b, Vec<D>(-(pair.r.transpose() * pair.p)), pair.climbOnB());
     }
