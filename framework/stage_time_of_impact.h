@@ -41,7 +41,7 @@ struct TimeOfImpactAnswer {
   QueryStatus status = QueryStatus::refused;
   bool hit = false;
   Real t = 0;                // s
-  PairAnswer<D> there = {};  // the shapes at t, in A's frame then
+  PairAnswer<D> there = {};  // the shapes at t, in A's frame then; with witnesses where they hit
 };
 
 /// Finds times of impact.

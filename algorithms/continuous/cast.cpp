@@ -75,7 +75,7 @@ class Cast final : public ContinuousCollision<D> {
     for (int k = 0; k < m_params.iterations; ++k) {
       const PairView<D> view = p.pair.at(t);
       PairAnswer<D> answer;
-      m_query->query({&view, 1}, QueryNeed::witnesses, {&answer, 1}, {&memory, 1}, work);
+      m_query->query({&view, 1}, QueryNeed::distance, {&answer, 1}, {&memory, 1}, work);
       if (k == 0 && -answer.distance > allowed / 2) {
         allowed = std::min(allowed / 2 - answer.distance, (inner - answer.distance) / 2);
       }

@@ -113,12 +113,16 @@ bool look(PairQuery<D>& query, const MovingPair<D>& pair, const Closing<D>& clos
   LPC_ASSERT(pair.a.core() != CoreClass::plane || pair.A.motion.w.isZero(0));
   LPC_ASSERT(pair.b.core() != CoreClass::plane || pair.B.motion.w.isZero(0));
   const PairView<D> view = pair.at(out.t);
-  query.query({&view, 1}, QueryNeed::witnesses, {&out.there, 1}, {&memory, 1}, work);
+  const auto ask = [&](QueryNeed need) { query.query({&view, 1}, need, {&out.there, 1}, {&memory, 1}, work); };
+  ask(QueryNeed::distance);
   out.status = out.there.status;
   if (out.status == QueryStatus::failed || out.status == QueryStatus::refused) return false;
   seen.band = tolerance * closing.size(view);
   out.hit = std::isfinite(out.there.distance) && out.there.distance <= seen.band;
-  if (out.hit) return false;
+  if (out.hit) {
+    ask(QueryNeed::witnesses);
+    return false;
+  }
   seen.gap = out.there.distance - seen.band / 2;  // so that contact is not crossed by rounding
   seen.n = pair.A.bodyAt(out.t).q * (pair.A.X_CS.q * out.there.normal);
   seen.speed = closing.closing(seen.n);
