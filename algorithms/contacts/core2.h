@@ -66,9 +66,11 @@ inline Core2 makeCore2(const ShapeView<2>& s, const Pose<2>* X_12, Storage2& sto
 
 /// As `makeCore2`, of a shape that faces the other one along d (frame 1, any length): a curved core is its support face
 /// there, one edge, or one vertex, which has no edge to clip.
-inline Core2 makeFacing2(const ShapeView<2>& s, const Pose<2>* X_12, const Vec<2>& d, Storage2& storage) {
+inline Core2 makeFacing2(const ShapeView<2>& s, const Pose<2>* X_12, const Vec<2>& d, Storage2& storage,
+                         WorkDone& work) {
   if (s.core() != CoreClass::curved) return makeCore2(s, X_12, storage);
   const Pose<2> X = X_12 ? *X_12 : Pose<2>{};
+  ++work[WorkCount::supportCalls];
   s.curved->supportFace(X.q.inverse() * d, storage.v);
   if (storage.n.size() < storage.v.size()) storage.n.resize(storage.v.size());
   for (std::size_t i = 0; i < storage.v.size(); ++i) storage.v[i] = X * storage.v[i], storage.n[i] = d.normalized();

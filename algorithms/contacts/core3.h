@@ -150,9 +150,11 @@ inline const Polytope<3>& polygonTopology(std::size_t corners) {
 
 /// As `makeCore3`, of a shape that faces the other one along d (frame 1, any length): a curved core is its support face
 /// there, a polygon, an edge, or a point.
-inline Core3 makeFacing3(const ShapeView<3>& s, const Pose<3>* X_12, const Vec<3>& d, Storage3& storage) {
+inline Core3 makeFacing3(const ShapeView<3>& s, const Pose<3>* X_12, const Vec<3>& d, Storage3& storage,
+                         WorkDone& work) {
   if (s.core() != CoreClass::curved) return makeCore3(s, X_12, storage);
   const Pose<3> X = X_12 ? *X_12 : Pose<3>{};
+  ++work[WorkCount::supportCalls];
   s.curved->supportFace(X.q.inverse() * d, storage.v);
   auto& v = storage.v;
   for (Vec<3>& corner : v) corner = X * corner;

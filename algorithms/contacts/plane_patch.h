@@ -20,7 +20,7 @@ struct PlaneScratch {
 
 /// The corners of a bounded core that may touch a plane with normal -down (both in the core's frame).
 template <int D>
-void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D>>& out) {
+void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D>>& out, WorkDone& work) {
   out.clear();
   switch (s.core()) {
     case CoreClass::point:
@@ -40,6 +40,7 @@ void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D
       out.assign(s.hull->vertices.begin(), s.hull->vertices.end());
       return;
     case CoreClass::curved: {
+      work[WorkCount::supportCalls] += 2;
       // Of a tilted face the lowest place may lie between its corners.
       const Vec<D> lowest = s.curved->support(down);
       s.curved->supportFace(down, out);
@@ -55,7 +56,7 @@ void cornersToPlane(const ShapeView<D>& s, const Vec<D>& down, std::vector<Vec<D
 
 /// Fills scratch.points and returns n_12. Points that are equally deep within the pair's tolerance are alike.
 template <int D>
-Vec<D> planePatch(const PlacedPair<D>& pair, Reduction rule, PlaneScratch<D>& scratch) {
+Vec<D> planePatch(const PlacedPair<D>& pair, Reduction rule, PlaneScratch<D>& scratch, WorkDone& work) {
   const ShapeView<D>&s1 = pair.view1(), &s2 = pair.view2();
   const bool planeSecond = s2.core() == CoreClass::plane;
   const ShapeView<D>& body = planeSecond ? s1 : s2;
@@ -63,7 +64,7 @@ Vec<D> planePatch(const PlacedPair<D>& pair, Reduction rule, PlaneScratch<D>& sc
   const Vec<D> up = planeSecond ? Vec<D>(pair.X_12.q * Vec<D>(Vec<D>::Unit(1))) : Vec<D>(Vec<D>::Unit(1));
   const Vec<D> origin = planeSecond ? pair.X_12.p : Vec<D>(Vec<D>::Zero());
   const Vec<D> upInBody = planeSecond ? up : Vec<D>(pair.X_12.q.inverse() * up);
-  cornersToPlane<D>(body, -upInBody, scratch.corners);
+  cornersToPlane<D>(body, -upInBody, scratch.corners, work);
   scratch.points.clear();
   for (std::size_t i = 0; i < scratch.corners.size(); ++i) {
     const Vec<D> corner = planeSecond ? scratch.corners[i] : pair.X_12 * scratch.corners[i];

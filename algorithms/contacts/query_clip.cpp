@@ -55,12 +55,12 @@ class QueryClip final : public ContactGenerator<D> {
   void generate(const ContactInput<D>& in, std::vector<Manifold<D>>& fresh, WorkDone& work) override {
     m_batches.run(in, m_params.bias, work, [&](const PlacedPair<D>& placed, const PairAnswer<D>& answer) {
       if (hasPlane(placed)) {
-        const Vec<D> down = planePatch(placed, m_params.reduction, m_plane);
+        const Vec<D> down = planePatch(placed, m_params.reduction, m_plane, work);
         return addPatch<D>(in, placed, down, m_plane.points, fresh);
       }
       const Vec<D> n = answer.normal;
       const PatchPoint<D> witness = witnessPoint(placed, answer);
-      addPatch<D>(in, placed, n, clipAlong(placed, n, witness, m_params.reduction, m_scratch), fresh);
+      addPatch<D>(in, placed, n, clipAlong(placed, n, witness, m_params.reduction, m_scratch, work), fresh);
     });
   }
 

@@ -363,7 +363,7 @@ class RoundedPolygon final : public ContactGenerator<D> {
       for (std::size_t i = 0; i < count; ++i) {
         Patch2& patch = m_patches[i];
         if (hasPlane(m_placed[i])) {
-          const Vec<D> n = planePatch(m_placed[i], Reduction::spread, m_plane);
+          const Vec<D> n = planePatch(m_placed[i], Reduction::spread, m_plane, work);
           addPatch<D>(in, m_placed[i], n, m_plane.points, fresh);
         } else {
           addPatch<D>(in, m_placed[i], patch.normal, {patch.points.data(), static_cast<std::size_t>(patch.count)},

@@ -58,7 +58,7 @@ class SatClip final : public ContactGenerator<D> {
     for (const ConvexPair<D>& pair : in.pairs) {
       const PlacedPair<D> placed = placePair(in, pair, m_params.bias);
       if (hasPlane(placed)) {
-        const Vec<D> n = planePatch(placed, m_params.reduction, m_plane);
+        const Vec<D> n = planePatch(placed, m_params.reduction, m_plane, work);
         addPatch<D>(in, placed, n, m_plane.points, fresh);
         continue;
       }
