@@ -64,6 +64,9 @@ class PairQuery : public Stage {
 
   /// Only a <= b is asked.
   virtual bool supports(ShapeKind a, ShapeKind b) const = 0;
+  /// Does it claim the distance of such shapes that are apart? Else it says no more than that they are: the distance is
+  /// some lower bound, and is not judged. Depths are claimed by all. Only a <= b is asked.
+  virtual bool claimsGap(ShapeKind, ShapeKind) const { return true; }
   /// Does it read and write the memory of pairs?
   virtual bool remembers() const { return false; }
   /// Any number of pairs of one pair of kinds, which it supports. `answers` has as many entries, `memory` too, or none

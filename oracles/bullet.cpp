@@ -241,6 +241,7 @@ class BulletBoxBox final : public IsolatedWitness<3> {
                           .test = "Witnesses.BulletBoxBoxPrefersFaces"}},
             .role = AlgorithmRole::witness};
   }
+  bool claimsGap(ShapeKind, ShapeKind) const override { return false; }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
     static constexpr std::array kBars = {ErrorBar{box, box, 3e-3}};

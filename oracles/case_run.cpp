@@ -29,6 +29,7 @@ double toleranceOf(const Case& c) { return c.finding && c.finding->precision == 
 constexpr double kRelative = kDouble ? 1e-9 : 1e-2;
 
 constexpr std::string_view kReferee = "referee", kUnknownMethod = "unknown_method", kSide = "side",
+                           kSideAlone = "by the side alone: it claims no gap",
                            kWrongSide = "wrong_side";  // as the verdict of a found case has it
 
 // The registered pair queries of one dimension, made once: a witness keeps its process from case to case.
@@ -53,7 +54,8 @@ Methods<D> methods() {
 }
 
 template <int D>
-void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer, double tolerance, CaseResult& row) {
+void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer, double tolerance, bool claimsGap,
+           CaseResult& row) {
   const CaseExpected& expected = c.expected;
   const ShapeView<D>&a = g.a.shape->view(), &b = g.b.shape->view();
   const double s = errorScale(a, g.a.X_WS, b, g.b.X_WS, expected.distance);
@@ -65,11 +67,11 @@ void judge(const Case& c, const CaseGeometry<D>& g, const PairAnswer<D>& answer,
     row.reason = "not finite";
     return;
   }
-  if (row.role == AlgorithmRole::witness && answer.status == QueryStatus::degenerate) {
-    // It knows only on which side it is (libccd of shapes that are apart).
+  const bool witnessOfASide = row.role == AlgorithmRole::witness && answer.status == QueryStatus::degenerate;
+  if (witnessOfASide || (row.value >= 0 && !claimsGap)) {
     row.verdict = row.value * expected.distance >= 0 || std::abs(expected.distance) <= allowed ? CaseVerdict::ok
                                                                                                : CaseVerdict::wrong;
-    row.reason = row.verdict == CaseVerdict::ok ? "" : kSide;
+    row.reason = row.verdict == CaseVerdict::ok ? kSideAlone : kSide;
     return;
   }
   if (!(std::abs(row.value - expected.distance) <= allowed)) {
@@ -141,7 +143,8 @@ void askMethod(const Case& c, const CaseGeometry<D>& g, Method<D>& method, CaseR
     return end(answer.status == QueryStatus::refused ? CaseVerdict::refused : CaseVerdict::failed,
                "declared, yet status " + std::string(queryStatusName(answer.status)));
   }
-  judge<D>(c, g, answer, std::max(toleranceOf(c), verifyTolerance(method.witness())), row);
+  judge<D>(c, g, answer, std::max(toleranceOf(c), verifyTolerance(method.witness())),
+           method.query->claimsGap(std::min(a.kind, b.kind), std::max(a.kind, b.kind)), row);
 }
 
 template <int D>
@@ -177,7 +180,7 @@ CaseVerdict verdictOf(Tally end) {
 
 void tell(const Verdict& verdict, CaseResult& row) {
   row.verdict = verdictOf(verdict.end), row.value = verdict.value, row.error = verdict.error.value_or(0);
-  row.reason = verdict.failure;
+  row.reason = verdict.sideAlone && verdict.end == Tally::agree ? std::string(kSideAlone) : verdict.failure;
 }
 
 template <int D>

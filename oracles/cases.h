@@ -95,7 +95,7 @@ struct CaseResult {
   std::string id, method;
   AlgorithmRole role = AlgorithmRole::competitor;
   CaseVerdict verdict = CaseVerdict::refused;
-  std::string reason = {};  // unsupported_shape, unsupported_query, undecided, or what is wrong
+  std::string reason = {};  // unsupported_shape, unsupported_query, undecided, what is wrong, or was not judged
   double value = 0;
   double expected = 0;     // NaN where the file has none
   double error = 0;        // |value - expected| / s, s as in `errorScale`

@@ -93,6 +93,7 @@ class Chipmunk final : public IsolatedWitness<2> {
                           .test = "Witnesses.ChipmunkForgetsTheTurnOfACapsule"}},
             .role = AlgorithmRole::witness};
   }
+  bool claimsGap(ShapeKind a, ShapeKind) const override { return coreClass(a) == CoreClass::point; }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
     static constexpr std::array kBars = {

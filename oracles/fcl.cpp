@@ -283,6 +283,7 @@ class FclLibccdCollide final : public FclWitness<D> {
                       .test = "Witnesses.FclCollideDepthIsNotMinimal"}},
         .role = AlgorithmRole::witness};
   }
+  bool claimsGap(ShapeKind, ShapeKind) const override { return false; }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
     static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15},      ErrorBar{sphere, capsule, 1e-15},

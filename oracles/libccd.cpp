@@ -40,6 +40,7 @@ void center(const void* object, ccd_vec3_t* out) {
 class LibccdWitness : public IsolatedWitness<3> {
  public:
   using IsolatedWitness<3>::IsolatedWitness;
+  bool claimsGap(ShapeKind, ShapeKind) const override { return false; }
 
  protected:
   using Call = int (*)(const void*, const void*, const ccd_t*, ccd_real_t*, ccd_vec3_t*, ccd_vec3_t*);

@@ -86,6 +86,7 @@ class Ode final : public IsolatedWitness<3> {
                           .test = "Witnesses.OdeDepthOfCapsulesInBoxesIsOff"}},
             .role = AlgorithmRole::witness};
   }
+  bool claimsGap(ShapeKind, ShapeKind) const override { return false; }
   std::span<const ErrorBar> errorBars() const override {
     using enum ShapeKind;
     static constexpr std::array kBars = {ErrorBar{sphere, sphere, 1e-15}, ErrorBar{sphere, capsule, 1e-15},

@@ -18,6 +18,7 @@ class Prisms : public Witness<2> {
   using Params = typename Solid::Params;
   explicit Prisms(const Params& params) : m_solid(params) {}
   static AlgorithmInfo info() { return Solid::info(); }
+  bool claimsGap(ShapeKind a, ShapeKind b) const final { return m_solid.claimsGap(a, b); }
 
   std::span<const Ending> endings() const final { return m_solid.endings(); }
   std::int64_t nanoseconds() const final { return m_solid.nanoseconds(); }

@@ -17,8 +17,9 @@ namespace lpc::inline LPC_PRECISION {
 struct Verdict {
   Tally end = Tally::agree;
   bool wrongSide = false, capped = false;
-  bool wider = false;  // right, but by a scale that holds where frames are, and not by that of the posed shapes
-  double value = 0;    // the distance, or of contacts that of the deepest point (m), where there is an error
+  bool sideAlone = false;  // the method claims no distance here: none was judged
+  bool wider = false;      // right, but by a scale that holds where frames are, and not by that of the posed shapes
+  double value = 0;        // the distance, or of contacts that of the deepest point (m), where there is an error
   std::optional<double> error;  // over s, of an answer with a value
   std::string failure;          // what went wrong, as in names of files; empty when nothing did
 };

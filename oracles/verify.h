@@ -54,10 +54,15 @@ template <int D>
 PairTruth<D> pairTruth(const PairView<D>& pair);
 
 /// The one measure of an answer's error, in ledgers and in trials: |distance - referee's interval| / s, or what the
-/// separation along the normal lacks, whichever is more. A side alone (a witness's `degenerate`) has none.
+/// separation along the normal lacks, whichever is more. A side alone has none: what says that the shapes are apart and
+/// claims no gap (PairQuery::claimsGap), and a witness's `degenerate`.
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& truth, const PairAnswer<D>& answer, AlgorithmRole role,
-              Ending ending = Ending::answered, double tolerance = verifyTolerance());
+              Ending ending = Ending::answered, double tolerance = verifyTolerance(), bool claimsGap = true);
+
+/// The time (ns) of all these queries, each by itself and between two readings of the clock: as witnesses are timed.
+template <int D>
+double timeOneByOne(PairQuery<D>& method, std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers);
 
 /// Pairs of these kinds (kindA <= kindB; see hardPair) through each method that supports them.
 template <int D>

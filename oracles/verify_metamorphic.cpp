@@ -47,7 +47,7 @@ std::vector<ImageAnswer> ask(PairQuery<D>& method, const std::vector<PairView<D>
 // See docs/verification.md: the two answers before each other.
 template <int D>
 Verdict compare(const Asked<D>& asked, const ImageAnswer& before, const ImageAnswer& after, AlgorithmRole role,
-                double tolerance) {
+                double tolerance, bool claimsGap) {
   if (!before.is() && !after.is()) return withoutAnswer(before.without());
   Verdict v;
   if (before.is() != after.is()) {
@@ -61,7 +61,7 @@ Verdict compare(const Asked<D>& asked, const ImageAnswer& before, const ImageAns
   };
   const bool known = isKnown(asked.before) && (asked.sameTruth || isKnown(asked.after));
   const auto hasValue = [&](const ImageAnswer& a) {
-    return role == AlgorithmRole::competitor || a.status != QueryStatus::degenerate;
+    return (a.distance < 0 || claimsGap) && (role == AlgorithmRole::competitor || a.status != QueryStatus::degenerate);
   };
   const bool values = hasValue(before) && hasValue(after);
   const auto isCapped = [&](const ImageAnswer& a) { return hasValue(a) && a.status != QueryStatus::converged; };
@@ -133,7 +133,8 @@ void verifyRelations(ShapeKind kindA, ShapeKind kindB, const VerifyRange& range,
       entry.role = m.info.role;
       for (std::size_t i = 0; i < all[r].size(); ++i) {
         const Verdict v = range.ended ? withoutAnswer(*range.ended)
-                                      : compare(all[r][i], answers[2 * i], answers[2 * i + 1], m.info.role, tolerance);
+                                      : compare(all[r][i], answers[2 * i], answers[2 * i + 1], m.info.role, tolerance,
+                                                method->claimsGap(kindA, kindB));
         ++entry[Tally::asked], ++entry[v.end];
         if (v.wrongSide) ++entry[Tally::wrongSide];
         if (v.capped) ++entry[Tally::capped];

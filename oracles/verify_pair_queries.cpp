@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include <chrono>
 #include <cmath>
 
 #include "framework/tolerances.h"
@@ -89,7 +90,7 @@ template PairTruth<3> pairTruth(const PairView<3>&);
 
 template <int D>
 Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnswer<D>& answer, AlgorithmRole role,
-              Ending ending, double tolerance) {
+              Ending ending, double tolerance, bool claimsGap) {
   // The bounds of a curved core leave something open: who is judged by them must be content with ten times that.
   const bool narrow = 10 * known.answer.interval().width() <= tolerance * known.s;
   if (!known.answer.decided || !narrow) return withoutAnswer(Tally::undecided);
@@ -104,8 +105,10 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
   Verdict v;
   v.capped = answer.status != QueryStatus::converged;
   v.wrongSide = (phi < 0 && truth.lo > allowed) || (phi >= 0 && truth.hi < -allowed);
-  // A witness that is `degenerate` knows the side and no value (libccd of shapes that are apart).
-  if (role == AlgorithmRole::competitor || answer.status != QueryStatus::degenerate) {
+  // A witness that is `degenerate` knows the side and no value.
+  v.sideAlone =
+      (phi >= 0 && !claimsGap) || (role != AlgorithmRole::competitor && answer.status == QueryStatus::degenerate);
+  if (!v.sideAlone) {
     const Vecd<D> n = answer.normal.template cast<double>();
     const double value = truth.distanceTo(phi), along = shortfall(pair, known, n, role, tolerance);
     v.value = phi, v.error = std::max(value, along) / known.s;
@@ -120,8 +123,26 @@ Verdict judge(const PairView<D>& pair, const PairTruth<D>& known, const PairAnsw
   return v;
 }
 
-template Verdict judge(const PairView<2>&, const PairTruth<2>&, const PairAnswer<2>&, AlgorithmRole, Ending, double);
-template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer<3>&, AlgorithmRole, Ending, double);
+template Verdict judge(const PairView<2>&, const PairTruth<2>&, const PairAnswer<2>&, AlgorithmRole, Ending, double,
+                       bool);
+template Verdict judge(const PairView<3>&, const PairTruth<3>&, const PairAnswer<3>&, AlgorithmRole, Ending, double,
+                       bool);
+
+template <int D>
+double timeOneByOne(PairQuery<D>& method, std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers) {
+  using Clock = std::chrono::steady_clock;  // that of a witness's process
+  WorkDone work;
+  Clock::duration spent{};
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Clock::time_point before = Clock::now();
+    method.query(pairs.subspan(i, 1), QueryNeed::witnesses, answers.subspan(i, 1), {}, work);
+    spent += Clock::now() - before;
+  }
+  return std::chrono::duration<double, std::nano>(spent).count();
+}
+
+template double timeOneByOne(PairQuery<2>&, std::span<const PairView<2>>, std::span<PairAnswer<2>>);
+template double timeOneByOne(PairQuery<3>&, std::span<const PairView<3>>, std::span<PairAnswer<3>>);
 
 template <int D>
 Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& method) {
@@ -130,7 +151,8 @@ Verdict verifyPair(const HardPair<D>& pair, const Candidate<PairQuery<D>>& metho
   const PairAnswer<D> answer = queryPair(*query, pair.a.view(), pair.b.view(), pair.X_AB);
   const PairView<D> view{pair.a.view(), pair.b.view(), pair.X_AB};
   const Ending ending = witness ? witness->endings()[0] : Ending::answered;
-  return judge(view, pairTruth(view), answer, method.info.role, ending, verifyTolerance(witness));
+  return judge(view, pairTruth(view), answer, method.info.role, ending, verifyTolerance(witness),
+               query->claimsGap(view.a.kind, view.b.kind));
 }
 
 template Verdict verifyPair(const HardPair<2>&, const Candidate<PairQuery<2>>&);
@@ -159,10 +181,8 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
       double spent = 0;
       answers.assign(views.size(), {});
       if (!range.ended) {
-        if (!witness) method->query(views, QueryNeed::witnesses, answers, {}, work);  // warms the caches
-        const double before = threadNanoseconds();
-        method->query(views, QueryNeed::witnesses, answers, {}, work);
-        spent = witness ? static_cast<double>(witness->nanoseconds()) : threadNanoseconds() - before;
+        method->query(views, QueryNeed::witnesses, answers, {}, work);  // of ours it warms the caches
+        spent = witness ? static_cast<double>(witness->nanoseconds()) : timeOneByOne<D>(*method, views, answers);
       }
       LedgerKey subject = subjectOf(StageKind::pairQuery, D, m.name);
       subject.kindA = shapeKindName(kindA), subject.kindB = shapeKindName(kindB);
@@ -172,7 +192,8 @@ void verifyPairQueries(ShapeKind kindA, ShapeKind kindB, const VerifyRange& rang
         const Ending ending =
             witness && !range.ended ? witness->endings()[static_cast<std::size_t>(i)] : Ending::answered;
         const Verdict verdict = range.ended ? withoutAnswer(*range.ended)
-                                            : judge(k.view(), k.truth, answer, m.info.role, ending, tolerance);
+                                            : judge(k.view(), k.truth, answer, m.info.role, ending, tolerance,
+                                                    method->claimsGap(kindA, kindB));
         const auto text = [&] {
           const int index = range.first + begin + i;
           return caseText<D>(inputName(subject, range.seed, index), StageKind::pairQuery, k.pair,

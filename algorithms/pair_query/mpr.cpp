@@ -249,6 +249,9 @@ class Mpr final : public PairQuery<D> {
 
   bool supports(ShapeKind a, ShapeKind b) const override { return !hasPlane(a, b) || supportsPlane(a, b); }
 
+  /// The first axis that separates ends the search; beside a plane there is no search.
+  bool claimsGap(ShapeKind a, ShapeKind b) const override { return hasPlane(a, b); }
+
   void query(std::span<const PairView<D>> pairs, QueryNeed need, std::span<PairAnswer<D>> answers,
              std::span<PairMemory>, WorkDone& work) override {
     work[WorkCount::pairQueries] += pairs.size();

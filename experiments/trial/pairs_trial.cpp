@@ -60,13 +60,22 @@ class Examination {
       if (r > 0 || m_witness) seen.nanoseconds.push_back(spent / static_cast<double>(count));
     }
   }
+  /// A witness is asked so in any case.
+  void timeSingles(std::span<const PairView<D>> pairs, std::span<PairAnswer<D>> answers) {
+    if (!seen.timed) return;
+    const auto count = static_cast<double>(pairs.size());
+    if (m_witness) return seen.singles.push_back(static_cast<double>(m_witness->nanoseconds()) / count);
+    for (int r = 0; r + 1 < repeats(); ++r) seen.singles.push_back(timeOneByOne<D>(*m_method, pairs, answers) / count);
+  }
   void judgeOne(const PairView<D>& pair, const PairAnswer<D>& answer, Ending ending) {
     ++seen.asked;
     XXH64_update(m_hash, &answer.distance, sizeof answer.distance);
-    const Verdict verdict = judge(pair, pairTruth(pair), answer, m_role, ending, verifyTolerance(m_witness));
+    const Verdict verdict = judge(pair, pairTruth(pair), answer, m_role, ending, verifyTolerance(m_witness),
+                                  m_method->claimsGap(pair.a.kind, pair.b.kind));
     if (verdict.error) seen.errors.push_back(*verdict.error);
     seen.wrong += verdict.end == Tally::wrong;
     seen.wrongSide += verdict.wrongSide;
+    seen.sideAlone += verdict.sideAlone;
     seen.refused += verdict.end == Tally::refused;
     seen.failed += endedWithoutAnswer(verdict.end);
   }
@@ -121,6 +130,7 @@ void examine(Examination<D>& of, const std::vector<DrawnPair<D>>& pairs) {
     of.time(
         views.size(), [&] { of.method().query(views, QueryNeed::witnesses, answers, {}, of.work); },
         [&] { return static_cast<double>(of.witness()->nanoseconds()); });
+    of.timeSingles(views, answers);
     for (std::size_t i = 0; i < views.size(); ++i) {
       of.judgeOne(views[i], answers[i], of.witness() ? of.witness()->endings()[i] : Ending::answered);
     }

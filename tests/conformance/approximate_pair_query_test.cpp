@@ -152,6 +152,48 @@ TEST(ApproximatePairQuery, FailsAVerificationByItsSideAlone) {
   EXPECT_EQ(faults, 0);
 }
 
+// How many answers of mpr about hard pairs that are apart are wrong, and how many by a value.
+struct JudgedApart {
+  int asked = 0, wrong = 0, values = 0, wrongSides = 0;
+};
+JudgedApart judgedApart(ShapeKind a, ShapeKind b, bool claimsGap, bool turned = false) {
+  const auto mpr = createStage<PairQuery<3>>(Spec{"mpr", {}});
+  JudgedApart out;
+  for (int i = 0; i < 200; ++i) {
+    const HardPair<3> pair = hardPair<3>(a, b, 3, i);
+    const PairView<3> view{pair.a.view(), pair.b.view(), pair.X_AB};
+    const PairTruth<3> truth = pairTruth(view);
+    if (!(truth.answer.interval().lo > verifyTolerance() * truth.s)) continue;
+    PairAnswer<3> answer = queryPair<3>(*mpr, view.a, view.b, view.X_AB);
+    if (turned) answer.distance = -answer.distance;
+    const Verdict v =
+        judge(view, truth, answer, AlgorithmRole::competitor, Ending::answered, verifyTolerance(), claimsGap);
+    if (v.end == Tally::undecided) continue;
+    ++out.asked, out.wrong += v.end == Tally::wrong, out.values += v.error.has_value(), out.wrongSides += v.wrongSide;
+    EXPECT_EQ(v.sideAlone, !v.error.has_value());
+  }
+  return out;
+}
+
+// A lower bound of the distance of shapes that are apart is no wrong distance of a method that claims none.
+TEST(ApproximatePairQuery, IsJudgedByWhatItClaims) {
+  const auto mpr = createStage<PairQuery<3>>(Spec{"mpr", {}});
+  for (const ShapeKind b : {ShapeKind::box, ShapeKind::ellipsoid}) {
+    EXPECT_FALSE(mpr->claimsGap(ShapeKind::box, b));
+    const JudgedApart seen = judgedApart(ShapeKind::box, b, false);
+    EXPECT_GT(seen.asked, 50);
+    EXPECT_EQ(seen.wrong + seen.values, 0);
+    const JudgedApart turned = judgedApart(ShapeKind::box, b, false, true);
+    EXPECT_EQ(turned.wrongSides, turned.asked) << "the side is claimed";
+    expectCaught("approximate: judged by a gap that it does not claim",
+                 judgedApart(ShapeKind::box, b, true).wrong == 0);
+  }
+  EXPECT_TRUE(mpr->claimsGap(ShapeKind::box, ShapeKind::plane));
+  for (const char* other : {"gjk_epa", "core_margin", "sat"}) {
+    EXPECT_TRUE(createStage<PairQuery<3>>(Spec{other, {}})->claimsGap(ShapeKind::box, ShapeKind::box)) << other;
+  }
+}
+
 TEST(ApproximatePairQuery, FailsACaseByItsSideAlone) {
   CaseResult row{.id = "x", .method = "mpr", .verdict = CaseVerdict::wrong, .reason = "distance"};
   EXPECT_TRUE(isOurFault(row));

@@ -86,6 +86,29 @@ void sameError() {
 }
 TEST(PairsTrial, AnErrorIsThatOfTheLedger) { sameError<2>(), sameError<3>(); }
 
+// Ours, as libraries, are asked one by one, too; and of what a method does not claim nothing is judged.
+TEST(PairsTrial, SinglesAreTimedAndGapsThatAreNotClaimedAreCounted) {
+  const auto asked = [](const char* method, bool timed) {
+    return runTrial({{"trial",
+                      {{"kind", "pairs"},
+                       {"dimension", 3},
+                       {"kind_a", "box"},
+                       {"kind_b", "box"},
+                       {"n", 100},
+                       {"seed", 3},
+                       {"timed", timed},
+                       {"pair_query", method}}}})
+        .metrics;
+  };
+  const auto exact = asked("sat", true), rough = asked("mpr", false);
+  EXPECT_GT(exact.at("ns_single"), 0);
+  EXPECT_GT(exact.at("ns_per_query"), 0);
+  EXPECT_EQ(exact.at("side_alone"), 0);
+  EXPECT_EQ(rough.count("ns_single"), 0u);
+  EXPECT_GT(rough.at("side_alone"), 10);
+  EXPECT_LT(rough.at("side_alone"), 100);
+}
+
 // Three axes of each pair; the planted bug counts those of a batch.
 template <bool ofBatch>
 class Counting final : public PairQuery<2> {

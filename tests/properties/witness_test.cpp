@@ -136,7 +136,9 @@ void answersInOurConventions(const Entry<D>& e, const ErrorBar& bar, bool ownFra
         }
         ASSERT_NE(answer.status, QueryStatus::failed);
         ASSERT_EQ(answer.distance < 0, truth.hi < 0);
-        if (answer.status == QueryStatus::degenerate) continue;  // only the side
+        const bool sideAlone = answer.status == QueryStatus::degenerate;
+        EXPECT_EQ(x > 1 && !e.witness().claimsGap(bar.a, bar.b), sideAlone);
+        if (sideAlone) continue;
         // A margin that is left in would be 0.04 or more. Those with a wide bar are too often off by more than that.
         const double s = static_cast<double>(scale), tolerance = 0.01 * s;
         const bool curved =
