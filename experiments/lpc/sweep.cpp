@@ -74,6 +74,11 @@ void printEnd(const std::string& store, const RunSummary& done) {
   std::string outcomes;
   for (const auto& [outcome, n] : done.outcomes) {
     outcomes += (outcomes.empty() ? " (" : ", ") + std::to_string(n) + " " + outcome;
+    if (outcome != "wrong") continue;
+    std::string kinds;
+    for (const auto& [of, count] : done.wrong)
+      kinds += (kinds.empty() ? ": " : " + ") + std::to_string(count) + " " + of;
+    outcomes += kinds;
   }
   std::printf("%s: %ld trials planned, %ld were done, %ld run, %ld of these not ok%s%s", store.c_str(), done.planned,
               done.skipped, done.run, done.bad, outcomes.c_str(), outcomes.empty() ? "" : ")");

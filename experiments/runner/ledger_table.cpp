@@ -37,6 +37,13 @@ long withoutAnswer(const LedgerEntry& e) {
   return e[Tally::notFinite] + e[Tally::threw] + e[Tally::crashed] + e[Tally::hung];
 }
 
+// Right or wrong by the side alone: no error was measured.
+long withoutValue(const LedgerEntry& e) {
+  long values = 0;
+  for (const auto& [decade, count] : e.histogram) values += count;
+  return e[Tally::agree] + e[Tally::tie] + e[Tally::wrong] - values;
+}
+
 std::string nanosecondsOf(const LedgerEntry& e) {
   return e[Tally::asked] ? fmt::format("{:.0f}", e.nanoseconds / static_cast<double>(e[Tally::asked])) : "-";
 }
@@ -96,6 +103,7 @@ class Printer {
     m_out << fmt::format("\n  {:<{}}", "method", m_width);
     for (const char* head : {"asked", "agree", "tie", "wrong", "side", "undecided", "refused", "not_finite", "threw",
                              "crashed", "hung", "capped", "max error", "median", "ns"}) {
+      if (m_pairQueries && std::string_view(head) == "max error") m_out << fmt::format("{:>11}", "no value");
       m_out << fmt::format("{:>11}", head);
     }
     m_out << "\n";
@@ -104,6 +112,7 @@ class Printer {
       for (const Tally t : {Tally::asked, Tally::agree, Tally::tie, Tally::wrong, Tally::wrongSide, Tally::undecided,
                             Tally::refused, Tally::notFinite, Tally::threw, Tally::crashed, Tally::hung, Tally::capped})
         m_out << fmt::format("{:>11}", e[t]);
+      if (m_pairQueries) m_out << fmt::format("{:>11}", withoutValue(e));
       m_out << fmt::format("{:>11.1e}{:>11}{:>11}{}\n", e.maxError, medianOf(e), nanosecondsOf(e),
                            remark(e, m_faults.at(name)));
     }

@@ -12,6 +12,7 @@
 
 #include "experiments/runner/worker_pool.h"
 #include "framework/random.h"
+#include "framework/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -24,6 +25,17 @@ struct TrialJob {
   WorkerLimits limits;
   double turn = 0;  // of a timed one: the share of its cell's repeats that come before it
 };
+
+// The kind of pair query that a trial asks. Wrong answers of libraries and of approximate methods are no fault of ours.
+std::string askedOf(const json& trial) {
+  if (!trial.contains("pair_query")) return "of others";
+  const std::string name = Spec::parse(trial.at("pair_query").get<std::string>()).name;
+  const auto& all = Registry::instance().all();
+  const auto at = all.find({StageKind::pairQuery, trial.at("dimension").get<int>(), name});
+  if (at == all.end()) return "of others";  // of a plugin
+  if (at->second.info.role != AlgorithmRole::competitor) return "of libraries";
+  return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
+}
 
 class Scheduler {
  public:
@@ -149,6 +161,7 @@ class Scheduler {
   void finish(const PlannedTrial& trial, const TrialResult& result, const std::string& started, double wall) {
     m_store.put(trial, result, started, wall);
     ++m_summary.run, ++m_summary.outcomes[result.outcome];
+    if (result.outcome == "wrong") ++m_summary.wrong[askedOf(trial.canonical)];
     if (result.outcome != "ok" && result.outcome != "unsupported") ++m_summary.bad;
   }
 

@@ -23,6 +23,7 @@ struct RunSummary {
   long planned = 0, skipped = 0, run = 0;
   long shared = 0;                       // asked for by two cells; each runs once
   std::map<std::string, long> outcomes;  // of those run now
+  std::map<std::string, long> wrong;     // of those that are wrong: by kinds of pair queries
   long bad = 0;                          // outcomes other than ok and unsupported, of those run now
   bool stopped = false;                  // by Ctrl-C
   long left() const { return planned - shared - skipped - run; }
