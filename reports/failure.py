@@ -9,11 +9,13 @@ import math
 import numpy as np
 
 import metrics
+from chart import listing
 
 TOLERANCE = {"f64": 1e-12, "f32": 1e-5}  # of the size of the query: oracles/verify.h
 DEFINITION = ("A method fails on a question that it declares when it gives no answer (refused, not finite, thrown, crashed, "
               "hung) or one that the referee proves wrong: on the wrong side, or off by more than 1e-12 of the size of the "
-              "query (f32: 1e-5). What fails is on no Pareto front.")
+              "query (1e-5 of what computes in single precision, whatever it is asked in). Of shapes that are apart the side "
+              "alone counts where a method claims no distance. What fails is on no Pareto front.")
 UNANSWERED = ("refused", "not_finite", "threw", "crashed", "hung")  # columns of the ledger
 OF_PAIRS = ("failed", "refused", "wrong")  # metrics of trials of pairs; `failed` is all of UNANSWERED but refusals
 
@@ -33,9 +35,10 @@ def front(cost, error, failures):
     return metrics.pareto(cost, [e if f == 0 else math.nan for e, f in zip(error, failures)])
 
 
-def tolerance(precision):
-    """In the words of a finding."""
-    return f"1e{round(math.log10(TOLERANCE[precision]))} of the size"
+def tolerance(precision, coarser=()):
+    """In the words of a finding. `coarser`: methods that were asked in it, compute in f32 and are judged by that."""
+    said = f"1e{round(math.log10(TOLERANCE[precision]))} of the size"
+    return said + (f" ({listing(coarser)}, in single precision, at {tolerance('f32')})" if coarser else "")
 
 
 def share(part):

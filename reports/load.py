@@ -171,6 +171,11 @@ class Store:
         parts = [family(part) for part in str(label).split(JOINED)]
         return self._roles.get(label) or theirs(entry["role"] for entry in self.algorithms if entry["name"] in parts)
 
+    def judged(self, label, precision):
+        """The precision by whose tolerance a method is judged that was asked in this one: its own, where that is less."""
+        part = family(str(label))
+        return "f32" if any(entry["name"] == part and entry.get("in_float") for entry in self.algorithms) else precision
+
     def _roles_of_trials(self):
         found, role_of = {}, {(entry["stage"], entry["name"]): entry["role"] for entry in self.algorithms}
         for entry in self.planned[self.planned["key"].isin(self.trials.index)].itertuples():
@@ -251,6 +256,7 @@ class Store:
         ledger = pd.read_sql("SELECT * FROM ledger WHERE axis <> 'relation' ORDER BY stage, precision, dimension, axis, value, "
                              "kind_a, kind_b, method", self.db)
         ledger["histogram"] = [json.loads(text) if text else {} for text in ledger["histogram"]]
+        ledger["judged"] = [self.judged(method, precision) for method, precision in zip(ledger["method"], ledger["precision"])]
         # Without an answer there is no error; a zero stays one.
         ledger["max_error"] = pd.to_numeric(ledger["max_error"]).where(ledger["histogram"].map(bool))
         return ledger

@@ -7,6 +7,7 @@
 
 #include "experiments/trial/metric.h"
 #include "framework/check.h"
+#include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -23,6 +24,15 @@ json rangeOf(const ParamInfo& p) {
 
 const char* guaranteeName(Guarantee g) {
   return g == Guarantee::exact ? "exact" : (g == Guarantee::conservative ? "conservative" : "approximate");
+}
+
+// Is it a library in float, whatever it is asked in?
+bool isInFloat(const Registered& entry) {
+  if (entry.stage != StageKind::pairQuery || entry.info.role != AlgorithmRole::witness) return false;
+  const auto made = entry.create(Spec{entry.info.name, {}});
+  const auto* flat = dynamic_cast<const Witness<2>*>(made.get());
+  const auto* solid = dynamic_cast<const Witness<3>*>(made.get());
+  return (flat && flat->computesInFloat()) || (solid && solid->computesInFloat());
 }
 
 }  // namespace
@@ -98,6 +108,7 @@ json describeAlgorithms() {
                    {"friction", frictionLawName(entry.info.friction)},
                    {"other_friction", otherFriction},
                    {"role", roleName(entry.info.role)},
+                   {"in_float", isInFloat(entry)},
                    {"dimensions", {entry.dimension}},
                    {"params", describeParams(entry.params)},
                    {"failures", failures}});

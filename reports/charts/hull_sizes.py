@@ -20,7 +20,7 @@ from table import quantity
 
 PLACE = 72
 SECTION = "Which pair query is fast and right?"
-SIZE, TIME = "vertices", "ns_per_query"
+SIZE, TIME = "vertices", "ns_single"
 WORK = ("support_calls", "axis_tests", "polytope_faces")  # counted per query; who does none of one is not drawn there
 NEEDS = Needs("pairs", varies=(SIZE,), metrics=(TIME,))
 ABSENT = Chart("hull_sizes", SECTION, "Over the vertices of hulls", "No timed sweep of pair queries over the vertices of hulls "

@@ -64,12 +64,18 @@ def by_method(rows):
         asked = int(part["asked"].sum())
         worst = part.loc[part["max_error"].fillna(-1).idxmax()]
         found.append({"method": method, "role": part["role"].iloc[0], **{name: int(part[name].sum()) for name in COUNTS},
-                      "failed": failure.in_ledger(part),
+                      "failed": failure.in_ledger(part), "side alone": _without_value(part),
                       "max_error": float(worst["max_error"]) if part["max_error"].notna().any() else math.nan,
                       "median_error": median_error(added(part["histogram"])),
                       "ns": float(part["ns"].sum()) / asked if asked else math.nan, "worst": worst["worst"] or ""})
     # Ours first, then the witnesses.
     return pd.DataFrame(found).sort_values(["role", "method"], kind="stable").reset_index(drop=True)
+
+
+def _without_value(part):
+    """Of a pair query: how many answers are right or wrong by the side alone, since no value is claimed."""
+    values = sum(added(part["histogram"]).values())
+    return int(sum(part[name].sum() for name in ("agree", "tie", "wrong"))) - values if part["stage"].iloc[0] == "pair_query" else 0
 
 
 def finding(stage, dimension, precision, rows):
@@ -82,8 +88,8 @@ def finding(stage, dimension, precision, rows):
         bad = ours[ours["failed"] > 0]
         asked = int(ours["asked"].sum())
         if len(bad):
-            said.append("of our own " + noun + " " + listing([f"{row.method} fails {_of(row.failed, row.asked, row.refused)}"
-                                                             f"{_sided(row, stage)}" for row in bad.itertuples()]))
+            said.append("of our own " + noun + " " + listing([f"{row.method} fails on {_of(row)}{_sided(row, stage)}"
+                                                             for row in bad.itertuples()]))
         else:
             said.append(f"none of our own {noun} failed on any of {asked:,} questions")
             if stage == "pair_query" and ours["max_error"].notna().any():
@@ -94,19 +100,23 @@ def finding(stage, dimension, precision, rows):
         witnesses = plural(others["method"].map(family).nunique(), "witness", "witnesses")
         if others["method"].map(family).duplicated().any():  # each is asked at its library's tightest tolerance, too
             witnesses += f" (in {len(others)} settings)"
-        said.append(f"of the {witnesses} {first['method']} fails most often, on "
-                    f"{_of(first['failed'], first['asked'], first['refused'])} of its questions" if first["failed"]
+        said.append(f"of the {witnesses} {first['method']} fails most often, on {_of(first)} of its questions" if first["failed"]
                     else "no witness failed")
         if first["failed"] and clean:
             said.append(f"{listing(clean)} never")
-    at = "" if stage == "broadphase" else f", at {failure.tolerance(precision)}"
+    coarser = sorted(set(rows["method"][rows["judged"] != rows["precision"]]))
+    at = "" if stage == "broadphase" else f", at {failure.tolerance(precision, coarser)}"
     return f"In {where}{at}, " + "; ".join(said) + "."
 
 
-def _of(failed, asked, refused):
-    """The share that failed; how much of it is refusals, where it is not nothing."""
-    text = failure.share(failed / asked)
-    return f"{text} ({failure.share(refused / asked)} refused)" if refused else text
+def _of(row):
+    """The share that failed and, where it has several parts, those: a question is in one of them."""
+    parts = {"wrong": row.wrong, "refused": row.refused, "without an answer": row.failed - row.wrong - row.refused}
+    told = [f"{failure.share(count / row.asked)} {word}" for word, count in parts.items() if count]
+    text = failure.share(row.failed / row.asked)
+    if len(told) > 1:
+        return f"{text} ({' + '.join(told)})"
+    return text if row.wrong else f"{text} (all of them {next(word for word, count in parts.items() if count)})"
 
 
 def _sided(row, stage):

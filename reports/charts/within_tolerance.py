@@ -35,11 +35,11 @@ def outside(rows, decade):
 
 def _outside(rows):
     """Of each row {decade: failures}."""
-    for histogram, wrong, precision, *unanswered in zip(*(rows[name] for name in ("histogram", "wrong", "precision",
-                                                                                 *failure.UNANSWERED))):
+    for histogram, wrong, judged, *unanswered in zip(*(rows[name] for name in ("histogram", "wrong", "judged",
+                                                                              *failure.UNANSWERED))):
         counts = [(int(name), n) for name, n in histogram.items() if name != "zero"]
         beyond = lambda at: sum(n for error, n in counts if error >= at)  # noqa: E731,B023
-        always = sum(map(int, unanswered)) + max(0, int(wrong) - beyond(round(math.log10(failure.TOLERANCE[precision]))))
+        always = sum(map(int, unanswered)) + max(0, int(wrong) - beyond(round(math.log10(failure.TOLERANCE[judged]))))
         yield {decade: always + beyond(decade) for decade in DECADES}
 
 
@@ -51,6 +51,7 @@ def shares(rows):
         for pair, of in [(EVERYTHING, part), *pairs]:
             asked = int(of["asked"].sum())
             found.append({"pair": pair, "method": method, "role": of["role"].iloc[0], "asked": asked,
+                          "own": (of["judged"] == of["precision"]).all(),
                           **{decade: sum(by[decade] for by in of["failed"]) / asked for decade in DECADES}})
     return pd.DataFrame(found)
 
@@ -75,7 +76,7 @@ def finding(rows, dimension, precision):
     text = f"In {dimension}D, {precision}, "
     others = whole[whole["role"] != "competitor"]
     ours = whole[whole["role"] == "competitor"]
-    plain = others[[family(m) == m for m in others.index]]
+    plain = others[others["own"] & [family(m) == m for m in others.index]]  # who is judged elsewhere has no rank here
     pair = turned(plain, tight, LOOSE, kinds)
     say = lambda m, decade: failure.share(whole[decade][m])  # noqa: E731
     if pair:
@@ -104,7 +105,7 @@ def headline(rows, dimension, precision):
     whole = table[table["pair"] == EVERYTHING].set_index("method")
     kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
     tight = round(math.log10(failure.TOLERANCE[precision]))
-    pair = turned(whole[[r != "competitor" and family(m) == m for m, r in whole["role"].items()]], tight, LOOSE, kinds)
+    pair = turned(whole[whole["own"] & [r != "competitor" and family(m) == m for m, r in whole["role"].items()]], tight, LOOSE, kinds)
     if not pair:
         return None
     told = {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair}
@@ -148,7 +149,7 @@ def _chart(context, rows, dimension, precision):
     handles = [Line2D([], [], label=context.name(m), **_line(looks, m)) for m in methods]
     handles.append(Line2D([], [], color="#999999", lw=0.8, ls=(0, (4, 3)), label="the ledger's"))
     legend_right(figure, handles, legend_width)
-    numbers = table.drop(columns="role").rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
+    numbers = table.drop(columns=["role", "own"]).rename(columns={d: f"fails at 1e{d} of the size [1]" for d in DECADES})
     return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION,
                  f"Right within which tolerance, {dimension}D, {precision}",
                  finding(rows, dimension, precision), "", figure, numbers,

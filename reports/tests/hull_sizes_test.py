@@ -46,7 +46,7 @@ class Hulls(with_store.WithStore):
             work = dict(zip(hull_sizes.WORK, (math.nan if cost is None else cost(v) for cost in (*costs[1:], lambda v: 0))))
             for repeat in range(repeats):
                 outcome = ("timeout", "too long", 0) if (method, v) in hung else ("ok",)
-                facts = {"ns_per_query": costs[0](v) * (1 + noisy * (repeat % 2)), "max_error": 1e-15,
+                facts = {"ns_single": costs[0](v) * (1 + noisy * (repeat % 2)), "max_error": 1e-15,
                          **(work if counted else {})}
                 maker.trial("hull_sizes", {**axes, "repeat": repeat}, {} if outcome != ("ok",) else facts, *outcome)
         return fill
@@ -70,7 +70,7 @@ class Hulls(with_store.WithStore):
                       "gjk_epa V^0.08 ± 0.00; axis tests on pairs apart, sat V^2.00 ± 0.00; axis tests", made.finding)
         # Who counts nothing of a work is not drawn there.
         panels = made.figure.axes
-        self.assertEqual([ax.get_title("left") for ax in panels], ["time per query", "support calls", "axis tests"] * 2)
+        self.assertEqual([ax.get_title("left") for ax in panels], ["time of a single query", "support calls", "axis tests"] * 2)
         drawn = lambda ax: sum(len(line.get_xdata()) == len(SIZES) for line in ax.lines)  # noqa: E731
         self.assertEqual([drawn(ax) for ax in panels[:3]], [4, 1, 1])
         row = made.table[(made.table["method"] == "sat") & (made.table["vertices"] == 8)].iloc[0]

@@ -28,8 +28,9 @@ PAIRS = (("box", "box"), ("box", "sphere"), ("sphere", "sphere"))
 QUICK = {"closed_form": (None, 100, 50), "sat": (200, 104, 51), "gjk_epa": (400, 300, 120)}
 
 
-def queries(maker, failing=(), asked=600, missing=()):
-    """Three of ours on three pairs in 2D, five repeats with a spread of 5 %; `failing`: witnesses with 8 failures of 96."""
+def queries(maker, failing=(), asked=600, missing=(), batch={}):
+    """Three of ours on three pairs in 2D, five repeats with a spread of 5 %; `failing`: witnesses with 8 failures of 96;
+    `batch`: other times in batches."""
     maker.sweep("pair_queries", "pairs", pair_query="stage")
     times = {**QUICK, **dict.fromkeys(failing, (90, 90, 90))}
     for method, of_pairs in times.items():
@@ -43,18 +44,22 @@ def queries(maker, failing=(), asked=600, missing=()):
                     maker.trial("pair_queries", axes, {}, "unsupported", f"{a} against {b}", 0)
                     continue
                 wrong, n = (8, 96) if method in failing else (0, asked)
-                maker.trial("pair_queries", axes, {"ns_per_query": ns * (1 + 0.05 * (repeat % 2)), "median_error": 0.0,
-                                                   "p99_error": 1e-16, "max_error": 0.5 if wrong else 3e-16, "failed": 0,
+                spread = 1 + 0.05 * (repeat % 2)
+                maker.trial("pair_queries", axes, {"ns_single": ns * spread, "ns_per_query": batch.get(method, ns) * spread,
+                                                   "median_error": 0.0, "p99_error": 1e-16, "max_error": 0.5 if wrong else 3e-16, "failed": 0,
                                                    "refused": 0, "wrong_boolean": 0, "wrong": wrong, "asked": n},
                             "wrong" if wrong else "ok")
 
 
 class PairQueries(undrawn.Undrawn):
-    def made(self, **kwargs):
+    def made(self, in_float=(), **kwargs):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.addCleanup(style.plt.close, "all")
-        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        ours, theirs = ("closed_form", "gjk_epa", "sat"), ("fcl_libccd", "libccd_mpr", "fcl_indep", "box2d")
+        algorithms = synthetic_store.registered("pair_query", ours) + synthetic_store.registered("pair_query", theirs, "witness")
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db", algorithms=[
+            {**entry, "in_float": entry["name"] in in_float} for entry in algorithms])
         queries(maker, **kwargs)
         maker.close()
         found = chart.made(pair_queries, chart.Context(load.Store(Path(folder.name) / "store.db")))
@@ -76,6 +81,19 @@ class PairQueries(undrawn.Undrawn):
         first = self.made(missing=(("gjk_epa", "box", "box"),))[0]
         self.assertIn("within the noise of each other, closed_form or sat on 2; without a rival, sat on 1", first.finding)
         self.assertNotIn("the fastest", first.finding)
+
+    def test_times_in_batches_have_no_rank(self):
+        first = self.made(batch={"gjk_epa": 1})[0]
+        self.assertIn("sat on 1; within the noise of each other, closed_form or sat on 2", first.finding)
+        self.assertEqual(set(first.table.query("method == 'gjk_epa'")["time per query in batches [s]"].round(11)), {1e-9})
+        with unittest.mock.patch.object(pair_queries, "TIME", pair_queries.BATCH):
+            self.assertIn("gjk_epa on 3", self.made(batch={"gjk_epa": 1})[0].finding, "the planted bug: lanes beside single calls")
+
+    def test_who_computes_in_single_precision_is_judged_by_it_and_named(self):
+        self.assertIn("At 1e-12 of the size, box2d fails somewhere", self.made(failing=("box2d",))[0].finding)
+        made = self.made(failing=("box2d",), in_float=("box2d",))
+        for text in (made[0].finding, made[0].headline.text, made[1].finding):
+            self.assertIn("t 1e-12 of the size (box2d, in single precision, at 1e-5 of the size), ", text)
 
     def test_where_nobody_fails_the_headline_tells_times_beyond_the_noise(self):
         first = self.made()[0]

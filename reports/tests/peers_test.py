@@ -31,7 +31,7 @@ def fill(maker, precisions=("f64",), asked=96):
         for repeat in range(5):
             axes = {"kind": "pairs", "dimension": 3, "pair_query": method, "kind_a": a, "kind_b": b, "precision": precision,
                     "timed": True, "repeat": repeat}
-            maker.trial("pair_queries", axes, {"ns_per_query": ns * (1 + 0.02 * (repeat % 2)), "median_error": 0.0,
+            maker.trial("pair_queries", axes, {"ns_single": ns * (1 + 0.02 * (repeat % 2)), "median_error": 0.0,
                                                "p99_error": 0.0, "max_error": 0.5 if wrong else 1e-16, "failed": 0,
                                                "refused": 0, "wrong_boolean": 0, "wrong": wrong, "asked": asked},
                         "wrong" if wrong else "ok")

@@ -295,16 +295,30 @@ class Findings(WithStore):
         rows = rows[rows["method"] == "gjk_epa"]
         some = rows.assign(wrong=rows["asked"] // 4, agree=rows["agree"] - rows["asked"] // 4)
         said = ledger.finding("pair_query", 3, "f64", some[some["axis"] == "all"])
-        self.assertIn("gjk_epa fails 25% (never by a wrong yes or no)", said)
+        self.assertIn("gjk_epa fails on 25% (never by a wrong yes or no)", said)
         said = ledger.finding("pair_query", 3, "f64", some[some["axis"] == "all"].assign(wrong_side=1))
-        self.assertIn("gjk_epa fails 25%.", said)
+        self.assertIn("gjk_epa fails on 25%.", said)
+
+    def test_shares_are_of_different_questions(self):
+        rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64' and axis == 'all'")
+        of = lambda method, **more: ledger._of(ledger.by_method(rows[rows["method"] == method].assign(**more)).iloc[0])  # noqa: E731
+        self.assertEqual(of("libccd_mpr", wrong=4000, refused=3000), "35% (20% wrong + 15% refused)")
+        self.assertEqual(of("fcl_libccd", wrong=5000, refused=0, crashed=200), "26% (25% wrong + 1% without an answer)")
+        self.assertEqual(of("libccd_gjk", wrong=1000), "5%")
+
+    def test_who_computes_in_single_precision_is_named_in_the_ledger(self):
+        rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64' and axis == 'all'")
+        coarser = rows.assign(judged=["f32" if method == "libccd_gjk" else "f64" for method in rows["method"]])
+        self.assertIn("at 1e-12 of the size (libccd_gjk, in single precision, at 1e-5 of the size), ",
+                      ledger.finding("pair_query", 3, "f64", coarser))
+        self.assertIn("at 1e-12 of the size, ", ledger.finding("pair_query", 3, "f64", rows))
 
     def test_who_fails_is_named_with_the_share(self):
         made = {c.id: c for c in ledger.of_store(self.context)}
         solid = made["ledger_pair_query_3d_f64"]
         self.assertNotIn("ledger_pair_query_2d_f64", made, "what never failed has no heat map")
         self.assertIn("none of our own pair queries failed on any of 520,000 questions", solid.finding)
-        self.assertIn("of the 8 witnesses bullet_box_box fails most often, on 100% (100% refused) of its questions",
+        self.assertIn("of the 8 witnesses bullet_box_box fails most often, on 100% (all of them refused) of its questions",
                       solid.finding)
         # One that is asked at another tolerance, too, is one witness.
         rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64'")
