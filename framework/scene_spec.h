@@ -62,6 +62,11 @@ struct SceneSpec {
     Real speed = 0;  // "exploded": a body is faster than this (m/s)
     Real energy =
         0;  // "exploded": mechanical energy above this many times its start (only from a start above the floor)
+    /// "sank": the scene rests, with so many bodies on each other, but at its end one has sagged, is in another or
+    /// sinks by more than kRestShare of the smallest body (experiments/trial/rest.h).
+    Real levels = 0;
+    Real fall = 0;          // how far a body may fall before it rests (m)
+    bool mayLeave = false;  // else "left": a body is below all that could hold it
   };
 
   /// A closed form that the scene has: a body slides down a plane from rest. Bodies are places in `spawns`.

@@ -14,6 +14,9 @@ MEANINGS = {
     "unsupported": "a method, an engine or a scene has not what the cell asks for, or no setting meets the budget",
     "nondeterministic": "a repeat ended in another state than the first",
     "wrong": "an answer that the referee proves wrong, or, of boxes, a pair that is missing or too many",
+    "sank": "at its end a body has sagged, is in another or sinks, by more than a hundredth of the scene's smallest body",
+    "frozen": "all rest, but a body that must fall there does not: numbers are too coarse, or nothing moves",
+    "left": "a body is below all that could hold it: over an edge, or through the floor",
     "collapsed": "a body went farther from where it came than the scene's limit of drift, not by sagging alone, or still "
                  "creeps at the end",
     "exploded": "a body went faster than the scene's limit of speed, or than light",

@@ -22,8 +22,8 @@ SCHEMA = "3"
 TABLES = {"meta", "machine", "sweep", "metrics", "planned", "trial", "series", "poses", "benchmark", "ledger"}
 NOT_RUN = "not run"
 # The worst outcome of a cell's trials is the cell's; an outcome that this list does not know is worse than ok.
-SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "collapsed", "exploded", "diverged", "timeout",
-            "out_of_memory", "crash"]
+SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "sank", "frozen", "left", "collapsed", "exploded",
+            "diverged", "timeout", "out_of_memory", "crash"]
 # Between the parts of a method's label where several stages vary: `sat_clip / region_tree`.
 JOINED = " / "
 ROLES = ("competitor", "witness", "engine")  # ours, other people's part, other people's whole; later ones decide what both are

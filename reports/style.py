@@ -23,7 +23,8 @@ PALETTE = ["#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#3
 SHADES = ["#8C3E00", "#66AAD1", "#00573F", "#7A3E61", "#8A5F00", "#1F6F9E", "#8A7FC9", "#C98AA3", "#1E5F55", "#5A5A10",
           "#B5806F", "#333333"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "d", "*"]  # told apart at the size of a legend
-OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "collapsed": ("#E69F00", "C"),
+OUTCOMES = {"ok": ("#DCE9F2", ""), "not run": ("#FFFFFF", "?"), "sank": ("#F3DFA2", "S"), "frozen": ("#A9CCE3", "F"),
+            "left": ("#8C6BB1", "L"), "collapsed": ("#E69F00", "C"),
             "exploded": ("#D55E00", "E"), "diverged": ("#000000", "N"), "timeout": ("#332288", "T"),
             "crash": ("#661100", "X"), "wrong": ("#CC79A7", "W"), "out_of_memory": ("#44AA99", "M"),
             "unsupported": ("#BBBBBB", "U"), "nondeterministic": ("#999933", "D")}

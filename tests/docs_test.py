@@ -140,6 +140,7 @@ SHORTER = {
 # Other than 0: what the page is about.
 EXIT_CODE = {"lpc run ./leaning_stack.toml --param n=20 --dimension 3 --profile stack.csv --record stack.rec": 1,
              "lpc run 2 --param perturb=1e-3": 1,
+             "lpc run 6 --pipeline 2009": 1,
              "lpc run 6 --pipeline 2009 --param perturb=1e-3": 1,
              "lpc run 6 --dimension 3 --pipeline 2009 --param perturb=1e-3": 1,
              "lpc run 6 --dimension 3 --pipeline solver=soft_step": 1,

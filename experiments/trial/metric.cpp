@@ -31,6 +31,8 @@ std::string_view needName(TrialNeed need) {
       return "slope";
     case TrialNeed::isolation:
       return "isolation";
+    case TrialNeed::rest:
+      return "rest";
     case TrialNeed::driftLimit:
       return "drift limit";
   }

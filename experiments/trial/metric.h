@@ -21,7 +21,8 @@ enum class TrialNeed {
   joints,      // a scene with joints
   slope,       // a scene that says which body slides down which slope: [measures.slope]
   isolation,   // free bodies alone in space: no gravity, no forces, nobody fixed
-  driftLimit,  // a scene that says how far bodies may drift, so that they should rest: [limits]
+  driftLimit,  // a scene that says how far bodies may drift: [limits] drift
+  rest,        // a scene that rests at its end: [limits] levels
 };
 /// What a chart that is given nothing else takes first: costs and errors.
 enum class MetricRole { cost, error, detail };

@@ -55,6 +55,7 @@ void SavedScene::write(const World<D>& world, const SceneSpec<D>& scene, const s
       << "dt = " << asText(double(scene.dt)) << '\n'
       << "steps = " << (m_step < scene.steps ? scene.steps - m_step : scene.steps) << "\n\n[limits]\n";
   limit("drift", scene.limits.drift), limit("creep", scene.limits.creep), limit("speed", scene.limits.speed);
+  if (scene.limits.mayLeave) out << "may_leave = 1\n";
   world.save(m_world.stream());
   m_scene.check(), m_world.check();
   m_written = true;

@@ -70,6 +70,9 @@ class Builder {
       real(limits, "creep", m_scene.limits.creep);
       real(limits, "speed", m_scene.limits.speed);
       real(limits, "energy", m_scene.limits.energy);
+      real(limits, "levels", m_scene.limits.levels);
+      real(limits, "fall", m_scene.limits.fall);
+      m_scene.limits.mayLeave = m_numbers.whole(limits, "may_leave", 0, 0, 1) != 0;
       limits.finish();
     }
     if (const toml::table* t = m_top.table("mixing")) {

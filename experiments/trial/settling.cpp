@@ -49,7 +49,7 @@ void Settling<D>::observe(const Simulation<D>& world, double dt) {
     tilt = worse(tilt, turnBetween(body.start.q, b.pose[i].q));
     speed = worse(speed, b.motion[i].v.norm());
   }
-  lateralMax = worse(lateralMax, lateral);
+  lateralMax = worse(lateralMax, lateral), m_down = down;
   if (m_window == 0) m_window = static_cast<std::size_t>(std::clamp(std::round(kLast / dt), 1.0, 1e15));
   // A short run of tiny steps never fills the window.
   if (m_positions.size() < m_window + 1) m_positions.emplace_back(), m_speeds.emplace_back();
@@ -62,16 +62,27 @@ void Settling<D>::observe(const Simulation<D>& world, double dt) {
 }
 
 template <int D>
-double Settling<D>::creep() const {
+template <class Way>
+double Settling<D>::farthest(const Way& way) const {
   if (m_steps <= m_window) return kNaN;
   const auto& now = m_positions[(m_steps - 1) % m_positions.size()];
   const auto& before = m_positions[m_steps % m_positions.size()];
   double farthest = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
-    const double way = (now[i] - before[i]).norm();
-    if (!std::isnan(way)) farthest = std::max(farthest, way);
+    const double w = way(now[i] - before[i]);
+    if (!std::isnan(w)) farthest = std::max(farthest, w);
   }
   return farthest / kLast;
+}
+
+template <int D>
+double Settling<D>::creep() const {
+  return farthest([](const Vec<D>& way) { return double(way.norm()); });
+}
+
+template <int D>
+double Settling<D>::sinking() const {
+  return farthest([this](const Vec<D>& way) { return double(way.dot(m_down)); });
 }
 
 template <int D>

@@ -36,6 +36,8 @@ class Settling {
 
   /// m/s: the farthest that a body is from where it was kLast before, over kLast. NaN before that.
   double creep() const;
+  /// The same along gravity: how fast a body still sinks.
+  double sinking() const;
   /// m/s: speed of the fastest body, median over the last kLast.
   double jitter() const;
   /// s: since when no body was faster than kRestSpeed; NaN when one is.
@@ -55,6 +57,8 @@ class Settling {
     std::uint32_t generation;
     Pose<D> start;
   };
+  template <class Way>
+  double farthest(const Way& way) const;  // of the bodies' ways of the last kLast, over it
   static std::optional<Pairs> touching(const Simulation<D>& world);
 
   std::vector<Body> m_bodies;
@@ -63,6 +67,7 @@ class Settling {
   std::vector<std::vector<Vec<D>>> m_positions;
   std::vector<double> m_speeds;
   std::size_t m_window = 0, m_steps = 0;
+  Vec<D> m_down = Vec<D>::Zero();  // along gravity
   double m_time = 0, m_restSince = 0;
   bool m_fast = false;
 };

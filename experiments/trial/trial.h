@@ -19,7 +19,7 @@ struct ScopeMemory {
 };
 
 struct TrialResult {
-  std::string outcome = "ok";  // or diverged, exploded, collapsed, wrong, unsupported
+  std::string outcome = "ok";  // or diverged, exploded, left, collapsed, sank, frozen, wrong, unsupported
   std::string reason;
   long step = -1;  // at which it happened
   std::string hash;

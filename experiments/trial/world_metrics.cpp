@@ -165,6 +165,26 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
       {{"penetration_integral", "penetration over time", "m s", "deepest overlap of a contact, summed over time",
         kDetail, "less overlap"},
        [](R r) { return r.total("max_penetration") * r.scene.dt; }},
+      {{"sunk", "sunk at the end", "1",
+        "how far what should rest has sunk at the end, as a share of the smallest body: the largest of sag, "
+        "overlap and sinking in a second, beyond the slop that methods keep; above 0.01 a run has sunk",
+        kDetail, "what rests is held", TrialNeed::rest},
+       [](R r) { return r.rest.share(); }},
+      {{"sunk_sag", "sag beyond the slop at the end", "1",
+        "farthest that a body has sunk beyond what it may fall and the slop of each level, over the smallest body",
+        kDetail, "what rests is held", TrialNeed::rest},
+       [](R r) { return r.rest.sagShare(); }},
+      {{"sunk_overlap", "overlap at the end", "1",
+        "deepest overlap of two shapes beyond the slop, over the smallest body", kDetail, "what rests is held",
+        TrialNeed::rest},
+       [](R r) { return r.rest.depthShare(); }},
+      {{"sunk_sinking", "sinking at the end", "1/s",
+        "farthest that a body has sunk in the last second, over the smallest body", kDetail, "what rests is held",
+        TrialNeed::rest},
+       [](R r) { return r.rest.sinkingShare(); }},
+      {{"smallest_body", "smallest body", "m", "smallest side of the smallest dynamic body", kDetail, "",
+        TrialNeed::rest},
+       [](R r) { return r.rest.size; }},
       {{"lateral_max", "sideways drift", "m", "farthest across gravity that a body ever was from where it came",
         kDetail, "less drift"},
        [](R r) { return r.settling.lateralMax; }},
@@ -320,6 +340,8 @@ bool WorldSeen<D>::has(TrialNeed need) const {
       return isolated && steps > 0;
     case TrialNeed::driftLimit:
       return scene.limits.drift > 0;
+    case TrialNeed::rest:
+      return scene.limits.levels > 0;
   }
   return false;
 }

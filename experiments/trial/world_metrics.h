@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "experiments/trial/metric.h"
+#include "experiments/trial/rest.h"
 #include "experiments/trial/settling.h"
 #include "framework/invariants.h"
 #include "framework/scene_spec.h"
@@ -28,6 +29,7 @@ struct WorldSeen {
   Profiler::Frame frame;
   double seconds = 0;  // processor time of the step
   double depth = 0;    // m, on poses; NaN where it was not asked after this step
+  Rest rest;           // at the end
   double drift = 0, topDrift = 0, slid = 0;
   Settling<D> settling;
   double naturalMap = 0;       // m/s, of the last step's velocity problem; NaN: none was shown

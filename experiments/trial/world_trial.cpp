@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "experiments/trial/control.h"
+#include "experiments/trial/edge.h"
 #include "experiments/trial/ghost_hits.h"
 #include "experiments/trial/memory_counter.h"
 #include "experiments/trial/output_file.h"
@@ -35,6 +37,9 @@ constexpr long kPoseEvery = 60;
 // The exact query of all pairs costs more than a step of a small scene: it is asked now and then.
 constexpr long kPenetrationEvery = 10;
 constexpr double kPoseBytes = 1e6;
+// A scene that rests does so by then, or by the end of the steps that its file has (s).
+constexpr double kAtRest = 2;
+constexpr double kSameTime = 1e-5;  // f32 has rounded dt
 // No body of any scene is meant to be faster than light: a run that gets there ends, also without a limit of its own.
 constexpr double kLightSpeed = 299792458;  // m/s
 
@@ -71,8 +76,10 @@ class Residual final : public VelocityWatcher<D> {
 template <int D>
 class WorldTrial {
  public:
-  WorldTrial(const json& request, SceneSpec<D> scene, MemoryCounter memory)
+  /// `restsAfter` s the scene is at rest, if it is one that rests: a run that ends before is not judged by that.
+  WorldTrial(const json& request, SceneSpec<D> scene, double restsAfter, MemoryCounter memory)
       : m_request(request),
+        m_restsAfter(restsAfter),
         m_memory(memory),
         m_timed(request.at("trial").value("timed", false)),
         m_again(m_timed && request.at("trial").value("repeat", 0) > 0),
@@ -195,6 +202,7 @@ class WorldTrial {
       if (m_world.valid(m_director.body(i))) here.push_back(m_director.body(i).slot);
     }
     m_seen.settling.start(m_world, std::move(here));
+    if (!m_scene.limits.mayLeave) m_edge.start(m_world);
     const double bytes = static_cast<double>(m_scene.spawns.size()) * 8 * (D == 2 ? 4 : 8);
     while (bytes * static_cast<double>(m_scene.steps) / static_cast<double>(m_poseEvery) > kPoseBytes &&
            m_poseEvery < m_scene.steps) {
@@ -269,6 +277,8 @@ class WorldTrial {
                now.maxSpeed > limit) {
       std::snprintf(why, sizeof why, "speed %.4g m/s is over %.4g m/s", now.maxSpeed, limit);
       m_out.fail("exploded", why, step + 1);
+    } else if (const std::string left = m_edge.left(m_world); !left.empty()) {
+      m_out.fail("left", left, step + 1);
     } else if (limits.drift > 0 && drift > static_cast<double>(limits.drift) && !onlySags()) {
       std::snprintf(why, sizeof why, "body %d is %.4g m from where it came, over %.4g m", farthest, drift,
                     static_cast<double>(limits.drift));
@@ -332,6 +342,7 @@ class WorldTrial {
                     m_seen.settling.creep(), limit);
       m_out.fail("collapsed", why, steps);
     }
+    if (m_scene.limits.levels > 0 && steps > 0) judgeRest(steps);
     m_out.metrics = worldMetrics(m_seen);
     auto& m = m_out.metrics;
     for (std::size_t i = 0; i < m_work.counts.size(); ++i) {
@@ -354,7 +365,29 @@ class WorldTrial {
     m_out.hash = text;
   }
 
+  void judgeRest(long steps) {
+    Rest& rest = m_seen.rest;
+    rest.size = smallestBody(m_world);
+    rest.levels = double(m_scene.limits.levels), rest.fall = double(m_scene.limits.fall);
+    rest.sag = m_seen.settling.sag, rest.sinking = m_seen.settling.sinking();
+    // A repeat asks here alone, since its outcome is that of the first.
+    rest.depth = m_seen.now.finite ? m_penetration.of(m_world).max : kNan;
+    const double time = static_cast<double>(steps) * double(m_scene.dt);
+    if (m_out.outcome != "ok" || time < m_restsAfter * (1 - kSameTime)) return;
+    if (!(rest.share() <= kRestShare)) return m_out.fail("sank", rest.reason(), steps);
+    const typename SceneSpec<D>::Spawn* far = nullptr;
+    for (const int i : m_dynamic) {
+      const auto& spawn = m_scene.spawns[static_cast<std::size_t>(i)];
+      if (!far || spawn.body.X_WB.p.norm() > far->body.X_WB.p.norm()) far = &spawn;
+    }
+    if (!far || m_scene.settings.gravity.norm() == 0) return;
+    const Control control =
+        dropAlone(m_request.at("trial").at("pipeline").template get<std::string>(), m_scene, far->body);
+    if (!control.falls()) m_out.fail("frozen", control.reason(), steps);
+  }
+
   const json& m_request;
+  double m_restsAfter;
   MemoryCounter m_memory;
   TrialResult m_out;
   bool m_timed;
@@ -366,6 +399,7 @@ class WorldTrial {
   Simulation<D>& m_world;
   PosePenetration<D> m_penetration;
   Tunnelling<D> m_tunnelling;
+  Edge<D> m_edge;
   GhostHits<D> m_ghosts;
   Residual<D> m_residual;
   std::unique_ptr<OutputFile> m_recording, m_profile;
@@ -382,6 +416,7 @@ TrialResult runWorld(const json& request) {
   const json& t = request.at("trial");
   const SceneFile file = SceneFile::load(request.at("scene_file"), request.value("script_file", ""));
   SceneSpec<D> scene = file.build<D>(t.at("params").get<ParameterValues>(), t.at("seed").get<std::uint64_t>());
+  const double restsAfter = std::min(kAtRest, static_cast<double>(scene.steps) * double(scene.dt));
   scene.dt = static_cast<Real>(t.at("dt").get<double>());
   scene.steps = t.at("steps").get<long>();
   scene.settings.features = featuresFromText(t.at("features").get<std::string>());
@@ -392,7 +427,7 @@ TrialResult runWorld(const json& request) {
       throw UserError("--memory: the sanitizers of this build allocate, and cannot be counted; valid: a build without");
   }
   try {
-    return WorldTrial<D>(request, std::move(scene), memory).run();
+    return WorldTrial<D>(request, std::move(scene), restsAfter, memory).run();
   } catch (const CannotWrite&) {
     throw;
   } catch (const UserError& e) {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Scenes that are hard to hold, and who holds them: how far bodies have gone sideways and sunk by the end of a long run, and how
-many times the baseline's time a step takes. For sweeps that ask for it: `report = ["held"]`."""
+many times the baseline's time a step takes. Who has sunk farther is told by which limits it would be held. For sweeps that ask
+for it: `report = ["held"]`."""
 
 import math
 
@@ -8,6 +9,7 @@ import pandas as pd
 from matplotlib.patches import Rectangle
 
 import metrics
+import rest
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
 from style import OUTCOMES, WIDTH, plt, si, times
@@ -43,15 +45,28 @@ def slower(column, method, baseline):
     return float(column[TIME][method]) / base if base > 0 else math.nan
 
 
-def holders(column):
-    return sorted(column.index[column["outcome"] == "ok"])
+def share(cell):
+    return rest.sunk(cell["outcome"], cell.get("sunk"))
+
+
+def holders(column, limit=rest.LIMITS[0]):
+    """By the strictest limit the outcome is the answer."""
+    if limit == rest.LIMITS[0]:
+        return sorted(column.index[column["outcome"] == "ok"])
+    return sorted(m for m in column.index if share(column.loc[m]) <= limit)
 
 
 def finding(where, column, baseline, everyone):
-    who = holders(column)
+    who, laxer, before = holders(column), [], set(holders(column))
+    for limit in rest.LIMITS[1:]:
+        more = sorted(set(holders(column, limit)) - before)
+        before |= set(more)
+        laxer += [f"{methods(more, everyone)} sink by up to {rest.percent(limit)}" if len(more) > 1 else
+                  f"{more[0]} sinks by {rest.percent(float(f'{share(column.loc[more[0]]):.2g}'))}"] if more else []
+    beside = f" ({'; '.join(laxer)})" if laxer else ""
     if not who:
-        return f"{where} is held by nobody"
-    text = f"{where} is held by {'all' if len(who) == len(column) else methods(who, everyone)}"
+        return f"{where} is held by nobody{beside}"
+    text = f"{where} is held by {'all' if len(who) == len(column) else methods(who, everyone)}{beside}"
     known = {m: slower(column, m, baseline) for m in who}
     known = {m: ratio for m, ratio in known.items() if math.isfinite(ratio) and m != baseline}
     if not known:
@@ -83,7 +98,8 @@ def _chart(part, columns, baseline, refused):
                  _table(columns, everyone, baseline), refused + holes(part, ["scene", "method"]),
                  "A cell is one run: sideways, how far a body ever went across gravity; sag, how far one has sunk by the end; "
                  f"and the median time of a step over that of {baseline} in the same scene, whether it stands there or falls. "
-                 "What fell has its letter, and the step in which it did.", headline=headline(columns, baseline, dimension))
+                 f"What fell has its letter, and the step in which it did. {rest.WORDS}; what has sunk farther (S) is told by "
+                 "how much, and which of these limits would hold it.", headline=headline(columns, baseline, dimension))
 
 
 def _figure(columns, everyone, baseline):
@@ -111,7 +127,8 @@ def _figure(columns, everyone, baseline):
         for side in ax.spines.values():
             side.set_visible(False)
     seen = [o for o in OUTCOMES if any((column["outcome"] == o).any() for column in columns.values())]
-    handles = [Rectangle((0, 0), 1, 1, facecolor=OUTCOMES[o][0], label="held" if o == "ok" else f"{OUTCOMES[o][1]} {o}")
+    handles = [Rectangle((0, 0), 1, 1, facecolor=OUTCOMES[o][0],
+                         label=f"held, to {rest.percent(rest.LIMITS[0])}" if o == "ok" else f"{OUTCOMES[o][1]} {o}")
                for o in seen]
     figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.01, 0.0), ncol=len(handles), handlelength=1.0)
     return figure
@@ -126,6 +143,10 @@ def _cell(ax, x, y, column, method, baseline):
     ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor=face, lw=0))
     if cell["outcome"] == "ok":
         lines = [f"{si(float(cell['lateral_max']), 'm')} sideways", f"{si(float(cell['sag_end']), 'm')} sag"]
+    elif cell["outcome"] == "sank":
+        within = [limit for limit in rest.LIMITS if share(cell) <= limit]
+        lines = [f"{mark} by {100 * share(cell):.2g} %",
+                 f"held to {rest.percent(within[0])} alone" if within else f"beyond {rest.percent(rest.LIMITS[-1])}"]
     else:
         lines = [mark + (f" at step {int(cell['step'])}" if cell["step"] == cell["step"] else "")]
     lines += [f"{times(ratio)} x the time"] if math.isfinite(ratio) and method != baseline else []
@@ -139,6 +160,10 @@ def _table(columns, everyone, baseline):
         own = [m for m in everyone if m in column.index]
         part = {"scene": where, "method": own, "outcome": [column["outcome"][m] for m in own],
                 "step": [column["step"][m] for m in own]}
+        part |= quantity("sunk, of the smallest body", "1", [share(column.loc[m]) if share(column.loc[m]) < math.inf else
+                                                             math.nan for m in own])
+        part |= {f"held to {rest.percent(limit)}": ["yes" if share(column.loc[m]) <= limit else "no" for m in own]
+                 for limit in rest.LIMITS}
         part |= quantity("sideways drift", "m", [column["lateral_max"][m] for m in own])
         part |= quantity("sag at the end", "m", [column["sag_end"][m] for m in own])
         part |= quantity(f"time over that of {baseline}", "1", [slower(column, m, baseline) for m in own])
