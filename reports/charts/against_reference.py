@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Zlib
-"""How far each method goes from a converged reference, for as long as the reference agrees with itself.
+"""How far each method goes from a converged reference, for as long as it agrees with itself and with an unlike solver.
 
 The sweep's baseline is the reference: a label whose cells have a step of their own, hundreds of times shorter, and beside them
-its own runs, at half that step and started a nanometre beside itself. They part where a scene forgets its start, or where the
-reference has not converged: from there on nothing is compared, and ensembles say what can be said.
+its own runs, at half that step and started a nanometre beside itself. Of another solver, as converged, are the cells with the
+label "NAME by SOLVER". They part where a scene forgets its start, where the reference has not converged, or where the solvers
+converge to different motions: from there on no distance is compared or ranked, and ensembles say what can be said.
 """
 
 import math
@@ -22,11 +23,13 @@ from table import quantity
 
 PLACE = 23
 SECTION = "How far does each method go from a converged reference?"
-NEEDS = Needs("world", methods=(2, math.inf), also="a baseline with its own runs, at half its step and started beside itself")
+NEEDS = Needs("world", methods=(2, math.inf),
+              also="a baseline with its own runs, at half its step, started beside itself and by an unlike solver")
 ABSENT = Chart("against_reference", SECTION, "Against the reference", "No sweep with a converged reference is in this store.",
                "reference")
 APART = 5e-4  # m: a tenth of the slop that most methods leave
 EVEN = 1e-6  # s: moments that are nearer are one
+BY = " by "  # in the label of the same reference by another solver
 WORK = "work_row_updates"
 COST, FAR, MIDDLE = "cost", "largest distance", "median distance"  # columns of cells
 
@@ -37,11 +40,13 @@ def of_sweep(context, cells):
     for part in split(cells, groups):
         inner = varying(context.store, part, (*groups, "dt", "steps", "perturb", "seed", *context.settings(part)))
         for equal in split(part, inner, sort=True):
-            own = equal[equal["method"] == name]
-            runs = Runs(context, own)
-            others = equal[(equal["method"] != name) & ~(perturb(equal) > 0)]
+            unlike = equal["method"].str.startswith(name + BY)
+            own = equal["method"] == name
+            runs = Runs(context, equal[own], equal[unlike])
+            others = equal[~own & ~unlike & ~(perturb(equal) > 0)]
             if runs.compared and len(others):
-                made.append(_chart(context, others.copy(), runs, own, describe(equal.iloc[0], groups + inner)))
+                made.append(_chart(context, others.copy(), runs, equal[own | unlike],
+                                   describe(equal.iloc[0], groups + inner)))
     return made
 
 
@@ -79,10 +84,11 @@ def distances(track, other, moving):
 
 
 class Runs:
-    """A reference and how far its own runs are from it. `compared`: whether it has any; `spread`: {time: m};
-    `horizon`: the first time at which they are farther apart than APART, None where there is none; `end`: its last time."""
+    """A reference and how far its own runs, and those of unlike solvers, are from it. `compared`: whether it has all of them;
+    `spread`: {time: m}; `unlike`: {solver: {time: m}}; `horizon`: the first time at which one is farther away than APART, None
+    where there is none; `end`: its last time."""
 
-    def __init__(self, context, own):
+    def __init__(self, context, own, by_others):
         self.context = context
         runs = [(dt, beside, key) for dt, beside, keys, outcome in
                 zip(own["own_dt"], perturb(own), own["keys"], own["outcome"]) if outcome == "ok" for key in keys if key]
@@ -90,7 +96,10 @@ class Runs:
         self.dt = max((dt for dt, _, _ in still), default=math.nan)
         self.beside = max((beside for _, beside, _ in runs), default=0.0)
         # Both are asked for: half a step does not see that a scene forgets its start, nor another start that a step is too long.
-        self.compared = min((dt for dt, _, _ in still), default=math.nan) < self.dt and self.beside > 0
+        # Nor does either see what all of one family do alike.
+        others = {cell["method"].split(BY, 1)[1]: (cell["own_dt"], cell["key"]) for _, cell in by_others.iterrows()
+                  if cell["own_dt"] <= self.dt * (1 + EVEN) and cell["key"] is not None}  # where one falls, they part
+        self.compared = (min((dt for dt, _, _ in still), default=math.nan) < self.dt and self.beside > 0 and len(others) > 0)
         if not self.compared:
             return
         key = next(key for dt, _, key in still if dt == self.dt)
@@ -102,7 +111,10 @@ class Runs:
         apart = [self.to(other, dt) for dt, _, other in runs if other != key]
         self.end = max(self.track)
         times_of_all = sorted(set(self.track) - {0.0})
-        self.spread = {time: max(far.get(time, (math.inf, 0))[0] for far in apart) for time in times_of_all}
+        self.unlike = {solver: {time: far for time, (far, _) in self.to(key, dt).items()} for solver, (dt, key) in others.items()}
+        self.itself = {time: max(far.get(time, (math.inf, 0))[0] for far in apart) for time in times_of_all}
+        self.spread = {time: max(self.itself[time], *(far.get(time, math.inf) for far in self.unlike.values()))
+                       for time in times_of_all}
         self.horizon = next((time for time in times_of_all if not self.spread[time] <= APART), None)
 
     def to(self, key, dt):
@@ -139,11 +151,16 @@ def measured(context, others, runs):
 
 
 def agreement(runs):
-    """How long the reference serves."""
-    own = f"its runs at half the step and {si(runs.beside, 'm')} beside it"
+    """How long the reference serves, and who parts from it first."""
+    own, others = f"its runs at half the step and {si(runs.beside, 'm')} beside it", f"with {listing(sorted(runs.unlike))}"
     if runs.horizon is None:
-        return f"the reference agrees with {own} to {si(runs.doubt, 'm')} for all {si(runs.end, 's')}"
-    return f"the reference and {own} part at {si(runs.horizon, 's')} ({si(runs.spread[runs.horizon], 'm')} apart)"
+        return f"the reference agrees with {own} and {others} to {si(runs.doubt, 'm')} for all {si(runs.end, 's')}"
+    far = runs.spread[runs.horizon]
+    apart = f"({si(far, 'm')} apart)" if math.isfinite(far) else "(one has ended)"
+    if runs.itself[runs.horizon] > APART:
+        return f"the reference and {own} part at {si(runs.horizon, 's')} {apart}"
+    parted = [solver for solver, far in sorted(runs.unlike.items()) if not far.get(runs.horizon, math.inf) <= APART]
+    return f"the reference and {listing(parted)}, as converged, part at {si(runs.horizon, 's')} {apart}"
 
 
 def nearest(reached, doubt):
@@ -159,7 +176,7 @@ def finding(context, others, runs, where):
     text = f"On {where} {agreement(runs)}"
     known = others[others[FAR].notna()]
     if not any(runs.serves(time) for time in runs.spread):
-        return f"{text}: there is nothing to compare."
+        return f"{text}: there is nothing to compare, and nobody is ranked."
     if not len(known):
         return f"{text}; no method ran so far."
     everyone = sorted(others["method"].unique())
@@ -172,7 +189,8 @@ def finding(context, others, runs, where):
         text_of = f"{cost}{methods(firsts, everyone)} {'is' if len(firsts) == 1 else 'are'} nearest ({si(best, 'm')})"
         said.append(text_of + (f", {last} farthest ({si(most, 'm')})" if last not in firsts else ""))
     none = sorted(set(everyone) - set(known["method"]))
-    until = "; until then, by the largest distance of a body, " if runs.horizon else "; by the largest distance of a body, "
+    until = ("; beyond that nobody is ranked; until then, by the largest distance of a body, " if runs.horizon else
+             "; by the largest distance of a body, ")
     # The cheapest and the dearest budget: what is between is in the table.
     return (text + until + "; ".join(dict.fromkeys((said[0], said[-1]))) +
             (f"; {methods(none, everyone)} {'does' if len(none) == 1 else 'do'} not run so far" if none else "") + ".")
@@ -206,7 +224,8 @@ def _chart(context, others, runs, own, where):
     shared = _over_time(axes[0][0], shown, courses, runs, looks, labels, _drawn_at(shown, setting))
     _against_cost(context, axes[0][1], others, looks, runs)
     handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
-    handles += [Line2D([], [], color="#777777", ls=":", lw=2, label="its own runs beside it")]
+    handles += [Line2D([], [], color="#777777", ls=":", lw=2, label="its own runs beside it"),
+                Line2D([], [], color="#777777", ls="-.", lw=1.5, label="unlike solver")]
     legend_right(figure, handles, width)
     at = over_steps.setting_of(shown, setting).strip().removeprefix("at ")
     return Chart(identifier(f"{others['sweep'].iloc[0]} against {where}"), SECTION, f"Against the reference: {where}",
@@ -214,10 +233,12 @@ def _chart(context, others, runs, own, where):
                  holes(pd.concat([own, others]), list(dict.fromkeys(["method", *([setting] if setting else []), "dt"]))),
                  f"Left the largest distance of a body from its place in the reference{f', each at {at}' if at else ''}; the "
                  f"reference takes steps of {si(runs.dt, 's')}. Dotted is how far its own runs are from it, at half that step "
-                 f"and started {si(runs.beside, 'm')} beside it: where they are farther apart than {si(APART, 'm')}, a tenth of "
-                 "the slop that most methods leave, it serves no more, and nothing is compared; two methods whose distances "
-                 "differ by no more than twice its own are not told apart. Right the largest of these distances against what it "
-                 "cost: methods compare at equal cost." + caption_of_lines([("Left", shared)]),
+                 f"and started {si(runs.beside, 'm')} beside it, dash-dotted how far {listing(sorted(runs.unlike))} is, with "
+                 f"steps as short or shorter: where one is farther away than {si(APART, 'm')}, a tenth of the slop that most "
+                 "methods leave, it serves no more, and nothing is compared; two methods whose distances differ by no more than "
+                 "twice that are not told apart. Right the largest of these distances against what it cost: methods compare at "
+                 "equal cost." +
+                 caption_of_lines([("Left", shared)]),
                  headline=headline(context, others, runs, where))
 
 
@@ -231,11 +252,15 @@ def _drawn_at(shown, setting):
 
 
 def _over_time(ax, shown, courses, runs, looks, labels, at=""):
-    spread = [(time, far) for time, far in runs.spread.items() if math.isfinite(far)]
+    spread = [(time, far) for time, far in runs.itself.items() if math.isfinite(far)]
+    unlike = [[(time, far) for time, far in course.items() if math.isfinite(far)] for course in runs.unlike.values()]
     curves = {cell["method"]: [(time, far) for time, (far, _) in courses[i].items() if math.isfinite(far)]
               for i, cell in shown.iterrows()}
-    scale = ZeroLog(ax, "y", [far for curve in (*curves.values(), spread) for _, far in curve], "m", failures=False, floor=1e-12)
+    scale = ZeroLog(ax, "y", [far for curve in (*curves.values(), spread, *unlike) for _, far in curve], "m", failures=False,
+                    floor=1e-12)
     ax.plot([time for time, _ in spread], [scale.place(far) for _, far in spread], color="#777777", ls=":", lw=2)
+    for course in unlike:
+        ax.plot([time for time, _ in course], [scale.place(far) for _, far in course], color="#777777", ls="-.", lw=1.5)
     firsts, spots = same(curves), []
     for order, (method, curve) in enumerate(curves.items()):
         if firsts[method] != method or not curve:
@@ -288,5 +313,5 @@ def _table(context, others, runs, setting):
     for title, name in (("largest distance of a body from the reference", FAR), ("median over bodies", MIDDLE)):
         table |= quantity(title, "m", [cell[name] for cell in cells])
     table |= quantity("the reference serves until", "s", [runs.horizon or runs.end for _ in cells])
-    table |= quantity("its own runs are beside it by", "m", [runs.doubt for _ in cells])
+    table |= quantity("its own runs and the unlike solver are beside it by", "m", [runs.doubt for _ in cells])
     return pd.DataFrame(table)

@@ -25,9 +25,10 @@ def place(time, off):
 
 class AgainstReference(with_store.WithStore):
     @staticmethod
-    def scene(beside=lambda time: 1e-6 * time, half=lambda time: 1e-5 * time, perturbed=True):
-        """Methods that go 10 mm and 40 mm in a second with 4 iterations, a quarter of it with 16; `beside` and `half`: how far
-        the reference's own runs are from it over time."""
+    def scene(beside=lambda time: 1e-6 * time, half=lambda time: 1e-5 * time, perturbed=True,
+              unlike=lambda time: 2e-6 * time, unlike_until=SECONDS):
+        """Methods that go 10 mm and 40 mm in a second with 4 iterations, a quarter of it with 16; `beside`, `half` and `unlike`:
+        how far the reference's own runs, and that of another solver, are from it over time."""
         def fill(maker):
             maker.sweep("mine", baseline="reference", resolver="label", iterations="setting", perturb="parameter")
 
@@ -47,6 +48,9 @@ class AgainstReference(with_store.WithStore):
             run({**of, "dt": FINE / 2}, FINE / 2, half, 300)
             if perturbed:
                 run({**of, "dt": FINE, "perturb": 1e-9}, FINE, beside, 300)
+            if unlike:
+                run({**of, "resolver": "reference by xpbd", "dt": FINE, "perturb": 0}, FINE, unlike, 300,
+                    "ok" if unlike_until == SECONDS else "exploded", unlike_until)
         return fill
 
     @undrawn.drawn
@@ -54,8 +58,9 @@ class AgainstReference(with_store.WithStore):
         made = self.made(against_reference, self.scene())
         self.assertEqual(len(made), 1)
         self.assertTrue(made[0].finding.startswith(
-            "On chain, 2D the reference agrees with its runs at half the step and 1 nm beside it to 30 µm for all 3 s; by the "
-            "largest distance of a body, within 40 row updates per step catto is nearest (30 mm), naive farthest (120 mm)"),
+            "On chain, 2D the reference agrees with its runs at half the step and 1 nm beside it and with xpbd to 30 µm for all "
+            "3 s; by the largest distance of a body, within 40 row updates per step catto is nearest (30 mm), naive farthest "
+            "(120 mm)"),
             made[0].finding)
         self.assertTrue(made[0].finding.endswith("within 160 row updates per step catto is nearest (7.5 mm), naive farthest "
                                                  "(30 mm); soft_step does not run so far."), made[0].finding)
@@ -79,6 +84,7 @@ class AgainstReference(with_store.WithStore):
                 run({"resolver": "naive"}, DT / part, 4e-2 / part, 20)
             for axes in ({"perturb": 0}, {"perturb": 1e-9}):
                 run({"resolver": "reference", **axes}, FINE, 0, 300)
+            run({"resolver": "reference by xpbd", "perturb": 0}, FINE, 0, 300)
             run({"resolver": "reference"}, FINE / 2, 0, 300)
         chart = self.made(against_reference, fill)[0]
         self.assertTrue(chart.finding.endswith(
@@ -93,12 +99,27 @@ class AgainstReference(with_store.WithStore):
         parts = lambda time: 1e-6 if time < 1.49 else 1e-2  # noqa: E731
         for runs in ({"beside": parts}, {"half": parts}):
             made = self.made(against_reference, self.scene(**runs))[0]
-            self.assertIn("part at 1.5 s (10 mm apart); until then", made.finding)
+            self.assertIn("part at 1.5 s (10 mm apart); beyond that nobody is ranked; until then", made.finding)
             self.assertAlmostEqual(made.table["largest distance of a body from the reference [m]"].max(), 4e-2 * 1.4)
             with unittest.mock.patch.object(against_reference.Runs, "serves", lambda self, time: True):
                 bug = self.made(against_reference, self.scene(**runs))[0]
             self.assertGreater(bug.table["largest distance of a body from the reference [m]"].max(), 0.1,
                                "the planted bug, that all is compared, was not seen")
+
+    def test_nothing_is_compared_after_the_step_in_which_an_unlike_solver_parts(self):
+        """Its own runs agree all the time: one family alone does not see what it does to all of them."""
+        parts = self.scene(unlike=lambda time: 1e-6 if time < 1.49 else 1e-2)
+        made = self.made(against_reference, parts)[0]
+        self.assertIn("the reference and xpbd, as converged, part at 1.5 s (10 mm apart)", made.finding)
+        self.assertAlmostEqual(made.table["largest distance of a body from the reference [m]"].max(), 4e-2 * 1.4)
+        self.assertNotIn("reference by xpbd", set(made.table["method"]), "it is no method that is ranked")
+
+    def test_an_unlike_solver_that_falls_has_parted(self):
+        made = self.made(against_reference, self.scene(unlike=lambda time: 0.0, unlike_until=1.95))[0]
+        self.assertIn("the reference and xpbd, as converged, part at 1.97 s (one has ended)", made.finding)
+
+    def test_one_family_alone_is_no_reference(self):
+        self.assertEqual(self.made(against_reference, self.scene(unlike=None)), [against_reference.ABSENT])
 
     def test_a_reference_that_never_converged_compares_nothing(self):
         made = self.made(against_reference, self.scene(half=lambda t: 1e-2))[0]
