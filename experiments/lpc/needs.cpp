@@ -65,8 +65,9 @@ void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
               own["dimension"].get<int>(), features.empty() ? "no feature" : features.c_str());
   std::printf(
       "Times the time and the row updates of this (minimal) model, median over %d seeds (least .. most); how far "
-      "bodies end\nfrom where they end with it (m): median over bodies and seeds, and the farthest.\n\n",
+      "bodies end\nfrom where they end with it (m): median over bodies and seeds, and the farthest.\n",
       seen.seeds);
+  std::printf("Stages: %s\n\n", own["pipeline"].get<std::string>().c_str());
   if (seen.failed) {
     std::printf("minimal fails with %d of %d seeds, which are left out: %s\n", seen.failed, seen.seeds,
                 seen.failure.c_str());

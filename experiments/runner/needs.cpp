@@ -18,6 +18,16 @@ namespace {
 
 constexpr const char* kSeedsMove = "perturb";  // the parameter of a scene by which a seed moves its bodies
 
+// Features that are one stage each, and what that stage is where a pipeline does not name it but the default is none.
+struct SwitchedStage {
+  const char* feature;
+  StageKind stage;
+  const char* policy;
+};
+constexpr SwitchedStage kSwitchedStages[] = {{"cache", StageKind::cache, ""},
+                                             {"continuous", StageKind::continuous, "cast"},
+                                             {"sleeping", StageKind::sleep, "timer_island"}};
+
 constexpr std::size_t kFewestSeeds = 4;  // with fewer the noise is not measured
 constexpr double kUnmeasured = 2;        // and only a ratio beyond this is told
 
@@ -93,7 +103,28 @@ const char* whyNoTime(const std::vector<double>& ratios, const std::vector<doubl
   return unmeasured ? "too few seeds to measure the noise" : nullptr;
 }
 
+// "sleep=none" where the model's switch is of a stage that does nothing.
+std::string idleStage(const std::string& model, const std::string& pipeline) {
+  if (engineOf(pipeline) || (model[0] != '+' && model[0] != '-')) return "";
+  for (const SwitchedStage& s : kSwitchedStages) {
+    if (model.substr(1) != s.feature || Pipeline::parse(pipeline)[s.stage].name != "none") continue;
+    return std::string(stageName(s.stage)) + "=none";
+  }
+  return "";
+}
+
 }  // namespace
+
+std::string withPolicies(const std::string& pipeline) {
+  if (engineOf(pipeline)) return pipeline;
+  Pipeline out;
+  const std::vector<StageKind> named = out.replace(pipeline);
+  for (const SwitchedStage& s : kSwitchedStages) {
+    const bool chosen = std::find(named.begin(), named.end(), s.stage) != named.end();
+    if (!chosen && out[s.stage].name == "none") out[s.stage].name = s.policy;
+  }
+  return out.text();
+}
 
 PlannedSweep planNeeds(const NeedsQuestion& q) {
   Planner planner;
@@ -106,7 +137,7 @@ PlannedSweep planNeeds(const NeedsQuestion& q) {
   out.roles = {{"scene", "run"}, {"model", "run"}, {"seed", "run"}, {"dimension", "run"}};
   const auto add = [&](const std::string& model, int seed, int repeat) {
     WorldCell cell;
-    cell.params = q.params, cell.pipeline = q.pipeline, cell.steps = q.steps;
+    cell.params = q.params, cell.pipeline = withPolicies(q.pipeline), cell.steps = q.steps;
     cell.dimension = dimension, cell.seed = static_cast<std::uint64_t>(seed), cell.repeat = repeat, cell.timed = true;
     if (file.parameter(kSeedsMove) && q.perturbation > 0) {
       cell.params.emplace(kSeedsMove, q.perturbation);
@@ -130,6 +161,7 @@ std::string remarkOn(const ModelSeen& model, const ModelSeen& again) {
     return std::to_string(model.failed) + " of " + std::to_string(model.trials) + " " + model.failure;
   }
   if (model.model.empty()) return "the noise";
+  if (!model.idle.empty()) return "nothing to measure: " + model.idle;
   if (model.time.empty()) return "";
   std::vector<std::string> said;
   if (model.sameWork) said.emplace_back("equal work counts");
@@ -160,6 +192,7 @@ NeedsSeen readNeeds(const PlannedSweep& sweep, const std::string& store) try {
     if (seen == out.models.end()) {
       seen = out.models.emplace(out.models.end());
       seen->model = name;
+      if (!again) seen->idle = idleStage(name, trial.canonical["pipeline"]);
     }
     if (!own || !ended) continue;  // stopped before it was run
     ++seen->trials;

@@ -18,8 +18,10 @@ from table import quantity
 PLACE = 49
 SECTION = "What does this scene need of its model?"
 OWN, AGAIN, SEED = "minimal", "minimal, again", "another seed"
+SWITCHED = {"cache": "cache", "continuous": "continuous", "sleeping": "sleep"}  # features that are one stage each
 COST, ROWS = "ms_per_step_median", "work_row_updates"
 WITHIN, UNKNOWN, EQUAL = "time within the noise", "too few seeds to measure the noise", "equal work counts"
+IDLE = "nothing to measure"
 TIME, FARTHEST = "time, times that of minimal [1]", "way from where bodies end, farthest [m]"  # columns
 INK, FAR = "#0072B2", "#D55E00"
 ABSENT = Chart("needs", SECTION, "Needs", "No scene was asked for its needs in this store.", "", made_by="needs pyramid")
@@ -32,6 +34,7 @@ class Model:
     time: list = field(default_factory=list)  # times those of the scene's own: time per step, row updates per step
     rows: list = field(default_factory=list)
     same_work: bool = True
+    idle: str = ""  # "sleep=none": the stage that its switch turns does nothing
     median: list = field(default_factory=list)  # over the bodies: how far they end from where they would (m)
     largest: list = field(default_factory=list)
     trials: int = 0
@@ -75,6 +78,7 @@ def read(store, sweep):
         if own is None or trial is None:
             continue  # stopped before it was run
         model.trials += 1
+        model.idle = "" if again else _idle(name, trial["canonical"].get("pipeline", ""))
         if trial["outcome"] != "ok":
             model.failures.append((trial["outcome"], trial["reason"]))
             continue
@@ -82,6 +86,11 @@ def read(store, sweep):
         _compare(store, own, trial, model)
     seen.models, seen.cost = list(found.values()), float(np.median(costs)) if costs else math.nan
     return seen
+
+
+def _idle(model, pipeline):
+    stage = SWITCHED.get(model[1:]) if model[:1] in "+-" else None
+    return f"{stage}=none" if f"{stage}=none" in pipeline.split() else ""
 
 
 def _places(store, trial):
@@ -111,12 +120,15 @@ def _compare_work(own, other, into):
 
 
 def remark(model, again):
-    """What must be known of a model's numbers: how it failed, that its work is equal, that its time tells nothing."""
+    """What must be known of a model's numbers: how it failed, that its switch turns nothing, that its work is equal, that
+    its time tells nothing."""
     if model.failures:
         outcome, reason = model.failures[0]
         return f"{len(model.failures)} of {model.trials} {outcome}: {reason}"
     if model.name == AGAIN:
         return "the noise"
+    if model.idle:
+        return f"{IDLE}: {model.idle}"
     if not model.time:
         return ""
     return ", ".join([EQUAL] * model.same_work + [why for why in [why_no_time(model.time, again.time)] if why])
@@ -194,7 +206,7 @@ def _finding(seen, table, scene):
     said = [f"{scene}, {plural(seen.seeds, 'seed')}: " + (
         f"times the time of its own model, {listing([f'{name} {ratio:.2f}' for name, ratio in told])}." if told else
         "no switch changes its time beyond the noise.")]
-    for meaning in (EQUAL, WITHIN, UNKNOWN):
+    for meaning in (IDLE, EQUAL, WITHIN, UNKNOWN):
         named = [row["model"] for _, row in table.iterrows() if row["remark"].startswith(meaning)]
         said += [f"{meaning[0].upper()}{meaning[1:]}: {listing(named)}."] if named else []
     ways = {row["model"]: row[FARTHEST] for _, row in table.iterrows() if math.isfinite(row[FARTHEST])}

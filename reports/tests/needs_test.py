@@ -100,6 +100,12 @@ class PageAndProgram(undrawn.Undrawn):
         text, made = self.compare("pyramid --param base=3 --steps 40 --seeds 4")
         self.assertEqual(printed(text)[0][0], "another seed")
 
+    def test_agree_on_a_switch_that_turns_nothing(self):
+        _, made = self.compare("pyramid --param base=3 --steps 40 --seeds 1 --pipeline sleep=none")
+        remarks = dict(zip(made.table["model"], made.table["remark"]))
+        self.assertEqual(remarks["+sleeping"], f"{needs.IDLE}: sleep=none")
+        self.assertIn("Nothing to measure: +sleeping.", made.finding)
+
     def test_agree_where_nothing_is_timed(self):
         """The first steps are not timed, so that a run of one step has no median."""
         self.compare("slope --seeds 1 --steps 1")

@@ -47,6 +47,28 @@ TEST(Needs, PlansEachModelForEachSeedAndItsOwnTwice) {
   EXPECT_EQ(keys.size(), sweep.trials.size());
 }
 
+// The default of sleep and continuous collision does nothing: a switch of it would measure nothing.
+TEST(Needs, ASwitchTurnsARealPolicy) {
+  EXPECT_EQ(withPolicies(""), Pipeline::parse("sleep=timer_island continuous=cast").text());
+  EXPECT_EQ(withPolicies("sleep=millington"), Pipeline::parse("sleep=millington continuous=cast").text());
+  EXPECT_EQ(withPolicies("sleep=none"), Pipeline::parse("sleep=none continuous=cast").text())
+      << "who says none has none";
+  EXPECT_EQ(withPolicies("engine=box2d"), "engine=box2d");
+  Workspace w;
+  const std::string ask = "needs mass_ratio --param ratio=1 --seeds 1 --steps 180 --quiet --store ";
+  const auto updates = [](const std::string& text) {  // of +sleeping, times those of minimal
+    std::smatch row;
+    const bool found = std::regex_search(text, row, std::regex("\n\\+sleeping +[^)]+\\) +([0-9.]+)"));
+    return found ? std::stod(row[1]) : -1;
+  };
+  const Outcome out = w.lpc(ask + "n.db"), none = w.lpc(ask + "none.db --pipeline \"sleep=none cache=none\"");
+  EXPECT_LT(updates(out.text), 0.8) << out.text;
+  EXPECT_NE(out.text.find(" sleep=timer_island"), std::string::npos) << out.text;
+  EXPECT_TRUE(std::regex_search(none.text, std::regex("\n\\+sleeping .* nothing to measure: sleep=none\n")))
+      << none.text;
+  EXPECT_TRUE(std::regex_search(none.text, std::regex("\n-cache .* nothing to measure: cache=none\n"))) << none.text;
+}
+
 // A block that slides on a slope: without friction it slides elsewhere, joints and restitution do nothing to it.
 TEST(Needs, TellsWhatChangesAndWhatDoesNot) {
   Workspace w;
