@@ -54,6 +54,7 @@ std::vector<std::string> commandOf(const BreakOptions& o) {
   if (o.from) add("--from", asText(*o.from));
   if (o.to) add("--to", asText(*o.to));
   if (q.falling) out.emplace_back("--falling");
+  if (q.truth > 0) add("--truth", asText(q.truth));
   if (q.limit) add("--limit", q.limit->text);
   if (q.seeds != BreakQuestion().seeds) add("--seeds", std::to_string(q.seeds));
   if (q.perturb != BreakQuestion().perturb) add("--perturb", asText(q.perturb));
@@ -138,8 +139,15 @@ std::string number(double value) {
 // Where half of the seeds fail.
 std::string interval(const BreakQuestion& q, const Broken& b) {
   if (q.seeds < kFewestSeeds) return "fewer than " + std::to_string(kFewestSeeds) + " seeds tell no interval";
-  return "half of the seeds fail between " + (b.low ? number(*b.low) : "below " + number(q.from)) + " and " +
+  return "half of the seeds fail " + (b.half ? "at " + number(*b.half) + ", " : "") + "between " +
+         (b.low ? number(*b.low) : "below " + number(q.from)) + " and " +
          (b.high ? number(*b.high) : "beyond " + number(q.to)) + " (95 %)";
+}
+
+std::string aside(double ratio) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.2g %% %s", 100 * std::abs(ratio - 1), ratio < 1 ? "below" : "above");
+  return text;
 }
 
 void print(const BreakQuestion& q, const Broken& b) {
@@ -156,6 +164,7 @@ void print(const BreakQuestion& q, const Broken& b) {
       line += "; " + number(b.fell->value) + ": " + std::to_string(b.fell->failed) + " of " +
               std::to_string(b.fell->of) + " fail, " + b.fell->failure;
     }
+    if (b.half && q.truth > 0) line += "; by the closed form at " + number(q.truth) + ", " + aside(*b.half / q.truth);
     if (b.held) line += "; " + number(b.held->rows) + " row updates per step";
     for (const double value : b.passesBeyond) then += (then.empty() ? "" : ", ") + number(value);
   }
@@ -174,10 +183,10 @@ void breakScene(BreakOptions& o, Session& session) {
   describeProgram(store);
   const bool stopped = runSweeps(sweeps, store, run).stopped;
   const auto& axes = sweeps[0].ladders.at(0).axes;
-  std::printf("%s in %dD, %s: the %s with which fewer than half of %ld seeds fail%s%s\n",
+  std::printf("%s in %dD, %s: the %s with which fewer than half of %ld seeds (at the edge; else %ld) fail%s%s\n",
               axes["scene"].get<std::string>().c_str(), axes["dimension"].get<int>(), o.precision.c_str(),
-              o.question.title().c_str(), o.question.seeds, o.question.limit ? ", by outcome or " : "",
-              o.question.limit ? o.question.limit->text.c_str() : "");
+              o.question.title().c_str(), o.question.seeds, o.question.fewSeeds(),
+              o.question.limit ? ", by outcome or " : "", o.question.limit ? o.question.limit->text.c_str() : "");
   for (const Broken& b : sweeps[0].broken) print(o.question, b);
   if (stopped) {
     std::printf("stopped; the same command continues\n");
@@ -201,7 +210,11 @@ void addBreak(CommandLine& app, Session& session) {
   command.flag("--falling", q.falling, "the smallest value that holds is searched, not the largest");
   const Option limit =
       command.option("--limit", o->limit, "METRIC<NUMBER or METRIC>NUMBER, which a run must keep, too");
-  command.option("--seeds", q.seeds, "runs of each value, each with a seed of its own").showDefault().range(1L, 1000L);
+  command.option("--truth", q.truth,
+                 "where it breaks by a closed form: the answer is told with its distance from that");
+  command.option("--seeds", q.seeds, "runs of each value at the edge, each with a seed of its own; elsewhere at most 4")
+      .showDefault()
+      .range(1L, 1000L);
   command.option("--perturb", q.perturb, "how far from its place a seed starts a body (m and rad)")
       .showDefault()
       .range(0.0, kMostPerturbed);

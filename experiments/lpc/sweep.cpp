@@ -60,7 +60,7 @@ void printPlan(const PlannedSweep& s) {
     for (const Ladder& ladder : s.ladders) {
       const BreakQuestion& q = ladder.question;
       const auto settings = static_cast<std::size_t>(s.calibration ? s.calibration->mostTried() : 0);
-      most += static_cast<std::size_t>(q.mostTried()) * (static_cast<std::size_t>(q.seeds) + settings);
+      most += static_cast<std::size_t>(q.mostTrials()) + static_cast<std::size_t>(q.mostTried()) * settings;
       if (ladder.timed) most += ladder.plan({q.from, 1, settings > 0 ? 1 : 0, true}).size();
     }
     std::printf(", after %zu searches for breaking points, of at most %zu trials in all", s.ladders.size(), most);

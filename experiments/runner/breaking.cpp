@@ -21,6 +21,8 @@ constexpr double kHalf = 0.5;       // of the seeds
 constexpr long kMostSeeds = 1000;
 constexpr double kNarrowest = 1.001;
 constexpr double kMostValues = 100;  // of a grid
+constexpr int kMostMoves = 8;        // values more that are tried where many seeds say other than few
+constexpr int kMostEdges = 6;        // values that are tried with all seeds
 // A number is none of these, or another value is another question.
 constexpr std::array kNoParameters = {"dimension", "model", "precision", "scene", "script", "seed"};
 
@@ -67,6 +69,9 @@ void BreakQuestion::check() const {
   if (!(from > 0) || !(to > from)) {
     fail("'from' is " + asText(from) + " and 'to' " + asText(to) + "; valid: numbers above 0, 'to' the larger one");
   }
+  if (!(truth == 0 || (truth >= from && truth <= to))) {
+    fail("'truth' is " + asText(truth) + "; valid: from " + asText(from) + " to " + asText(to));
+  }
   if (seeds < 1 || seeds > kMostSeeds) fail("'seeds' is " + std::to_string(seeds) + "; valid: 1 to 1000");
   if (!(step >= kNarrowest && step <= kWidest)) fail("'grid' is " + asText(step) + "; valid: 1.001 to 2");
   if (!(ratio >= kNarrowest && ratio <= kWidest)) fail("'ratio' is " + asText(ratio) + "; valid: 1.001 to 2");
@@ -91,8 +96,14 @@ std::vector<double> BreakQuestion::grid(bool whole) const {
 
 int BreakQuestion::mostTried() const {
   const double halves = std::max(std::log2(to), std::log2(std::log(step) / std::log(ratio)));
-  return static_cast<int>(grid(false).size()) + std::max(0, static_cast<int>(std::ceil(halves)));
+  return static_cast<int>(grid(false).size()) + std::max(0, static_cast<int>(std::ceil(halves))) + kMostMoves;
 }
+
+int BreakQuestion::mostTrials() const {
+  return static_cast<int>(mostTried() * fewSeeds() + kMostEdges * (seeds - fewSeeds()));
+}
+
+long BreakQuestion::fewSeeds() const { return std::min(seeds, kFewestSeeds); }
 
 BreakQuestion readBreak(const toml::table& table, const std::string& file, const std::optional<BreakQuestion>& base) {
   TableReader t(table, file, "'break'");
@@ -104,6 +115,7 @@ BreakQuestion readBreak(const toml::table& table, const std::string& file, const
   out.perturb = t.number("perturb", out.perturb), out.ratio = t.number("ratio", out.ratio);
   out.step = t.number("grid", out.step);
   out.falling = t.flag("falling", out.falling);
+  out.truth = t.number("truth", out.truth);
   if (const toml::node* node = t.find("limit")) {
     try {
       out.limit.emplace(t.requireString("limit"));
@@ -143,24 +155,44 @@ Broken judge(const BreakQuestion& q, std::vector<Rung> rungs) {
     }
     if (out.fell && !sureToFail && share.low > kHalf) sureToFail = r.value;
   }
+  if (out.held && out.fell && !out.fell->refused) {
+    const auto share = [](const Rung& r) { return static_cast<double>(r.failed) / static_cast<double>(r.of); };
+    const double a = share(*out.held), b = share(*out.fell);
+    out.half = out.held->value * std::pow(out.fell->value / out.held->value, (kHalf - a) / (b - a));
+  }
   out.low = q.falling ? sureToFail : sureToHold, out.high = q.falling ? sureToHold : sureToFail;
   return out;
 }
 
-std::vector<double> nextRungs(const BreakQuestion& q, bool whole, const std::vector<Rung>& known) {
-  std::vector<double> missing;
+std::vector<WantedRung> nextRungs(const BreakQuestion& q, bool whole, const std::vector<Rung>& known) {
+  std::vector<WantedRung> missing;
   for (const double value : q.grid(whole)) {
     if (std::none_of(known.begin(), known.end(), [&](const Rung& r) { return r.value == value; })) {
-      missing.push_back(value);
+      missing.push_back({value, q.fewSeeds()});
     }
   }
   if (!missing.empty()) return missing;
   const Broken found = judge(q, known);
-  if (!found.held || !found.fell) return {};
-  const auto [a, b] = std::minmax(found.held->value, found.fell->value);
-  if (isNarrow(q, whole, a, b)) return {};
-  const double next = between(whole, a, b);
-  return next > a && next < b ? std::vector{next} : std::vector<double>();
+  if (found.held && found.fell && static_cast<int>(known.size()) < q.mostTried()) {
+    const auto [a, b] = std::minmax(found.held->value, found.fell->value);
+    const double next = isNarrow(q, whole, a, b) ? a : between(whole, a, b);
+    if (next > a && next < b) return {{next, q.fewSeeds()}};
+  }
+  auto edges =
+      kMostEdges - std::count_if(known.begin(), known.end(), [&](const Rung& r) { return r.of > q.fewSeeds(); });
+  const auto more = [&](const Rung& r) {
+    const bool has =
+        std::any_of(missing.begin(), missing.end(), [&](const WantedRung& w) { return w.value == r.value; });
+    if (!has && r.of < q.seeds && !r.refused && edges-- > 0) missing.push_back({r.value, q.seeds});
+  };
+  for (const std::optional<Rung>& end : {found.held, found.fell}) {
+    if (end && found.fell) more(*end);
+  }
+  if (!missing.empty() || !found.fell) return missing;  // they may move the bracket
+  for (const Rung& r : found.rungs) {
+    if ((!found.low || r.value > *found.low) && (!found.high || r.value < *found.high)) more(r);
+  }
+  return missing;
 }
 
 nlohmann::json axisNumber(double value) {
@@ -192,7 +224,7 @@ void addLadder(PlannedSweep& sweep, Ladder ladder) {
     if (other.keys == ladder.keys) return;
     const BreakQuestion& o = other.question;
     const bool same = o.parameter == q.parameter && o.falling == q.falling && o.seeds == q.seeds &&
-                      (o.limit ? o.limit->text : "") == (q.limit ? q.limit->text : "");
+                      o.truth == q.truth && (o.limit ? o.limit->text : "") == (q.limit ? q.limit->text : "");
     if (o.title() == q.title() && !same) {
       throw UserError(q.place + ": two questions are called '" + q.title() +
                       "'; valid: a name of its own, question = \"...\"");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Where a method breaks: a ladder of values of one parameter, each tried with several seeds, first in a geometric grid,
-// then between the highest value below the first that fails and that one.
+// Where a method breaks: a ladder of values of one parameter, each tried with a few seeds, first in a geometric grid,
+// then between the highest value below the first that fails and that one; at the edge so found with many.
 #pragma once
 
 #include <functional>
@@ -31,12 +31,14 @@ struct BreakQuestion {
   std::string name;       // by which charts call it; empty: "largest n"
   std::string parameter;  // of the scene, dt, or $name in a pipeline
   double from = 0, to = 0;
-  long seeds = 5;
+  long seeds = 20;        // at the edge; elsewhere kFewestSeeds
   double perturb = 1e-3;  // m and rad: how far a seed starts bodies from their places, unless an axis says so
   double step = 2;        // from value to value of the grid, a factor
   double ratio = 1.05;    // of neighbours, where values need not be whole
   bool falling = false;
   std::optional<MetricLimit> limit;
+  double truth =
+      0;  // where it breaks by a closed form; who holds beyond is as wrong as who breaks before. 0: none is known
   std::string place;  // what messages begin with
 
   std::string title() const { return !name.empty() ? name : (falling ? "smallest " : "largest ") + parameter; }
@@ -48,8 +50,10 @@ struct BreakQuestion {
   void check() const;
   /// From `from` on each `step` times the last, and `to`; rounded where only whole numbers count.
   std::vector<double> grid(bool whole) const;
-  /// How many values a search tries at most.
+  /// How many values, and trials, a search tries at most.
   int mostTried() const;
+  int mostTrials() const;
+  long fewSeeds() const;
 };
 
 /// `[break]`, over what is known of the question (what holds for all groups). Throws UserError with file and line.
@@ -67,6 +71,7 @@ struct Rung {
   double value = 0;
   long failed = 0, of = 0;  // seeds
   std::string failure;      // outcome and reason of the first that failed
+  bool refused = false;     // unsupported, or over the budget: more seeds tell no more
   double rows = 0;          // row updates per step: median of the seeds that held, or of all
   bool holds() const { return 2 * failed < of; }
 };
@@ -78,14 +83,21 @@ struct Broken {
   bool stopped = false;              // before it had ended
   std::vector<Rung> rungs;           // in order of value
   std::optional<Rung> held, fell;    // the last before the first that fails, and that one
-  std::optional<double> low, high;   // where half of the seeds fail, by the intervals of the shares; none: open
+  std::optional<double> half;        // where half of the seeds fail, between these two by their shares
+  std::optional<double> low, high;   // its interval, by those of the shares; none: open
   std::vector<double> passesBeyond;  // hold beyond one that fails
 };
 /// `rungs` in any order.
 Broken judge(const BreakQuestion& question, std::vector<Rung> rungs);
-/// The values to try next; none: found. First the grid, then halves of the bracket of the first that fails, until it is
-/// as narrow as asked.
-std::vector<double> nextRungs(const BreakQuestion& question, bool whole, const std::vector<Rung>& known);
+/// So many seeds of a value.
+struct WantedRung {
+  double value = 0;
+  long seeds = 0;
+};
+/// What to try next; nothing: found. First the grid with few seeds, then halves of the bracket of the first that fails,
+/// until it is as narrow as asked; then its ends, and what is on neither side for sure, with all seeds, and so on where
+/// these have moved it.
+std::vector<WantedRung> nextRungs(const BreakQuestion& question, bool whole, const std::vector<Rung>& known);
 
 /// A cell whose parameter is searched.
 struct Ladder {

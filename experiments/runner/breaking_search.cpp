@@ -20,7 +20,8 @@ using RunRound = std::function<bool(const PlannedSweep&)>;
 
 // One value of a ladder on its way to a rung.
 struct Tried {
-  std::optional<long> setting;  // where the sweep is calibrated; 0: none meets the budget
+  std::optional<long> setting;       // where the sweep is calibrated; 0: none meets the budget
+  std::optional<PlannedTrial> none;  // then: why
   std::vector<PlannedTrial> trials;
   std::optional<Rung> rung;
 };
@@ -103,17 +104,17 @@ class Breaker {
   // As far as the store knows. What it lacks goes to `trials`; values without a setting to `unset`.
   void advance(Climb& climb, std::vector<PlannedTrial>& trials, std::vector<std::pair<Climb*, double>>& unset) {
     for (bool known = true; known;) {
-      const std::vector<double> wanted = nextRungs(climb.ladder->question, climb.ladder->whole, climb.rungs());
+      const std::vector<WantedRung> wanted = nextRungs(climb.ladder->question, climb.ladder->whole, climb.rungs());
       climb.found = wanted.empty();
       known = !climb.found;
-      for (const double value : wanted) {
+      for (const auto& [value, seeds] : wanted) {
         Tried& tried = climb.tried[value];
         if (calibrated() && !tried.setting) {
           unset.emplace_back(&climb, value);
           known = false;
           continue;
         }
-        if (tried.trials.empty()) tried.trials = seedsAt(*climb.ladder, value, tried.setting.value_or(0));
+        if (static_cast<long>(tried.trials.size()) < seeds) addSeeds(*climb.ladder, value, seeds, tried);
         if (!tried.rung) tried.rung = measure(climb.ladder->question, value, tried.trials);
         if (tried.rung) continue;
         known = false;
@@ -122,13 +123,19 @@ class Breaker {
     }
   }
 
-  static std::vector<PlannedTrial> seedsAt(const Ladder& ladder, double value, long setting) {
-    std::vector<PlannedTrial> out;
-    for (long seed = 1; seed <= ladder.question.seeds; ++seed) {
+  static void addSeeds(const Ladder& ladder, double value, long seeds, Tried& tried) {
+    tried.rung.reset();
+    for (long seed = static_cast<long>(tried.trials.size()) + 1; seed <= seeds; ++seed) {
       if (InterruptGuard::interrupted()) throw Interrupted();
-      out.push_back(ladder.plan({value, seed, setting, false}).at(0));
+      if (!tried.none) {
+        tried.trials.push_back(ladder.plan({value, seed, tried.setting.value_or(0), false}).at(0));
+        continue;
+      }
+      PlannedTrial none = *tried.none;
+      none.axes["seed"] = none.canonical["seed"] = seed;
+      none.key = trialKey(none.canonical);
+      tried.trials.push_back(std::move(none));
     }
-    return out;
   }
 
   // The setting of a rung is that of its first seed.
@@ -148,13 +155,7 @@ class Breaker {
       const PlannedTrial& t = round.trials.at(i);
       Tried& tried = unset[i].first->tried[unset[i].second];
       tried.setting = t.axes.value(m_sweep.calibration->setting, 0L);
-      if (*tried.setting > 0) continue;
-      for (long seed = 1; seed <= unset[i].first->ladder->question.seeds; ++seed) {
-        PlannedTrial none = t;
-        none.axes["seed"] = none.canonical["seed"] = seed;
-        none.key = trialKey(none.canonical);
-        tried.trials.push_back(std::move(none));
-      }
+      if (*tried.setting == 0) tried.none = t;
     }
     return true;
   }
@@ -163,6 +164,7 @@ class Breaker {
   std::optional<Rung> measure(const BreakQuestion& q, double value, const std::vector<PlannedTrial>& trials) {
     Rung rung;
     rung.value = value, rung.of = static_cast<long>(trials.size());
+    rung.refused = !trials.empty();
     std::vector<double> rows, all;
     for (const PlannedTrial& t : trials) {
       Store::Row row{"unsupported", t.unsupported, {}};
@@ -172,7 +174,7 @@ class Breaker {
         row = *found;
       }
       const std::string failure = failureOf(q, row);
-      rung.failed += !failure.empty();
+      rung.failed += !failure.empty(), rung.refused = rung.refused && row.outcome == "unsupported";
       if (rung.failure.empty()) rung.failure = failure;
       const auto cost = row.metrics.find("work_row_updates");
       if (cost == row.metrics.end() || !std::isfinite(cost->second)) continue;

@@ -279,13 +279,10 @@ void Store::plan(const PlannedSweep& sweep, bool replace) try {
   }
   for (const Ladder& ladder : sweep.ladders) {
     const BreakQuestion& q = ladder.question;
-    roles["break"][q.title()] = {{"parameter", q.parameter},
-                                 {"falling", q.falling},
-                                 {"seeds", q.seeds},
-                                 {"perturb", q.perturb},
-                                 {"ratio", q.ratio},
-                                 {"grid", q.step},
-                                 {"limit", q.limit ? q.limit->text : ""}};
+    roles["break"][q.title()] = {
+        {"parameter", q.parameter}, {"falling", q.falling}, {"seeds", q.seeds},
+        {"few", q.fewSeeds()},      {"truth", q.truth},     {"perturb", q.perturb},
+        {"ratio", q.ratio},         {"grid", q.step},       {"limit", q.limit ? q.limit->text : ""}};
   }
   about.bind(5, roles.dump());
   about.exec();

@@ -205,7 +205,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
   void addSize(const Settings& s, const toml::node& where) {
     const std::size_t budgets = m_calibration ? s.budgets.size() : 1;
     if (const auto& q = s.question) {  // what is timed is one rung
-      return m_size->add({s.axes, budgets, 1, false, true, "", q->mostTried(), q->seeds}, m_path, where);
+      return m_size->add({s.axes, budgets, 1, false, true, "", q->mostTrials()}, m_path, where);
     }
     m_size->add({s.axes, budgets, s.repeats, s.timed, s.untimed, m_twice}, m_path, where);
   }

@@ -27,13 +27,13 @@ void SweepSize::add(const Product& product, const std::string& file, const toml:
                                                 [&](const AxisValue& v) { return v.label != product.twice; }));
   }
   const double budgets = factor("budgets", product.budgets);
-  const double rungs = factor("rungs", product.rungs) * factor("seeds", product.seeds);
+  const double search = factor("trials of a search", product.search);
   double trials = 0;
   if (product.untimed) trials += cells * (product.timed ? 1 : repeats);
   if (product.untimed && product.timed) tell("each cell once untimed");
   if (product.timed) trials += (cells + (cells - others)) * repeats;
   if (product.timed && cells > others) tell("'" + product.twice + "' twice");
-  trials *= budgets * rungs;
+  trials *= budgets * search;
   if (m_trials + trials > kMostTrials) {
     failAt(file, where,
            "the product of all axes is " + asText(trials) + " trials" + told + (told.empty() ? "" : ")") +

@@ -19,8 +19,7 @@ class SweepSize {
     long repeats;
     bool timed, untimed;
     std::string twice;  // a value: its cells are timed as if they were two
-    int rungs = 1;      // at most, of a search for a breaking point, and its seeds
-    long seeds = 1;
+    int search = 1;     // trials at most, of a search for a breaking point
   };
   /// Throws UserError, which tells each factor, where it is too large by itself or together with what was added before.
   void add(const Product& product, const std::string& file, const toml::node& where);

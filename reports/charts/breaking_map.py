@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Zlib
-"""Where each method breaks, by question: the last value of a parameter that holds, with an interval, what it costs there, and
-the ladder of all values that were tried. `lpc break` and sweeps with `break` make the data; experiments/runner/breaking.cpp has
+"""Where each method breaks, by question: the value at which half of the seeds fail, with its interval, the last that holds, what
+it costs there, and the ladder of all values that were tried. Where a closed form says where it breaks, methods are told by how
+far they are from that, on either side. `lpc break` and sweeps with `break` make the data; experiments/runner/breaking.cpp has
 the same rules."""
 
 import math
@@ -11,6 +12,7 @@ import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
 import noise
+import rest
 from chart import Chart, Headline, Needs, identifier, listing, methods, plural
 from load import split
 from style import WIDTH, figures, plt, si
@@ -46,9 +48,11 @@ class Found:
     rungs: list  # in order of value
     held: object = None  # the last Rung before the first that fails
     fell: object = None  # that one
-    low: float = math.nan  # half of the seeds fail between these, by the intervals of the shares; NaN: open
+    half: float = math.nan  # where half of the seeds fail, between these two by their shares
+    low: float = math.nan  # its interval, by those of the shares; NaN: open
     high: float = math.nan
     beyond: tuple = ()  # values that hold beyond one that fails
+    laxer: dict = None  # {limit: where half of the seeds have sunk farther than that share of the smallest body}
     hole: str = ""  # why there is no rung
     dear: str = ""  # what a rung that is unsupported is
     rows: float = math.nan  # row updates per step of what held, or of the first
@@ -97,10 +101,35 @@ def judged(rungs, falling):
             to_fail = rung.value
     found.low, found.high = (to_fail, to_hold) if falling else (to_hold, to_fail)
     found.beyond = tuple(beyond)
+    if found.held and found.fell and not ended_by_cost(found):
+        a, b = (rung.failed / rung.of for rung in (found.held, found.fell))
+        found.half = found.held.value * (found.fell.value / found.held.value) ** ((0.5 - a) / (b - a))
     return found
 
 
-def found_of(cells, about):
+def laxer(store, cells, about):
+    """What would hold by the laxer limits, from the same runs: as near as the values that were tried for the strictest."""
+    found = {}
+    for limit in rest.LIMITS[1:]:
+        rungs = []
+        for _, cell in cells.iterrows():
+            trials = [store.trials.loc[key] for key in cell["keys"]]
+            far = [rest.sunk(trial["outcome"], trial["metrics"].get("sunk")) > limit or breaks(trial["metrics"], about["limit"])
+                   for trial in trials]
+            rungs.append(Rung(float(cell[about["parameter"]]), sum(far), len(far), cell["outcome"]))
+        found[limit] = judged(rungs, about["falling"])
+    return found
+
+
+def breaks(measured, limit):
+    if not limit:
+        return False
+    metric, below, bound = limited(limit)
+    value = measured.get(metric)
+    return value is None or not (value < bound if below else value > bound)
+
+
+def found_of(store, cells, about):
     """The search of one method on one question, from the cells of its rungs."""
     name, rungs, known = about["parameter"], [], []
     for _, cell in cells.iterrows():
@@ -116,6 +145,9 @@ def found_of(cells, about):
     shown = found.held or found.fell
     cell = next(cell for value, cell in known if value == shown.value)
     found.dear = "over budget" if cell.get("budget", math.nan) == cell.get("budget", math.nan) else "unsupported"
+    whole = cells[[bool(keys) and None not in keys for keys in cells["keys"]]]
+    if any(store.trials.loc[key]["metrics"].get("sunk") is not None for keys in whole["keys"] for key in keys):
+        found.laxer = laxer(store, whole, about)
     found.rows, found.ms = (float(cell.get(metric, math.nan)) for metric in ("work_row_updates", "ms_per_step_median"))
     return found
 
@@ -133,14 +165,36 @@ def value_text(name, value):
     return "" if math.isnan(value) else si(value, "s") if name == "dt" else figures(value)
 
 
+def edge(found):
+    """Where half of the seeds fail, or the last that was tried where nothing fails; NaN: nothing holds."""
+    return math.nan if not found.held else found.half if found.half == found.half else found.held.value
+
+
 def best_of(column, falling):
-    values = [f.held.value for f in column.values() if f.held]
+    values = [edge(f) for f in column.values() if f.held]
     return (min(values) if falling else max(values)) if values else math.nan
 
 
-def far(found, best, falling):
-    """How many halves a method is from the best."""
-    return math.inf if not found.held else abs(math.log2(found.held.value / best)) if best > 0 else math.nan
+def far(found, best):
+    """How many halves a method is from the best, or from the closed form."""
+    return math.inf if not found.held else abs(math.log2(edge(found) / best)) if best > 0 else math.nan
+
+
+def span(found):
+    """The interval of where half of the seeds fail; what is open has no end."""
+    return (found.low if found.low == found.low else -math.inf, found.high if found.high == found.high else math.inf)
+
+
+def ties(known, best):
+    """Who is not told apart from the best: whose interval meets that of one that is best, in more than an end."""
+    held = {m: f for m, f in known.items() if f.held}
+    firsts = [span(f) for f in held.values() if edge(f) == best]
+    return [m for m, f in held.items() if edge(f) == best or any(span(f)[0] < high and low < span(f)[1] for low, high in firsts)]
+
+
+def right(known, truth):
+    """Who breaks where the closed form says, as far as the intervals tell."""
+    return [m for m, f in known.items() if f.held and span(f)[0] <= truth <= span(f)[1]]
 
 
 def finding(title, column, about, everyone):
@@ -151,25 +205,40 @@ def finding(title, column, about, everyone):
     best = best_of(known, about["falling"])
     if math.isnan(best):
         return f"{title}: no method holds at any {name} that was tried"
-    at = [m for m, f in known.items() if f.held and f.held.value == best]
-    beyond = all(known[m].fell is None for m in at)
-    text = f"{title}: {methods(at, everyone)} {'holds' if len(at) == 1 else 'hold'} to {name} = {value_text(name, best)}"
-    stopped = all(ended_by_cost(known[m]) for m in at)
-    text += " (the last that was tried)" if beyond else f" (then {known[at[0]].dear})" if stopped else ""
+    at = right(known, about["truth"]) if about["truth"] else ties(known, best)
+    if about["truth"]:
+        text = (f"{title}: by the closed form at {name} = {value_text(name, about['truth'])}, where "
+                f"{_doing(at, 'breaks', everyone)}")
+    else:
+        beyond = all(known[m].fell is None for m in at)
+        text = f"{title}: {_doing(at, 'holds', everyone)} to {name} = {value_text(name, best)}"
+        stopped = all(ended_by_cost(known[m]) for m in at)
+        text += (" (the last that was tried)" if beyond else f" (then {known[at[0]].dear})" if stopped else
+                 ", where half of the seeds fail" + (", not told apart by their intervals" if len(at) > 1 else ""))
     rest = {m: f for m, f in known.items() if m not in at}
     dear = [m for m, f in rest.items() if not f.held and ended_by_cost(f)]
     none = [m for m, f in rest.items() if not f.held and m not in dear]
-    last = best_of({m: f for m, f in rest.items() if f.held}, not about["falling"])
-    if not math.isnan(last):
-        who = [m for m, f in rest.items() if f.held and f.held.value == last]
-        text += f", {methods(who, everyone)} to {value_text(name, last)}"
+    held = {m: f for m, f in rest.items() if f.held}
+    if held and about["truth"]:
+        for word, off in (("before that", 1), ("only beyond", -1)):
+            who = [m for m, f in held.items() if (edge(f) - about["truth"]) * off * (1 if about["falling"] else -1) > 0]
+            worst = max(who, key=lambda m: far(held[m], about["truth"]), default=None)
+            text += (f", {_doing(who, 'breaks', everyone)} {word} (as far off as {value_text(name, edge(held[worst]))})" if who
+                     else "")
+    elif held:
+        last = best_of(held, not about["falling"])
+        text += f", {methods([m for m, f in held.items() if edge(f) == last], everyone)} to {value_text(name, last)}"
     if none:
-        text += f", {methods(none, everyone)} {'holds' if len(none) == 1 else 'hold'} at none"
+        text += f", {_doing(none, 'holds', everyone)} at none"
     for word in sorted({known[m].dear for m in dear}):
         who = [m for m in dear if known[m].dear == word]
         text += f", {methods(who, everyone)} {'is' if len(who) == 1 else 'are'} {word} from the first"
     odd = [m for m, f in known.items() if f.beyond]
     return text + (f"; {plural(len(odd), 'ladder is', 'ladders are')} not monotone" if odd else "")
+
+
+def _doing(who, verb, everyone):
+    return f"{methods(who, everyone)} {verb if len(who) == 1 else verb[:-1]}" if who else f"nobody {verb}"
 
 
 def _chart(context, cells, questions):
@@ -178,19 +247,24 @@ def _chart(context, cells, questions):
     axes = [axis for axis in COLUMN if axis in cells and cells[axis].notna().any()]
     for part in split(cells, axes):
         first = part.iloc[0]
-        about = questions[first["question"]]
-        column = {method: found_of(own, about) for method, own in part.groupby("method", sort=True)}
+        about = {"truth": 0, **questions[first["question"]]}
+        column = {method: found_of(context.store, own, about) for method, own in part.groupby("method", sort=True)}
         columns.append((_title(cells, first, axes), about, column))
     figure = _figure(context, columns, everyone)
     told = [found for found in (headline(title, column, about, everyone) for title, about, column in columns) if found]
     sweep = cells["sweep"].iloc[0]
     limits = [f"{name}: {about['limit']}" for name, about in questions.items() if about["limit"]]
-    seeds, starts = (listing(dict.fromkeys(figures(about[key]) for about in questions.values())) for key in ("seeds", "perturb"))
-    note = ("A cell is one search. Its number is the last value with which fewer than half of the seeds fail, where all values "
-            f"before it that were tried hold, too ({seeds} seeds, started up to {starts} m and rad beside their places). In "
-            "brackets: half of the seeds fail somewhere between these; up to the first all shares of failures are below a half, "
-            "by their 95 % intervals (Wilson), that of the second is above; “?” where no value that was tried is so sure. The "
-            "dots are the values that were tried, the smallest on the left.")
+    seeds, few, starts = (listing(dict.fromkeys(figures(about.get(key, about["seeds"])) for about in questions.values()))
+                          for key in ("seeds", "few", "perturb"))
+    note = ("A cell is one search. Its number is the value at which half of the seeds fail, between the last that holds and the "
+            f"first that fails ({seeds} seeds at this edge, {few} elsewhere, started up to {starts} m and rad beside their "
+            "places). In brackets its interval: up to the first all shares of failures are below a half, by their 95 % intervals "
+            "(Wilson), that of the second is above; “?” where no value that was tried is so sure. Methods whose intervals "
+            "meet are not told apart. The dots are the values that were tried, the smallest on the left.")
+    if any(found.laxer for _, _, column in columns for found in column.values()):
+        note += f" {rest.WORDS}; in grey what these two alone would hold to, by the values that were tried."
+    if any(about["truth"] for _, about, _ in columns):
+        note += " Where a closed form says where it breaks, colours are by the distance from that, on either side."
     if any(ended_by_cost(found) for _, _, column in columns for found in column.values()):
         note += " Over budget: with a single iteration the method costs more than the budget allows."
     if limits:
@@ -227,15 +301,21 @@ def _title(cells, first, axes):
 
 
 def headline(title, column, about, everyone):
-    held = {m: f.held.value if f.held else math.nan for m, f in column.items() if not f.hole}
-    known = {m: v for m, v in held.items() if v == v}
+    held = {m: edge(f) for m, f in column.items() if not f.hole}
+    known = {m: f for m, f in column.items() if not f.hole and f.held}
     if len(held) < 2 or not known or len(set(held.values())) < 2:
         return None
-    best = best_of(column, about["falling"])
-    who = [m for m, v in known.items() if v == best]
     name = about["parameter"]
-    words = f"{methods(who, everyone)} {'holds' if len(who) == 1 else 'hold'} to {name} = {value_text(name, best)}."
-    return Headline(f"{title.replace(chr(10), ', ')}: {words}", held, unit_of(name), f"last {name} that holds",
+    if about["truth"]:
+        off = {m: abs(value - about["truth"]) if value == value else math.nan for m, value in held.items()}
+        last = max(known, key=lambda m: off[m])
+        words = (f"by the closed form {name} = {value_text(name, about['truth'])}; "
+                 f"{_doing(right(known, about['truth']), 'breaks', everyone)} there, {last} at {value_text(name, held[last])}.")
+        return Headline(f"{title.replace(chr(10), ', ')}: {words}", off, unit_of(name),
+                        f"distance of {name} from the closed form")
+    best = best_of(known, about["falling"])
+    words = f"{_doing(ties(known, best), 'holds', everyone)} to {name} = {value_text(name, best)}."
+    return Headline(f"{title.replace(chr(10), ', ')}: {words}", held, unit_of(name), f"{name} at which half of the seeds fail",
                     larger=not about["falling"])
 
 
@@ -265,7 +345,7 @@ def _block(ax, block, everyone, labels):
     ax.set_xlim(0, len(block))
     ax.set_ylim(len(everyone), 0)
     for x, (title, about, column) in enumerate(block):
-        best = best_of(column, about["falling"])
+        best = about["truth"] or best_of(column, about["falling"])
         values = [r.value for f in column.values() for r in f.rungs]
         ends = (min(values), max(values)) if values else (1.0, 2.0)
         for y, method in enumerate(everyone):
@@ -286,7 +366,7 @@ def _block(ax, block, everyone, labels):
 
 def _cell(ax, x, y, found, about, best, ends):
     name = about["parameter"]
-    halves = far(found, best, about["falling"])
+    halves = far(found, best)
     colour = "#F2F2F2" if found.hole else COLOURS[sum(halves > step for step in STEPS)]
     ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor=colour, lw=0))
     if found.hole:
@@ -294,7 +374,7 @@ def _cell(ax, x, y, found, about, best, ends):
         return
     sign = "≤ " if about["falling"] else "≥ "
     dear = found.dear if ended_by_cost(found) else ""
-    main = dear or "none" if not found.held else ("" if found.fell else sign) + value_text(name, found.held.value)
+    main = dear or "none" if not found.held else ("" if found.fell else sign) + value_text(name, edge(found))
     bracket = f"[{value_text(name, found.low) or '?'}, {value_text(name, found.high) or '?'}]"
     ax.text(x + 0.06, y + 0.22, main, ha="left", va="center", fontsize=9.5, fontweight="bold")
     aside = [f"then {dear}"] if dear and found.held else []
@@ -305,6 +385,10 @@ def _cell(ax, x, y, found, about, best, ends):
     cost = "" if math.isnan(found.rows) else f"{figures(found.rows)} rows"
     cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"
     ax.text(x + 0.06, y + 0.65, cost, ha="left", va="center", fontsize=7.5, color="#444444")
+    if found.laxer:
+        words = ", ".join(f"{rest.percent(limit)}: {'' if f.fell else sign}{value_text(name, edge(f)) or 'none'}"
+                          for limit, f in found.laxer.items())
+        ax.text(x + 0.94, y + 0.45, words, ha="right", va="center", fontsize=7, color="#777777")
     low, high = math.log(ends[0]), math.log(ends[1])
     for rung in found.rungs:
         at = (math.log(rung.value) - low) / (high - low) if high > low else 0.5
@@ -319,9 +403,13 @@ def _table(columns):
         found = list(column.values())
         rung = lambda which: [getattr(f, which).value if getattr(f, which) else math.nan for f in found]  # noqa: E731
         part = {"question": title.replace("\n", ", "), "method": list(column), "parameter": name}
-        for words, values in (("last that holds", rung("held")), ("first that fails", rung("fell")),
+        for words, values in (("half of the seeds fail at", [f.half for f in found]),
+                              ("last that holds", rung("held")), ("first that fails", rung("fell")),
                               ("half fail from", [f.low for f in found]), ("half fail to", [f.high for f in found])):
             part |= quantity(words, unit, values)
+        for limit in rest.LIMITS[1:]:
+            part |= quantity(f"half have sunk by more than {rest.percent(limit)} at", unit,
+                             [edge(f.laxer[limit]) if f.laxer else math.nan for f in found])
         part |= {"seeds that fail there": [f.fell.failed if f.fell else 0 for f in found],
                  "outcome there": [f.fell.outcome if f.fell else f.hole for f in found],
                  "values tried": [len(f.rungs) for f in found], "hold beyond": [len(f.beyond) for f in found]}

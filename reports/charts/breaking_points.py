@@ -16,6 +16,7 @@ SECTION = "When does each method fall?"
 NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), calibrated=None)
 ABSENT = Chart("breaking_points", SECTION, "Breaking points", "No sweep that raises a parameter is in this store.",
                "breaking_points_stack")
+BRIGHT = ("ok", "not run", "sank", "frozen", "collapsed", "wrong", "unsupported")  # outcomes whose letters are dark
 FEWEST = 3  # values of a parameter that is raised
 
 
@@ -82,15 +83,15 @@ def finding(scene, name, table, spent=""):
     if not len(known):
         return f"{scene}: nothing was run"
     if not len(fallen):
-        return f"on {scene} nothing falls up to {name} = {_value(name, known['held'].min())}"
+        return f"on {scene} nothing fails up to {name} = {_value(name, known['held'].min())}"
     first = fallen[fallen["fell"] == fallen["fell"].min()]
-    text = (f"on {scene} {methods(first['method'], everyone)} {'falls' if len(first) == 1 else 'fall'} first, at {name} = "
+    text = (f"on {scene} {methods(first['method'], everyone)} {'fails' if len(first) == 1 else 'fail'} first, at {name} = "
             f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))})")
     stood = known[known["fell"].isna()]
     top = known["held"].max()
     if len(first) == len(known):  # one rung tells nobody apart
         rung = "already at the smallest tried" if math.isnan(top) else "each after it held below"
-        return (f"on {scene} {'all' if len(known) > 1 else 'the only one of the'} {len(known)} methods fall at {name} = "
+        return (f"on {scene} {'all' if len(known) > 1 else 'the only one of the'} {len(known)} methods fail at {name} = "
                 f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))}), {rung}")
     whole, partly = stood[stood["held"] == top], stood[stood["held"] < top]
     if len(whole):
@@ -115,7 +116,7 @@ def headline(scene, name, table, dimension, spent=""):
     if not len(last) or set(last) & set(first):
         return None
     scene = f"{scene} in {dimension}D{f' with {spent}' if spent else ''}"
-    return Headline(f"On {scene} {methods(first, everyone)} {'falls' if len(first) == 1 else 'fall'} first when "
+    return Headline(f"On {scene} {methods(first, everyone)} {'fails' if len(first) == 1 else 'fail'} first when "
                     f"{name} is raised, at {_value(name, fallen['fell'].min())}; {methods(last, everyone)} "
                     f"{'holds' if len(last) == 1 else 'hold'} to {_value(name, top)}.", held, "s" if name == "dt" else "1",
                     f"largest {name} that holds", larger=True)
@@ -156,7 +157,8 @@ def _chart(context, cells, found, dimension):
                  f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
                  holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
                        ["scene", "method", *sorted({name for _, name, *_ in found}), *(["budget"] if "budget" in cells else [])]),
-                 "A square is one run. Beside a row stands the largest value that held before the first failure."
+                 "A square is one run, so that no interval is known (the map of breaking points has one, over seeds). Beside a "
+                 "row stands the largest value that held before the first failure."
                  + equal_words(context.store.sweep(cells["sweep"].iloc[0]).calibrate),
                  headline=max(filter(None, told), key=lambda found: found.effect, default=None))
 
@@ -188,7 +190,7 @@ def _strips(context, ax, ladder, name, rows_of, table, labelled):
                                    edgecolor="#BBBBBB" if outcome == "not run" else "white",
                                    hatch="///" if outcome == "not run" else None))
             ax.text(x, y, letter, ha="center", va="center", fontsize=8,
-                    color="black" if outcome in ("ok", "not run", "collapsed", "wrong", "unsupported") else "white")
+                    color="black" if outcome in BRIGHT else "white")
         if method in by.index and not by["hole"][method]:
             held = by["held"][method]
             text = "none held" if math.isnan(held) else _value(name, held)

@@ -73,7 +73,8 @@ class Map(undrawn.Undrawn):
         self.assertTrue(math.isnan(rows["soft_step"]["first that fails [1]"]))
         self.assertTrue(math.isnan(rows["millington"]["last that holds [1]"]))
         self.assertEqual(rows["catto"]["row updates per step [1]"], 40)
-        self.assertEqual(made.finding, "tallest tower, stack: soft_step holds to n = 8 (the last that was tried), naive to 1, "
+        self.assertAlmostEqual(rows["catto"]["half of the seeds fail at [1]"], math.sqrt(20), msg="2 of 5, then 3")
+        self.assertEqual(made.finding, "tallest tower, stack: soft_step holds to n = 8 (the last that was tried), naive to 1.41, "
                          "millington holds at none; 1 ladder is not monotone.")
         self.assertIn("tallest tower, stack, naive: not monotone, holds again at 4", made.holes)
         self.assertEqual(made.headline.text, "tallest tower, stack: soft_step holds to n = 8.")
@@ -90,11 +91,54 @@ class Map(undrawn.Undrawn):
         self.assertFalse(made.headline.larger)
 
     @undrawn.drawn
+    def test_laxer_limits_of_rest_are_told_beside(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        maker = synthetic_store.Maker(Path(folder.name) / "store.db")
+        maker.sweep("mine", resolver="label", question="run", report=["breaking_map"], n="parameter",
+                    **{"break": {"largest n": ABOUT}})
+        for value, share in ((1, 0.001), (2, 0.05), (4, 0.2), (8, 0.9)):
+            for seed in range(1, 6):
+                axes = {"kind": "world", "precision": "f64", "scene": "stack", "dimension": 2, "question": "largest n",
+                        "resolver": "catto", "n": value, "seed": seed, "timed": False, "repeat": 0}
+                maker.trial("mine", axes, {"sunk": share}, "ok" if share <= 0.01 else "sank", "", 50)
+        maker.close()
+        made, = chart.made(breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
+        row = made.table.iloc[0]
+        self.assertEqual(row["last that holds [1]"], 1)
+        self.assertAlmostEqual(row["half have sunk by more than 10 % at [1]"], math.sqrt(8))
+        self.assertAlmostEqual(row["half have sunk by more than 50 % at [1]"], math.sqrt(32))
+        self.assertIn("10 %: 2.83, 50 %: 5.66", [text.get_text() for text in made.figure.axes[0].texts])
+
+    def test_who_is_not_told_apart_is_told_together(self):
+        """8 [4, 16] and 4.5 [2, 16] meet, and 2.8 [2, 4] meets the first in an end alone."""
+        made = self.made({"tallest tower": ABOUT}, {"tallest tower": {
+            "catto": {2: 0, 4: 0, 8: 2, 9: 3, 16: 5}, "naive": {2: 0, 4: 2, 5: 3, 16: 5}, "xpbd": {2: 0, 4: 5, 16: 5}}})
+        self.assertTrue(made.finding.startswith("tallest tower, stack: catto and naive hold to n = 8.49, where half of the seeds "
+                                                "fail, not told apart by their intervals, xpbd to 2.83"), made.finding)
+
+    def test_a_closed_form_judges_from_both_sides(self):
+        """A method that holds below it is as wrong as one that slides above it."""
+        about = {**ABOUT, "parameter": "friction", "falling": True, "truth": 0.5}
+        made = self.made({"least friction": about}, {"least friction": {
+            "catto": {0.4: 5, 0.499: 5, 0.501: 0, 0.6: 0}, "naive": {0.4: 5, 0.45: 0, 0.6: 0},
+            "xpbd": {0.5: 5, 0.55: 5, 0.6: 0}}})
+        self.assertEqual(made.finding, "least friction, stack: by the closed form at friction = 0.5, where catto breaks, xpbd "
+                         "breaks before that (as far off as 0.574), naive breaks only beyond (as far off as 0.424).")
+        self.assertIn("naive at 0.424", made.headline.text)
+        self.assertAlmostEqual(made.headline.values["catto"], 0, places=5)
+        self.assertFalse(made.headline.larger)
+        without = self.made({"least friction": {**about, "truth": 0}}, {"least friction": {
+            "catto": {0.4: 5, 0.499: 5, 0.501: 0, 0.6: 0}, "naive": {0.4: 5, 0.45: 0, 0.6: 0}}})
+        self.assertIn("naive holds to friction = 0.424", without.finding,
+                      "the planted bug, one side alone, ranks the wrong first")
+
+    @undrawn.drawn
     def test_who_ends_by_his_cost_does_not_fall(self):
         made = self.made({"tallest tower": ABOUT}, {"tallest tower": {
             "proximal_newton": {1: 0, 2: 0, 4: "dear", 8: "dear"}, "direct_lcp": {1: "dear", 2: "dear", 4: "dear", 8: 0},
             "catto": {1: 0, 2: 5, 4: 5, 8: 5}, "naive": {1: 5, 2: 5, 4: 5, 8: 5}}}, budget=400.0)
-        self.assertEqual(made.finding, "tallest tower, stack: proximal_newton holds to n = 2 (then over budget), catto to 1, "
+        self.assertEqual(made.finding, "tallest tower, stack: proximal_newton holds to n = 2 (then over budget), catto to 1.41, "
                          "naive holds at none, direct_lcp is over budget from the first; 1 ladder is not monotone.")
         words = [text.get_text() for text in made.figure.axes[0].texts]
         self.assertEqual((words.count("over budget"), words.count("then over budget"), words.count("none")), (1, 1, 1))

@@ -48,7 +48,7 @@ class Ladders(undrawn.Undrawn):
     @undrawn.drawn
     def test_the_sentence_says_at_what_setting(self):
         made = self.made({"catto": (20,), "naive": (5,)})
-        self.assertEqual(made.finding, "In 2D on stack with iterations=10 naive falls first, at n = 10 (collapsed), while catto "
+        self.assertEqual(made.finding, "In 2D on stack with iterations=10 naive fails first, at n = 10 (collapsed), while catto "
                          "held to the largest tried (20).")
         self.assertIn("need not cost the same", made.note)
         self.assertIn("with iterations=10", made.headline.text)
@@ -60,8 +60,8 @@ class Ladders(undrawn.Undrawn):
     @undrawn.drawn
     def test_a_calibrated_ladder_is_one_per_budget_and_says_which(self):
         made = self.made({"catto": (10, 20), "naive": (5, 10)}, budgets=(800.0, 2400.0))
-        self.assertEqual(made.finding, "In 2D on stack with 800 row updates per step naive falls first, at n = 10 (collapsed) "
-                         "and catto last, at 20; on stack with 2,400 row updates per step naive falls first, at n = 20 "
+        self.assertEqual(made.finding, "In 2D on stack with 800 row updates per step naive fails first, at n = 10 (collapsed) "
+                         "and catto last, at 20; on stack with 2,400 row updates per step naive fails first, at n = 20 "
                          "(collapsed), while catto held to the largest tried (20).")
         self.assertEqual([ax.get_title("left").split("\n")[1] for ax in made.figure.axes if ax.get_visible()],
                          ["800 row updates per step", "2,400 row updates per step"])
@@ -71,13 +71,13 @@ class Ladders(undrawn.Undrawn):
 
     def test_where_all_fall_at_one_rung_nobody_is_first_or_last(self):
         made = self.made({"catto": (10,), "naive": (10,)})
-        self.assertEqual(made.finding, "In 2D on stack with iterations=10 all 2 methods fall at n = 20 (collapsed), each after "
+        self.assertEqual(made.finding, "In 2D on stack with iterations=10 all 2 methods fail at n = 20 (collapsed), each after "
                          "it held below.")
         self.assertIsNone(made.headline)
         made = self.made({"catto": (1,), "naive": (1,)})
-        self.assertIn("all 2 methods fall at n = 5 (collapsed), already at the smallest tried.", made.finding)
+        self.assertIn("all 2 methods fail at n = 5 (collapsed), already at the smallest tried.", made.finding)
         made = self.made({"catto": (99,), "naive": (99,)})
-        self.assertEqual(made.finding, "In 2D on stack with iterations=10 nothing falls up to n = 20.")
+        self.assertEqual(made.finding, "In 2D on stack with iterations=10 nothing fails up to n = 20.")
         self.assertIsNone(made.headline)
 
 

@@ -354,7 +354,7 @@ class Findings(WithStore):
     def test_what_falls_first_and_what_has_no_result_beyond(self):
         made = chart.made(breaking_points, self.context)
         text = " ".join(c.finding for c in made)
-        self.assertIn("vertical_stack naive falls first, at n = 6 (collapsed)", text)
+        self.assertIn("vertical_stack naive fails first, at n = 6 (collapsed)", text)
         self.assertIn("soft_step held to 33.3 ms with no result beyond", text)
         for c in made:
             style.plt.close(c.figure)

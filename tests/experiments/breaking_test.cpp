@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "experiments/runner/sweep_file.h"
 #include "tests/expect_caught.h"
@@ -24,14 +25,15 @@ BreakQuestion question(double from, double to, bool falling = false) {
   return q;
 }
 
-// Of each value so many of five seeds fail.
+// Of each value so many of five seeds fail, of twenty four times as many.
 using Law = std::function<long(double)>;
 Broken climb(const BreakQuestion& q, bool whole, const Law& law, int* tried = nullptr) {
   std::vector<Rung> known;
-  for (std::vector<double> next; !(next = nextRungs(q, whole, known)).empty();) {
-    for (const double value : next) {
+  for (std::vector<WantedRung> next; !(next = nextRungs(q, whole, known)).empty();) {
+    for (const auto& [value, seeds] : next) {
       Rung r;
-      r.value = value, r.failed = law(value), r.of = 5;
+      r.value = value, r.failed = (law(value) * seeds + 2) / 5, r.of = seeds;
+      std::erase_if(known, [&](const Rung& k) { return k.value == r.value; });
       known.push_back(r);
     }
     EXPECT_LE(static_cast<int>(known.size()), q.mostTried()) << "the search does not end";
@@ -114,9 +116,14 @@ TEST(Breaking, TheIntervalIsThatOfTheShares) {
   EXPECT_EQ(b.held->value, 6);
   EXPECT_EQ(*b.low, 4);
   EXPECT_EQ(*b.high, 16);
-  const Broken open = climb(question(1, 16), true, [](double n) { return n < 5 ? 1 : 4; });
+  BreakQuestion five = question(1, 16);
+  five.seeds = 5;
+  const Broken open = climb(five, true, [](double n) { return n < 5 ? 1 : 4; });
   EXPECT_FALSE(open.low) << "one of five may be more than half of all";
   EXPECT_FALSE(open.high);
+  const Broken twenty = climb(question(1, 16), true, [](double n) { return n < 5 ? 1 : 4; });
+  EXPECT_EQ(*twenty.low, 4);
+  EXPECT_EQ(*twenty.high, 5);
   // 95 % of 0 of 5 and of 5 of 10.
   EXPECT_LT(wilson(0, kFewestSeeds).high, 0.5);
   EXPECT_GT(wilson(0, kFewestSeeds - 1).high, 0.5);
@@ -125,6 +132,42 @@ TEST(Breaking, TheIntervalIsThatOfTheShares) {
   EXPECT_NEAR(wilson(5, 10).low, 0.23659, 1e-4);
   EXPECT_NEAR(wilson(5, 10).high, 0.76341, 1e-4);
   EXPECT_EQ(wilson(0, 0).high, 1);
+}
+
+// Few seeds far from the edge, all of them at its ends and where the shares are on neither side for sure.
+TEST(Breaking, ManySeedsAreForTheEdge) {
+  const Broken b = climb(question(1, 64), true, [](double n) { return n < 20 ? 0 : n < 22 ? 2 : n < 23 ? 3 : 5; });
+  EXPECT_EQ(b.held->value, 21);
+  EXPECT_EQ(b.fell->value, 22);
+  EXPECT_EQ(b.held->of, 20);
+  EXPECT_EQ(b.fell->of, 20);
+  EXPECT_NEAR(*b.half, 21 * std::sqrt(22. / 21), 1e-9) << "8 of 20 fail, and 12 of 20";
+  long trials = 0;
+  for (const Rung& r : b.rungs) {
+    trials += r.of;
+    if (r.value < 19 || r.value > 24) {
+      EXPECT_EQ(r.of, kFewestSeeds) << r.value;
+    }
+  }
+  EXPECT_LE(trials, question(1, 64).mostTrials());
+}
+
+// 2 of 4 seeds fail by chance where 9 of 20 do: the edge is looked for anew where many seeds move it.
+TEST(Breaking, WhatManySeedsSayMovesTheEdge) {
+  std::vector<Rung> known;
+  const auto failed = [](double n, long seeds) { return n < 10 ? 0 : n > 12 ? seeds : seeds == 20 ? 9 : 2L; };
+  for (std::vector<WantedRung> next; !(next = nextRungs(question(1, 64), true, known)).empty();) {
+    for (const auto& [value, seeds] : next) {
+      std::erase_if(known, [v = value](const Rung& k) { return k.value == v; });
+      Rung r;
+      r.value = value, r.failed = failed(value, seeds), r.of = seeds;
+      known.push_back(r);
+    }
+    ASSERT_LT(known.size(), 64u);
+  }
+  const Broken b = judge(question(1, 64), known);
+  EXPECT_EQ(b.held->value, 12);
+  EXPECT_EQ(b.fell->value, 13);
 }
 
 // As `lpc sweep`, with rows that a law writes in place of runs; stopped after `rounds` rounds.
@@ -171,7 +214,7 @@ TEST(Breaking, StoppedAnywhereItEndsAsIfItHadNotBeen) {
   const std::string equal =
       "calibrate = { equal = \"cost\", metric = \"work_row_updates\", setting = \"iterations\", most = 64 }\nbudgets = "
       "[120]\n";
-  const auto law = [](double n) { return n < 11 ? 1 : 4; };
+  const auto law = [](double n) { return n < 11 ? 1 : 20; };  // of 4 seeds and of 20
   for (const std::string& text : {kTower + "iterations = 10\n", equal + kTower}) {
     const std::string path = w.write("s.toml", text);
     Store whole(w.path(std::to_string(text.size()) + ".db"), true);
@@ -242,6 +285,10 @@ TEST(Breaking, TheCommandFindsWhatTheFormulaSays) {
   EXPECT_EQ(about["commands"][0][0], "break");
   EXPECT_EQ(ask(w.path("b.db"), "SELECT count(*) FROM planned WHERE axes LIKE '%\"question\":\"smallest friction\"%'"),
             trials);
+
+  const Outcome told = w.lpc(kSlope + "--seeds 4 --truth 0.4 --store truth.db " + pipeline);
+  EXPECT_TRUE(std::regex_search(told.text, std::regex("by the closed form at 0.4, [0-9.]+ % (below|above)")))
+      << told.text;
 
   const Outcome missing = w.lpc(kSlope + "--limit \"joint_error_max<1\" " + pipeline);
   EXPECT_EQ(missing.code, 2) << missing.text;
@@ -379,6 +426,7 @@ TEST(Breaking, MistakesInASweepNameTheLine) {
        "[axes]\nscene = \"slope\"\n",
        {"s.toml:5: ", "'iterations' is what methods get at equal cost"}},
       {with(", step = 1") + axes, {"s.toml:5: ", "step"}},
+      {with(", truth = 0.1") + axes, {"s.toml:5: ", "'truth' is 0.1", "from 0.2 to 0.8"}},
       {with(", seeds = 0") + axes, {"s.toml:5: ", "'seeds' is 0", "1 to 1000"}},
       {with(", grid = 1") + axes, {"s.toml:5: ", "'grid' is 1", "1.001 to 2"}},
       {with(", ratio = 1.001, grid = 1.001") + axes, {"s.toml:5: ", "more than 100 values"}},
