@@ -8,12 +8,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace lpc::inline LPC_PRECISION::solver {
 
 class Anderson {
  public:
+  std::uint64_t multiplyAdds = 0;  // so far
+
   void begin() { m_count = 0, m_fresh = true; }
 
   /// s becomes the next guess; `to` is f(s).
@@ -36,6 +39,7 @@ class Anderson {
       Column& q = m_basis[used];
       q = m_columns[(m_count - 1 - k) % kDepth];
       const double whole = dot(q.change, q.change);
+      multiplyAdds += (3 * used + 7) * n;
       for (std::size_t j = 0; j < used; ++j) subtract(q, m_basis[j], dot(q.change, m_basis[j].change));
       const double left = dot(q.change, q.change);
       if (!(left > kNew * whole && left > kFar * dot(m_change, m_change))) continue;

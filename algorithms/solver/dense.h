@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -25,10 +26,13 @@ inline void rowEnds(std::size_t n, const std::vector<double>& a, std::vector<std
 /// out: what it asks for they do, or nobody can.
 class SymmetricFactor {
  public:
+  std::uint64_t multiplyAdds = 0;  // of the last factorisation
+
   /// `a` is n x n; what is below its diagonal is not read.
   void factor(std::size_t n, const std::vector<double>& a) {
     m_n = n, m_u = a, m_inverse.assign(n, 0);
     rowEnds(n, m_u, m_end);
+    multiplyAdds = n;
     for (std::size_t j = 0; j < n; ++j) {
       const double* const row = m_u.data() + j * n;
       const std::size_t end = m_end[j];
@@ -40,9 +44,15 @@ class SymmetricFactor {
         if (!(share != 0)) continue;
         double* const to = m_u.data() + i * n;
         for (std::size_t k = i; k < end; ++k) to[k] -= share * row[k];
+        multiplyAdds += end - i + 1;
         m_end[i] = std::max(m_end[i], end);
       }
     }
+  }
+  std::uint64_t multiplyAddsOfSolve() const {
+    std::uint64_t sum = 0;
+    for (std::size_t j = 0; j < m_n; ++j) sum += 2 * (m_end[j] - std::min(m_end[j], j));
+    return sum;
   }
   /// x becomes A^-1 x.
   void solve(double* x) const {
@@ -71,10 +81,13 @@ class SymmetricFactor {
 /// P A = L U of any matrix.
 class GeneralFactor {
  public:
+  std::uint64_t multiplyAdds = 0;  // of the last factorisation
+
   /// False: singular.
   bool factor(std::size_t n, const std::vector<double>& a) {
     m_n = n, m_a = a, m_from.resize(n);
     rowEnds(n, m_a, m_end);
+    multiplyAdds = 0;
     for (std::size_t j = 0; j < n; ++j) {
       std::size_t best = j;
       for (std::size_t i = j + 1; i < n; ++i) {
@@ -87,10 +100,16 @@ class GeneralFactor {
         const double share = row(i)[j] /= row(j)[j];
         if (!(share != 0)) continue;
         for (std::size_t k = j + 1; k < m_end[j]; ++k) row(i)[k] -= share * row(j)[k];
+        multiplyAdds += m_end[j] - j;
         m_end[i] = std::max(m_end[i], m_end[j]);
       }
     }
     return true;
+  }
+  std::uint64_t multiplyAddsOfSolve() const {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < m_n; ++i) sum += i + m_end[i] - std::min(m_end[i], i);
+    return sum;
   }
   /// x becomes A^-1 x.
   void solve(double* x) {

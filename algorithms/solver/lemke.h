@@ -16,13 +16,13 @@ class Lemke {
  public:
   enum class End { solved, noSolution, outOfPivots };
 
-  std::uint64_t pivots = 0;  // of the last solve
+  std::uint64_t pivots = 0, multiplyAdds = 0;  // of the last solve
 
   /// `m` is n x n, row by row. Ties are broken by a second right-hand side without ties, a lexicographic rule of one
   /// column: degenerate contacts would let it go round in circles.
   End solve(std::size_t n, const std::vector<double>& m, const std::vector<double>& q, std::uint64_t limit,
             std::vector<double>& z) {
-    pivots = 0;
+    pivots = multiplyAdds = 0;
     z.assign(n, 0);
     double scale = 0, least = 0;
     for (std::size_t i = 0; i < n; ++i) scale = std::max(scale, std::abs(q[i])), least = std::min(least, q[i]);
@@ -91,6 +91,7 @@ class Lemke {
       if (i == r || !(share != 0)) continue;
       to[c] = 0;
       for (std::size_t j = 0; j < m_width; ++j) to[j] += share * from[j];
+      multiplyAdds += m_width;
     }
     std::swap(m_basic[r], m_nonbasic[c]);
   }

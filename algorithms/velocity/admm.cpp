@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/dense.h"
 #include "algorithms/solver/island.h"
 #include "algorithms/solver/row_sweep.h"
 #include "framework/profiler.h"
@@ -17,8 +16,9 @@ enum class Correction { deSaxce, none };
 //     x = (W + eta + rho)^-1 (-u(0) + eta x + rho y - z),  y = nearest allowed to x + z / rho,  z += rho (x - y)
 //
 // so that u = -z in the end. De Saxce's correction is added to u(0) in each iteration, from the sliding of the last.
-// Each row is scaled by its own mass, so that rho is a number; rows without limits have none. Islands that are too
-// large for a matrix go to projected Gauss-Seidel, and are counted: WorkCount::fallbacks.
+// Each row is scaled by its own mass, so that rho is a number; rows without limits have none. The system is solved over
+// the bodies, linear in a tower; of a matrix alone as a dense one. Islands that are too large go to projected
+// Gauss-Seidel, and are counted: WorkCount::fallbacks.
 template <int D>
 class Admm final : public VelocityResolver<D> {
  public:
@@ -28,6 +28,7 @@ class Admm final : public VelocityResolver<D> {
     Real proximal = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);
     Correction correction = Correction::deSaxce;
     bool warmStart = true;
+    int maxBodies = 1000;
     int maxRows = 200;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
@@ -37,7 +38,8 @@ class Admm final : public VelocityResolver<D> {
       v.choice("correction", correction, {"de_saxce", "none"},
                "Coulomb's law, or the convex one that lifts what slides");
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
-      v.integer("max_rows", maxRows, 0, 5000, "of an island that is solved so");
+      v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved so");
+      v.integer("max_rows", maxRows, 0, 5000, "the same, of a matrix without bodies");
       v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, over islands that are larger");
     }
   };
@@ -46,9 +48,11 @@ class Admm final : public VelocityResolver<D> {
   static AlgorithmInfo info() {
     AlgorithmInfo info = {
         .name = "admm",
-        .summary = "proximal ADMM with De Saxce's correction, one factorisation per island and penalty",
+        .summary = "proximal ADMM with De Saxce's correction, one sparse factorisation per island and penalty",
         .paper = "carpentier2024",
-        .complexity = "(rows of an island)^3 + iterations x (rows of an island)^2",
+        .complexity =
+            "a sparse factorisation of an island's bodies per penalty and a solve per iteration, both linear in a "
+            "tower; bodies^2 to order them",
         .guarantee = Guarantee::approximate,
         .failures = {{"a heavy body on a light one in ever more iterations",
                       "it has no rate of sweeps: it is at the end at once", "Joint.ConvergesAsPredicted"}},
@@ -76,12 +80,13 @@ class Admm final : public VelocityResolver<D> {
     for (std::size_t k = 0; k + 1 < islands.size(); ++k) {
       const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
       const auto rows = m_problem.grouped().subspan(first, last - first);
-      if (rows.size() > static_cast<std::size_t>(m_params.maxRows)) {
+      if (!m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies, m_params.maxRows)) {
         m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
         continue;
       }
-      m_island.set(m_problem, rows, m_free, m_impulse);
-      iterate(in.work);
+      m_island.multiplyAdds = 0;
+      iterate();
+      in.work[WorkCount::multiplyAdds] += m_island.multiplyAdds;
       m_island.store(m_impulse);
     }
     m_problem.apply(in, m_impulse);
@@ -95,19 +100,25 @@ class Admm final : public VelocityResolver<D> {
   static constexpr double kBetter = 0.9;    // of the least residual so far: less is rounding where nothing helps
   static constexpr double kDiverged = 1e6;  // residual over the least so far, after which nothing will come
 
+  static constexpr std::uint64_t kOfRow = 12;  // multiply-adds of an iteration beside the system's
+
   const ProblemRow<D>& row(std::size_t i) const { return m_island.row(i); }
   bool bound(std::size_t i) const { return row(i).law != ProblemLaw::free; }
 
   void begin() {
     const std::size_t n = m_island.size();
-    for (auto* v : {&m_lifted, &m_x, &m_y, &m_z, &m_right}) v->resize(n);
-    m_largest = 0;
-    for (const double w : m_island.w) m_largest += w * w;
-    m_largest = std::sqrt(m_largest);
+    for (auto* v : {&m_lifted, &m_x, &m_y, &m_z, &m_change, &m_diagonal, &m_slide}) v->resize(n);
+    m_largest = m_factor.set(m_island);
     m_x = m_y = m_island.x;
-    m_island.velocities(m_slide);
+    multiply();
     lift();
     for (std::size_t i = 0; i < n; ++i) m_z[i] = bound(i) ? m_island.u[i] - m_slide[i] - m_lifted[i] : 0;
+  }
+
+  /// W x and the velocities of it.
+  void multiply() {
+    m_island.multiply(m_x, m_product);
+    for (std::size_t i = 0; i < m_x.size(); ++i) m_slide[i] = m_product[i] + m_island.u[i];
   }
 
   static double squared(double x) { return x * x; }
@@ -137,13 +148,11 @@ class Admm final : public VelocityResolver<D> {
   }
 
   void factor(double rho) {
-    const std::size_t n = m_island.size();
-    m_sum = m_island.w;
-    for (std::size_t i = 0; i < n; ++i) m_sum[i * n + i] += double(m_params.proximal) + (bound(i) ? rho : 0);
-    m_factor.factor(n, m_sum);
+    for (std::size_t i = 0; i < m_x.size(); ++i) m_diagonal[i] = double(m_params.proximal) + (bound(i) ? rho : 0);
+    m_factor.factor(m_island, m_diagonal);
   }
 
-  void iterate(WorkDone& work) {
+  void iterate() {
     begin();
     const std::size_t n = m_island.size();
     const double eta = double(m_params.proximal);
@@ -153,22 +162,23 @@ class Admm final : public VelocityResolver<D> {
     double rho = penalty(), least = std::numeric_limits<double>::infinity();
     factor(rho);
     for (int it = 1; it <= m_params.iterations; ++it) {
+      // For the change of x, so that rounding is of that.
       for (std::size_t i = 0; i < n; ++i) {
-        m_right[i] = eta * m_x[i] - m_lifted[i] + (bound(i) ? rho * m_y[i] - m_z[i] : 0);
+        m_change[i] = -m_product[i] - m_lifted[i] + (bound(i) ? rho * (m_y[i] - m_x[i]) - m_z[i] : 0);
       }
-      m_before = m_x, m_yBefore = m_y;
-      m_x = m_right;
-      m_factor.solve(m_x.data());
-      work[WorkCount::rowUpdates] += n;
+      m_yBefore = m_y;
+      m_factor.solve(m_island, m_change);
+      for (std::size_t i = 0; i < n; ++i) m_x[i] += m_change[i];
+      multiply();
+      m_island.multiplyAdds += kOfRow * n;
       for (std::size_t i = 0; i < n; ++i) m_y[i] = bound(i) ? m_x[i] + m_z[i] / rho : m_x[i];
       for (std::size_t i = 0; i < n; ++i) limit(i);
       double apart = 0, moved = 0, sum = 0;
       for (std::size_t i = 0; i < n; ++i) {
         const double weight = bound(i) ? rho : 0, difference = m_x[i] - m_y[i];
         m_z[i] += weight * difference, sum += m_y[i];
-        m_slide[i] = m_right[i] - (eta + weight) * m_x[i] + m_island.u[i];  // W x + u(0)
         apart += squared(difference / m_island.root[i]);
-        moved += squared((eta * (m_before[i] - m_x[i]) + weight * (m_yBefore[i] - m_y[i])) / m_island.root[i]);
+        moved += squared((weight * (m_yBefore[i] - m_y[i]) - eta * m_change[i]) / m_island.root[i]);
       }
       apart = std::sqrt(apart), moved = std::sqrt(moved);  // norms that do not turn with the frame
       const double residual = std::max({apart, moved, lift()});
@@ -186,11 +196,11 @@ class Admm final : public VelocityResolver<D> {
   Params m_params;
   ContactProblem<D> m_problem;
   RowSweep<D> m_sweep;
-  SymmetricFactor m_factor;
+  IslandFactor<D> m_factor;
   Island<D> m_island;
   double m_largest = 0;                   // bound on the eigenvalues of W
   std::vector<double> m_free, m_impulse;  // of the problem
-  std::vector<double> m_sum, m_lifted, m_x, m_y, m_z, m_slide, m_right, m_before, m_yBefore;
+  std::vector<double> m_lifted, m_x, m_y, m_z, m_slide, m_product, m_change, m_diagonal, m_yBefore;
 };
 
 }  // namespace

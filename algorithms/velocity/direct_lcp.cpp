@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/dense.h"
 #include "algorithms/solver/island.h"
 #include "algorithms/solver/lemke.h"
 #include "algorithms/solver/row_sweep.h"
@@ -12,8 +11,10 @@ using namespace solver;
 
 // Each island's complementarity problem to the end, with a pyramid of k facets for a cone (Stewart and Trinkle 1996).
 // First the linear system of who pushes, sticks and slides, guessed from the last step and put right until nobody
-// objects: most steps need one or two. Where that goes round in circles Lemke's method, which does not guess. What
-// neither solves, or is too large, is left to projected Gauss-Seidel, and counted: WorkCount::fallbacks.
+// objects: most steps need one or two. Where that goes round in circles a path: from a problem that the last impulses
+// solve to the given one, on which one contact at a time changes. Then Lemke's method, which does not guess, on a dense
+// matrix. Systems are solved over the bodies, linear in a tower. What nothing solves, or is too large, is left to
+// projected Gauss-Seidel, and counted: WorkCount::fallbacks.
 //
 // A pyramid has corners: the first is laid where the contact slides, so that it turns with the scene.
 template <int D>
@@ -21,14 +22,16 @@ class DirectLcp final : public VelocityResolver<D> {
  public:
   struct Params {
     int facets = 8;
-    Real cfm = sizeof(Real) == 8 ? Real(1e-4) : Real(1e-3);  // far above the rounding of rows
+    Real cfm = sizeof(Real) == 8 ? Real(1e-7) : Real(1e-3);  // above the rounding of rows
+    int maxBodies = 1000;
     int maxRows = 120;
     int maxPivots = 2000;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
       v.integer("facets", facets, 4, 16, "of the pyramid in 3D; in 2D there are two");
       v.real("cfm", cfm, 0, Real(0.1), "1", "compliance of each row in a solve, of W_ii: redundant contacts share");
-      v.integer("max_rows", maxRows, 0, 2000, "of an island that is solved directly");
+      v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved directly");
+      v.integer("max_rows", maxRows, 0, 2000, "of an island that is dense: without bodies or compliance, or Lemke's");
       v.integer("max_pivots", maxPivots, 0, 1000000, "of Lemke's method");
       v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, where nothing else helps");
     }
@@ -67,16 +70,26 @@ class DirectLcp final : public VelocityResolver<D> {
     for (std::size_t k = 0; k + 1 < islands.size(); ++k) {
       const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
       const auto rows = m_problem.grouped().subspan(first, last - first);
-      if (last - first <= static_cast<std::size_t>(m_params.maxRows) && direct(rows, in.work)) continue;
+      m_island.multiplyAdds = 0;
+      const bool done =
+          m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies, m_params.maxRows) && direct(rows);
+      in.work[WorkCount::multiplyAdds] += m_island.multiplyAdds;
+      if (done) continue;
       m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
     }
     m_problem.apply(in, m_impulse);
   }
 
  private:
-  static constexpr int kMostTrials = 30;      // of who pushes; the guess is good or it goes in circles
+  static constexpr int kMostTrials = 10;      // of who pushes; the guess is good or it goes in circles
   static constexpr int kPasses = 3;           // each leaves cfm / (W_ii + cfm) of what was left
   static constexpr double kTolerance = 1e-9;  // of the largest free velocity or last impulse: what nobody objects to
+  static constexpr int kSolves = 4;           // with one factorisation
+  static constexpr double kBetter = 0.5;      // of what the last of them left: less is rounding
+  static constexpr double kLeft = 1e-3, kWrong = 1e4;  // of the tolerance: where they end, and what is no answer
+  static constexpr int kFewTurns = 100;
+  static constexpr double kSoftest = 1e-1, kHarder = 0.1;
+  static constexpr double kApart = 1e-3, kWithin = 0.9;  // of a path's start: of the speed, and of a cone
   enum class Part : std::uint8_t { none, inside, low, high, stick, corner, edge };
   struct State {
     Part part = Part::none;
@@ -95,8 +108,7 @@ class DirectLcp final : public VelocityResolver<D> {
   double* w(std::size_t i) { return m_island.w.data() + i * m_island.size(); }
   int facets() const { return D == 2 ? 2 : m_params.facets; }
 
-  bool direct(std::span<const std::int32_t> rows, WorkDone& work) {
-    m_island.set(m_problem, rows, m_free, m_impulse);
+  bool direct(std::span<const std::int32_t> rows) {
     const std::size_t n = rows.size();
     double speed = 0;
     for (std::size_t i = 0; i < n; ++i) speed = std::max({speed, std::abs(m_island.u[i]), std::abs(m_island.x[i])});
@@ -105,19 +117,31 @@ class DirectLcp final : public VelocityResolver<D> {
     // Proximal steps from nothing: compliance makes the answer of each one and steady, and holds to where the last has
     // come. From the last impulses they would go on, where bodies are wedged, and push harder in each step.
     const double cfm = double(m_params.cfm);
-    for (std::size_t i = 0; i < n; ++i) w(i)[i] += cfm;
+    if (!m_island.dense && !(cfm > 0) && !assemble()) return false;
+    if (!m_island.dense) m_island.bodies.analyse(m_bodies);
+    m_cfm = 0;
+    soften(cfm);
     guess();
-    m_start = m_island.u, m_last.assign(n, 0);
+    m_start = m_island.u, m_warm = m_island.x, m_last.assign(n, 0);
     for (int pass = 0; pass < kPasses; ++pass) {
       for (std::size_t i = 0; i < n; ++i) m_island.u[i] = m_start[i] - cfm * m_last[i];
-      if (!activeSets(work)) {
-        if (!lemke(work)) return false;
+      if (!activeSets() && !path(kFewTurns) && !softly()) {
+        if (!assemble() || !lemke()) return false;
         guess();
       }
-      m_last = m_island.x;
+      m_last = m_warm = m_island.x;
     }
     m_island.store(m_impulse);
     for (const std::int32_t i : rows) m_problem.project(i, m_impulse.data() + i);  // rounding
+    return true;
+  }
+
+  /// False: it has too many rows.
+  bool assemble() {
+    if (m_island.dense) return true;
+    if (m_island.size() > static_cast<std::size_t>(m_params.maxRows)) return false;
+    m_island.assemble();
+    for (std::size_t i = 0; i < m_island.size(); ++i) w(i)[i] += m_cfm;
     return true;
   }
 
@@ -186,9 +210,9 @@ class DirectLcp final : public VelocityResolver<D> {
     m_factored = false;
   }
 
-  bool activeSets(WorkDone& work) {
+  bool activeSets() {
     for (int trial = 0; trial < kMostTrials; ++trial) {
-      if (!solveActive(work)) return false;
+      if (!solveActive()) return false;
       m_island.velocities(m_velocity);
       if (!revise()) return true;
       m_factored = false;
@@ -196,16 +220,22 @@ class DirectLcp final : public VelocityResolver<D> {
     return false;
   }
 
-  bool solveActive(WorkDone& work) {
+  bool solveActive() {
+    for (std::size_t i = 0; i < m_island.size(); ++i) {
+      const Part part = m_state[i].part;
+      m_island.x[i] = 0;
+      if (part == Part::low) m_island.x[i] = row(i).lo / m_island.root[i];
+      if (part == Part::high) m_island.x[i] = row(i).hi / m_island.root[i];
+    }
+    return factored() && settle(m_island.u, m_island.x);
+  }
+  bool factored() {
+    if (m_factored) return true;
     const std::size_t n = m_island.size();
     m_unknowns.clear();
     for (std::size_t i = 0; i < n; ++i) {
       const ProblemRow<D>& r = row(i);
       const State& state = m_state[i];
-      double& x = m_island.x[i];
-      x = 0;
-      if (state.part == Part::low) x = r.lo / m_island.root[i];
-      if (state.part == Part::high) x = r.hi / m_island.root[i];
       if (state.part == Part::inside) add(i, 1).impulse[0] = 1;
       if (state.part == Part::stick) {
         for (std::size_t k = 0; k < D; ++k) add(i + k, 1).impulse[0] = 1;
@@ -225,22 +255,256 @@ class DirectLcp final : public VelocityResolver<D> {
       if (u.velocity[0] == 0 && u.rows == 1) u.velocity = u.impulse;
       if (u.rows == D - 1 && D == 3) u.velocity = u.impulse;
     }
-    if (!m_factored && !factor(work)) return false;
-    m_island.velocities(m_velocity);
-    m_right.resize(m_unknowns.size());
-    for (std::size_t p = 0; p < m_unknowns.size(); ++p) {
-      const Unknown& a = m_unknowns[p];
-      m_right[p] = 0;
-      for (std::size_t k = 0; k < a.rows; ++k) m_right[p] -= a.velocity[k] * m_velocity[a.first + k];
+    return factor();
+  }
+  // x of the unknowns goes to where their velocities are zero: from + W x. A solve over the bodies leaves rounding over
+  // cfm; what is left is solved for again. False: too much is left.
+  bool settle(const std::vector<double>& from, std::vector<double>& x) {
+    double before = std::numeric_limits<double>::infinity();
+    for (int solve = 0;; ++solve) {
+      m_island.multiply(x, m_product);
+      m_right.resize(m_unknowns.size());
+      double left = 0;
+      for (std::size_t p = 0; p < m_unknowns.size(); ++p) {
+        const Unknown& a = m_unknowns[p];
+        m_right[p] = 0;
+        for (std::size_t k = 0; k < a.rows; ++k) {
+          m_right[p] -= a.velocity[k] * (from[a.first + k] + m_product[a.first + k]);
+        }
+        left = worse(left, std::abs(m_right[p]));
+      }
+      if (solve > 0 && (left <= kLeft * m_tolerance || !(left < kBetter * before) || solve > kSolves)) {
+        return left <= kWrong * m_tolerance;
+      }
+      before = solve > 0 ? left : before;
+      answer(x);
     }
-    m_general.solve(m_right.data());
-    for (std::size_t p = 0; p < m_unknowns.size(); ++p) {
-      const Unknown& a = m_unknowns[p];
-      for (std::size_t k = 0; k < a.rows; ++k) m_island.x[a.first + k] += m_right[p] * a.impulse[k];
+  }
+
+  // Lemke's path, begun at the last impulses: of u(0) + t d, d such that these solve it at t = 1, x is linear in t
+  // until some contact is at its limit and changes sides, and t goes on, down or up again, where the side that it came
+  // to allows. The answer is where t is 0.
+  bool path(int turnsAllowed) {
+    if (!startPath()) return false;
+    double t = 1, sign = -1;
+    std::size_t fresh = m_island.size();  // who has changed sides, and the limit of the new one at which it is
+    int limit = 0;
+    for (int turns = 0; turns < std::min(turnsAllowed, m_params.maxPivots); ++turns) {
+      m_factored = false;
+      m_dx.assign(m_island.size(), 0);
+      if (!factored() || !settle(m_way, m_dx)) return false;
+      m_du.resize(m_island.size());
+      for (std::size_t i = 0; i < m_island.size(); ++i) m_du[i] = m_way[i] + m_product[i];
+      if (fresh < m_island.size()) sign = room(fresh, limit, m_dx, m_du, 0) < 0 ? -1 : 1;
+      double step = sign < 0 ? t : std::numeric_limits<double>::infinity();
+      std::size_t who = m_island.size();
+      int which = 0;
+      for (std::size_t i = 0; i < m_island.size(); ++i) {
+        for (int k = 0; k < limits(i); ++k) {
+          if (i == fresh && k == limit) continue;
+          const double change = sign * room(i, k, m_dx, m_du, 0);
+          if (!(change < 0)) continue;
+          const double far = std::max(room(i, k, m_island.x, m_velocity, 1), 0.0) / -change;
+          if (far < step) step = far, who = i, which = k;
+        }
+      }
+      if (!std::isfinite(step)) return false;
+      for (std::size_t i = 0; i < m_island.size(); ++i) {
+        m_island.x[i] += sign * step * m_dx[i], m_velocity[i] += sign * step * m_du[i];
+      }
+      t += sign * step;
+      if (who == m_island.size()) return activeSets();  // at the end: nobody objects
+      limit = turn(who, which), fresh = who;
+    }
+    return false;
+  }
+  // Through softer problems, on the paths of which less changes.
+  bool softly() {
+    const double cfm = double(m_params.cfm);
+    bool right = true;
+    for (double soft = std::max(kSoftest, cfm); right; soft = std::max(soft * kHarder, cfm)) {
+      soften(soft);
+      right = activeSets() || path(m_params.maxPivots);
+      m_warm = m_island.x;
+      if (soft <= cfm) return right;
+    }
+    soften(cfm);
+    return false;
+  }
+  void soften(double cfm) {
+    for (std::size_t i = 0; i < m_island.size(); ++i) {
+      m_island.soft[i] += cfm - m_cfm;
+      if (m_island.dense) w(i)[i] += cfm - m_cfm;
+    }
+    m_cfm = cfm, m_factored = false;
+  }
+  bool startPath() {
+    const std::size_t n = m_island.size();
+    m_island.x = m_warm, m_factored = false;
+    m_way.assign(n, 0);  // first what u shall be
+    double speed = m_tolerance / kTolerance;
+    std::vector<double>& x = m_island.x;
+    for (std::size_t i = 0; i < n; ++i) {
+      const ProblemRow<D>& r = row(i);
+      State& state = m_state[i];
+      state = {};
+      const double some = kApart * speed * (1 + static_cast<double>((i * 7919 + 1) % 1024) / 1024);  // without ties
+      if (r.law == ProblemLaw::free) state.part = Part::inside;
+      if (r.law == ProblemLaw::interval) {
+        const double lo = r.lo / m_island.root[i], hi = r.hi / m_island.root[i];
+        if (!(lo < hi)) return false;
+        state.part = x[i] <= lo ? Part::low : x[i] >= hi ? Part::high : Part::inside;
+        x[i] = std::clamp(x[i], lo, hi);
+        m_way[i] = state.part == Part::low ? some : state.part == Part::high ? -some : 0;
+      }
+      if (r.law != ProblemLaw::normal) continue;
+      state.part = x[i] > 0 ? Part::stick : Part::none;
+      if (state.part == Part::none) m_way[i] = some;
+      x[i] = state.part == Part::stick ? x[i] + some : 0;
+      double length = 0;
+      for (std::size_t k = 1; k < D; ++k) length += x[i + k] * x[i + k];
+      const double most = kWithin * r.friction * x[i], share = length > most * most ? most / std::sqrt(length) : 1;
+      for (std::size_t k = 1; k < D; ++k) x[i + k] *= state.part == Part::stick ? share : 0;
+    }
+    m_island.velocities(m_velocity);
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool open = row(i).law == ProblemLaw::normal && m_state[i].part == Part::none;
+      m_way[i] -= m_velocity[i], m_velocity[i] += m_way[i];
+      for (std::size_t k = 1; k < D && open; ++k) m_way[i + k] = m_velocity[i + k];  // any will do
     }
     return true;
   }
-  bool factor(WorkDone& work) {
+  /// Of what a row or contact must obey where it is: so many.
+  int limits(std::size_t i) const {
+    const ProblemLaw law = row(i).law;
+    const Part part = m_state[i].part;
+    if (law == ProblemLaw::free || law == ProblemLaw::tangent) return 0;
+    if (law == ProblemLaw::interval) return part == Part::inside ? 2 : 1;
+    if (part == Part::none) return 1;
+    return part == Part::stick ? facets() : part == Part::edge ? 4 : D;
+  }
+  /// How far it is from the limit; or of changes, how this changes (`bounds` 0).
+  double room(std::size_t i, int limit, const std::vector<double>& x, const std::vector<double>& u,
+              double bounds) const {
+    const State& state = m_state[i];
+    const double mu = row(i).friction;
+    if (row(i).law == ProblemLaw::interval) {
+      if (state.part == Part::low) return u[i];
+      if (state.part == Part::high) return -u[i];
+      const double at = (limit == 0 ? row(i).lo : row(i).hi) / m_island.root[i];
+      if (std::isinf(at)) return bounds > 0 ? std::numeric_limits<double>::infinity() : 0;
+      return (limit == 0 ? 1 : -1) * (x[i] - bounds * at);
+    }
+    if (state.part == Part::none) return u[i];
+    const double *const xt = x.data() + i + 1, *const ut = u.data() + i + 1;
+    if (state.part == Part::stick) {
+      return mu * x[i] * (D == 2 ? 1 : m_middle) - dot(toward(i, 2 * limit + (D == 2 ? 0 : 1)), xt);
+    }
+    if (limit == 0) return x[i];
+    if (state.part == Part::corner) {
+      const double own = dot(toward(i, 2 * state.which), ut);
+      return D == 2 ? -own : dot(toward(i, 2 * state.which + (limit == 1 ? 2 : -2)), ut) - own;
+    }
+    const Tangent d = toward(i, 2 * state.which + 1);
+    if (limit == 1) return -dot(d, ut);
+    if constexpr (D == 3) {
+      const double across = -d[1] * xt[0] + d[0] * xt[1];
+      return mu * x[i] * std::sqrt(1 - m_middle * m_middle) + (limit == 2 ? -across : across);
+    }
+    return 0;
+  }
+  /// It is at the limit, and changes sides. Answers the limit of the new one at which it is.
+  int turn(std::size_t i, int limit) {
+    State& state = m_state[i];
+    const State before = state;
+    if (row(i).law == ProblemLaw::interval) {
+      state.part = before.part != Part::inside ? Part::inside : limit == 0 ? Part::low : Part::high;
+      return before.part == Part::high ? 1 : 0;
+    }
+    if (before.part == Part::none) {
+      state = {Part::corner, best(i, 0, m_velocity.data() + i + 1, -1) / 2};
+      return 0;
+    }
+    if (before.part == Part::stick) {
+      state = {D == 2 ? Part::corner : Part::edge, limit};
+      return 1;
+    }
+    if (limit == 0) {
+      state = {};
+      return 0;
+    }
+    const int all = facets();
+    if (before.part == Part::corner && D == 2) {
+      state = {Part::stick, 0};
+      return before.which;
+    }
+    if (before.part == Part::corner) {
+      state = {Part::edge, limit == 1 ? before.which : (before.which + all - 1) % all};
+      return limit == 1 ? 3 : 2;
+    }
+    if (limit == 1) {
+      state = {Part::stick, 0};
+      return before.which;
+    }
+    state = {Part::corner, limit == 2 ? (before.which + 1) % all : before.which};
+    return limit == 2 ? 2 : 1;
+  }
+
+  // Of the system, x += for m_right.
+  void answer(std::vector<double>& x) {
+    if (m_island.dense) {
+      m_general.solve(m_right.data());
+      m_island.multiplyAdds += m_general.multiplyAddsOfSolve();
+    } else {
+      m_z.assign(m_island.bodies.bodies() * BodyRows<D>::kSize, 0);
+      for (std::size_t p = 0; p < m_unknowns.size(); ++p) {
+        const Unknown& a = m_unknowns[p];
+        m_right[p] /= m_island.soft[a.first];
+        for (std::size_t k = 0; k < a.rows; ++k) m_island.bodies.push(a.first + k, a.impulse[k] * m_right[p], m_z);
+      }
+      m_bodies.solve(m_z);
+      for (std::size_t p = 0; p < m_unknowns.size(); ++p) {
+        const Unknown& a = m_unknowns[p];
+        double sum = 0;
+        for (std::size_t k = 0; k < a.rows; ++k) {
+          if (a.velocity[k] != 0) sum += a.velocity[k] * m_island.bodies.along(a.first + k, m_z);
+        }
+        m_right[p] -= sum / m_island.soft[a.first];
+      }
+      m_island.multiplyAdds += m_bodies.multiplyAddsOfSolve() + 2 * m_island.bodies.multiplyAddsOfProduct();
+    }
+    for (std::size_t p = 0; p < m_unknowns.size(); ++p) {
+      const Unknown& a = m_unknowns[p];
+      for (std::size_t k = 0; k < a.rows; ++k) x[a.first + k] += m_right[p] * a.impulse[k];
+    }
+    m_island.multiplyAdds += 4 * m_unknowns.size();
+  }
+  // 1 + H^T G / soft: G the velocities that unknowns make zero, H their impulses, over the bodies.
+  bool factorBodies() {
+    m_bodies.set(1);
+    std::size_t p = 0;
+    for (const auto& g : m_island.bodies.groups) {
+      typename BodyRows<D>::Square s{};
+      const std::size_t begin = p;
+      for (; p < m_unknowns.size() && m_unknowns[p].first < g.first + g.count; ++p) {
+        const Unknown& a = m_unknowns[p];
+        const std::size_t at = a.first - g.first;
+        for (std::size_t i = 0; i < a.rows; ++i) {
+          for (std::size_t k = 0; k < a.rows; ++k) {
+            s[(at + i) * D + at + k] += a.impulse[i] * a.velocity[k] / m_island.soft[a.first];
+          }
+        }
+      }
+      if (p == begin) continue;
+      m_island.bodies.add(g, s, m_bodies);
+      m_island.multiplyAdds += BodyRows<D>::multiplyAddsOf(g.count, false);
+    }
+    const bool done = m_bodies.factor();
+    m_island.multiplyAdds += m_bodies.multiplyAdds;
+    return m_factored = done;
+  }
+  bool factor() {
+    if (!m_island.dense) return factorBodies();
     const std::size_t count = m_unknowns.size();
     m_matrix.assign(count * count, 0);
     for (std::size_t p = 0; p < count; ++p) {
@@ -251,8 +515,9 @@ class DirectLcp final : public VelocityResolver<D> {
         }
       }
     }
-    work[WorkCount::rowUpdates] += count * count;
-    return m_factored = m_general.factor(count, m_matrix);
+    m_factored = m_general.factor(count, m_matrix);
+    m_island.multiplyAdds += count * count + m_general.multiplyAdds;
+    return m_factored;
   }
   /// Velocity of row i by a unit of an unknown or column.
   template <class Part>
@@ -327,7 +592,7 @@ class DirectLcp final : public VelocityResolver<D> {
 
   // Rows without limits are eliminated, then for each contact (push, corners ..., slack of the cone) and for each
   // interval (above its lower end, below its upper end).
-  bool lemke(WorkDone& work) {
+  bool lemke() {
     const std::size_t n = m_island.size();
     m_freeRows.clear(), m_columns.clear();
     for (std::size_t i = 0; i < n; ++i) {
@@ -381,11 +646,12 @@ class DirectLcp final : public VelocityResolver<D> {
       }
     }
     coneRows();
-    const Lemke::End end = m_lemke.solve(c, m_lcp, m_q, static_cast<std::uint64_t>(m_params.maxPivots), m_z);
-    work[WorkCount::rowUpdates] += m_lemke.pivots * c;
+    const Lemke::End end = m_lemke.solve(c, m_lcp, m_q, static_cast<std::uint64_t>(m_params.maxPivots), m_lemkeZ);
+    m_island.multiplyAdds +=
+        m_factor.multiplyAdds + (c + 1) * (m_factor.multiplyAddsOfSolve() + (c + 1) * e * D) + m_lemke.multiplyAdds;
     if (end != Lemke::End::solved) return false;
     for (std::size_t q = 0; q <= c; ++q) {
-      const double z = q == c ? 1 : m_z[q];
+      const double z = q == c ? 1 : m_lemkeZ[q];
       for (std::size_t k = 0; k < e; ++k) m_island.x[m_freeRows[k]] += z * m_answer[q * e + k];
       for (std::size_t i = 0; q < c && i < m_columns[q].rows; ++i) {
         m_island.x[m_columns[q].first + i] += z * m_columns[q].impulse[i];
@@ -428,10 +694,13 @@ class DirectLcp final : public VelocityResolver<D> {
   Island<D> m_island;
   SymmetricFactor m_factor;
   GeneralFactor m_general;
+  BlockLu<BodyRows<D>::kSize> m_bodies;
   Lemke m_lemke;
+  double m_cfm = 0;                      // now
   double m_tolerance = 0, m_middle = 0;  // scaled velocity; how far an edge is from the axis
-  bool m_factored = false;               // is m_general that of m_state?
-  std::vector<double> m_free, m_impulse, m_velocity, m_start, m_last, m_matrix, m_right, m_answer, m_lcp, m_q, m_z;
+  bool m_factored = false;               // is the factor that of m_state?
+  std::vector<double> m_free, m_impulse, m_velocity, m_start, m_warm, m_last, m_product, m_way, m_dx, m_du, m_z,
+      m_matrix, m_right, m_answer, m_lcp, m_q, m_lemkeZ;
   std::vector<Tangent> m_along;                 // by row, of normals
   std::vector<std::array<double, 2>> m_corner;  // cosine and sine of half steps
   std::vector<State> m_state;

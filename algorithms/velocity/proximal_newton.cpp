@@ -21,7 +21,7 @@ class ProximalNewton final : public VelocityResolver<D> {
   struct Params {
     Real cfm = Real(1e-7);
     int passes = 30;
-    int iterations = 130;
+    int iterations = 600;
     Real tolerance = Real(1e-9);
     int maxBodies = 1000;
     int sweeps = 20;
@@ -65,7 +65,10 @@ class ProximalNewton final : public VelocityResolver<D> {
     for (std::size_t k = 0; k + 1 < islands.size(); ++k) {
       const auto first = static_cast<std::size_t>(islands[k]), last = static_cast<std::size_t>(islands[k + 1]);
       const auto rows = m_problem.grouped().subspan(first, last - first);
-      if (m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies) && descend(in.work)) {
+      m_island.multiplyAdds = m_anderson.multiplyAdds = 0;
+      const bool done = m_island.set(in, m_problem, rows, m_free, m_impulse, m_params.maxBodies) && descend();
+      in.work[WorkCount::multiplyAdds] += m_island.multiplyAdds + m_anderson.multiplyAdds;
+      if (done) {
         for (std::size_t i = 0; i < rows.size(); ++i) m_impulse[static_cast<std::size_t>(rows[i])] = m_best[i];
       } else {
         m_sweep.descend(m_problem, rows, m_free, m_impulse, m_params.sweeps, in.work);
@@ -78,7 +81,8 @@ class ProximalNewton final : public VelocityResolver<D> {
   using Group = typename SpringIsland<D>::Group;
   static constexpr double kBetter = 0.9;  // of the least residual so far: less is rounding, or rows that contradict
   static constexpr double kSlow = 0.5;
-  static constexpr int kPatience = 3;  // passes that are no better
+  static constexpr std::uint64_t kOfRow = 8;  // multiply-adds of a residual
+  static constexpr int kPatience = 3;         // passes that are no better
   static constexpr double kMoves = 1e-6, kContradiction = 1e-6;
   static constexpr double kUseful = 1e-3;            // of the scale: a residual that sweeps would not better
   static constexpr int kTrials = 2, kFewPasses = 3;  // of who pushes, by full steps
@@ -88,7 +92,7 @@ class ProximalNewton final : public VelocityResolver<D> {
   static constexpr int kSoftPasses = 3, kLast = 30;  // iterations that are kept for them
 
   // False: Newton's method has not come to an end.
-  bool descend(WorkDone& work) {
+  bool descend() {
     const int kept = std::min(kLast, m_params.iterations / 3);
     m_island.budget = m_params.iterations - kept;
     m_least = std::numeric_limits<double>::infinity(), m_best = m_island.last;
@@ -98,31 +102,31 @@ class ProximalNewton final : public VelocityResolver<D> {
     for (std::size_t i = 0; i < m_island.size(); ++i) {
       m_guess[i] = m_island.last[i] - m_island.row(i).unit * (m_island.u[i] + m_island.shift[i]);
     }
-    bool right = m_island.tryFrom(m_guess, kTrials, work);
-    if (right) right = refine(right, kFewPasses, work);
+    bool right = m_island.tryFrom(m_guess, kTrials);
+    if (right) right = refine(right, kFewPasses);
     if (!(m_least <= double(m_params.tolerance) * m_island.scale)) {  // from the last impulses: what stays is there
       begin(kSofter);
       m_island.centre = m_island.last;
-      right = m_island.newton(kTries, work);
+      right = m_island.newton(kTries);
       if (!right) {  // through softer problems, which tell each other who pushes
         begin(kSoftest);
-        right = m_island.newton(m_island.budget, work);
+        right = m_island.newton(m_island.budget);
       }
-      right = refine(right, m_params.passes, work);
+      right = refine(right, m_params.passes);
     }
     m_island.budget += kept;
-    if (m_least > kContradiction * m_island.scale) contradicted(right, work);
+    if (m_least > kContradiction * m_island.scale) contradicted(right);
     return std::isfinite(m_least) && (right || m_least <= kUseful * m_island.scale);
   }
 
   // Rows that contradict each other pull as hard as they are stiff, and would be all rounding: a few passes of softer
   // ones instead, whatever they leave. Where Newton's method was only too slow, if they leave less.
-  void contradicted(bool right, WorkDone& work) {
+  void contradicted(bool right) {
     m_island.budget = std::min(m_island.budget, kLast);
     begin(kSofter);
     bool soft = false;
     for (int pass = 0; pass < kSoftPasses; ++pass) {
-      soft = m_island.newton(m_island.budget, work);
+      soft = m_island.newton(m_island.budget);
       m_island.from(m_island.x);
       lift(false);
       m_island.centre = m_island.x;
@@ -133,7 +137,7 @@ class ProximalNewton final : public VelocityResolver<D> {
 
   // Passes from where the last has come, stiffer where they gain little; or, while De Saxce's correction moves, from
   // nothing: what a wrong correction has clamped would stay. Leaves the best impulses so far. Was the last pass right?
-  bool refine(bool right, int passes, WorkDone& work) {
+  bool refine(bool right, int passes) {
     double before = std::numeric_limits<double>::infinity();
     bool moves = true;
     m_anderson.begin();
@@ -152,19 +156,20 @@ class ProximalNewton final : public VelocityResolver<D> {
       if (stiff && moves) m_island.centre.assign(m_island.size(), 0);
       if (left > kSlow * before) soften(m_cfm / kHarder);
       before = left;
-      right = m_island.newton(m_island.budget, work);
+      right = m_island.newton(m_island.budget);
     }
   }
 
   // Of the natural map, with De Saxce's correction.
   double residual() {
     const std::vector<double>& x = m_island.x;
+    m_island.multiplyAdds += kOfRow * x.size();
     for (std::size_t i = 0; i < x.size(); ++i) {
       const ProblemRow<D>& r = m_island.row(i);
       m_guess[i] = x[i] - r.unit * (m_island.u[i] + r.compliance * x[i]);
     }
-    for (const Group& g : m_island.groups) m_guess[g.first] -= m_island.row(g.first).unit * m_island.slide(g);
-    for (const Group& g : m_island.groups) m_island.limit(g, m_guess.data());
+    for (const Group& g : m_island.groups()) m_guess[g.first] -= m_island.row(g.first).unit * m_island.slide(g);
+    for (const Group& g : m_island.groups()) m_island.limit(g, m_guess.data());
     double sum = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       sum += (m_guess[i] - x[i]) * (m_guess[i] - x[i]) / m_island.row(i).unit;
@@ -188,7 +193,7 @@ class ProximalNewton final : public VelocityResolver<D> {
   double lift(bool ahead) {
     m_from.clear(), m_to.clear();
     double change = 0;
-    for (const Group& g : m_island.groups) {
+    for (const Group& g : m_island.groups()) {
       if (g.count == 1) continue;
       const double root = std::sqrt(m_island.row(g.first).unit);
       m_from.push_back(m_island.shift[g.first] * root), m_to.push_back(m_island.slide(g) * root);
@@ -196,7 +201,7 @@ class ProximalNewton final : public VelocityResolver<D> {
     }
     if (ahead) m_anderson.next(m_from, m_to);
     std::size_t next = 0;
-    for (const Group& g : m_island.groups) {
+    for (const Group& g : m_island.groups()) {
       if (g.count == 1) continue;
       m_island.shift[g.first] = std::max((ahead ? m_from : m_to)[next++], 0.0) / std::sqrt(m_island.row(g.first).unit);
     }
