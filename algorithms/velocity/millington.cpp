@@ -52,7 +52,9 @@ class Millington final : public VelocityResolver<D> {
                          {"a box that slides on four points", "it turns and runs up to 13 % too fast",
                           "Slope.SlidesOrSaysThatItDoesNot"},
                          {"the same in the plane, on two points", "it slides another way",
-                          "Extrusion.AgreesOrSaysThatItDoesNot"}},
+                          "Extrusion.AgreesOrSaysThatItDoesNot"},
+                         {"a plate that slides and spins on its corners", "some bear nothing, others twice their share",
+                          "Corners.ShareAPlateThatSlides"}},
             .friction = FrictionLaw::coulomb};
   }
 

@@ -40,7 +40,9 @@ class NaiveVelocity final : public VelocityResolver<D> {
                      {"a box that slides on four points", "it hops and turns by half a per cent",
                       "Slope.SlidesOrSaysThatItDoesNot"},
                      {"the same in the plane, on two points", "it slides another way",
-                      "Extrusion.AgreesOrSaysThatItDoesNot"}},
+                      "Extrusion.AgreesOrSaysThatItDoesNot"},
+                     {"a plate that slides and spins on its corners", "the first ones bear more than their share",
+                      "Corners.ShareAPlateThatSlides"}},
         .friction = FrictionLaw::coulomb};
   }
 

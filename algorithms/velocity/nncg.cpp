@@ -66,6 +66,9 @@ class Nncg final : public VelocityResolver<D> {
   }
 
  private:
+  // Multiply-adds of a row beside the sweep: of what it has changed, and of the way on.
+  static constexpr std::uint64_t kOfRow = 4 + 2 * D + D * (D - 1);
+
   void iterate(std::span<const std::int32_t> rows, WorkDone& work) {
     double last = 0;
     for (int n = 0; n < m_params.iterations; ++n) {
@@ -80,6 +83,7 @@ class Nncg final : public VelocityResolver<D> {
       }
       const double beta = n > 0 && last > 0 && change <= last ? change / last : 0;
       last = change;
+      work[WorkCount::multiplyAdds] += kOfRow * rows.size();
       for (const std::int32_t i : rows) {
         const double step = beta * m_direction[at(i)];
         m_direction[at(i)] = step + m_impulse[at(i)] - m_before[at(i)];

@@ -10,11 +10,11 @@ namespace {
 using namespace solver;
 
 // Each row is a spring: a convex problem, which Newton's method solves with a factorisation that is linear in a tower.
-// From where it comes the springs begin anew (the method of multipliers), so that nothing gives way; De Saxce's
-// correction, from the sliding so far, makes Coulomb's law of the convex one, and where it goes is foreseen (Anderson),
-// or bodies that are nearly wedged would take hundreds of passes. A tower needs springs as stiff as double can bear,
-// and then two passes; where contacts are many more than bodies need, softer ones from the last impulses are at the end
-// at once when nothing moves.
+// From where it comes the springs begin anew (the method of multipliers, Rockafellar 1976), so that nothing gives way.
+// De Saxce's correction, from the sliding so far, makes Coulomb's law of the convex one, a fixed point (Acary et al.
+// 2011), and where it goes is foreseen (Walker and Ni 2011), or bodies that are nearly wedged would take hundreds of
+// passes. A tower needs springs as stiff as double can bear, and then two passes; where contacts are many more than
+// bodies need, softer ones from the last impulses are at the end at once when nothing moves.
 template <int D>
 class ProximalNewton final : public VelocityResolver<D> {
  public:
@@ -39,8 +39,8 @@ class ProximalNewton final : public VelocityResolver<D> {
 
   static AlgorithmInfo info() {
     return {.name = "proximal_newton",
-            .summary = "each island's convex problem by Newton's method over its bodies, De Saxce's correction",
-            .paper = "castro2022",
+            .summary = "method of multipliers, Newton's method over an island's bodies inside, De Saxce's correction",
+            .paper = "rockafellar1976",
             .complexity =
                 "a sparse factorisation of an island's bodies per iteration, linear in a tower; bodies^2 to order them",
             .guarantee = Guarantee::approximate,
@@ -89,6 +89,8 @@ class ProximalNewton final : public VelocityResolver<D> {
   static constexpr int kTries = 8;                   // and with a line search
   // What rows give way, of W_ii: on the way, where these fail, and in the end, where they contradict each other.
   static constexpr double kSoftest = 1e-2, kHarder = 10, kSofter = 1e-3;
+  static constexpr double kEven = 0.1;  // where redundant contacts slide
+  static constexpr int kEvenPasses = 30;
   static constexpr int kSoftPasses = 3, kLast = 30;  // iterations that are kept for them
 
   // False: Newton's method has not come to an end.
@@ -102,8 +104,10 @@ class ProximalNewton final : public VelocityResolver<D> {
     for (std::size_t i = 0; i < m_island.size(); ++i) {
       m_guess[i] = m_island.last[i] - m_island.row(i).unit * (m_island.u[i] + m_island.shift[i]);
     }
-    bool right = m_island.tryFrom(m_guess, kTrials);
+    const bool moves = slides();
+    bool right = !moves && m_island.tryFrom(m_guess, kTrials);
     if (right) right = refine(right, kFewPasses);
+    if (moves) right = slide();
     if (!(m_least <= double(m_params.tolerance) * m_island.scale)) {  // from the last impulses: what stays is there
       begin(kSofter);
       m_island.centre = m_island.last;
@@ -133,6 +137,28 @@ class ProximalNewton final : public VelocityResolver<D> {
     }
     const double left = residual();
     if (left < m_least || (right && soft)) m_least = left, m_best = m_island.x;
+  }
+
+  // Is De Saxce's correction more than nothing?
+  bool slides() const {
+    for (const Group& g : m_island.groups()) {
+      if (m_island.shift[g.first] * std::sqrt(m_island.row(g.first).unit) > kMoves * m_island.scale) return true;
+    }
+    return false;
+  }
+
+  // Where redundant contacts slide, any of many shares of the load is an answer. The least impulses lead to that of
+  // soft springs: from these on.
+  bool slide() {
+    begin(kEven);
+    m_anderson.begin();
+    bool right = true;
+    for (int pass = 0; pass < kEvenPasses; ++pass) {
+      right = m_island.newton(m_island.budget);
+      m_island.from(m_island.x);
+      if (lift(true) <= kMoves * m_island.scale) break;
+    }
+    return refine(right, m_params.passes);
   }
 
   // Passes from where the last has come, stiffer where they gain little; or, while De Saxce's correction moves, from

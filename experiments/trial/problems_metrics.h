@@ -20,7 +20,7 @@ struct ProblemAnswer {
   double velocity = 0;     // of the rows, before the converged answer; NaN: there is none
   double unexplained = 0;  // of the bodies' velocities, what the impulses have not made
   double fallbacks = 0;    // rows that a direct method left to sweeps
-  double rowUpdates = 0, nanoseconds = std::numeric_limits<double>::quiet_NaN();
+  double multiplyAdds = 0, nanoseconds = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Who is asked for the converged answer that others' velocities are measured by, one after the other.
@@ -37,7 +37,7 @@ struct ProblemsSeen {
   const ProblemAnswer& last() const { return answers.back(); }
   /// The first iteration from which on the residual stays below.
   double iterationsTo(double residual) const;
-  double updatesTo(double residual) const;
+  double multiplyAddsTo(double residual) const;
   /// By which factor the residual falls per iteration, in its tail.
   double rate() const;
 };

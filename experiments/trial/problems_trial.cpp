@@ -96,7 +96,7 @@ class ProblemTrial {
     WorkDone work;
     createStage<VelocityResolver<D>>(m_spec)->solve(copy.input(work, m_profiler));
     ProblemAnswer out = judged(copy);
-    out.rowUpdates = static_cast<double>(work[WorkCount::rowUpdates]);
+    out.multiplyAdds = static_cast<double>(work[WorkCount::multiplyAdds]);
     out.fallbacks = static_cast<double>(work[WorkCount::fallbacks]);
     if (m_timed) out.nanoseconds = time();
     m_hash = XXH64(copy.bodies.motion.data(), copy.bodies.motion.size() * sizeof(Motion<D>), m_hash);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Frozen velocity problems: what is left over the rows solved and over time, performance profiles (Dolan and More 2002), and
+"""Frozen velocity problems: what is left over multiply-adds and over time, performance profiles (Dolan and More 2002), and
 the rate of convergence that the matrix predicts beside the measured one."""
 
 import math
@@ -16,11 +16,11 @@ from table import quantity
 
 PLACE = 36
 SECTION = "Which method solves a step's problem?"
-RESIDUAL, UPDATES, TO = "problem_residual", "row_updates", "updates_to_thousandth"
+RESIDUAL, COST, TO = "problem_residual", "multiply_adds", "multiply_adds_to_thousandth"
 TIME = "ns_per_solve"
 RATE, PREDICTED = "rate", "predicted_rate"
 NEEDS = Needs("problems", methods=(2, math.inf))  # a store of before this kind has none of its metrics
-ABSENT = Chart("problems", SECTION, "Residual over row updates", "No sweep of frozen problems is in this store.", "problems")
+ABSENT = Chart("problems", SECTION, "Residual over multiply-adds", "No sweep of frozen problems is in this store.", "problems")
 FLOOR = 1e-12  # of g dt: below it all is rounding
 ROWS, COLUMNS = 3, 3  # of panels
 FAR = 100.0  # the profiles end where a method takes so many times as much as the best
@@ -32,7 +32,7 @@ def of_sweep(context, cells):
     rates = _rates(context, cells)
     cells = cells[cells["outcome"] != "unsupported"]
     starts = split(cells, ["start"], sort=True) if "start" in cells else [cells]
-    curves = [made(context, part) for part in starts for made in (_over_updates, _over_time)]
+    curves = [made(context, part) for part in starts for made in (_over_cost, _over_time)]
     return [chart for chart in (*curves, _profile(context, cells), rates) if chart]
 
 
@@ -134,9 +134,9 @@ def _counted(of_problems):
     return [f"{method} of {n}" for method, n in sorted(count.items(), key=lambda item: (-item[1], item[0]))]
 
 
-def _over_updates(context, cells):
+def _over_cost(context, cells):
     parts = problems(context, cells)
-    figure, _ = _drawn(context, parts, "key", UPDATES)
+    figure, _ = _drawn(context, parts, "key", COST)
     least = []
     for _, part in parts:
         part = part[(part["outcome"] == "ok") & np.isfinite(metrics.column(part, RESIDUAL))]
@@ -146,7 +146,7 @@ def _over_updates(context, cells):
     for name in (name for name in context.metrics("problems", "cost", "error") if name in cells):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} curves"), SECTION,
-                 f"What is left over the rows solved, {_start(cells)} start",
+                 f"What is left over multiply-adds, {_start(cells)} start",
                  f"Of {len(parts)} problems, with all iterations, who leaves least: {listing(said)}." if said else
                  "No problem was solved.",
                  cells["sweep"].iloc[0], figure, _table(cells, numbers), _holes(parts, cells),
@@ -212,7 +212,7 @@ def _profile(context, cells):
         most = max(most, min(FAR, solved[-1]))
     plain_log(ax, "x", [1.0, max(2.0, most)])
     ax.set_ylim(0, 1.03)
-    ax.set_xlabel("row updates, as a multiple of the best method's")
+    ax.set_xlabel("multiply-adds, as a multiple of the best method's")
     ax.set_ylabel("share of problems solved")
     legend_right(figure, _handles(context, costs, looks), width)
     shares = {method: (share[-1] if len(share) else 0.0) for method, (_, share) in found.items()}
@@ -222,12 +222,12 @@ def _profile(context, cells):
     count = len(next(iter(costs.values())))
     table = pd.DataFrame([{"method": m, "share solved": shares[m], "share cheapest": wins[m],
                            "median multiple": float(np.median(found[m][0])) if len(found[m][0]) else math.nan} for m in costs])
-    return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SECTION, "Performance profile of row updates",
+    return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SECTION, "Performance profile of multiply-adds",
                  f"Of {count} problems {listing(surest)} {'solves' if len(surest) == 1 else 'solve'} most, "
                  f"{si(100 * max(shares.values()))} %; {first} is the cheapest for {si(100 * wins[first])} %.",
                  cells["sweep"].iloc[0], figure, table,
                  [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],
-                 "Dolan and Moré: how many problems a method solves within so many times the row updates of the best. Solved is "
+                 "Dolan and Moré: how many problems a method solves within so many times the multiply-adds of the best. Solved is "
                  "a natural map that stays below 0.001 g dt. What a line does not reach takes more iterations than were run, or "
                  f"is named below: at more than {FAR:g} times.")
 

@@ -23,9 +23,9 @@ def invented(maker, dear=False, ns=None):
         first = next((n for n, value in enumerate(left) if value < 1e-3), math.nan)
         axes = {"kind": "problems", "precision": "f64", "problems": name, "velocity": method, "start": "cold", "order": order,
                 "friction": friction, "dimension": 2, "timed": ns is not None, "repeat": 0}
-        found = {"problem_residual": left[-1], "updates_to_thousandth": each * first, "rate": rate, "predicted_rate": predicted,
-                 "row_updates": 40 * each}
-        series = {"problem_residual": left, "row_updates": [each * n for n in range(41)]}
+        found = {"problem_residual": left[-1], "multiply_adds_to_thousandth": each * first, "rate": rate, "predicted_rate": predicted,
+                 "multiply_adds": 40 * each}
+        series = {"problem_residual": left, "multiply_adds": [each * n for n in range(41)]}
         if ns:
             found["ns_per_solve"] = 40 * ns[method]
             series["ns_per_solve"] = [math.nan] + [ns[method] * n for n in range(1, 41)]

@@ -75,13 +75,13 @@ wrong_boolean|pairs|wrong yes or no|1|error|fewer wrong|
 wrong|pairs|wrong answers|1|error|fewer wrong|
 asked|pairs|asked|1|detail||
 problem_residual|problems|natural map|1|error|nearer|
-row_updates|problems|row updates|1|cost|cheaper|
+multiply_adds|problems|multiply-adds|1|cost|cheaper|
 ns_per_solve|problems|time per solve|ns|cost|cheaper|timing
-updates_to_thousandth|problems|row updates to a thousandth|1|detail|faster|
+multiply_adds_to_thousandth|problems|multiply-adds to a thousandth|1|detail|faster|
 rate|problems|rate of convergence|1|detail|faster|
 predicted_rate|problems|predicted rate|1|detail|faster|""".splitlines()] + [
     ("series", "problem_residual", "problems", "natural map", "1", "error", "", ""),
-    ("series", "row_updates", "problems", "row updates", "1", "cost", "", ""),
+    ("series", "multiply_adds", "problems", "multiply-adds", "1", "cost", "", ""),
     ("series", "ns_per_solve", "problems", "time per solve", "ns", "cost", "", "timing")] + [
     ("series", name, "world", name, "1", "detail", "", needs) for name, needs in (
     ("max_speed", ""), ("points", ""), ("kinetic", ""), ("potential", ""), ("drift", ""), ("max_penetration", ""),

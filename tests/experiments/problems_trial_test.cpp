@@ -162,8 +162,8 @@ TEST(ProblemsTrial, MeasuresWhatIsLeft) {
   const auto first = static_cast<std::size_t>(cold.metrics.at("iterations_to_thousandth"));
   EXPECT_GT(curve.at(first - 1), 1e-3);
   EXPECT_LE(curve.at(first), 1e-3);
-  EXPECT_EQ(cold.metrics.at("updates_to_thousandth"), cold.series.at("row_updates")[first]);
-  EXPECT_EQ(cold.series.at("row_updates")[0], 0);
+  EXPECT_EQ(cold.metrics.at("multiply_adds_to_thousandth"), cold.series.at("multiply_adds")[first]);
+  EXPECT_EQ(cold.series.at("multiply_adds")[0], 0);
   EXPECT_EQ(cold.metrics.count("ns_per_solve"), 0u);
   EXPECT_GT(trialOf(file, "catto", 5, "cold", "on", "recorded", true).metrics.at("ns_per_solve"), 0);
   // Who makes momentum is seen to; his impulses alone would look better than his velocities are.
@@ -215,7 +215,7 @@ TEST(ProblemsTrial, CurvesBeginAtNoIteration) {
     const TrialResult admm = trialOf(file, "admm", 3, start), catto = trialOf(file, "catto", 3, start);
     ASSERT_EQ(admm.series.at("problem_residual").size(), 4u);
     EXPECT_NEAR(admm.series.at("problem_residual")[0], catto.series.at("problem_residual")[0], 1e-9);
-    EXPECT_EQ(admm.series.at("row_updates")[0], 0);
+    EXPECT_EQ(admm.series.at("multiply_adds")[0], 0);
   }
 }
 
