@@ -25,14 +25,14 @@ class DirectLcp final : public VelocityResolver<D> {
     Real cfm = sizeof(Real) == 8 ? Real(1e-7) : Real(1e-3);  // above the rounding of rows
     int maxBodies = 1000;
     int maxRows = 120;
-    int maxPivots = 2000;
+    int maxPivots = 10000;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
       v.integer("facets", facets, 4, 16, "of the pyramid in 3D; in 2D there are two");
       v.real("cfm", cfm, 0, Real(0.1), "1", "compliance of each row in a solve, of W_ii: redundant contacts share");
       v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved directly");
       v.integer("max_rows", maxRows, 0, 2000, "of an island that is dense: without bodies or compliance, or Lemke's");
-      v.integer("max_pivots", maxPivots, 0, 1000000, "of Lemke's method");
+      v.integer("max_pivots", maxPivots, 0, 1000000, "of a path, and of Lemke's method");
       v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, where nothing else helps");
     }
   };
