@@ -61,6 +61,7 @@ class DirectLcp final : public VelocityResolver<D> {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_problem.set(in);
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(m_problem.size()));
       m_sweep.prepare(m_problem);
       m_problem.freeVelocities(in, m_free);
       m_problem.lastImpulses(in, 1, m_impulse);

@@ -51,6 +51,7 @@ class Nncg final : public VelocityResolver<D> {
     {
       Profiler::Scope scope(in.profiler, "solver.prepare");
       m_problem.set(in);
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(m_problem.size()));
       m_sweep.prepare(m_problem);
       m_problem.freeVelocities(in, m_free);
       m_problem.lastImpulses(in, m_params.warmStart ? 1 : 0, m_impulse);
