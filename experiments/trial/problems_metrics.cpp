@@ -32,7 +32,8 @@ namespace {
 
 using SeenProblems = const ProblemsSeen&;
 const Measure<ProblemsSeen> kProblemsMetrics[] = {
-    {{"multiply_adds", "multiply-adds", "1", "of rows, factorisations, solves and residuals", MetricRole::cost, "cheaper"},
+    {{"multiply_adds", "multiply-adds", "1", "of rows, factorisations, solves and residuals", MetricRole::cost,
+      "cheaper"},
      [](SeenProblems s) { return s.last().multiplyAdds; }},
     {{"ns_per_solve", "time per solve", "ns", "processor time of one solve with all iterations, median",
       MetricRole::cost, "cheaper", TrialNeed::timing},
@@ -59,8 +60,8 @@ const Measure<ProblemsSeen> kProblemsMetrics[] = {
     {{"iterations_to_thousandth", "iterations to a thousandth", "1",
       "from which on the natural map stays below 0.001 g dt", MetricRole::detail, "faster"},
      [](SeenProblems s) { return s.iterationsTo(1e-3); }},
-    {{"multiply_adds_to_thousandth", "multiply-adds to a thousandth", "1", "until the natural map stays below 0.001 g dt",
-      MetricRole::detail, "faster"},
+    {{"multiply_adds_to_thousandth", "multiply-adds to a thousandth", "1",
+      "until the natural map stays below 0.001 g dt", MetricRole::detail, "faster"},
      [](SeenProblems s) { return s.multiplyAddsTo(1e-3); }},
     {{"rate", "rate of convergence", "1", "factor of the natural map per iteration, in the tail of the curve",
       MetricRole::detail, "faster"},

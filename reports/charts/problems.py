@@ -227,9 +227,9 @@ def _profile(context, cells):
                  f"{si(100 * max(shares.values()))} %; {first} is the cheapest for {si(100 * wins[first])} %.",
                  cells["sweep"].iloc[0], figure, table,
                  [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],
-                 "Dolan and Moré: how many problems a method solves within so many times the multiply-adds of the best. Solved is "
-                 "a natural map that stays below 0.001 g dt. What a line does not reach takes more iterations than were run, or "
-                 f"is named below: at more than {FAR:g} times.")
+                 "Dolan and Moré: how many problems a method solves within so many times the multiply-adds of the best. Solved "
+                 "is a natural map that stays below 0.001 g dt. What a line does not reach takes more iterations than were run, "
+                 f"or is named below: at more than {FAR:g} times.")
 
 
 def _beyond(found, count):

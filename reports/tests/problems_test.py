@@ -23,8 +23,8 @@ def invented(maker, dear=False, ns=None):
         first = next((n for n, value in enumerate(left) if value < 1e-3), math.nan)
         axes = {"kind": "problems", "precision": "f64", "problems": name, "velocity": method, "start": "cold", "order": order,
                 "friction": friction, "dimension": 2, "timed": ns is not None, "repeat": 0}
-        found = {"problem_residual": left[-1], "multiply_adds_to_thousandth": each * first, "rate": rate, "predicted_rate": predicted,
-                 "multiply_adds": 40 * each}
+        found = {"problem_residual": left[-1], "multiply_adds_to_thousandth": each * first, "rate": rate,
+                 "predicted_rate": predicted, "multiply_adds": 40 * each}
         series = {"problem_residual": left, "multiply_adds": [each * n for n in range(41)]}
         if ns:
             found["ns_per_solve"] = 40 * ns[method]
