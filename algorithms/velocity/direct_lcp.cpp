@@ -89,6 +89,7 @@ class DirectLcp final : public VelocityResolver<D> {
   static constexpr double kBetter = 0.5;      // of what the last of them left: less is rounding
   static constexpr double kLeft = 1e-3, kWrong = 1e4;  // of the tolerance: where they end, and what is no answer
   static constexpr int kFewTurns = 100;
+  static constexpr double kContradiction = 1e-6, kContradicted = 1e-4;  // of the speed; what rows give way then
   static constexpr double kSoftest = 1e-1, kHarder = 0.1;
   static constexpr double kApart = 1e-3, kWithin = 0.9;  // of a path's start: of the speed, and of a cone
   enum class Part : std::uint8_t { none, inside, low, high, stick, corner, edge };
@@ -122,21 +123,37 @@ class DirectLcp final : public VelocityResolver<D> {
     if (!m_island.dense) m_island.bodies.analyse(m_bodies);
     m_cfm = 0;
     soften(cfm);
-    guess();
-    m_start = m_island.u, m_warm = m_island.x, m_last.assign(n, 0);
-    for (int pass = 0; pass < kPasses; ++pass) {
-      for (std::size_t i = 0; i < n; ++i) m_island.u[i] = m_start[i] - cfm * m_last[i];
-      if (!activeSets() && !path(kFewTurns) && !softly()) {
-        if (!assemble() || !lemke()) return false;
-        guess();
-      }
-      m_last = m_warm = m_island.x;
+    m_start = m_island.u, m_first = m_warm = m_island.x;
+    double left = 0;
+    if (!passes(left)) return false;
+    if (left > kContradiction * m_tolerance / kTolerance && cfm < kContradicted) {
+      m_island.x = m_warm = m_first;
+      soften(kContradicted);
+      if (!passes(left)) return false;
     }
     m_island.store(m_impulse);
     for (const std::int32_t i : rows) m_problem.project(i, m_impulse.data() + i);  // rounding
     return true;
   }
 
+  // Rows that contradict each other pull as hard as they are stiff, and would be all rounding; `left` is what the last
+  // pass still asked for.
+  bool passes(double& left) {
+    const std::size_t n = m_island.size();
+    m_island.u = m_start, m_last.assign(n, 0);
+    guess();
+    for (int pass = 0; pass < kPasses; ++pass) {
+      for (std::size_t i = 0; i < n; ++i) m_island.u[i] = m_start[i] - m_cfm * m_last[i];
+      if (!activeSets() && !path(kFewTurns) && !(m_cfm > 0 && softly())) {
+        if (!assemble() || !lemke()) return false;
+        guess();
+      }
+      left = 0;
+      for (std::size_t i = 0; i < n; ++i) left = worse(left, m_cfm * std::abs(m_island.x[i] - m_last[i]));
+      m_last = m_warm = m_island.x;
+    }
+    return true;
+  }
   /// False: it has too many rows.
   bool assemble() {
     if (m_island.dense) return true;
@@ -321,7 +338,7 @@ class DirectLcp final : public VelocityResolver<D> {
   }
   // Through softer problems, on the paths of which less changes.
   bool softly() {
-    const double cfm = double(m_params.cfm);
+    const double cfm = m_cfm;
     bool right = true;
     for (double soft = std::max(kSoftest, cfm); right; soft = std::max(soft * kHarder, cfm)) {
       soften(soft);
@@ -700,8 +717,8 @@ class DirectLcp final : public VelocityResolver<D> {
   double m_cfm = 0;                      // now
   double m_tolerance = 0, m_middle = 0;  // scaled velocity; how far an edge is from the axis
   bool m_factored = false;               // is the factor that of m_state?
-  std::vector<double> m_free, m_impulse, m_velocity, m_start, m_warm, m_last, m_product, m_way, m_dx, m_du, m_z,
-      m_matrix, m_right, m_answer, m_lcp, m_q, m_lemkeZ;
+  std::vector<double> m_free, m_impulse, m_velocity, m_start, m_first, m_warm, m_last, m_product, m_way, m_dx, m_du,
+      m_z, m_matrix, m_right, m_answer, m_lcp, m_q, m_lemkeZ;
   std::vector<Tangent> m_along;                 // by row, of normals
   std::vector<std::array<double, 2>> m_corner;  // cosine and sine of half steps
   std::vector<State> m_state;
