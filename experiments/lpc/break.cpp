@@ -87,7 +87,7 @@ PlannedSweep plan(BreakOptions& o) {
   out.roles = {{"question", "run"}, {"pipeline", "label"}, {"scene", "run"}, {"seed", "run"}, {"dimension", "run"}};
   if (o.budget) {
     if (!(*o.budget > 0)) throw UserError("--equal-cost is " + asText(*o.budget) + "; valid: above 0");
-    out.calibration = Calibration{"cost", "work_row_updates", "--equal-cost", kSetting, 256, false};
+    out.calibration = Calibration{"cost", "work_multiply_adds", "--equal-cost", kSetting, 256, false};
     out.roles["budget"] = "run";
   }
   const auto roles = std::make_shared<std::map<std::string, std::string>>();
@@ -165,7 +165,7 @@ void print(const BreakQuestion& q, const Broken& b) {
               std::to_string(b.fell->of) + " fail, " + b.fell->failure;
     }
     if (b.half && q.truth > 0) line += "; by the closed form at " + number(q.truth) + ", " + aside(*b.half / q.truth);
-    if (b.held) line += "; " + number(b.held->rows) + " row updates per step";
+    if (b.held) line += "; " + number(b.held->cost) + " multiply-adds per step";
     for (const double value : b.passesBeyond) then += (then.empty() ? "" : ", ") + number(value);
   }
   std::printf("%s\n  %s\n", b.axes.at("pipeline").get<std::string>().c_str(), line.c_str());
@@ -226,7 +226,8 @@ void addBreak(CommandLine& app, Session& session) {
   command.option("--precision", o->precision, "f64 or f32").showDefault();
   command.option("--param", o->params, "another parameter of the scene, NAME=NUMBER or joint=KIND (may be repeated)");
   command.option("--steps", o->steps, "number of steps; default: the scene's");
-  command.option("--equal-cost", o->budget, "row updates per step: each method has as many $iterations as that allows");
+  command.option("--equal-cost", o->budget,
+                 "multiply-adds per step: each method has as many $iterations as that allows");
   command.flag("--timed", o->timed, "times the last value that holds, too");
   command.option("--store", o->store, "SQLite file, made if absent; what it has is not run again").showDefault();
   command.flag("--quiet", o->quiet, "no progress line");

@@ -72,7 +72,7 @@ struct Rung {
   long failed = 0, of = 0;  // seeds
   std::string failure;      // outcome and reason of the first that failed
   bool refused = false;     // unsupported, or over the budget: more seeds tell no more
-  double rows = 0;          // row updates per step: median of the seeds that held, or of all
+  double cost = 0;          // multiply-adds per step: median of the seeds that held, or of all
   bool holds() const { return 2 * failed < of; }
 };
 

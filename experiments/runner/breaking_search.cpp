@@ -165,7 +165,7 @@ class Breaker {
     Rung rung;
     rung.value = value, rung.of = static_cast<long>(trials.size());
     rung.refused = !trials.empty();
-    std::vector<double> rows, all;
+    std::vector<double> costs, all;
     for (const PlannedTrial& t : trials) {
       Store::Row row{"unsupported", t.unsupported, {}};
       if (t.unsupported.empty()) {
@@ -176,12 +176,12 @@ class Breaker {
       const std::string failure = failureOf(q, row);
       rung.failed += !failure.empty(), rung.refused = rung.refused && row.outcome == "unsupported";
       if (rung.failure.empty()) rung.failure = failure;
-      const auto cost = row.metrics.find("work_row_updates");
+      const auto cost = row.metrics.find("work_multiply_adds");
       if (cost == row.metrics.end() || !std::isfinite(cost->second)) continue;
       all.push_back(cost->second);
-      if (failure.empty()) rows.push_back(cost->second);
+      if (failure.empty()) costs.push_back(cost->second);
     }
-    rung.rows = quantile(rows.empty() ? all : rows, 0.5);
+    rung.cost = quantile(costs.empty() ? all : costs, 0.5);
     return rung;
   }
 

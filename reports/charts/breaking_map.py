@@ -55,7 +55,7 @@ class Found:
     laxer: dict = None  # {limit: where half of the seeds have sunk farther than that share of the smallest body}
     hole: str = ""  # why there is no rung
     dear: str = ""  # what a rung that is unsupported is
-    rows: float = math.nan  # row updates per step of what held, or of the first
+    cost: float = math.nan  # multiply-adds per step of what held, or of the first
     ms: float = math.nan
 
 
@@ -148,7 +148,7 @@ def found_of(store, cells, about):
     whole = cells[[bool(keys) and None not in keys for keys in cells["keys"]]]
     if any(store.trials.loc[key]["metrics"].get("sunk") is not None for keys in whole["keys"] for key in keys):
         found.laxer = laxer(store, whole, about)
-    found.rows, found.ms = (float(cell.get(metric, math.nan)) for metric in ("work_row_updates", "ms_per_step_median"))
+    found.cost, found.ms = (float(cell.get(metric, math.nan)) for metric in ("work_multiply_adds", "ms_per_step_median"))
     return found
 
 
@@ -295,7 +295,7 @@ def _title(cells, first, axes):
         if axis == "question":
             parts.append(str(value))
         elif value == value and value is not None and (axis == "scene" or cells[axis].nunique() > 1):
-            parts.append(f"{int(value)}D" if axis == "dimension" else f"{figures(float(value))} rows" if axis == "budget" else
+            parts.append(f"{int(value)}D" if axis == "dimension" else f"{figures(float(value))} multiply-adds" if axis == "budget" else
                          str(value))
     return "\n".join(parts)
 
@@ -382,7 +382,7 @@ def _cell(ax, x, y, found, about, best, ends):
     for line, words in enumerate(aside):
         ax.text(x + 0.94, y + 0.22 + 0.23 * line, words, ha="right", va="center", fontsize=7.5, color=FAILS)
     ax.text(x + 0.06, y + 0.45, bracket, ha="left", va="center", fontsize=7.5, color="#444444")
-    cost = "" if math.isnan(found.rows) else f"{figures(found.rows)} rows"
+    cost = "" if math.isnan(found.cost) else f"{figures(found.cost)}"
     cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"
     ax.text(x + 0.06, y + 0.65, cost, ha="left", va="center", fontsize=7.5, color="#444444")
     if found.laxer:
@@ -413,7 +413,7 @@ def _table(columns):
         part |= {"seeds that fail there": [f.fell.failed if f.fell else 0 for f in found],
                  "outcome there": [f.fell.outcome if f.fell else f.hole for f in found],
                  "values tried": [len(f.rungs) for f in found], "hold beyond": [len(f.beyond) for f in found]}
-        part |= quantity("row updates per step", "1", [f.rows for f in found])
+        part |= quantity("multiply-adds per step", "1", [f.cost for f in found])
         part |= quantity("time per step", "ms", [f.ms for f in found])
         parts.append(pd.DataFrame(part))
     return pd.concat(parts, ignore_index=True)

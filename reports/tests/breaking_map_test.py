@@ -45,10 +45,10 @@ class Map(undrawn.Undrawn):
                             maker.trial("mine", axes, {}, "unsupported", "it costs 500, the budget is 400")
                             continue
                         if limit:
-                            maker.trial("mine", axes, {"joint_error_max": seeds[seed - 1], "work_row_updates": 9.0})
+                            maker.trial("mine", axes, {"joint_error_max": seeds[seed - 1], "work_multiply_adds": 9.0})
                             continue
                         fell = seed <= seeds
-                        maker.trial("mine", axes, {"work_row_updates": 10.0 * value}, "collapsed" if fell else "ok",
+                        maker.trial("mine", axes, {"work_multiply_adds": 10.0 * value}, "collapsed" if fell else "ok",
                                     "drift" if fell else "", 50 if fell else None)
         maker.close()
         found = chart.made(breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
@@ -72,7 +72,7 @@ class Map(undrawn.Undrawn):
         self.assertEqual(rows["soft_step"]["last that holds [1]"], 8)
         self.assertTrue(math.isnan(rows["soft_step"]["first that fails [1]"]))
         self.assertTrue(math.isnan(rows["millington"]["last that holds [1]"]))
-        self.assertEqual(rows["catto"]["row updates per step [1]"], 40)
+        self.assertEqual(rows["catto"]["multiply-adds per step [1]"], 40)
         self.assertAlmostEqual(rows["catto"]["half of the seeds fail at [1]"], math.sqrt(20), msg="2 of 5, then 3")
         self.assertEqual(made.finding, "tallest tower, stack: soft_step holds to n = 8 (the last that was tried), naive to 1.41, "
                          "millington holds at none; 1 ladder is not monotone.")
