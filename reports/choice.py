@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Zlib
 """What to take of each stage for one scene, why not the others, and the pipeline that all of it is together.
 
-A choice must stand when the scene starts elsewhere. So a method errs more only where it does under every seed, is slower
-only beyond the noise (noise.py) and under every seed, and ties otherwise. Among those that tie the fastest is a matter of the
-hour: taken is who errs least under every seed, else what the other stages were judged with, else the fastest.
+A choice must stand when the scene starts elsewhere. So a method errs more only where it does beyond doubt over the seeds
+(ranking.py), is slower only beyond that and the noise (noise.py), and ties otherwise. Depths within the slop that methods keep
+on purpose are equal, and so is what is slow enough to rest. Among those that tie the fastest is a matter of the hour: taken is
+who errs least beyond doubt, else what the other stages were judged with, else the fastest.
 """
 
 from collections import Counter
@@ -12,8 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+import metrics
 import noise
-from chart import describe
+import ranking
+from chart import describe, plural
 from charts.cost_against_error import errors_of
 from load import axes_of, split, varying
 from style import si, times
@@ -24,8 +27,10 @@ ALONE = "ms_of_stage"  # of a stage that changes nothing but the time; a column 
 TOGETHER = "together"  # the axis of a sweep of whole pipelines, in which what is taken runs as one
 OWN = ("work_box_tests", "work_node_visits", "work_sort_moves")  # counted by broadphases, by nobody after them
 AS_RIGHT = 2.0  # a method errs as little as another when it errs at most so many times as much: half as wrong is worth no time
-TURNS = "the rank turns round between seeds"
-ORDER = ("take", "tie", "slower", "errs more")
+TURNS = "not told from chance over the seeds"
+ORDER = ("take", "tie", "slower", "errs more", "not ranked")
+DEPTH = "less overlap"  # what less of a depth means
+JITTER, AT_REST = "jitter", 0.05  # m/s; slower than this is at rest (experiments/trial/settling.h)
 
 
 @dataclass(frozen=True)
@@ -75,37 +80,51 @@ def _named(context, cells, but):
 
 
 def errors_judged(context, parts):
-    """What the scene is left with, how wrong it ever was, and what else its trials measure as an error; what all have."""
+    """What the scene is left with, how wrong it ever was, whether it rests, and what else its trials measure as an error; what all
+    have."""
     cells = pd.concat(parts, ignore_index=True)
     finished = cells[cells["outcome"] == "ok"]
-    shared = [name for name in (LEFT, "penetration_poses") if name in finished and len(finished) and
+    shared = [name for name in (LEFT, "penetration_poses", JITTER) if name in finished and len(finished) and
               finished[name].notna().all() and (finished[name] > 0).any()]
     meant = {context.metric(name).smaller for name in shared}
     others = [name for name in errors_of(context, cells) if context.metric(name).smaller not in meant]
     return shared + [name for name in others if context.metric(name).compute is None][:1] or others[:1]
 
 
+def zeros(context, cells, errors):
+    """{error: what counts as none}: of a depth the largest slop that one of these keeps on purpose, of a speed what rests."""
+    kept = max([metrics.slop(metrics.Trial(context.store, cell["key"])) for cell in cells if cell["key"] is not None],
+               default=0.0)
+    return {error: max(context.floor(error), kept if context.metric(error).smaller == DEPTH else
+                       AT_REST if error == JITTER else 0.0) for error in errors}
+
+
 def choose(context, sweep, cells, errors, given=""):
     """`given`: the pipeline with which the other stages were judged."""
     cells, cost = _costs(context, sweep, cells)
+    excused = ranking.excused(context, cells)
+    excused = {cells["name"][index]: why for index, why in excused.items()}
     floors = {name: noise.floor(cells, name) for name in (cost, COST)}
     rows = [(cell, context.store.role(cell["method"])) for _, cell in cells.iterrows()]
-    ours = [cell for cell, role in rows if role == "competitor"]
-    right = [cell for cell in ours if not _failed(cell, cost) and not wrong(context, cell, ours, errors)]
+    ours = [cell for cell, role in rows if role == "competitor" and cell["name"] not in excused]
+    least, many = zeros(context, ours, errors), ranking.comparisons(len(ours))
+    right = [cell for cell in ours if not _failed(cell, cost) and not wrong(context, cell, ours, least)]
     usual = _usual(ours)
     # Who leaves other work to the rest of the step is judged by the whole of it.
     right.sort(key=lambda cell: (_by(cell, cost, usual) != cost, cell[cost]))
     fastest = next(iter(right), None)
     equals = [cell for cell in right if cell is fastest or (_by(cell, cost, usual) == cost and
-                                                            tie(fastest, cell, cost, floors[cost]))]
-    take, why = _of_equals(context, equals, errors, given)
+                                                            tie(fastest, cell, cost, floors[cost], many))]
+    take, why = _of_equals(context, equals, least, given)
     found = []
     for cell, role in rows:
-        failed, errs = _failed(cell, cost), "; ".join(wrong(context, cell, ours, errors))
+        failed, errs = _failed(cell, cost), "; ".join(wrong(context, cell, ours, least))
         by = _by(cell, cost, usual)
-        speed = "" if failed or take is None else tie(fastest, take if cell is fastest else cell, by, floors[by])
+        speed = "" if failed or take is None else tie(fastest, take if cell is fastest else cell, by, floors[by], many)
         if failed:
             word, reason = failed
+        elif cell["name"] in excused:
+            word, reason = "not ranked", excused[cell["name"]]
         elif cell is take:
             word, reason = "take", f"of those that are as fast it {why}" if why else (
                 f"the {'fastest' if len(right) > 1 else 'only one'} of those that finished and err as little")
@@ -115,7 +134,7 @@ def choose(context, sweep, cells, errors, given=""):
             slow = speed or (f"{ratio(noise.ratio(fastest, cell, by))} times as long{whom}" if take is not None else "")
             slow += " (whole steps: it makes other work)" if slow and by != cost else ""
             reason = errs if errs and role == "competitor" else "; ".join(filter(None, [slow, errs]))
-        if role != "competitor":
+        if role != "competitor" and cell["name"] not in excused:
             word = "" if not failed else word
         found.append(Verdict(cell["name"], role, word, reason, cell, by))
     found.sort(key=lambda v: (v.role != "competitor", ORDER.index(v.word) if v.word in ORDER else len(ORDER) * (v.word != ""),
@@ -139,16 +158,15 @@ def _by(cell, cost, usual):
     return cost if cost == COST or _later(cell) == usual else COST
 
 
-def _of_equals(context, cells, errors, given):
+def _of_equals(context, cells, least, given):
     """(the one to take of methods that tie, why)."""
     if len(cells) < 2:
         return next(iter(cells), None), ""
-    for error in errors:
-        least = [cell for cell in cells if all(other is cell or noise.beats(cell, other, error, context.floor(error))
-                                               for other in cells)]
-        if least:
-            seeds = "every seed" if len(least[0]["seeds"]) > 1 else "the one seed"
-            return least[0], f"has the smallest {context.title(error).removeprefix('largest ')} under {seeds}"
+    many = ranking.comparisons(len(cells))
+    for error, zero in least.items():
+        first = [cell for cell in cells if all(other is cell or ranking.better(cell, other, error, zero, many) for other in cells)]
+        if first:
+            return first[0], f"has the smallest {context.title(error).removeprefix('largest ')} over {_seeds(first[0])}"
     for cell in cells:
         if given and pipeline_of(context.store, cell) == given:
             return cell, "is what the other stages were judged with"
@@ -193,33 +211,37 @@ def _failed(cell, cost):
     return None
 
 
-def wrong(context, cell, ours, errors):
-    """Reasons: the errors that a method makes more of than AS_RIGHT times the least of ours, under every seed."""
-    said = []
-    for error in errors:
-        zero, unit = context.floor(error), context.unit(error)
+def _seeds(cell):
+    return plural(len(cell["seeds"]), "seed")
+
+
+def wrong(context, cell, ours, least):
+    """Reasons: the errors that a method makes more of than AS_RIGHT times the least of ours, beyond doubt. `least`: {error: what
+    counts as none}."""
+    said, many = [], ranking.comparisons(len(ours))
+    for error, zero in least.items():
+        unit = context.unit(error)
         known = [other for other in ours if np.isfinite(noise.of_seeds(other, error)).all()]
         if not known:
             continue
         best = min(known, key=lambda other: float(np.median(noise.of_seeds(other, error))))
-        mine, least = noise.of_seeds(cell, error), noise.of_seeds(best, error)
-        if len(mine) != len(least) or not all(a > AS_RIGHT * max(b, zero) for a, b in zip(mine, least)):
+        if not ranking.better(best, cell, error, zero, many, AS_RIGHT):
             continue
-        a, b = float(np.median(mine)), float(np.median(least))
-        more = f"{ratio(a / b)} times that of {best['name']}" if b > zero else f"{si(a, unit)} where {best['name']} has none"
-        seeds = f"each of {len(mine)} seeds" if len(mine) > 1 else "the one seed"
-        said.append(f"{context.title(error)} {more}, above {AS_RIGHT:g} times under {seeds}")
+        a, b = (float(np.median(noise.of_seeds(found, error))) for found in (cell, best))
+        none = "none" if zero == context.floor(error) else f"no more than {si(zero, unit)}, which counts as none"
+        more = f"{ratio(a / b)} times that of {best['name']}" if b > zero else f"{si(a, unit)} where {best['name']} has {none}"
+        said.append(f"{context.title(error)} {more}, above {AS_RIGHT:g} times over {_seeds(cell)}")
     return said
 
 
-def tie(a, b, cost, floor):
+def tie(a, b, cost, floor, many=1):
     """Why two that finished are as fast as one another; empty where one is faster beyond doubt."""
     if cost == ALONE:  # of equal runs, whose counts tell nothing
         a, b = (cell[[name for name in cell.index if not name.startswith("work_")]] for cell in (a, b))
     said = noise.said(a, b, cost, floor)
     if said in (*noise.IN_WORDS, noise.SAME_WORK):
         return noise.IN_WORDS.get(said, said)
-    return "" if noise.beats(a, b, cost) or noise.beats(b, a, cost) else TURNS
+    return "" if ranking.better(a, b, cost, many=many) or ranking.better(b, a, cost, many=many) else TURNS
 
 
 def ratio(value):

@@ -6,6 +6,7 @@ without which it is not defined (NaN). What a trial measures itself is described
 """
 
 import math
+import re
 
 import numpy as np
 
@@ -137,6 +138,23 @@ def contact_flicker(trial):
 def mean_penetration_rest(trial):
     values = _last_quarter(trial.series("mean_penetration"))
     return math.nan if values is None else float(np.mean(values))
+
+
+def slop(trial):
+    """The depth (m) that a method keeps on purpose: the largest of its parts, and what an engine was set to."""
+    told = [trial.canonical.get("pipeline", ""), str(trial.canonical.get("engine", ""))]
+    return max([float(found) for text in told for found in re.findall(r"\bslop['\"]?[=:]\s*['\"]?([0-9.e+-]+)", text)], default=0.0)
+
+
+@metric("penetration beyond the slop", "m", "largest penetration of shapes (after a second, where bodies should rest), less the "
+        "slop that the method keeps on purpose", "less overlap than is kept on purpose", ("penetration_poses",))
+def penetration_beyond_slop(trial):
+    settled = trial.metrics.get("penetration_settled")
+    return max(0.0, (trial.metrics["penetration_poses"] if settled is None else settled) - slop(trial))
+
+
+# Depths, of which this one is what nobody meant.
+BEYOND_SLOP = dict.fromkeys(("penetration_settled", "penetration_poses", "max_penetration"), "penetration_beyond_slop")
 
 
 def known(store):

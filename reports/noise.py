@@ -5,7 +5,7 @@ Times of one cell differ from repeat to repeat. The *floor* is how far apart the
 in the same sweep: its even repeats against its odd ones, which were made in the same rounds as everybody else's. A ratio
 of two times is told when it is beyond the floor and the intervals of the two medians are apart; else it is noise. The floor
 is that of the whole sweep, whatever a chart shows of it, and each role has its own: what runs in a process of its own is
-noisier than what does not. A rank that another seed turns round is a tie.
+noisier than what does not. Ranks over seeds are in ranking.py.
 """
 
 import math
@@ -190,12 +190,6 @@ def of_seeds(cell, metric):
         return [math.inf if v is None or v != v else float(v) for v in found]
     value = cell.get(metric)
     return [math.inf if value is None or value != value or cell["outcome"] != "ok" else float(value)]
-
-
-def beats(a, b, metric, zero=0.0):
-    """Whether `a` is better than `b` under every seed: a rank that flips is a tie. What is not above `zero` is 0."""
-    mine, other = ([x if x > zero else 0.0 for x in of_seeds(cell, metric)] for cell in (a, b))
-    return len(mine) == len(other) and all(x < y for x, y in zip(mine, other))
 
 
 def idle_seeds(cells):

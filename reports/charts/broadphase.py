@@ -20,6 +20,8 @@ SECTION = "Which broadphase for how many bodies?"
 TIME, TESTS = "ns_per_frame_median", "box_tests_mean"
 NEEDS = Needs("boxes", varies=("n",), metrics=(TIME, TESTS))
 ASKED = {"heritage_broadphase": "region_tree"}  # by sweep: the tree of figure 7.3 of the 2009 report
+UNTIMED = "not timed beside it"
+WHY_UNTIMED = "the first ten frames are warm-up; the sweep has no more, or is not timed"
 ABSENT = Chart("broadphase", SECTION, "Time over body count", "No timed sweep of boxes over their number is in this store.",
                "broadphase_crossover")
 
@@ -69,7 +71,8 @@ def crossings(cells, base, least=1.0):
             a, b = slow[at_base], other[at_other]
             both = np.isfinite(a) & np.isfinite(b)
             if not both.any():
-                rows.append((distribution, method, "unknown", *[math.nan] * 5))
+                done = [set(part[(part["method"] == name) & (part["outcome"] == "ok")]["n"]) for name in (base, method)]
+                rows.append((distribution, method, UNTIMED if set.intersection(*done) else "unknown", *[math.nan] * 5))
                 continue
             cross = metrics.crossover(shared, a, b)
             last = np.flatnonzero(both)[-1]
@@ -134,7 +137,7 @@ def of_report(cross, base, asked):
     rows = cross[(cross["method"] == asked) & ~cross.index.isin(crossing_methods(cross).index)]
     return [f"on {row.distribution} boxes {asked} {overtakes(row, base)}" if row.kind == "crosses" else
             f"on {row.distribution} boxes {asked} is {row.kind.replace('faster', f'faster than {base}')}" for row in
-            rows.itertuples() if row.kind != "unknown" and row.distribution in set(crossing_methods(cross)["distribution"])]
+            rows.itertuples() if row.kind not in ("unknown", UNTIMED) and row.distribution in set(crossing_methods(cross)["distribution"])]
 
 
 def finding(cross, base, dimension, ahead, least, asked=""):
@@ -146,6 +149,9 @@ def finding(cross, base, dimension, ahead, least, asked=""):
     crossed = set(crossing_methods(cross)["distribution"])
     for distribution, part in cross.groupby("distribution", sort=True):
         if distribution in crossed:
+            continue
+        if (part["kind"] == UNTIMED).all():
+            said.append(f"on {distribution} boxes no time was taken ({WHY_UNTIMED})")
             continue
         kinds = [f"{listing(rows['method'])} {'is' if len(rows) == 1 else 'are'} {kind}" if kind != "unknown" else
                  f"{listing(rows['method'])} and {base} have no size in common that both finished"
@@ -169,6 +175,12 @@ def headline(cells, cross, base, dimension, ahead, least):
     return Headline(f"Among {n:,.0f} {distribution} boxes in {dimension}D {listing(names)}{',' if len(names) > 1 else ''} {find} "
                     f"{speeds(ratios)} times as fast as {base}{since}.",
                     dict(zip(part["method"], metrics.column(part, TIME))), "ns", "time per frame")
+
+
+def untimed(cells):
+    """A sentence where runs finished without a time."""
+    none = sorted(cells[(cells["outcome"] == "ok").to_numpy() & ~np.isfinite(metrics.column(cells, TIME))]["method"].unique())
+    return [f"no time of {listing(none)}: {WHY_UNTIMED}"] if none else []
 
 
 def n_share(cells, n):
@@ -245,7 +257,7 @@ def _chart(context, cells, dimension, where, refused):
                  f"{dimension}D" + (f", {where}" if where else ""),
                  finding(cross, base, dimension, ahead, least, ASKED.get(cells["sweep"].iloc[0], "")),
                  cells["sweep"].iloc[0], figure, table,
-                 refused + holes(cells, ["distribution", "method", "n"]),
+                 refused + untimed(cells) + holes(cells, ["distribution", "method", "n"]),
                  "Both axes are logarithmic; a line of slope 2 is n². Bands are quartiles over "
                  f"frames. The dotted line is where the named method overtakes {base} for good, interpolated between the two "
                  f"sizes measured; others may be faster there. Whiskers hold the median of the repeats. {noise.rule(least)}"

@@ -9,6 +9,7 @@ import pandas as pd
 
 import metrics
 import noise
+import ranking
 from chart import Chart, Needs, describe, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
@@ -69,10 +70,11 @@ def least_of(context, cells, cost):
 def finding(context, cells, cost, error):
     """Whose error is smallest within each budget: `within 1 ms and 2 ms per step that of a (4 mm), within 4 ms that of ...`."""
     unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
+    cells = ranking.eligible(context, cells)
     for budget in marks(cells, cost, error):
         reached = within(cells, cost, error, budget, least_of(context, cells, cost))
-        best = min(reached.values(), key=lambda cell: cell[error])
-        equals = [m for m, cell in reached.items() if not noise.beats(best, cell, error, context.floor(error))]
+        best, many = min(reached.values(), key=lambda cell: cell[error]), ranking.comparisons(len(reached))
+        equals = [m for m, cell in reached.items() if not ranking.better(best, cell, error, context.floor(error), many)]
         value = best[error] if best[error] > context.floor(error) else 0.0
         unit_of_cost = context.unit(cost)
         text = f"{budget:,.0f}" if unit_of_cost == "1" and budget >= 100 else si(budget, unit_of_cost)
@@ -89,7 +91,8 @@ def _chart(context, cells, where, setting, refused):
     if not costs:
         return None
     labels, looks = sorted(cells["method"].unique()), context.looks(cells)
-    width = legend_room(map(context.name, labels), 2.0)
+    names = ranking.names(context, cells)
+    width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
     rows = []
     for column, cost in enumerate(costs):
@@ -112,12 +115,14 @@ def _chart(context, cells, where, setting, refused):
                 rows.append({"method": method, setting: cell[setting], **{name: v[0] for name, v in numbers.items()}})
         ax.set_xlabel(context.title(cost))
         ax.set_ylabel(f"least {context.title(error).removeprefix('largest ')}" if column == 0 else "")
-    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in labels], width)
+    legend_right(figure, [Line2D([], [], label=names[m], **looks(m)) for m in labels], width)
     said = [finding(context, cells, cost, error) for cost in costs]
     return Chart(identifier(f"{cells['sweep'].iloc[0]} budgets {where}"), SECTION, f"Least error within a budget: {where}",
-                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} is, " + "; ".join(said) + ".",
+                 f"On {where} the smallest {context.title(error).removeprefix('largest ')} is, " + "; ".join(said) + "."
+                 + ranking.tail(context, cells),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
                  f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
                  "are the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that "
-                 "cheap: a time above the budget by no more than the noise is within it. " + noise.rule(
+                 "cheap: a time above the budget by no more than the noise is within it. "
+                 + ranking.rule(max(map(len, cells["seeds"])), len(labels)) + " " + noise.rule(
                      noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

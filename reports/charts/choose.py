@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 import metrics
 import noise
 from chart import Chart, Headline, holes, identifier, listing, plural
-from choice import (ALONE, AS_RIGHT, COST, TOGETHER, by_place, choose, combination, errors_judged, given_of,
-                    pipeline_of, ratio, short, span, tie)
+from choice import (ALONE, AS_RIGHT, COST, JITTER, TOGETHER, by_place, choose, combination, errors_judged, given_of,
+                    pipeline_of, ratio, short, span, tie, zeros)
 from load import one_machine
 from style import ZeroLog, grid_of_axes, letter, si
 from table import quantity
@@ -103,6 +103,8 @@ def _sentence(choice):
     text += f"; {listing(out)} {'errs' if len(out) == 1 else 'err'} more" if out else ""
     failed = [f"{v.name} {v.word}" for v in choice.verdicts if v.role == "competitor" and v.cell["outcome"] != "ok"]
     text += f"; {listing(failed)}" if failed else ""
+    excused = [f"{v.name} ({v.reason})" for v in choice.verdicts if v.word == "not ranked"]
+    text += f"; not ranked {listing(excused)}" if excused else ""
     peers = [v for v in choice.verdicts if v.role != "competitor" and not v.word]
     if peers:  # no ratio where it is noise
         text += f"; of other libraries {peers[0].name}, {_short_word(peers[0])}"
@@ -160,6 +162,8 @@ def _label(name, role):
 
 def _short_word(verdict):
     """For the picture; the table has the whole reason."""
+    if verdict.word == "not ranked":
+        return f"not ranked: {verdict.reason}"
     if verdict.word in ("take", "errs more") or verdict.cell["outcome"] != "ok":
         return verdict.word
     first = verdict.reason.split("; ")[0].replace(noise.IN_WORDS[noise.FEW], "too few repeats")
@@ -225,12 +229,25 @@ def _chart(context, advice):
                  f"For {advice.where} take {said}.{_together(context, advice)}", advice.choices[0].sweep, figure,
                  _table(context, advice), advice.refused + missing + bad,
                  f"Taken is the fastest of our methods that finished and err at most {AS_RIGHT:g} times as much as the least "
-                 f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}). Who errs more does so under "
-                 "every seed, and who is slower is so under every seed and beyond the noise; the others tie, and of these the "
-                 "one is taken that errs least under every seed, else what the other stages were judged with. "
+                 f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}). What counts as none: "
+                 f"{none_of(context, advice)}. Who errs more does so beyond doubt over the seeds, and who is slower is so beyond "
+                 "doubt and beyond the noise; the others tie, and of these the one is taken that errs least beyond doubt, else "
+                 "what the other stages were judged with. "
                  f"{' '.join(rules)} The table has the reason of every verdict.", telling=True, headline=_headline(advice),
                  others=tuple(dict.fromkeys([choice.sweep for choice in advice.choices[1:]] +
                                             [cell["sweep"] for _, cell in advice.whole])))
+
+
+def none_of(context, advice):
+    """Up to where errors are none, for the note."""
+    cells = [v.cell for choice in advice.choices for v in choice.verdicts if v.role == "competitor"]
+    least = zeros(context, cells, advice.errors)
+    said = {}
+    for error, zero in least.items():
+        if zero > context.floor(error):
+            said.setdefault(f"{si(zero, context.unit(error))}, {'at rest' if error == JITTER else 'the slop that is kept on purpose'}",
+                            []).append(context.title(error))
+    return "; ".join(f"{listing(titles)} up to {text}" for text, titles in said.items()) or "nothing"
 
 
 def _values(cell, measure):

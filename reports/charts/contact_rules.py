@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
+import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, methods
 from load import one_machine, split, varying
 from style import ZeroLog, fallen, grid_of_axes, letter, times
@@ -34,7 +35,7 @@ def of_sweep(context, cells):
 
 
 def against(cells, base, name):
-    """({ratio: methods that are better than the baseline under every seed}, {...worse}), by `name`; ratios in words."""
+    """({ratio: methods that are better than the baseline beyond doubt}, {...worse}), by `name`; ratios in words."""
     rows = {row["method"]: row for _, row in cells.iterrows() if row["outcome"] == "ok"}
     found = ({}, {})
     for method, row in rows.items():
@@ -42,7 +43,7 @@ def against(cells, base, name):
             continue
         for side, (first, second) in enumerate(((row, rows[base]), (rows[base], row))):
             a, b = float(first[name]), float(second[name])
-            if b >= TOLD * a and b > 0 and noise.beats(first, second, name):
+            if b >= TOLD * a and b > 0 and ranking.better(first, second, name, many=len(rows) - 1):
                 found[side].setdefault(times(a / b if side == 0 else b / a) if a > 0 else "0" if side == 0 else "beyond count",
                                        []).append(method)
     return found
@@ -67,12 +68,12 @@ def finding(context, cells, base, where, least):
         better, worse = against(cells, base, name)
         said = [f"{ratio} times with {methods(names, everyone)}" for side in (better, worse) for ratio, names in
                 sorted(side.items(), key=lambda item: item[1])]
-        parts.append(f"{context.title(name)}: {', '.join(said) if said else 'nobody differs under every seed'}")
+        parts.append(f"{context.title(name)}: {', '.join(said) if said else 'nobody differs beyond doubt'}")
     return f"{text} {'; '.join(parts)}."
 
 
 def headline(context, cells, base, where):
-    """The largest gain or loss of a result, under every seed."""
+    """The largest gain or loss of a result, beyond doubt."""
     rows, found = {row["method"]: row for _, row in cells.iterrows() if row["outcome"] == "ok"}, []
     for name in BOUGHT:
         for side in against(cells, base, name):
@@ -83,7 +84,7 @@ def headline(context, cells, base, where):
         return None
     _, name, method = max(found)
     ratio = float(rows[method][name]) / float(rows[base][name])
-    return Headline(f"{where}: {context.title(name)} with {method} is {times(ratio)} times that with {base}, under every seed.",
+    return Headline(f"{where}: {context.title(name)} with {method} is {times(ratio)} times that with {base}.",
                     {m: float(row[name]) for m, row in rows.items()}, context.unit(name), context.title(name))
 
 
@@ -109,7 +110,8 @@ def _chart(context, cells, where, refused):
                  refused + holes(cells, ["method"]) + noise.idle_seeds(cells),
                  f"Bars go from the least to the most of all seeds, of times over the repeats. A result is told when it "
                  "differs by "
-                 f"{100 * (TOLD - 1):.0f} % and under every seed. {noise.rule(least)}",
+                 f"{100 * (TOLD - 1):.0f} % and beyond doubt. {ranking.rule_of_pairs(max(map(len, cells['seeds'])), len(names) - 1)} "
+                 f"{noise.rule(least)}",
                  headline=headline(context, cells, base, where))
 
 

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
+import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
 from load import one_machine, split, varying
 from style import (ZeroLog, caption_of_lines, fallen, grid_of_axes, legend_right, legend_room, letter, one_line, same, scale_of,
@@ -89,6 +90,8 @@ def finding(context, cells, where, cost_name, error_name):
     kinds = listing(sorted(set(failed["outcome"])))
     unit_of_fails = "cell" if planned.max() == 1 else "cells"
     tail = f" Not ok ({kinds}): {listing(fails)} {unit_of_fails}." if fails else " Every cell finished."
+    tail += ranking.tail(context, cells)
+    everyone, cells = sorted(cells["method"].unique()), ranking.eligible(context, cells)
     result = budgets(cells, cost_name, error_name)
     if result is None:
         return f"On {where} no method finished with a cost and an error.{tail}"
@@ -98,17 +101,17 @@ def finding(context, cells, where, cost_name, error_name):
     shown = table.dropna(subset=["error"])
     best, worst = shown.loc[shown["error"].idxmin()], shown.loc[shown["error"].idxmax()]
     what = context.title(error_name)
-    everyone = sorted(cells["method"].unique())
     if len(shown) == 1:
         return f"On {where} only {best['method']} finishes, with {what} {si(best['error'], unit)}.{tail}"
     cell = {method: cells.loc[at] for method, at in zip(shown["method"], shown["at"])}
     seeds = max(map(len, cells["seeds"]))
-    under = f", under each of {seeds} seeds," if seeds > 1 else ""
-    # Whom the best does not beat under every seed is as good.
-    firsts = [m for m in shown["method"] if not noise.beats(cell[best["method"]], cell[m], error_name, floor)]
+    under = f", over {seeds} seeds," if seeds > 1 else ""
+    # Whom the best does not beat beyond doubt is as good.
+    many = ranking.comparisons(len(shown))
+    firsts = [m for m in shown["method"] if not ranking.better(cell[best["method"]], cell[m], error_name, floor, many)]
     if worst["error"] != best["error"] and len(firsts) == len(shown):
         return (f"On {where}, within {si(cost_budget, cost_unit)} per step, the order by {what.removeprefix('largest ')} of "
-                f"{methods(shown['method'], everyone)} turns round between seeds: a tie ({si(best['error'], unit)} to "
+                f"{methods(shown['method'], everyone)} is not told from chance: a tie ({si(best['error'], unit)} to "
                 f"{si(worst['error'], unit)} in the median of {seeds}).{tail}")
     if worst["error"] == best["error"]:
         return (f"On {where} {methods(shown['method'], everyone)} have the same {what.removeprefix('largest ')} "
@@ -137,6 +140,7 @@ def at_setting(cell, named, setting):
 
 def headline(context, cells, where, cost_name, error_name):
     """The errors that methods reach at equal cost."""
+    cells = ranking.eligible(context, cells)
     result = budgets(cells, cost_name, error_name)
     if result is None:
         return None
@@ -150,7 +154,8 @@ def headline(context, cells, where, cost_name, error_name):
     best, worst = ([m for m in known if si(known[m], unit) == text] for text in (least, most))  # what reads alike is a tie
     failed = [m for m in errors if m not in known]
     ends = [cells.loc[table.set_index("method")["at"][group[0]]] for group in (best, worst)]
-    if not failed and (best == worst or not noise.beats(*ends, error_name, floor)):  # a tie, or one between seeds
+    # A tie, or one between seeds.
+    if not failed and (best == worst or not ranking.better(*ends, error_name, floor, ranking.comparisons(len(known)))):
         return None
     what, setting = context.title(error_name).removeprefix("largest "), next(iter(context.settings(cells)), None)
     cell = {method: cells.loc[at] for method, at in zip(table["method"], table["at"]) if method in known}
@@ -168,6 +173,7 @@ def headline(context, cells, where, cost_name, error_name):
 def against_baseline(context, cells, cost_name, error_name):
     """The best of the others against what the sweep compares with, at the largest setting of both."""
     setting, base, everything = next(iter(context.settings(cells)), None), context.baseline(cells), cells
+    cells = ranking.eligible(context, cells)
     if setting:
         cells = cells[cells[setting] == cells[setting].max()]
     named = cells[cells["method"] == base]
@@ -204,7 +210,8 @@ def _cost_chart(context, cells, groups, refused):
     costs = [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
     labels = sorted(cells["method"].unique())
     setting = next(iter(context.settings(cells)), None)
-    legend_width = legend_room(map(context.name, labels), 2.0)
+    names = ranking.names(context, cells)
+    legend_width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(len(costs), len(errors), 2.45, legend_width, left=0.8, gap_x=0.85, gap_y=0.65)
     failed, shared = (cells["outcome"] != "ok").to_numpy(), []
     for row, cost_name in enumerate(costs):
@@ -244,7 +251,7 @@ def _cost_chart(context, cells, groups, refused):
             curves = {m: [values[(cells["method"] == m).to_numpy()] for values in (cost, error)] for m in labels}
             shared.append((f"By {context.title(error_name)} over {context.title(cost_name)}",
                            one_line(ax, same(curves), lambda group: methods(group, labels))))
-    handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
+    handles = [Line2D([], [], label=names[m], **looks(m)) for m in labels]
     handles.append(Line2D([], [], color="#222222", lw=2.6, alpha=0.35, label="Pareto front"))
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o + _whose(cells, o))
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
@@ -255,7 +262,7 @@ def _cost_chart(context, cells, groups, refused):
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed; the front joins what no other beats in both. Whiskers "
-                 "hold the median of repeats and seeds. " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0],
+                 "hold the median of repeats and seeds. " + ranking.rule(max(map(len, cells["seeds"])), len(labels)) + " " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0],
                                                                                       "ms_per_step_median"))
                  + engine_notes(context, cells) + caption_of_lines(shared),
                  telling=True, headline=headline(context, cells, where, costs[0], errors[0]))

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
+import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
 from load import split, varying
@@ -20,10 +21,12 @@ SECTION = "Which ranks hold when a scene starts a little elsewhere?"
 NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="several seeds")
 ABSENT = Chart("ensembles", SECTION, "Ensembles", "No sweep over seeds is in this store.", "ensembles")
 ERRORS = 2  # panels
+START, TOUCHING = "penetration_start", 1e-6  # m: less is that of bodies that touch
 
 
 def of_sweep(context, cells):
-    cells = metrics.add(context.store, cells[cells["seeds"].map(len) > 1], context.metrics("world", "error"))
+    cells = metrics.add(context.store, cells[cells["seeds"].map(len) > 1],
+                        [*context.metrics("world", "error"), *set(metrics.BEYOND_SLOP.values())])
     if not len(cells):
         return []
     groups = [axis for axis in ("scene", "dimension") if axis in cells]
@@ -32,62 +35,55 @@ def of_sweep(context, cells):
 
 
 def ranks(part, error, zero):
-    """(the best by the median, whom it does not beat under every seed) among the cells of one ensemble."""
+    """(the best by the median, whom it does not beat beyond doubt) among the cells of one ensemble."""
     known = part[np.isfinite([np.median(noise.of_seeds(cell, error)) for _, cell in part.iterrows()])]
     if not len(known):
         return None, []
-    values = [np.array([v if v > zero else 0.0 for v in noise.of_seeds(cell, error)]) for _, cell in known.iterrows()]
+    cells = [cell for _, cell in known.iterrows()]
     # Where most seeds end alike medians are equal: then whoever errs less than the others under more seeds stands first.
-    wins = [sum(int(np.sum(mine < other)) - int(np.sum(mine > other)) for other in values if len(other) == len(mine))
-            for mine in values]
-    order = sorted(range(len(known)), key=lambda i: (float(np.median(values[i])), -wins[i]))
-    best = known.iloc[order[0]]
-    return best, [known.iloc[i]["method"] for i in order if not noise.beats(best, known.iloc[i], error, zero)]
+    wins = [sum((v > 0) - (v < 0) for other in cells for v in ranking.log_ratios(mine, other, error, zero)) for mine in cells]
+    order = sorted(range(len(cells)), key=lambda i: (max(float(np.median(noise.of_seeds(cells[i], error))), zero), -wins[i]))
+    best, many = cells[order[0]], ranking.comparisons(len(cells))
+    return best, [cells[i]["method"] for i in order if not ranking.better(best, cells[i], error, zero, many)]
 
 
 def against(best, other, error, zero):
-    """How another cell stands to the best of an ensemble: whether their rank turns round between seeds, and under how many
-    seeds it errs as much and ends in the same state."""
-    mine, theirs = ([v if v > zero else 0.0 for v in noise.of_seeds(cell, error)] for cell in (best, other))
-    pairs = list(zip(mine, theirs))
+    """Under how many seeds another cell errs as much as the best of an ensemble, and ends in the same state."""
     states = sum(a == b and a is not None for a, b in zip(best["hashes"], other["hashes"]))
-    return any(x < y for x, y in pairs) and any(x > y for x, y in pairs), sum(x == y for x, y in pairs), states
+    return sum(v == 0 for v in ranking.log_ratios(best, other, error, zero)), states
+
+
+def overlapping(part):
+    """The deepest overlap (m) at the start, where it is more than rounding: no method has made it, and it ranks none."""
+    found = [v for _, cell in part.iterrows() for v in [cell.get(START, math.nan), *noise.values(cell, f"{START} seeds")]]
+    deepest = max([v for v in found if v == v], default=0.0)
+    return deepest if deepest > TOUCHING else 0.0
 
 
 def winners(part, error, zero):
-    """The methods that err least under every seed, all as much; none where a rank turns round or some seeds tell two apart."""
+    """The methods that nobody beats beyond doubt, where they beat another."""
     best, equals = ranks(part, error, zero)
-    if best is None:
-        return []
-    rows = {cell["method"]: cell for _, cell in part.iterrows()}
-    seeds = len(best["seeds"])
-    return equals if all(against(best, rows[m], error, zero)[1] == seeds for m in equals) else []
+    return [] if best is None or len(equals) == len(part) or overlapping(part) else equals
 
 
 def standing(part, best, equals, everyone, error, zero, what, value):
-    """Who errs least in one ensemble, and what is known of those whom it does not beat under every seed."""
+    """Who errs least in one ensemble, and what is known of those whom it does not beat beyond doubt."""
     rows, seeds = {cell["method"]: cell for _, cell in part.iterrows()}, len(best["seeds"])
-    others = {m: against(best, rows[m], error, zero) for m in equals if m != best["method"]}
-    turned = [m for m, (turns, _, _) in others.items() if turns]
-    level = {m: counts for m, (turns, *counts) in others.items() if not turns}
-    if turned:
-        text = (f"{methods([best['method'], *turned], everyone)} tie: their rank by {what} turns round between {seeds} seeds "
-                f"(smallest median {value}, {best['method']})")
-    elif all(same == seeds for same, _ in level.values()):
-        text = (f"{methods(equals, everyone)} {'has' if len(equals) == 1 else 'have'} the smallest {what} under each of {seeds} "
-                f"seeds (median {value})")
+    if len(equals) == 1:
+        text = f"{best['method']} has the smallest {what} over {seeds} seeds (median {value})"
     else:
-        text = f"no method has a smaller {what} than {best['method']} under any of {seeds} seeds (median {value})"
+        text = f"{methods(equals, everyone)} tie for the smallest {what} over {seeds} seeds (smallest median {value}, {best['method']})"
     alike = {}  # (errs as much, ends in the same state) under so many seeds -> who
-    for method, counts in level.items():
-        alike.setdefault(tuple(counts), []).append(method)
+    for method in equals:
+        if method != best["method"]:
+            alike.setdefault(against(best, rows[method], error, zero), []).append(method)
     for (same, states), found in alike.items():
         verb = "s" if len(found) == 1 else ""
         if states:
             text += (f"; {methods(found, everyone)} end{verb} in the same state as {best['method']} under {states} of {seeds} "
                      "seeds")
         if same > states:
-            text += f"; {methods(found, everyone)} rank{verb} with {best['method']} under {same} of {seeds} seeds"
+            text += f"; {methods(found, everyone)} err{verb} as much as {best['method']} under {same} of {seeds} seeds"
     return text
 
 
@@ -95,15 +91,19 @@ def finding(context, where, groups, error, everyone):
     unit, what, zero = context.unit(error), context.title(error).removeprefix("largest "), context.floor(error)
     said = []
     for place, part in groups:
-        seeds = max(map(len, part["seeds"]))
-        best, equals = ranks(part, error, zero)
+        seeds, ranked = max(map(len, part["seeds"])), ranking.eligible(context, part)
+        best, equals = ranks(ranked, error, zero)
         if best is None:
             said.append(f"{place}: every method fails under half of the {seeds} seeds or more")
+            continue
+        if deep := overlapping(part):
+            said.append(f"{place}: nobody has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
             continue
         worst = max(noise.of_seeds(best, error))
         value = (f"{si(float(np.median(noise.of_seeds(best, error))), unit)}, worst "
                  f"{si(worst, unit) if math.isfinite(worst) else 'a failure'}")
-        text = f"{place}: {standing(part, best, equals, everyone, error, zero, what, value)}"
+        text = f"{place}: {standing(ranked, best, equals, everyone, error, zero, what, value)}"
+        text += beyond(context, ranked, error, everyone)
         fails = {}  # number of seeds -> who fails under so many
         for _, cell in part[part["failed_seeds"] > 0].iterrows():
             low, high = noise.wilson(cell["failed_seeds"], len(cell["seeds"]))
@@ -115,10 +115,24 @@ def finding(context, where, groups, error, everyone):
     return "; ".join(text.removeprefix(f"{where}: ") for text in said) + "."
 
 
+def beyond(context, part, error, everyone):
+    """Who stands first by what is deeper than the slop that each method keeps on purpose; empty where the error is no depth."""
+    other = metrics.BEYOND_SLOP.get(error)
+    if other is None or other not in part:
+        return ""
+    best, equals = ranks(part, other, context.floor(other))
+    if best is None:
+        return ""
+    value = float(np.median(noise.of_seeds(best, other)))
+    return (f"; beyond the slop that each keeps on purpose {methods(equals, everyone)} {'is' if len(equals) == 1 else 'tie'} first "
+            f"({si(value if value > context.floor(other) else 0.0, context.unit(other))})")
+
+
 def headline(context, where, groups, error, everyone):
-    """Who is best under every seed, in each ensemble: what holds where bodies start far apart need not hold where they start
+    """Who is best beyond doubt, in each ensemble: what holds where bodies start far apart need not hold where they start
     close. The numbers are those of the widest ensemble; where it has no winner, or its seeds change nothing, there is none."""
     zero, what = context.floor(error), context.title(error).removeprefix("largest ")
+    groups = [(place, ranking.eligible(context, part)) for place, part in groups]
     won = [(place, winners(part, error, zero)) for place, part in groups]
     part = groups[-1][1]
     if not won[-1][1] or noise.idle_seeds(part):
@@ -128,7 +142,7 @@ def headline(context, where, groups, error, everyone):
     for place, found in sorted(won, key=lambda one: not one[1]):
         places.setdefault(tuple(found), []).append(place)
     (winner, at), *further = ((methods(found, everyone) if found else "no method", listing(at)) for found, at in places.items())
-    has = f"{winner} {'have' if len(next(iter(places))) > 1 else 'has'} the smallest {what} every time"
+    has = f"{winner} {'tie for' if len(next(iter(places))) > 1 else 'has'} the smallest {what}"
     first = f"On {where}, started in {max(map(len, part['seeds']))} places"
     if len(groups) == 1:
         text = f"{first}, {has}."
@@ -144,7 +158,8 @@ def _chart(context, cells, where, inner):
     everyone = sorted(cells["method"].unique())
     groups = [(describe(part.iloc[0], inner) or where, part.sort_values("method")) for part in split(cells, inner, sort=True)]
     lines = sum(len(part) + 1 for _, part in groups)
-    longest = max(map(len, [context.name(m) for m in everyone] + [place for place, _ in groups]))
+    called = ranking.names(context, cells)
+    longest = max(map(len, [*called.values(), *(place for place, _ in groups)]))
     left = max(1.2, 0.3 + 0.078 * longest)
     figure, axes = grid_of_axes(1, 1 + len(errors), 0.24 * lines + 0.1, 1.5, left=left, gap_x=0.5, bottom=0.55)
     for column, error in enumerate([None, *errors]):
@@ -174,7 +189,7 @@ def _chart(context, cells, where, inner):
                             color=look["color"], alpha=0.5, mew=0.8)
                     ax.plot([scale.place(v) for v in noise.interval(of_seeds)], [y, y], color=look["color"], lw=1.4, alpha=0.8)
                     ax.plot([scale.place(float(np.median(of_seeds)))], [y], **look, zorder=3)
-                ticks.append((y, context.name(cell["method"])))
+                ticks.append((y, called[cell["method"]]))
                 y += 1
         ax.set_ylim(y - 0.3, -0.7)
         ax.set_yticks([t for t, _ in ticks])
@@ -185,17 +200,25 @@ def _chart(context, cells, where, inner):
                           Line2D([], [], color="#555555", label="its interval")], 1.5)
     certain = noise.certainty(int(cells["seeds"].map(len).min()))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} ensemble {where}"), SECTION, f"Ensembles: {where}",
-                 f"On {where}, {finding(context, where, groups, errors[0], everyone)}", cells["sweep"].iloc[0], figure,
+                 f"On {where}, {finding(context, where, groups, errors[0], everyone)}"
+                 f"{ranking.tail(context, cells)}", cells["sweep"].iloc[0], figure,
                  _table(context, cells, inner, errors), noise.idle_seeds(cells) + holes(cells, [*inner, "method"]),
                  "Each row is one method, started at as many places as there are seeds; a seed that failed stands at the edge. "
                  "The bar beside the share of failures is Wilson's interval: with 95 % it holds that of all places near the "
                  "start, and it is no point where none failed. "
-                 f"The bar of an error holds its median with at least {certain} %, whatever the distribution. A rank that one "
-                 "seed turns round is a tie.",
+                 f"The bar of an error holds its median with at least {certain} %, whatever the distribution. "
+                 f"{ranking.rule(int(cells['seeds'].map(len).max()), len(everyone))}{slops(context, cells, errors[0])}",
                  headline=headline(context, where, groups, errors[0], everyone))
 
 
+def slops(context, cells, error):
+    """Which of the two depths ranks."""
+    return (f" {context.title(error).capitalize()} is raw; beyond the slop of each method it stands in the table."
+            if error in metrics.BEYOND_SLOP else "")
+
+
 def _table(context, cells, inner, errors):
+    errors = [*errors, *{metrics.BEYOND_SLOP[error] for error in errors if error in metrics.BEYOND_SLOP}]
     columns = {name: cells[name] for name in [*inner, "method", "outcome"]}
     columns |= {"seeds": cells["seeds"].map(len), "seeds that failed": cells["failed_seeds"]}
     chances = [noise.wilson(failed, len(seeds)) for failed, seeds in zip(cells["failed_seeds"], cells["seeds"])]

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
+import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods, plural
 from charts.cost_against_error import errors_of
 from load import one_machine, split, varying
@@ -22,6 +23,7 @@ NEEDS = Needs("world", methods=(2, math.inf), calibrated=True)
 ABSENT = Chart("equal_cost", SECTION, "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
 PANELS = 3
 NAMED = 3  # so many between first and last are named in a sentence; of more the table tells
+SPARE = 0.5  # who spends less of the budget is told
 
 
 def of_sweep(context, cells):
@@ -64,15 +66,59 @@ def spread(part, name):
     return float(np.median(values)), min(every), max(every)
 
 
-def ranks(cells, name, floor=0.0):
-    """Rows (rank, method, median, lowest, highest), the best first. A rank counts who is better beyond doubt, whose whole range
-    is below: methods whose ranges meet that of the first share its rank, a tie. What failed, or met no budget, has no rank."""
-    rows = [(method, *spread(part, name)) for method, part in cells.groupby("method", sort=True)]
-    made = []
+def ranks(cells, name, floor=0.0, least=None, excused=()):
+    """Rows (rank, method, median, lowest, highest), the best first. A rank counts who is better beyond doubt (ranking.py; of a time
+    also beyond the noise, `least`); methods that nobody beats share the first, a tie. What failed, met no budget or is `excused`
+    has no rank."""
+    parts = {method: part for method, part in cells.groupby("method", sort=True)}
+    rows = [(method, *spread(part, name)) for method, part in parts.items()]
+    known = [method for method, median, *_ in rows if not math.isnan(median) and method not in excused]
+    many, made = ranking.comparisons(len(known)), []
     for method, median, low, high in rows:
-        better = 0 if high <= floor else sum(other[3] < low for other in rows)
-        made.append((None if math.isnan(median) else 1 + better, method, median, low, high))
+        better = sum(ranking.better(parts[other], parts[method], name, floor, many) and
+                     (least is None or noise.tells(parts[other].iloc[0], parts[method].iloc[0], name, least))
+                     for other in known if other != method)
+        made.append((1 + better if method in known else None, method, median, low, high))
     return sorted(made, key=lambda row: (row[0] is None, row[0] or 0, row[2]))
+
+
+def ranked(context, here, name):
+    """The ranks at one budget."""
+    least = noise.floor_of(context, here["sweep"].iloc[0], name) if context.store.is_time(name) else None
+    excused = ranking.excused(context, here)
+    return ranks(here, name, context.floor(name), least, {here["method"][index] for index in excused})
+
+
+def without(context, here, none):
+    """Why these methods have no rank: `direct_lcp costs more; naive fails; admm is not ranked (60 % Gauss-Seidel)`."""
+    why, found = ranking.excused(context, here), {}
+    for method in none:
+        part = here[here["method"] == method]
+        bad, excuse = part[part["outcome"] != "ok"], [why[index] for index in part.index if index in why]
+        reason = str(bad["reason"].iloc[0]) if len(bad) else ""
+        if len(bad) and set(bad["outcome"]) == {"unsupported"} and "the budget is" in reason and " ends in " not in reason:
+            found.setdefault("over", []).append(method)
+        elif len(bad):
+            found.setdefault("fails", []).append(method)
+        else:
+            found.setdefault(excuse[0] if excuse else "", []).append(method)
+    everyone = list(dict.fromkeys(here["method"]))
+    said = []
+    for key, group in found.items():
+        one = len(group) == 1
+        words = {"over": "needs more" if one else "need more", "fails": "fails" if one else "fail", "": "has no number" if one else
+                 "have no number"}.get(key, f"{'is' if one else 'are'} not ranked ({key})")
+        said.append(f"{methods(group, everyone)} {words}")
+    return said
+
+
+def spare(context, here, about, ranks_of):
+    """Who has a rank and spends less than SPARE of the budget: it is not of equal cost."""
+    if about["equal"] != "cost":
+        return ""
+    low = [(method, found) for rank, method, *_ in ranks_of if rank is not None and
+           (found := spread(here[here["method"] == method], about["metric"])[0]) < SPARE * here["budget"].iloc[0]]
+    return f" ({listing(f'{method} spends {said_of(context, about, found)}' for method, found in low)})" if low else ""
 
 
 def finding(context, cells, about, where, name):
@@ -83,14 +129,14 @@ def finding(context, cells, about, where, name):
     said, firsts = [], []
     for budget in budgets:
         here = cells[cells["budget"] == budget]
-        table = ranks(here, name, context.floor(name))
+        table = ranked(context, here, name)
         best = [row for row in table if row[0] == 1]
         firsts.append({row[1] for row in best})
         none = sorted(row[1] for row in table if row[0] is None)
-        text = f"at {said_of(context, about, budget)} "
+        text = f"at {said_of(context, about, budget)}{spare(context, here, about, table)} "
         if best:
-            ranked = [row for row in table if row[0] is not None]
-            last, between = ranked[-1], [row for row in ranked[:-1] if row[0] != 1]
+            placed = [row for row in table if row[0] is not None]
+            last, between = placed[-1], [row for row in placed[:-1] if row[0] != 1]
             named = methods([row[1] for row in best], everyone)
             text += f"{named} {'is' if len(best) == 1 else 'tie'} first ({si(best[0][2], unit)})"
             if last[0] != 1 and len(between) <= NAMED:
@@ -99,7 +145,7 @@ def finding(context, cells, about, where, name):
             text += f", {last[1]} last ({si(last[2], unit)})" if last[0] != 1 else ""
         else:
             text += "nobody has a rank"
-        said.append(text + (f", without a rank {methods(none, everyone)}" if none else ""))
+        said.append(text + (f"; without a rank: {', '.join(without(context, here, none))}" if none else ""))
     always = set.intersection(*firsts)
     tail = f" First at every budget: {listing(sorted(always))}." if always and len(budgets) > 1 else (
         " No method is first at every budget." if len(budgets) > 1 else "")
@@ -152,19 +198,20 @@ def headline(context, cells, about, where, name):
     """The budget at which those that have a rank are farthest apart."""
     unit, found, firsts = context.unit(name), [], []
     for budget, here in cells.groupby("budget", sort=True):
-        table = ranks(here, name, context.floor(name))
-        best, ranked = [row[1] for row in table if row[0] == 1], [row for row in table if row[0] is not None]
+        table = ranked(context, here, name)
+        best, placed = [row[1] for row in table if row[0] == 1], [row for row in table if row[0] is not None]
         firsts += [set(best)] if best else []
-        if best and ranked[-1][0] != 1:
-            none = [row[1] for row in table if row[0] is None]
-            fail = f"; {methods(none, [row[1] for row in table])} {'fails' if len(none) == 1 else 'fail'}" if none else ""
-            apart = ranked[-1][2] / ranked[0][2] if ranked[0][2] > 0 else math.inf
+        if best and placed[-1][0] != 1:
+            none = without(context, here, [row[1] for row in table if row[0] is None])
+            fail = f"; {', '.join(none)}" if none else ""
+            apart = placed[-1][2] / placed[0][2] if placed[0][2] > 0 else math.inf
             found.append((apart, Headline(
-                f"On {where}, at {said_of(context, about, budget)} each ({context.title(about['metric'])}), "
+                f"On {where}, within {said_of(context, about, budget)} ({context.title(about['metric'])})"
+                f"{spare(context, here, about, table)}, "
                 f"{methods(best, [row[1] for row in table])} {'has' if len(best) == 1 else 'tie for'} the smallest "
-                f"{context.title(name).removeprefix('largest ')}, {si(ranked[0][2], unit)}; {ranked[-1][1]} has "
-                f"{si(ranked[-1][2], unit)}{fail}.", {row[1]: row[2] for row in table}, unit, context.title(name),
-                ends=final_states(here))))
+                f"{context.title(name).removeprefix('largest ')}, {si(placed[0][2], unit)}; {placed[-1][1]} has "
+                f"{si(placed[-1][2], unit)}{fail}.", {row[1]: row[2] if row[0] else math.nan for row in table}, unit,
+                context.title(name), ends=final_states(here))))
     most = max(found, key=lambda pair: pair[0], default=(0, None))[1]
     if most and not set.intersection(*firsts):  # the sentence stands for one budget
         most = dataclasses.replace(most, text=f"{most.text[:-1]}; nobody is first at every budget.")
@@ -176,7 +223,8 @@ def _chart(context, cells, about, axes, refused):
     names, looks, other = ranked_metrics(context, cells, about), context.looks(cells), other_cost(context, cells, about)
     shown, full = names + ([other] if other else []), stopped(cells, about)
     labels, budgets = sorted(cells["method"].unique()), sorted(cells["budget"].unique())
-    legend_width = legend_room(map(context.name, labels), 2.0)
+    called = ranking.names(context, cells)
+    legend_width = legend_room(called.values(), 2.0)
     columns = 2 if len(shown) == 4 else len(shown)
     figure, panels = grid_of_axes(-(-len(shown) // columns), columns, 2.7, legend_width, left=0.95, gap_x=0.95)
     # Methods stand side by side at a budget, or equal values would hide one another.
@@ -204,7 +252,7 @@ def _chart(context, cells, about, axes, refused):
         fallen(ax, [(row["budget"], up.failed, row["outcome"], looks(row["method"])["color"]) for _, row in bad.iterrows()])
         ax.set_title(context.title(name))
         ax.set_xlabel(f"budget: {context.title(about['metric'])}")
-    handles = [Line2D([], [], label=context.name(label), **looks(label)) for label in labels]
+    handles = [Line2D([], [], label=called[label], **looks(label)) for label in labels]
     handles += [Line2D([], [], ls="none", marker="o", ms=10, mfc="none", mec="#444444", label=f"at {about['most']:,}, the most")
                 ] if len(full) else []
     handles += [Line2D([], [], ls="none", color="#555555", marker=letter(o), ms=7, label=o)
@@ -219,8 +267,8 @@ def _chart(context, cells, about, axes, refused):
                  _table(context, cells, about, shown), refused + holes(cells, ["method", "budget"]),
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
                  f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "
-                 "beside it, so that each is seen; bars are the range over seeds and repeats, and ranges that meet are ties. A "
-                 "letter in the top band failed or met no budget; C×3 are three." + counted(context, cells, about, other, full),
+                 "beside it, so that each is seen; bars are the range over seeds and repeats. A letter in the top band failed or met no "
+                 f"budget; C×3 are three. {ranking.rule(seeds, len(labels))}" + counted(context, cells, about, other, full),
                  telling=True,
                  headline=headline(context, cells, about, where, names[0]))
 
@@ -243,17 +291,29 @@ def said_of(context, about, budget):
 
 
 def _table(context, cells, about, names):
-    rows = [(budget, *row[:2], here[here["method"] == row[1]]) for budget, here in cells.groupby("budget", sort=True)
-            for row in ranks(here, names[0], context.floor(names[0]))]
-    budgets, places, labels, parts = zip(*rows)
+    rows = [(budget, *row[:2], here[here["method"] == row[1]], _over_best(context, here, names[0], table, row))
+            for budget, here in cells.groupby("budget", sort=True) for table in [ranked(context, here, names[0])]
+            for row in table]
+    budgets, places, labels, parts, over = zip(*rows)
     table = {**quantity("budget", context.unit(about["metric"]), budgets), "rank": ["" if p is None else p for p in places],
              "method": labels, about["setting"]: [_settings(part[about["setting"]]) for part in parts],
              "outcome": [listing(sorted(set(part["outcome"]))) for part in parts]}
     if about["equal"] == "cost":
         table["budget spent [1]"] = [spread(part, about["metric"])[0] / budget for budget, part in zip(budgets, parts)]
+    for title, values in zip(("", ", low end", ", high end"), zip(*over)):
+        table |= quantity(f"{context.title(names[0])} over that of the first{title}", "1", values)
     for name in dict.fromkeys((about["metric"], *names)):
         table.update(quantity(context.title(name), context.unit(name), [spread(part, name)[0] for part in parts]))
     return pd.DataFrame(table)
+
+
+def _over_best(context, here, name, table, row):
+    """(median, low, high) of the ratio to the first in the table, seed by seed; unknown without a rank."""
+    placed = [found[1] for found in table if found[0] is not None]
+    if row[1] not in placed:
+        return math.nan, math.nan, math.nan
+    first, mine = (here[here["method"] == method] for method in (placed[0], row[1]))
+    return ranking.ratio(first, mine, name, context.floor(name), ranking.comparisons(len(placed)))
 
 
 def _settings(values):

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 import over_steps
+import ranking
 from chart import Chart, Headline, Needs, holes, listing, methods
 from load import NOT_RUN, split
 from style import ZeroLog, caption_of_lines, one_line, same, si
@@ -98,10 +99,11 @@ def _chart(context, resting, left_out, setting):
                              np.max, drawn=set(firsts.values()))
             shared.append((f"On {scene}, {what}", one_line(ax, firsts, lambda group: methods(group, labels))))
         axes[0][column].set_xlabel("")
-        rows += [{"scene": scene, "method": cell["method"], "outcome": cell["outcome"],
+        excused = ranking.excused(context, part)
+        rows += [{"scene": scene, "method": cell["method"], "outcome": cell["outcome"], "excused": index in excused,
                   "restlessness": math.nan if cell["key"] is None else cell.get("restlessness"),
                   "contact points at the end": points[cell["method"]][-1] if len(points.get(cell["method"], [])) else math.nan}
-                 for _, cell in part.iterrows()]
+                 for index, cell in part.iterrows()]
     axes[0][0].set_ylabel("fastest body")
     axes[1][0].set_ylabel("contact points")
     over_steps.legend(context, figure, cells, legend_width)
@@ -109,13 +111,14 @@ def _chart(context, resting, left_out, setting):
     said, told = [], []
     for scene, part in table.groupby("scene", sort=False):
         failed = sorted(part[~part["outcome"].isin(("ok", NOT_RUN))]["method"])
-        part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float))]
+        part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float)) & ~part["excused"]]
         if len(part) > 1:
             speeds = dict(zip(part["method"], part["restlessness"].astype(float)))
             said.append(finding(scene, speeds, failed, labels))
             told.append(headline(f"{scene} in {dimension}D", speeds, failed, at))
     text = f"In {dimension}D{at} " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
-    table = table.rename(columns={"restlessness": "restlessness [m/s]"})
+    text += ranking.tail(context, cells)
+    table = table.drop(columns="excused").rename(columns={"restlessness": "restlessness [m/s]"})
     return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
                  f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,
                  left_out + holes(cells, ["scene", "method"]),

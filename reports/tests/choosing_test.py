@@ -227,7 +227,7 @@ class Engines(undrawn.Undrawn):
         made = self.charts({"precision": "f32", "engine": {"name": "box2d", "differs": "a skin of 1 cm"}})
         self.assertIn("box2d", set(made.table["method"]))
         self.assertIn("box2d is a whole engine, here in f32: a skin of 1 cm.", made.note)
-        self.assertIn("box2d (engine)", [text.get_text() for text in made.figure.legends[0].get_texts()])
+        self.assertIn("box2d (engine, f32 among f64)", [text.get_text() for text in made.figure.legends[0].get_texts()])
         self.assertNotIn("whole engine", self.charts(None).note, "the planted bug was not seen")
 
 

@@ -25,8 +25,18 @@ EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations"}
 
 
 def cells(rows):
-    """Rows of (method, outcome, error) of one budget, a method once per seed."""
-    return pd.DataFrame([{"method": m, "outcome": outcome, "error": e} for m, outcome, e in rows])
+    """Rows of (method, outcome, error or errors of seeds) of one budget."""
+    made = []
+    for method, outcome, found in rows:
+        seeds = list(found) if isinstance(found, (list, tuple)) else [found]
+        made.append({"method": method, "outcome": outcome, "error": seeds[len(seeds) // 2], "seeds": list(range(len(seeds))),
+                     **({"error seeds": seeds} if len(seeds) > 1 else {})})
+    return pd.DataFrame(made)
+
+
+def around(middle, turned=()):
+    """Errors under twenty seeds, a little apart from each other; under some of them far more."""
+    return [middle * (1 + seed / 100) * (9 if seed in turned else 1) for seed in range(20)]
 
 
 def check_ranks(ranks_of):
@@ -34,19 +44,18 @@ def check_ranks(ranks_of):
     found = {row[1]: row[0] for row in ranks_of(apart, "error")}
     if found != {"a": 1, "b": 2, "c": None, "d": None}:
         return f"apart: {found}"
-    # Over three seeds a and b change places; c is always behind them.
-    seeds = cells([("a", "ok", e) for e in (1.0, 1.2, 1.4)] + [("b", "ok", e) for e in (1.1, 1.3, 1.6)] +
-                  [("c", "ok", e) for e in (2.0, 2.1, 2.2)])
+    # a is better than b under thirteen of twenty seeds, which chance is in one of eight; c is behind both under each.
+    seeds = cells([("a", "ok", around(1.0, turned=range(7))), ("b", "ok", around(1.1)), ("c", "ok", around(20.0))])
     found = {row[1]: row[0] for row in ranks_of(seeds, "error")}
     if found != {"a": 1, "b": 1, "c": 3}:
         return f"over seeds: {found}"
-    # b meets both of its neighbours, which are apart: it is as good as the first.
-    rows = {"a": (1.0, 1.2), "b": (1.1, 2.1), "c": (1.5, 1.6)}
-    chain = cells([(method, "ok", e) for method, errors in rows.items() for e in errors])
+    # b is not told from either of its neighbours, which are told apart: it is as good as the first.
+    chain = cells([("a", "ok", around(1.0)), ("b", "ok", [v * (0.99 if i % 2 else 1.03) for i, v in enumerate(around(1.0))]),
+                   ("c", "ok", around(1.02))])
     found = {row[1]: row[0] for row in ranks_of(chain, "error")}
     if found != {"a": 1, "b": 1, "c": 2}:
         return f"in a chain: {found}"
-    once = cells([("a", "ok", 1.0), ("a", "collapsed", 1.0), ("b", "ok", 2.0)])
+    once = cells([("a", "collapsed", [1.0, float("nan"), 1.0]), ("b", "ok", [2.0, 2.0, 2.0])])
     found = {row[1]: row[0] for row in ranks_of(once, "error")}
     return "" if found == {"a": None, "b": 1} else f"one seed fell: {found}"
 
@@ -58,7 +67,8 @@ def ranks_without_ties(part, name):
 
 def ranks_of_those_that_stood(part, name):
     """Planted bug: what fell under one seed is ranked by the seeds under which it stood."""
-    return equal_cost.ranks(part[part["outcome"] == "ok"], name)
+    return equal_cost.ranks(part.assign(outcome=["ok" if found == found else bad for found, bad in
+                                                 zip(part[name], part["outcome"])]), name)
 
 
 class EqualCost(undrawn.Undrawn):
@@ -67,7 +77,7 @@ class EqualCost(undrawn.Undrawn):
         for bug in (ranks_without_ties, ranks_of_those_that_stood):
             self.assertNotEqual(check_ranks(bug), "", "the planted bug was not seen")
 
-    def made(self, about=EQUAL, slow=1.0, **more):
+    def made(self, about=EQUAL, slow=1.0, frugal=None, **more):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         maker = synthetic_store.Maker(Path(folder.name) / "store.db")
@@ -81,7 +91,8 @@ class EqualCost(undrawn.Undrawn):
                                 "iterations=1 costs 120 (work_row_updates), the budget is 100")
                 else:
                     dear = slow if label == "soft_step" else 1.0
-                    maker.world("mine", {**axes, "iterations": 4 * (i + 1)}, dear * budget / 4000, found[i], work=0.9 * budget)
+                    maker.world("mine", {**axes, "iterations": 4 * (i + 1)}, dear * budget / 4000, found[i],
+                                work=(frugal or {}).get(label, 0.9 * budget))
         maker.close()
         made = [c for c in make.all_charts(chart.Context(load.Store(Path(folder.name) / "store.db")))
                 if c.sweep == "mine"]
@@ -97,13 +108,20 @@ class EqualCost(undrawn.Undrawn):
 
     def test_the_finding_ranks_at_every_budget_and_tells_who_met_none(self):
         made = self.made()[0]
-        self.assertIn("at 100 catto is first (3 mm), soft_step last (4 mm), without a rank naive", made.finding)
+        self.assertIn("at 100 catto is first (3 mm), soft_step last (4 mm); without a rank: naive needs more", made.finding)
         self.assertIn("at 400 soft_step is first (500 µm), then catto (1 mm), naive last (4 mm)", made.finding)
         self.assertIn("No method is first at every budget.", made.finding)
         self.assertTrue(made.headline.text.endswith("; nobody is first at every budget."), made.headline.text)
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
+        self.assertNotIn("fail", made.finding + made.headline.text, "what costs more than there is does not fail")
         self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])
         self.assertEqual(list(made.table["iterations"]), ["4", "4", "", "8", "8", "8"])
+
+    def test_who_spends_far_less_than_the_budget_is_not_said_to_spend_it(self):
+        made = self.made(frugal={"catto": 35.4})[0]
+        self.assertIn("at 400 (catto spends 35", made.finding)
+        self.assertNotIn("each", made.headline.text)
+        self.assertNotIn("spends", self.made()[0].finding)
 
     def test_those_of_one_rank_between_first_and_last_are_named_together(self):
         self.assertEqual(equal_cost._tied([(2, "a", 1e-3, 0, 1), (2, "b", 1e-3, 0, 1)], "m"), "a and b, tied (1 mm)")

@@ -16,6 +16,7 @@ import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
 import noise  # noqa: E402
+import ranking  # noqa: E402
 import overlap  # noqa: E402
 import style  # noqa: E402
 import undrawn  # noqa: E402
@@ -70,13 +71,6 @@ class Noise(unittest.TestCase):
         for a, b, least, told in ((few, few, noise.UNMEASURED, noise.FEW), (few, many, 1.1, noise.FEW),
                                   (many, many, 1.1, noise.NOISE), (many, many, noise.UNMEASURED, noise.FEW)):
             self.assertEqual(noise.said(a, b, COST, least), told)
-
-    def test_a_rank_that_a_seed_turns_round_is_a_tie(self):
-        of = lambda *seeds: {"e": seeds[0], "e seeds": list(seeds), "outcome": "ok"}  # noqa: E731
-        self.assertTrue(noise.beats(of(1, 2, 3), of(2, 3, 4), "e"))
-        self.assertFalse(noise.beats(of(1, 2, 5), of(2, 3, 4), "e"))
-        self.assertFalse(noise.beats(of(1, 2, math.nan), of(2, 3, 4), "e"), "a seed that failed")
-        self.assertFalse(noise.beats(of(1e-15, 1e-15), of(1e-14, 1e-14), "e", 1e-12), "rounding")
 
 
 class OfStores(with_store.WithStore):
@@ -172,6 +166,23 @@ class OfStores(with_store.WithStore):
         drawn = " ".join(text.get_text() for ax in found.figure.axes for text in ax.texts)
         self.assertNotIn("wins", drawn)
         self.assertIn("overtakes naive", drawn)
+
+    def test_a_time_that_was_not_taken_is_told_as_that(self):
+        """All ten frames are warm-up: what finished has no time, and is no line and no failure."""
+        def fill(maker, time=math.nan):
+            maker.sweep("boxes", "boxes", "naive", broadphase="stage")
+            for method in ("naive", "widest"):
+                for n in (16, 64):
+                    axes = {"kind": "boxes", "dimension": 2, "distribution": "uniform", "broadphase": method, "n": n,
+                            "precision": "f64", "timed": True, "repeat": 0}
+                    maker.trial("boxes", axes, {"ns_per_frame_median": time, "ns_per_frame_p25": time, "ns_per_frame_p75": time,
+                                                "box_tests_mean": 5.0 if method == "naive" else 7.0})
+        found = self.made(broadphase, fill)[0]
+        self.assertEqual(found.finding, f"In 2D on uniform boxes no time was taken ({broadphase.WHY_UNTIMED}).")
+        self.assertEqual(found.holes, [f"no time of naive and widest: {broadphase.WHY_UNTIMED}"])
+        self.assertNotIn("one line", found.note)
+        found = self.made(broadphase, lambda maker: fill(maker, 1.0))[0]
+        self.assertNotIn("no time", found.finding + " ".join(found.holes))
 
     def test_a_broadphase_within_the_noise_crosses_nothing(self):
         def fill(maker):
@@ -279,7 +290,7 @@ class OfStores(with_store.WithStore):
             maker.sweep("ensemble", "world", resolver="label", perturb="parameter")
             for seed in range(1, 11):
                 for label, error in (("catto", 1e-3), ("naive", 2e-3)):
-                    worse = 5 if turned and seed == 7 and label == "catto" else 1
+                    worse = 5 if turned and seed in (4, 7) and label == "catto" else 1
                     axes = {"scene": "stack", "dimension": 2, "perturb": 1e-3, "resolver": label, "seed": seed}
                     failed = seed in failing and label == "naive"
                     maker.world("ensemble", axes, 1.0, error * worse * (1 + seed / 100), "collapsed" if failed else "ok",
@@ -297,7 +308,7 @@ class OfStores(with_store.WithStore):
 
     def test_ranks_over_seeds(self):
         found = self.made(ensembles, self.ensemble(failing=(3, 4)))[0]
-        self.assertIn("catto has the smallest penetration under each of 10 seeds", found.finding)
+        self.assertIn("catto has the smallest penetration over 10 seeds", found.finding)
         self.assertIn("; naive fails under 2 of 10 seeds (of all, 6 to 51 %)", found.finding)
         self.assertIn(", worst 1.1 mm)", found.finding)
         self.assertIn("catto", found.headline.text)
@@ -306,7 +317,7 @@ class OfStores(with_store.WithStore):
         found = self.made(ensembles, self.ensemble(turned=True))[0]
         self.assertIn("catto and naive tie", found.finding)
         self.assertIsNone(found.headline, "a tie is no headline")
-        with unittest.mock.patch.object(noise, "beats", lambda a, b, metric, zero: a[metric] < b[metric]):
+        with unittest.mock.patch.object(ranking, "better", lambda a, b, metric, zero, many: a[metric] < b[metric]):
             bad = self.made(ensembles, self.ensemble(turned=True))[0]
         self.assertNotIn("tie", bad.finding, "a rank by medians was not seen")
 
@@ -330,14 +341,13 @@ class OfStores(with_store.WithStore):
                         maker.world("ensemble", axes, 1.0, error * (1 + seed / 100), repeats=0, hash=f"{error}{seed:02x}")
         found = self.made(ensembles, fill)[0]
         self.assertEqual(found.headline.text,
-                         "On stack, 2D, started in 10 places, catto+linear and catto+split_impulse have the smallest penetration "
-                         "every time at perturb=1e-06, soft_step at perturb=0.001 (the numbers: medians at perturb=0.001).")
+                         "On stack, 2D, started in 10 places, catto+linear and catto+split_impulse tie for the smallest "
+                         "penetration at perturb=1e-06, soft_step at perturb=0.001 (the numbers: medians at perturb=0.001).")
         self.assertIn("catto+split_impulse ends in the same state as catto+linear under 10 of 10 seeds", found.finding)
-        self.assertNotIn("turns round", found.finding)
         cell = lambda name, errors: {"method": name, "e": 1.0, "e seeds": errors, "outcome": "ok",  # noqa: E731
                                      "seeds": [1, 2], "hashes": [f"{v}" for v in errors]}
-        for errors, turns in (([1.0, 1.0], (False, 2, 2)), ([1.0, 2.0], (False, 1, 1)), ([0.5, 2.0], (True, 0, 0))):
-            self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), turns)
+        for errors, alike in (([1.0, 1.0], (2, 2)), ([1.0, 2.0], (1, 1)), ([0.5, 2.0], (0, 0))):
+            self.assertEqual(ensembles.against(cell("a", [1.0, 1.0]), cell("b", errors), "e", 0.0), alike)
 
     def test_seeds_that_change_nothing_are_told(self):
         found = self.made(ensembles, self.ensemble(idle=True))[0]
@@ -346,13 +356,13 @@ class OfStores(with_store.WithStore):
         self.assertNotIn("seeds change nothing", " ".join(found.holes))
 
     def test_a_rank_that_flips_is_a_tie_in_cost_against_error(self):
-        for turned, words in ((False, "catto has, under each of 10 seeds, the smallest"),
-                              (True, "turns round between seeds: a tie")):
+        for turned, words in ((False, "catto has, over 10 seeds, the smallest"),
+                              (True, "is not told from chance: a tie")):
             def fill(maker, turned=turned):
                 maker.sweep("costs", "world", resolver="label")
                 for seed in range(1, 11):
                     for label, error in (("catto", 1e-3), ("naive", 2e-3)):
-                        worse = 5 if turned and seed == 7 and label == "catto" else 1
+                        worse = 5 if turned and seed in (4, 7) and label == "catto" else 1
                         axes = {"scene": "stack", "dimension": 2, "resolver": label, "seed": seed}
                         maker.world("costs", axes, 1.0, error * worse)
             found = self.made(cost_against_error, fill)

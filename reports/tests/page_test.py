@@ -163,6 +163,8 @@ class Pictures(unittest.TestCase):
         curves = {"a": [1.0, math.nan], "b": [1.0, 2.0], "c": [1.0, math.nan], "d": [math.nan, math.nan], "e": [math.nan] * 2}
         firsts = style.same(curves)
         self.assertEqual(firsts, {"a": "a", "b": "b", "c": "a", "d": "d", "e": "e"})
+        untimed = style.same({m: [[16.0, 64.0], [math.nan, math.nan]] for m in ("naive", "widest")})
+        self.assertEqual(untimed, {"naive": "naive", "widest": "widest"}, "without a value there is no line")
         said = []
         self.assertEqual(self.figure(lambda ax: (style.one_line(ax, firsts, " and ".join), said.extend(t.get_text()
                                                  for t in ax.texts))), ([], []))

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Zlib
+"""Tests of what all charts that rank have in common: intervals over seeds, ties, and who has no rank. Run by ctest, or
+python3 reports/tests/ranking_test.py."""
+
+import itertools
+import json
+import math
+import random
+import sys
+import unittest
+import unittest.mock
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import noise  # noqa: E402
+import ranking  # noqa: E402
+import with_store  # noqa: E402
+from charts import budgets, cost_against_error, ensembles, equal_cost  # noqa: E402
+
+
+def cell(*values):
+    """One method under seeds 1, 2, ...; a NaN failed."""
+    return {"e": values[0], "e seeds": list(values), "seeds": list(range(1, len(values) + 1)), "outcome": "ok"}
+
+
+def false_ranks(better, methods=5, seeds=20, trials=400):
+    """How often one rank or more is told among methods that are alike: every seed moves all of them, and each a little."""
+    source, told = random.Random(9), 0
+    many = ranking.comparisons(methods)
+    for _ in range(trials):
+        starts = [source.lognormvariate(0, 1) for _ in range(seeds)]
+        found = [cell(*(start * source.lognormvariate(0, 0.1) for start in starts)) for _ in range(methods)]
+        told += any(better(a, b, "e", many=many) for a, b in itertools.permutations(found, 2))
+    return told / trials
+
+
+class Intervals(unittest.TestCase):
+    def test_what_an_interval_leaves_out_is_the_binomial_distribution(self):
+        # Tables of the sign test: the largest count that is significant at 5 % on both sides (Dixon and Mood 1946).
+        known = {5: -1, 6: 0, 8: 0, 9: 1, 11: 1, 12: 2, 15: 3, 17: 4, 20: 5, 25: 7, 30: 9}
+        self.assertEqual({count: ranking.left_out(count) for count in known}, known)
+        self.assertEqual([ranking.fewest(many) for many in (1, 10, 105, 210)], [6, 9, 13, 14])
+        # Of 210 pairs, those of 21 methods: 2 * 21 / 2^20 is below 0.05 / 210, and 2 * 211 / 2^20 is not.
+        self.assertEqual([ranking.left_out(ranking.ENOUGH, many) for many in (124, 125, 210)], [2, 1, 1])
+        self.assertEqual(ranking.interval(range(20)), (5, 14))
+        self.assertEqual(ranking.interval(range(5)), (-math.inf, math.inf))
+        self.assertEqual([ranking.comparisons(count) for count in (1, 2, 3, 21)], [1, 1, 3, 210])
+
+    def test_seeds_are_paired(self):
+        starts = [10.0**(i % 7) for i in range(20)]
+        a, b = cell(*starts), cell(*(1.01 * v for v in starts))
+        self.assertTrue(ranking.better(a, b, "e"))
+        for value in ranking.ratio(a, b, "e"):
+            self.assertAlmostEqual(value, 1.01)
+        turned = cell(*reversed([1.01 * v for v in starts]))
+        self.assertFalse(ranking.better(a, {**turned, "seeds": a["seeds"]}, "e"), "unpaired they are one another's noise")
+        self.assertTrue(ranking.better(a, {**turned, "seeds": a["seeds"][::-1]}, "e"), "a pair has one seed, not one place")
+
+    def test_zeros_and_failures_are_ends_of_the_scale(self):
+        nan = math.nan
+        self.assertEqual(ranking.log_ratios(cell(0, 0, 1, 1, 0, nan), cell(0, 2, 0, nan, nan, nan), "e"),
+                         [0, math.inf, -math.inf, math.inf, math.inf, 0])
+        self.assertEqual(ranking.log_ratios(cell(1e-15, 1e-15), cell(1e-14, 1e-12), "e", 1e-12), [0, 0], "rounding")
+        self.assertTrue(ranking.better(cell(*[1.0] * 20), cell(*[nan] * 18, 0.5, 0.5), "e"))
+        self.assertEqual(ranking.ratio(cell(*[1.0] * 20), cell(*[nan] * 20), "e"), (math.inf, math.inf, math.inf))
+        self.assertEqual(ranking.ratio(cell(*[0.0] * 20), cell(*[0.0] * 20), "e"), (1, 1, 1))
+
+    def test_so_few_seeds_tell_nothing_and_one_start_is_no_sample(self):
+        self.assertFalse(ranking.better(cell(*[1.0] * 5), cell(*[9.0] * 5), "e"))
+        self.assertTrue(ranking.better(cell(*[1.0] * 6), cell(*[9.0] * 6), "e"))
+        self.assertFalse(ranking.better(cell(*[1.0] * 6), cell(*[9.0] * 6), "e", many=3))
+        self.assertTrue(ranking.better(cell(1.0), cell(9.0), "e"))
+        self.assertIn("One start: an order", ranking.rule(1, 4))
+        self.assertIn("5 seeds tell nothing of 6 pairs, which takes 8", ranking.rule(5, 4))
+        self.assertIn("under 19 seeds", ranking.rule(20, 21))
+
+    def test_methods_that_are_alike_are_ranked_in_five_of_a_hundred_at_most(self):
+        self.assertLessEqual(false_ranks(ranking.better), 0.05)
+        # The planted bugs: pairs as if each were alone, and medians without an interval.
+        self.assertGreater(false_ranks(lambda a, b, metric, many: ranking.better(a, b, metric)), 0.1)
+        self.assertGreater(false_ranks(lambda a, b, metric, many: noise.values(a, "e seeds")[0] < b["e"], trials=20), 0.5)
+
+
+METHODS = {"catto": 3e-3, "admm": 1e-3, "naive": 4e-3, "box2d": 5e-4}
+
+
+class WithoutRank(with_store.WithStore):
+    @staticmethod
+    def sweep(fallbacks=400.0, about=None, precision="f32", **roles):
+        """admm leaves rows to Gauss-Seidel; box2d, the best, computes in f32."""
+        def fill(maker):
+            maker.sweep("mine", resolver="label", iterations="setting", perturb="parameter",
+                        **({"calibrate": about, "budget": "run"} if about else {}), **roles)
+            entry = {"stage": "engine", "group": "engine", "name": "box2d", "role": "engine"}
+            registry = json.loads(maker.db.execute("SELECT value FROM meta WHERE key='registry'").fetchone()[0])
+            registry["algorithms"] = [a for a in registry["algorithms"] if a["name"] != "box2d"] + [entry]
+            maker.db.execute("UPDATE meta SET value=? WHERE key='registry'", (json.dumps(registry),))
+            for name, error in METHODS.items():
+                for seed in range(1, 21):
+                    for iterations in (4,) if about else (4, 8):
+                        axes = {"kind": "world", "scene": "stack", "dimension": 2, "perturb": 1e-3, "resolver": name, "seed": seed,
+                                "iterations": iterations, "precision": precision if name == "box2d" else "f64",
+                                **({"budget": 400} if about else {})}
+                        facts = {"penetration_poses": error * (1 + seed / 100), "max_penetration": error * (1 + seed / 100),
+                                 "work_row_updates": 90.0 * iterations, "drift_limit": 0.5,
+                                 "work_fallbacks": fallbacks if name == "admm" and seed > 15 else 0.0}
+                        maker.trial("mine", {**axes, "timed": False, "repeat": 0}, facts, hash=f"{name}{seed}",
+                                    series={"points": [0] * 100 + [500] * 100})
+                        for repeat in range(2):
+                            maker.trial("mine", {**axes, "timed": True, "repeat": repeat},
+                                        {**facts, "ms_per_step_median": 0.1 * iterations * (1 + repeat / 100)},
+                                        hash=f"{name}{seed}")
+        return fill
+
+    CALIBRATED = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations"}
+
+    def all_charts(self, **more):
+        found = {module: self.made(module, self.sweep(**more)) for module in (cost_against_error, budgets, ensembles)}
+        found[equal_cost] = self.made(equal_cost, self.sweep(about=self.CALIBRATED, **more))
+        return {module.__name__: made for module, (made, *_) in found.items()}
+
+    def test_what_others_have_computed_and_what_has_other_digits_has_no_rank(self):
+        for name, made in self.all_charts().items():
+            with self.subTest(name):
+                self.assertIn("admm (80 % Gauss-Seidel)", self.told(made))
+                self.assertIn("f32 among f64", self.told(made))
+                first = made.finding.split(" Not ranked")[0].split("; without a rank")[0]
+                self.assertIn("catto", first)
+                self.assertNotIn("admm", first)
+                self.assertNotIn("box2d", first)
+                if made.headline:
+                    self.assertTrue(all(made.headline.values.get(m) != made.headline.values[m] for m in ("admm", "box2d")
+                                        if m in made.headline.values), "no number that ranks")
+        # Where nothing is left and all have the same digits, all have a rank.
+        for name, made in self.all_charts(fallbacks=0.0, precision="f64").items():
+            with self.subTest(name):
+                self.assertNotIn("Not ranked", made.finding)
+                self.assertNotIn("Gauss-Seidel", self.told(made))
+                self.assertIn("box2d", made.finding)
+        # The planted bug: whoever has a number has a rank.
+        with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
+            for name, made in self.all_charts().items():
+                self.assertNotIn("Gauss-Seidel", self.told(made), name)
+                self.assertIn("box2d", made.finding, name)
+
+    @staticmethod
+    def told(made):
+        return made.finding.replace("is not ranked (80 % Gauss-Seidel)", "admm (80 % Gauss-Seidel)")
+
+    def test_names_have_what_keeps_them_from_a_rank(self):
+        context = self.context(self.sweep())
+        found = ranking.names(context, context.cells("mine"))
+        self.assertEqual(found, {"catto": "catto", "admm": "admm (80 % Gauss-Seidel)", "naive": "naive",
+                                 "box2d": "box2d (engine, f32 among f64)"})
+
+    def test_rows_of_joints_are_not_known(self):
+        context = self.context(self.sweep())
+        cells = context.cells("mine").assign(joint_error_max=1e-3)
+        self.assertEqual(ranking.names(context, cells)["admm"], "admm (rows by Gauss-Seidel)")
+
+
+if __name__ == "__main__":
+    unittest.main()
