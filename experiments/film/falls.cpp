@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -41,6 +42,8 @@ std::vector<Fall> lastFalls(const PlannedSweep& sweep, Store& store) {
     if (!row || !kFalls.contains(row->outcome)) continue;
     const auto steps = row->metrics.find("steps_done"), bodies = row->metrics.find("bodies");
     if (steps == row->metrics.end() || bodies == row->metrics.end()) continue;
+    // What was judged at its last step, since it creeps, stands there.
+    if (steps->second >= t.canonical.value("steps", std::numeric_limits<double>::infinity())) continue;
     if (bodies->second > kMostBodies || bodies->second * steps->second > kMostPoses) continue;
     const auto [place, isNew] =
         at.try_emplace({t.canonical.at("scene"), t.canonical.at("dimension"), row->outcome}, out.size());

@@ -32,6 +32,7 @@ MOST_PATCHES = 400  # of one picture as vectors: more are a page's weight and no
 def of_sweep(context, cells):
     runs = runs_of(context.store, cells)
     fallen = runs[runs["outcome"].isin(FALLEN)]
+    fallen = fallen[[not stood(context.store, row) for _, row in fallen.iterrows()]]
     if not len(fallen):
         return []
     groups = [part for _, part in fallen.groupby(fallen[["scene", "dimension", "outcome"]].apply(tuple, axis=1), sort=False)]
@@ -46,6 +47,12 @@ def of_sweep(context, cells):
             left_out.append(f"{describe(part.iloc[0], ['scene', 'dimension'])}, {part.iloc[0]['outcome']}: "
                             f"{plural(len(part), 'run')}, not drawn")
     return [_chart(context, cells, runs, fallen, drawn, left_out)]
+
+
+def stood(store, run):
+    """Whether a run got to its last step and was judged there, by how far things crept: it fell by no step of its own."""
+    steps = store.trials["canonical"][run["key"]].get("steps")
+    return steps is not None and run["step"] == run["step"] and run["step"] >= steps
 
 
 def runs_of(store, cells):
@@ -65,6 +72,8 @@ def runs_of(store, cells):
 def _chart(context, cells, runs, fallen, drawn, left_out):
     sweep = cells["sweep"].iloc[0]
     counted = f"{len(fallen)} of {plural(len(runs), 'run')} fell."
+    crept = int(runs["outcome"].isin(FALLEN).sum()) - len(fallen)
+    counted += f" {plural(crept, 'more that stands', 'more that stand')} to the end failed there and {'is' if crept == 1 else 'are'} not drawn." if crept else ""
     if not drawn:
         return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} The store holds no pictures of them: a run of this "
                      "sweep's command draws them, but for scenes of more than 300 bodies.", sweep, holes=left_out)
@@ -90,7 +99,7 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
     return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} Drawn: " + "; ".join(said) + ".", sweep, figure,
                  pd.DataFrame(table), holes=left_out,
                  note=f"Of each scene and dimension the last run that {kinds.replace(' and ', ' or ')}, six of a sweep at most. "
-                      f"A run ends at the step of its fall ({means}). Pictures: the start, the fall, and in between when a body "
+                      f"A run ends at the step of its fall ({means}); what creeps to its last step has not fallen. Pictures: the start, the fall, and in between when a body "
                       "was for the last time 60 %, 30 % and 10 % as far from where it fell to as any ever was, or half way "
                       "between two of these where they are one step; of what flies out of sight, the last step in sight. What "
                       "never moves is grey; what is not finite is not drawn. Energy is that of motion and of gravity.")

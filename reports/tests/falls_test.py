@@ -4,6 +4,7 @@
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -31,8 +32,8 @@ def film(steps, gone=()):
     return {"width": 100, "top": 22, "height": 122, "pictures": [picture(step) for step in steps]}
 
 
-def made_of(falling, contacts=True, gone=()):
-    """The charts of a sweep of runs (scene, dimension, method, outcome, step of the fall, whether it is drawn)."""
+def made_of(falling, contacts=True, gone=(), steps=300):
+    """The charts of a sweep of runs of so many steps (scene, dimension, method, outcome, step of the fall, whether it is drawn)."""
     with tempfile.TemporaryDirectory() as folder:
         maker = synthetic_store.Maker(Path(folder) / "store.db")
         for scene, dimension, method, outcome, step, drawn in [*falling, ("tower", 2, "catto", "ok", None, False)]:
@@ -43,7 +44,8 @@ def made_of(falling, contacts=True, gone=()):
             series = {"kinetic": np.linspace(0, 5, count), "potential": np.linspace(100, 60, count),
                       "max_penetration": np.linspace(0, 0.02, count) if contacts else np.full(count, np.nan),
                       "penetration_poses": shapes}
-            key = maker.trial("tower", axes, {}, outcome, "body 2 is 1.2 m away" if step else "", step, series)
+            key = maker.trial("tower", axes, {}, outcome, "body 2 is 1.2 m away" if step else "", step, series,
+                                extra={"steps": steps})
             if drawn:
                 maker.film(key, film([0, step - 40, step - 20, step - 5, step], gone))
         maker.close()
@@ -82,6 +84,17 @@ class Falls(undrawn.Undrawn):
     def test_a_picture_of_an_earlier_fall_is_not_called_the_last(self):
         made, = made_of([("tower", 2, "naive", "collapsed", 90, True), ("tower", 2, "millington", "collapsed", 250, False)])
         self.assertIn("naive collapsed at step 90 (one of 2)", made.finding)
+
+    def test_what_stands_to_its_last_step_has_not_fallen(self):
+        creeps = [*THREE, ("tower", 2, "soft_step", "collapsed", 300, True)]
+        made, = made_of(creeps)
+        self.assertEqual(sorted(made.table["step"]), [120, 200, 250])
+        self.assertTrue(made.finding.startswith("4 of 6 runs fell. 1 more that stands to the end failed there"), made.finding)
+        with unittest.mock.patch.object(falls, "stood", lambda store, run: False):
+            made, = made_of(creeps)
+        self.assertIn(300, list(made.table["step"]), "the planted bug was not seen")
+        made, = made_of(creeps[-1:])
+        self.assertIsNone(made.figure)
 
     def test_who_is_not_drawn_is_told(self):
         made, = made_of([("tower", 2, "naive", "collapsed", 90, True), ("bridge", 3, "naive", "diverged", 70, False)])
