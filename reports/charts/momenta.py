@@ -29,6 +29,7 @@ PROPERTIES = {"momentum_share": ("Solver.KeepsLinearMomentum",),
               "angular_momentum_share": ("Solver.KeepsAngularMomentum", "Solver.TurningKeepsAngularMomentum",
                                          "PositionError.KeepsAngularMomentum")}
 TOLD = 3  # methods in a sentence
+ALIKE = 0.5  # of the largest share: who changes as much is named beside who changes most
 SHORT = {"momentum_share": "linear", "angular_momentum_share": "angular"}
 
 
@@ -83,9 +84,12 @@ def headline(cells, rounding, at):
     keep = [m for m, v in good.items() if v <= rounding]
     if not found or not keep:
         return None
-    worst = next(iter(found))
-    return Headline(f"{at}nothing turns free bodies from outside: {len(keep)} methods keep their angular momentum to rounding, "
-                    f"{worst} changes {si(100 * found[worst])} % of it.",
+    # Who changes it as much by eye is named, too: one of four is not alone.
+    least = max(found.values()) * ALIKE
+    most = [f"{m} ({si(100 * v)} %)" for m, v in found.items() if v >= least]
+    others = f", {plural(len(found) - len(most), 'other', 'others')} less" if len(most) < len(found) else ""
+    return Headline(f"{at}nothing turns free bodies from outside: {plural(len(keep), 'method keeps', 'methods keep')} their angular "
+                    f"momentum to rounding; {listing(most)} {'changes' if len(most) == 1 else 'change'} most{others}.",
                     {m: 0.0 if v <= rounding else v for m, v in good.items()}, "1",
                     "share of angular momentum that changes")
 

@@ -6,6 +6,7 @@ import json
 import math
 import sys
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -45,11 +46,18 @@ class Momenta(with_store.WithStore):
         self.assertEqual(made[0].finding, f"In 2D {KEPT}; 1 method changes linear momentum: avbd (3 %); 2 methods change angular "
                          "momentum: most soft_step (25 %) and avbd (5 %); all of these declare it.")
         self.assertEqual(made[0].headline.text, "In 2D nothing turns free bodies from outside: 2 methods keep their angular "
-                         "momentum to rounding, soft_step changes 25 % of it.")
+                         "momentum to rounding; soft_step (25 %) changes most, 1 other less.")
         self.assertEqual(made[0].headline.values["catto"], 0)
         table = made[0].table.set_index("method")
         self.assertAlmostEqual(table.at["avbd", "change of momentum over what there is [1]"], 0.03)
         self.assertEqual(list(table["declares that it changes linear momentum"]), [m == "avbd" for m in table.index])
+
+    def test_who_changes_about_as_much_as_the_worst_is_named_beside_it(self):
+        many = {**CHANGED, "avbd": (0.03, 0.68), "soft_step": (0.0, 0.45)}
+        made = self.made(momenta, self.free(many))[0]
+        self.assertIn("avbd (68 %) and soft_step (45 %) change most.", made.headline.text)
+        with unittest.mock.patch.object(momenta, "ALIKE", 1.0):
+            self.assertNotIn("soft_step (", self.made(momenta, self.free(many))[0].headline.text, "the planted bug was not seen")
 
     @undrawn.drawn
     def test_rings_are_around_what_is_declared(self):
