@@ -17,6 +17,7 @@ import noise
 from chart import plural
 
 LEVEL = 0.05  # chance that one interval or more of a rank does not hold its median
+START, TOUCHING = "penetration_start", 1e-6  # m
 ENOUGH = 20  # seeds of a sweep that ranks: they tell of 21 methods who is better under 19 of 20
 
 
@@ -92,6 +93,13 @@ def better(a, b, metric, zero=0.0, many=1, times=1.0):
     only who has less."""
     found, least = log_ratios(a, b, metric, zero), math.log(times)
     return found[0] > least if len(found) == 1 else bool(found) and interval(found, many)[0] > least
+
+
+def overlapping(cells):
+    """The deepest overlap (m) at the start, where it is more than that of bodies that touch: no method has made it."""
+    found = [v for _, cell in cells.iterrows() for v in [cell.get(START, math.nan), *noise.values(cell, f"{START} seeds")]]
+    deepest = max([v for v in found if v == v], default=0.0)
+    return deepest if deepest > TOUCHING else 0.0
 
 
 def share_of_fallbacks(context, cell):

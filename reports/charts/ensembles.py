@@ -21,7 +21,6 @@ SECTION = "Which ranks hold when a scene starts a little elsewhere?"
 NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), also="several seeds")
 ABSENT = Chart("ensembles", SECTION, "Ensembles", "No sweep over seeds is in this store.", "ensembles")
 ERRORS = 2  # panels
-START, TOUCHING = "penetration_start", 1e-6  # m: less is that of bodies that touch
 
 
 def of_sweep(context, cells):
@@ -53,17 +52,10 @@ def against(best, other, error, zero):
     return sum(v == 0 for v in ranking.log_ratios(best, other, error, zero)), states
 
 
-def overlapping(part):
-    """The deepest overlap (m) at the start, where it is more than rounding: no method has made it, and it ranks none."""
-    found = [v for _, cell in part.iterrows() for v in [cell.get(START, math.nan), *noise.values(cell, f"{START} seeds")]]
-    deepest = max([v for v in found if v == v], default=0.0)
-    return deepest if deepest > TOUCHING else 0.0
-
-
 def winners(part, error, zero):
     """The methods that nobody beats beyond doubt, where they beat another."""
     best, equals = ranks(part, error, zero)
-    return [] if best is None or len(equals) == len(part) or overlapping(part) else equals
+    return [] if best is None or len(equals) == len(part) or ranking.overlapping(part) else equals
 
 
 def standing(part, best, equals, everyone, error, zero, what, value):
@@ -96,7 +88,7 @@ def finding(context, where, groups, error, everyone):
         if best is None:
             said.append(f"{place}: every method fails under half of the {seeds} seeds or more")
             continue
-        if deep := overlapping(part):
+        if deep := ranking.overlapping(part):
             said.append(f"{place}: nobody has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
             continue
         worst = max(noise.of_seeds(best, error))

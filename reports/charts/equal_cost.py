@@ -186,6 +186,12 @@ def stopped(cells, about):
     return cells[(cells[about["setting"]] == about["most"]).to_numpy() & (spent < cells["budget"].to_numpy(float))]
 
 
+def at_start(cells):
+    """A warning where seeds put one body into another: what is ranked may be that."""
+    deep = ranking.overlapping(cells)
+    return f" Bodies overlap by up to {si(deep, 'm')} at the start, which no method has made." if deep else ""
+
+
 def not_used(context, cells, about):
     """Who could not spend the budget, and what was spent."""
     said = [f"{row['method']} at {said_of(context, about, row['budget'])} ({said_of(context, about, row[about['metric']])} spent)"
@@ -263,7 +269,7 @@ def _chart(context, cells, about, axes, refused):
     seeds = len({seed for of_cell in cells["seeds"] for seed in of_cell})
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"At equal {about['equal']}: {where}",
                  finding(context, cells, about, where, names[0]) + beside(context, cells, about, other)
-                 + not_used(context, cells, about), cells["sweep"].iloc[0], figure,
+                 + not_used(context, cells, about) + at_start(cells), cells["sweep"].iloc[0], figure,
                  _table(context, cells, about, shown), refused + holes(cells, ["method", "budget"]),
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
                  f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "

@@ -42,6 +42,7 @@ slope_error|world|error of the distance slid|m|error|nearer the closed form|slop
 joint_error_max|world|largest joint error|m|error|joints hold better|joints
 max_penetration|world|largest penetration|m|error|less overlap|
 penetration_poses|world|largest penetration of shapes|m|error|less overlap|
+penetration_start|world|penetration at the start|m|detail||
 ms_per_step_p25|world|quarter|ms|detail|cheaper|timing
 ms_per_step_p75|world|three quarters|ms|detail|cheaper|timing
 slope_distance|world|distance slid|m|detail||slope
