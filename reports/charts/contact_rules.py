@@ -19,7 +19,7 @@ PLACE = 44
 SECTION = "What do contacts cost, and who stands better for them?"
 TIME, POINTS = "ms_per_step_median", "contacts_end"
 BOUGHT = ("sag_end", "lateral_max", "jitter")
-TOLD = 1.1  # ratio of two results from which it is told, when it holds under every seed
+TOLD = 1.1  # ratio of two results from which it is told, when it holds beyond doubt
 NEEDS = Needs("world", metrics=(TIME,), also="contact generators as its methods, and what settles")
 ABSENT = Chart("contact_rules", SECTION, "Rules of contacts", "No timed sweep of contact generators on stacks is in this store.",
                "reduction_in_a_stack")

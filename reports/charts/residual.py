@@ -8,6 +8,7 @@ import pandas as pd
 
 import metrics
 import over_steps
+import ranking
 from chart import Chart, Needs, holes, methods
 from load import split
 from style import ZeroLog, plain_log, si
@@ -107,7 +108,8 @@ def _chart(context, cells, shown, left_out, setting):
         values = [v for track in tracks.values() if track is not None for v in over_steps.stretches(track)[1] if math.isfinite(v)]
         scale = ZeroLog(below, "y", values, failures=False, floor=FLOOR)
         over_steps.lines(context, below, middle, lambda cell, tracks=tracks: tracks[cell["key"]], scale.place)
-        said.append(finding(where, part, setting))
+        ranked = ranking.eligible(context, part)
+        said.append(finding(where, ranked, setting) if len(ranked) else f"on {where} nobody has a rank")
     axes[0][0].set_ylabel("residual, median of steps")
     axes[1][0].set_ylabel("residual")
     over_steps.legend(context, figure, cells, width)
@@ -116,7 +118,7 @@ def _chart(context, cells, shown, left_out, setting):
                           "outcome": drawn["outcome"], **quantity(context.title(RESIDUAL), "1", metrics.column(drawn, RESIDUAL))})
     return Chart(f"{cells['sweep'].iloc[0]}_residual_{dimension}d", SECTION,
                  f"Residual over {setting} and over steps, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
+                 f"In {dimension}D " + "; ".join(said) + "." + ranking.tail(context, drawn), cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method", setting]),
                  "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, "
                  f"over m (g dt)² of all bodies. Below: medians of stretches at the middle value of {setting}; a letter marks "
