@@ -64,7 +64,7 @@ def standing(part, best, equals, everyone, error, zero, what, value):
     if len(equals) == 1:
         text = f"{best['method']} has the smallest {what} over {seeds} seeds (median {value})"
     else:
-        text = f"{methods(equals, everyone)} tie for the smallest {what} over {seeds} seeds (smallest median {value}, {best['method']})"
+        text = f"{methods(equals, everyone)} tie for the smallest {what} over {seeds} seeds ({best['method']}: median {value})"
     alike = {}  # (errs as much, ends in the same state) under so many seeds -> who
     for method in equals:
         if method != best["method"]:
