@@ -80,8 +80,8 @@ def _named(context, cells, but):
 
 
 def errors_judged(context, parts):
-    """What the scene is left with, how wrong it ever was, whether it rests, and what else its trials measure as an error; what all
-    have."""
+    """What the scene is left with, how wrong it ever was, whether it rests, and what else its trials measure as an error; what
+    all have."""
     cells = pd.concat(parts, ignore_index=True)
     finished = cells[cells["outcome"] == "ok"]
     shared = [name for name in (LEFT, "penetration_poses", JITTER) if name in finished and len(finished) and
@@ -164,7 +164,8 @@ def _of_equals(context, cells, least, given):
         return next(iter(cells), None), ""
     many = ranking.comparisons(len(cells))
     for error, zero in least.items():
-        first = [cell for cell in cells if all(other is cell or ranking.better(cell, other, error, zero, many) for other in cells)]
+        first = [cell for cell in cells if all(other is cell or ranking.better(cell, other, error, zero, many)
+                                               for other in cells)]
         if first:
             return first[0], f"has the smallest {context.title(error).removeprefix('largest ')} over {_seeds(first[0])}"
     for cell in cells:

@@ -143,7 +143,8 @@ def mean_penetration_rest(trial):
 def slop(trial):
     """The depth (m) that a method keeps on purpose: the largest of its parts, and what an engine was set to."""
     told = [trial.canonical.get("pipeline", ""), str(trial.canonical.get("engine", ""))]
-    return max([float(found) for text in told for found in re.findall(r"\bslop['\"]?[=:]\s*['\"]?([0-9.e+-]+)", text)], default=0.0)
+    found = [value for text in told for value in re.findall(r"\bslop['\"]?[=:]\s*['\"]?([0-9.e+-]+)", text)]
+    return max(map(float, found), default=0.0)
 
 
 @metric("penetration beyond the slop", "m", "largest penetration of shapes (after a second, where bodies should rest), less the "

@@ -27,8 +27,8 @@ def comparisons(count):
 
 
 def left_out(count, many=1):
-    """How many values at each end an interval of so many leaves out; -1 where all of them are too few to hold the median as surely
-    as one of `many` intervals must."""
+    """How many values at each end an interval of so many leaves out; -1 where all of them are too few to hold the median as
+    surely as one of `many` intervals must."""
     below, cut = 0.0, -1
     while 2 * (cut + 1) < count:
         below += math.comb(count, cut + 1) / 2**count
@@ -59,7 +59,8 @@ def by_seed(cells, metric):
     for cell in rows:
         values = noise.of_seeds(cell, metric)
         seeds = cell.get("seeds")
-        found |= dict(zip(seeds if isinstance(seeds, (list, tuple)) and len(seeds) == len(values) else range(len(values)), values))
+        named = isinstance(seeds, (list, tuple)) and len(seeds) == len(values)
+        found |= dict(zip(seeds if named else range(len(values)), values))
     return found
 
 
@@ -181,6 +182,6 @@ def rule_of_pairs(seeds, many):
         return "One start: an order of these runs and no rank, which takes seeds."
     if seeds < fewest(many):
         return f"{seeds} seeds tell nothing of {plural(many, 'pair')}, which takes {fewest(many)}: all tie."
-    return (f"A method is better when the interval of its median ratio over {seeds} seeds, paired, does not hold 1, with 95 % for "
-            f"{plural(many, 'pair')} together (order statistics, Bonferroni): here where it is so under {seeds - left_out(seeds, many)} "
-            "seeds. Else the two tie.")
+    return (f"A method is better when the interval of its median ratio over {seeds} seeds, paired, does not hold 1, with 95 % "
+            f"for {plural(many, 'pair')} together (order statistics, Bonferroni): here where it is so under "
+            f"{seeds - left_out(seeds, many)} seeds. Else the two tie.")

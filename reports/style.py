@@ -155,11 +155,11 @@ def _wide(spots, members):
 
 
 def same(curves):
-    """{method: the first of those with exactly these points}: lines that lie on one another are drawn once. Without a point that is
-    drawn there is no line."""
+    """{method: the first of those with exactly these points}: lines that lie on one another are drawn once. Without a point that
+    is drawn there is no line."""
     curves, firsts = {method: np.asarray(points, float) for method, points in curves.items()}, {}
-    return {method: firsts.setdefault(points.tobytes() if np.isfinite(np.atleast_2d(points)).all(axis=0).any() else method, method)
-            for method, points in curves.items()}
+    drawn = {method: np.isfinite(np.atleast_2d(points)).all(axis=0).any() for method, points in curves.items()}
+    return {method: firsts.setdefault(points.tobytes() if drawn[method] else method, method) for method, points in curves.items()}
 
 
 def one_line(ax, firsts, words):

@@ -137,7 +137,8 @@ def of_report(cross, base, asked):
     rows = cross[(cross["method"] == asked) & ~cross.index.isin(crossing_methods(cross).index)]
     return [f"on {row.distribution} boxes {asked} {overtakes(row, base)}" if row.kind == "crosses" else
             f"on {row.distribution} boxes {asked} is {row.kind.replace('faster', f'faster than {base}')}" for row in
-            rows.itertuples() if row.kind not in ("unknown", UNTIMED) and row.distribution in set(crossing_methods(cross)["distribution"])]
+            rows.itertuples() if row.kind not in ("unknown", UNTIMED) and
+            row.distribution in set(crossing_methods(cross)["distribution"])]
 
 
 def finding(cross, base, dimension, ahead, least, asked=""):

@@ -245,8 +245,8 @@ def none_of(context, advice):
     said = {}
     for error, zero in least.items():
         if zero > context.floor(error):
-            said.setdefault(f"{si(zero, context.unit(error))}, {'at rest' if error == JITTER else 'the slop that is kept on purpose'}",
-                            []).append(context.title(error))
+            why = "at rest" if error == JITTER else "the slop that is kept on purpose"
+            said.setdefault(f"{si(zero, context.unit(error))}, {why}", []).append(context.title(error))
     return "; ".join(f"{listing(titles)} up to {text}" for text, titles in said.items()) or "nothing"
 
 

@@ -110,8 +110,8 @@ def _chart(context, cells, where, refused):
                  refused + holes(cells, ["method"]) + noise.idle_seeds(cells),
                  f"Bars go from the least to the most of all seeds, of times over the repeats. A result is told when it "
                  "differs by "
-                 f"{100 * (TOLD - 1):.0f} % and beyond doubt. {ranking.rule_of_pairs(max(map(len, cells['seeds'])), len(names) - 1)} "
-                 f"{noise.rule(least)}",
+                 f"{100 * (TOLD - 1):.0f} % and beyond doubt. "
+                 f"{ranking.rule_of_pairs(max(map(len, cells['seeds'])), len(names) - 1)} {noise.rule(least)}",
                  headline=headline(context, cells, base, where))
 
 

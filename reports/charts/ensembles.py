@@ -116,8 +116,8 @@ def beyond(context, part, error, everyone):
     if best is None:
         return ""
     value = float(np.median(noise.of_seeds(best, other)))
-    return (f"; beyond the slop that each keeps on purpose {methods(equals, everyone)} {'is' if len(equals) == 1 else 'tie'} first "
-            f"({si(value if value > context.floor(other) else 0.0, context.unit(other))})")
+    return (f"; beyond the slop that each keeps on purpose {methods(equals, everyone)} {'is' if len(equals) == 1 else 'tie'} "
+            f"first ({si(value if value > context.floor(other) else 0.0, context.unit(other))})")
 
 
 def headline(context, where, groups, error, everyone):

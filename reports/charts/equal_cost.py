@@ -67,9 +67,9 @@ def spread(part, name):
 
 
 def ranks(cells, name, floor=0.0, least=None, excused=()):
-    """Rows (rank, method, median, lowest, highest), the best first. A rank counts who is better beyond doubt (ranking.py; of a time
-    also beyond the noise, `least`); methods that nobody beats share the first, a tie. What failed, met no budget or is `excused`
-    has no rank."""
+    """Rows (rank, method, median, lowest, highest), the best first. A rank counts who is better beyond doubt (ranking.py; of a
+    time also beyond the noise, `least`); methods that nobody beats share the first, a tie. What failed, met no budget or is
+    `excused` has no rank."""
     parts = {method: part for method, part in cells.groupby("method", sort=True)}
     rows = [(method, *spread(part, name)) for method, part in parts.items()]
     known = [method for method, median, *_ in rows if not math.isnan(median) and method not in excused]
@@ -106,8 +106,8 @@ def without(context, here, none):
     said = []
     for key, group in found.items():
         one = len(group) == 1
-        words = {"over": "needs more" if one else "need more", "fails": "fails" if one else "fail", "": "has no number" if one else
-                 "have no number"}.get(key, f"{'is' if one else 'are'} not ranked ({key})")
+        words = {"over": "needs more" if one else "need more", "fails": "fails" if one else "fail",
+                 "": "has no number" if one else "have no number"}.get(key, f"{'is' if one else 'are'} not ranked ({key})")
         said.append(f"{methods(group, everyone)} {words}")
     return said
 
@@ -273,8 +273,9 @@ def _chart(context, cells, about, axes, refused):
                  _table(context, cells, about, shown), refused + holes(cells, ["method", "budget"]),
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
                  f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "
-                 "beside it, so that each is seen; bars are the range over seeds and repeats. A letter in the top band failed or met no "
-                 f"budget; C×3 are three. {ranking.rule(seeds, len(labels))}" + counted(context, cells, about, other, full),
+                 "beside it, so that each is seen; bars are the range over seeds and repeats. A letter in the top band failed or "
+                 f"met no budget; C×3 are three. {ranking.rule(seeds, len(labels))}" 
+                 + counted(context, cells, about, other, full),
                  telling=True,
                  headline=headline(context, cells, about, where, names[0]))
 

@@ -73,7 +73,9 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
     sweep = cells["sweep"].iloc[0]
     counted = f"{len(fallen)} of {plural(len(runs), 'run')} fell."
     crept = int(runs["outcome"].isin(FALLEN).sum()) - len(fallen)
-    counted += f" {plural(crept, 'more that stands', 'more that stand')} to the end failed there and {'is' if crept == 1 else 'are'} not drawn." if crept else ""
+    if crept:
+        counted += (f" {plural(crept, 'more that stands', 'more that stand')} to the end failed there and "
+                    f"{'is' if crept == 1 else 'are'} not drawn.")
     if not drawn:
         return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} The store holds no pictures of them: a run of this "
                      "sweep's command draws them, but for scenes of more than 300 bodies.", sweep, holes=left_out)
@@ -99,8 +101,9 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
     return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} Drawn: " + "; ".join(said) + ".", sweep, figure,
                  pd.DataFrame(table), holes=left_out,
                  note=f"Of each scene and dimension the last run that {kinds.replace(' and ', ' or ')}, six of a sweep at most. "
-                      f"A run ends at the step of its fall ({means}); what creeps to its last step has not fallen. Pictures: the start, the fall, and in between when a body "
-                      "was for the last time 60 %, 30 % and 10 % as far from where it fell to as any ever was, or half way "
+                      f"A run ends at the step of its fall ({means}); what creeps to its last step has not fallen. Pictures: the "
+                      "start, the fall, and in between when a body was for the last time 60 %, 30 % and 10 % as far from where it "
+                      "fell to as any ever was, or half way "
                       "between two of these where they are one step; of what flies out of sight, the last step in sight. What "
                       "never moves is grey; what is not finite is not drawn. Energy is that of motion and of gravity.")
 

@@ -88,8 +88,8 @@ def headline(cells, rounding, at):
     least = max(found.values()) * ALIKE
     most = [f"{m} ({si(100 * v)} %)" for m, v in found.items() if v >= least]
     others = f", {plural(len(found) - len(most), 'other', 'others')} less" if len(most) < len(found) else ""
-    return Headline(f"{at}nothing turns free bodies from outside: {plural(len(keep), 'method keeps', 'methods keep')} their angular "
-                    f"momentum to rounding; {listing(most)} {'changes' if len(most) == 1 else 'change'} most{others}.",
+    return Headline(f"{at}nothing turns free bodies from outside: {plural(len(keep), 'method keeps', 'methods keep')} their "
+                    f"angular momentum to rounding; {listing(most)} {'changes' if len(most) == 1 else 'change'} most{others}.",
                     {m: 0.0 if v <= rounding else v for m, v in good.items()}, "1",
                     "share of angular momentum that changes")
 

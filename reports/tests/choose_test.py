@@ -130,13 +130,14 @@ class Choose(undrawn.Undrawn):
             self.addCleanup(folder.cleanup)
             path = Path(folder.name) / "store.db"
             maker = synthetic_store.Maker(path, algorithms=ALGORITHMS)
-            maker.db.execute("INSERT INTO metrics VALUES ('metric','jitter','world','jitter','m/s','','detail','what rests stays','')")
+            maker.db.execute("INSERT INTO metrics VALUES (?,?,?,?,?,?,?,?,?)",
+                             ("metric", "jitter", "world", "jitter", "m/s", "", "detail", "what rests stays", ""))
             maker.sweep("choose_resolver", "world", "", resolver="label", n="parameter", report=["choose"])
             for label, ms, depth, speed in (("soft_step", 8.0, 1e-4, 1e-3), ("catto+none", 2.6, cheap, jitter)):
                 text = pipeline(resolver=label).replace("position=none", f"position=linear{{slop={slop}}}")
                 for seed in SEEDS:
-                    axes = {"kind": "world", "precision": "f64", "scene": "mixed_pile", "dimension": 2, "n": 50, "resolver": label,
-                            "seed": seed}
+                    axes = {"kind": "world", "precision": "f64", "scene": "mixed_pile", "dimension": 2, "n": 50,
+                            "resolver": label, "seed": seed}
                     for repeat in range(4):
                         maker.trial("choose_resolver", {**axes, "timed": True, "repeat": repeat},
                                     {"ms_per_step_median": ms * (1 + repeat / 100), "penetration_poses": depth * (1 + seed / 100),
@@ -210,7 +211,8 @@ class Choose(undrawn.Undrawn):
     def test_broadphases_of_equal_runs_are_judged_by_their_stage(self):
         _, made = self.made()
         self.assertEqual(self.verdicts(made[0].table, "broadphase"), {"sort_and_sweep": "take", "region_tree": "tie"})
-        said = "of its stage alone; as fast: region_tree, (within the noise|not told from chance over the seeds); of these it .*; next uniform_grid, 3.0"
+        said = ("of its stage alone; as fast: region_tree, (within the noise|not told from chance over the seeds); of these it "
+                ".*; next uniform_grid, 3.0")
         self.assertRegex(made[0].finding, said)
         # Who makes more pairs than there are leaves more work to the rest of the step, and that counts.
         more = {"sort_and_sweep": (1.0, 100.0), "region_tree": (1.0, 150.0), "naive_sphere": (2.3, 90.0)}
@@ -270,7 +272,8 @@ class Choose(undrawn.Undrawn):
         self.assertRegex(made[0].finding, r"As a whole this takes 1\.0\d ms")
 
     def test_errors_and_times_have_intervals(self):
-        _, made = self.made({**RESOLVERS, "catto+none": (1.0, 0.01, 0.001, "ok", FLAT, (0.7, 0.8, 0.9, 1.0, 1.0, 1.0, 1.0, 1.1, 1.4, 1.5))})
+        left = (0.7, 0.8, 0.9, 1.0, 1.0, 1.0, 1.0, 1.1, 1.4, 1.5)
+        _, made = self.made({**RESOLVERS, "catto+none": (1.0, 0.01, 0.001, "ok", FLAT, left)})
         table = made[0].table.set_index("method").loc["catto+none"]
         ends = [table[f"mean penetration of shapes at the end{end} [m]"] for end in (", low end", "", ", high end")]
         for value, expected in zip(ends, (0.0008, 0.001, 0.0014)):

@@ -33,7 +33,8 @@ def film(steps, gone=()):
 
 
 def made_of(falling, contacts=True, gone=(), steps=300):
-    """The charts of a sweep of runs of so many steps (scene, dimension, method, outcome, step of the fall, whether it is drawn)."""
+    """The charts of a sweep of runs of so many steps (scene, dimension, method, outcome, step of the fall, whether it is
+    drawn)."""
     with tempfile.TemporaryDirectory() as folder:
         maker = synthetic_store.Maker(Path(folder) / "store.db")
         for scene, dimension, method, outcome, step, drawn in [*falling, ("tower", 2, "catto", "ok", None, False)]:

@@ -100,10 +100,11 @@ class WithoutRank(with_store.WithStore):
             for name, error in METHODS.items():
                 for seed in range(1, 21):
                     for iterations in (4,) if about else (4, 8):
-                        axes = {"kind": "world", "scene": "stack", "dimension": 2, "perturb": 1e-3, "resolver": name, "seed": seed,
-                                "iterations": iterations, "precision": precision if name == "box2d" else "f64",
+                        axes = {"kind": "world", "scene": "stack", "dimension": 2, "perturb": 1e-3, "resolver": name,
+                                "seed": seed, "iterations": iterations, "precision": precision if name == "box2d" else "f64",
                                 **({"budget": 400} if about else {})}
-                        facts = {"penetration_start": start, "penetration_poses": error * (1 + seed / 100), "max_penetration": error * (1 + seed / 100),
+                        depth = error * (1 + seed / 100)
+                        facts = {"penetration_start": start, "penetration_poses": depth, "max_penetration": depth,
                                  "work_row_updates": 90.0 * iterations, "drift_limit": 0.5,
                                  "work_fallbacks": fallbacks if name == "admm" and seed > 15 else 0.0}
                         maker.trial("mine", {**axes, "timed": False, "repeat": 0}, facts, hash=f"{name}{seed}",
