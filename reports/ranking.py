@@ -13,6 +13,7 @@ among those of 53.
 import math
 from collections import Counter
 
+import metrics
 import noise
 from chart import plural
 
@@ -170,6 +171,12 @@ def tail(context, cells):
     for index, said in excused(context, cells).items():
         why.setdefault(cells["method"][index], []).append(said)
     return f" Not ranked: {', '.join(f'{method} ({_most(said)})' for method, said in sorted(why.items()))}." if why else ""
+
+
+def raw(context, error):
+    """Which depth ranks, where there are two."""
+    return (f" What ranks is raw: {context.title(error)}. Beyond the slop that each method keeps on purpose it is in the table."
+            if error in metrics.BEYOND_SLOP else "")
 
 
 def rule(seeds, methods):

@@ -199,14 +199,8 @@ def _chart(context, cells, where, inner):
                  "The bar beside the share of failures is Wilson's interval: with 95 % it holds that of all places near the "
                  "start, and it is no point where none failed. "
                  f"The bar of an error holds its median with at least {certain} %, whatever the distribution. "
-                 f"{ranking.rule(int(cells['seeds'].map(len).max()), len(everyone))}{slops(context, cells, errors[0])}",
+                 f"{ranking.rule(int(cells['seeds'].map(len).max()), len(everyone))}{ranking.raw(context, errors[0])}",
                  headline=headline(context, where, groups, errors[0], everyone))
-
-
-def slops(context, cells, error):
-    """Which of the two depths ranks."""
-    return (f" {context.title(error).capitalize()} is raw; beyond the slop of each method it stands in the table."
-            if error in metrics.BEYOND_SLOP else "")
 
 
 def _table(context, cells, inner, errors):

@@ -274,7 +274,7 @@ def _chart(context, cells, about, axes, refused):
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
                  f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "
                  "beside it, so that each is seen; bars are the range over seeds and repeats. A letter in the top band failed or "
-                 f"met no budget; C×3 are three. {ranking.rule(seeds, len(labels))}" 
+                 f"met no budget; C×3 are three. {ranking.rule(seeds, len(labels))}{ranking.raw(context, names[0])}" 
                  + counted(context, cells, about, other, full),
                  telling=True,
                  headline=headline(context, cells, about, where, names[0]))
@@ -309,7 +309,8 @@ def _table(context, cells, about, names):
         table["budget spent [1]"] = [spread(part, about["metric"])[0] / budget for budget, part in zip(budgets, parts)]
     for title, values in zip(("", ", low end", ", high end"), zip(*over)):
         table |= quantity(f"{context.title(names[0])} over that of the first{title}", "1", values)
-    for name in dict.fromkeys((about["metric"], *names)):
+    beyond = [metrics.BEYOND_SLOP[name] for name in names[:1] if name in metrics.BEYOND_SLOP]
+    for name in dict.fromkeys((about["metric"], *names, *beyond)):
         table.update(quantity(context.title(name), context.unit(name), [spread(part, name)[0] for part in parts]))
     return pd.DataFrame(table)
 

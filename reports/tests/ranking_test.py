@@ -173,7 +173,7 @@ class WithoutRank(with_store.WithStore):
         made = self.made(ensembles, fill)[0]
         self.assertIn("naive has the smallest penetration over 20 seeds (median 3.03 mm", made.finding)
         self.assertIn("beyond the slop that each keeps on purpose catto is first (1.06 mm)", made.finding)
-        self.assertIn("is raw; beyond the slop", made.note)
+        self.assertIn("What ranks is raw: largest penetration. Beyond the slop", made.note)
         self.assertIn("penetration beyond the slop, median [m]", made.table)
 
     def test_names_have_what_keeps_them_from_a_rank(self):
