@@ -29,8 +29,17 @@ def of_sweep(context, cells):
     if not len(cells):
         return []
     groups = [axis for axis in ("scene", "dimension") if axis in cells]
-    return [_chart(context, part, describe(part.iloc[0], groups), varying(context.store, part, groups))
+    return [_chart(context, part, describe(part.iloc[0], groups), telling(part, varying(context.store, part, groups)))
             for part in split(cells, groups)]
+
+
+def telling(cells, axes):
+    """Of these axes those that tell ensembles apart: air that goes with the perturbation says nothing beside it."""
+    kept = []
+    for axis in sorted(axes, key=lambda axis: axis != "perturb"):
+        if not kept or (cells.groupby(kept)[axis].nunique() > 1).any():
+            kept.append(axis)
+    return kept
 
 
 def ranks(part, error, zero):

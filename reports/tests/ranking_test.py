@@ -14,6 +14,8 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import pandas as pd  # noqa: E402
+
 import noise  # noqa: E402
 import ranking  # noqa: E402
 import with_store  # noqa: E402
@@ -175,6 +177,11 @@ class WithoutRank(with_store.WithStore):
         self.assertIn("beyond the slop that each keeps on purpose catto is first (1.06 mm)", made.finding)
         self.assertIn("What ranks is raw: largest penetration. Beyond the slop", made.note)
         self.assertIn("penetration beyond the slop, median [m]", made.table)
+
+    def test_air_that_goes_with_the_perturbation_names_no_place(self):
+        cells = pd.DataFrame({"gap": [4e-6, 4e-3, 4e-6], "perturb": [1e-6, 1e-3, 1e-6], "n": [5, 5, 10]})
+        self.assertEqual(ensembles.telling(cells, ["gap", "n", "perturb"]), ["perturb", "n"])
+        self.assertEqual(ensembles.telling(cells, []), [])
 
     def test_names_have_what_keeps_them_from_a_rank(self):
         context = self.context(self.sweep())
