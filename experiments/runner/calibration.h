@@ -34,9 +34,9 @@ std::vector<double> readBudgets(TableReader& t);
 
 /// A cell whose setting is not known yet.
 struct CalibratedCell {
-  nlohmann::json axes;  // but for the setting
+  nlohmann::json axes;  // but for the setting; of its seeds the first
   std::vector<double> budgets;
-  std::function<std::vector<PlannedTrial>(long setting)> plan;  // its trials at a setting
+  std::function<std::vector<PlannedTrial>(long setting)> plan;  // its trials at a setting, of all seeds
   std::string keys = "";  // of its trials at a few settings: cells that have the same are one
 };
 
@@ -47,7 +47,9 @@ void addCalibrated(PlannedSweep& sweep, CalibratedCell cell);
 
 /// Searches the settings and adds the cells at what was found to the sweep's trials: a cell's axes hold `budget` and
 /// the setting. A budget that no setting meets is a trial that is unsupported, with the reason. What the search runs
-/// are ordinary trials in the store, so that a second search runs nothing. `run` runs what the store lacks and returns
+/// are ordinary trials in the store, so that a second search runs nothing: a setting that was found by times, which
+/// differ from run to run, stays the setting, beside the cost that was measured. All seeds of a cell have one setting:
+/// that of the first, by a time that of the median over the first five. `run` runs what the store lacks and returns
 /// whether it may go on; where it may not, cells that are not found yet are planned and have no result. `done` tells of
 /// a key whether the store's row counts: one that shall be run again does not.
 ///

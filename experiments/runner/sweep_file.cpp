@@ -258,11 +258,26 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
     }
   }
 
+  // Seeds share a setting: each with its own would be ranked by settings, too.
   void calibratedCell(const Shared& s, const std::vector<std::size_t>& at, const toml::node& where, const json& axes) {
-    const auto trialsAt = [self = shared_from_this(), s, at, &where, axes](long setting, std::set<std::string>& names) {
+    std::vector<json> seeds;
+    for (const Axis& axis : s->axes) {
+      for (const AxisValue& value : axis.values) {
+        if (axis.name == "seed") seeds.push_back(value.label);
+      }
+    }
+    if (!seeds.empty() && axes["seed"] != seeds.front()) return;
+    const auto trialsAt = [self = shared_from_this(), s, at, &where, axes, seeds](long setting,
+                                                                                  std::set<std::string>& names) {
       json cell = axes;
       cell[self->m_calibration->setting] = setting;
-      return self->trialsOf(*s, at, where, cell, names, s->untimed, s->timed);
+      std::vector<PlannedTrial> out;
+      for (std::size_t i = 0; i < std::max<std::size_t>(1, seeds.size()); ++i) {
+        if (!seeds.empty()) cell["seed"] = seeds[i];
+        const auto trials = self->trialsOf(*s, at, where, cell, names, s->untimed, s->timed);
+        out.insert(out.end(), trials.begin(), trials.end());
+      }
+      return out;
     };
     std::set<std::string> names;
     trialsAt(1, names);

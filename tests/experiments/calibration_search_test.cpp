@@ -111,6 +111,36 @@ TEST(CalibrationSearch, ATimeIsTheMedianOfAllRepeats) {
   EXPECT_EQ(again.settings, found.settings);
 }
 
+// Seeds share the setting of the first five, whose median no disturbed one decides; each has its trials at it.
+TEST(CalibrationSearch, SeedsHaveOneSetting) {
+  Workspace w;
+  std::string text = twoMethods("ms_per_step_median", "timed = true\nbudgets = [4.5]\n");
+  text.insert(text.find("[axes.resolver]"), "seed = [1, 2, 3, 4, 5, 6, 7]\nperturb = 0.001\n");
+  const std::string path = w.write("s.toml", text);
+  Store store(w.path("s.db"), true);
+  // Half a millisecond each, but of the first two seeds, which are disturbed, and the last two, which nobody asks.
+  const auto law = [](const json& axes) {
+    const long seed = axes.at("seed");
+    TrialResult r;
+    r.metrics["ms_per_step_median"] = 0.5 * axes.at("n").get<double>() * (seed < 3 ? 20 : seed > 5 ? 0.1 : 1);
+    return r;
+  };
+  const Found found = search(path, store, law);
+  const auto right = [](const Found& f) {
+    return f.settings == std::map<std::string, std::set<long>>{{"catto 4.5", {9}}, {"soft 4.5", {9}}};
+  };
+  EXPECT_TRUE(right(found)) << json(found.settings);
+  EXPECT_EQ(found.rows, 2 * 7) << "every seed has a trial at the setting";
+  EXPECT_EQ(rowsPlanned(w.path("s.db"), "json_extract(p.axes, '$.seed') = 7"), "2");
+  Store other(w.path("first.db"), true);
+  test::expectCaught("the first seed alone decides", right(search(path, other, [&](const json& axes) {
+                       json first = axes;
+                       first["seed"] = 1;
+                       return law(first);
+                     })));
+  EXPECT_EQ(search(path, store, law).asked, 0);
+}
+
 TEST(CalibrationSearch, StoppedAnywhereItEndsAsIfItHadNotBeen) {
   Workspace w;
   const std::string path = w.write("s.toml", twoMethods("ms_per_step_median", kTimed));
