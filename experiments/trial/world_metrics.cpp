@@ -73,6 +73,18 @@ struct Wave {
   }
 };
 
+/// NaN where the run is over by then, or depths were not asked.
+template <int D>
+double deepestSettled(const WorldSeen<D>& seen) {
+  double deepest = std::numeric_limits<double>::quiet_NaN();
+  const auto& depths = find(seen, "penetration_poses");
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const double time = static_cast<double>(i + 1) * seen.scene.dt;
+    if (time >= Settling<D>::kSettled - seen.scene.dt / 2) deepest = std::fmax(deepest, depths[i]);
+  }
+  return deepest;
+}
+
 template <int D>
 const std::vector<Measure<WorldSeen<D>>>& seriesEntries() {
   using R = const WorldSeen<D>&;
@@ -155,6 +167,11 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
         "farthest that a joint was turned from what it holds in any step", kDetail, "joints hold better",
         TrialNeed::joints},
        [](R r) { return r.largest("joint_turn"); }},
+      {{"penetration_settled", "largest penetration after a second", "m",
+        "deepest overlap of two shapes at the poses from the first second on, where bodies should rest: what they fell "
+        "at the start is not in it",
+        kError, "less overlap", TrialNeed::driftLimit},
+       deepestSettled<D>},
       {{"max_penetration", "largest penetration", "m", "deepest overlap of a contact in any step", kError,
         "less overlap"},
        [](R r) { return r.largest("max_penetration"); }},
@@ -162,6 +179,9 @@ const std::vector<Measure<WorldSeen<D>>>& metricEntries() {
         "deepest overlap of two shapes at the poses, by one exact query for everybody, every tenth step", kError,
         "less overlap"},
        [](R r) { return r.deepest; }},
+      {{"penetration_start", "penetration at the start", "m",
+        "deepest overlap of two shapes before the first step: what no method has made", kDetail, ""},
+       [](R r) { return r.startDepth; }},
       {{"penetration_integral", "penetration over time", "m s", "deepest overlap of a contact, summed over time",
         kDetail, "less overlap"},
        [](R r) { return r.total("max_penetration") * r.scene.dt; }},

@@ -24,6 +24,7 @@ struct WorldSeen {
   bool isolated = false;  // free bodies alone in space
   long steps = 0;
   StateInvariants<D> start;
+  double startDepth = 0;  // m, on poses; NaN: not looked at
   // After the last step:
   Invariants<D> now;
   Profiler::Frame frame;

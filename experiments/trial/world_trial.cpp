@@ -181,6 +181,7 @@ class WorldTrial {
     if (m_again) m_seen.deepest = m_seen.meanDepth = kNan;
     m_seen.start = stateInvariants(m_world);
     m_seen.energyMax = m_seen.start.kinetic + m_seen.start.potential;
+    m_seen.startDepth = m_again || !std::isfinite(m_seen.energyMax) ? kNan : m_penetration.of(m_world).max;
     // In a room with walls momentum comes and goes; alone in space it must stay.
     m_seen.isolated = m_scene.settings.gravity.norm() == 0 && m_scene.forces.empty() && m_scene.events.empty();
     for (const ForceRecord<D>& f : m_world.forces()) m_seen.isolated = m_seen.isolated && !f.kind;

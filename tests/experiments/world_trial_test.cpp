@@ -9,6 +9,7 @@
 #include "experiments/trial/trial.h"
 #include "experiments/trial/world_metrics.h"
 #include "framework/stage_solver.h"
+#include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION::world_trial_test {
@@ -50,6 +51,82 @@ TrialResult run(const Workspace& w, const std::string& scene, const ParameterVal
   cell.params = params, cell.timed = timed;
   const PlannedTrial t = planner.world(w.write("scene.toml", scene), cell);
   return runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+}
+
+// A box that starts in the floor by 2 cm and is pushed out, and one that starts above it and falls.
+const std::string kDrop = R"(
+name = "drop"
+summary = "a box that starts near the floor"
+dimensions = [2, 3]
+needs = []
+gravity = [0, -10, 0]
+steps = 120
+[parameters]
+height = { default = 0, min = -1, max = 10, meaning = "m, of the lower side" }
+[limits]
+drift = 5
+[[body]]
+type = "fixed"
+position = [0, -1, 0]
+shapes = [{ kind = "box", half = [10, 1, 10] }]
+[[body]]
+position = [0, "0.5 + height", 0]
+shapes = [{ kind = "box", half = [0.5, 0.5, 0.5] }]
+)";
+
+TEST(WorldTrial, whatABoxStartsWithAndFallsIntoIsNotWhatItIsLeftWith) {
+  Workspace w;
+  const TrialResult inside = run(w, kDrop, {{"height", -0.02}}), above = run(w, kDrop, {{"height", 1}});
+  ASSERT_EQ(inside.outcome + above.outcome, "okok") << inside.reason << above.reason;
+  EXPECT_NEAR(inside.metrics.at("penetration_start"), 0.02, 1e-6);
+  EXPECT_EQ(above.metrics.at("penetration_start"), 0);
+  for (const TrialResult* r : {&inside, &above}) {
+    const std::vector<double>& depths = r->series.at("penetration_poses");
+    double late = 0, ever = 0;
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+      if (std::isnan(depths[i])) continue;
+      ever = std::max(ever, depths[i]);
+      if (i + 1 >= 60) late = std::max(late, depths[i]);
+    }
+    EXPECT_EQ(r->metrics.at("penetration_settled"), late);
+    EXPECT_EQ(r->metrics.at("penetration_poses"), ever);
+  }
+  test::expectCaught("a depth of the start is scored",
+                     inside.metrics.at("penetration_settled") == inside.metrics.at("penetration_poses"));
+  EXPECT_TRUE(std::isnan(run(w, kThrow).metrics.at("penetration_settled"))) << "nothing there should rest";
+}
+
+// The shipped ensembles rank what methods do: no seed puts one body into another.
+TEST(WorldTrial, noSeedOfARankedSweepStartsWithAnOverlap) {
+  const auto deepest = [](const std::string& name, bool air) {
+    double found = 0;
+    Planner planner;
+    for (const PlannedSweep& sweep : planSweeps(name, {"catto"})) {
+      std::set<std::string> seen;
+      std::vector<PlannedTrial> trials = sweep.trials;
+      for (const CalibratedCell& cell : sweep.calibrated) {
+        for (const PlannedTrial& t : cell.plan(1)) trials.push_back(t);
+      }
+      for (PlannedTrial t : trials) {
+        if (!t.unsupported.empty()) continue;
+        t.canonical["steps"] = 1, t.canonical["timed"] = false;
+        if (!air) {
+          for (const char* space : {"gap", "drop", "spacing", "beside"}) {
+            if (t.canonical["params"].contains(space)) t.canonical["params"][space] = 0;
+          }
+        }
+        if (!seen.insert(t.canonical["params"].dump() + t.canonical["seed"].dump()).second) continue;
+        const TrialResult r = runTrial({{"trial", t.canonical}, {"scene_file", t.sceneFile}});
+        found = std::max(found, r.metrics.at("penetration_start"));
+      }
+      EXPECT_GE(seen.size(), 40u) << name;
+    }
+    return found;
+  };
+  for (const std::string name : {"ensembles", "equal_cost"}) {
+    EXPECT_EQ(deepest(name, true), 0) << name;
+    test::expectCaught("boxes without air", deepest(name, false) < 1e-6);
+  }
 }
 
 TEST(WorldTrial, metricsOfFreeFlight) {
