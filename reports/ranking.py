@@ -106,7 +106,8 @@ def overlapping(cells):
 
 def share_of_fallbacks(context, cell):
     """Share of the rows of a cell that its method left to Gauss-Seidel; 0 where none is counted, NaN where rows are not known."""
-    left = max([cell.get("work_fallbacks") or 0.0, *noise.values(cell, "work_fallbacks seeds")])
+    told = [cell.get("work_fallbacks") or 0.0, *noise.values(cell, "work_fallbacks seeds")]
+    left = max([value for value in told if value == value], default=0.0)
     if not left > 0:
         return 0.0
     points = context.store.series(cell["key"], "points") if cell.get("key") else None

@@ -69,7 +69,7 @@ class Avbd final : public Solver<D> {
                      {"the same, off the centre", "the same, in turns", "Solver.KeepsAngularMomentum"},
                      {"bodies that press on each other and turn together",
                       "lose angular momentum: rows of contacts are of the step's start, those of joints of its end; "
-                      "rows=start loses a tenth of that",
+                      "rows=start loses less",
                       "Solver.TurningKeepsAngularMomentum"},
                      {"a motor of a million times the torque that its body needs, at a stop",
                       "drives through it: a single solve assumes which rows are at a limit; tries=3 holds",

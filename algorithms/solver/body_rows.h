@@ -80,10 +80,17 @@ class BodyRows {
     }
   }
   /// J z of all rows, or J^T x: what each costs.
-  std::uint64_t multiplyAddsOfProduct() const { return m_rows.size() * 2 * kSize; }
-  /// Of an add() of a group of so many rows.
-  static std::uint64_t multiplyAddsOf(std::size_t count, bool symmetric) {
-    return count * 2 * kSize * count + count * kSize * kSize * (symmetric ? 3 : 4);
+  std::uint64_t multiplyAddsOfProduct() const {
+    std::uint64_t bodies = 0;
+    for (const Row& row : m_rows) bodies += (row.a >= 0) + (row.b >= 0);
+    return bodies * kSize;
+  }
+  /// Of an add() of a group.
+  std::uint64_t multiplyAddsOf(const Group& g, bool symmetric) const {
+    const Row& row = m_rows[g.first];
+    const bool both = row.a >= 0 && row.b >= 0;
+    const std::uint64_t squares = both ? (symmetric ? 3 : 4) : 1;
+    return g.count * g.count * (both ? 2 : 1) * kSize + g.count * kSize * kSize * squares;
   }
 
   /// matrix += J_g^T s J_g; of a Cholesky factor s is symmetric.

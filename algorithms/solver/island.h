@@ -96,13 +96,17 @@ class IslandFactor {
     double sum = 0;
     if (island.dense) {
       for (const double w : island.w) sum += w * w;
+      island.multiplyAdds += island.w.size();
       return std::sqrt(sum);
     }
     island.bodies.analyse(m_matrix);
     m_matrix.set(0);
     typename BodyRows<D>::Square one{};
     for (std::size_t k = 0; k < D; ++k) one[k * D + k] = 1;
-    for (const auto& g : island.bodies.groups) island.bodies.add(g, one, m_matrix);
+    for (const auto& g : island.bodies.groups) {
+      island.bodies.add(g, one, m_matrix);
+      island.multiplyAdds += island.bodies.multiplyAddsOf(g, true);
+    }
     for (std::size_t i = 0; i < island.size(); ++i) {
       const double all = island.row(i).unit / island.row(i).mass;
       sum += all * all - (all - island.soft[i]) * (all - island.soft[i]);
@@ -126,7 +130,7 @@ class IslandFactor {
       typename BodyRows<D>::Square s{};
       for (std::size_t k = 0; k < g.count; ++k) s[k * D + k] = m_inverse[g.first + k];
       island.bodies.add(g, s, m_matrix);
-      island.multiplyAdds += BodyRows<D>::multiplyAddsOf(g.count, true);
+      island.multiplyAdds += island.bodies.multiplyAddsOf(g, true);
     }
     m_matrix.factor();
     island.multiplyAdds += m_matrix.multiplyAdds;

@@ -188,7 +188,7 @@ class SpringIsland {
         m_rows.push(g.first + i, pushes, m_dz);
       }
       m_rows.add(g, s, m_matrix);
-      multiplyAdds += 2 * g.count * g.count + BodyRows<D>::multiplyAddsOf(g.count, true);
+      multiplyAdds += 2 * g.count * g.count + m_rows.multiplyAddsOf(g, true);
     }
     m_matrix.factor();
     m_matrix.solve(m_dz);

@@ -153,10 +153,10 @@ class Substeps {
   /// For position resolvers, which move bodies themselves.
   Places<D> places() { return {m_start, m_way}; }
 
-  /// Arms of contacts as the bodies are turned now. Both bodies get an impulse at one point, so that it is no torque on
-  /// the pair. Where their anchors have slid apart, the point is nearer to that of the lighter body: beside a floor it
-  /// is the body's own.
-  void turnArms(const StepInput<D>& in) {
+  /// Arms of contacts as the bodies are turned now. Shared: both bodies get an impulse at one point, so that it is no
+  /// torque on the pair. Where their anchors have slid apart, the point is nearer to that of the lighter body: beside a
+  /// floor it is the body's own. Not shared: each body gets the impulse at its own anchor.
+  void turnArms(const StepInput<D>& in, bool shared) {
     Profiler::Scope scope(in.profiler, "solver.prepare");
     if (in.features.restitution && m_detected.empty()) m_detected = m_contacts.points;
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
@@ -168,7 +168,8 @@ class Substeps {
       for (int k = 0; k < rows.count; ++k) {
         const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
         const Vec<D> fromA = atA.q * c.localA, fromB = atB.q * c.localB, gap = (atB.p - atA.p) + fromB - fromA;
-        const Vec<D> rA = fromA + share * gap, rB = fromB - (1 - share) * gap;
+        const Vec<D> rA = shared ? Vec<D>(fromA + share * gap) : fromA;
+        const Vec<D> rB = shared ? Vec<D>(fromB - (1 - share) * gap) : fromB;
         makeRows(in, rows, rA, rB, m_contacts.points[static_cast<std::size_t>(rows.first + k)]);
       }
     }
@@ -363,11 +364,13 @@ class Substeps {
         applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
         state.load += row.impulse[0] - old;
         countRows<D>(in.work, 1);
-        if (!(m.friction > 0) || (row.impulse[0] > old && how == Bounce::frictionless)) continue;
-        if (row.impulse[0] > old) {
+        if (!(m.friction > 0) || row.impulse[0] == old) continue;
+        if (row.impulse[0] < old) {
+          rubAt(m, row, a, b, rotation);
+        } else if (how == Bounce::withFriction) {
           rubBeside(m, row, row.impulse[0] - old, a, b, rotation);
         } else {
-          rubAt(m, row, a, b, rotation);
+          continue;
         }
         countRows<D>(in.work, D - 1);
       }

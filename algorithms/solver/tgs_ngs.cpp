@@ -13,18 +13,19 @@ using namespace solver;
 template <int D>
 class TgsNgs final : public Solver<D> {
  public:
-  enum class Arms { current, detection };
+  enum class Arms { shared, own, detection };
   struct Params {
     int substeps = 4, sweeps = 1, positionIterations = 1;
-    Arms arms = Arms::current;
+    Arms arms = Arms::shared;
     NgsShare share;
     bool warmStart = true;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step");
       v.integer("sweeps", sweeps, 0, 100000, "sweeps over velocities in each sub-step");
       v.integer("position_iterations", positionIterations, 0, 10000, "sweeps over positions in each sub-step");
-      v.choice("arms", arms, {"current", "detection"},
-               "of contacts: of each sub-step, as published, or of the step's start");
+      v.choice("arms", arms, {"shared", "own", "detection"},
+               "of contacts in each sub-step: of a point that both bodies share; of each body's own anchor, as "
+               "solver2d; or those of the step's start");
       share.visit(v);
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
     }
@@ -48,7 +49,7 @@ class TgsNgs final : public Solver<D> {
     m_substeps.prepare(in, m_params.substeps, m_params.warmStart);
     for (int i = 0; i < m_params.substeps; ++i) {
       m_substeps.begin(in, i);
-      if (i > 0 && m_params.arms == Arms::current) m_substeps.turnArms(in);
+      if (i > 0 && m_params.arms != Arms::detection) m_substeps.turnArms(in, m_params.arms == Arms::shared);
       m_substeps.solve(in, {}, m_params.sweeps);
       m_substeps.end();
       m_substeps.move(in);

@@ -43,7 +43,9 @@ std::vector<Fall> lastFalls(const PlannedSweep& sweep, Store& store) {
     const auto steps = row->metrics.find("steps_done"), bodies = row->metrics.find("bodies");
     if (steps == row->metrics.end() || bodies == row->metrics.end()) continue;
     // What was judged at its last step, since it creeps, stands there.
-    if (steps->second >= t.canonical.value("steps", std::numeric_limits<double>::infinity())) continue;
+    if (row->outcome == "collapsed" &&
+        steps->second >= t.canonical.value("steps", std::numeric_limits<double>::infinity()))
+      continue;
     if (bodies->second > kMostBodies || bodies->second * steps->second > kMostPoses) continue;
     const auto [place, isNew] =
         at.try_emplace({t.canonical.at("scene"), t.canonical.at("dimension"), row->outcome}, out.size());

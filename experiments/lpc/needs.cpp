@@ -64,7 +64,7 @@ void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
   std::printf("%s in %dD needs, as its file says: %s\n", own["scene"].get<std::string>().c_str(),
               own["dimension"].get<int>(), features.empty() ? "no feature" : features.c_str());
   std::printf(
-      "Times the time and the row updates of this (minimal) model, median over %d seeds (least .. most); how far "
+      "Times the time and the multiply-adds of this (minimal) model, median over %d seeds (least .. most); how far "
       "bodies end\nfrom where they end with it (m): median over bodies and seeds, and the farthest.\n",
       seen.seeds);
   std::printf("Stages: %s\n\n", own["pipeline"].get<std::string>().c_str());
@@ -72,7 +72,7 @@ void print(const PlannedSweep& sweep, const NeedsSeen& seen) {
     std::printf("minimal fails with %d of %d seeds, which are left out: %s\n", seen.failed, seen.seeds,
                 seen.failure.c_str());
   }
-  printRow("model", "time", "row updates", "median", "farthest", "");
+  printRow("model", "time", "multiply-adds", "median", "farthest", "");
   const auto again =
       std::find_if(seen.models.begin(), seen.models.end(), [](const auto& m) { return m.model.empty(); });
   if (!seen.largest.empty()) {

@@ -37,8 +37,9 @@ struct BreakQuestion {
   double ratio = 1.05;    // of neighbours, where values need not be whole
   bool falling = false;
   std::optional<MetricLimit> limit;
-  double truth =
-      0;  // where it breaks by a closed form; who holds beyond is as wrong as who breaks before. 0: none is known
+  /// Where it breaks by a closed form; 0: none is known. A method that holds beyond is as wrong as one that breaks
+  /// before.
+  double truth = 0;
   std::string place;  // what messages begin with
 
   std::string title() const { return !name.empty() ? name : (falling ? "smallest " : "largest ") + parameter; }

@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// By whose times a setting is found: so many that one that is disturbed does not decide.
+// Seeds that are timed to find a setting. One disturbed run does not decide a median of five.
 constexpr std::size_t kSeedsTimed = 5;
 
 // The entry of a metric of world trials.

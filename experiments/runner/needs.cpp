@@ -84,7 +84,7 @@ void compareWork(const Ended& own, const Ended& other, ModelSeen& out) {
     const auto a = own.metrics.find(name), b = other.metrics.find(name);
     if (a != own.metrics.end() && b != other.metrics.end() && a->second > 0) into.push_back(b->second / a->second);
   };
-  ratio("ms_per_step_median", out.time), ratio("work_row_updates", out.rows);
+  ratio("ms_per_step_median", out.time), ratio("work_multiply_adds", out.rows);
   if (own.dimension != other.dimension) out.sameWork = false;  // one point in 3D is more work than in 2D
   for (const auto& [name, value] : own.metrics) {
     const auto found = other.metrics.find(name);

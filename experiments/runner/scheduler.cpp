@@ -28,11 +28,11 @@ struct TrialJob {
 
 // The kind of pair query that a trial asks. Wrong answers of libraries and of approximate methods are no fault of ours.
 std::string askedOf(const json& trial) {
-  if (!trial.contains("pair_query")) return "of others";
+  if (!trial.contains("pair_query")) return "of other stages";
   const std::string name = Spec::parse(trial.at("pair_query").get<std::string>()).name;
   const auto& all = Registry::instance().all();
   const auto at = all.find({StageKind::pairQuery, trial.at("dimension").get<int>(), name});
-  if (at == all.end()) return "of others";  // of a plugin
+  if (at == all.end()) return "of plugins";
   if (at->second.info.role != AlgorithmRole::competitor) return "of libraries";
   return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
 }

@@ -323,4 +323,14 @@ std::vector<std::string> commandOf(const std::string& name, const std::set<std::
   return out;
 }
 
+std::vector<nlohmann::json> seedsOf(const std::vector<Axis>& axes) {
+  std::vector<nlohmann::json> out;
+  for (const Axis& axis : axes) {
+    for (const AxisValue& value : axis.values) {
+      if (axis.name == "seed") out.push_back(value.label);
+    }
+  }
+  return out;
+}
+
 }  // namespace lpc::inline LPC_PRECISION

@@ -36,6 +36,9 @@ struct Axis {
   const toml::node* node = nullptr;  // where
 };
 
+/// Values of the axis `seed`; empty where there is none.
+std::vector<nlohmann::json> seedsOf(const std::vector<Axis>& axes);
+
 /// What a store keeps of a sweep beside its axes (`roles` of the table `sweep`): no axis may have such a name.
 inline constexpr std::array<std::string_view, 4> kNoAxes = {"break", "calibrate", "commands", "report"};
 

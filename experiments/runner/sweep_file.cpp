@@ -260,12 +260,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
 
   // Seeds share a setting: each with its own would be ranked by settings, too.
   void calibratedCell(const Shared& s, const std::vector<std::size_t>& at, const toml::node& where, const json& axes) {
-    std::vector<json> seeds;
-    for (const Axis& axis : s->axes) {
-      for (const AxisValue& value : axis.values) {
-        if (axis.name == "seed") seeds.push_back(value.label);
-      }
-    }
+    const std::vector<json> seeds = seedsOf(s->axes);
     if (!seeds.empty() && axes["seed"] != seeds.front()) return;
     const auto trialsAt = [self = shared_from_this(), s, at, &where, axes, seeds](long setting,
                                                                                   std::set<std::string>& names) {
@@ -274,8 +269,7 @@ class Sweep : public std::enable_shared_from_this<Sweep> {
       std::vector<PlannedTrial> out;
       for (std::size_t i = 0; i < std::max<std::size_t>(1, seeds.size()); ++i) {
         if (!seeds.empty()) cell["seed"] = seeds[i];
-        const auto trials = self->trialsOf(*s, at, where, cell, names, s->untimed, s->timed);
-        out.insert(out.end(), trials.begin(), trials.end());
+        for (auto& t : self->trialsOf(*s, at, where, cell, names, s->untimed, s->timed)) out.push_back(std::move(t));
       }
       return out;
     };
@@ -486,9 +480,8 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
     matched.merge(here), taken.merge(used);
   }
   for (const SetAxis& s : set) {
-    if (!taken.count(s.given)) {
-      throw UserError("--set '" + s.given + "': no sweep of '" + nameOrPath + "' has an axis '" + s.axis + "'");
-    }
+    if (taken.count(s.given)) continue;
+    throw UserError("--set '" + s.given + "': no sweep of '" + nameOrPath + "' has an axis '" + s.axis + "'");
   }
   for (const std::string& method : with) {
     if (!taken.count(method)) {
@@ -497,10 +490,9 @@ std::vector<PlannedSweep> planSweeps(const std::string& nameOrPath, const std::v
     }
   }
   for (const std::string& name : only) {
-    if (!matched.count(name)) {
-      throw UserError("--only " + name + ": no cell of '" + nameOrPath +
-                      "' has a label, algorithm or scene of that name");
-    }
+    if (matched.count(name)) continue;
+    throw UserError("--only " + name + ": no cell of '" + nameOrPath +
+                    "' has a label, algorithm or scene of that name");
   }
   return out;
 }

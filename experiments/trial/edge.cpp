@@ -19,7 +19,7 @@ void Edge<D>::start(const Simulation<D>& world) {
 template <int D>
 void Edge<D>::findFloor(const Simulation<D>& world) {
   const Bodies<D>& b = world.bodies();
-  m_floor.clear(), m_lowest = -std::numeric_limits<double>::infinity();
+  m_has = false, m_floor.clear(), m_lowest = -std::numeric_limits<double>::infinity();
   for (const ShapeRecord<D>& s : world.shapes()) {
     if (s.body < 0 || b.type[static_cast<std::size_t>(s.body)] == BodyType::dynamic) continue;
     m_has = true;
@@ -40,14 +40,15 @@ std::string Edge<D>::left(const Simulation<D>& world) {
   const auto below = [&](std::size_t i) {
     return b.used[i] && b.type[i] == BodyType::dynamic && depth(b.pose[i].p) > m_lowest;
   };
-  const auto anybody = [&] {
+  const auto any = [&] {
     for (std::size_t i = 0; i < b.pose.size(); ++i) {
       if (below(i)) return true;
     }
     return false;
   };
-  if (!anybody()) return "";
-  findFloor(world);  // it may have moved
+  if (!any()) return "";
+  findFloor(world);  // it may have moved, or gone
+  if (!m_has) return "";
   std::vector<std::uint8_t> holds(b.pose.size());
   for (const JointRecord<D>& j : world.joints()) {
     for (const std::int32_t body : {j.bodyA, j.bodyB}) {

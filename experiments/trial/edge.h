@@ -7,13 +7,13 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// Who has left the scene: lower than all that does not fall, by more than its own size, with no joint that could hold
-/// it. Without gravity, above a plane and where nothing is fixed at the start, nobody leaves.
+/// A body has left the scene when it is lower than all that does not fall, by more than its own size, with no joint
+/// that could hold it. Without gravity, above a plane and where nothing is fixed at the start, no body leaves.
 template <int D>
 class Edge {
  public:
   void start(const Simulation<D>& world);
-  /// After each step. Empty while all are there; else who left, and how.
+  /// After each step. Empty while all are there; else which body left, and how.
   std::string left(const Simulation<D>& world);
 
  private:

@@ -32,8 +32,8 @@ double smallestBody(const Simulation<D>& world) {
   return std::isfinite(least) ? least : 0;
 }
 
-double Rest::sagShare() const { return std::max(0.0, sag - fall - levels * kSlop) / size; }
-double Rest::depthShare() const { return std::max(0.0, depth - kSlop) / size; }
+double Rest::sagShare() const { return std::max(sag - fall - levels * kSlop, 0.0) / size; }
+double Rest::depthShare() const { return std::max(depth - kSlop, 0.0) / size; }
 double Rest::sinkingShare() const { return sinking / size; }
 
 double Rest::share() const { return std::fmax(sagShare(), std::fmax(depthShare(), sinkingShare())); }

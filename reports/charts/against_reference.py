@@ -30,7 +30,7 @@ ABSENT = Chart("against_reference", SECTION, "Against the reference", "No sweep 
 APART = 5e-4  # m: a tenth of the slop that most methods leave
 EVEN = 1e-6  # s: moments that are nearer are one
 BY = " by "  # in the label of the same reference by another solver
-WORK = "work_row_updates"
+WORK = "work_multiply_adds"
 COST, FAR, MIDDLE = "cost", "largest distance", "median distance"  # columns of cells
 
 
@@ -56,7 +56,7 @@ def several_steps(cells):
 
 
 def cost_title(context, cells):
-    return "row updates per second of the scene" if several_steps(cells) else context.title(WORK)
+    return "multiply-adds per second of the scene" if several_steps(cells) else context.title(WORK)
 
 
 def perturb(cells):
@@ -176,7 +176,7 @@ def finding(context, others, runs, where):
     text = f"On {where} {agreement(runs)}"
     known = others[others[FAR].notna()]
     if not any(runs.serves(time) for time in runs.spread):
-        return f"{text}: there is nothing to compare, and nobody is ranked."
+        return f"{text}: there is nothing to compare, and no method is ranked."
     if not len(known):
         return f"{text}; no method ran so far."
     everyone = sorted(others["method"].unique())
@@ -189,7 +189,7 @@ def finding(context, others, runs, where):
         text_of = f"{cost}{methods(firsts, everyone)} {'is' if len(firsts) == 1 else 'are'} nearest ({si(best, 'm')})"
         said.append(text_of + (f", {last} farthest ({si(most, 'm')})" if last not in firsts else ""))
     none = sorted(set(everyone) - set(known["method"]))
-    until = ("; beyond that nobody is ranked; until then, by the largest distance of a body, " if runs.horizon else
+    until = ("; beyond that no method is ranked; until then, by the largest distance of a body, " if runs.horizon else
              "; by the largest distance of a body, ")
     # The cheapest and the dearest budget: what is between is in the table.
     return (text + until + "; ".join(dict.fromkeys((said[0], said[-1]))) +
@@ -306,7 +306,7 @@ def _table(context, others, runs, setting):
     rows += [(math.nan, cell) for _, cell in others[~others["method"].isin(named)].drop_duplicates("method").iterrows()]
     cells = [cell for _, cell in rows]
     each = "second of the scene" if several_steps(others) else "step"
-    table = {**quantity(f"row updates per {each}, at most", "1", [budget for budget, _ in rows]),
+    table = {**quantity(f"multiply-adds per {each}, at most", "1", [budget for budget, _ in rows]),
              "method": [cell["method"] for cell in cells]}
     table |= {setting: [cell[setting] for cell in cells]} if setting else {}
     table["outcome"] = [cell["outcome"] for cell in cells]

@@ -295,7 +295,8 @@ def _title(cells, first, axes):
         if axis == "question":
             parts.append(str(value))
         elif value == value and value is not None and (axis == "scene" or cells[axis].nunique() > 1):
-            parts.append(f"{int(value)}D" if axis == "dimension" else f"{figures(float(value))} multiply-adds" if axis == "budget" else
+            parts.append(f"{int(value)}D" if axis == "dimension" else
+                         f"{figures(float(value))} multiply-adds" if axis == "budget" else
                          str(value))
     return "\n".join(parts)
 

@@ -68,7 +68,7 @@ def finding(context, cells, base, where, least):
         better, worse = against(cells, base, name)
         said = [f"{ratio} times with {methods(names, everyone)}" for side in (better, worse) for ratio, names in
                 sorted(side.items(), key=lambda item: item[1])]
-        parts.append(f"{context.title(name)}: {', '.join(said) if said else 'nobody differs beyond doubt'}")
+        parts.append(f"{context.title(name)}: {', '.join(said) if said else 'no method differs beyond doubt'}")
     return f"{text} {'; '.join(parts)}."
 
 

@@ -98,7 +98,7 @@ def finding(context, where, groups, error, everyone):
             said.append(f"{place}: every method fails under half of the {seeds} seeds or more")
             continue
         if deep := ranking.overlapping(part):
-            said.append(f"{place}: nobody has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
+            said.append(f"{place}: no method has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
             continue
         worst = max(noise.of_seeds(best, error))
         value = (f"{si(float(np.median(noise.of_seeds(best, error))), unit)}, worst "

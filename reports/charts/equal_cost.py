@@ -144,7 +144,7 @@ def finding(context, cells, about, where, name):
                                 ([row for row in between if row[0] == place] for place in sorted({row[0] for row in between})))
             text += f", {last[1]} last ({si(last[2], unit)})" if last[0] != 1 else ""
         else:
-            text += "nobody has a rank"
+            text += "no method has a rank"
         said.append(text + (f"; without a rank: {', '.join(without(context, here, none))}" if none else ""))
     always = set.intersection(*firsts)
     tail = f" First at every budget: {listing(sorted(always))}." if always and len(budgets) > 1 else (

@@ -32,7 +32,7 @@ MOST_PATCHES = 400  # of one picture as vectors: more are a page's weight and no
 def of_sweep(context, cells):
     runs = runs_of(context.store, cells)
     fallen = runs[runs["outcome"].isin(FALLEN)]
-    fallen = fallen[[not stood(context.store, row) for _, row in fallen.iterrows()]]
+    fallen = fallen[[row["outcome"] != "collapsed" or not stood(context.store, row) for _, row in fallen.iterrows()]]
     if not len(fallen):
         return []
     groups = [part for _, part in fallen.groupby(fallen[["scene", "dimension", "outcome"]].apply(tuple, axis=1), sort=False)]
@@ -103,8 +103,9 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
                  note=f"Of each scene and dimension the last run that {kinds.replace(' and ', ' or ')}, six of a sweep at most. "
                       f"A run ends at the step of its fall ({means}); what creeps to its last step has not fallen. Pictures: the "
                       "start, the fall, and in between when a body was for the last time 60 %, 30 % and 10 % as far from where "
-                      "it fell to as any ever was, or half way between two of these where they are one step; of what flies out of sight, the last step in "
-                      "sight. What never moves is grey; what is not finite is not drawn. Energy is that of motion and of gravity.")
+                      "it fell to as any ever was, or half way between two of these where they are one step; of what flies "
+                      "out of sight, the last step in sight. What never moves is grey; what is not finite is not drawn. "
+                      "Energy is that of motion and of gravity.")
 
 
 def _rank(last, count):

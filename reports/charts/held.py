@@ -65,7 +65,7 @@ def finding(where, column, baseline, everyone):
                   f"{more[0]} sinks by {rest.percent(float(f'{share(column.loc[more[0]]):.2g}'))}"] if more else []
     beside = f" ({'; '.join(laxer)})" if laxer else ""
     if not who:
-        return f"{where} is held by nobody{beside}"
+        return f"{where} is held by no method{beside}"
     text = f"{where} is held by {'all' if len(who) == len(column) else methods(who, everyone)}{beside}"
     known = {m: slower(column, m, baseline) for m in who}
     known = {m: ratio for m, ratio in known.items() if math.isfinite(ratio) and m != baseline}

@@ -75,7 +75,9 @@ def by_method(rows):
 def _without_value(part):
     """Of a pair query: how many answers are right or wrong by the side alone, since no value is claimed."""
     values = sum(added(part["histogram"]).values())
-    return int(sum(part[name].sum() for name in ("agree", "tie", "wrong"))) - values if part["stage"].iloc[0] == "pair_query" else 0
+    if part["stage"].iloc[0] != "pair_query":
+        return 0
+    return int(sum(part[name].sum() for name in ("agree", "tie", "wrong"))) - values
 
 
 def finding(stage, dimension, precision, rows):

@@ -19,7 +19,7 @@ PLACE = 49
 SECTION = "What does this scene need of its model?"
 OWN, AGAIN, SEED = "minimal", "minimal, again", "another seed"
 SWITCHED = {"cache": "cache", "continuous": "continuous", "sleeping": "sleep"}  # features that are one stage each
-COST, ROWS = "ms_per_step_median", "work_row_updates"
+COST, ROWS = "ms_per_step_median", "work_multiply_adds"
 WITHIN, UNKNOWN, EQUAL = "time within the noise", "too few seeds to measure the noise", "equal work counts"
 IDLE = "nothing to measure"
 TIME, FARTHEST = "time, times that of minimal [1]", "way from where bodies end, farthest [m]"  # columns
@@ -31,7 +31,7 @@ ABSENT = Chart("needs", SECTION, "Needs", "No scene was asked for its needs in t
 class Model:
     """What one model did, seed by seed against the scene's own with the same seed."""
     name: str
-    time: list = field(default_factory=list)  # times those of the scene's own: time per step, row updates per step
+    time: list = field(default_factory=list)  # times those of the scene's own: time per step, multiply-adds per step
     rows: list = field(default_factory=list)
     same_work: bool = True
     idle: str = ""  # "sleep=none": the stage that its switch turns does nothing
@@ -164,7 +164,7 @@ def table_of(seen):
         **quantity("time, times that of minimal", "1", [middle(row.time) for row in rows]),
         **quantity("least over seeds", "1", [span(row.time)[0] for row in rows]),
         **quantity("most over seeds", "1", [span(row.time)[1] for row in rows]),
-        **quantity("row updates, times those of minimal", "1", [middle(row.rows) for row in rows]),
+        **quantity("multiply-adds, times those of minimal", "1", [middle(row.rows) for row in rows]),
         **quantity("way from where bodies end, median", "m", [middle(row.median) for row in rows]),
         **quantity("way from where bodies end, farthest", "m", [span(row.largest)[1] for row in rows]),
         "remark": remarks})
@@ -244,7 +244,7 @@ def _figure(context, seen, table):
                Line2D([], [], ls="none", color=INK, marker="o", label="median body"),
                Line2D([], [], ls="none", color=FAR, marker="D", label="farthest body")]
     for ax, name, label in ((axes[0][0], "time", "time per step, times minimal's"),
-                            (axes[0][1], "rows", "row updates, times minimal's")):
+                            (axes[0][1], "rows", "multiply-adds, times minimal's")):
         values = [value for model in seen.models for value in getattr(model, name)] + [1.0]
         scale = ZeroLog(ax, "x", values, "1", failures=failed, failed_name="none")
         if name == "time" and AGAIN in models and models[AGAIN].time:

@@ -109,7 +109,7 @@ def _chart(context, cells, shown, left_out, setting):
         scale = ZeroLog(below, "y", values, failures=False, floor=FLOOR)
         over_steps.lines(context, below, middle, lambda cell, tracks=tracks: tracks[cell["key"]], scale.place)
         ranked = ranking.eligible(context, part)
-        said.append(finding(where, ranked, setting) if len(ranked) else f"on {where} nobody has a rank")
+        said.append(finding(where, ranked, setting) if len(ranked) else f"on {where} no method has a rank")
     axes[0][0].set_ylabel("residual, median of steps")
     axes[1][0].set_ylabel("residual")
     over_steps.legend(context, figure, cells, width)

@@ -19,16 +19,16 @@ from table import quantity
 
 PLACE = 38
 SECTION = "What does sleeping save, and what does it cost?"
-COST, WAVE = "work_row_updates", "wake_steps"
+COST, WAVE = "work_multiply_adds", "wake_steps"
 NEEDS = Needs("world", methods=(2, math.inf), fixed=("model", "precision"), metrics=(COST,),
               also="sleep policies that differ, and a baseline that keeps everybody awake")
 ABSENT = Chart("sleeping", SECTION, "Sleeping", "No sweep of sleep policies with one that keeps everybody awake is in this "
                "store.", "sleeping")
 TOLD = ("awake_mean", "woken", WAVE)  # by trials; not in stores that are older
-SAVED, FAR, MIDDLE = "row updates saved", "largest distance", "median distance"  # columns of cells
+SAVED, FAR, MIDDLE = "multiply-adds saved", "largest distance", "median distance"  # columns of cells
 TIME, TIME_RUNS = "time saved", "time saved by repeats"
 FLOOR = 1e-12  # m
-COUNTED = ", with the range of its repeats; the table has the row updates, a count without noise"
+COUNTED = ", with the range of its repeats; the table has the multiply-adds, a count without noise"
 
 
 def of_sweep(context, cells):
@@ -123,7 +123,7 @@ def finding(cells, awake, where):
     if most[SAVED] <= 0:
         return f"On {where} nobody falls asleep."
     farthest = good.loc[good[FAR].idxmax()] if good[FAR].notna().any() else None
-    text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the row updates{_time_of(most)}"
+    text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{_time_of(most)}"
     if farthest is not None and math.isfinite(most[FAR]):
         free = [m for m, far in zip(good["method"], good[FAR]) if far <= FLOOR]
         text += f"; its bodies end at most {si(most[FAR], 'm')} from where they end awake"
@@ -150,7 +150,7 @@ def headline(cells, awake, where):
     near, far = good.loc[good[FAR].idxmin()], good.loc[good[FAR].idxmax()]
     if far[FAR] < 2 * max(near[FAR], FLOOR):
         return None
-    return Headline(f"On {where} sleeping by {near['method']} saves {si(100 * near[SAVED])} % of the row updates and moves "
+    return Headline(f"On {where} sleeping by {near['method']} saves {si(100 * near[SAVED])} % of the multiply-adds and moves "
                     f"bodies by {si(near[FAR], 'm')} at the most, by {far['method']} {si(100 * far[SAVED])} % and "
                     f"{si(far[FAR], 'm')}.",
                     dict(zip(good["method"], good[FAR].astype(float))), "m", "farthest from its end awake",
@@ -193,7 +193,7 @@ def _chart(context, cells, awake, where):
         table |= quantity(title, unit, metrics.column(cells, name))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"What sleeping costs: {where}",
                  finding(cells, awake, where), cells["sweep"].iloc[0], figure, pd.DataFrame(table), holes(cells, ["method"]),
-                 f"Across what a policy saves of the {'time' if timed else 'row updates'} of {context.name(awake['method'])}"
+                 f"Across what a policy saves of the {'time' if timed else 'multiply-adds'} of {context.name(awake['method'])}"
                  f"{COUNTED if timed else ': a count without noise'}. Up "
                  "how far a body ends at the most from where it ends when nobody sleeps; in scenes that forget their start it is "
                  "another history, and no error. Where a script acts, how many steps later most bodies are awake: sleepers that "

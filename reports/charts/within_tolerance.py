@@ -105,7 +105,8 @@ def headline(rows, dimension, precision):
     whole = table[table["pair"] == EVERYTHING].set_index("method")
     kinds = {method: set(part["pair"]) for method, part in table.groupby("method")}
     tight = round(math.log10(failure.TOLERANCE[precision]))
-    pair = turned(whole[whole["own"] & [r != "competitor" and family(m) == m for m, r in whole["role"].items()]], tight, LOOSE, kinds)
+    alone = [r != "competitor" and family(m) == m for m, r in whole["role"].items()]
+    pair = turned(whole[whole["own"] & alone], tight, LOOSE, kinds)
     if not pair:
         return None
     told = {f"{m}, 1e{decade}": float(whole[decade][m]) for decade in (tight, LOOSE) for m in pair}

@@ -34,7 +34,7 @@ class AgainstReference(with_store.WithStore):
 
             def run(axes, dt, off, work, outcome="ok", until=SECONDS):
                 axes = {"kind": "world", "scene": "chain", "dimension": 2, "precision": "f64", "timed": False, **axes}
-                key = maker.trial("mine", axes, {"work_row_updates": work}, outcome, "", None if outcome == "ok" else 5,
+                key = maker.trial("mine", axes, {"work_multiply_adds": work}, outcome, "", None if outcome == "ok" else 5,
                                   extra={"dt": dt})
                 for step in range(0, round(until / dt) + 1):
                     maker.poses(key, step, place(step * dt, off(step * dt)))
@@ -59,10 +59,10 @@ class AgainstReference(with_store.WithStore):
         self.assertEqual(len(made), 1)
         self.assertTrue(made[0].finding.startswith(
             "On chain, 2D the reference agrees with its runs at half the step and 1 nm beside it and with xpbd to 30 µm for all "
-            "3 s; by the largest distance of a body, within 40 row updates per step catto is nearest (30 mm), naive farthest "
+            "3 s; by the largest distance of a body, within 40 multiply-adds per step catto is nearest (30 mm), naive farthest "
             "(120 mm)"),
             made[0].finding)
-        self.assertTrue(made[0].finding.endswith("within 160 row updates per step catto is nearest (7.5 mm), naive farthest "
+        self.assertTrue(made[0].finding.endswith("within 160 multiply-adds per step catto is nearest (7.5 mm), naive farthest "
                                                  "(30 mm); soft_step does not run so far."), made[0].finding)
         self.assertIn("naive goes 4.0 times as far", made[0].headline.text)
         first = made[0].table.iloc[0]
@@ -76,7 +76,7 @@ class AgainstReference(with_store.WithStore):
 
             def run(axes, dt, off, work):
                 axes = {"kind": "world", "scene": "chain", "dimension": 2, "precision": "f64", "timed": False, "dt": dt, **axes}
-                key = maker.trial("mine", axes, {"work_row_updates": work}, extra={"dt": dt})
+                key = maker.trial("mine", axes, {"work_multiply_adds": work}, extra={"dt": dt})
                 for step in range(0, round(SECONDS / dt) + 1):
                     maker.poses(key, step, place(step * dt, off * step * dt))
             for part in (1, 2):  # half the step, half the error
@@ -88,7 +88,7 @@ class AgainstReference(with_store.WithStore):
             run({"resolver": "reference"}, FINE / 2, 0, 300)
         chart = self.made(against_reference, fill)[0]
         self.assertTrue(chart.finding.endswith(
-            "within 400 row updates per second of the scene catto and naive are nearest (60 mm); within 800 row updates per "
+            "within 400 multiply-adds per second of the scene catto and naive are nearest (60 mm); within 800 multiply-adds per "
             "second of the scene catto is nearest (30 mm), naive farthest (60 mm)."), chart.finding)
         self.assertIn("each at dt=0.1", chart.note)
         with unittest.mock.patch.object(against_reference, "several_steps", lambda cells: False):
@@ -99,7 +99,7 @@ class AgainstReference(with_store.WithStore):
         parts = lambda time: 1e-6 if time < 1.49 else 1e-2  # noqa: E731
         for runs in ({"beside": parts}, {"half": parts}):
             made = self.made(against_reference, self.scene(**runs))[0]
-            self.assertIn("part at 1.5 s (10 mm apart); beyond that nobody is ranked; until then", made.finding)
+            self.assertIn("part at 1.5 s (10 mm apart); beyond that no method is ranked; until then", made.finding)
             self.assertAlmostEqual(made.table["largest distance of a body from the reference [m]"].max(), 4e-2 * 1.4)
             with unittest.mock.patch.object(against_reference.Runs, "serves", lambda self, time: True):
                 bug = self.made(against_reference, self.scene(**runs))[0]

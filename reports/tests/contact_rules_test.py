@@ -71,7 +71,7 @@ class Rules(with_store.WithStore):
     def test_the_planted_bug_one_seed_alone_decides_nothing(self):
         of = {"sat_clip+spread": RULES["sat_clip+spread"],
               "sat_clip+area": (100.0, 40, (0.0030, 0.0005), (0.02, 0.021), (1e-4, 2e-4))}
-        self.assertIn("sag end: nobody differs beyond doubt", self.one(of=of).finding)
+        self.assertIn("sag end: no method differs beyond doubt", self.one(of=of).finding)
         with unittest.mock.patch.object(ranking, "better", lambda a, b, metric, many: True):
             self.assertIn("sag end: 1.7 times with sat_clip+area", self.one(of=of).finding)
 

@@ -116,7 +116,7 @@ class PageAndProgram(undrawn.Undrawn):
             model, seed = axes["model"], axes["seed"]
             metrics["ms_per_step_median"] = {"minimal": 1 + 0.03 * axes["repeat"] * (-1) ** seed, "3d": 5 + 0.1 * seed,
                                              "-cache": 1.5, "-friction": 0.5 + 0.2 * seed, "+joints": 1.02}.get(model, 0.9)
-            metrics["work_row_updates"] += model in ("-cache", "-friction")
+            metrics["work_multiply_adds"] += model in ("-cache", "-friction")
             if model == "+sleeping" and seed > 1:
                 return "collapsed"
             return "ok"

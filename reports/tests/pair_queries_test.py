@@ -46,7 +46,8 @@ def queries(maker, failing=(), asked=600, missing=(), batch={}):
                 wrong, n = (8, 96) if method in failing else (0, asked)
                 spread = 1 + 0.05 * (repeat % 2)
                 maker.trial("pair_queries", axes, {"ns_single": ns * spread, "ns_per_query": batch.get(method, ns) * spread,
-                                                   "median_error": 0.0, "p99_error": 1e-16, "max_error": 0.5 if wrong else 3e-16, "failed": 0,
+                                                   "median_error": 0.0, "p99_error": 1e-16, "max_error": 0.5 if wrong else 3e-16,
+                                                   "failed": 0,
                                                    "refused": 0, "wrong_boolean": 0, "wrong": wrong, "asked": n},
                             "wrong" if wrong else "ok")
 
@@ -87,7 +88,8 @@ class PairQueries(undrawn.Undrawn):
         self.assertIn("sat on 1; within the noise of each other, closed_form or sat on 2", first.finding)
         self.assertEqual(set(first.table.query("method == 'gjk_epa'")["time per query in batches [s]"].round(11)), {1e-9})
         with unittest.mock.patch.object(pair_queries, "TIME", pair_queries.BATCH):
-            self.assertIn("gjk_epa on 3", self.made(batch={"gjk_epa": 1})[0].finding, "the planted bug: lanes beside single calls")
+            self.assertIn("gjk_epa on 3", self.made(batch={"gjk_epa": 1})[0].finding,
+                          "the planted bug: lanes beside single calls")
 
     def test_who_computes_in_single_precision_is_judged_by_it_and_named(self):
         self.assertIn("At 1e-12 of the size, box2d fails somewhere", self.made(failing=("box2d",))[0].finding)

@@ -153,7 +153,7 @@ class WithoutRank(with_store.WithStore):
         return made.finding.replace("is not ranked (80 % Gauss-Seidel)", "admm (80 % Gauss-Seidel)")
 
     def test_an_overlap_at_the_start_ranks_nobody(self):
-        for start, words in ((1.5e-3, "nobody has a rank, since bodies overlap by up to 1.5 mm at the start"),
+        for start, words in ((1.5e-3, "no method has a rank, since bodies overlap by up to 1.5 mm at the start"),
                              (1e-9, "catto has the smallest penetration")):
             made = self.made(ensembles, self.sweep(start=start))[0]
             self.assertIn(words, made.finding)

@@ -301,7 +301,9 @@ class Findings(WithStore):
 
     def test_shares_are_of_different_questions(self):
         rows = self.store.ledger().query("stage == 'pair_query' and dimension == 3 and precision == 'f64' and axis == 'all'")
-        of = lambda method, **more: ledger._of(ledger.by_method(rows[rows["method"] == method].assign(**more)).iloc[0])  # noqa: E731
+
+        def of(method, **more):
+            return ledger._of(ledger.by_method(rows[rows["method"] == method].assign(**more)).iloc[0])
         self.assertEqual(of("libccd_mpr", wrong=4000, refused=3000), "35% (20% wrong + 15% refused)")
         self.assertEqual(of("fcl_libccd", wrong=5000, refused=0, crashed=200), "26% (25% wrong + 1% without an answer)")
         self.assertEqual(of("libccd_gjk", wrong=1000), "5%")

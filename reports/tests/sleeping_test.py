@@ -13,7 +13,7 @@ import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import sleeping  # noqa: E402
 
-# policy: row updates, bodies awake, woken, steps until all are, and how far its second body ends from the baseline's
+# policy: multiply-adds, bodies awake, woken, steps until all are, and how far its second body ends from the baseline's
 POLICIES = {"none": (100, 5, 0, 0, 0.0), "quick": (40, 2, 5, 0, 0.0), "slow": (20, 1, 5, 4, 0.03)}
 
 
@@ -28,7 +28,7 @@ class Sleeping(with_store.WithStore):
             for name, (work, awake, woken, steps, off) in (policies or POLICIES).items():
                 outcome = (outcomes or {}).get(name, "ok")
                 axes = {"kind": "world", "scene": "stack", "dimension": 2, "precision": "f64", "policy": name}
-                found = {"work_row_updates": work, "awake_mean": awake, "woken": woken, "wake_steps": steps}
+                found = {"work_multiply_adds": work, "awake_mean": awake, "woken": woken, "wake_steps": steps}
                 key = maker.trial("mine", axes, found, outcome, "", None if outcome == "ok" else 7,
                                   extra={"pipeline": f"sleep={name}"})
                 last = ends if name != "slow" else 600
@@ -44,11 +44,11 @@ class Sleeping(with_store.WithStore):
     def test_savings_distances_and_the_wave(self):
         made = self.made(sleeping, self.stack())
         self.assertEqual(len(made), 1)
-        self.assertEqual(made[0].finding, "On stack, 2D slow saves most, 80 % of the row updates; its bodies end at most 30 mm "
+        self.assertEqual(made[0].finding, "On stack, 2D slow saves most, 80 % of the multiply-adds; its bodies end at most 30 mm "
                          "from where they end awake; quick moves nobody; those who wake do so within 0 steps by quick and 4 by "
                          "slow.")
         table = made[0].table.set_index("policy")
-        self.assertAlmostEqual(table.at["quick", "row updates saved [1]"], 0.6)
+        self.assertAlmostEqual(table.at["quick", "multiply-adds saved [1]"], 0.6)
         self.assertAlmostEqual(table.at["slow", "largest distance from the end without sleep [m]"], 0.03)
         self.assertAlmostEqual(table.at["slow", "median over bodies [m]"], 0)
         self.assertEqual(len(made[0].figure.axes), 2)
@@ -58,13 +58,13 @@ class Sleeping(with_store.WithStore):
     def test_time_saved_where_it_was_timed_with_the_count_beside_it(self):
         times = {"none": (10, 10, 10), "quick": (6, 6, 6), "slow": (2, 3, 9)}
         made = self.made(sleeping, self.stack(times=times))[0]
-        self.assertIn("slow saves most, 80 % of the row updates and 70 % of the time, 10 to 80 over 3 repeats", made.finding)
+        self.assertIn("slow saves most, 80 % of the multiply-adds and 70 % of the time, 10 to 80 over 3 repeats", made.finding)
         self.assertEqual({ax.get_xlabel() for ax in made.figure.axes}, {"time saved (%)"})
         table = made.table.set_index("policy")
         self.assertAlmostEqual(table.at["slow", "time saved [1]"], 0.7)
-        self.assertAlmostEqual(table.at["slow", "row updates saved [1]"], 0.8)
+        self.assertAlmostEqual(table.at["slow", "multiply-adds saved [1]"], 0.8)
         untimed = self.made(sleeping, self.stack(times={"none": (10,), "quick": (6,)}))[0]
-        self.assertEqual({ax.get_xlabel() for ax in untimed.figure.axes}, {"row updates saved (%)"})
+        self.assertEqual({ax.get_xlabel() for ax in untimed.figure.axes}, {"multiply-adds saved (%)"})
         self.assertNotIn("of the time", untimed.finding)
 
     @undrawn.drawn

@@ -37,6 +37,7 @@ QUERIES = {"closed_form": (9, 0.0), "sat": (60, 2e-16), "gjk_epa": (400, 3e-15),
 # what, name, kind, title, unit, role, smaller, needs
 DESCRIBED = [("metric", *row.split("|")) for row in """\
 ms_per_step_median|world|time per step|ms|cost|cheaper|timing
+work_multiply_adds|world|multiply-adds per step|1|cost|cheaper|
 work_row_updates|world|row updates per step|1|cost|cheaper|
 slope_error|world|error of the distance slid|m|error|nearer the closed form|slope
 joint_error_max|world|largest joint error|m|error|joints hold better|joints
@@ -174,7 +175,8 @@ class Maker:
         facts = {"penetration_poses": error, "slope_error": error if measured else math.nan,
                  "drift_limit": math.nan if measured else 0.5,
                  "max_penetration": error, "end_drift_max": error * 3, "residual_median": error / 10,
-                 "work_row_updates": base_ms * 4000 if work is None else work, "bodies": 15,
+                 "work_row_updates": base_ms * 4000 if work is None else work,
+                 "work_multiply_adds": base_ms * 48000 if work is None else 12 * work, "bodies": 15,
                  "steps_done": n, "max_speed_end": restless}
         facts |= {} if left is None else {"mean_penetration_poses_end": left}
         facts = {name: math.nan if name in without else 0.0 if name in zero else value for name, value in facts.items()}

@@ -78,7 +78,7 @@ TEST(Needs, TellsWhatChangesAndWhatDoesNot) {
   EXPECT_NE(out.text.find("slope in 2D needs, as its file says: cache,friction\n"), std::string::npos) << out.text;
   const auto farthest = [&](const std::string& model) {
     std::smatch row;
-    // model, time (from .. to), row updates, median, farthest
+    // model, time (from .. to), multiply-adds, median, farthest
     const bool found = std::regex_search(
         out.text, row,
         std::regex("\n" + model + " +[0-9.]+ \\([0-9.]+ \\.\\. [0-9.]+\\) +[0-9.]+ +([^ ]+) +([^ \n]+)"));

@@ -163,7 +163,7 @@ TEST(ProblemsTrial, MeasuresWhatIsLeft) {
   EXPECT_GT(curve.at(first - 1), 1e-3);
   EXPECT_LE(curve.at(first), 1e-3);
   EXPECT_EQ(cold.metrics.at("multiply_adds_to_thousandth"), cold.series.at("multiply_adds")[first]);
-  EXPECT_EQ(cold.series.at("multiply_adds")[0], 0);
+  EXPECT_LT(cold.series.at("multiply_adds")[0], cold.series.at("multiply_adds")[1]) << "at first rows are made alone";
   EXPECT_EQ(cold.metrics.count("ns_per_solve"), 0u);
   EXPECT_GT(trialOf(file, "catto", 5, "cold", "on", "recorded", true).metrics.at("ns_per_solve"), 0);
   // Who makes momentum is seen to; his impulses alone would look better than his velocities are.

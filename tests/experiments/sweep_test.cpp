@@ -246,8 +246,9 @@ TEST(SweepRun, theLastLineAddsUp) {
   const std::string run = "--plugin " + kPlugin + " sweep both.toml --store s.db --quiet";
   EXPECT_EQ(w.lpc(run + " --only region_tree").text,
             "s.db: 2 trials planned, 0 were done, 2 run, 0 of these not ok (2 ok)\n");
-  EXPECT_EQ(w.lpc(run).text,
-            "s.db: 10 trials planned, 2 were done, 6 run, 3 of these not ok (3 ok, 3 wrong), 2 shared\n");
+  EXPECT_EQ(
+      w.lpc(run).text,
+      "s.db: 10 trials planned, 2 were done, 6 run, 3 of these not ok (3 ok, 3 wrong: 3 of other stages), 2 shared\n");
   EXPECT_EQ(w.lpc(run).text, "s.db: 10 trials planned, 8 were done, 0 run, 0 of these not ok, 2 shared\n");
 }
 

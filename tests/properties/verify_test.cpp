@@ -219,14 +219,18 @@ class Fails final : public PairQuery<D> {
   bool supports(ShapeKind, ShapeKind) const override { return true; }
   void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
              WorkDone&) override {
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
+    for (std::size_t at = 0; at < pairs.size(); ++at) {
+      const int i = m_asked++;  // pairs are asked one by one, too
       PairAnswer<D> answer;
       answer.status = i % 4 == 0 ? QueryStatus::refused : i % 4 == 1 ? QueryStatus::failed : QueryStatus::converged;
       if (i % 4 == 2) answer.distance = std::numeric_limits<Real>::quiet_NaN();
       if (i % 4 == 3) answer.normal = Vec<D>::Constant(std::numeric_limits<Real>::infinity());
-      answers[i] = answer;
+      answers[at] = answer;
     }
   }
+
+ private:
+  int m_asked = 0;
 };
 TEST(Verify, WhatIsNoAnswerIsBookedAsSuch) {
   const Verified verified = verifyQuery<2>(planted<PairQuery<2>, Fails<2>>(), 40);
@@ -339,14 +343,14 @@ void plantedOnesFailAgain() {
 TEST(Verify, KeptFailuresFailAgain2) { plantedOnesFailAgain<2>(); }
 TEST(Verify, KeptFailuresFailAgain3) { plantedOnesFailAgain<3>(); }
 
-// Wrong in company, right alone.
+// Wrong when a pair is asked for the first time, right from then on.
 template <int D>
-class Sociable final : public PairQuery<D> {
+class Forgetful final : public PairQuery<D> {
  public:
   using Params = NoParams;
-  explicit Sociable(const Params&) {}
+  explicit Forgetful(const Params&) {}
   static AlgorithmInfo info() {
-    return {.name = "planted_sociable", .summary = "", .paper = "", .complexity = "", .role = AlgorithmRole::witness};
+    return {.name = "planted_forgetful", .summary = "", .paper = "", .complexity = "", .role = AlgorithmRole::witness};
   }
   bool supports(ShapeKind, ShapeKind) const override { return true; }
   void query(std::span<const PairView<D>> pairs, QueryNeed, std::span<PairAnswer<D>> answers, std::span<PairMemory>,
@@ -356,25 +360,27 @@ class Sociable final : public PairQuery<D> {
       answer.status = QueryStatus::converged;
       const PairView<D>& pair = pairs[i];
       const Real length = pair.X_AB.p.norm(), truth = length - pair.a.radius - pair.b.radius;
-      answer.distance = pairs.size() > 1 ? -1 - 2 * std::abs(truth) : truth;
+      static std::set<std::pair<double, double>> seen;
+      const bool first = seen.insert({double(pair.X_AB.p[0]), double(pair.X_AB.p[1])}).second;
+      answer.distance = first ? -1 - 2 * std::abs(truth) : truth;
       answer.normal = length > 0 ? Vec<D>(pair.X_AB.p / length) : Vec<D>(Vec<D>::Unit(0));
       answers[i] = answer;
     }
   }
 };
 TEST(Verify, WhatDoesNotFailAgainIsTold) {
-  static const Registrar<PairQuery, Sociable, 2> registrar(__FILE__);
+  static const Registrar<PairQuery, Forgetful, 2> registrar(__FILE__);
   const Verified verified = verify({.dimension = 2,
                                     .kindA = ShapeKind::sphere,
                                     .kindB = ShapeKind::sphere,
                                     .range = {.seed = 1, .first = 0, .count = 40},
-                                    .methods = {"planted_sociable"}});
+                                    .methods = {"planted_forgetful"}});
   EXPECT_GT(total(verified)[Tally::wrong], 0);
   ASSERT_FALSE(verified.found.empty());
   for (const auto& [name, c] : verified.found) {
     EXPECT_TRUE(c.failure.ends_with("_once")) << c.failure;
     EXPECT_NE(c.text.find("\"again\": false"), std::string::npos) << c.text;
-    EXPECT_EQ(parseCases("{\"cases\": [" + c.text + "]}", "kept").at(0).finding->method, "planted_sociable");
+    EXPECT_EQ(parseCases("{\"cases\": [" + c.text + "]}", "kept").at(0).finding->method, "planted_forgetful");
   }
 }
 
