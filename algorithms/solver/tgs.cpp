@@ -7,7 +7,7 @@ namespace {
 
 using namespace solver;
 
-// A variant of our own, the rigid twin of soft_step; neither the sub-steps of macklin2019, which are xpbd's, nor
+// A variant of our own, the rigid twin of soft_step; neither the sub-steps on positions of macklin2019, nor
 // PhysX's TGS, whose order of sweeps is relax_at=end. What is wrong is asked for as velocity, as Baumgarte does, and
 // taken out again after the move. Errors are measured anew in each sub-step, of contacts along the normal of the
 // detection by its anchors, which move with the bodies, of joints by fresh rows. Friction is Coulomb's on velocities,

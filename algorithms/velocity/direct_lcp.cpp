@@ -110,13 +110,13 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
     m_start = m_island.u, m_first = m_warm = m_island.x;
     double left = 0;
     const bool solved = passes(left);
-    const std::vector<double> first = m_island.x;
+    m_kept = m_island.x;
     if ((!solved || left > kContradiction * m_tolerance / kTolerance) && cfm < kContradicted) {
       m_island.x = m_warm = m_first;
       soften(kContradicted);
       if (!passes(left)) {
         if (!solved) return false;
-        m_island.x = first;
+        m_island.x = m_kept;
       }
     } else if (!solved) {
       return false;
@@ -418,8 +418,8 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
   RowSweep<D> m_sweep;
   SymmetricFactor m_factor;
   Lemke m_lemke;
-  std::vector<double> m_free, m_impulse, m_start, m_first, m_warm, m_last, m_way, m_dx, m_du, m_answer, m_lcp, m_q,
-      m_lemkeZ;
+  std::vector<double> m_free, m_impulse, m_start, m_first, m_kept, m_warm, m_last, m_way, m_dx, m_du, m_answer, m_lcp,
+      m_q, m_lemkeZ;
   std::vector<std::size_t> m_freeRows;
   std::vector<Column> m_columns;
 };

@@ -145,7 +145,8 @@ def _chart(context, cells, rows, refused):
     return Chart(identifier(f"{sweep} peers"), SECTION, f"Beside packaged libraries: {sweep}", finding(rows), sweep, figure,
                  _table(rows), refused,
                  f"{failure.DEFINITION} Right of the line ours is faster. A library is asked in a process of its own, ours in "
-                 "that of the trial; of both a query is asked by itself, between two readings of the clock, which are in the time.",
+                 "that of the trial; of both a query is asked by itself, between two readings of the clock, which are in the "
+                 "time.",
                  headline=headline(rows))
 
 

@@ -110,7 +110,7 @@ class Findings(with_store.WithStore):
         found = self.made(budgets, fill)[0]
         self.assertRegex(found.finding, r"^On stack, 2D the smallest penetration is, within 4\d\d µs and 8\d\d µs per step "
                          r"that of catto \(4 mm\), within \S+ ms that of naive \(2 mm\), within \S+ ms that of naive "
-                         r"\(1 mm\); within \S+ .*row updates per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
+                         r"\(1 mm\); within \S+ .*multiply-adds per step that of catto \(4 mm\), .* naive \(1 mm\)\.$")
 
     def test_what_is_below_rounding_has_no_rank_in_rest(self):
         said = steadiness.finding("pyramid", {"catto": 6.6e-13, "soft_step": 2.7e-13, "millington": 0.1}, ["naive"],
