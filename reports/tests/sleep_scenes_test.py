@@ -33,7 +33,7 @@ class SleepScenes(with_store.WithStore):
                 outcome = ((outcomes or {}).get(policy, "ok"),)
                 about = {"extra": {"pipeline": f"sleep={policy}"}}
                 # Nothing that a chart of savings could be made of: of these runs another chart is tested.
-                found = {"work_row_updates": 0, "awake_mean": 1}
+                found = {"work_multiply_adds": 0, "awake_mean": 1}
                 maker.trial("sleeping", {**axes, "scene": "sleep_wave", "n": 5},
                             {**found, "woken": wave[0], "wake_steps": wave[1]}, *outcome, **about)
                 maker.trial("sleeping", {**axes, "scene": "sleep_touch", "speed": 0.05}, {**found, "woken": touch}, *outcome,
