@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// Sparse matrices of S x S blocks, one node per body: A = L L^T of a symmetric one, A = L U of any whose pattern is
-// symmetric. factor() and solve() are linear in a tower. Nodes are eliminated in the order of the fewest neighbours
-// left, so that neighbours become neighbours of each other as seldom as they can; analyse() looks for each among all
-// that are left, n^2 comparisons, and keeps n^2 bits. Every sum has one order, and arrays keep their capacity.
+// Sparse matrices of S x S blocks, one node per body. A symmetric one is factored as L L^T, one with a symmetric
+// pattern as L U. factor() and solve() are linear in a tower. Nodes are eliminated in the order of the fewest
+// neighbours left, so that neighbours become neighbours of each other as seldom as they can; analyse() looks for each
+// among all that are left, n^2 comparisons, and keeps n^2 bits. Every sum has one order, and arrays keep their
+// capacity.
 #pragma once
 
 #include <algorithm>

@@ -13,10 +13,10 @@ namespace lpc::inline LPC_PRECISION::solver {
 
 template <int D>
 struct PyramidLcp {
-  static constexpr int kMostTrials = 10;      // of who pushes; the guess is good or it goes in circles
-  static constexpr double kTolerance = 1e-9;  // of the largest free velocity or last impulse: what nobody objects to
-  static constexpr int kSolves = 4;           // with one factorisation
-  static constexpr double kBetter = 0.5;      // of what the last of them left: less is rounding
+  static constexpr int kMostTrials = 10;               // of active sets; a guess is good, or sets repeat
+  static constexpr double kTolerance = 1e-9;           // of the largest free velocity or last impulse
+  static constexpr int kSolves = 4;                    // with one factorisation
+  static constexpr double kBetter = 0.5;               // of what the last of them left: less is rounding
   static constexpr double kLeft = 1e-3, kWrong = 1e4;  // of the tolerance: where they end, and what is no answer
   enum class Part : std::uint8_t { none, inside, low, high, stick, corner, edge };
   struct State {
@@ -254,7 +254,7 @@ struct PyramidLcp {
     m_unknowns.push_back({first, {}, {}, rows});
     return m_unknowns.back();
   }
-  // Who objects changes sides. Does anybody?
+  // Changes the state of each row that breaks its law. Returns whether there was one.
   bool revise() {
     bool changed = false;
     for (std::size_t i = 0; i < m_island.size(); ++i) {

@@ -48,7 +48,7 @@ inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real 
           Softness(2 * hertz, jointDampingRatio, h), 0, maxSpeed};
 }
 
-/// Of methods whose contacts keep the arms of the detection.
+/// Declared by methods that keep the arms of the detection.
 inline const FailureMode kArmsStay = {"bodies that press on each other and turn together",
                                       "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
                                       "Solver.TurningKeepsAngularMomentum"};

@@ -10,11 +10,12 @@ namespace {
 using namespace solver;
 
 // Each island's complementarity problem to the end, with a pyramid of k facets for a cone (Stewart and Trinkle 1996).
-// First the linear system of who pushes, sticks and slides, guessed from the last step and put right until nobody
-// objects: most steps need one or two. Where that goes round in circles a path: from a problem that the last impulses
-// solve to the given one, on which one contact at a time changes. Then Lemke's method, which does not guess, on a dense
-// matrix. Systems are solved over the bodies, linear in a tower. What nothing solves, or is too large, is left to
-// projected Gauss-Seidel, and counted: WorkCount::fallbacks.
+// First active sets: which contacts push, stick and slide is guessed from the last step, the linear system is solved,
+// and rows that break their law change sides. Most steps need one or two solves. Where sets repeat, a path is followed:
+// it leads from a problem that the last impulses solve to the given one, and one contact changes at a time. Where the
+// path does not end, Lemke's method solves a dense matrix. Systems are solved over the bodies, linear in a tower.
+// Islands that none of these solves, or that are too large, are left to projected Gauss-Seidel and counted:
+// WorkCount::fallbacks.
 //
 // A pyramid has corners: the first is laid where the contact slides, so that it turns with the scene.
 template <int D>
@@ -153,13 +154,13 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
     return true;
   }
 
-  // Lemke's path, begun at the last impulses: of u(0) + t d, d such that these solve it at t = 1, x is linear in t
-  // until some contact is at its limit and changes sides, and t goes on, down or up again, where the side that it came
-  // to allows. The answer is where t is 0.
+  // Lemke's path from the last impulses. The problem is u(0) + t d, with d such that these impulses solve it at t = 1.
+  // Between two changes x is linear in t. Where a contact reaches a limit it changes sides, and t goes on, down or up,
+  // as the new side allows. The answer is at t = 0.
   bool path(int turnsAllowed) {
     if (!startPath()) return false;
     double t = 1, sign = -1;
-    std::size_t fresh = m_island.size();  // who has changed sides, and the limit of the new one at which it is
+    std::size_t fresh = m_island.size();  // the row that changed sides last, and the limit at which it is
     int limit = 0;
     for (int turns = 0; turns < std::min(turnsAllowed, m_params.maxPivots); ++turns) {
       m_factored = false;
@@ -185,7 +186,7 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
         m_island.x[i] += sign * step * m_dx[i], m_velocity[i] += sign * step * m_du[i];
       }
       t += sign * step;
-      if (who == m_island.size()) return activeSets();  // at the end: nobody objects
+      if (who == m_island.size()) return activeSets();  // at the end
       limit = turn(who, which), fresh = who;
     }
     return false;

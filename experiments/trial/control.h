@@ -8,8 +8,8 @@
 
 namespace lpc::inline LPC_PRECISION {
 
-/// What stands beside each test of stillness: a body that must move. Where numbers are coarse, or a method moves
-/// nobody, all rests.
+/// A body that must move, beside each test of stillness. Where numbers are coarse, or a method moves no body, every
+/// body rests.
 struct Control {
   double fallen = 0, right = 0;  // m: way along gravity, and that of the closed form g t^2 / 2
   double slack = 0;              // m: what steps of this length may err by, and a hundredth of the way
