@@ -139,7 +139,8 @@ class Substeps {
     for (int i = 0; i < iterations; ++i) sweep(in, push);
   }
 
-  void move(const StepInput<D>& in) {
+  /// Bodies move. Separations follow unless the method keeps those of the detection.
+  void move(const StepInput<D>& in, bool separationsFollow = true) {
     Profiler::Scope scope(in.profiler, "solver.move");
     for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
       if (!travels(in.bodies, k)) continue;
@@ -147,7 +148,7 @@ class Substeps {
       m_way[k] += m_h * in.bodies.motion[k].v;
       in.bodies.pose[k].p = m_start[k] + m_way[k];
     }
-    measure(in);
+    if (separationsFollow) measure(in);
   }
 
   /// For position resolvers, which move bodies themselves.

@@ -303,8 +303,9 @@ void hinges() {
     }
     EXPECT_EQ(held == 3, !declares<D>(solver, "Joint.StopHoldsAgainstItsMotor")) << solver << " " << held;
   }
-  // The ablation of what avbd declares.
+  // The ablations of what avbd and pgs_soft declare.
   const auto strong = kindOf<D>("hinge{upper=0.5,motor_speed=1,motor_torque=1000000}");
+  EXPECT_TRUE(motorStopsAtTheStop<D>(strong, "pgs_soft{joints=rigid}"));
   EXPECT_TRUE(motorStopsAtTheStop<D>(strong, "avbd{tries=3}"));
   const auto wrong = [](const Kind<D>& right, JointBug bug) { return std::make_shared<WrongJoint<D>>(right, bug); };
   const std::string dimension = " " + std::to_string(D) + "D";

@@ -135,7 +135,7 @@ void everyKindConverges() {
     among.next();
     for (const std::string& kind : everyKind<D>()) {
       if (!among.takes()) continue;
-      const double share = declared ? 0.7 : 0.4;
+      const double share = declared ? 1 : 0.4;  // even then the error does not grow
       EXPECT_LE(gain<D>(kindOf<D>(kind), solver), share) << kind << ' ' << solver << ' ' << D << 'D';
     }
     if (declared) {
@@ -144,6 +144,10 @@ void everyKindConverges() {
       EXPECT_FALSE(right) << solver;
     }
   }
+  // The ablation of what pgs_soft declares.
+  const std::string rigid = "pgs_soft{joints=rigid,relax_at=end}";
+  EXPECT_TRUE(converges<D>(kindOf<D>("hinge{lower=-0.1,upper=0.2}"), rigid));
+  EXPECT_TRUE(converges<D>(kindOf<D>("prismatic{lower=-0.1,upper=0.2}"), rigid));
   const auto bug = std::make_shared<WrongJoint<D>>(kindOf<D>("distance"), JointBug::ages);
   expectCaught("JointMotion.Converges a rod that grows with every step " + std::to_string(D) + 'D',
                converges<D>(bug, "split_solver"));

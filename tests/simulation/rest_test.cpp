@@ -44,6 +44,8 @@ void everySolverStays() {
     const bool declared = declares<D>(solver, "Rest.Stays") || declares<D>(solver, "Rest.StackStays");
     EXPECT_EQ(stays<D>(solver), !sinks && !declared) << solver << ' ' << D << 'D';
   }
+  // The ablation of what shock_propagation declares.
+  EXPECT_TRUE(stays<D>("split_solver{velocity=shock_propagation{warm_start=true}}"));
   EXPECT_TRUE(stays<D>("planted_solver"));
   for (const char* bug : {"planted_solver{bug=creeps}", "planted_solver{bug=hops}"}) {
     expectCaught("Rest.Stays " + std::string(bug) + ' ' + std::to_string(D) + 'D', stays<D>(bug));
