@@ -35,7 +35,7 @@ class RebuiltBvh final : public Broadphase<D> {
   static AlgorithmInfo info() {
     return {.name = "rebuilt_bvh",
             .summary = "binary tree of tight boxes, rebuilt each step",
-            .paper = "karras2012",
+            .paper = "lauterbach2009",
             .complexity = "n log n + pairs of nodes that overlap",
             .failures = {{.when = "build=morton and more than a twentieth of the boxes far from all others",
                           .symptom = "the others have one code and stand in the order of their slots",

@@ -37,7 +37,7 @@ class RegionTree final : public Broadphase<D> {
   static AlgorithmInfo info() {
     return {.name = "region_tree",
             .summary = "quadtree or octree, rebuilt each step",
-            .paper = "ulrich2000",
+            .paper = "finkel1974",
             .complexity = "n log n; tight: boxes across a high border meet all boxes",
             .failures = {{.when = "mode=tight and bodies on the centre line of the world",
                           .symptom = "all of them stay in the root, every pair is tested",

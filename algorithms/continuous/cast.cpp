@@ -40,7 +40,7 @@ class Cast final : public ContinuousCollision<D> {
   static AlgorithmInfo info() {
     return {.name = "cast",
             .summary = "fast bodies are stopped at their first time of impact",
-            .paper = "mirtich1996",
+            .paper = "catto2013",
             .complexity = "fast parts, a query of boxes each; a time of impact for each pair"};
   }
 

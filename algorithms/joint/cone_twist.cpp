@@ -27,7 +27,7 @@ class ConeTwist final : public JointKind<D> {
   static AlgorithmInfo info() {
     return {.name = "cone_twist",
             .summary = "a point stays together, a bone within a cone and a twist: ragdolls; in 2D a pivot with limits",
-            .paper = "grassia1998",
+            .paper = "baerlocher2001",
             .complexity = "D rows, solved as one block, and 2 in 2D, 5 in 3D for limits and friction",
             .guarantee = Guarantee::approximate,
             .failures = {{"both sides of the limits within reach of one step", "only the nearer holds",

@@ -186,7 +186,7 @@ std::vector<WantedRung> nextRungs(const BreakQuestion& q, bool whole, const std:
     if (!has && r.of < q.seeds && !r.refused && edges-- > 0) missing.push_back({r.value, q.seeds});
   };
   for (const std::optional<Rung>& end : {found.held, found.fell}) {
-    if (end && found.fell) more(*end);
+    if (end) more(*end);  // also where nothing fails, or nothing holds
   }
   if (!missing.empty() || !found.fell) return missing;  // they may move the bracket
   for (const Rung& r : found.rungs) {

@@ -52,6 +52,34 @@ TEST(RegistryRules, TheArchitecturePageNamesOnlyWhatIsRegistered) {
   EXPECT_GT(named, 20);
 }
 
+// | `stage` `name` | source | departs in | why | `setting` | in docs/sources.md.
+TEST(RegistryRules, TheSourcesPageSaysWhatIsRegistered) {
+  const std::string page = read("docs/sources.md");
+  const std::regex row("\n\\| `([a-z_]+)` `([a-z_]+)` \\| ([^|]+) \\| ([^|]*) \\| [^|]* \\| ?`?([^|`]*)`? \\|");
+  int methods = 0, same = 0;
+  for (auto it = std::sregex_iterator(page.begin(), page.end(), row); it != std::sregex_iterator(); ++it, ++methods) {
+    const std::string name = (*it)[2], source = (*it)[3], departs = (*it)[4], setting = (*it)[5];
+    SCOPED_TRACE(name);
+    const StageInfo* stage = stageByName((*it)[1].str());
+    ASSERT_TRUE(stage);
+    const auto found = Registry::instance().all().find({stage->kind, 2, name});
+    ASSERT_NE(found, Registry::instance().all().end());
+    const Registered& r = found->second;
+    std::string plain = source;
+    std::transform(plain.begin(), plain.end(), plain.begin(), [](unsigned char c) { return std::tolower(c); });
+    EXPECT_TRUE(plain.find(r.info.paper) != plain.npos || source.starts_with("none")) << r.info.paper;
+    if (setting.empty()) continue;
+    const Spec spec = Spec::parse(setting);
+    EXPECT_EQ(spec.name, name);
+    EXPECT_NO_THROW(r.create(spec));
+    if (departs != "nothing") continue;
+    EXPECT_EQ(r.canonical(spec).text(), r.canonical(Spec::parse(name)).text()) << "the default departs";
+    ++same;
+  }
+  EXPECT_GT(methods, 15);
+  EXPECT_GT(same, 3);
+}
+
 TEST(RegistryRules, EveryAlgorithmDescribesItself) {
   const std::string papers = read("docs/references.bib");
   const std::regex name("[a-z][a-z0-9_]*");

@@ -62,6 +62,14 @@ TEST(Breaking, WholeNumbersEndAtNeighbours) {
   EXPECT_EQ(none.fell->value, 1);
 }
 
+// A method that holds at the last value, or fails at the first, is tried there with all seeds.
+TEST(Breaking, EndsOfALadderAreTriedWithAllSeeds) {
+  BreakQuestion q = question(1, 60);
+  q.seeds = 20;
+  EXPECT_EQ(climb(q, true, [](double) { return 0; }).held->of, 20);
+  EXPECT_EQ(climb(q, true, [](double) { return 5; }).fell->of, 20);
+}
+
 TEST(Breaking, FallingAsksForTheSmallestThatHolds) {
   for (double holds = 2; holds <= 60; ++holds) {
     const Broken b = climb(question(1, 60, true), true, [&](double n) { return n >= holds ? 0 : 5; });

@@ -223,5 +223,30 @@ TEST(JointScenes, TheReportsJointsDoWhatItSays) {
   EXPECT_NEAR(height("hung_below"), height("hung") - 2 - 9.8 / 40, 0.1);
 }
 
+// Parameters by which a method departs from its source change what they name.
+TEST(Variants, ShortenedXpbdCorrectionsLeaveMoreError) {
+  Play<2> whole("pendulum", {}, "solver=xpbd"), half("pendulum", {}, "solver=xpbd{joint_share=0.5}");
+  EXPECT_GT(worstJoint(half, 120), 1000 * worstJoint(whole, 120));
+}
+TEST(Variants, AvbdRowsOfTheStartKeepMoreAngularMomentum) {
+  const auto lost = [](const std::string& solver) {
+    Play<2> play("turning_cluster", {}, "solver=" + solver);
+    play.step();  // the bodies are there
+    const double before = invariants(play.world).angularMomentum[0];
+    play.steps(59);
+    return std::abs(invariants(play.world).angularMomentum[0] - before);
+  };
+  EXPECT_LT(lost("avbd{rows=start}"), 0.1 * lost("avbd"));
+}
+TEST(Variants, TgsRelaxesAfterEachSubstepOrTheLast) {
+  const auto rows = [](const std::string& solver) {
+    Play<2> play("vertical_stack", {{"n", 3}}, "solver=" + solver);
+    play.steps(60);
+    return double(play.world.profiler().frame().work[WorkCount::rowUpdates]);
+  };
+  // Four sub-steps of one sweep, and two sweeps of relaxing after each or once.
+  EXPECT_EQ(rows("tgs") / 12, rows("tgs{relax_at=end}") / 6);
+}
+
 }  // namespace
 }  // namespace lpc::inline LPC_PRECISION::joint_scenes_test

@@ -163,7 +163,7 @@ TEST(Rest, WhereABodyDoesNotFallStillnessTellsNothing) {
   const TrialResult frozen = runText(far(1e9));
   EXPECT_EQ(frozen.outcome, "frozen") << frozen.reason;
   EXPECT_NE(frozen.reason.find("falls by 0 m"), std::string::npos) << frozen.reason;
-  EXPECT_EQ(frozen.metrics.at("sunk"), 0) << "the planted bug, stillness alone, holds it";
+  EXPECT_EQ(frozen.metrics.at("sunk"), 0) << "by sinking alone this run would be held";
 }
 
 TEST(Rest, ABodyAloneFallsByTheClosedFormWhateverMovesIt) {
