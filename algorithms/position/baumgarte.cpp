@@ -24,13 +24,15 @@ class Baumgarte final : public PositionResolver<D> {
   explicit Baumgarte(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "baumgarte",
-        .summary = "position errors become target velocities",
-        .paper = "baumgarte1972",
-        .complexity = "nothing beyond the velocity resolver",
-        .guarantee = Guarantee::approximate,
-        .failures = {{"deep overlap", "bodies leave with the speed of separation", "PositionError.AddsNoVelocity"}}};
+    return {.name = "baumgarte",
+            .summary = "position errors become target velocities",
+            .paper = "baumgarte1972",
+            .complexity = "nothing beyond the velocity resolver",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"deep overlap", "bodies leave with the speed of separation", "PositionError.AddsNoVelocity"},
+                         {"deep overlap, steps later", "so they are apart", "PositionError.EndsInTouch"},
+                         {"a joint that is pulled together", "its bodies go on with that speed",
+                          "JointStep.PullsLeaveNoSpeed"}}};
   }
 
   Real bias(Real separation, Real dt) const override {

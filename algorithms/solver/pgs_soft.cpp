@@ -64,6 +64,9 @@ class PgsSoft final : public Solver<D> {
                       "gives way by what falls slower than the step: relaxing takes out what its spring has put in; "
                       "joints=rigid converges",
                       "JointMotion.Converges"},
+                     {"a body that lands within rounding of the surface",
+                      "is stopped at once on one side of it and by a spring on the other; gaps=soft has one law",
+                      "Parting.EverySolverAgreesUntilTheFirstImpact"},
                      {"a heavy body that falls on a light one",
                       "is braked by springs and by relaxing, not as sweeps do", "Solver.ConvergesAsPredicted"}},
         .friction = FrictionLaw::coulomb};

@@ -166,7 +166,7 @@ std::vector<Named<D>> properties() {
           {"JointStep.WeighsInAnyUnit", "Symmetry.WeighsInAnyUnit", weighs<D>, JointBug::yields, "hinge"},
           {"JointStep.WeighsInAnyUnit", "Symmetry.WeighsInAnyUnit", weighs<D>, JointBug::weightless, "mouse"},
           {"JointStep.HeavyIsFixed", "", heavyIsFixed<D>, JointBug::none, nullptr},
-          {"JointStep.LeavesNoSpeed", "PositionError.AddsNoVelocity", leavesNoSpeed<D>, JointBug::yields, "weld"}};
+          {"JointStep.LeavesNoSpeed", "JointStep.PullsLeaveNoSpeed", leavesNoSpeed<D>, JointBug::yields, "weld"}};
 }
 
 template <int D>

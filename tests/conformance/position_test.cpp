@@ -54,6 +54,13 @@ void addsNoVelocity(const Step<D>& step, Draw& draw) {
   auto after = before;
   for (int i = 0; i < kSteps; ++i) step(after);
   require<D>(after.energy() <= kEps, before, after, after.energy());
+}
+
+template <int D>
+void endsInTouch(const Step<D>& step, Draw& draw) {
+  const auto before = overlap<D>(draw, draw.coin());
+  auto after = before;
+  for (int i = 0; i < kSteps; ++i) step(after);
   const Real gap = after.manifolds[0].points[0].separation;
   require<D>(gap <= std::numeric_limits<Real>::epsilon(), before, after, gap);  // but for the rounding of places
 }
@@ -117,6 +124,7 @@ template <int D>
 std::vector<Named<D>> properties() {
   return {{"PositionError.Shrinks", errorShrinks<D>},
           {"PositionError.AddsNoVelocity", addsNoVelocity<D>},
+          {"PositionError.EndsInTouch", endsInTouch<D>},
           {"PositionError.TurnsPinnedBodies", turnsPinnedBodies<D>},
           {"PositionError.FixedBodiesStay", fixedBodiesStay<D>},
           {"JointError.Shrinks", jointErrorShrinks<D>}};
