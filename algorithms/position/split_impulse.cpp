@@ -53,7 +53,8 @@ class SplitImpulse final : public PositionResolver<D> {
         applyRow<D>(c.row, c.n, c.invMassA, c.invMassB, c.impulse - old, a, b, rotation);
       }
     }
-    countRows<D>(in.work, static_cast<std::uint64_t>(m_params.iterations) * (m_contacts.size() + m_joints.rows.size()));
+    countRows<D>(in.work, static_cast<std::uint64_t>(m_params.iterations) * m_contacts.size());
+    m_joints.count(in.work, static_cast<std::uint64_t>(m_params.iterations));
     for (std::size_t i = 0; i < m_moves.size(); ++i) {
       Pose<D>& x = in.bodies.pose[i];
       x.p += m_moves[i].v;

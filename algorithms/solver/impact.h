@@ -225,7 +225,8 @@ class Impact {
   // Sweeps until nothing changes. `hold`: only contacts that were hit, and no friction.
   void settle(const VelocityInput<D>& in, std::span<const ManifoldRows<D>> which, bool hold) {
     for (int i = 0; i < m_limit; ++i) {
-      if (!m_joints.blocks.empty()) countRows<D>(in.work, m_joints.sweep(in.bodies.motion, in.dt, {}));
+      m_joints.sweep(in.bodies.motion, in.dt, {});
+      m_joints.count(in.work);
       Real change = 0;
       for (const ManifoldRows<D>& m : which) change = std::max(change, sweep(in, m, hold));
       if (!(change > m_still)) return;

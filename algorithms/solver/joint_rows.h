@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "algorithms/solver/block_inverse.h"
+#include "algorithms/solver/places.h"
 #include "framework/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
@@ -53,15 +54,27 @@ class JointSystem {
     return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
   }
 
-  void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}; }
-  /// `compliance` is added to what each rigid row gives way by per impulse, 1/kg or 1/(kg m^2).
-  void prepare(WorkDone& work, const Bodies<D>& bodies, std::span<const JointRecord<D>> joints, Real compliance = 0) {
+  void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}, m_coupled = 0; }
+  /// `compliance` is added to what each rigid row gives way by per impulse, 1/kg or 1/(kg m^2). `places`, where there
+  /// are any, are those of joints between two bodies.
+  void prepare(WorkDone& work, const Bodies<D>& bodies, std::span<const JointRecord<D>> joints, Real compliance = 0,
+               const Places<D>& places = {}) {
     clear();
-    m_compliance = compliance;
+    m_compliance = compliance, m_places = places;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       if (joints[j].active()) add(bodies, joints[j], static_cast<std::int32_t>(j));
     }
     countMadeRows<D>(work, rows.size());
+    for (const JointBlock<D>& block : blocks) {  // the response of the equality rows, and its inverse
+      const auto n = static_cast<std::uint64_t>(block.equalities);
+      work[WorkCount::multiplyAdds] += n * (n + 1) / 2 * (D + D * (D - 1)) + n * n * n;
+      m_coupled += n * n - n;
+    }
+  }
+  /// So many sweeps of all rows. Equality rows are multiplied by a matrix where others have one mass.
+  void count(WorkDone& work, std::uint64_t sweeps = 1) const {
+    countRows<D>(work, sweeps * rows.size());
+    work[WorkCount::multiplyAdds] += sweeps * m_coupled;
   }
 
   /// `start(joint, row number)` is the impulse to begin with. Applied by applyAccumulated().
@@ -85,10 +98,9 @@ class JointSystem {
   }
 
   /// One update of every row over h seconds. Stops that are not reached may be reached within h, no matter what
-  /// `rigid` says; springs and motors follow their own law. Returns the number of rows.
-  std::uint64_t sweep(std::vector<Motion<D>>& motion, Real h, const Feedback& rigid) {
+  /// `rigid` says; springs and motors follow their own law. To be counted by count().
+  void sweep(std::vector<Motion<D>>& motion, Real h, const Feedback& rigid) {
     for (JointBlock<D>& block : blocks) sweepBlock(block, at(motion, block.a), at(motion, block.b), h, rigid);
-    return rows.size();
   }
   /// The same of one joint between bodies of these velocities.
   void sweepBlock(JointBlock<D>& block, Motion<D>& a, Motion<D>& b, Real h, const Feedback& rigid) {
@@ -103,7 +115,7 @@ class JointSystem {
   }
   /// The same in displacements instead of velocities: so much of each error at once, of equalities and of stops.
   /// Springs and motors have no error.
-  std::uint64_t sweepErrors(std::vector<Motion<D>>& moves, Real share, Real stopShare) {
+  void sweepErrors(std::vector<Motion<D>>& moves, Real share, Real stopShare) {
     for (JointBlock<D>& block : blocks) {
       Motion<D>&a = at(moves, block.a), &b = at(moves, block.b);
       for (JointRow<D>& row : of(block).subspan(static_cast<std::size_t>(block.equalities))) {
@@ -111,7 +123,6 @@ class JointSystem {
       }
       if (block.equalities > 0) sweepEqualities(block, {share, 1, 0}, a, b);
     }
-    return rows.size();
   }
 
   /// Writes the accumulated impulses. A joint that took no part, since its bodies sleep, keeps what it had; a row that
@@ -144,7 +155,13 @@ class JointSystem {
     block.invIB = bodies.invInertia[b];
     block.warm = block.invMassA + block.invMassB > 0;
     block.first = static_cast<std::int32_t>(rows.size()), block.equalities = 0;
-    jointRows(joint, bodies, m_rows);
+    if (m_places.empty() || joint.bodyA < 0) {
+      jointRows(joint, bodies, m_rows);
+    } else {
+      const auto [X_WA, X_WB] = m_places.pair(bodies, a, b);
+      m_rows.count = 0;
+      joint.kind->rows(joint, X_WA, X_WB, m_rows);
+    }
     Real trace = 0;
     for (int i = 0; i < m_rows.count; ++i) {
       const ConstraintRow<D>& from = m_rows.row[static_cast<std::size_t>(i)];
@@ -236,6 +253,8 @@ class JointSystem {
 
   JointRows<D> m_rows;
   Real m_compliance = 0;
+  Places<D> m_places;
+  std::uint64_t m_coupled = 0;  // multiply-adds of a sweep beyond those of its rows
   Motion<D> m_world;  // at rest, since its inverse mass is 0; but for an infinite impulse, and then for one solve
 };
 

@@ -47,8 +47,9 @@ class NgsSweep {
  private:
   void mend(const PositionInput<D>& in, std::span<const JointRecord<D>> joint, const NgsShare& share) {
     if (!joint[0].active()) return;
-    m_joint.prepare(in.work, in.bodies, joint);
-    countRows<D>(in.work, m_joint.sweepErrors(m_moves, share.jointFactor, share.factor));
+    m_joint.prepare(in.work, in.bodies, joint, 0, m_places);
+    m_joint.sweepErrors(m_moves, share.jointFactor, share.factor);
+    m_joint.count(in.work);
     for (const JointBlock<D>& block : m_joint.blocks) {
       move(in, block.a), move(in, block.b);
     }

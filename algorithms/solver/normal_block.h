@@ -3,6 +3,8 @@
 // need many sweeps for what is one small problem.
 #pragma once
 
+#include <bit>
+
 #include "algorithms/solver/contact_rows.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
@@ -20,8 +22,10 @@ class NormalBlock {
   using Impulses = std::array<Real, static_cast<std::size_t>(kRows)>;
 
   /// False when nothing can move a point.
-  bool set(const ManifoldRows<D>& m, const PointRows<D>* points) {
+  bool set(const ManifoldRows<D>& m, const PointRows<D>* points, WorkDone& work) {
     m_count = m.count;
+    const auto n = static_cast<std::uint64_t>(m_count);
+    work[WorkCount::multiplyAdds] += n * n * D * (D - 1);
     for (int i = 0; i < m.count; ++i) {
       const Row<D>& row = points[i].normal;
       if (!(row.mass > 0)) return false;
@@ -37,8 +41,10 @@ class NormalBlock {
   /// x >= 0 with w = K (x - old) + v >= 0 and no impulse where w > 0. `v` is how much faster than wanted the points
   /// part now, m/s. The first set of pushing points that fits, from all to none (Catto 2008); if rounding lets none
   /// fit, the one that is least wrong.
-  Impulses solve(const Impulses& old, const Impulses& v) const {
+  Impulses solve(const Impulses& old, const Impulses& v, WorkDone& work) const {
     const auto n = static_cast<std::size_t>(m_count);
+    std::uint64_t& multiplyAdds = work[WorkCount::multiplyAdds];
+    multiplyAdds += n * n;
     Impulses q{}, best{};
     for (std::size_t i = 0; i < n; ++i) {
       q[i] = v[i];
@@ -48,6 +54,8 @@ class NormalBlock {
     for (unsigned pushing = 1u << n; pushing-- > 0;) {
       Impulses x{};
       const Real wrong = tried(pushing, q, x);
+      const auto size = static_cast<std::uint64_t>(std::popcount(pushing));  // factor, two substitutions, check
+      multiplyAdds += size * (size + 1) * (size + 2) / 6 + size * (size + 1) + (n - size) * n;
       if (wrong < least) least = wrong, best = x;
       if (!(wrong > 0)) break;
     }

@@ -126,7 +126,7 @@ class Substeps {
     Profiler::Scope scope(in.profiler, "solver.integrate");
     kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
     if (!in.features.joints) return;
-    m_joints.prepare(in.work, in.bodies, in.joints);
+    m_joints.prepare(in.work, in.bodies, in.joints, 0, places());
     m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) {
       return m_jointImpulse[static_cast<std::size_t>(joint)].substep[static_cast<std::size_t>(row)];
     });
@@ -268,6 +268,7 @@ class Substeps {
     for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
       const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
       if (made(m)) continue;
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
       for (int k = 0; k < m.count; ++k) {
         const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
         Ang<D> turn;
@@ -310,7 +311,8 @@ class Substeps {
   void sweep(const StepInput<D>& in, const Push& push) {
     auto& motion = in.bodies.motion;
     const bool rotation = in.features.rotation;
-    countRows<D>(in.work, m_joints.sweep(motion, m_h, push.joint));
+    m_joints.sweep(motion, m_h, push.joint);
+    m_joints.count(in.work);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
       const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? push.contact : push.contactFixed;

@@ -75,7 +75,7 @@ class Catto final : public VelocityResolver<D> {
       m_contacts.prepare(in);
       m_joints.clear();
       if (in.features.joints) m_joints.prepare(in.work, in.bodies, in.joints);
-      if (m_params.block) prepareBlocks();
+      if (m_params.block) prepareBlocks(in.work);
       if (m_params.friction == Friction::box) prepareLimits(in);
       if (m_params.warmStart) warmStart(in);
     }
@@ -86,14 +86,15 @@ class Catto final : public VelocityResolver<D> {
       const bool back = m_params.sweep == Sweep::symmetric && i % 2 == 1;
       const std::size_t n = m_contacts.manifolds.size();
       for (std::size_t k = 0; k < n; ++k) {
-        solveManifold(back ? n - 1 - k : k, in.bodies, in.features.rotation, back);
+        solveManifold(back ? n - 1 - k : k, in, back);
       }
     }
-    std::uint64_t rows = m_joints.rows.size();
+    std::uint64_t rows = 0;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
     }
     countRows<D>(in.work, rows * static_cast<std::uint64_t>(m_params.iterations));
+    m_joints.count(in.work, static_cast<std::uint64_t>(m_params.iterations));
     m_contacts.store(in.manifolds);
     m_joints.store(in.joints);
   }
@@ -111,12 +112,12 @@ class Catto final : public VelocityResolver<D> {
     m_joints.applyAccumulated(in.bodies.motion);
   }
 
-  void prepareBlocks() {
+  void prepareBlocks(WorkDone& work) {
     m_blocks.resize(m_contacts.manifolds.size());
     m_isBlock.assign(m_contacts.manifolds.size(), 0);
     for (std::size_t k = 0; k < m_blocks.size(); ++k) {
       const ManifoldRows<D>& m = m_contacts.manifolds[k];
-      if (m.count > 1) m_isBlock[k] = m_blocks[k].set(m, m_contacts.points.data() + m.first);
+      if (m.count > 1) m_isBlock[k] = m_blocks[k].set(m, m_contacts.points.data() + m.first, work);
     }
   }
 
@@ -132,14 +133,16 @@ class Catto final : public VelocityResolver<D> {
     }
   }
 
-  void solveManifold(std::size_t k, Bodies<D>& bodies, bool rotation, bool back) {
+  void solveManifold(std::size_t k, const VelocityInput<D>& in, bool back) {
+    Bodies<D>& bodies = in.bodies;
+    const bool rotation = in.features.rotation;
     const ManifoldRows<D>& m = m_contacts.manifolds[k];
     // Local copies: the compiler keeps them in registers over all rows of the manifold.
     Motion<D> a = bodies.motion[static_cast<std::size_t>(m.a)], b = bodies.motion[static_cast<std::size_t>(m.b)];
     PointRows<D>* const points = m_contacts.points.data() + m.first;
     const auto place = [&](int i) { return back ? m.count - 1 - i : i; };
     if (m_params.block && m_isBlock[k]) {
-      pushTogether(m_blocks[k], m, points, a, b, rotation);
+      pushTogether(m_blocks[k], m, points, a, b, in);
     } else {
       for (int i = 0; i < m.count; ++i) pushAt(m, points[place(i)], m_params.relaxation, a, b, rotation);
     }
@@ -163,14 +166,15 @@ class Catto final : public VelocityResolver<D> {
   }
 
   void pushTogether(const NormalBlock<D>& block, const ManifoldRows<D>& m, PointRows<D>* points, Motion<D>& a,
-                    Motion<D>& b, bool rotation) const {
+                    Motion<D>& b, const VelocityInput<D>& in) const {
+    const bool rotation = in.features.rotation;
     typename NormalBlock<D>::Impulses old{}, v{};
     for (int i = 0; i < m.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       old[k] = points[i].impulse[0];
       v[k] = rowVelocity<D>(points[i].normal, m.n, a, b, rotation) - points[i].target;
     }
-    const auto wanted = block.solve(old, v);
+    const auto wanted = block.solve(old, v, in.work);
     for (int i = 0; i < m.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       points[i].impulse[0] = std::max(old[k] + m_params.relaxation * (wanted[k] - old[k]), Real(0));

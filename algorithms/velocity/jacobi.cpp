@@ -62,11 +62,12 @@ class Jacobi final : public VelocityResolver<D> {
     Profiler::Scope scope(in.profiler, "solver.iterate");
     const Feedback feedback{.rate = in.position.jointBias(in.dt)};
     for (int i = 0; i < m_params.iterations; ++i) sweep(in, feedback);
-    std::uint64_t rows = m_joints.rows.size();
+    std::uint64_t rows = 0;
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       rows += static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1);
     }
     countRows<D>(in.work, rows * static_cast<std::uint64_t>(m_params.iterations));
+    m_joints.count(in.work, static_cast<std::uint64_t>(m_params.iterations));
     m_contacts.store(in.manifolds);
     m_joints.store(in.joints);
   }

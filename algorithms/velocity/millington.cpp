@@ -143,7 +143,8 @@ class Millington final : public VelocityResolver<D> {
   void solveJoints(const VelocityInput<D>& in) {
     const Feedback feedback{.rate = in.position.jointBias(in.dt)};
     for (int i = 0; i < static_cast<int>(m_params.iterationFactor) + 1 && !m_joints.rows.empty(); ++i) {
-      countRows<D>(in.work, m_joints.sweep(in.bodies.motion, in.dt, feedback));
+      m_joints.sweep(in.bodies.motion, in.dt, feedback);
+      m_joints.count(in.work);
     }
   }
 

@@ -61,6 +61,7 @@ class NaiveVelocity final : public VelocityResolver<D> {
     const bool rotation = in.features.rotation;
     auto& motion = in.bodies.motion;
     m_joints.sweep(motion, in.dt, {.rate = in.position.jointBias(in.dt)});
+    m_joints.count(in.work);
     for (const ManifoldRows<D>& m : m_contacts.manifolds) {
       Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
       for (int i = 0; i < m.count; ++i) {

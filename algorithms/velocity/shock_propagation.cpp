@@ -83,7 +83,8 @@ class ShockPropagation final : public VelocityResolver<D> {
   }
 
   void sweepJoints(const VelocityInput<D>& in) {
-    countRows<D>(in.work, m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)}));
+    m_joints.sweep(in.bodies.motion, in.dt, {.rate = in.position.jointBias(in.dt)});
+    m_joints.count(in.work);
   }
 
   void sweep(const ManifoldRows<D>& m, const VelocityInput<D>& in) {
