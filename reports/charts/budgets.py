@@ -67,6 +67,12 @@ def least_of(context, cells, cost):
     return noise.floor_of(context, cells["sweep"].iloc[0], cost) if context.store.is_time(cost) else 1.0
 
 
+def compared(context, cells, cost, error):
+    """How many methods have a rank at each budget."""
+    cells, least = ranking.eligible(context, cells), least_of(context, cells, cost)
+    return [len(within(cells, cost, error, budget, least)) for budget in marks(cells, cost, error)]
+
+
 def finding(context, cells, cost, error):
     """Whose error is smallest within each budget: `within 1 ms and 2 ms per step that of a (4 mm), within 4 ms that of ...`."""
     unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
@@ -94,9 +100,10 @@ def _chart(context, cells, where, setting, refused):
     names = ranking.names(context, cells)
     width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
-    rows = []
+    rows, ranked = [], []
     for column, cost in enumerate(costs):
         ax = axes[0][column]
+        ranked += compared(context, cells, cost, error)
         good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
                      np.isfinite(metrics.column(cells, error))]
         across = ZeroLog(ax, "x", list(good[cost]), context.unit(cost), failures=False)
@@ -124,5 +131,5 @@ def _chart(context, cells, where, setting, refused):
                  f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
                  "are the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that "
                  "cheap: a time above the budget by no more than the noise is within it. "
-                 + ranking.rule(max(map(len, cells["seeds"])), len(labels)) + " " + noise.rule(
+                 + ranking.rule(max(map(len, cells["seeds"])), *ranked) + " " + noise.rule(
                      noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

@@ -257,12 +257,14 @@ def _cost_chart(context, cells, groups, refused):
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
     table = _table(context, cells, setting, costs, errors)
+    reached = budgets(ranking.eligible(context, cells), costs[0], errors[0])
+    compared = 0 if reached is None else int(reached[2]["error"].notna().sum())
     order = f"Along a line {setting} grows with the marker. " if setting else ""
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed; the front joins what no other beats in both. Whiskers "
-                 "hold the median of repeats and seeds. " + ranking.rule(max(map(len, cells["seeds"])), len(labels)) +
+                 "hold the median of repeats and seeds. " + ranking.rule(max(map(len, cells["seeds"])), compared) +
                  ranking.raw(context, errors[0]) + " "
                  + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], "ms_per_step_median"))
                  + engine_notes(context, cells) + caption_of_lines(shared),

@@ -66,13 +66,19 @@ def spread(part, name):
     return float(np.median(values)), min(every), max(every)
 
 
+def candidates(cells, name, excused=()):
+    """The methods that may have a rank: they finished at the budget, and did what their names say."""
+    return [method for method, part in cells.groupby("method", sort=True)
+            if method not in excused and not math.isnan(spread(part, name)[0])]
+
+
 def ranks(cells, name, floor=0.0, least=None, excused=()):
     """Rows (rank, method, median, lowest, highest), the best first. A rank counts who is better beyond doubt (ranking.py; of a
     time also beyond the noise, `least`); methods that nobody beats share the first, a tie. What failed, met no budget or is
     `excused` has no rank."""
     parts = {method: part for method, part in cells.groupby("method", sort=True)}
     rows = [(method, *spread(part, name)) for method, part in parts.items()]
-    known = [method for method, median, *_ in rows if not math.isnan(median) and method not in excused]
+    known = candidates(cells, name, excused)
     many, made = ranking.comparisons(len(known)), []
     for method, median, low, high in rows:
         better = sum(ranking.better(parts[other], parts[method], name, floor, many) and
@@ -85,8 +91,7 @@ def ranks(cells, name, floor=0.0, least=None, excused=()):
 def ranked(context, here, name):
     """The ranks at one budget."""
     least = noise.floor_of(context, here["sweep"].iloc[0], name) if context.store.is_time(name) else None
-    excused = ranking.excused(context, here)
-    return ranks(here, name, context.floor(name), least, {here["method"][index] for index in excused})
+    return ranks(here, name, context.floor(name), least, ranking.unranked(context, here))
 
 
 def without(context, here, none):
@@ -267,6 +272,7 @@ def _chart(context, cells, about, axes, refused):
     setting = about["setting"]
     found = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than that"
     seeds = len({seed for of_cell in cells["seeds"] for seed in of_cell})
+    compared = [len(candidates(here, names[0], ranking.unranked(context, here))) for _, here in cells.groupby("budget")]
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"At equal {about['equal']}: {where}",
                  finding(context, cells, about, where, names[0]) + beside(context, cells, about, other)
                  + not_used(context, cells, about) + at_start(cells), cells["sweep"].iloc[0], figure,
@@ -274,7 +280,7 @@ def _chart(context, cells, about, axes, refused):
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
                  f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "
                  "beside it, so that each is seen; bars are the range over seeds and repeats. A letter in the top band failed or "
-                 f"met no budget; C×3 are three. {ranking.rule(seeds, len(labels))}{ranking.raw(context, names[0])}" 
+                 f"met no budget; C×3 are three. {ranking.rule(seeds, *compared)}{ranking.raw(context, names[0])}" 
                  + counted(context, cells, about, other, full),
                  telling=True,
                  headline=headline(context, cells, about, where, names[0]))
