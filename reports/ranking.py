@@ -156,8 +156,12 @@ def unranked(context, cells):
     why = {}
     for index, said in excused(context, cells).items():
         why.setdefault(cells["method"][index], []).append(said)
-    return {method: max(said, key=lambda text: float(text.split(" %")[0]) if " %" in text else 0.0)
-            for method, said in sorted(why.items())}
+    return {method: largest(said) for method, said in sorted(why.items())}
+
+
+def largest(said):
+    """Of several reasons the largest share; empty where there is none."""
+    return max(said, key=lambda text: float(text.split(" %")[0]) if " %" in text else 0.0, default="")
 
 
 def names(context, cells):
