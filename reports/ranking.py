@@ -15,7 +15,7 @@ from collections import Counter
 
 import metrics
 import noise
-from chart import plural
+from chart import listing, plural
 
 LEVEL = 0.05  # chance that one interval or more of a rank does not hold its median
 START, TOUCHING = "penetration_start", 1e-6  # m
@@ -183,8 +183,11 @@ def tail(context, cells):
 
 
 def told(why):
-    """`why`: {name: why it has no rank}."""
-    return f" Not ranked: {', '.join(f'{name} ({said})' for name, said in why.items())}." if why else ""
+    """`why`: {name: why it has no rank}; those with one reason are told together."""
+    groups = {}
+    for name, said in why.items():
+        groups.setdefault(said, []).append(name)
+    return f" Not ranked: {'; '.join(f'{listing(names)} ({said})' for said, names in groups.items())}." if why else ""
 
 
 def raw(context, error):
