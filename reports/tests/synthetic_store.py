@@ -150,14 +150,15 @@ class Maker:
             self.db.execute("INSERT INTO series VALUES (?,?,?)", (key, name, np.asarray(values, "<f8").tobytes()))
         return key
 
-    def leave_rows(self, share, trials=1):
-        """Says of the last trials that so many per cent of their rows were left to Gauss-Seidel."""
-        last = self.db.execute("SELECT key, canonical FROM trial ORDER BY rowid DESC LIMIT ?", (trials,))
-        for key, canonical in last.fetchall():
-            dimension = json.loads(canonical)["dimension"] or 2
-            self.db.execute("INSERT OR REPLACE INTO series VALUES (?,'points',?)", (key, np.full(9, 50.0, "<f8").tobytes()))
-            self.db.execute("UPDATE trial SET metrics = json_set(metrics, '$.work_fallbacks', ?) WHERE key = ?",
-                            (share / 100 * 50 * dimension, key))
+    def leave_rows(self, percent, where=None):
+        """Says that so much of the rows was left to Gauss-Seidel: of the last trial, or of those of a method (resolver)."""
+        trials = self.db.execute("SELECT key, canonical FROM trial ORDER BY rowid DESC").fetchall()
+        for key, canonical in trials if where else trials[:1]:
+            canonical = json.loads(canonical)
+            if where in (None, canonical["axes"].get("resolver")):
+                left = percent / 100 * 50 * (canonical["dimension"] or 2)
+                self.db.execute("INSERT OR REPLACE INTO series VALUES (?,'points',?)", (key, np.full(9, 50.0, "<f8").tobytes()))
+                self.db.execute("UPDATE trial SET metrics = json_set(metrics, '$.work_fallbacks', ?) WHERE key = ?", (left, key))
 
     def poses(self, key, step, rows):
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))
