@@ -80,6 +80,8 @@ problem_residual|problems|natural map|1|error|nearer|
 multiply_adds|problems|multiply-adds|1|cost|cheaper|
 ns_per_solve|problems|time per solve|ns|cost|cheaper|timing
 multiply_adds_to_thousandth|problems|multiply-adds to a thousandth|1|detail|faster|
+rows|problems|rows|1|detail||
+fallbacks|problems|rows left to sweeps|1|detail||
 rate|problems|rate of convergence|1|detail|faster|
 predicted_rate|problems|predicted rate|1|detail|faster|""".splitlines()] + [
     ("series", "problem_residual", "problems", "natural map", "1", "error", "", ""),
