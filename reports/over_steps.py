@@ -6,6 +6,7 @@ import math
 import numpy as np
 from matplotlib.lines import Line2D
 
+import ranking
 from chart import describe, listing
 from load import split, varying
 from style import HALO, fallen, grid_of_axes, legend_right, legend_room
@@ -61,14 +62,14 @@ def stretches(values, of=np.median):
 
 
 def grid(context, cells, rows, columns):
-    legend_width = legend_room(map(context.name, cells["method"].unique()), 2.0)
+    legend_width = legend_room(ranking.names(context, cells).values(), 2.0)
     figure, axes = grid_of_axes(rows, columns, 2.2, legend_width, left=1.0, gap_x=0.8, gap_y=0.75)
     return figure, axes, legend_width
 
 
 def legend(context, figure, cells, width):
-    looks = context.looks(cells)
-    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in sorted(cells["method"].unique())], width)
+    looks, called = context.looks(cells), ranking.names(context, cells)
+    legend_right(figure, [Line2D([], [], label=called[m], **looks(m)) for m in sorted(called)], width)
 
 
 def lines(context, ax, cells, values_of, place, of=np.median, drawn=None):

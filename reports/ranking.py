@@ -164,6 +164,11 @@ def largest(said):
     return max(said, key=lambda text: float(text.split(" %")[0]) if " %" in text else 0.0, default="")
 
 
+def whole(context, cells):
+    """The cells of methods of which each cell is ranked: where a method has one number for all of its cells."""
+    return cells[~cells["method"].isin(list(unranked(context, cells)))]
+
+
 def names(context, cells):
     """{method: its name with what keeps it from a rank}: `admm (62 % Gauss-Seidel)`, `box2d (engine, f32 among f64)`."""
     why = unranked(context, cells)
@@ -180,6 +185,12 @@ def beside(name, why):
 def tail(context, cells):
     """A sentence on what has no rank; empty where all have one."""
     return told(unranked(context, cells))
+
+
+def tail_of(context, places):
+    """The same of [(where, cells)]: where several places have ranks of their own, it says where."""
+    return told({method + (f" on {where}" if len(places) > 1 else ""): why for where, cells in places
+                 for method, why in unranked(context, cells).items()})
 
 
 def told(why):
