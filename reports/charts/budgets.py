@@ -129,7 +129,7 @@ def _chart(context, cells, where, setting, refused):
                  + ranking.tail(context, cells),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
                  f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
-                 "are the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that "
+                 "are the budgets that the finding compares. What is not named at a budget errs more, or has no run that "
                  "cheap: a time above the budget by no more than the noise is within it. "
                  + ranking.rule(max(map(len, cells["seeds"])), *ranked) + " " + noise.rule(
                      noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

@@ -16,7 +16,7 @@ from style import ZeroLog, fallen, grid_of_axes, letter, times
 from table import quantity
 
 PLACE = 44
-SECTION = "What do contacts cost, and who stands better for them?"
+SECTION = "What do contacts cost, and what stands better for them?"
 TIME, POINTS = "ms_per_step_median", "contacts_end"
 BOUGHT = ("sag_end", "lateral_max", "jitter")
 TOLD = 1.1  # ratio of two results from which it is told, when it holds beyond doubt

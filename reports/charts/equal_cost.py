@@ -225,7 +225,7 @@ def headline(context, cells, about, where, name):
                 context.title(name), ends=final_states(here))))
     most = max(found, key=lambda pair: pair[0], default=(0, None))[1]
     if most and not set.intersection(*firsts):  # the sentence stands for one budget
-        most = dataclasses.replace(most, text=f"{most.text[:-1]}; nobody is first at every budget.")
+        most = dataclasses.replace(most, text=f"{most.text[:-1]}; no method is first at every budget.")
     return most
 
 

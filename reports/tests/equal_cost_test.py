@@ -111,7 +111,7 @@ class EqualCost(undrawn.Undrawn):
         self.assertIn("at 100 catto is first (3 mm), soft_step last (4 mm); without a rank: naive needs more", made.finding)
         self.assertIn("at 400 soft_step is first (500 µm), then catto (1 mm), naive last (4 mm)", made.finding)
         self.assertIn("No method is first at every budget.", made.finding)
-        self.assertTrue(made.headline.text.endswith("; nobody is first at every budget."), made.headline.text)
+        self.assertTrue(made.headline.text.endswith("; no method is first at every budget."), made.headline.text)
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
         self.assertNotIn("fail", made.finding + made.headline.text, "what costs more than there is does not fail")
         self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])

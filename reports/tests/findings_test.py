@@ -2,7 +2,9 @@
 """Tests of what charts find: no rank by noise, by rounding, by one seed or by where a run starts. Run by ctest, or
 python3 reports/tests/findings_test.py. Every check that guards a promise is seen to fail on a planted bug."""
 
+import ast
 import math
+import re
 import sys
 import unittest
 import unittest.mock
@@ -23,7 +25,23 @@ from charts import broadphase, budgets, distinctness, energy, ensembles, residua
 COST = "ms_per_step_median"
 
 
+PEOPLE = re.compile(r"\b(nobody|somebody|whoever|everyone|who)\b", re.IGNORECASE)
+
+
+def of_people(source):
+    """Sentences of a file, which are all of its strings but docstrings, that speak of code as of people."""
+    tree = ast.parse(source)
+    said = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str) and
+            id(node) not in said and " " in node.value and PEOPLE.search(node.value)]
+
+
 class Findings(with_store.WithStore):
+    def test_a_method_is_not_somebody(self):
+        for file in sorted((HERE.parent / "charts").glob("*.py")):
+            self.assertEqual(of_people(file.read_text(encoding="utf-8")), [], file.name)
+        self.assertEqual(of_people('"""Who ranks."""\nx = f"at {y} nobody has a rank"'), [" nobody has a rank"])
+
     def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
         """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
         found = self.made(stages, synthetic_store.stages)[0]
