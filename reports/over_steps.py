@@ -34,20 +34,26 @@ def scenes(context, cells):
     return found[:COLUMNS], [f"{where}: not drawn, there is room for {COLUMNS}" for where, _ in found[COLUMNS:]], setting
 
 
-def at_middle(cells, setting):
-    """The cells at the middle value of the setting: where methods are compared at one. A method that has one value where others
-    have several is the same at each, and was planned once: it has no setting."""
+def own_setting(cells, setting):
+    """The cells without a value of the setting where their method has none: a method that has one value where others have several
+    is the same at each, and was planned once."""
     if not setting or cells[setting].dropna().empty:
         return cells
-    values = sorted(cells[setting].dropna().unique())
-    alone = cells["method"].map(cells.groupby("method")[setting].nunique()) < min(2, len(values))
-    cells = cells.assign(**{setting: cells[setting].where(~alone)})
+    alone = cells["method"].map(cells.groupby("method")[setting].nunique()) < min(2, cells[setting].nunique())
+    return cells.assign(**{setting: cells[setting].where(~alone)})
+
+
+def at_middle(cells, setting):
+    """The cells at the middle value of the setting: where methods are compared at one."""
+    if not setting or cells[setting].dropna().empty:
+        return cells
+    values, cells = sorted(cells[setting].dropna().unique()), own_setting(cells, setting)
     return cells[cells[setting].isna() | (cells[setting] == values[len(values) // 2])]
 
 
 def setting_of(cells, setting):
-    """The value of the setting that cells at_middle have, as words after "In 2D", and who has none; empty where there is no
-    setting."""
+    """The value of the setting that cells at_middle have, as words after "In 2D", and which methods have none; empty where
+    there is no setting."""
     values = sorted(cells[setting].dropna().unique()) if setting else []
     without = sorted(set(cells["method"][cells[setting].isna()])) if values else []
     none = f" ({listing(without)} {'has' if len(without) == 1 else 'have'} none)" if without else ""

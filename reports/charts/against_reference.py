@@ -226,6 +226,7 @@ def headline(context, others, runs, where):
 def _chart(context, others, runs, own, where):
     others, courses = measured(context, others, runs)
     setting = next(iter(context.settings(others)), "dt" if several_steps(others) else None)
+    others = over_steps.own_setting(others, setting if setting != "dt" else None)
     looks = context.looks(others)
     labels, called = sorted(others["method"].unique()), ranking.names(context, others)
     shown = over_steps.at_middle(others, setting).drop_duplicates("method").sort_values("method")

@@ -9,6 +9,7 @@ import pandas as pd
 
 import metrics
 import noise
+import over_steps
 import ranking
 from chart import Chart, Needs, describe, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
@@ -35,6 +36,7 @@ def of_sweep(context, cells):
         setting = next(iter(context.settings(part)), None)
         if not setting:
             continue
+        part = over_steps.own_setting(part, setting)
         inner = varying(context.store, part, (*groups, setting))
         for equal in split(part, inner, sort=True):
             chart = _chart(context, equal, describe(equal.iloc[0], groups + inner), setting, refused)
