@@ -100,7 +100,7 @@ NONE_FIRST = {"contact_rules": "contact generators under one solver", "falls": "
               "stages": "stages of one method", "tunnelling_map": "continuous detectors under one solver",
               "unneeded": "a method beside itself"}
 KINDS = ("world", "problems")
-OUT = re.compile(r" Not ranked: .*?\)\.|; [^;]*not ranked \([^)]*\)|; without a rank: [^;.]*")
+OUT = re.compile(r" Not ranked: .*?\)\.|; [^;]*not ranked \([^)]*\)| Without a rank: [^.]*")
 
 
 def left(method):

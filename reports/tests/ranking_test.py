@@ -131,7 +131,7 @@ class WithoutRank(with_store.WithStore):
             with self.subTest(name):
                 self.assertIn("admm (80 % Gauss-Seidel)", self.told(made))
                 self.assertIn("f32 among f64", self.told(made))
-                first = made.finding.split(" Not ranked")[0].split("; without a rank")[0]
+                first = made.finding.split(" Not ranked")[0].split(" Without a rank")[0]
                 self.assertIn("catto", first)
                 self.assertNotIn("admm", first)
                 self.assertNotIn("box2d", first)
