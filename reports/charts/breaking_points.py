@@ -131,10 +131,10 @@ def headline(scene, name, table, dimension, spent=""):
 
 
 def _chart(context, cells, found, dimension):
-    rows_of, excused = sorted(cells["method"].unique()), ranking.excused(context, cells)
+    rows_of, excused, called = sorted(cells["method"].unique()), ranking.excused(context, cells), ranking.names(context, cells)
     columns = min(3, len(found))
     rows = math.ceil(len(found) / columns)
-    left, legend_width, gap_x = 1.75, 2.0, 0.85
+    left, legend_width, gap_x = max(1.75, 0.3 + 0.078 * max(map(len, called.values()))), 2.0, 0.85
     row_height, gap_y, top, bottom = 0.27 * len(rows_of) + 0.1, 1.15, 0.65, 0.65
     height = top + bottom + rows * row_height + (rows - 1) * gap_y
     figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
@@ -151,7 +151,7 @@ def _chart(context, cells, found, dimension):
         said.append(finding(scene, name, table, spent))
         told.append(headline(scene, name, table, dimension, spent))
         tables.append(table.assign(scene=scene, raised=name, spent=spent))
-        seen |= _strips(context, ax, ladder, name, rows_of, table, index % columns == 0)
+        seen |= _strips(ax, ladder, name, rows_of, table, called if index % columns == 0 else {})
         ax.set_title(f"{scene}, {dimension}D: {name} raised" + (f"\n{spent}" if spent else ""))
     handles = [Patch(facecolor=OUTCOMES.get(o, OUTCOMES["not run"])[0], edgecolor="#999999",
                      label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in OUTCOMES if o in seen]
@@ -187,10 +187,10 @@ def equal_words(about):
             f"{about['equal']}{f', but for those with budget left at {left:g}, the most that is searched' if left else ''}.")
 
 
-def _strips(context, ax, ladder, name, rows_of, table, labelled):
+def _strips(ax, ladder, name, rows_of, table, called):
     values = sorted(ladder[name].unique())
     seen = set()
-    by, called = table.set_index("method"), ranking.names(context, ladder)
+    by = table.set_index("method")
     for y, method in enumerate(rows_of):
         part = ladder[ladder["method"] == method]
         for x, value in enumerate(values):
@@ -218,7 +218,7 @@ def _strips(context, ax, ladder, name, rows_of, table, labelled):
     every = max(1, math.ceil((0.08 * max(len(part) for label in labels for part in label.split("\n")) + 0.08) / room))
     ax.set_xticklabels([label if i % every == 0 else "" for i, label in enumerate(labels)])
     ax.set_yticks(range(len(rows_of)))
-    ax.set_yticklabels([called.get(m, context.name(m)) for m in rows_of] if labelled else [])
+    ax.set_yticklabels([called[m] for m in rows_of] if called else [])
     ax.tick_params(length=0)
     ax.grid(False)
     ax.set_xlabel("dt: time step" if name == "dt" else name)
