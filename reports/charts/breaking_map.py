@@ -306,7 +306,8 @@ def _chart(context, cells, questions):
     if any(about["truth"] for _, about, _ in columns):
         note += " Where a closed form says where it breaks, colours are by the distance from that, on either side."
     if any(found.excuse for _, _, column in columns for found in column.values()):
-        note += " A white cell has no rank: up to its number the method left so many rows to Gauss-Seidel."
+        note += (" A white cell has no rank: up to its number so many rows were left to Gauss-Seidel, or its precision is "
+                 "another.")
     if any(ended_by_cost(found) for _, _, column in columns for found in column.values()):
         note += " Over budget: with a single iteration the method costs more than the budget allows."
     if limits:

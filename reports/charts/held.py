@@ -111,8 +111,8 @@ def _chart(context, part, columns, baseline, refused):
                  f"and the median time of a step over that of {baseline} in the same scene, whether it stands there or falls. "
                  f"What fell has its letter, and the step in which it did. {rest.WORDS}; what has sunk farther (S) is told by "
                  "how much, and which of these limits would hold it."
-                 + (" A white cell has no rank: the method left so many rows to Gauss-Seidel." if (part[EXCUSE] != "").any() else
-                    ""), headline=headline(columns, baseline, dimension))
+                 + (" A white cell has no rank: so many rows were left to Gauss-Seidel, or its precision is another."
+                    if (part[EXCUSE] != "").any() else ""), headline=headline(columns, baseline, dimension))
 
 
 def _figure(columns, everyone, baseline):
