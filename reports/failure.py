@@ -10,12 +10,13 @@ import numpy as np
 
 import metrics
 from chart import listing
+from load import TOLERANCE
 
-TOLERANCE = {"f64": 1e-12, "f32": 1e-5}  # of the size of the query: oracles/verify.h
 DEFINITION = ("A method fails on a question that it declares when it gives no answer (refused, not finite, thrown, crashed, "
               "hung) or one that the referee proves wrong: on the wrong side, or off by more than 1e-12 of the size of the "
               "query (1e-5 of what computes in single precision, whatever it is asked in). Of shapes that are apart the side "
-              "alone counts where a method claims no distance. What fails is on no Pareto front.")
+              "alone counts where a method claims no distance. What fails is on no Pareto front. A trial "
+              "with a looser tolerance is judged by that in reports.")
 UNANSWERED = ("refused", "not_finite", "threw", "crashed", "hung")  # columns of the ledger
 OF_PAIRS = ("failed", "refused", "wrong")  # metrics of trials of pairs; `failed` is all of UNANSWERED but refusals
 

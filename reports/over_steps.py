@@ -6,6 +6,7 @@ import math
 import numpy as np
 from matplotlib.lines import Line2D
 
+import ranking
 from chart import describe, listing
 from load import split, varying
 from style import HALO, fallen, grid_of_axes, legend_right, legend_room
@@ -33,20 +34,26 @@ def scenes(context, cells):
     return found[:COLUMNS], [f"{where}: not drawn, there is room for {COLUMNS}" for where, _ in found[COLUMNS:]], setting
 
 
-def at_middle(cells, setting):
-    """The cells at the middle value of the setting: where methods are compared at one. A method that has one value where others
-    have several is the same at each, and was planned once: it has no setting."""
+def own_setting(cells, setting):
+    """The cells without a value of the setting where their method has none: a method that has one value where others have several
+    is the same at each, and was planned once."""
     if not setting or cells[setting].dropna().empty:
         return cells
-    values = sorted(cells[setting].dropna().unique())
-    alone = cells["method"].map(cells.groupby("method")[setting].nunique()) < min(2, len(values))
-    cells = cells.assign(**{setting: cells[setting].where(~alone)})
+    alone = cells["method"].map(cells.groupby("method")[setting].nunique()) < min(2, cells[setting].nunique())
+    return cells.assign(**{setting: cells[setting].where(~alone)})
+
+
+def at_middle(cells, setting):
+    """The cells at the middle value of the setting: where methods are compared at one."""
+    if not setting or cells[setting].dropna().empty:
+        return cells
+    values, cells = sorted(cells[setting].dropna().unique()), own_setting(cells, setting)
     return cells[cells[setting].isna() | (cells[setting] == values[len(values) // 2])]
 
 
 def setting_of(cells, setting):
-    """The value of the setting that cells at_middle have, as words after "In 2D", and who has none; empty where there is no
-    setting."""
+    """The value of the setting that cells at_middle have, as words after "In 2D", and which methods have none; empty where
+    there is no setting."""
     values = sorted(cells[setting].dropna().unique()) if setting else []
     without = sorted(set(cells["method"][cells[setting].isna()])) if values else []
     none = f" ({listing(without)} {'has' if len(without) == 1 else 'have'} none)" if without else ""
@@ -61,14 +68,14 @@ def stretches(values, of=np.median):
 
 
 def grid(context, cells, rows, columns):
-    legend_width = legend_room(map(context.name, cells["method"].unique()), 2.0)
+    legend_width = legend_room(ranking.names(context, cells).values(), 2.0)
     figure, axes = grid_of_axes(rows, columns, 2.2, legend_width, left=1.0, gap_x=0.8, gap_y=0.75)
     return figure, axes, legend_width
 
 
 def legend(context, figure, cells, width):
-    looks = context.looks(cells)
-    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in sorted(cells["method"].unique())], width)
+    looks, called = context.looks(cells), ranking.names(context, cells)
+    legend_right(figure, [Line2D([], [], label=called[m], **looks(m)) for m in sorted(called)], width)
 
 
 def lines(context, ax, cells, values_of, place, of=np.median, drawn=None):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Who is better than whom beyond doubt: what all charts that rank have in common.
+"""Which method is better beyond doubt: what all charts that rank have in common.
 
 Methods are compared seed by seed, since runs of one seed start alike. What is told is the median of log(b / a) over the seeds,
 with an interval of order statistics: it holds the median whatever the distribution is, and a zero or a failure is only the end
@@ -15,10 +15,11 @@ from collections import Counter
 
 import metrics
 import noise
-from chart import plural
+from chart import listing, plural
 
 LEVEL = 0.05  # chance that one interval or more of a rank does not hold its median
 START, TOUCHING = "penetration_start", 1e-6  # m
+FALLBACKS, FROZEN = "work_fallbacks", "fallbacks"  # rows left to Gauss-Seidel: per step of a world, of a frozen problem
 ENOUGH = 20  # seeds of a sweep that ranks: they tell of 21 methods who is better under 19 of 20
 
 
@@ -106,10 +107,13 @@ def overlapping(cells):
 
 def share_of_fallbacks(context, cell):
     """Share of the rows of a cell that its method left to Gauss-Seidel; 0 where none is counted, NaN where rows are not known."""
-    told = [cell.get("work_fallbacks") or 0.0, *noise.values(cell, "work_fallbacks seeds")]
+    told = [cell.get(FROZEN) or 0.0, cell.get(FALLBACKS) or 0.0, *noise.values(cell, f"{FALLBACKS} seeds")]
     left = max([value for value in told if value == value], default=0.0)
     if not left > 0:
         return 0.0
+    if (cell.get(FROZEN) or 0.0) > 0:
+        rows = cell.get("rows")
+        return min(1.0, left / rows) if rows is not None and rows > 0 else math.nan
     points = context.store.series(cell["key"], "points") if cell.get("key") else None
     joints = cell.get("joint_error_max")
     if points is None or not len(points) or not sum(points) > 0 or joints is not None and joints == joints:
@@ -147,20 +151,32 @@ def eligible(context, cells):
     return cells.drop(index=list(excused(context, cells)))
 
 
-def names(context, cells):
-    """{method: its name with what keeps it from a rank}: `admm (62 % Gauss-Seidel)`, `box2d (engine, f32 among f64)`."""
+def unranked(context, cells):
+    """{method: why cells of it have no rank}; of several cells the largest share."""
     why = {}
     for index, said in excused(context, cells).items():
         why.setdefault(cells["method"][index], []).append(said)
-    return {method: _with(context.name(method), _most(why[method]) if method in why else "") for method in cells["method"]}
+    return {method: largest(said) for method, said in sorted(why.items())}
 
 
-def _most(said):
-    """Of several cells of a method the largest share."""
-    return max(said, key=lambda text: float(text.split(" %")[0]) if " %" in text else 0.0)
+def largest(said):
+    """Of several reasons the largest share; empty where there is none."""
+    return max(said, key=lambda text: float(text.split(" %")[0]) if " %" in text else 0.0, default="")
 
 
-def _with(name, why):
+def whole(context, cells):
+    """The cells of methods of which each cell is ranked: where a method has one number for all of its cells."""
+    return cells[~cells["method"].isin(list(unranked(context, cells)))]
+
+
+def names(context, cells):
+    """{method: its name with what keeps it from a rank}: `admm (62 % Gauss-Seidel)`, `box2d (engine, f32 among f64)`."""
+    why = unranked(context, cells)
+    return {method: beside(context.name(method), why.get(method, "")) for method in cells["method"]}
+
+
+def beside(name, why):
+    """A name with the reason why it has no rank, where there is one."""
     if not why:
         return name
     return f"{name[:-1]}, {why})" if name.endswith(")") else f"{name} ({why})"
@@ -168,10 +184,21 @@ def _with(name, why):
 
 def tail(context, cells):
     """A sentence on what has no rank; empty where all have one."""
-    why = {}
-    for index, said in excused(context, cells).items():
-        why.setdefault(cells["method"][index], []).append(said)
-    return f" Not ranked: {', '.join(f'{method} ({_most(said)})' for method, said in sorted(why.items()))}." if why else ""
+    return told(unranked(context, cells))
+
+
+def tail_of(context, places):
+    """The same of [(where, cells)]: where several places have ranks of their own, it says where."""
+    return told({method + (f" on {where}" if len(places) > 1 else ""): why for where, cells in places
+                 for method, why in unranked(context, cells).items()})
+
+
+def told(why):
+    """`why`: {name: why it has no rank}; those with one reason are told together."""
+    groups = {}
+    for name, said in why.items():
+        groups.setdefault(said, []).append(name)
+    return f" Not ranked: {'; '.join(f'{listing(names)} ({said})' for said, names in groups.items())}." if why else ""
 
 
 def raw(context, error):
@@ -180,16 +207,21 @@ def raw(context, error):
             if error in metrics.BEYOND_SLOP else "")
 
 
-def rule(seeds, methods):
-    """What a reader must know of the ranks of a chart, in which each method is compared with each other."""
-    return rule_of_pairs(seeds, comparisons(methods))
+def rule(seeds, *methods):
+    """What a reader must know of the ranks of a chart. `methods`: how many have a rank, of each panel or budget: each is compared
+    with each other there."""
+    if max(methods, default=0) < 2:
+        return "Fewer than two methods have a rank here."
+    return rule_of_pairs(seeds, *map(comparisons, methods))
 
 
-def rule_of_pairs(seeds, many):
+def rule_of_pairs(seeds, *many):
+    most = max(many, default=1)
+    pairs = f"{'up to ' if len(set(many)) > 1 else ''}{plural(most, 'pair')}"
     if seeds < 2:
         return "One start: an order of these runs and no rank, which takes seeds."
-    if seeds < fewest(many):
-        return f"{seeds} seeds tell nothing of {plural(many, 'pair')}, which takes {fewest(many)}: all tie."
+    if seeds < fewest(most):
+        return f"{seeds} seeds tell nothing of {pairs}, which takes {fewest(most)}: all tie."
     return (f"A method is better when the interval of its median ratio over {seeds} seeds, paired, does not hold 1, with 95 % "
-            f"for {plural(many, 'pair')} together (order statistics, Bonferroni): here where it is so under "
-            f"{seeds - left_out(seeds, many)} seeds. Else the two tie.")
+            f"for {pairs} together (order statistics, Bonferroni): here where it is so under "
+            f"{seeds - left_out(seeds, most)} seeds. Else the two tie.")

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import over_steps
+import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
 from charts.budgets import marks, within
 from load import split, varying
@@ -28,6 +29,7 @@ NEEDS = Needs("world", methods=(2, math.inf),
 ABSENT = Chart("against_reference", SECTION, "Against the reference", "No sweep with a converged reference is in this store.",
                "reference")
 APART = 5e-4  # m: a tenth of the slop that most methods leave
+NAMED = 4  # so many of those that are farthest are named in a sentence
 EVEN = 1e-6  # s: moments that are nearer are one
 BY = " by "  # in the label of the same reference by another solver
 WORK = "work_multiply_adds"
@@ -151,7 +153,7 @@ def measured(context, others, runs):
 
 
 def agreement(runs):
-    """How long the reference serves, and who parts from it first."""
+    """How long the reference serves, and which run parts from it first."""
     own, others = f"its runs at half the step and {si(runs.beside, 'm')} beside it", f"with {listing(sorted(runs.unlike))}"
     if runs.horizon is None:
         return f"the reference agrees with {own} and {others} to {si(runs.doubt, 'm')} for all {si(runs.end, 's')}"
@@ -164,66 +166,75 @@ def agreement(runs):
 
 
 def nearest(reached, doubt):
-    """(methods that no other is nearer than, beyond what the reference is in doubt, the farthest, its distance): the reference
-    may be off by the doubt, so two distances are told apart when they differ by twice as much."""
-    best = min(reached.values())
+    """(methods that no other is nearer than, beyond what the reference is in doubt, the least distance, those that are farthest,
+    theirs): the reference may be off by the doubt, so two distances are told apart when they differ by twice as much."""
+    best, most = min(reached.values()), max(reached.values())
     firsts = [m for m in sorted(reached) if reached[m] - best <= 2 * doubt]
-    last = max(reached, key=reached.get)
-    return firsts, best, last, reached[last]
+    return firsts, best, [m for m in sorted(reached) if most - reached[m] <= 2 * doubt and m not in firsts], most
+
+
+def some(names, everyone):
+    """Method labels in a sentence; of more than NAMED the first and how many others."""
+    said = methods(names, everyone)
+    return said if said.count(",") + said.count(" and ") < NAMED else f"{names[0]} and {len(names) - 1} others"
 
 
 def finding(context, others, runs, where):
     text = f"On {where} {agreement(runs)}"
-    known = others[others[FAR].notna()]
+    everyone, finished = sorted(others["method"].unique()), others[others[FAR].notna()]
     if not any(runs.serves(time) for time in runs.spread):
         return f"{text}: there is nothing to compare, and no method is ranked."
-    if not len(known):
+    if not len(finished):
         return f"{text}; no method ran so far."
-    everyone = sorted(others["method"].unique())
-    said = []
-    for budget in marks(known, COST, FAR) or [math.inf]:
+    known, said = ranking.eligible(context, finished), []
+    if known["method"].nunique() == 1:
+        said.append(f"Only {known['method'].iloc[0]} has a rank ({si(known[FAR].min(), 'm')})")
+        known = known.iloc[:0]
+    for budget in (marks(known, COST, FAR) or [math.inf]) if len(known) else []:
         reached = {m: float(cell[FAR]) for m, cell in within(known, COST, FAR, budget).items()} if budget < math.inf else (
             known.groupby("method")[FAR].min().astype(float).to_dict())
-        firsts, best, last, most = nearest(reached, runs.doubt)
-        cost = f"within {budget:,.0f} {cost_title(context, others)} " if budget < math.inf else ""
+        firsts, best, lasts, most = nearest(reached, runs.doubt)
+        cost = f"Within {budget:,.0f} {cost_title(context, others)} " if budget < math.inf else ""
         text_of = f"{cost}{methods(firsts, everyone)} {'is' if len(firsts) == 1 else 'are'} nearest ({si(best, 'm')})"
-        said.append(text_of + (f", {last} farthest ({si(most, 'm')})" if last not in firsts else ""))
-    none = sorted(set(everyone) - set(known["method"]))
-    until = ("; beyond that no method is ranked; until then, by the largest distance of a body, " if runs.horizon else
-             "; by the largest distance of a body, ")
+        said.append(text_of + (f", {some(lasts, everyone)} farthest ({si(most, 'm')})" if lasts else ""))
+    none = sorted(set(everyone) - set(finished["method"]))
     # The cheapest and the dearest budget: what is between is in the table.
-    return (text + until + "; ".join(dict.fromkeys((said[0], said[-1]))) +
-            (f"; {methods(none, everyone)} {'does' if len(none) == 1 else 'do'} not run so far" if none else "") + ".")
+    said = [*dict.fromkeys((said[0], said[-1]))] if said else ["No method has a rank"]
+    said = [*(["Beyond that no method is ranked"] if runs.horizon else []), *said]
+    said += [f"{methods(none, everyone)} {'does' if len(none) == 1 else 'do'} not run so far"] if none else []
+    return f"{text}. {'. '.join(said)}.{ranking.tail(context, finished)}"
 
 
 def headline(context, others, runs, where):
     """The methods at the dearest budget that is named."""
-    known = others[others[FAR].notna()]
+    known = ranking.eligible(context, others[others[FAR].notna()])
     budgets = marks(known, COST, FAR) if len(known) else []
     if not budgets:
         return None
     cells = within(known, COST, FAR, budgets[-1])
     reached = {m: float(cell[FAR]) for m, cell in cells.items()}
-    firsts, best, last, most = nearest(reached, runs.doubt)
-    if last in firsts or best <= 2 * runs.doubt:
+    firsts, best, lasts, most = nearest(reached, runs.doubt)
+    if not lasts or best <= 2 * runs.doubt:
         return None
     return Headline(f"On {where}, within {budgets[-1]:,.0f} {cost_title(context, others)}, {methods(firsts, list(reached))} "
                     f"{'stays' if len(firsts) == 1 else 'stay'} nearest to the converged reference, {si(best, 'm')} at the most; "
-                    f"{last} goes {times(most / best)} times as far.", reached, "m",
+                    f"{some(lasts, list(reached))} {'goes' if len(lasts) == 1 else 'go'} {times(most / best)} times as far.",
+                    reached, "m",
                     "largest distance from the reference", ends=final_states(pd.DataFrame(cells.values())))
 
 
 def _chart(context, others, runs, own, where):
     others, courses = measured(context, others, runs)
     setting = next(iter(context.settings(others)), "dt" if several_steps(others) else None)
+    others = over_steps.own_setting(others, setting if setting != "dt" else None)
     looks = context.looks(others)
-    labels = sorted(others["method"].unique())
+    labels, called = sorted(others["method"].unique()), ranking.names(context, others)
     shown = over_steps.at_middle(others, setting).drop_duplicates("method").sort_values("method")
-    width = legend_room([*map(context.name, labels), "its own runs beside it"], 2.0)
+    width = legend_room([*called.values(), "its own runs beside it"], 2.0)
     figure, axes = grid_of_axes(1, 2, 3.0, width, left=0.95, gap_x=1.0)
     shared = _over_time(axes[0][0], shown, courses, runs, looks, labels, _drawn_at(shown, setting))
     _against_cost(context, axes[0][1], others, looks, runs)
-    handles = [Line2D([], [], label=context.name(m), **looks(m)) for m in labels]
+    handles = [Line2D([], [], label=called[m], **looks(m)) for m in labels]
     handles += [Line2D([], [], color="#777777", ls=":", lw=2, label="its own runs beside it"),
                 Line2D([], [], color="#777777", ls="-.", lw=1.5, label="unlike solver")]
     legend_right(figure, handles, width)

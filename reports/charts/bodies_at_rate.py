@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 import metrics
+import ranking
 from chart import Chart, Headline, Needs, dimension_of, holes, listing
 from load import one_machine
 from style import figures, grid_of_axes, legend_right
@@ -100,7 +101,8 @@ def _chart(context, cells, refused):
     sweep, rows, looks = cells["sweep"].iloc[0], rows_of(cells), context.looks(cells)
     places = list(dict.fromkeys((row["scene"], row["dimension"]) for row in rows))
     methods = [m for m in dict.fromkeys(cells["method"]) if any(row["method"] == m for row in rows)]
-    left = 0.3 + 0.078 * max(len(context.name(m)) for m in methods)
+    called, kept = ranking.names(context, cells), set(ranking.whole(context, cells)["method"])
+    left, ranked = 0.3 + 0.078 * max(len(called[m]) for m in methods), [row for row in rows if row["method"] in kept]
     figure, axes = grid_of_axes(1, max(1, len(places)), 0.5 * len(methods) + 0.1, 1.9, left=left, gap_x=0.3, bottom=0.55)
     for ax, place in zip(axes[0], places):
         mine, most = [row for row in rows if (row["scene"], row["dimension"]) == place], 1.0
@@ -110,7 +112,7 @@ def _chart(context, cells, refused):
                        _bar(ax, y + 0.2, row, "median", colour, 0.36, 0.45))
         ax.set_xlim(0, 1.42 * most)
         ax.set_ylim(len(methods) - 0.4, -0.6)
-        ax.set_yticks(range(len(methods)), [context.name(m) for m in methods] if ax is axes[0][0] else [])
+        ax.set_yticks(range(len(methods)), [called[m] for m in methods] if ax is axes[0][0] else [])
         ax.tick_params(axis="y", length=0)
         ax.locator_params(axis="x", nbins=3)
         ax.xaxis.set_major_formatter("{x:,.0f}")
@@ -124,11 +126,12 @@ def _chart(context, cells, refused):
              "how known": [r["slow known"] for r in rows],
              **quantity("bodies by the median", "1", [r["median"] for r in rows]),
              "how known of the median": [r["median known"] for r in rows]}
-    return Chart(f"{sweep}_bodies_at_rate", SECTION, "Bodies at sixty steps a second", finding(rows), sweep, figure,
-                 pd.DataFrame(table), refused + holes(cells, ["scene", "dimension", "method", *_ladders(cells)]),
+    return Chart(f"{sweep}_bodies_at_rate", SECTION, "Bodies at sixty steps a second",
+                 finding(ranked) + ranking.tail(context, cells), sweep, figure, pd.DataFrame(table),
+                 refused + holes(cells, ["scene", "dimension", "method", *_ladders(cells)]),
                  "Processor time of a step; between two rungs of a ladder interpolated on logarithmic axes. Bodies are counted "
                  "with the ground. Hatched bars, ≥: the largest size of the ladder, or the last before one that failed, is still "
-                 "within a sixtieth of a second.", headline=_headline(rows))
+                 "within a sixtieth of a second.", headline=_headline(ranked))
 
 
 def _ladders(cells):

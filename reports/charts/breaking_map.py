@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Zlib
 """Where each method breaks, by question: the value at which half of the seeds fail, with its interval, the last that holds, what
-it costs there, and the ladder of all values that were tried. Where a closed form says where it breaks, methods are told by how
-far they are from that, on either side. `lpc break` and sweeps with `break` make the data; experiments/runner/breaking.cpp has
-the same rules."""
+it costs there, and the ladder of all values that were tried. Methods whose intervals overlap tie. Where a closed form says where
+it breaks, methods are told by how far they are from that, on either side. A method that left rows to Gauss-Seidel up to its
+breaking point has no rank. `lpc break` and sweeps with `break` make the data; experiments/runner/breaking.cpp has the same
+rules."""
 
 import math
 import textwrap
@@ -12,6 +13,7 @@ import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
 import noise
+import ranking
 import rest
 from chart import Chart, Headline, Needs, identifier, listing, methods, plural
 from load import split
@@ -57,6 +59,7 @@ class Found:
     dear: str = ""  # what a rung that is unsupported is
     cost: float = math.nan  # multiply-adds per step of what held, or of the first
     ms: float = math.nan
+    excuse: str = ""  # why it has no rank
 
 
 def of_sweep(context, cells):
@@ -129,8 +132,8 @@ def breaks(measured, limit):
     return value is None or not (value < bound if below else value > bound)
 
 
-def found_of(store, cells, about):
-    """The search of one method on one question, from the cells of its rungs."""
+def found_of(store, cells, about, excused):
+    """The search of one method on one question, from the cells of its rungs. `excused`: {index: why a cell has no rank}."""
     name, rungs, known = about["parameter"], [], []
     for _, cell in cells.iterrows():
         if any(key is None for key in cell["keys"]) or not cell["keys"]:
@@ -140,6 +143,8 @@ def found_of(store, cells, about):
     if not rungs:
         return Found([], hole="not run")
     found = judged(rungs, about["falling"])
+    found.excuse = ranking.largest(excused[cell.name] for value, cell in known
+                                   if cell.name in excused and reached(found, value, about["falling"]))
     if len(rungs) == 1 and rungs[0].outcome == "unsupported":
         found.hole = "unsupported"
     shown = found.held or found.fell
@@ -150,6 +155,11 @@ def found_of(store, cells, about):
         found.laxer = laxer(store, whole, about)
     found.cost, found.ms = (float(cell.get(metric, math.nan)) for metric in ("work_multiply_adds", "ms_per_step_median"))
     return found
+
+
+def reached(found, value, falling):
+    """Whether a value is no farther than the first that fails: what lies beyond decides nothing."""
+    return found.fell is None or (value >= found.fell.value if falling else value <= found.fell.value)
 
 
 def ended_by_cost(found):
@@ -170,6 +180,11 @@ def edge(found):
     return math.nan if not found.held else found.half if found.half == found.half else found.held.value
 
 
+def ranked(column):
+    """What was run and has a rank."""
+    return {method: found for method, found in column.items() if not found.hole and not found.excuse}
+
+
 def best_of(column, falling):
     values = [edge(f) for f in column.values() if f.held]
     return (min(values) if falling else max(values)) if values else math.nan
@@ -185,73 +200,98 @@ def span(found):
     return (found.low if found.low == found.low else -math.inf, found.high if found.high == found.high else math.inf)
 
 
-def ties(known, best):
-    """Who is not told apart from the best: whose interval meets that of one that is best, in more than an end."""
+def ties(known, value):
+    """Methods that are not told from those with this breaking point: their intervals overlap, in more than an end."""
     held = {m: f for m, f in known.items() if f.held}
-    firsts = [span(f) for f in held.values() if edge(f) == best]
-    return [m for m, f in held.items() if edge(f) == best or any(span(f)[0] < high and low < span(f)[1] for low, high in firsts)]
+    there = [span(f) for f in held.values() if edge(f) == value]
+    return [m for m, f in held.items() if edge(f) == value or any(span(f)[0] < high and low < span(f)[1] for low, high in there)]
 
 
 def right(known, truth):
-    """Who breaks where the closed form says, as far as the intervals tell."""
+    """Methods that break where the closed form says, as far as the intervals tell."""
     return [m for m, f in known.items() if f.held and span(f)[0] <= truth <= span(f)[1]]
 
 
-def finding(title, column, about, everyone):
-    name = about["parameter"]
-    known = {m: f for m, f in column.items() if not f.hole}
+def finding(title, column, about, labels):
+    name, known = about["parameter"], ranked(column)
+    out = ranking.told({m: f.excuse for m, f in column.items() if f.excuse})
     if not known:
-        return f"{title}: nothing was run"
+        return f"{title}: {'No method has a rank' if out else 'Nothing was run'}.{out}"
     best = best_of(known, about["falling"])
-    if math.isnan(best):
-        return f"{title}: no method holds at any {name} that was tried"
-    at = right(known, about["truth"]) if about["truth"] else ties(known, best)
-    if about["truth"]:
-        text = (f"{title}: by the closed form at {name} = {value_text(name, about['truth'])}, where "
-                f"{_doing(at, 'breaks', everyone)}")
-    else:
-        beyond = all(known[m].fell is None for m in at)
-        text = f"{title}: {_doing(at, 'holds', everyone)} to {name} = {value_text(name, best)}"
-        stopped = all(ended_by_cost(known[m]) for m in at)
-        text += (" (the last that was tried)" if beyond else f" (then {known[at[0]].dear})" if stopped else
-                 ", where half of the seeds fail" + (", not told apart by their intervals" if len(at) > 1 else ""))
-    rest = {m: f for m, f in known.items() if m not in at}
-    dear = [m for m, f in rest.items() if not f.held and ended_by_cost(f)]
-    none = [m for m, f in rest.items() if not f.held and m not in dear]
-    held = {m: f for m, f in rest.items() if f.held}
-    if held and about["truth"]:
-        for word, off in (("before that", 1), ("only beyond", -1)):
-            who = [m for m, f in held.items() if (edge(f) - about["truth"]) * off * (1 if about["falling"] else -1) > 0]
-            worst = max(who, key=lambda m: far(held[m], about["truth"]), default=None)
-            text += (f", {_doing(who, 'breaks', everyone)} {word} (as far off as {value_text(name, edge(held[worst]))})" if who
-                     else "")
-    elif held:
-        last = best_of(held, not about["falling"])
-        text += f", {methods([m for m, f in held.items() if edge(f) == last], everyone)} to {value_text(name, last)}"
-    if none:
-        text += f", {_doing(none, 'holds', everyone)} at none"
-    for word in sorted({known[m].dear for m in dear}):
-        who = [m for m in dear if known[m].dear == word]
-        text += f", {methods(who, everyone)} {'is' if len(who) == 1 else 'are'} {word} from the first"
+    said = [f"No method holds at any {name} that was tried"] if math.isnan(best) else (
+        _by_closed_form(known, about, labels) if about["truth"] else _by_rank(known, best, about, labels))
+    left = {m: f for m, f in known.items() if not f.held}
+    none = [m for m, f in left.items() if not ended_by_cost(f)]
+    if none and len(none) < len(known):
+        said.append(f"{_doing(none, 'holds', labels)} at no value that was tried")
+    for word in sorted({f.dear for m, f in left.items() if m not in none}):
+        dear = [m for m, f in left.items() if m not in none and f.dear == word]
+        said.append(f"{methods(dear, labels)} {'is' if len(dear) == 1 else 'are'} {word} from the first")
     odd = [m for m, f in known.items() if f.beyond]
-    return text + (f"; {plural(len(odd), 'ladder is', 'ladders are')} not monotone" if odd else "")
+    said += [plural(len(odd), "ladder is", "ladders are") + " not monotone"] if odd else []
+    return f"{title}: {'. '.join(said)}.{out}"
 
 
-def _doing(who, verb, everyone):
-    return f"{methods(who, everyone)} {verb if len(who) == 1 else verb[:-1]}" if who else f"nobody {verb}"
+def _by_rank(known, best, about, labels):
+    """Which methods hold longest and which shortest; of either those that tie."""
+    name = about["parameter"]
+    first = ties(known, best)
+    said, held = [holds_to(known, first, best, name, labels)], {m: f for m, f in known.items() if f.held and m not in first}
+    if held:
+        worst = best_of(held, not about["falling"])
+        last = ties(held, worst)
+        said.append(f"{_doing(last, 'holds', labels)} least, to {value_text(name, worst)}" + _tied(last))
+    return said
+
+
+def holds_to(known, first, best, name, labels):
+    """`catto and naive hold to n = 8.49 and tie: their intervals overlap`; of what never failed under how many seeds."""
+    at = [known[m] for m in first if edge(known[m]) == best]
+    text = f"{_doing(first, 'holds', labels)} to {name} = {value_text(name, best)}"
+    if all(ended_by_cost(f) for f in at):
+        text += f" (then {at[0].dear})"
+    elif any(f.fell is None for f in at):
+        text += f" (the last that was tried, under {seeds_of(f.held.of for f in at if f.fell is None)})"
+    return text + _tied(first)
+
+
+def seeds_of(counts):
+    counts = sorted(set(counts))
+    return plural(counts[0], "seed") if len(counts) == 1 else f"{counts[0]} to {counts[-1]} seeds"
+
+
+def _tied(names):
+    return " and tie: their intervals overlap" if len(names) > 1 else ""
+
+
+def _by_closed_form(known, about, labels):
+    name, truth = about["parameter"], about["truth"]
+    at = right(known, truth)
+    said = [f"The closed form gives {name} = {value_text(name, truth)}", f"{_doing(at, 'breaks', labels)} there"]
+    for word, off in (("before that", 1), ("only beyond", -1)):
+        some = [m for m, f in known.items() if f.held and m not in at and
+                (edge(f) - truth) * off * (1 if about["falling"] else -1) > 0]
+        worst = max(some, key=lambda m: far(known[m], truth), default=None)
+        said += [f"{_doing(some, 'breaks', labels)} {word}, as far off as {value_text(name, edge(known[worst]))}"] if some else []
+    return said
+
+
+def _doing(names, verb, labels):
+    return f"{methods(names, labels)} {verb if len(names) == 1 else verb[:-1]}" if names else f"No method {verb}"
 
 
 def _chart(context, cells, questions):
-    everyone = sorted(cells["method"].unique())
+    labels = sorted(cells["method"].unique())
     columns = []  # (title, about, {method: Found})
     axes = [axis for axis in COLUMN if axis in cells and cells[axis].notna().any()]
     for part in split(cells, axes):
         first = part.iloc[0]
         about = {"truth": 0, **questions[first["question"]]}
-        column = {method: found_of(context.store, own, about) for method, own in part.groupby("method", sort=True)}
+        excused = ranking.excused(context, part)
+        column = {method: found_of(context.store, own, about, excused) for method, own in part.groupby("method", sort=True)}
         columns.append((_title(cells, first, axes), about, column))
-    figure = _figure(context, columns, everyone)
-    told = [found for found in (headline(title, column, about, everyone) for title, about, column in columns) if found]
+    figure = _figure(context, columns, labels)
+    told = [found for found in (headline(title, column, about, labels) for title, about, column in columns) if found]
     sweep = cells["sweep"].iloc[0]
     limits = [f"{name}: {about['limit']}" for name, about in questions.items() if about["limit"]]
     seeds, few, starts = (listing(dict.fromkeys(figures(about.get(key, about["seeds"])) for about in questions.values()))
@@ -260,17 +300,20 @@ def _chart(context, cells, questions):
             f"first that fails ({seeds} seeds at this edge, {few} elsewhere, started up to {starts} m and rad beside their "
             "places). In brackets its interval: up to the first all shares of failures are below a half, by their 95 % intervals "
             "(Wilson), that of the second is above; “?” where no value that was tried is so sure. Methods whose intervals "
-            "meet are not told apart. The dots are the values that were tried, the smallest on the left.")
+            "overlap in more than an end tie. The dots are the values that were tried, the smallest on the left.")
     if any(found.laxer for _, _, column in columns for found in column.values()):
         note += f" {rest.WORDS}; in grey what these two alone would hold to, by the values that were tried."
     if any(about["truth"] for _, about, _ in columns):
         note += " Where a closed form says where it breaks, colours are by the distance from that, on either side."
+    if any(found.excuse for _, _, column in columns for found in column.values()):
+        note += (" A white cell has no rank: up to its number so many rows were left to Gauss-Seidel, or its precision is "
+                 "another.")
     if any(ended_by_cost(found) for _, _, column in columns for found in column.values()):
         note += " Over budget: with a single iteration the method costs more than the budget allows."
     if limits:
         note += f" A run fails by its outcome, or by what it measures ({'; '.join(limits)})."
     return Chart(identifier(f"{sweep} breaking map"), SECTION, "Where each method breaks",
-                 "; ".join(finding(title.replace("\n", ", "), column, about, everyone) for title, about, column in columns) + ".",
+                 " ".join(finding(_place(title), column, about, labels) for title, about, column in columns),
                  sweep, figure, _table(columns), _holes(columns), note,
                  headline=max(told, key=lambda h: h.effect, default=None))
 
@@ -279,7 +322,7 @@ def _holes(columns):
     said = []
     for title, about, column in columns:
         for method, found in column.items():
-            where = f"{title.replace(chr(10), ', ')}, {method}"
+            where = f"{_place(title)}, {method}"
             if found.hole:
                 said.append(f"{where}: {found.hole}")
             if found.beyond:
@@ -301,38 +344,40 @@ def _title(cells, first, axes):
     return "\n".join(parts)
 
 
-def headline(title, column, about, everyone):
-    held = {m: edge(f) for m, f in column.items() if not f.hole}
-    known = {m: f for m, f in column.items() if not f.hole and f.held}
+def _place(title):
+    return title[:1].upper() + title[1:].replace("\n", ", ")
+
+
+def headline(title, column, about, labels):
+    held = {m: edge(f) for m, f in ranked(column).items()}
+    known = {m: f for m, f in ranked(column).items() if f.held}
     if len(held) < 2 or not known or len(set(held.values())) < 2:
         return None
-    name = about["parameter"]
+    name, place = about["parameter"], _place(title)
     if about["truth"]:
         off = {m: abs(value - about["truth"]) if value == value else math.nan for m, value in held.items()}
         last = max(known, key=lambda m: off[m])
-        words = (f"by the closed form {name} = {value_text(name, about['truth'])}; "
-                 f"{_doing(right(known, about['truth']), 'breaks', everyone)} there, {last} at {value_text(name, held[last])}.")
-        return Headline(f"{title.replace(chr(10), ', ')}: {words}", off, unit_of(name),
-                        f"distance of {name} from the closed form")
+        words = (f"The closed form gives {name} = {value_text(name, about['truth'])}. "
+                 f"{_doing(right(known, about['truth']), 'breaks', labels)} there, {last} at {value_text(name, held[last])}.")
+        return Headline(f"{place}: {words}", off, unit_of(name), f"distance of {name} from the closed form")
     best = best_of(known, about["falling"])
-    words = f"{_doing(ties(known, best), 'holds', everyone)} to {name} = {value_text(name, best)}."
-    return Headline(f"{title.replace(chr(10), ', ')}: {words}", held, unit_of(name), f"{name} at which half of the seeds fail",
-                    larger=not about["falling"])
+    return Headline(f"{place}: {holds_to(known, ties(known, best), best, name, labels)}.", held, unit_of(name),
+                    f"{name} at which half of the seeds fail", larger=not about["falling"])
 
 
-def _figure(context, columns, everyone):
-    labels = ["\n".join(textwrap.wrap(context.name(m), 34)) for m in everyone]
-    left = min(3.0, 0.3 + 0.075 * max(len(line) for label in labels for line in label.split("\n")))
+def _figure(context, columns, labels):
+    called = ["\n".join(textwrap.wrap(context.name(m), 34)) for m in labels]
+    left = min(3.0, 0.3 + 0.075 * max(len(line) for label in called for line in label.split("\n")))
     blocks = [columns[i:i + MOST_COLUMNS] for i in range(0, len(columns), MOST_COLUMNS)]
     row, above, below = 0.74, 0.75, 0.55  # inches
-    height = sum(above + row * len(everyone) for _ in blocks) + below
+    height = sum(above + row * len(labels) for _ in blocks) + below
     figure = plt.figure(figsize=(WIDTH, height))
     y = height
     for block in blocks:
-        y -= above + row * len(everyone)
+        y -= above + row * len(labels)
         wide = (WIDTH - left - 0.15) * len(block) / min(MOST_COLUMNS, max(3, len(columns)))
-        ax = figure.add_axes((left / WIDTH, y / height, wide / WIDTH, row * len(everyone) / height))
-        _block(ax, block, everyone, labels)
+        ax = figure.add_axes((left / WIDTH, y / height, wide / WIDTH, row * len(labels) / height))
+        _block(ax, block, labels, called)
     words = ["as far as the best", "down to 0.7 of it", "a half", "a quarter", "a sixteenth", "less, or none"]
     handles = [Patch(facecolor=colour, label=word) for colour, word in zip(COLOURS, words)]
     handles += [plt.Line2D([], [], ls="none", marker="s", ms=5, color=colour, label=word) for colour, word in (
@@ -342,14 +387,14 @@ def _figure(context, columns, everyone):
     return figure
 
 
-def _block(ax, block, everyone, labels):
+def _block(ax, block, labels, called):
     ax.set_xlim(0, len(block))
-    ax.set_ylim(len(everyone), 0)
+    ax.set_ylim(len(labels), 0)
     for x, (title, about, column) in enumerate(block):
-        best = about["truth"] or best_of(column, about["falling"])
+        best = about["truth"] or best_of(ranked(column), about["falling"])
         values = [r.value for f in column.values() for r in f.rungs]
         ends = (min(values), max(values)) if values else (1.0, 2.0)
-        for y, method in enumerate(everyone):
+        for y, method in enumerate(labels):
             found = column.get(method)
             if found is None:
                 continue
@@ -357,8 +402,8 @@ def _block(ax, block, everyone, labels):
     ax.set_xticks([x + 0.5 for x in range(len(block))])
     ax.set_xticklabels([title for title, _, _ in block], fontsize=8.5)
     ax.xaxis.tick_top()
-    ax.set_yticks([y + 0.5 for y in range(len(everyone))])
-    ax.set_yticklabels(labels)
+    ax.set_yticks([y + 0.5 for y in range(len(labels))])
+    ax.set_yticklabels(called)
     ax.tick_params(length=0)
     ax.grid(False)
     for side in ax.spines.values():
@@ -368,8 +413,9 @@ def _block(ax, block, everyone, labels):
 def _cell(ax, x, y, found, about, best, ends):
     name = about["parameter"]
     halves = far(found, best)
-    colour = "#F2F2F2" if found.hole else COLOURS[sum(halves > step for step in STEPS)]
-    ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor=colour, lw=0))
+    colour = "#F2F2F2" if found.hole else "white" if found.excuse else COLOURS[sum(halves > step for step in STEPS)]
+    ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor=colour, lw=0.8 if found.excuse else 0,
+                           edgecolor="#BBBBBB"))
     if found.hole:
         ax.text(x + 0.5, y + 0.5, found.hole, ha="center", va="center", fontsize=8, color="#777777")
         return
@@ -382,10 +428,14 @@ def _cell(ax, x, y, found, about, best, ends):
     aside += [f"+{len(found.beyond)} beyond"] if found.beyond else []
     for line, words in enumerate(aside):
         ax.text(x + 0.94, y + 0.22 + 0.23 * line, words, ha="right", va="center", fontsize=7.5, color=FAILS)
+    if found.held and not found.fell:
+        ax.text(x + 0.94, y + 0.22, seeds_of([found.held.of]), ha="right", va="center", fontsize=7.5, color="#444444")
     ax.text(x + 0.06, y + 0.45, bracket, ha="left", va="center", fontsize=7.5, color="#444444")
     cost = "" if math.isnan(found.cost) else f"{figures(found.cost)}"
     cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"
     ax.text(x + 0.06, y + 0.65, cost, ha="left", va="center", fontsize=7.5, color="#444444")
+    if found.excuse:
+        ax.text(x + 0.94, y + 0.65, found.excuse, ha="right", va="center", fontsize=7.5, color=FAILS)
     if found.laxer:
         words = ", ".join(f"{rest.percent(limit)}: {'' if f.fell else sign}{value_text(name, edge(f)) or 'none'}"
                           for limit, f in found.laxer.items())
@@ -403,7 +453,7 @@ def _table(columns):
         name, unit = about["parameter"], unit_of(about["parameter"])
         found = list(column.values())
         rung = lambda which: [getattr(f, which).value if getattr(f, which) else math.nan for f in found]  # noqa: E731
-        part = {"question": title.replace("\n", ", "), "method": list(column), "parameter": name}
+        part = {"question": _place(title), "method": list(column), "parameter": name}
         for words, values in (("half of the seeds fail at", [f.half for f in found]),
                               ("last that holds", rung("held")), ("first that fails", rung("fell")),
                               ("half fail from", [f.low for f in found]), ("half fail to", [f.high for f in found])):
@@ -411,7 +461,9 @@ def _table(columns):
         for limit in rest.LIMITS[1:]:
             part |= quantity(f"half have sunk by more than {rest.percent(limit)} at", unit,
                              [edge(f.laxer[limit]) if f.laxer else math.nan for f in found])
-        part |= {"seeds that fail there": [f.fell.failed if f.fell else 0 for f in found],
+        part |= {"not ranked": [f.excuse for f in found],
+                 "seeds at the last that holds": [f.held.of if f.held else 0 for f in found],
+                 "seeds that fail at the first that fails": [f.fell.failed if f.fell else 0 for f in found],
                  "outcome there": [f.fell.outcome if f.fell else f.hole for f in found],
                  "values tried": [len(f.rungs) for f in found], "hold beyond": [len(f.beyond) for f in found]}
         part |= quantity("multiply-adds per step", "1", [f.cost for f in found])

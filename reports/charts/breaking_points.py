@@ -7,6 +7,7 @@ import math
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
+import ranking
 from chart import Chart, Headline, Needs, holes, listing, methods
 from load import split
 from style import OUTCOMES, WIDTH, plt, si
@@ -51,21 +52,28 @@ def _spent(context, about, held):
     return listing(f"{axis}={held[axis].dropna().iloc[0]:g}" for axis in settings) if settings else ""
 
 
-def breaking(ladder, name):
-    """Per method: the largest value that held before the first failure, and the first that failed."""
+def breaking(ladder, name, excused):
+    """Per method: the largest value that held before the first failure, the first that failed, and why a cell up to there has no
+    rank (`excused`: {index: why})."""
     rows = []
     for method, part in ladder.groupby("method", sort=True):
         part = part.sort_values(name)
-        held, fell, outcome, step = math.nan, math.nan, "", math.nan
-        for _, row in part.iterrows():
+        held, fell, outcome, step, why = math.nan, math.nan, "", math.nan, []
+        for index, row in part.iterrows():
+            why += [excused[index]] if index in excused else []
             if row["outcome"] == "ok":
                 held = row[name]
             elif row["outcome"] not in ("not run", "unsupported"):
                 fell, outcome, step = row[name], row["outcome"], row["step"]
                 break
         hole = part["outcome"].isin(["not run", "unsupported"]).all()
-        rows.append((method, held, fell, outcome, step, hole))
-    return pd.DataFrame(rows, columns=["method", "held", "fell", "outcome", "step", "hole"])
+        rows.append((method, held, fell, outcome, step, hole, ranking.largest(why)))
+    return pd.DataFrame(rows, columns=["method", "held", "fell", "outcome", "step", "hole", "not ranked"])
+
+
+def ranked(table):
+    """What was run and has a rank."""
+    return table[~table["hole"].astype(bool) & (table["not ranked"] == "")]
 
 
 def _value(name, value):
@@ -77,11 +85,11 @@ def _value(name, value):
 
 
 def finding(scene, name, table, spent=""):
-    known, everyone = table[~table["hole"]], list(table["method"])
+    known, everyone = ranked(table), list(table["method"])
     scene = f"{scene}{f' with {spent}' if spent else ''}"
     fallen = known[known["fell"].notna()]
     if not len(known):
-        return f"{scene}: nothing was run"
+        return f"{scene}: nothing was run" if table["hole"].all() else f"on {scene} no method has a rank"
     if not len(fallen):
         return f"on {scene} nothing fails up to {name} = {_value(name, known['held'].min())}"
     first = fallen[fallen["fell"] == fallen["fell"].min()]
@@ -89,7 +97,7 @@ def finding(scene, name, table, spent=""):
             f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))})")
     stood = known[known["fell"].isna()]
     top = known["held"].max()
-    if len(first) == len(known):  # one rung tells nobody apart
+    if len(first) == len(known):  # one rung tells no methods apart
         rung = "already at the smallest tried" if math.isnan(top) else "each after it held below"
         return (f"on {scene} {'all' if len(known) > 1 else 'the only one of the'} {len(known)} methods fail at {name} = "
                 f"{_value(name, first['fell'].iloc[0])} ({listing(sorted(set(first['outcome'])))}), {rung}")
@@ -106,7 +114,7 @@ def finding(scene, name, table, spent=""):
 
 def headline(scene, name, table, dimension, spent=""):
     """How far each method holds; none where all hold alike."""
-    known, everyone = table[~table["hole"]], list(table["method"])
+    known, everyone = ranked(table), list(table["method"])
     fallen, held = known[known["fell"].notna()], dict(zip(known["method"], known["held"]))
     if not len(fallen):
         return None
@@ -123,10 +131,10 @@ def headline(scene, name, table, dimension, spent=""):
 
 
 def _chart(context, cells, found, dimension):
-    rows_of = sorted(cells["method"].unique())
+    rows_of, excused, called = sorted(cells["method"].unique()), ranking.excused(context, cells), ranking.names(context, cells)
     columns = min(3, len(found))
     rows = math.ceil(len(found) / columns)
-    left, legend_width, gap_x = 1.75, 2.0, 0.85
+    left, legend_width, gap_x = max(1.75, 0.3 + 0.078 * max(map(len, called.values()))), 2.0, 0.85
     row_height, gap_y, top, bottom = 0.27 * len(rows_of) + 0.1, 1.15, 0.65, 0.65
     height = top + bottom + rows * row_height + (rows - 1) * gap_y
     figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
@@ -139,11 +147,11 @@ def _chart(context, cells, found, dimension):
             ax.set_visible(False)
             continue
         scene, name, spent, ladder = found[index]
-        table = breaking(ladder, name)
+        table = breaking(ladder, name, excused)
         said.append(finding(scene, name, table, spent))
         told.append(headline(scene, name, table, dimension, spent))
         tables.append(table.assign(scene=scene, raised=name, spent=spent))
-        seen |= _strips(context, ax, ladder, name, rows_of, table, index % columns == 0)
+        seen |= _strips(ax, ladder, name, rows_of, table, called if index % columns == 0 else {})
         ax.set_title(f"{scene}, {dimension}D: {name} raised" + (f"\n{spent}" if spent else ""))
     handles = [Patch(facecolor=OUTCOMES.get(o, OUTCOMES["not run"])[0], edgecolor="#999999",
                      label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in OUTCOMES if o in seen]
@@ -151,16 +159,22 @@ def _chart(context, cells, found, dimension):
                   borderaxespad=0, handlelength=1.2)
     table = pd.concat(tables)
     table["unit"] = ["s" if raised == "dt" else "" for raised in table["raised"]]
-    table = table[["scene", "raised", "unit", "spent", "method", "held", "fell", "outcome", "step"]]
+    table = table[["scene", "raised", "unit", "spent", "method", "held", "fell", "outcome", "step", "not ranked"]]
     table = table.rename(columns={"held": "largest that held", "fell": "first that failed"})
     return Chart(f"{cells['sweep'].iloc[0]}_raised_{dimension}d", SECTION, f"Breaking points, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
+                 f"In {dimension}D " + "; ".join(said) + "." + _not_ranked(tables, len(found) > 1), cells["sweep"].iloc[0],
+                 figure, table,
                  holes(cells[cells["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
                        ["scene", "method", *sorted({name for _, name, *_ in found}), *(["budget"] if "budget" in cells else [])]),
                  "A square is one run, so that no interval is known (the map of breaking points has one, over seeds). Beside a "
                  "row stands the largest value that held before the first failure."
                  + equal_words(context.store.sweep(cells["sweep"].iloc[0]).calibrate),
                  headline=max(filter(None, told), key=lambda found: found.effect, default=None))
+
+
+def _not_ranked(tables, several):
+    return ranking.told({row["method"] + (f" on {row['scene']}" if several else ""): row["not ranked"]
+                         for table in tables for _, row in table.iterrows() if row["not ranked"]})
 
 
 def equal_words(about):
@@ -173,7 +187,7 @@ def equal_words(about):
             f"{about['equal']}{f', but for those with budget left at {left:g}, the most that is searched' if left else ''}.")
 
 
-def _strips(context, ax, ladder, name, rows_of, table, labelled):
+def _strips(ax, ladder, name, rows_of, table, called):
     values = sorted(ladder[name].unique())
     seen = set()
     by = table.set_index("method")
@@ -204,7 +218,7 @@ def _strips(context, ax, ladder, name, rows_of, table, labelled):
     every = max(1, math.ceil((0.08 * max(len(part) for label in labels for part in label.split("\n")) + 0.08) / room))
     ax.set_xticklabels([label if i % every == 0 else "" for i, label in enumerate(labels)])
     ax.set_yticks(range(len(rows_of)))
-    ax.set_yticklabels([context.name(m) for m in rows_of] if labelled else [])
+    ax.set_yticklabels([called[m] for m in rows_of] if called else [])
     ax.tick_params(length=0)
     ax.grid(False)
     ax.set_xlabel("dt: time step" if name == "dt" else name)

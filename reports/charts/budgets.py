@@ -9,6 +9,7 @@ import pandas as pd
 
 import metrics
 import noise
+import over_steps
 import ranking
 from chart import Chart, Needs, describe, holes, identifier, listing, methods
 from charts.cost_against_error import errors_of
@@ -35,6 +36,7 @@ def of_sweep(context, cells):
         setting = next(iter(context.settings(part)), None)
         if not setting:
             continue
+        part = over_steps.own_setting(part, setting)
         inner = varying(context.store, part, (*groups, setting))
         for equal in split(part, inner, sort=True):
             chart = _chart(context, equal, describe(equal.iloc[0], groups + inner), setting, refused)
@@ -67,6 +69,12 @@ def least_of(context, cells, cost):
     return noise.floor_of(context, cells["sweep"].iloc[0], cost) if context.store.is_time(cost) else 1.0
 
 
+def compared(context, cells, cost, error):
+    """How many methods have a rank at each budget."""
+    cells, least = ranking.eligible(context, cells), least_of(context, cells, cost)
+    return [len(within(cells, cost, error, budget, least)) for budget in marks(cells, cost, error)]
+
+
 def finding(context, cells, cost, error):
     """Whose error is smallest within each budget: `within 1 ms and 2 ms per step that of a (4 mm), within 4 ms that of ...`."""
     unit, everyone, said = context.unit(error), sorted(cells["method"].unique()), []
@@ -94,9 +102,10 @@ def _chart(context, cells, where, setting, refused):
     names = ranking.names(context, cells)
     width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(1, len(costs), 2.6, width, left=0.9, gap_x=0.9)
-    rows = []
+    rows, ranked = [], []
     for column, cost in enumerate(costs):
         ax = axes[0][column]
+        ranked += compared(context, cells, cost, error)
         good = cells[(cells["outcome"] == "ok").to_numpy() & np.isfinite(metrics.column(cells, cost)) &
                      np.isfinite(metrics.column(cells, error))]
         across = ZeroLog(ax, "x", list(good[cost]), context.unit(cost), failures=False)
@@ -122,7 +131,7 @@ def _chart(context, cells, where, setting, refused):
                  + ranking.tail(context, cells),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(rows), refused + holes(cells, ["method", setting]),
                  f"Each line is the least error of a method over its values of {setting} that cost at most as much; dotted lines "
-                 "are the budgets that the finding compares. Whoever is not named at a budget errs more, or has no run that "
+                 "are the budgets that the finding compares. What is not named at a budget errs more, or has no run that "
                  "cheap: a time above the budget by no more than the noise is within it. "
-                 + ranking.rule(max(map(len, cells["seeds"])), len(labels)) + " " + noise.rule(
+                 + ranking.rule(max(map(len, cells["seeds"])), *ranked) + " " + noise.rule(
                      noise.floor_of(context, cells["sweep"].iloc[0], TIME)))

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.patches import Rectangle
 
 import metrics
+import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, methods
 from charts.breaking_points import FEWEST, breaking, equal_words
 from load import JOINED, one_machine, split
@@ -41,15 +42,17 @@ def of_sweep(context, cells):
     return made
 
 
-def heights(part, raised):
-    """{(resolver, cache): the largest value that held before the first failure}; 0 where the smallest fell, and nothing where
-    nothing ran."""
-    found = {}
+def heights(part, raised, excused):
+    """({(resolver, cache): the largest value that held before the first failure}, {...: why the pair has no rank}); 0 where the
+    smallest fell, and nothing where nothing ran."""
+    found, unranked = {}, {}
     for pair, cells in part.groupby(["resolver of pair", "cache"], sort=True):
-        row = breaking(cells, raised).iloc[0]
-        if not row["hole"] and not (math.isnan(row["held"]) and math.isnan(row["fell"])):
+        row = breaking(cells, raised, excused).iloc[0]
+        if row["not ranked"]:
+            unranked[pair] = row["not ranked"]
+        elif not row["hole"] and not (math.isnan(row["held"]) and math.isnan(row["fell"])):
             found[pair] = 0.0 if math.isnan(row["held"]) else float(row["held"])
-    return found
+    return found, unranked
 
 
 def effects(found, of):
@@ -61,26 +64,27 @@ def effects(found, of):
     return [max(values) - min(values) for values in others.values() if len(values) > 1]
 
 
-def finding(found, raised, where, top):
+def finding(found, unranked, raised, where, top):
+    out = ranking.told({f"{resolver} with {cache}": why for (resolver, cache), why in sorted(unranked.items())})
     if not found:
-        return f"On {where} nothing was run."
+        return f"On {where} {'no pair has a rank' if unranked else 'nothing was run'}.{out}"
     best = max(found.values())
     pairs = [f"{resolver} with {cache}" for (resolver, cache), height in sorted(found.items()) if height == best]
     if not best:
-        return f"On {where} every pair falls already at the smallest {raised} tried."
-    who = methods(pairs, []) if len(pairs) <= NAMED else f"{len(pairs)} of {len(found)} pairs"
-    text = (f"On {where} {who} {'stands' if len(pairs) == 1 else 'stand'} to {raised} = {best:g}"
-            f"{', the largest tried' if best == top else ''}")
+        return f"On {where} every pair falls already at the smallest {raised} tried.{out}"
+    highest = methods(pairs, []) if len(pairs) <= NAMED else f"{len(pairs)} of {len(found)} pairs"
+    text = (f"On {where} {highest} {'stands' if len(pairs) == 1 else 'stand'} to {raised} = {best:g}"
+            f"{', the largest tried' if best == top else ''}.")
     cache, resolver = effects(found, 1), effects(found, 0)
     if not cache or not resolver:
-        return text + "."
+        return text + out
     def said(values):
         return (f"{min(values):g} to {max(values):g} (median {np.median(values):g})" if min(values) < max(values) else
                 f"{values[0]:g}")
-    text += f"; another cache alone changes that by {said(cache)}, another resolver alone by {said(resolver)}"
+    text += f" Another cache alone changes that by {said(cache)}. Another resolver alone changes it by {said(resolver)}."
     a, b = float(np.median(cache)), float(np.median(resolver))
-    return text + (": by the medians they matter alike." if a == b else
-                   f": by the medians the {'cache' if a > b else 'resolver'} matters more.")
+    return text + (" By the medians both choices matter alike." if a == b else
+                   f" By the medians the {'cache' if a > b else 'resolver'} matters more.") + out
 
 
 def headline(found, raised, where):
@@ -107,7 +111,8 @@ def _chart(context, part, raised, groups, refused):
         spent = part["budget"].iloc[0]
         text = f"{spent:,.0f} " if context.unit(about["metric"]) == "1" else si(spent, context.unit(about["metric"])) + " of "
         where += f", at {text}{context.title(about['metric'])}"
-    found, values = heights(part, raised), sorted(part[raised].dropna().unique())
+    found, unranked = heights(part, raised, ranking.excused(context, part))
+    values = sorted(part[raised].dropna().unique())
     # Where most pairs stand, drift and cost are of all of them.
     standing = {value: int((part[part[raised] == value]["outcome"] == "ok").sum()) for value in values}
     at = max(values, key=lambda value: (standing[value], value))
@@ -123,22 +128,24 @@ def _chart(context, part, raised, groups, refused):
     figure, axes = grid_of_axes(1, len(panels), 0.3 * len(resolvers), 0.0, left=left, gap_x=0.35, bottom=0.95)
     for ax, (title, colours, value_of, unit, log) in zip(axes[0], panels):
         numbers = {(r, c): value_of((r, c), here.get((r, c))) for r in resolvers for c in caches}
-        _map(ax, numbers, here, resolvers, caches, colours, unit, log)
+        _map(ax, numbers, here, unranked if ax is axes[0][0] else {}, resolvers, caches, colours, unit, log)
         ax.set_title(title)
         ax.set_yticklabels(resolvers if ax is axes[0][0] else [])
     whole = about.get("setting", "") if about else ""
     return Chart(identifier(f"{part['sweep'].iloc[0]} {where}"), SECTION, f"Cache x resolver: {where}",
-                 finding(found, raised, where, values[-1]), part["sweep"].iloc[0], figure,
-                 _table(context, found, here, resolvers, caches, raised, at, costs, whole),
+                 finding(found, unranked, raised, where, values[-1]), part["sweep"].iloc[0], figure,
+                 _table(context, found, unranked, here, resolvers, caches, raised, at, costs, whole),
                  refused + holes(part[part["outcome"].isin(["not run", "unsupported", "timeout", "crash", "out_of_memory"])],
                                  ["method", raised]),
                  f"A row is one resolver, a column one cache. Left the largest {raised} that stands before the first failure, a "
                  f"dash where the smallest tried ({values[0]:g}) falls; beside it what a run at {raised} = {at:g}, where most "
-                 "pairs stand, has drifted and costs, with the letter of its outcome where it fell." + equal_words(about),
+                 "pairs stand, has drifted and costs, with the letter of its outcome where it fell."
+                 + (" A white square has no rank: up to its height the resolver left so many rows to Gauss-Seidel (GS)."
+                    if unranked else "") + equal_words(about),
                  headline=headline(found, raised, where))
 
 
-def _map(ax, numbers, here, resolvers, caches, colours, unit, log):
+def _map(ax, numbers, here, unranked, resolvers, caches, colours, unit, log):
     """A square for each pair, the darker the larger its number, with the number in it."""
     known = [v for v in numbers.values() if math.isfinite(v) and (v > 0 or not log)]
     scale = (lambda v: math.log10(max(v, min(known)))) if log else float
@@ -151,11 +158,14 @@ def _map(ax, numbers, here, resolvers, caches, colours, unit, log):
                 share = 0.85 * (scale(value) - low) / (high - low) if high > low and known else 0.3
                 face, ink = plt.get_cmap(colours)(share), "white" if share > 0.55 else "black"
                 text = si(value, unit) if log else f"{value:g}" if value else "–"
+            elif (resolver, cache) in unranked:
+                face, ink, text = "white", "#C0392B", unranked[resolver, cache].replace("Gauss-Seidel", "GS")
             else:
                 outcome = "not run" if cell is None else cell["outcome"]
                 face, text = OUTCOMES.get(outcome, ("#FFFFFF", "?"))
                 ink, text = ("white" if outcome in ("exploded", "diverged", "timeout", "crash") else "black"), text or "?"
-            ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=face, edgecolor="white", lw=1.5))
+            edge = "#BBBBBB" if face == "white" else "white"
+            ax.add_patch(Rectangle((x - 0.48, y - 0.47), 0.96, 0.94, facecolor=face, edgecolor=edge, lw=0.8))
             ax.text(x, y, text, ha="center", va="center", fontsize=8, color=ink)
     ax.set_xlim(-0.5, len(caches) - 0.5)
     ax.set_ylim(len(resolvers) - 0.5, -0.5)
@@ -167,11 +177,12 @@ def _map(ax, numbers, here, resolvers, caches, colours, unit, log):
         side.set_visible(False)
 
 
-def _table(context, found, here, resolvers, caches, raised, at, costs, setting):
+def _table(context, found, unranked, here, resolvers, caches, raised, at, costs, setting):
     pairs = [(resolver, cache) for resolver in resolvers for cache in caches]
     rows = [here.get(pair) for pair in pairs]
     table = {"resolver": [resolver for resolver, _ in pairs], "cache": [cache for _, cache in pairs],
              f"largest {raised} that stands": [found.get(pair, math.nan) for pair in pairs],
+             "not ranked": [unranked.get(pair, "") for pair in pairs],
              f"outcome at {raised} = {at:g}": ["not run" if row is None else row["outcome"] for row in rows]}
     if setting:
         table[f"{setting} at {raised} = {at:g}"] = [math.nan if row is None else row[setting] for row in rows]

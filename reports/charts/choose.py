@@ -230,9 +230,9 @@ def _chart(context, advice):
                  _table(context, advice), advice.refused + missing + bad,
                  f"Taken is the fastest of our methods that finished and err at most {AS_RIGHT:g} times as much as the least "
                  f"({listing([context.title(error) for error in errors])}; {plural(seeds, 'seed')}). What counts as none: "
-                 f"{none_of(context, advice)}. Who errs more does so beyond doubt over the seeds, and who is slower is so beyond "
-                 "doubt and beyond the noise; the others tie, and of these the one is taken that errs least beyond doubt, else "
-                 "what the other stages were judged with. "
+                 f"{none_of(context, advice)}. What errs more does so beyond doubt over the seeds, and what is slower is so "
+                 "beyond doubt and beyond the noise; the others tie, and of these the one is taken that errs least beyond doubt, "
+                 "else what the other stages were judged with. "
                  f"{' '.join(rules)} The table has the reason of every verdict.", telling=True, headline=_headline(advice),
                  others=tuple(dict.fromkeys([choice.sweep for choice in advice.choices[1:]] +
                                             [cell["sweep"] for _, cell in advice.whole])))

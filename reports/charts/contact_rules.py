@@ -16,7 +16,7 @@ from style import ZeroLog, fallen, grid_of_axes, letter, times
 from table import quantity
 
 PLACE = 44
-SECTION = "What do contacts cost, and who stands better for them?"
+SECTION = "What do contacts cost, and what stands better for them?"
 TIME, POINTS = "ms_per_step_median", "contacts_end"
 BOUGHT = ("sag_end", "lateral_max", "jitter")
 TOLD = 1.1  # ratio of two results from which it is told, when it holds beyond doubt
@@ -90,6 +90,7 @@ def headline(context, cells, base, where):
 
 def _chart(context, cells, where, refused):
     base, sweep, looks = context.baseline(cells), cells["sweep"].iloc[0], context.looks(cells)
+    finished = cells[cells["outcome"] == "ok"]["method"].nunique()
     least = noise.floor_of(context, sweep, TIME)
     names = sorted(cells["method"].unique(), key=lambda method: (method != base, method))
     shown, room = (TIME, POINTS, *BOUGHT), 0.35 + 0.078 * max(map(len, map(context.name, names)))
@@ -111,7 +112,7 @@ def _chart(context, cells, where, refused):
                  f"Bars go from the least to the most of all seeds, of times over the repeats. A result is told when it "
                  "differs by "
                  f"{100 * (TOLD - 1):.0f} % and beyond doubt. "
-                 f"{ranking.rule_of_pairs(max(map(len, cells['seeds'])), len(names) - 1)} {noise.rule(least)}",
+                 f"{ranking.rule_of_pairs(max(map(len, cells['seeds'])), max(1, finished - 1))} {noise.rule(least)}",
                  headline=headline(context, cells, base, where))
 
 

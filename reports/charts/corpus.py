@@ -10,7 +10,7 @@ from chart import Chart, Headline, listing, plural
 from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, plt
 
 PLACE = 90
-SECTION = "Who is right, and who fails where?"
+SECTION = "Which method is right, and which fails where?"
 # How each case of the file ends for a method, with the colour of its cell and the words over its column. The last three are no
 # failures (failure.py): a method is asked only what it declares and there is, and may refuse the rest.
 ENDS = {"ok": (RIGHT, "right"), "wrong": ("#D55E00", "wrong"), "failed": ("#661100", "failed"), "hang": ("#332288", "hang"),
@@ -72,7 +72,7 @@ def finding(table, rows):
     wrong = [f"{table['method'][i]} fails on {of(i)}" for i in ours.index if bad[i]]
     cases = rows[["id", "query"]].drop_duplicates()
     nobodys = int((cases["query"] == NOBODY).sum())
-    unanswered = f", {nobodys} of which ask what nobody answers," if nobodys else ""
+    unanswered = f", {nobodys} of which ask what no method answers," if nobodys else ""
     said.append(f"of {plural(len(cases), 'published case')}{unanswered}"
                 + f" {listing(wrong) if wrong else 'our own methods are right on all that they declare'}")
     if len(theirs):
@@ -130,7 +130,7 @@ def _chart(context, rows, file):
 def _note(rows, file):
     cases = rows[["id", "query"]].drop_duplicates().groupby("query").size().sort_values(ascending=False, kind="stable")
     words = {"pair_query": "the distance of a pair", "contacts": "the contacts of a pair", "convex_hull": "a convex hull",
-             "mass_properties": "a mass", NOBODY: "what nobody answers, such as a time of impact"}
+             "mass_properties": "a mass", NOBODY: "what no method answers, such as a time of impact"}
     of = [f"{number} {words.get(query, query.replace('_', ' '))}" for query, number in cases.items()]
     return (f"A row adds up to the {cases.sum()} cases of {file}, of which ask {listing(of)}. Failed is an exception, a crash, "
             "a number that is not finite, or a refusal of what a method declares. The last three columns are no failures: "

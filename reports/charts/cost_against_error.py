@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import noise
+import over_steps
 import ranking
 from chart import Chart, Headline, Needs, describe, final_states, holes, identifier, listing, methods
 from load import one_machine, split, varying
@@ -175,13 +176,15 @@ def against_baseline(context, cells, cost_name, error_name):
     setting, base, everything = next(iter(context.settings(cells)), None), context.baseline(cells), cells
     cells = ranking.eligible(context, cells)
     if setting:
-        cells = cells[cells[setting] == cells[setting].max()]
+        cells = cells[(cells[setting] == cells[setting].max()) | cells[setting].isna()]
     named = cells[cells["method"] == base]
     others = cells[(cells["method"] != base) & (cells["outcome"] == "ok")]
     if not len(named) or not np.isfinite(metrics.column(others, error_name)).any():
         return ""
     row, best = named.iloc[0], others.iloc[int(np.nanargmin(metrics.column(others, error_name)))]
-    at = f"At {setting} = {best[setting]:g} " if setting else "Here "
+    most = cells[setting].max() if setting else math.nan
+    at = f"At {setting} = {most:g} " if best.get(setting) == most else (
+        f"Beside {base} at {setting} = {most:g}, and without {setting}, " if most == most else "Here ")
     named = f'"{base}"' if " " in base else base  # a label may be words, which would run on in a sentence
     if row["outcome"] != "ok":
         step = "" if row["step"] != row["step"] else f" at step {int(row['step'])}"
@@ -210,7 +213,7 @@ def _cost_chart(context, cells, groups, refused):
     costs = [name for name in costs if np.isfinite(metrics.column(cells, name)).any()][:2] or costs[:1]
     labels = sorted(cells["method"].unique())
     setting = next(iter(context.settings(cells)), None)
-    names = ranking.names(context, cells)
+    cells, names = over_steps.own_setting(cells, setting), ranking.names(context, cells)
     legend_width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(len(costs), len(errors), 2.45, legend_width, left=0.8, gap_x=0.85, gap_y=0.65)
     failed, shared = (cells["outcome"] != "ok").to_numpy(), []
@@ -257,12 +260,14 @@ def _cost_chart(context, cells, groups, refused):
                 for o in sorted({o for o in cells["outcome"] if o != "ok"})]
     legend_right(figure, handles, legend_width)
     table = _table(context, cells, setting, costs, errors)
+    reached = budgets(ranking.eligible(context, cells), costs[0], errors[0])
+    compared = 0 if reached is None else int(reached[2]["error"].notna().sum())
     order = f"Along a line {setting} grows with the marker. " if setting else ""
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
                  order + "A letter in the top band is a run that failed; the front joins what no other beats in both. Whiskers "
-                 "hold the median of repeats and seeds. " + ranking.rule(max(map(len, cells["seeds"])), len(labels)) +
+                 "hold the median of repeats and seeds. " + ranking.rule(max(map(len, cells["seeds"])), compared) +
                  ranking.raw(context, errors[0]) + " "
                  + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], "ms_per_step_median"))
                  + engine_notes(context, cells) + caption_of_lines(shared),

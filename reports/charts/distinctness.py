@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 import load
+import ranking
 from chart import Chart, listing, plural
 from style import WIDTH, plt
 
@@ -23,7 +24,19 @@ def of_store(context):
     found = [agreements(context.store, context.cells(sweep)) for sweep in context.store.sweeps()
              if context.store.sweep(sweep).kind == "world"]
     found = [table for table in found if len(table)]
-    return [_chart(pd.concat(found, ignore_index=True))] if found else []
+    return [_chart(pd.concat(found, ignore_index=True), swept(context))] if found else []
+
+
+def swept(context):
+    """{(sweep, method): the share of rows that it left to Gauss-Seidel, in words}: why two may be one path."""
+    found = {}
+    for sweep in (sweep for sweep in context.store.sweeps() if context.store.sweep(sweep).kind == "world"):
+        for _, cell in context.cells(sweep).iterrows():
+            share = ranking.share_of_fallbacks(context, cell)
+            if share != 0:
+                key = sweep, cell["method"]
+                found[key] = ranking.largest([found.get(key, ""), ranking.said_of_share(share)])
+    return found
 
 
 def agreements(store, cells):
@@ -57,12 +70,13 @@ def paths(table):
     return [sorted(g) for g in groups]
 
 
-def finding(table):
+def finding(table, swept):
     said, different = [], []
     for sweep, part in table.groupby("sweep", sort=True):
         for group in paths(part):
             inside = part[part["a"].isin(group) & part["b"].isin(group)]
-            said.append(f"in {sweep} {listing(group)} are one path ({int(inside['equal'].sum())} of {int(inside['cells'].sum())} "
+            named = [ranking.beside(method, swept.get((sweep, method), "")) for method in group]
+            said.append(f"in {sweep} {listing(named)} are one path ({int(inside['equal'].sum())} of {int(inside['cells'].sum())} "
                         "comparisons end in the same bits)")
         if not paths(part):
             different.append(sweep)
@@ -73,12 +87,13 @@ def finding(table):
     return text + (f"; no two methods of {listing(different)} agree in most of their runs." if different else ".")
 
 
-def _chart(table):
+def _chart(table, swept):
     table = table.assign(share=table["equal"] / table["cells"])
     shown = table[table["equal"] > 0].sort_values("share", ascending=False, kind="stable").head(SHOWN)
     figure = None
     if len(shown):
-        names = [f"{row.a} = {row.b}, {row.sweep}" for row in shown.itertuples()]
+        call = lambda sweep, method: ranking.beside(method, swept.get((sweep, method), ""))  # noqa: E731
+        names = [f"{call(row.sweep, row.a)} = {call(row.sweep, row.b)}, {row.sweep}" for row in shown.itertuples()]
         height, left = 0.9 + 0.24 * len(shown), 0.4 + 0.075 * max(map(len, names))
         figure, ax = plt.subplots(figsize=(WIDTH, height))
         figure.subplots_adjust(left=left / WIDTH, right=1 - 0.9 / WIDTH, top=1 - 0.15 / height, bottom=0.6 / height)
@@ -94,7 +109,7 @@ def _chart(table):
         ax.grid(False, axis="y")
         ax.set_xlabel("runs that end in the same bits, %")
     more = int((table["equal"] > 0).sum()) - len(shown)
-    return Chart("distinctness", SECTION, "Runs that end in the same bits", finding(table), "", figure,
+    return Chart("distinctness", SECTION, "Runs that end in the same bits", finding(table, swept), "", figure,
                  table.rename(columns={"share": "share [1]"}),
                  [f"{plural(more, 'further pair')} that agree somewhere are in the numbers alone"] if more > 0 else [],
                  "Two runs are equal when the hash of their final poses and velocities is: to the last bit, not nearly. Beyond "

@@ -8,6 +8,7 @@ import pandas as pd
 
 import metrics
 import over_steps
+import ranking
 from chart import Chart, Needs, holes, methods
 from load import split
 from style import si
@@ -66,7 +67,7 @@ def finding(where, cells, largest, scripted=False):
         return f"on {where} the script adds bodies and with them energy: no gain is told"
     good = cells[(cells["outcome"] == "ok") & np.isfinite(cells["energy_gain"].astype(float))]
     if not len(good):
-        return f"on {where} no run finished"
+        return f"on {where} no run that has a rank finished"
     gains = good[good["energy_gain"] > ROUNDING]
     if not len(gains):
         return f"on {where} no method that finishes gains energy"
@@ -98,10 +99,11 @@ def _chart(context, cells, shown, left_out, setting):
     shown = [(where, part.assign(exchanged=[exchanged(context, cell) for _, cell in part.iterrows()])) for where, part in shown]
     # Of those that finished: beside the energy of one explosion nothing that the others exchange would be much.
     largest = max([v for _, part in shown for v in part[part["outcome"] == "ok"]["exchanged"] if math.isfinite(v)], default=0.0)
-    said = [finding(where, part, largest, adds_bodies(context, part)) for where, part in shown]
+    said = [finding(where, ranking.eligible(context, part), largest, adds_bodies(context, part)) for where, part in shown]
     at = over_steps.setting_of(drawn, setting)
     return Chart(f"{cells['sweep'].iloc[0]}_energy_{dimension}d", SECTION, f"Energy over the steps, {dimension}D",
-                 f"In {dimension}D{at} " + "; ".join(said) + ".", cells["sweep"].iloc[0], figure, table,
+                 f"In {dimension}D{at} " + "; ".join(said) + "." + ranking.tail_of(context, shown), cells["sweep"].iloc[0],
+                 figure, table,
                  left_out + holes(drawn, ["scene", "method"]),
                  "Kinetic and of gravity, above the start, over the largest energy that the run exchanged: 1 is as much again, "
                  "and what is beyond 1.1 is drawn there. Medians of stretches; above 0 energy came from nowhere, unless a "

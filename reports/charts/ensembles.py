@@ -42,9 +42,14 @@ def telling(cells, axes):
     return kept
 
 
+def candidates(part, error):
+    """The cells of one ensemble that may have a rank: most of their seeds finish."""
+    return part[np.isfinite([np.median(noise.of_seeds(cell, error)) for _, cell in part.iterrows()])]
+
+
 def ranks(part, error, zero):
-    """(the best by the median, whom it does not beat beyond doubt) among the cells of one ensemble."""
-    known = part[np.isfinite([np.median(noise.of_seeds(cell, error)) for _, cell in part.iterrows()])]
+    """(the best by the median, those that it does not beat beyond doubt) among the cells of one ensemble."""
+    known = candidates(part, error)
     if not len(known):
         return None, []
     cells = [cell for _, cell in known.iterrows()]
@@ -199,6 +204,7 @@ def _chart(context, cells, where, inner):
     legend_right(figure, [Line2D([], [], ls="none", marker="o", color="#555555", label="median"),
                           Line2D([], [], ls="none", marker="|", ms=9, color="#555555", label="one seed"),
                           Line2D([], [], color="#555555", label="its interval")], 1.5)
+    compared = [len(candidates(ranking.eligible(context, part), errors[0])) for _, part in groups]
     certain = noise.certainty(int(cells["seeds"].map(len).min()))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} ensemble {where}"), SECTION, f"Ensembles: {where}",
                  f"On {where}, {finding(context, where, groups, errors[0], everyone)}"
@@ -208,7 +214,7 @@ def _chart(context, cells, where, inner):
                  "The bar beside the share of failures is Wilson's interval: with 95 % it holds that of all places near the "
                  "start, and it is no point where none failed. "
                  f"The bar of an error holds its median with at least {certain} %, whatever the distribution. "
-                 f"{ranking.rule(int(cells['seeds'].map(len).max()), len(everyone))}{ranking.raw(context, errors[0])}",
+                 f"{ranking.rule(int(cells['seeds'].map(len).max()), *compared)}{ranking.raw(context, errors[0])}",
                  headline=headline(context, where, groups, errors[0], everyone))
 
 

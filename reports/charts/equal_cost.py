@@ -23,7 +23,7 @@ NEEDS = Needs("world", methods=(2, math.inf), calibrated=True)
 ABSENT = Chart("equal_cost", SECTION, "Equal cost", "No sweep that calibrates its methods is in this store.", "equal_cost")
 PANELS = 3
 NAMED = 3  # so many between first and last are named in a sentence; of more the table tells
-SPARE = 0.5  # who spends less of the budget is told
+SPARE = 0.5  # what spends less of the budget is told
 
 
 def of_sweep(context, cells):
@@ -66,13 +66,19 @@ def spread(part, name):
     return float(np.median(values)), min(every), max(every)
 
 
+def candidates(cells, name, excused=()):
+    """The methods that may have a rank: they finished at the budget, and did what their names say."""
+    return [method for method, part in cells.groupby("method", sort=True)
+            if method not in excused and not math.isnan(spread(part, name)[0])]
+
+
 def ranks(cells, name, floor=0.0, least=None, excused=()):
-    """Rows (rank, method, median, lowest, highest), the best first. A rank counts who is better beyond doubt (ranking.py; of a
-    time also beyond the noise, `least`); methods that nobody beats share the first, a tie. What failed, met no budget or is
+    """Rows (rank, method, median, lowest, highest), the best first. A rank counts what is better beyond doubt (ranking.py; of a
+    time also beyond the noise, `least`); methods that no other beats share the first, a tie. What failed, met no budget or is
     `excused` has no rank."""
     parts = {method: part for method, part in cells.groupby("method", sort=True)}
     rows = [(method, *spread(part, name)) for method, part in parts.items()]
-    known = [method for method, median, *_ in rows if not math.isnan(median) and method not in excused]
+    known = candidates(cells, name, excused)
     many, made = ranking.comparisons(len(known)), []
     for method, median, low, high in rows:
         better = sum(ranking.better(parts[other], parts[method], name, floor, many) and
@@ -85,8 +91,7 @@ def ranks(cells, name, floor=0.0, least=None, excused=()):
 def ranked(context, here, name):
     """The ranks at one budget."""
     least = noise.floor_of(context, here["sweep"].iloc[0], name) if context.store.is_time(name) else None
-    excused = ranking.excused(context, here)
-    return ranks(here, name, context.floor(name), least, {here["method"][index] for index in excused})
+    return ranks(here, name, context.floor(name), least, ranking.unranked(context, here))
 
 
 def without(context, here, none):
@@ -113,7 +118,7 @@ def without(context, here, none):
 
 
 def spare(context, here, about, ranks_of):
-    """Who has a rank and spends less than SPARE of the budget: it is not of equal cost."""
+    """What has a rank and spends less than SPARE of the budget: it is not of equal cost."""
     if about["equal"] != "cost":
         return ""
     low = [(method, found) for rank, method, *_ in ranks_of if rank is not None and
@@ -133,9 +138,11 @@ def finding(context, cells, about, where, name):
         best = [row for row in table if row[0] == 1]
         firsts.append({row[1] for row in best})
         none = sorted(row[1] for row in table if row[0] is None)
-        text = f"at {said_of(context, about, budget)}{spare(context, here, about, table)} "
-        if best:
-            placed = [row for row in table if row[0] is not None]
+        text = f"At {said_of(context, about, budget)}{spare(context, here, about, table)} "
+        placed = [row for row in table if row[0] is not None]
+        if len(placed) == 1:
+            text += f"only {placed[0][1]} has a rank ({si(placed[0][2], unit)})"
+        elif best:
             last, between = placed[-1], [row for row in placed[:-1] if row[0] != 1]
             named = methods([row[1] for row in best], everyone)
             text += f"{named} {'is' if len(best) == 1 else 'tie'} first ({si(best[0][2], unit)})"
@@ -145,12 +152,12 @@ def finding(context, cells, about, where, name):
             text += f", {last[1]} last ({si(last[2], unit)})" if last[0] != 1 else ""
         else:
             text += "no method has a rank"
-        said.append(text + (f"; without a rank: {', '.join(without(context, here, none))}" if none else ""))
+        said.append(text + (f". Without a rank: {'; '.join(without(context, here, none))}" if none else ""))
     always = set.intersection(*firsts)
     tail = f" First at every budget: {listing(sorted(always))}." if always and len(budgets) > 1 else (
         " No method is first at every budget." if len(budgets) > 1 else "")
-    return (f"On {where}, by {what} at equal {about['equal']} ({context.title(about['metric'])}): "
-            f"{'; '.join(said)}.{tail}")
+    return (f"On {where} methods are ranked by {what} at equal {about['equal']} ({context.title(about['metric'])}). "
+            f"{'. '.join(said)}.{tail}")
 
 
 def _tied(rows, unit):
@@ -165,6 +172,7 @@ def beside(context, cells, about, other):
     unit, what = context.unit(other), context.title(other)
     least, found = noise.floor_of(context, cells["sweep"].iloc[0], other) if context.store.is_time(other) else 1.0, []
     for budget, here in cells.groupby("budget", sort=True):
+        here = ranking.eligible(context, here)
         good = here[(here["outcome"] == "ok").to_numpy() & (metrics.column(here, other) > 0)]
         if good["method"].nunique() > 1:
             high, low = good.loc[good[other].idxmax()], good.loc[good[other].idxmin()]
@@ -193,7 +201,7 @@ def at_start(cells):
 
 
 def not_used(context, cells, about):
-    """Who could not spend the budget, and what was spent."""
+    """What could not spend the budget, and what was spent."""
     said = [f"{row['method']} at {said_of(context, about, row['budget'])} ({said_of(context, about, row[about['metric']])} spent)"
             for _, row in stopped(cells, about).drop_duplicates(["budget", "method"]).iterrows()]
     return (f" Stopped by the largest value of {about['setting']} that is searched, {about['most']:,}, with budget left: "
@@ -220,7 +228,7 @@ def headline(context, cells, about, where, name):
                 context.title(name), ends=final_states(here))))
     most = max(found, key=lambda pair: pair[0], default=(0, None))[1]
     if most and not set.intersection(*firsts):  # the sentence stands for one budget
-        most = dataclasses.replace(most, text=f"{most.text[:-1]}; nobody is first at every budget.")
+        most = dataclasses.replace(most, text=f"{most.text[:-1]}; no method is first at every budget.")
     return most
 
 
@@ -267,6 +275,7 @@ def _chart(context, cells, about, axes, refused):
     setting = about["setting"]
     found = "the most that stays within the budget" if about["equal"] == "cost" else "the fewest that err no more than that"
     seeds = len({seed for of_cell in cells["seeds"] for seed in of_cell})
+    compared = [len(candidates(here, names[0], ranking.unranked(context, here))) for _, here in cells.groupby("budget")]
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"At equal {about['equal']}: {where}",
                  finding(context, cells, about, where, names[0]) + beside(context, cells, about, other)
                  + not_used(context, cells, about) + at_start(cells), cells["sweep"].iloc[0], figure,
@@ -274,7 +283,7 @@ def _chart(context, cells, about, axes, refused):
                  f"Each method runs with {found} ({setting}, found by the runner; the table has them), "
                  f"{plural(seeds, 'seed')}. Methods stand side by side at a budget, up to {max(beside_at.values()) - 1:.0%} "
                  "beside it, so that each is seen; bars are the range over seeds and repeats. A letter in the top band failed or "
-                 f"met no budget; C×3 are three. {ranking.rule(seeds, len(labels))}{ranking.raw(context, names[0])}" 
+                 f"met no budget; C×3 are three. {ranking.rule(seeds, *compared)}{ranking.raw(context, names[0])}"
                  + counted(context, cells, about, other, full),
                  telling=True,
                  headline=headline(context, cells, about, where, names[0]))

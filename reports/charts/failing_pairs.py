@@ -12,7 +12,7 @@ from style import grid_of_axes, si
 from table import quantity
 
 PLACE = 85
-SECTION = "Who is right, and who fails where?"
+SECTION = "Which method is right, and which fails where?"
 COLUMNS = 7  # at most
 SHADES = ("#0072B2", "#D55E00")  # A, B
 WRONG = {"wrong_distance": "wrong distance", "wrong_normal": "wrong normal", "wrong_side": "wrong side"}  # in the ledger's order

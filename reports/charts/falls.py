@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
+import ranking
 from chart import Chart, Needs, describe, listing, plural
 from load import described, varying
 from style import OUTCOMES, WIDTH, plt, si
@@ -26,7 +27,7 @@ BLUE, WINE, GREEN = "#0072B2", "#882255", "#009E73"
 LEFT, RIGHT, TALLEST, BETWEEN = 0.85, 1.7, 1.9, 0.08
 WORDS, FAN, PANEL, GAP, FOOT = 0.62, 0.28, 0.85, 0.12, 0.62
 LEAST = 60  # steps of a panel, where a run has as many
-MOST_PATCHES = 400  # of one picture as vectors: more are a page's weight and nobody's gain
+MOST_PATCHES = 400  # of one picture as vectors: more are weight of a page without gain
 
 
 def of_sweep(context, cells):
@@ -74,7 +75,7 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
     counted = f"{len(fallen)} of {plural(len(runs), 'run')} fell."
     crept = int(runs["outcome"].isin(FALLEN).sum()) - len(fallen)
     if crept:
-        counted += (f" {plural(crept, 'more that stands', 'more that stand')} to the end failed there and "
+        counted += (f" {crept} more failed at {'its' if crept == 1 else 'their'} last step by creeping, and "
                     f"{'is' if crept == 1 else 'are'} not drawn.")
     if not drawn:
         return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} The store holds no pictures of them: a run of this "
@@ -84,13 +85,13 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
     figure, top, said, table = plt.figure(figsize=(WIDTH, sum(heights))), sum(heights), [], []
     for height, (row, film, alike) in zip(heights, drawn):
         tracks = _tracks(context.store, row["key"])
-        where = describe(row, [name for name in names if name in row])
+        where = ranking.beside(describe(row, [name for name in names if name in row]), _share(context, cells, row))
         _row(figure, top, row, film, tracks, where)
         top -= height
         deepest = max((_largest(tracks[name]) for name in ("contacts", "shapes")), key=lambda v: -1 if v != v else v)
         last = row["step"] == alike["step"].max()
-        said.append(f"{where} {row['outcome']} at step {row['step']:.0f} ({_rank(last, len(alike))}), its deepest overlap "
-                    f"{si(deepest, 'm')}")
+        said.append(f"{where}: {row['outcome']} at step {row['step']:.0f} ({_rank(last, len(alike))}), with an overlap of up to "
+                    f"{si(deepest, 'm')}.")
         table.append({"run": where, "outcome": row["outcome"], "step": row["step"], "reason": row["reason"],
                       "runs of this kind": len(alike), "energy at the start [J]": _first(tracks["energy"]),
                       "largest energy [J]": _largest(tracks["energy"]),
@@ -98,7 +99,7 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
                       "largest penetration of shapes [m]": _largest(tracks["shapes"])})
     kinds = listing(dict.fromkeys(row["outcome"] for row, _, _ in drawn))
     means = "; ".join(f"{name}: {FALLEN[name]}" for name in dict.fromkeys(row["outcome"] for row, _, _ in drawn))
-    return Chart(f"{sweep}_falls", SECTION, "How runs fall", f"{counted} Drawn: " + "; ".join(said) + ".", sweep, figure,
+    return Chart(f"{sweep}_falls", SECTION, "How runs fall", " ".join([counted, *said]), sweep, figure,
                  pd.DataFrame(table), holes=left_out,
                  note=f"Of each scene and dimension the last run that {kinds.replace(' and ', ' or ')}, six of a sweep at most. "
                       f"A run ends at the step of its fall ({means}); what creeps to its last step has not fallen. Pictures: the "
@@ -106,6 +107,13 @@ def _chart(context, cells, runs, fallen, drawn, left_out):
                       "it fell to as any ever was, or half way between two of these where they are one step; of what flies "
                       "out of sight, the last step in sight. What never moves is grey; what is not finite is not drawn. "
                       "Energy is that of motion and of gravity.")
+
+
+def _share(context, cells, run):
+    """What the cell of this run left to Gauss-Seidel, in words; empty where it is nothing."""
+    own = cells[[run["key"] in keys for keys in cells["keys"]]]
+    share = ranking.share_of_fallbacks(context, own.iloc[0]) if len(own) else 0.0
+    return ranking.said_of_share(share) if share != 0 else ""
 
 
 def _rank(last, count):

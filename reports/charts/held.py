@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
-"""Scenes that are hard to hold, and who holds them: how far bodies have gone sideways and sunk by the end of a long run, and how
-many times the baseline's time a step takes. Who has sunk farther is told by which limits it would be held. For sweeps that ask
-for it: `report = ["held"]`."""
+"""Scenes that are hard to hold, and the methods that hold them: how far bodies have gone sideways and sunk by the end of a long
+run, and how many times the baseline's time a step takes. What has sunk farther is told by which limits it would be held. A cell
+whose rows were left to Gauss-Seidel has no rank. For sweeps that ask for it: `report = ["held"]`."""
 
 import math
 
@@ -9,6 +9,8 @@ import pandas as pd
 from matplotlib.patches import Rectangle
 
 import metrics
+import noise
+import ranking
 import rest
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, methods
 from load import one_machine, split, varying
@@ -18,9 +20,10 @@ from table import quantity
 PLACE = 42
 SECTION = "When does each method fall?"
 NEEDS = Needs("world", methods=(2, math.inf), also="a sweep that asks for this chart")
-ABSENT = Chart("held", SECTION, "Who holds what is hard to hold", "No sweep that asks who holds its scenes is in this store.",
-               "beyond")
+ABSENT = Chart("held", SECTION, "Methods that hold what is hard to hold", "No sweep that asks for this chart is in this "
+               "store.", "beyond")
 TIME = "ms_per_step_median"
+EXCUSE = "not ranked"  # column: why a cell has no rank
 MOST_COLUMNS = 7
 
 
@@ -32,8 +35,9 @@ def of_sweep(context, cells):
     axes = [axis for axis in ("scene", *varying(context.store, cells, ("scene", "dimension"))) if axis in cells]
     made = []
     for part in split(cells, ["dimension"] if "dimension" in cells else [], sort=True):
+        part = part.assign(**{EXCUSE: part.index.map(ranking.excused(context, part)).fillna("")})
         columns = {describe(own.iloc[0], axes): own.drop_duplicates("method").set_index("method") for own in split(part, axes)}
-        made.append(_chart(part, columns, about.baseline, refused))
+        made.append(_chart(context, part, columns, about.baseline, refused))
     return made
 
 
@@ -50,56 +54,65 @@ def share(cell):
 
 
 def holders(column, limit=rest.LIMITS[0]):
-    """By the strictest limit the outcome is the answer."""
+    """Methods that hold and have a rank. By the strictest limit the outcome is the answer."""
+    own = column[column[EXCUSE] == ""]
     if limit == rest.LIMITS[0]:
-        return sorted(column.index[column["outcome"] == "ok"])
-    return sorted(m for m in column.index if share(column.loc[m]) <= limit)
+        return sorted(own.index[own["outcome"] == "ok"])
+    return sorted(m for m in own.index if share(own.loc[m]) <= limit)
 
 
-def finding(where, column, baseline, everyone):
-    who, laxer, before = holders(column), [], set(holders(column))
+def finding(where, column, baseline, everyone, least):
+    holding, before = holders(column), set(holders(column))
+    named = methods(holding, everyone) if len(holding) < len(column) else "Each method"
+    said = [f"{named} {'holds' if len(holding) in (1, len(column)) else 'hold'} it" if holding else "No method holds it"]
     for limit in rest.LIMITS[1:]:
         more = sorted(set(holders(column, limit)) - before)
         before |= set(more)
-        laxer += [f"{methods(more, everyone)} sink by up to {rest.percent(limit)}" if len(more) > 1 else
-                  f"{more[0]} sinks by {rest.percent(float(f'{share(column.loc[more[0]]):.2g}'))}"] if more else []
-    beside = f" ({'; '.join(laxer)})" if laxer else ""
-    if not who:
-        return f"{where} is held by no method{beside}"
-    text = f"{where} is held by {'all' if len(who) == len(column) else methods(who, everyone)}{beside}"
-    known = {m: slower(column, m, baseline) for m in who}
-    known = {m: ratio for m, ratio in known.items() if math.isfinite(ratio) and m != baseline}
-    if not known:
-        return text
-    least, straight = min(known, key=known.get), column["lateral_max"].astype(float)
-    beside = f" but {baseline}" if baseline in who else ""
-    return (f"{text}; the cheapest of them{beside} is {least}, {times(known[least])} times the time of {baseline}, "
-            f"{si(float(straight[least]), 'm')} sideways")
+        if more:
+            deep = limit if len(more) > 1 else float(f"{share(column.loc[more[0]]):.2g}")
+            sink = "sink by up to" if len(more) > 1 else "sinks by"
+            said.append(f"{methods(more, everyone)} {sink} {rest.percent(deep)} of the smallest body")
+    timed = column.loc[[m for m in holding if m != baseline and math.isfinite(slower(column, m, baseline))]]
+    if len(timed):
+        first = sorted(cell["method"] for cell in noise.leaders(timed.reset_index(), TIME, least))
+        ratio = min(slower(column, m, baseline) for m in first)
+        beside = f" but {baseline}" if baseline in holding else ""
+        said.append(f"The cheapest{beside} {'is' if len(first) == 1 else 'are'} {methods(first, everyone)}"
+                    f"{' (not told apart)' if len(first) > 1 else ''}, at {times(ratio)} times the time of {baseline}")
+    out = ranking.told({m: f"{column[EXCUSE][m]}{'' if column['outcome'][m] == 'ok' else ', ' + column['outcome'][m]}"
+                        for m in column.index if column[EXCUSE][m]})
+    return f"{where}: {'. '.join(said)}.{out}"
 
 
 def headline(columns, baseline, dimension):
-    """The scene that fewest hold, if somebody does."""
+    """The scene that fewest hold, if one does."""
     held = {where: holders(column) for where, column in columns.items() if holders(column)}
     where = min(held, key=lambda name: len(held[name]), default=None)
     if where is None or len(held[where]) == len(columns[where]):
         return None
-    column, who = columns[where], held[where]
-    text = f"{where} in {dimension}D is held by {methods(who, list(column.index))} alone."
-    values = {m: float(column["lateral_max"][m]) if m in who else math.nan for m in column.index}
+    column, holding = columns[where], held[where]
+    own = column[column[EXCUSE] == ""]
+    if len(holding) == len(own):
+        return None
+    text = f"{where} in {dimension}D is held by {methods(holding, list(column.index))} alone."
+    values = {m: float(own["lateral_max"][m]) if m in holding else math.nan for m in own.index}
     return Headline(text, values, "m", "sideways drift")
 
 
-def _chart(part, columns, baseline, refused):
+def _chart(context, part, columns, baseline, refused):
     everyone, dimension = sorted(part["method"].unique()), int(part["dimension"].iloc[0]) if "dimension" in part else 2
-    said = [finding(where, column, baseline, everyone) for where, column in columns.items()]
     sweep = part["sweep"].iloc[0]
-    return Chart(identifier(f"{sweep} held {dimension}d"), SECTION, f"Who holds what is hard to hold, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + ".", sweep, _figure(columns, everyone, baseline),
+    least = noise.floor_of(context, sweep, TIME)
+    said = [finding(where, column, baseline, everyone, least) for where, column in columns.items()]
+    return Chart(identifier(f"{sweep} held {dimension}d"), SECTION, f"Methods that hold what is hard to hold, {dimension}D",
+                 f"In {dimension}D " + " ".join(said), sweep, _figure(columns, everyone, baseline),
                  _table(columns, everyone, baseline), refused + holes(part, ["scene", "method"]),
                  "A cell is one run: sideways, how far a body ever went across gravity; sag, how far one has sunk by the end; "
                  f"and the median time of a step over that of {baseline} in the same scene, whether it stands there or falls. "
                  f"What fell has its letter, and the step in which it did. {rest.WORDS}; what has sunk farther (S) is told by "
-                 "how much, and which of these limits would hold it.", headline=headline(columns, baseline, dimension))
+                 "how much, and which of these limits would hold it."
+                 + (" A white cell has no rank: so many rows were left to Gauss-Seidel, or its precision is another."
+                    if (part[EXCUSE] != "").any() else ""), headline=headline(columns, baseline, dimension))
 
 
 def _figure(columns, everyone, baseline):
@@ -139,8 +152,9 @@ def _cell(ax, x, y, column, method, baseline):
         return
     cell, ratio = column.loc[method], slower(column, method, baseline)
     face, mark = OUTCOMES.get(cell["outcome"], ("#FFFFFF", "?"))
-    ink = "white" if cell["outcome"] in ("diverged", "timeout", "crash") else "black"
-    ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor=face, lw=0))
+    ink = "white" if cell["outcome"] in ("diverged", "timeout", "crash") and not cell[EXCUSE] else "black"
+    ax.add_patch(Rectangle((x + 0.02, y + 0.04), 0.96, 0.92, facecolor="white" if cell[EXCUSE] else face,
+                           lw=0.8 if cell[EXCUSE] else 0, edgecolor="#BBBBBB"))
     if cell["outcome"] == "ok":
         lines = [f"{si(float(cell['lateral_max']), 'm')} sideways", f"{si(float(cell['sag_end']), 'm')} sag"]
     elif cell["outcome"] == "sank":
@@ -150,8 +164,10 @@ def _cell(ax, x, y, column, method, baseline):
     else:
         lines = [mark + (f" at step {int(cell['step'])}" if cell["step"] == cell["step"] else "")]
     lines += [f"{times(ratio)} x the time"] if math.isfinite(ratio) and method != baseline else []
+    lines += [cell[EXCUSE]] if cell[EXCUSE] else []
     for k, line in enumerate(lines):
-        ax.text(x + 0.07, y + (k + 0.75) / (len(lines) + 0.5), line, ha="left", va="center", fontsize=7.5, color=ink)
+        ax.text(x + 0.07, y + (k + 0.75) / (len(lines) + 0.5), line, ha="left", va="center", color=ink,
+                fontsize=7.5 if len(lines) < 4 else 6.5)
 
 
 def _table(columns, everyone, baseline):
@@ -159,7 +175,7 @@ def _table(columns, everyone, baseline):
     for where, column in columns.items():
         own = [m for m in everyone if m in column.index]
         part = {"scene": where, "method": own, "outcome": [column["outcome"][m] for m in own],
-                "step": [column["step"][m] for m in own]}
+                "step": [column["step"][m] for m in own], EXCUSE: [column[EXCUSE][m] for m in own]}
         part |= quantity("sunk, of the smallest body", "1", [share(column.loc[m]) if share(column.loc[m]) < math.inf else
                                                              math.nan for m in own])
         part |= {f"held to {rest.percent(limit)}": ["yes" if share(column.loc[m]) <= limit else "no" for m in own]

@@ -204,7 +204,7 @@ def _chart(context, cells, dimension, where, refused):
                  "are fitted by least squares of logarithms over all sizes, with their interval of 95 %; “from the middle on” "
                  "is the "
                  "slope over the larger half, where what does not grow has faded, and it decides what is linear, within "
-                 f"the noise of two times. Who counts none of a work is not drawn there; witnesses count nothing. "
+                 f"the noise of two times. What counts none of a work is not drawn there; witnesses count nothing. "
                  f"{noise.rule(least)}"
                  + caption_of_lines(lines), headline=headline(cells, dimension, least))
 

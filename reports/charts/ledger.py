@@ -15,7 +15,7 @@ from style import NOT_ASKED, REFUSED, RIGHT, WIDTH, ZeroLog, direct_labels, grid
 from table import quantity
 
 PLACE = 80
-SECTION = "Who is right, and who fails where?"
+SECTION = "Which method is right, and which fails where?"
 COUNTS = ("asked", "agree", "tie", "wrong", "wrong_side", "undecided", "refused", "not_finite", "threw", "crashed", "hung",
           "capped")
 NOUNS = {"pair_query": "pair queries", "contacts": "contact generators", "broadphase": "broadphases"}

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 
 import metrics
 import over_steps
+import ranking
 from chart import Chart, Headline, Needs, holes, identifier, listing, methods, plural
 from load import split
 from style import ZeroLog, grid_of_axes, si
@@ -29,7 +30,7 @@ PROPERTIES = {"momentum_share": ("Solver.KeepsLinearMomentum",),
               "angular_momentum_share": ("Solver.KeepsAngularMomentum", "Solver.TurningKeepsAngularMomentum",
                                          "PositionError.KeepsAngularMomentum")}
 TOLD = 3  # methods in a sentence
-ALIKE = 0.5  # of the largest share: who changes as much is named beside who changes most
+ALIKE = 0.5  # of the largest share: what changes as much is named beside what changes most
 SHORT = {"momentum_share": "linear", "angular_momentum_share": "angular"}
 
 
@@ -59,6 +60,8 @@ def lost(cells, share, rounding):
 def finding(cells, said, rounding, at):
     """`said`: {share: methods that declare that they do not keep it}."""
     everyone = sorted(cells["method"].unique())
+    if not everyone:
+        return f"{at}no method has a rank."
     failed = sorted(cells[cells["outcome"] != "ok"]["method"].unique())
     of = {share: lost(cells, share, rounding) for share in SHARES}
     keep = [m for m in everyone if m not in failed and not any(m in found for found in of.values())]
@@ -66,7 +69,7 @@ def finding(cells, said, rounding, at):
     for share, found in of.items():
         most = listing(f"{m} ({si(100 * v)} %)" for m, v in list(found.items())[:TOLD])
         parts.append(f"{plural(len(found), 'method changes', 'methods change')} {SHORT[share]} momentum: "
-                     f"{'most ' if len(found) > 1 else ''}{most}" if found else f"nobody changes {SHORT[share]} momentum")
+                     f"{'most ' if len(found) > 1 else ''}{most}" if found else f"no method changes {SHORT[share]} momentum")
     silent = sorted({m for share, found in of.items() for m in found if m not in said[share]})
     if any(of.values()):
         told = methods(silent, everyone) if len(silent) <= TOLD else f"{len(silent)} of these"
@@ -77,14 +80,14 @@ def finding(cells, said, rounding, at):
 
 
 def headline(cells, rounding, at):
-    """Who changes the angular momentum most, beside those that keep it."""
+    """The methods that change the angular momentum most, beside those that keep it."""
     share = SHARES[1]
     found = lost(cells, share, rounding)
     good = cells[cells["outcome"] == "ok"].groupby("method")[share].max()
     keep = [m for m, v in good.items() if v <= rounding]
     if not found or not keep:
         return None
-    # Who changes it as much by eye is named, too: one of four is not alone.
+    # What changes it as much by eye is named, too: one of four is not alone.
     least = max(found.values()) * ALIKE
     most = [f"{m} ({si(100 * v)} %)" for m, v in found.items() if v >= least]
     others = f", {plural(len(found) - len(most), 'other', 'others')} less" if len(most) < len(found) else ""
@@ -104,7 +107,8 @@ def _chart(context, shown, left_out, setting):
     good = cells[cells["outcome"] == "ok"]
     worst = good.groupby("method")[list(SHARES)].max().max(axis=1)
     order = sorted(cells["method"].unique(), key=lambda m: (-max(worst.get(m, math.inf), rounding), m))
-    names, looks = [context.name(m) for m in order], context.looks(cells)
+    called, ranked = ranking.names(context, cells), ranking.whole(context, cells)
+    names, looks = [called[m] for m in order], context.looks(cells)
     figure, axes = grid_of_axes(1, 2 * len(shown), 0.2 * len(order) + 0.1, left=max(1.6, 0.3 + 0.074 * max(map(len, names))),
                                 gap_x=0.2, top=0.6, bottom=0.55)
     # One axis for all panels, up to all that there is: shares of both momenta compare.
@@ -135,9 +139,9 @@ def _chart(context, shown, left_out, setting):
                           **{f"declares that it changes {SHORT[share]} momentum": cells["method"].isin(said[share])
                              for share in SHARES}})
     return Chart(identifier(f"{cells['sweep'].iloc[0]} momenta {dimension}d"), SECTION, f"Momenta of what is free, {dimension}D",
-                 finding(cells, said, rounding, at), cells["sweep"].iloc[0], figure, table,
+                 finding(ranked, said, rounding, at) + ranking.tail(context, cells), cells["sweep"].iloc[0], figure, table,
                  left_out + holes(cells, ["where", "method"]),
                  "How far the momentum at the end of the run is from that at its start, over that of the start; the angular one "
                  f"about the world's origin. Up to {rounding:g} is rounding, and stands at the left. A ring is around what a "
                  "method says of itself (info().failures): that it fails a property of this momentum, which is tested.",
-                 headline=headline(cells, rounding, at))
+                 headline=headline(ranked, rounding, at))

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 import over_steps
+import ranking
 from chart import Chart, Headline, Needs, holes, listing
 from load import split
 from style import ZeroLog, caption_of_lines, one_line, si
@@ -95,11 +96,12 @@ def _chart(context, shown, left_out):
         tracks = {name: {cell["method"]: np.asarray(found, float) for _, cell in part.iterrows() if cell["key"] is not None
                          for found in [context.store.series(cell["key"], name)] if found is not None and len(found)}
                   for name in ("height", "drift")}
+        ranked = ranking.eligible(context, part).index
         mine = [{"where": where, "method": cell["method"], "outcome": cell["outcome"],
                  "tilt": float(cell.get("tilt_end", math.nan)),
                  "height": tracks["height"][cell["method"]][-1], "drift": tracks["drift"][cell["method"]][-1],
-                 "fell": fallen_at(tracks["height"][cell["method"]])}
-                for _, cell in part.iterrows() if cell["method"] in tracks["height"]]
+                 "fell": fallen_at(tracks["height"][cell["method"]]), "ranked": index in ranked}
+                for index, cell in part.iterrows() if cell["method"] in tracks["height"]]
         axes[0][column].set_title(f"{where}, {dimension}D")
         axes[0][column].set_ylim(0, 1.05 * max([1.0, *(float(np.max(v)) for v in tracks["height"].values())]))
         drifts = [v for track in tracks["drift"].values() for v in over_steps.stretches(track, np.max)[1]]
@@ -112,8 +114,9 @@ def _chart(context, shown, left_out):
             lines.append((f"On {where}, {name}", one_line(ax, firsts, listing)))
         axes[0][column].set_xlabel("")
         rows += mine
-        judged.append(mine)
-        said.append(finding(where, mine) if mine else f"on {where} nothing was run")
+        told = [row for row in mine if row["ranked"]]
+        judged.append(told)
+        said.append(finding(where, told) if told else f"on {where} {'no method has a rank' if mine else 'nothing was run'}")
     axes[0][0].set_ylabel("highest body (m)")
     axes[1][0].set_ylabel("farthest from its place")
     over_steps.legend(context, figure, cells, room)
@@ -122,12 +125,14 @@ def _chart(context, shown, left_out):
              **quantity("height at the end", "m", [r["height"] for r in rows]),
              **quantity("largest turn at the end", "rad", [r["tilt"] for r in rows]),
              **quantity("drift at the end", "m", [r["drift"] for r in rows])}
-    fell, stand = ([r for r in rows if (r["fell"] is None) == up] for up in (False, True))
+    ranked = [r for r in rows if r["ranked"]]
+    fell, stand = ([r for r in ranked if (r["fell"] is None) == up] for up in (False, True))
     head = Headline(f"On {shown[0][0]} in {dimension}D a pile falls with {listing(r['method'] for r in fell)} and stands with "
-                    f"{listing(r['method'] for r in stand)}.", {r["method"]: r["height"] for r in rows}, "m", "height at the end",
-                    larger=True) if len(shown) == 1 and fell and stand else None
+                    f"{listing(r['method'] for r in stand)}.", {r["method"]: r["height"] for r in ranked}, "m",
+                    "height at the end", larger=True) if len(shown) == 1 and fell and stand else None
     return Chart(f"{sweep}_over_time_{dimension}d", SECTION, f"Height and drift over time, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + "." + "".join(map(verdict, judged)), sweep, figure, pd.DataFrame(table),
+                 f"In {dimension}D " + "; ".join(said) + "." + "".join(map(verdict, judged))
+                 + ranking.tail_of(context, shown), sweep, figure, pd.DataFrame(table),
                  left_out + holes(cells, ["scene", "method"]),
                  f"Of {over_steps.STRETCHES} stretches of the run the median height of the highest body and the largest "
                  "distance of a body from where it came." + caption_of_lines(lines), headline=head)

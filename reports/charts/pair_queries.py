@@ -111,7 +111,7 @@ def finding(cells, dimension, least):
     who = listing(failed) if len(failed) < 4 else f"{len(failed)} of {good['method'].nunique()} methods"
     at = judged_at(good)
     if not failed:
-        return f"{text}. Nobody fails {at}, and no error is above {off}."
+        return f"{text}. No method fails {at}, and no error is above {off}."
     return (f"{text}. {at[0].upper()}{at[1:]}, {who} {'fails' if len(failed) == 1 else 'fail'} somewhere; "
             f"the worst error is {off}.")
 
@@ -158,7 +158,7 @@ def _told_failing(cells, passed, pair, dimension, least):
 
 
 def _told_times(cells, dimension, least):
-    """Times differ though nobody fails."""
+    """Times differ though no method fails."""
     found = []
     for pair, part in cells.groupby("pair", sort=True):
         part = part.sort_values(TIME, kind="stable")
@@ -170,7 +170,7 @@ def _told_times(cells, dimension, least):
     ratio, pair, part = max(found, key=lambda told: told[:2])
     first = noise.leaders(part, TIME, least)
     names = " or ".join(cell["method"] for cell in first)
-    return Headline(f"In {dimension}D nobody fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ "
+    return Headline(f"In {dimension}D no method fails, in {np.nansum(metrics.column(cells, 'asked')):,.0f} queries; times differ "
                     f"most on {pair}, where {part['method'].iloc[-1]} takes {times(ratio)} times the "
                     f"{si(part[TIME].iloc[0], 'ns')} a query of "
                     f"{names}{f', which are {_alike(least)}' if len(first) > 1 else ''}.",
@@ -241,7 +241,8 @@ def _scatter(context, cells, dimension, refused, least):
                  refused + _holes(cells),
                  "A mark is the error that 99 of 100 queries stay below; its bar goes from the median to the worst. "
                  "Errors are over the size of the query: largest extent + distance + largest coordinate. "
-                 f"{SINGLE} Hollow marks are witnesses; who does not declare a pair has none. {questions(cells).capitalize()}. "
+                 f"{SINGLE} Hollow marks are witnesses; a method that does not declare a pair has none. "
+                 f"{questions(cells).capitalize()}. "
                  f"{noise.rule(least)} {failure.DEFINITION}", headline=headline(cells, dimension, least))
 
 

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 import metrics
+import ranking
 from chart import Chart, Needs, describe, holes, identifier, listing
 from load import one_machine, split
 from style import ZeroLog, grid_of_axes, legend_right, legend_room, plain_log, si, times
@@ -38,7 +39,7 @@ def of_sweep(context, cells):
 
 def problems(context, cells):
     """[(words, cells)] of one problem each, all settings equal; those that most methods were given, since a problem of a few
-    would count for them and against nobody else."""
+    would count for them and against no other."""
     names = [name for name in ("problems", "problem", "start", "friction", "order", "dimension")
              if name in cells and (name == "problems" or cells[name].nunique(dropna=False) > 1)]
     parts = [part.drop_duplicates("method") for part in split(cells, names)]
@@ -50,7 +51,7 @@ def problems(context, cells):
 
 def profile(costs):
     """{method: (ratios, share of problems solved within that many times the best cost)}. `costs`: method -> its cost of each
-    problem, infinite where it did not solve it. A problem that nobody solves counts for all, or one could choose easy ones."""
+    problem, infinite where it did not solve it. A problem that no method solves counts for all, or one could choose easy ones."""
     table = np.array([costs[method] for method in costs], dtype=float)
     best = np.where(np.isfinite(table), table, math.inf).min(axis=0)
     found = {}
@@ -66,13 +67,15 @@ def costs_of(context, cells):
     found, parts = {}, problems(context, cells)
     for method in sorted(cells["method"].unique()):
         mine = [part[part["method"] == method] for _, part in parts]
-        values = [float(row[TO].iloc[0]) if len(row) and row["outcome"].iloc[0] == "ok" else math.nan for row in mine]
+        values = [float(row[TO].iloc[0]) if len(row) and row["outcome"].iloc[0] == "ok" and not len(ranking.excused(context, row))
+                  else math.nan for row in mine]
         found[method] = [value if math.isfinite(value) else math.inf for value in values]
     return found
 
 
-def _handles(context, methods, looks):
-    return [Line2D([], [], label=context.name(m), **{**looks(m), "marker": None}) for m in methods]
+def _handles(methods, looks):
+    """`methods`: {method: its name}."""
+    return [Line2D([], [], label=methods[m], **{**looks(m), "marker": None}) for m in methods]
 
 
 def _start(cells):
@@ -83,10 +86,10 @@ def _drawn(context, parts, key, cost):
     """(figure of what each method leaves of each problem over a series of costs, {trial: (costs, residuals)} of all that have
     it). `key`: the column of the trials."""
     everyone = pd.concat([part for _, part in parts])
-    looks, methods = context.looks(everyone), sorted(everyone["method"].unique())
+    looks, called = context.looks(everyone), dict(sorted(ranking.names(context, everyone).items()))
     shown = parts[:ROWS * COLUMNS]
     rows, columns = -(-len(shown) // COLUMNS), min(COLUMNS, len(shown))
-    width = legend_room(map(context.name, methods), 1.75)
+    width = legend_room(called.values(), 1.75)
     figure, axes = grid_of_axes(rows, columns, 2.3, width, left=0.9, gap_x=0.5)
     for ax in axes.flat[len(shown):]:
         ax.set_visible(False)
@@ -111,7 +114,7 @@ def _drawn(context, parts, key, cost):
         ax.set_xlabel(described.title)
     for row in axes:
         row[0].set_ylabel("natural map / (g dt)")
-    legend_right(figure, _handles(context, methods, looks), width)
+    legend_right(figure, _handles(called, looks), width)
     return figure, tracks
 
 
@@ -126,12 +129,20 @@ def _table(cells, numbers):
                          "method": cells["method"].to_numpy(), "outcome": cells["outcome"].to_numpy(), **numbers})
 
 
+def _not_ranked(context, parts):
+    """On how many problems a method has no rank, and why."""
+    unranked = [ranking.unranked(context, part) for _, part in parts]
+    return ranking.told({f"{method} on {sum(method in why for why in unranked)} of {len(parts)}":
+                         ranking.largest(why[method] for why in unranked if method in why)
+                         for method in sorted({method for why in unranked for method in why})})
+
+
 def _counted(of_problems):
-    """["a of 3", "b of 1"]: of how many problems who is named; most first."""
+    """["a on 3", "b on 1"]: on how many problems a method is named; most first."""
     count = {}
     for method in (method for found in of_problems for method in found):
         count[method] = count.get(method, 0) + 1
-    return [f"{method} of {n}" for method, n in sorted(count.items(), key=lambda item: (-item[1], item[0]))]
+    return [f"{method} on {n}" for method, n in sorted(count.items(), key=lambda item: (-item[1], item[0]))]
 
 
 def _over_cost(context, cells):
@@ -139,6 +150,7 @@ def _over_cost(context, cells):
     figure, _ = _drawn(context, parts, "key", COST)
     least = []
     for _, part in parts:
+        part = ranking.eligible(context, part)
         part = part[(part["outcome"] == "ok") & np.isfinite(metrics.column(part, RESIDUAL))]
         values = part[RESIDUAL].astype(float)
         least.append(list(part[values <= max(values.min(), FLOOR)]["method"]) if len(part) else [])
@@ -147,8 +159,8 @@ def _over_cost(context, cells):
         numbers |= quantity(context.title(name), context.unit(name), metrics.column(cells, name))
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} curves"), SECTION,
                  f"What is left over multiply-adds, {_start(cells)} start",
-                 f"Of {len(parts)} problems, with all iterations, who leaves least: {listing(said)}." if said else
-                 "No problem was solved.",
+                 (f"Of {len(parts)} problems, with all iterations, the least is left by {listing(said)}." if said else
+                  "No problem was solved.") + _not_ranked(context, parts),
                  cells["sweep"].iloc[0], figure, _table(cells, numbers), _holes(parts, cells),
                  "Each method solves the same problem with 1, 2, 3, ... iterations. The natural map is the largest error of a "
                  "row by Coulomb's law with De Saxcé's correction; 1 is what gravity gives in a step. Methods that leave less "
@@ -157,7 +169,7 @@ def _over_cost(context, cells):
 
 def time_to(residual, nanoseconds, residuals):
     """The time of the first number of iterations from which on no more than `residual` is left; infinite where there is none.
-    Who cannot run with no iterations has no time for them, only for one."""
+    What cannot run with no iterations has no time for them, only for one."""
     above = [i for i, left in enumerate(residuals) if not left <= residual]
     rest = nanoseconds[above[-1] + 1 if above else 0:]
     return next((float(time) for time in rest if math.isfinite(time)), math.inf)
@@ -176,16 +188,18 @@ def _over_time(context, cells):
     took = {trial: time_to(SOLVED, *track) for trial, track in tracks.items()}
     quickest = []
     for _, part in parts:
+        part = ranking.eligible(context, part)
         mine = {method: took.get(trial, math.inf) for method, trial in zip(part["method"], part["key_timed"])}
-        best = min(mine.values())
+        best = min(mine.values(), default=math.inf)
         quickest.append([method for method, time in mine.items() if math.isfinite(best) and time < ALIKE * best])
     counted, title = _counted(quickest), f"{context.title(TIME)}, to {SOLVED:g} g dt"
     numbers = quantity(context.title(TIME), context.unit(TIME), metrics.column(cells, TIME)) | quantity(
         title, context.unit(TIME), [took.get(trial, math.nan) for trial in cells["key_timed"]])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {_start(cells)} times"), SECTION,
                  f"What is left over time, {_start(cells)} start",
-                 f"Of {len(parts)} problems, who leaves less than {SOLVED:g} g dt in less than {ALIKE:g} times the time of the "
-                 f"first: {listing(counted)}." if counted else f"Nobody leaves less than {SOLVED:g} g dt of a problem.",
+                 (f"Of {len(parts)} problems, less than {SOLVED:g} g dt is left in less than {ALIKE:g} times the time of the "
+                  f"first by {listing(counted)}." if counted else f"No method leaves less than {SOLVED:g} g dt of a problem.")
+                 + _not_ranked(context, parts),
                  cells["sweep"].iloc[0], figure, _table(cells, numbers), said + _holes(parts, cells),
                  "The same curves over the processor time of a solve with so many iterations, which begins each time from the "
                  "start; the median of ten. Where a line goes back, more iterations took less time. A witness's time is that of "
@@ -193,11 +207,12 @@ def _over_time(context, cells):
 
 
 def _profile(context, cells):
-    costs, looks = costs_of(context, cells), context.looks(cells)
+    costs, looks, called = costs_of(context, cells), context.looks(cells), ranking.names(context, cells)
     found = profile(costs)
     if not any(len(solved) for solved, _ in found.values()):
         return None
-    width = legend_room(map(context.name, costs), 1.75)
+    called = {method: called[method] for method in costs}
+    width = legend_room(called.values(), 1.75)
     figure, axes = grid_of_axes(1, 1, 3.0, width, left=0.9)
     ax, most = axes[0][0], 1.0
     for method, (solved, share) in found.items():
@@ -214,21 +229,24 @@ def _profile(context, cells):
     ax.set_ylim(0, 1.03)
     ax.set_xlabel("multiply-adds, as a multiple of the best method's")
     ax.set_ylabel("share of problems solved")
-    legend_right(figure, _handles(context, costs, looks), width)
+    legend_right(figure, _handles(called, looks), width)
     shares = {method: (share[-1] if len(share) else 0.0) for method, (_, share) in found.items()}
     wins = {method: float(np.mean([c == min(all_) and math.isfinite(c) for c, all_ in zip(mine, zip(*costs.values()))]))
             for method, mine in costs.items()}
-    first, surest = max(wins, key=wins.get), [m for m in shares if shares[m] == max(shares.values())]
+    most_wins = max(wins.values())
+    firsts, surest = [m for m in wins if wins[m] == most_wins], [m for m in shares if shares[m] == max(shares.values())]
     count = len(next(iter(costs.values())))
     table = pd.DataFrame([{"method": m, "share solved": shares[m], "share cheapest": wins[m],
                            "median multiple": float(np.median(found[m][0])) if len(found[m][0]) else math.nan} for m in costs])
     return Chart(identifier(f"{cells['sweep'].iloc[0]} profile"), SECTION, "Performance profile of multiply-adds",
                  f"Of {count} problems {listing(surest)} {'solves' if len(surest) == 1 else 'solve'} most, "
-                 f"{si(100 * max(shares.values()))} %; {first} is the cheapest for {si(100 * wins[first])} %.",
+                 f"{si(100 * max(shares.values()))} %. {listing(firsts)} {'is' if len(firsts) == 1 else 'are each'} the cheapest "
+                 f"for {si(100 * most_wins)} %." + _not_ranked(context, problems(context, cells)),
                  cells["sweep"].iloc[0], figure, table,
                  [f"{method}: {text}, not drawn" for method, text in _beyond(found, count).items()],
                  "Dolan and Moré: how many problems a method solves within so many times the multiply-adds of the best. Solved "
-                 "is a natural map that stays below 0.001 g dt. What a line does not reach takes more iterations than were run, "
+                 "is a natural map that stays below 0.001 g dt; what left rows to Gauss-Seidel has not solved it. What a line "
+                 "does not reach takes more iterations than were run, "
                  f"or is named below: at more than {FAR:g} times.")
 
 
@@ -257,7 +275,7 @@ def _rates(context, cells):
     ax.plot([low, high], [low, high], color="#888888", lw=1, ls=":")
     ax.set_xlabel("predicted: spectral radius")
     ax.set_ylabel("measured, per iteration")
-    legend_right(figure, _handles(context, methods, looks), width)
+    legend_right(figure, _handles({m: context.name(m) for m in methods}, looks), width)
     # What counts is how far from 1 it is: that many iterations more or fewer are needed.
     plain = good[good["method"] == "catto"]  # which is Gauss-Seidel; the others are held against it
     if not len(plain):

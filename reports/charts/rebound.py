@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.lines import Line2D
 
+import ranking
 from chart import Chart, Headline, Needs, holes, listing
 from load import split
 from style import ZeroLog, caption_of_lines, grid_of_axes, legend_right, legend_room, one_line, plain_log, same, si
@@ -65,7 +66,7 @@ def joined(track):
 def finding(rows):
     known = rows.dropna(subset=["rebound"])
     if not len(known):
-        return "no fall was finished."
+        return "no fall that has a rank was finished."
     up, still, said = [], [], []
     for method, mine in known.groupby("method", sort=True):
         worst, thrown_by = mine.loc[mine["rebound"].idxmax()], mine[mine["rebound"] > 0]["speed"]
@@ -85,8 +86,9 @@ def finding(rows):
 def _chart(context, cells):
     sweep, rows = cells["sweep"].iloc[0], rows_of(context, cells)
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
-    looks, methods = context.looks(cells), sorted(rows["method"].unique())
-    room = legend_room(map(context.name, methods), 1.75)
+    looks, methods, called = context.looks(cells), sorted(rows["method"].unique()), ranking.names(context, cells)
+    ranked = rows[rows["method"].isin(ranking.whole(context, cells)["method"])]
+    room = legend_room(called.values(), 1.75)
     figure, panels = grid_of_axes(1, 1, 3.2, room, left=0.9)
     ax = panels[0][0]
     plain_log(ax, "x", rows["speed"].dropna(), "m/s")
@@ -101,18 +103,19 @@ def _chart(context, cells):
     words = one_line(ax, firsts, listing)
     ax.set_xlabel("speed at which the ground is hit")
     ax.set_ylabel("thrown back")
-    legend_right(figure, [Line2D([], [], label=context.name(m), **looks(m)) for m in methods], room)
+    legend_right(figure, [Line2D([], [], label=called[m], **looks(m)) for m in methods], room)
     table = {"method": rows["method"], **quantity("fall", "m", rows["fall"]), **quantity("speed", "m/s", rows["speed"]),
              **quantity("thrown back", "m", rows["rebound"]),
              "share of the energy [1]": rows["rebound"] / rows["fall"], **quantity("deeper than others", "m", rows["sunk"])}
-    back = rows.dropna(subset=["rebound"]).groupby("method")["rebound"].max().to_dict()
+    back = ranked.dropna(subset=["rebound"]).groupby("method")["rebound"].max().to_dict()
     most = max(back, key=back.get, default=None)
     head = None if most is None or not back[most] or min(back.values()) == back[most] else Headline(
         f"A box that hits the ground at up to {si(rows['speed'].max(), 'm/s')} and is not to bounce is thrown back by up to "
         f"{si(back[most], 'm')} with {most}; with {listing(m for m in back if back[m] == min(back.values()))} by "
         f"{si(min(back.values()), 'm')}.", back, "m", "thrown back")
     return Chart(f"{sweep}_rebound_{dimension}d", SECTION, f"What is thrown back after a fall, {dimension}D",
-                 f"In {dimension}D, {finding(rows)}", sweep, figure, pd.DataFrame(table), holes(cells, ["method", "height"]),
+                 f"In {dimension}D, {finding(ranked)}{ranking.tail(context, cells)}", sweep, figure, pd.DataFrame(table),
+                 holes(cells, ["method", "height"]),
                  "The highest place after the lowest, above that in the end, over the speed that the fall has without drag; what "
                  f"is at most {si(ROUNDING, 'm')} is 0. "
                  "Lines join speeds less than a tenth apart." + caption_of_lines([("Lines", words)]), headline=head)

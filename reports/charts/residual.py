@@ -118,7 +118,7 @@ def _chart(context, cells, shown, left_out, setting):
                           "outcome": drawn["outcome"], **quantity(context.title(RESIDUAL), "1", metrics.column(drawn, RESIDUAL))})
     return Chart(f"{cells['sweep'].iloc[0]}_residual_{dimension}d", SECTION,
                  f"Residual over {setting} and over steps, {dimension}D",
-                 f"In {dimension}D " + "; ".join(said) + "." + ranking.tail(context, drawn),
+                 f"In {dimension}D " + "; ".join(said) + "." + ranking.tail_of(context, shown),
                  cells["sweep"].iloc[0], figure, table,
                  left_out + holes(drawn, ["scene", "method", setting]),
                  "The residual is the worst product of a contact's normal impulse and closing speed, one of which should be 0, "

@@ -121,7 +121,7 @@ def finding(cells, awake, where):
         return f"On {where} no policy that lets bodies sleep finishes."
     most = good.loc[good[SAVED].idxmax()]
     if most[SAVED] <= 0:
-        return f"On {where} nobody falls asleep."
+        return f"On {where} no body falls asleep."
     farthest = good.loc[good[FAR].idxmax()] if good[FAR].notna().any() else None
     text = f"On {where} {most['method']} saves most, {si(100 * most[SAVED])} % of the multiply-adds{_time_of(most)}"
     if farthest is not None and math.isfinite(most[FAR]):
@@ -129,11 +129,11 @@ def finding(cells, awake, where):
         text += f"; its bodies end at most {si(most[FAR], 'm')} from where they end awake"
         if farthest["method"] != most["method"]:
             text += f", those of {farthest['method']} {si(farthest[FAR], 'm')}"
-        text += f"; {methods(free, sorted(good['method']))} {'moves' if len(free) == 1 else 'move'} nobody" if free else ""
+        text += f"; {methods(free, sorted(good['method']))} {'moves' if len(free) == 1 else 'move'} no body" if free else ""
     late = good[good[WAVE].notna() & (good["woken"] > 0) & (good[SAVED] > 0)]
     if len(late):
         slow, quick = late.loc[late[WAVE].idxmax()], late.loc[late[WAVE].idxmin()]
-        text += (f"; those who wake do so within {si(quick[WAVE])} steps by {quick['method']}" +
+        text += (f"; those that wake do so within {si(quick[WAVE])} steps by {quick['method']}" +
                  (f" and {si(slow[WAVE])} by {slow['method']}" if slow[WAVE] > quick[WAVE] else ""))
     failed = sorted(others[others["outcome"] != "ok"]["method"])
     if failed:
@@ -195,6 +195,6 @@ def _chart(context, cells, awake, where):
                  finding(cells, awake, where), cells["sweep"].iloc[0], figure, pd.DataFrame(table), holes(cells, ["method"]),
                  f"Across what a policy saves of the {'time' if timed else 'multiply-adds'} of {context.name(awake['method'])}"
                  f"{COUNTED if timed else ': a count without noise'}. Up "
-                 "how far a body ends at the most from where it ends when nobody sleeps; in scenes that forget their start it is "
-                 "another history, and no error. Where a script acts, how many steps later most bodies are awake: sleepers that "
-                 "wait for a gap wake one after the other.", headline=headline(cells, awake, where))
+                 "how far a body ends at the most from where it ends when no body sleeps; in scenes that forget their start it "
+                 "is another history, and no error. Where a script acts, how many steps later most bodies are awake: sleepers "
+                 "that wait for a gap wake one after the other.", headline=headline(cells, awake, where))

@@ -78,7 +78,7 @@ def finding(pairs, least):
         return "No policy that lets bodies sleep finishes with contacts of sleepers left as they were and made anew."
     most = max(known, key=lambda pair: pair.saved)
     if most.saved <= 0:
-        return "Nobody falls asleep where contacts of sleepers were left as they were and made anew."
+        return "No body falls asleep where contacts of sleepers were left as they were and made anew."
     text = (f"Contacts of sleepers that are left as they were save at most {si(100 * most.saved)} % of the pair queries "
             f"({most.name})")
     words = [(pair, twins.told(pair.kept, pair.anew, TIME, least)) for pair in known]
@@ -101,7 +101,7 @@ def finding(pairs, least):
     acted = [pair for pair in known if all(woken == woken for woken, _ in pair.late)]
     if acted:
         other = [pair.name for pair in acted if not pair.wakes_alike]
-        text += "; who wakes, and when, is " + (f"not the same for {listing(other)}" if other else "the same everywhere")
+        text += "; which bodies wake, and when, is " + (f"not the same for {listing(other)}" if other else "the same everywhere")
     failed = [pair.name for pair in pairs if not math.isfinite(pair.saved)]
     return text + (f"; not both finish of {listing(failed)}" if failed else "") + "."
 

@@ -6,6 +6,7 @@ import math
 import pandas as pd
 from matplotlib.patches import Patch, Rectangle
 
+import ranking
 from chart import Chart, Headline, Needs, describe, holes, identifier, listing, plural
 from load import split, varying
 from style import OUTCOMES, grid_of_axes, legend_right
@@ -40,7 +41,7 @@ def finding(rows, methods):
         fell = [row for row in mine if row["outcome"] != "ok"]
         said.append(f"{method} holds {len(mine) - len(fell)} of {len(mine)}" +
                     (f" (not {listing(_fallen(fell, mine))})" if 0 < len(fell) < len(mine) else ""))
-    return "; ".join(said) + "."
+    return "; ".join(said or ["no method has a rank"]) + "."
 
 
 def _fallen(fell, mine):
@@ -55,6 +56,8 @@ def _chart(context, cells):
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
     axes = ["scene", *(name for name in varying(context.store, cells) if name not in ("scene", "dimension"))]
     methods, rows, places = list(dict.fromkeys(cells["method"])), [], {}
+    called, kept = ranking.names(context, cells), set(ranking.whole(context, cells)["method"])
+    ranked = [method for method in methods if method in kept]
     for _, cell in cells.iterrows():
         where = describe(cell, axes)
         places.setdefault(where, len(places))
@@ -72,7 +75,7 @@ def _chart(context, cells):
         ax.text(x, y, row["told"], ha="center", va="center", fontsize=8, color="white" if dark else "black")
     ax.set_xlim(-0.5, len(methods) - 0.5)
     ax.set_ylim(len(places) - 0.5, -0.5)
-    ax.set_xticks(range(len(methods)), [context.name(m).replace("+", "\n+") for m in methods])
+    ax.set_xticks(range(len(methods)), [called[m].replace(" (", "\n(").replace("+", "\n+") for m in methods])
     ax.set_yticks(range(len(places)), list(places))
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
@@ -82,14 +85,14 @@ def _chart(context, cells):
     legend_right(figure, [Patch(facecolor=OUTCOMES.get(o, ("#FFFFFF", ""))[0], edgecolor="#999999",
                                 label=o if o == "ok" else f"{o}, at step")
                           for o in sorted({row["outcome"] for row in rows}, key=list(OUTCOMES).index)], 1.5)
-    held = {method: sum(row["outcome"] == "ok" for row in rows if row["method"] == method) for method in methods}
-    least, most = min(held, key=held.get), max(held, key=held.get)
-    head = None if held[least] == held[most] else Headline(
+    held = {method: sum(row["outcome"] == "ok" for row in rows if row["method"] == method) for method in ranked}
+    least, most = min(held, key=held.get, default=None), max(held, key=held.get, default=None)
+    head = None if not held or held[least] == held[most] else Headline(
         f"Of {plural(len(places), 'scene')} in {dimension}D, each with and without what varies, {most} holds {held[most]} and "
         f"{least} {held[least]}.", {m: float(v) for m, v in held.items()}, quantity="scenes that stand", larger=True)
     return Chart(identifier(f"{sweep} stability {dimension}d"), SECTION,
                  f"What becomes of scenes under each method, {dimension}D",
-                 f"In {dimension}D {finding(rows, methods)}", sweep, figure,
+                 f"In {dimension}D {finding(rows, ranked)}{ranking.tail(context, cells)}", sweep, figure,
                  pd.DataFrame(rows).drop(columns=["told", "scene"]).rename(columns={"where": "scene"}),
                  holes(cells, ["method", *axes]),
                  "Each cell is one run: since when all bodies rest, where they do until the end, or the step at which the run "

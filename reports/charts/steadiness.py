@@ -117,7 +117,7 @@ def _chart(context, resting, left_out, setting):
             said.append(finding(scene, speeds, failed, labels))
             told.append(headline(f"{scene} in {dimension}D", speeds, failed, at))
     text = f"In {dimension}D{at} " + "; ".join(said) + "." if said else f"In {dimension}D too few runs finished to compare."
-    text += ranking.tail(context, cells)
+    text += ranking.tail_of(context, resting)
     table = table.drop(columns="excused").rename(columns={"restlessness": "restlessness [m/s]"})
     return Chart(f"{cells['sweep'].iloc[0]}_steadiness_{dimension}d", SECTION,
                  f"The fastest body and the contacts over time, {dimension}D", text, cells["sweep"].iloc[0], figure, table,

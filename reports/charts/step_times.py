@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 import metrics
 import noise
 import over_steps
+import ranking
 from chart import Chart, Needs, holes
 from load import one_machine, split
 from style import ZeroLog, grid_of_axes, legend_right, letter, si, times
@@ -39,6 +40,8 @@ def of_sweep(context, cells):
 
 def finding(context, where, cells):
     good = cells[(cells["outcome"] == "ok") & cells[MEDIAN].notna() & cells[WORST].notna()]
+    ranked = ranking.eligible(context, good).index
+    good = good[[index in ranked or context.store.role(cell["method"]) == "engine" for index, cell in good.iterrows()]]
     if not len(good):
         return f"on {where} no timed run finished"
     ratios = good[WORST] / good[MEDIAN]
@@ -81,8 +84,8 @@ def _spread(cell):
 
 def _chart(context, cells, shown, gaps, at):
     dimension = int(cells["dimension"].iloc[0]) if "dimension" in cells else 2
-    looks, labels = context.looks(cells), sorted(cells["method"].unique())
-    left = 0.3 + 0.078 * max(len(context.name(m)) for m in labels)
+    looks, labels, called = context.looks(cells), sorted(cells["method"].unique()), ranking.names(context, cells)
+    left = 0.3 + 0.078 * max(map(len, called.values()))
     figure, axes = grid_of_axes(1, len(shown), 0.24 * len(labels) + 0.1, 1.3, left=left, gap_x=0.35, bottom=0.55)
     for column, (where, part) in enumerate(shown):
         ax, by = axes[0][column], part.set_index("method")
@@ -107,7 +110,7 @@ def _chart(context, cells, shown, gaps, at):
                             mfc=look.get("markerfacecolor", look["color"]), zorder=3)
         ax.set_ylim(len(labels) - 0.4, -0.6)
         ax.set_yticks(range(len(labels)))
-        ax.set_yticklabels([context.name(m) for m in labels] if column == 0 else [])
+        ax.set_yticklabels([called[m] for m in labels] if column == 0 else [])
         ax.tick_params(axis="y", length=0)
         ax.set_title(f"{where}, {dimension}D")
         ax.set_xlabel("time of a step")
@@ -118,7 +121,9 @@ def _chart(context, cells, shown, gaps, at):
     for name, _, _ in MARKS:
         columns |= quantity(context.title(name), context.unit(name), metrics.column(drawn, name))
     return Chart(f"{cells['sweep'].iloc[0]}_step_times_{dimension}d", SECTION, f"Times of whole steps, {dimension}D",
-                 f"In {dimension}D{at} " + "; ".join(finding(context, where, part) for where, part in shown) + ".",
+                 f"In {dimension}D{at} " + "; ".join(finding(context, where, part) for where, part in shown) + "."
+                 + ranking.tail_of(context, [(where, part[part["method"].map(context.store.role) != "engine"])
+                                             for where, part in shown]),
                  cells["sweep"].iloc[0], figure, pd.DataFrame(columns), gaps + holes(drawn, ["scene", "method"]),
                  "Processor time of a step, broadphase to integration; medians over repeats, without each run's first ten steps. "
                  "Engines stand beside our methods. " + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)))

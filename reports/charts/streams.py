@@ -157,7 +157,7 @@ def _chart(context, cells, dimension, refused):
                  refused + holes(bad.assign(step=math.nan), ["scene", "method", WAY]),
                  "Drawn pairs are of the kinds that meet in the scene, as often as they do, each by itself. A world's are "
                  "asked in "
-                 "its order, step by step; with what is remembered, the time to find it is in it; who remembers nothing has "
+                 "its order, step by step; with what is remembered, the time to find it is in it; what remembers nothing has "
                  "none. A rank parts where both orders "
                  f"are told. {noise.rule(least)} {failure.DEFINITION}", headline=headline(scenes, least, dimension))
 

@@ -125,7 +125,8 @@ def _chart(context, cells, dimension, refused):
                  refused + holes(cells[bad].assign(step=math.nan), ["pair", "method"]),
                  "What a tolerance is compared with is the method's own affair (`lpc list --stage pair_query`); errors are "
                  "over the "
-                 f"size of the query: largest extent + distance + largest coordinate. {noise.rule(least)}",
+                 "size of the query: largest extent + distance + largest coordinate. An outcome is judged by the tolerance that "
+                 f"was asked for. {noise.rule(least)}",
                  headline=headline(cells, dimension, least))
 
 

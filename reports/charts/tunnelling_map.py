@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Who passes through a wall: the share of bullets that it lets through, over their speed and its thickness, for each method of
+"""What passes through a wall: the share of bullets that it lets through, over their speed and its thickness, for each method of
 continuous collision, and how many times the baseline's time a step takes."""
 
 import math
@@ -16,11 +16,11 @@ from style import NOT_ASKED, OUTCOMES, RIGHT, figures, grid_of_axes, plt, si, ti
 from table import quantity
 
 PLACE = 43
-SECTION = "Who passes through a wall, and what does it cost to stop them?"
+SECTION = "What passes through a wall, and what does it cost to stop it?"
 AXES = ("speed", "thickness")
 TIME = "ms_per_step_median"
 NEEDS = Needs("world", varies=AXES, also="a scene of `n` bullets of which a finished cell says how many tunnelled")
-ABSENT = Chart("tunnelling_map", SECTION, "Who passes through", "No sweep of bullets at walls is in this store.", "continuous")
+ABSENT = Chart("tunnelling_map", SECTION, "What passes through", "No sweep of bullets at walls is in this store.", "continuous")
 MOST_COLUMNS = 5
 ROW = 0.34  # inches of a row of cells
 LEGIBLE = 0.27  # inches of a cell from which a number fits into it
@@ -154,10 +154,10 @@ def _chart(context, cells, where, refused):
         signs = {text for found in ratios.values() for _, text in found.values()}
         note += (f"Below, the time of a step over that of {base} in the same cell. " + "".join(
             f"“{sign}”: {NOT_TOLD[text]}. " for text, sign in SIGNS.items() if text in signs) +
-            "Who has passed makes no contacts any more, so a part of a method's time is that of contacts which it has made. " +
+            "What has passed makes no contacts any more, so a part of a method's time is that of contacts which it has made. " +
             noise.rule(least))
     where = where or "bullets at walls"
-    return Chart(identifier(f"{sweep} tunnelling map {where}"), SECTION, f"Who passes through: {where}", f"{where}. {said}",
+    return Chart(identifier(f"{sweep} tunnelling map {where}"), SECTION, f"What passes through: {where}", f"{where}. {said}",
                  sweep, figure, _table(context, cells, ratios, base), refused + holes(cells, ["method", *AXES]), note,
                  headline=headline(cells, where))
 
@@ -183,7 +183,7 @@ def _figure(context, cells, everyone, ratios, base):
                 ax = axes[per * row + 1][column]
                 _axes(ax, spots, column == 0, True)
                 _times(ax, mine, ratios.get(method), spots, base)
-    handles = [Patch(facecolor=RIGHT, label="nobody passes")]
+    handles = [Patch(facecolor=RIGHT, label="none passes")]
     handles += [Patch(facecolor=colour, label=f"up to {percent(upper)} pass") for upper, colour in SHARES.items()]
     handles += [Patch(facecolor=OUTCOMES.get(o, OUTCOMES["not run"])[0], edgecolor="#999999",
                       label=f"{OUTCOMES.get(o, ('', '?'))[1]}  {o}".strip()) for o in [*OUTCOMES, *sorted(seen - set(OUTCOMES))]

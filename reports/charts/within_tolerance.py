@@ -12,7 +12,7 @@ from load import family
 from style import grid_of_axes, legend_right, legend_room
 
 PLACE = 75
-SECTION = "Who is right, and who fails where?"
+SECTION = "Which method is right, and which fails where?"
 DECADES = range(-16, 1)  # tolerances: from a rounding to the size itself
 LOOSE = -3  # a thousandth of the size: what a game would not see
 EVERYTHING = "all that it was asked"
@@ -154,7 +154,7 @@ def _chart(context, rows, dimension, precision):
     return Chart(f"within_tolerance_{dimension}d_{precision}", SECTION,
                  f"Right within which tolerance, {dimension}D, {precision}",
                  finding(rows, dimension, precision), "", figure, numbers,
-                 [f"Nobody fails on {listing(easy)}: not drawn"] if easy else [],
+                 [f"No method fails on {listing(easy)}: not drawn"] if easy else [],
                  "The share of the questions that would not be failures, had the referee allowed that tolerance, over the "
                  "tolerance. The dashed line is the one that the ledger takes. A right side without a value (some witnesses "
                  f"give depths alone) is no failure at any. Settings in braces are the tightest that a library offers. "

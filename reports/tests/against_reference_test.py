@@ -10,6 +10,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import against_reference  # noqa: E402
@@ -24,6 +25,15 @@ def place(time, off):
 
 
 class AgainstReference(with_store.WithStore):
+    def test_a_method_that_left_rows_to_gauss_seidel_is_not_nearest(self):
+        left = lambda maker: (self.scene()(maker), maker.leave_rows(50, where="catto"))  # noqa: E731
+        made = self.made(against_reference, left)[0]
+        self.assertIn("Only naive has a rank (30 mm).", made.finding)
+        self.assertTrue(made.finding.endswith("Not ranked: catto (50 % Gauss-Seidel)."), made.finding)
+        self.assertIsNone(made.headline)
+        with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
+            self.assertIn("catto is nearest", self.made(against_reference, left)[0].finding, "the planted bug was not seen")
+
     @staticmethod
     def scene(beside=lambda time: 1e-6 * time, half=lambda time: 1e-5 * time, perturbed=True,
               unlike=lambda time: 2e-6 * time, unlike_until=SECONDS):
@@ -59,11 +69,10 @@ class AgainstReference(with_store.WithStore):
         self.assertEqual(len(made), 1)
         self.assertTrue(made[0].finding.startswith(
             "On chain, 2D the reference agrees with its runs at half the step and 1 nm beside it and with xpbd to 30 µm for all "
-            "3 s; by the largest distance of a body, within 40 multiply-adds per step catto is nearest (30 mm), naive farthest "
-            "(120 mm)"),
+            "3 s. Within 40 multiply-adds per step catto is nearest (30 mm), naive farthest (120 mm). "),
             made[0].finding)
-        self.assertTrue(made[0].finding.endswith("within 160 multiply-adds per step catto is nearest (7.5 mm), naive farthest "
-                                                 "(30 mm); soft_step does not run so far."), made[0].finding)
+        self.assertTrue(made[0].finding.endswith("Within 160 multiply-adds per step catto is nearest (7.5 mm), naive farthest "
+                                                 "(30 mm). soft_step does not run so far."), made[0].finding)
         self.assertIn("naive goes 4.0 times as far", made[0].headline.text)
         first = made[0].table.iloc[0]
         self.assertEqual((first["method"], first["iterations"]), ("catto", 4))
@@ -88,7 +97,7 @@ class AgainstReference(with_store.WithStore):
             run({"resolver": "reference"}, FINE / 2, 0, 300)
         chart = self.made(against_reference, fill)[0]
         self.assertTrue(chart.finding.endswith(
-            "within 400 multiply-adds per second of the scene catto and naive are nearest (60 mm); within 800 multiply-adds per "
+            "Within 400 multiply-adds per second of the scene catto and naive are nearest (60 mm). Within 800 multiply-adds per "
             "second of the scene catto is nearest (30 mm), naive farthest (60 mm)."), chart.finding)
         self.assertIn("each at dt=0.1", chart.note)
         with unittest.mock.patch.object(against_reference, "several_steps", lambda cells: False):
@@ -99,7 +108,7 @@ class AgainstReference(with_store.WithStore):
         parts = lambda time: 1e-6 if time < 1.49 else 1e-2  # noqa: E731
         for runs in ({"beside": parts}, {"half": parts}):
             made = self.made(against_reference, self.scene(**runs))[0]
-            self.assertIn("part at 1.5 s (10 mm apart); beyond that no method is ranked; until then", made.finding)
+            self.assertIn("part at 1.5 s (10 mm apart). Beyond that no method is ranked. Within 40", made.finding)
             self.assertAlmostEqual(made.table["largest distance of a body from the reference [m]"].max(), 4e-2 * 1.4)
             with unittest.mock.patch.object(against_reference.Runs, "serves", lambda self, time: True):
                 bug = self.made(against_reference, self.scene(**runs))[0]
@@ -127,8 +136,10 @@ class AgainstReference(with_store.WithStore):
         self.assertIsNone(made.headline)
 
     def test_methods_nearer_to_one_another_than_the_reference_is_to_itself_are_not_told_apart(self):
-        self.assertEqual(against_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-4), (["a", "b"], 3e-3, "c", 5e-3))
-        self.assertEqual(against_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-5), (["a"], 3e-3, "c", 5e-3))
+        self.assertEqual(against_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-4), (["a", "b"], 3e-3, ["c"], 5e-3))
+        self.assertEqual(against_reference.nearest({"a": 3e-3, "b": 3.1e-3, "c": 5e-3}, 1e-5), (["a"], 3e-3, ["c"], 5e-3))
+        self.assertEqual(against_reference.nearest({"a": 3e-3, "b": 5e-3, "c": 5.1e-3}, 1e-4)[2], ["b", "c"], "not c alone")
+        self.assertEqual(against_reference.some(list("abcdefg"), []), "a and 6 others")
 
     def test_a_baseline_without_its_own_runs_is_no_reference(self):
         self.assertEqual(self.made(against_reference, self.scene(perturbed=False)), [against_reference.ABSENT])

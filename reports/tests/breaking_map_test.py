@@ -6,6 +6,7 @@ import math
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -14,6 +15,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import chart  # noqa: E402
 import load  # noqa: E402
 import overlap  # noqa: E402
+import ranking  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
@@ -24,8 +26,10 @@ COLUMNS = ["last that holds [1]", "first that fails [1]", "half fail from [1]", 
 
 
 class Map(undrawn.Undrawn):
-    def made(self, questions, asked, picture=None, budget=None):
-        """`asked`: question -> method -> {value: seeds of five that fail, the list of what they measured, or "dear"}."""
+    def made(self, questions, asked, picture=None, budget=None, fallbacks=(), few=5):
+        """`asked`: question -> method -> {value: seeds of five that fail, the list of what they measured, or "dear"};
+        `fallbacks`: (method, value) of those that leave 4 of 5 rows to Gauss-Seidel; `few`: seeds of a value at which none
+        fails."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.addCleanup(style.plt.close, "all")
@@ -36,7 +40,7 @@ class Map(undrawn.Undrawn):
             name, limit = questions[question]["parameter"], questions[question]["limit"]
             for method, rungs in of_methods.items():
                 for value, seeds in rungs.items():
-                    for seed in range(1, 6):
+                    for seed in range(1, 1 + (few if seeds == 0 else 5)):
                         axes = {"kind": "world", "precision": "f64", "scene": "stack", "dimension": 2, "question": question,
                                 "resolver": method, name: value, "seed": seed, "timed": False, "repeat": 0}
                         if budget:
@@ -48,8 +52,10 @@ class Map(undrawn.Undrawn):
                             maker.trial("mine", axes, {"joint_error_max": seeds[seed - 1], "work_multiply_adds": 9.0})
                             continue
                         fell = seed <= seeds
-                        maker.trial("mine", axes, {"work_multiply_adds": 10.0 * value}, "collapsed" if fell else "ok",
-                                    "drift" if fell else "", 50 if fell else None)
+                        left = {"work_fallbacks": 80.0} if (method, value) in fallbacks else {}
+                        maker.trial("mine", axes, {"work_multiply_adds": 10.0 * value, **left}, "collapsed" if fell else "ok",
+                                    "drift" if fell else "", 50 if fell else None,
+                                    series={"points": [50] * 50} if left else None)
         maker.close()
         found = chart.made(breaking_map, chart.Context(load.Store(Path(folder.name) / "store.db")))
         self.assertEqual(len(found), 1)
@@ -74,10 +80,12 @@ class Map(undrawn.Undrawn):
         self.assertTrue(math.isnan(rows["millington"]["last that holds [1]"]))
         self.assertEqual(rows["catto"]["multiply-adds per step [1]"], 40)
         self.assertAlmostEqual(rows["catto"]["half of the seeds fail at [1]"], math.sqrt(20), msg="2 of 5, then 3")
-        self.assertEqual(made.finding, "tallest tower, stack: soft_step holds to n = 8 (the last that was tried), naive to 1.41, "
-                         "millington holds at none; 1 ladder is not monotone.")
-        self.assertIn("tallest tower, stack, naive: not monotone, holds again at 4", made.holes)
-        self.assertEqual(made.headline.text, "tallest tower, stack: soft_step holds to n = 8.")
+        self.assertEqual(made.finding, "Tallest tower, stack: soft_step holds to n = 8 (the last that was tried, under 5 "
+                         "seeds). naive holds least, to 1.41. millington holds at no value that was tried. 1 ladder is not "
+                         "monotone.")
+        self.assertIn("Tallest tower, stack, naive: not monotone, holds again at 4", made.holes)
+        self.assertEqual(made.headline.text, "Tallest tower, stack: soft_step holds to n = 8 (the last that was tried, under 5 "
+                         "seeds).")
 
     def test_falling_and_by_what_is_measured(self):
         about = {**ABOUT, "falling": True, "limit": "joint_error_max<0.01"}
@@ -110,12 +118,36 @@ class Map(undrawn.Undrawn):
         self.assertAlmostEqual(row["half have sunk by more than 50 % at [1]"], math.sqrt(32))
         self.assertIn("10 %: 2.83, 50 %: 5.66", [text.get_text() for text in made.figure.axes[0].texts])
 
-    def test_who_is_not_told_apart_is_told_together(self):
-        """8 [4, 16] and 4.5 [2, 16] meet, and 2.8 [2, 4] meets the first in an end alone."""
-        made = self.made({"tallest tower": ABOUT}, {"tallest tower": {
-            "catto": {2: 0, 4: 0, 8: 2, 9: 3, 16: 5}, "naive": {2: 0, 4: 2, 5: 3, 16: 5}, "xpbd": {2: 0, 4: 5, 16: 5}}})
-        self.assertTrue(made.finding.startswith("tallest tower, stack: catto and naive hold to n = 8.49, where half of the seeds "
-                                                "fail, not told apart by their intervals, xpbd to 2.83"), made.finding)
+    def test_methods_whose_intervals_overlap_tie_at_either_end(self):
+        """8 [4, 16] and 4.5 [2, 16] overlap, and 2.8 [2, 4] and 2.4 [1, 4], which meet the first in an end alone."""
+        asked = {"tallest tower": {
+            "catto": {2: 0, 4: 0, 8: 2, 9: 3, 16: 5}, "naive": {2: 0, 4: 2, 5: 3, 16: 5}, "xpbd": {2: 0, 4: 5, 16: 5},
+            "jacobi": {1: 0, 2: 2, 3: 3, 4: 5}}}
+        made = self.made({"tallest tower": ABOUT}, asked)
+        self.assertEqual(made.finding, "Tallest tower, stack: catto and naive hold to n = 8.49 and tie: their intervals overlap. "
+                         "jacobi and xpbd hold least, to 2.45 and tie: their intervals overlap.")
+        self.assertTrue(made.headline.text.endswith("hold to n = 8.49 and tie: their intervals overlap."), made.headline.text)
+        with unittest.mock.patch.object(breaking_map, "ties", lambda known, value: [m for m, f in known.items()
+                                                                                    if breaking_map.edge(f) == value]):
+            bug = self.made({"tallest tower": ABOUT}, asked)
+        self.assertIn("catto holds to n = 8.49. jacobi holds least", bug.finding, "the planted bug, numbers alone, was not seen")
+
+    def test_what_never_failed_is_told_with_the_seeds_of_the_last_value(self):
+        made = self.made({"tallest tower": ABOUT}, {"tallest tower": {"catto": {1: 0, 8: 0}, "naive": {1: 0, 2: 5}}}, few=4)
+        self.assertIn("catto holds to n = 8 (the last that was tried, under 4 seeds).", made.finding)
+        self.assertEqual(list(made.table["seeds at the last that holds"]), [4, 4])
+
+    @undrawn.drawn
+    def test_what_left_rows_to_gauss_seidel_up_to_its_breaking_point_has_no_rank(self):
+        asked = {"tallest tower": {"admm": {1: 0, 4: 0, 8: 0}, "catto": {1: 0, 2: 0, 4: 5}, "direct_lcp": {1: 0, 2: 5, 8: 5}}}
+        made = self.made({"tallest tower": ABOUT}, asked, fallbacks={("admm", 4), ("direct_lcp", 8)})
+        self.assertEqual(made.finding, "Tallest tower, stack: catto holds to n = 2.83. direct_lcp holds least, to 1.41. Not "
+                         "ranked: admm (80 % Gauss-Seidel).")
+        self.assertEqual(set(made.headline.values), {"catto", "direct_lcp"}, "beyond the first that fails nothing is decided")
+        self.assertIn("80 % Gauss-Seidel", [text.get_text() for text in made.figure.axes[0].texts])
+        self.assertEqual(list(made.table["not ranked"]), ["80 % Gauss-Seidel", "", ""])
+        with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
+            self.assertIn("admm holds to n = 8", self.made({"tallest tower": ABOUT}, asked, fallbacks={("admm", 4)}).finding)
 
     def test_a_closed_form_judges_from_both_sides(self):
         """A method that holds below it is as wrong as one that slides above it."""
@@ -123,8 +155,8 @@ class Map(undrawn.Undrawn):
         made = self.made({"least friction": about}, {"least friction": {
             "catto": {0.4: 5, 0.499: 5, 0.501: 0, 0.6: 0}, "naive": {0.4: 5, 0.45: 0, 0.6: 0},
             "xpbd": {0.5: 5, 0.55: 5, 0.6: 0}}})
-        self.assertEqual(made.finding, "least friction, stack: by the closed form at friction = 0.5, where catto breaks, xpbd "
-                         "breaks before that (as far off as 0.574), naive breaks only beyond (as far off as 0.424).")
+        self.assertEqual(made.finding, "Least friction, stack: The closed form gives friction = 0.5. catto breaks there. xpbd "
+                         "breaks before that, as far off as 0.574. naive breaks only beyond, as far off as 0.424.")
         self.assertIn("naive at 0.424", made.headline.text)
         self.assertAlmostEqual(made.headline.values["catto"], 0, places=5)
         self.assertFalse(made.headline.larger)
@@ -134,12 +166,13 @@ class Map(undrawn.Undrawn):
                       "the planted bug, one side alone, ranks the wrong first")
 
     @undrawn.drawn
-    def test_who_ends_by_his_cost_does_not_fall(self):
+    def test_what_ends_by_its_cost_does_not_fall(self):
         made = self.made({"tallest tower": ABOUT}, {"tallest tower": {
             "proximal_newton": {1: 0, 2: 0, 4: "dear", 8: "dear"}, "direct_lcp": {1: "dear", 2: "dear", 4: "dear", 8: 0},
             "catto": {1: 0, 2: 5, 4: 5, 8: 5}, "naive": {1: 5, 2: 5, 4: 5, 8: 5}}}, budget=400.0)
-        self.assertEqual(made.finding, "tallest tower, stack: proximal_newton holds to n = 2 (then over budget), catto to 1.41, "
-                         "naive holds at none, direct_lcp is over budget from the first; 1 ladder is not monotone.")
+        self.assertEqual(made.finding, "Tallest tower, stack: proximal_newton holds to n = 2 (then over budget). catto holds "
+                         "least, to 1.41. naive holds at no value that was tried. direct_lcp is over budget from the first. 1 "
+                         "ladder is not monotone.")
         words = [text.get_text() for text in made.figure.axes[0].texts]
         self.assertEqual((words.count("over budget"), words.count("then over budget"), words.count("none")), (1, 1, 1))
         self.assertIn("costs more than the budget allows", made.note)

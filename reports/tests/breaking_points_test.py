@@ -5,6 +5,7 @@ python3 reports/tests/breaking_points_test.py."""
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -13,6 +14,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import chart  # noqa: E402
 import load  # noqa: E402
 import overlap  # noqa: E402
+import ranking  # noqa: E402
 import style  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
@@ -22,8 +24,9 @@ EQUAL = {"equal": "cost", "metric": "work_row_updates", "setting": "iterations",
 
 
 class Ladders(undrawn.Undrawn):
-    def made(self, heights, budgets=(), sizes=(5, 10, 20), **roles):
-        """`heights`: method -> the largest size that stands, at each budget."""
+    def made(self, heights, budgets=(), sizes=(5, 10, 20), fallbacks=(), **roles):
+        """`heights`: method -> the largest size that stands, at each budget; `fallbacks`: (method, size) of those that leave all
+        rows to Gauss-Seidel."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.addCleanup(style.plt.close, "all")
@@ -38,6 +41,8 @@ class Ladders(undrawn.Undrawn):
                     own = {"budget": budget, "iterations": int(budget // n) + len(label)} if budget else {"iterations": 10}
                     maker.world("mine", {"scene": "stack", "dimension": 2, "resolver": label, "n": n, **own}, 1, 1e-3,
                                 "collapsed" if fell else "ok", "drift" if fell else "", 50 if fell else None, repeats=0)
+                    if (label, n) in fallbacks:
+                        maker.leave_rows(100)
         maker.close()
         found = chart.made(breaking_points, chart.Context(load.Store(Path(folder.name) / "store.db")))
         self.assertEqual(len(found), 1)
@@ -69,7 +74,16 @@ class Ladders(undrawn.Undrawn):
         self.assertEqual(list(made.table["largest that held"]), [10, 5, 20, 10])
         self.assertIn("compared at equal cost, but for those with budget left at 256, the most", made.note)
 
-    def test_where_all_fall_at_one_rung_nobody_is_first_or_last(self):
+    def test_what_left_its_rows_to_gauss_seidel_up_to_its_fall_has_no_rank(self):
+        heights, left = {"admm": (20,), "catto": (10,), "naive": (5,)}, {("admm", 10), ("naive", 20)}
+        made = self.made(heights, fallbacks=left)
+        self.assertEqual(made.finding, "In 2D on stack with iterations=10 naive fails first, at n = 10 (collapsed) and catto "
+                         "last, at 20. Not ranked: admm (100 % Gauss-Seidel).", "beyond its fall nothing of naive is decided")
+        self.assertEqual(set(made.headline.values), {"catto", "naive"})
+        with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
+            self.assertIn("admm held to the largest", self.made(heights, fallbacks=left).finding, "the planted bug was not seen")
+
+    def test_where_all_fall_at_one_rung_no_method_is_first_or_last(self):
         made = self.made({"catto": (10,), "naive": (10,)})
         self.assertEqual(made.finding, "In 2D on stack with iterations=10 all 2 methods fail at n = 20 (collapsed), each after "
                          "it held below.")

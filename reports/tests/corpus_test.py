@@ -84,13 +84,13 @@ class Corpus(undrawn.Undrawn):
                                                          "impact": "query"})
         self.assertIn("adds up to the 5 cases of cases.json, of which ask 3 the distance of a pair", made.note)
         self.assertIn("1 a convex hull", made.note)
-        self.assertIn("1 what nobody answers", made.note)
+        self.assertIn("1 what no method answers", made.note)
 
     def test_refusing_a_shape_that_is_not_declared_is_no_failure_and_refusing_another_is(self):
         store, made = self.made()
         told = made.table.set_index("id")["closed_form"]
         self.assertEqual((told["flat"], told["deep"]), ("undeclared", "failed"))
-        self.assertIn("Of 5 published cases, 1 of which ask what nobody answers, closed_form fails on 1 of the 2 that it "
+        self.assertIn("Of 5 published cases, 1 of which ask what no method answers, closed_form fails on 1 of the 2 that it "
                       "declares and sat fails on 1 of the 3 that it declares; solid fails on 1 of the 2", made.finding)
         self.assertIn("The last three columns are no failures", made.note)
         self.assertEqual(made.headline.values, {"closed_form": 1, "convex_hull": 0, "sat": 1, "solid": 1})

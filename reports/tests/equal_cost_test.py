@@ -108,10 +108,10 @@ class EqualCost(undrawn.Undrawn):
 
     def test_the_finding_ranks_at_every_budget_and_tells_who_met_none(self):
         made = self.made()[0]
-        self.assertIn("at 100 catto is first (3 mm), soft_step last (4 mm); without a rank: naive needs more", made.finding)
-        self.assertIn("at 400 soft_step is first (500 µm), then catto (1 mm), naive last (4 mm)", made.finding)
+        self.assertIn("At 100 catto is first (3 mm), soft_step last (4 mm). Without a rank: naive needs more.", made.finding)
+        self.assertIn("At 400 soft_step is first (500 µm), then catto (1 mm), naive last (4 mm)", made.finding)
         self.assertIn("No method is first at every budget.", made.finding)
-        self.assertTrue(made.headline.text.endswith("; nobody is first at every budget."), made.headline.text)
+        self.assertTrue(made.headline.text.endswith("; no method is first at every budget."), made.headline.text)
         self.assertIn("iterations=1 costs 120", " ".join(made.holes))
         self.assertNotIn("fail", made.finding + made.headline.text, "what costs more than there is does not fail")
         self.assertEqual(list(made.table["rank"]), [1, 2, "", 1, 2, 3])
@@ -119,7 +119,7 @@ class EqualCost(undrawn.Undrawn):
 
     def test_who_spends_far_less_than_the_budget_is_not_said_to_spend_it(self):
         made = self.made(frugal={"catto": 35.4})[0]
-        self.assertIn("at 400 (catto spends 35", made.finding)
+        self.assertIn("At 400 (catto spends 35", made.finding)
         self.assertNotIn("each", made.headline.text)
         self.assertNotIn("spends", self.made()[0].finding)
 
@@ -154,7 +154,7 @@ class EqualCost(undrawn.Undrawn):
 
     def test_equal_error_ranks_costs(self):
         made = self.made({**EQUAL, "equal": "error", "metric": "max_penetration"})[0]
-        self.assertIn("by time per step at equal error (largest penetration)", made.finding)
+        self.assertIn("ranked by time per step at equal error (largest penetration).", made.finding)
 
 
 if __name__ == "__main__":

@@ -160,7 +160,7 @@ def check_paths(agreements):
         table = agreements(store, store.cells("resolvers"))
         store.db.close()
     found = distinctness.paths(table)
-    return "" if found == [["catto+linear", "catto+none"]] else f"paths {found}\n{table}", distinctness.finding(table)
+    return "" if found == [["catto+linear", "catto+none"]] else f"paths {found}\n{table}", distinctness.finding(table, {})
 
 
 def any_iterations(store, cells):

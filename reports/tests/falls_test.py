@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the pictures of falls: who is drawn, as what, and what stands beneath."""
+"""Tests of the pictures of falls: which run is drawn, as what, and what stands beneath."""
 
 import sys
 import tempfile
@@ -71,9 +71,10 @@ class Falls(undrawn.Undrawn):
         made, = made_of(THREE)
         self.assertEqual(sorted(made.table["step"]), [120, 200, 250])
         self.assertEqual(list(made.table.set_index("step")["runs of this kind"][[120, 200, 250]]), [1, 1, 2])
-        self.assertTrue(made.finding.startswith("4 of 5 runs fell. Drawn: "), made.finding)
-        self.assertIn("tower, 2D, millington collapsed at step 250 (the last of 2), its deepest overlap 30 mm", made.finding)
-        self.assertIn("bridge, 2D, naive exploded at step 200 (the only one)", made.finding)
+        self.assertTrue(made.finding.startswith("4 of 5 runs fell. "), made.finding)
+        self.assertIn("tower, 2D, millington: collapsed at step 250 (the last of 2), with an overlap of up to 30 mm.",
+                      made.finding)
+        self.assertIn("bridge, 2D, naive: exploded at step 200 (the only one)", made.finding)
         self.assertIn("the last run that collapsed or exploded, six of a sweep at most", made.note)
         for outcome in ("collapsed", "exploded"):
             self.assertIn(f"{outcome}: {falls.FALLEN[outcome]}", made.note)
@@ -84,13 +85,13 @@ class Falls(undrawn.Undrawn):
 
     def test_a_picture_of_an_earlier_fall_is_not_called_the_last(self):
         made, = made_of([("tower", 2, "naive", "collapsed", 90, True), ("tower", 2, "millington", "collapsed", 250, False)])
-        self.assertIn("naive collapsed at step 90 (one of 2)", made.finding)
+        self.assertIn("naive: collapsed at step 90 (one of 2)", made.finding)
 
     def test_what_stands_to_its_last_step_has_not_fallen(self):
         creeps = [*THREE, ("tower", 2, "soft_step", "collapsed", 300, True)]
         made, = made_of(creeps)
         self.assertEqual(sorted(made.table["step"]), [120, 200, 250])
-        self.assertTrue(made.finding.startswith("4 of 6 runs fell. 1 more that stands to the end failed there"), made.finding)
+        self.assertTrue(made.finding.startswith("4 of 6 runs fell. 1 more failed at its last step by creeping"), made.finding)
         with unittest.mock.patch.object(falls, "stood", lambda store, run: False):
             made, = made_of(creeps)
         self.assertIn(300, list(made.table["step"]), "the planted bug was not seen")

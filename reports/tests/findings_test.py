@@ -2,7 +2,9 @@
 """Tests of what charts find: no rank by noise, by rounding, by one seed or by where a run starts. Run by ctest, or
 python3 reports/tests/findings_test.py. Every check that guards a promise is seen to fail on a planted bug."""
 
+import ast
 import math
+import re
 import sys
 import unittest
 import unittest.mock
@@ -15,15 +17,50 @@ import numpy as np  # noqa: E402
 
 import chart  # noqa: E402
 import noise  # noqa: E402
+import over_steps  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
-from charts import broadphase, budgets, distinctness, energy, ensembles, residual, stages, steadiness  # noqa: E402
+from charts import (broadphase, budgets, cost_against_error, distinctness, energy, ensembles, residual, stages,  # noqa: E402
+                    steadiness)
 
 COST = "ms_per_step_median"
 
 
+PEOPLE = re.compile(r"\b(nobody|somebody|whoever|everyone|who)\b", re.IGNORECASE)
+
+
+def of_people(source):
+    """Sentences of a file, which are all of its strings but docstrings, that speak of code as of people."""
+    tree = ast.parse(source)
+    said = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    return [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str) and
+            id(node) not in said and " " in node.value and PEOPLE.search(node.value)]
+
+
 class Findings(with_store.WithStore):
+    def test_a_method_is_not_somebody(self):
+        for file in sorted((HERE.parent / "charts").glob("*.py")):
+            self.assertEqual(of_people(file.read_text(encoding="utf-8")), [], file.name)
+        self.assertEqual(of_people('"""Who ranks."""\nx = f"at {y} nobody has a rank"'), [" nobody has a rank"])
+
+    def test_a_method_without_the_setting_is_at_no_value_of_it(self):
+        """It is the same at each value, and was planned at the first alone."""
+        def fill(maker):
+            maker.sweep("costs", "world", "catto", resolver="label", iterations="setting")
+            for label, error in (("catto", 4e-3), ("naive", 6e-3), ("box2d", 1e-4)):
+                for iterations in (4, 10, 30) if label != "box2d" else (4,):
+                    axes = {"scene": "stack", "dimension": 2, "resolver": label, "iterations": iterations}
+                    maker.world("costs", axes, 0.1 * iterations, error * 4 / iterations)
+        def told():
+            return self.made(cost_against_error, fill)[0]
+        made = told()
+        self.assertRegex(made.headline.text, r"box2d has the smallest penetration, 100 µm; naive has 6 mm at iterations=4\.$")
+        self.assertIn("Beside catto at iterations = 30, and without iterations, box2d takes", made.finding)
+        self.assertEqual(list(made.table["iterations"][made.table["method"] == "box2d"].isna()), [True])
+        with unittest.mock.patch.object(over_steps, "own_setting", lambda cells, setting: cells):
+            self.assertNotIn("without iterations", told().finding, "the planted bug was not seen")
+
     def test_the_ends_of_two_runs_of_a_script_are_numbers_and_no_ratio(self):
         """The last tenth of one run has no repeats here: that no floor of whole runs judges it."""
         found = self.made(stages, synthetic_store.stages)[0]

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Zlib
-"""Tests of the chart of who holds what is hard to hold. Run by ctest, or python3 reports/tests/held_test.py."""
+"""Tests of the chart of methods that hold what is hard to hold. Run by ctest, or python3 reports/tests/held_test.py."""
 
 import math
 import sys
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import held  # noqa: E402
@@ -19,7 +21,7 @@ SUNK = {"soft": 0.05, "naive": 0.99}  # of the smallest body
 
 
 class Held(with_store.WithStore):
-    def fill(self, asks=True):
+    def fill(self, asks=True, fallbacks=None):
         def fill(maker):
             for name in ("lateral_max", "sag_end"):
                 maker.db.execute("INSERT INTO metrics VALUES ('metric', ?, 'world', ?, 'm', '', 'detail', '', '')", (name, name))
@@ -33,14 +35,16 @@ class Held(with_store.WithStore):
                 drift = RUNS[method, n][1] or 1.0
                 maker.db.execute("UPDATE trial SET metrics = json_set(metrics, '$.lateral_max', ?, '$.sag_end', ?) WHERE key = ?",
                                  (drift, drift / 2, key))
+            if fallbacks:
+                maker.leave_rows(62, where=fallbacks)
         return fill
 
     @undrawn.drawn
     def test_who_holds_and_at_what_cost(self):
         chart, = self.made(held, self.fill())
-        self.assertRegex(chart.finding, r"^In 2D tower, n=10 is held by all; the cheapest of them but catto is newton, "
-                         r"(1\.9|2|2\.\d+) times the time of catto, 1 µm sideways; tower, n=100 is held by "
-                         r"newton; the cheapest of them is newton, 1\.\d+ times the time of catto, 10 µm sideways\.$")
+        self.assertRegex(chart.finding, r"^In 2D tower, n=10: Each method holds it\. The cheapest but catto is newton, at "
+                         r"(1\.9|2|2\.\d+) times the time of catto\. tower, n=100: newton holds it\. The cheapest is newton, at "
+                         r"1\.\d+ times the time of catto\.$")
         self.assertEqual(chart.headline.text, "tower, n=100 in 2D is held by newton alone.")
         self.assertTrue(math.isnan(chart.headline.values["catto"]), "what fell has no place among numbers")
         texts = [text.get_text() for text in chart.figure.axes[0].texts]
@@ -61,12 +65,29 @@ class Held(with_store.WithStore):
                             "sank" if method in SUNK else "ok", "sagged" if method in SUNK else "",
                             600 if method in SUNK else None)
         chart, = self.made(held, fill)
-        self.assertEqual(chart.finding, "In 2D mass_ratio is held by catto (soft sinks by 5 %).")
+        self.assertEqual(chart.finding, "In 2D mass_ratio: catto holds it. soft sinks by 5 % of the smallest body.")
         texts = [text.get_text() for text in chart.figure.axes[0].texts]
         for words in ("S by 5 %", "held to 10 % alone", "S by 99 %", "beyond 50 %"):
             self.assertIn(words, texts)
         self.assertEqual(list(chart.table["held to 1 %"]), ["yes", "no", "no"])
         self.assertEqual(list(chart.table["held to 10 %"]), ["yes", "no", "yes"])
+
+    @undrawn.drawn
+    def test_what_left_its_rows_to_gauss_seidel_holds_nothing(self):
+        chart, = self.made(held, self.fill(fallbacks="newton"))
+        self.assertEqual(chart.finding, "In 2D tower, n=10: catto holds it. Not ranked: newton (62 % Gauss-Seidel). tower, "
+                         "n=100: No method holds it. Not ranked: newton (62 % Gauss-Seidel).")
+        self.assertIsNone(chart.headline)
+        self.assertIn("62 % Gauss-Seidel", [text.get_text() for text in chart.figure.axes[0].texts])
+        with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
+            bug, = self.made(held, self.fill(fallbacks="newton"))
+        self.assertIn("newton holds it", bug.finding, "the planted bug was not seen")
+
+    def test_methods_whose_times_are_noise_are_cheapest_together(self):
+        near = {**RUNS, ("other", 10): (2.01, 1e-6), ("other", 100): (2.99, 1e-5)}
+        with unittest.mock.patch.dict(RUNS, near):
+            chart, = self.made(held, self.fill())
+        self.assertIn("The cheapest but catto are newton and other (not told apart), at", chart.finding)
 
     def test_a_chart_that_counts_what_fell_as_held_is_seen(self):
         chart, = self.made(held, self.fill())

@@ -93,7 +93,7 @@ class Momenta(with_store.WithStore):
 
     def test_what_failed_has_no_momentum_and_is_told(self):
         made = self.made(momenta, self.free(fell=("avbd",)))[0]
-        self.assertIn("nobody changes linear momentum", made.finding)
+        self.assertIn("no method changes linear momentum", made.finding)
         self.assertTrue(made.finding.endswith("all of these declare it; avbd fails."), made.finding)
         self.assertNotIn("avbd", made.headline.values)
         self.assertIn("exploded at step 7", made.holes[0])
@@ -107,8 +107,8 @@ class Momenta(with_store.WithStore):
 
     def test_where_all_keep_them_nothing_is_ranked_and_without_a_total_there_is_no_chart(self):
         made = self.made(momenta, self.free(dict.fromkeys(CHANGED, (0.0, 0.0))))[0]
-        self.assertEqual(made.finding, "In 2D 4 of 4 methods keep both momenta to rounding (1e-12 of what there is); nobody "
-                         "changes linear momentum; nobody changes angular momentum.")
+        self.assertEqual(made.finding, "In 2D 4 of 4 methods keep both momenta to rounding (1e-12 of what there is); no "
+                         "method changes linear momentum; no method changes angular momentum.")
         self.assertIsNone(made.headline)
         self.assertEqual(self.made(momenta, self.free(momentum=0)), [momenta.ABSENT])
         self.assertTrue(math.isnan(self.context(self.free(momentum=0)).cells("mine", momenta.SHARES)["momentum_share"].iloc[0]))

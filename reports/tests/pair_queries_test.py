@@ -99,8 +99,8 @@ class PairQueries(undrawn.Undrawn):
 
     def test_where_nobody_fails_the_headline_tells_times_beyond_the_noise(self):
         first = self.made()[0]
-        self.assertIn("Nobody fails at 1e-12 of the size, and no error is above 3e-16", first.finding)
-        self.assertIn("In 2D nobody fails, in 4,800 queries; times differ most on box–sphere, where gjk_epa takes 3.0 times "
+        self.assertIn("No method fails at 1e-12 of the size, and no error is above 3e-16", first.finding)
+        self.assertIn("In 2D no method fails, in 4,800 queries; times differ most on box–sphere, where gjk_epa takes 3.0 times "
                       "the 100 ns", first.headline.text)
         self.assertIn("of closed_form or sat, which are within the noise", first.headline.text)
         with unittest.mock.patch.object(noise, "floor", lambda cells, metric: 10.0):

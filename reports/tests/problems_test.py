@@ -5,17 +5,20 @@ python3 reports/tests/problems_test.py."""
 import math
 import sys
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import ranking  # noqa: E402
 import undrawn  # noqa: E402
 import with_store  # noqa: E402
 from charts import problems  # noqa: E402
 
-def invented(maker, dear=False, ns=None):
-    """`ns`: {method: time of an iteration}, of a sweep that is timed."""
+def invented(maker, dear=False, ns=None, swept=()):
+    """`ns`: {method: time of an iteration}, of a sweep that is timed; `swept`: methods that leave half of their rows to
+    Gauss-Seidel."""
     maker.sweep("mine", "problems", "catto", velocity="stage", problems="run", start="run", order="run", friction="run")
 
     def trial(name, method, rate, friction="on", order="recorded", predicted=math.nan, outcome="ok", each=10.0):
@@ -24,7 +27,7 @@ def invented(maker, dear=False, ns=None):
         axes = {"kind": "problems", "precision": "f64", "problems": name, "velocity": method, "start": "cold", "order": order,
                 "friction": friction, "dimension": 2, "timed": ns is not None, "repeat": 0}
         found = {"problem_residual": left[-1], "multiply_adds_to_thousandth": each * first, "rate": rate,
-                 "predicted_rate": predicted, "multiply_adds": 40 * each}
+                 "predicted_rate": predicted, "multiply_adds": 40 * each, "rows": 30, "fallbacks": 15 if method in swept else 0}
         series = {"problem_residual": left, "multiply_adds": [each * n for n in range(41)]}
         if ns:
             found["ns_per_solve"] = 40 * ns[method]
@@ -45,18 +48,29 @@ class Problems(with_store.WithStore):
     @undrawn.drawn
     def test_who_solves_how_much_at_which_cost(self):
         curves, profile, rates = self.made(problems, invented)
-        self.assertEqual(curves.finding, "Of 2 problems, with all iterations, who leaves least: nncg of 2 and catto of 1.",
+        self.assertEqual(curves.finding, "Of 2 problems, with all iterations, the least is left by nncg on 2 and catto on 1.",
                          "0.5^40 is rounding as 0.25^40 is")
         self.assertEqual([ax.get_title("left") or ax.get_title() for ax in curves.figure.axes if ax.get_visible()],
                          ["easy", "hard"])
-        self.assertEqual(profile.finding, "Of 2 problems nncg solves most, 100 %; nncg is the cheapest for 100 %.")
+        self.assertEqual(profile.finding, "Of 2 problems nncg solves most, 100 %. nncg is the cheapest for 100 %.")
         table = profile.table.set_index("method")
-        self.assertEqual(list(table.index), ["catto", "nncg"], "not who is unsupported")
+        self.assertEqual(list(table.index), ["catto", "nncg"], "not what is unsupported")
         self.assertEqual(table.loc["catto", "share solved"], 0.5)
         self.assertEqual(table.loc["catto", "median multiple"], 2)
         # (1 - 0.85) / (1 - 0.9): the planted rate that is not the predicted one is told.
         self.assertEqual(rates.finding, "On 2 frictionless cells the matrix tells catto's number of iterations to within "
                          "1.5 times.")
+
+    def test_what_left_rows_to_gauss_seidel_solves_nothing(self):
+        ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}
+        for about in ({}, {"ns": ns}):
+            made = self.made(problems, lambda maker, about=about: invented(maker, swept=("nncg",), **about))
+            for chart in made[:-1]:
+                self.assertTrue(chart.finding.endswith("Not ranked: nncg on 2 of 2 (50 % Gauss-Seidel)."), chart.finding)
+                self.assertNotIn("nncg", chart.finding.split(" Not ranked")[0], chart.id)
+            self.assertIn("catto solves most, 50 %.", made[-2].finding)
+        with unittest.mock.patch.object(ranking, "excused", lambda *_: {}):
+            self.assertIn("left by nncg on 2", self.made(problems, lambda maker: invented(maker, swept=("nncg",)))[0].finding)
 
     def test_who_solves_beyond_the_chart_is_named(self):
         self.assertEqual(self.made(problems, invented)[1].holes, [])
@@ -70,8 +84,8 @@ class Problems(with_store.WithStore):
         ns = {"catto": 1000.0, "nncg": 1250.0, "soft_step": 1.0}
         curves, over_time, *_ = self.made(problems, lambda maker: invented(maker, ns=ns))
         self.assertEqual((curves.id, over_time.id), ("mine_cold_curves", "mine_cold_times"))
-        self.assertEqual(over_time.finding, "Of 2 problems, who leaves less than 0.001 g dt in less than 2 times the time of the "
-                         "first: nncg of 2 and catto of 1.")
+        self.assertEqual(over_time.finding, "Of 2 problems, less than 0.001 g dt is left in less than 2 times the time of the "
+                         "first by nncg on 2 and catto on 1.")
         panels = [ax for ax in over_time.figure.axes if ax.get_visible()]
         self.assertEqual([ax.get_title("left") for ax in panels], ["easy", "hard"])
         self.assertEqual({ax.get_xlabel() for ax in panels}, {"time per solve"})
@@ -82,7 +96,7 @@ class Problems(with_store.WithStore):
         self.assertEqual(list(table)[:4], [1e-5, 6.25e-6, math.inf, 1.25e-5])
         # Beside a cheaper catto nncg takes 2.1 times as long on easy.
         dear = self.made(problems, lambda maker: invented(maker, ns={**ns, "catto": 300.0}))[1]
-        self.assertTrue(dear.finding.endswith("catto of 1 and nncg of 1."), dear.finding)
+        self.assertTrue(dear.finding.endswith("catto on 1 and nncg on 1."), dear.finding)
         self.assertEqual([chart.id for chart in self.made(problems, invented) if "times" in chart.id], [], "nothing was timed")
 
     def test_the_time_to_a_residual_is_that_from_which_on_it_stays(self):

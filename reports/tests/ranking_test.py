@@ -77,6 +77,8 @@ class Intervals(unittest.TestCase):
         self.assertIn("One start: an order", ranking.rule(1, 4))
         self.assertIn("5 seeds tell nothing of 6 pairs, which takes 8", ranking.rule(5, 4))
         self.assertIn("under 19 seeds", ranking.rule(20, 21))
+        self.assertIn("for up to 6 pairs together", ranking.rule(20, 2, 4), "two budgets")
+        self.assertEqual(ranking.rule(20, 1), "Fewer than two methods have a rank here.")
 
     def test_methods_that_are_alike_are_ranked_in_five_of_a_hundred_at_most(self):
         self.assertLessEqual(false_ranks(ranking.better), 0.05)
@@ -129,7 +131,7 @@ class WithoutRank(with_store.WithStore):
             with self.subTest(name):
                 self.assertIn("admm (80 % Gauss-Seidel)", self.told(made))
                 self.assertIn("f32 among f64", self.told(made))
-                first = made.finding.split(" Not ranked")[0].split("; without a rank")[0]
+                first = made.finding.split(" Not ranked")[0].split(" Without a rank")[0]
                 self.assertIn("catto", first)
                 self.assertNotIn("admm", first)
                 self.assertNotIn("box2d", first)
@@ -147,6 +149,11 @@ class WithoutRank(with_store.WithStore):
             for name, made in self.all_charts().items():
                 self.assertNotIn("Gauss-Seidel", self.told(made), name)
                 self.assertIn("box2d", made.finding, name)
+
+    def test_the_pairs_of_a_note_are_those_of_methods_that_have_a_rank(self):
+        for about, pairs in (({}, "1 pair"), ({"fallbacks": 0.0, "precision": "f64"}, "6 pairs")):
+            for name, made in self.all_charts(**about).items():
+                self.assertIn(f"with 95 % for {pairs} together", made.note, name)
 
     @staticmethod
     def told(made):

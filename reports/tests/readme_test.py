@@ -31,7 +31,7 @@ def check(page):
         return f"the figure is of other data than docs/resolvers.json; write it anew: {readme.COMMANDS[1]}"
     titles = [column["title"] for column in facts["columns"]]
     for axis, values in facts["settings"].items():
-        drawn = sorted({row[titles.index(axis)] for row in facts["rows"]})
+        drawn = sorted({row[titles.index(axis)] for row in facts["rows"]} - {None})  # a method may have no such number
         if drawn != values:
             return f"{axis} is {drawn} in the numbers and {values} in the caption"
     return ""

@@ -49,7 +49,8 @@ class SleepingContacts(with_store.WithStore):
         self.assertEqual(made[0].finding, "Contacts of sleepers that are left as they were save at most 80 % of the pair queries "
                          "(quick on stack); made anew they make a step at most 4.0 times as dear (quick on stack), and differ in "
                          "time beyond the noise in 2 of 2 pairs; the end is the same to the bit in 1 of 2 pairs, and a body "
-                         "elsewhere by 2 mm at the most (slow on stack); who wakes, and when, is not the same for slow on stack.")
+                         "elsewhere by 2 mm at the most (slow on stack); which bodies wake, and when, is not the same for slow "
+                         "on stack.")
         table = made[0].table.set_index("policy")
         self.assertEqual(list(table.index), ["quick", "slow"])
         self.assertAlmostEqual(table.at["quick", "pair queries saved [1]"], 0.8)
@@ -69,8 +70,8 @@ class SleepingContacts(with_store.WithStore):
         same = {name: (kept, anew, 1.0, 1.001, 0.0, (3, 3)) for name, (kept, anew, *_) in POLICIES.items()}
         made = self.made(sleeping_contacts, self.stack(same))[0]
         self.assertIn("in time they differ in none of 2 pairs (within the noise)", made.finding)
-        self.assertTrue(made.finding.endswith("the end is the same to the bit in all of 2 pairs; who wakes, and when, is the "
-                                              "same everywhere."), made.finding)
+        self.assertTrue(made.finding.endswith("the end is the same to the bit in all of 2 pairs; which bodies wake, and when, "
+                                              "is the same everywhere."), made.finding)
         self.assertIsNone(made.headline)
         self.assertEqual(len(made.figure.axes), 2, "no panel of zeros")
 
@@ -92,7 +93,7 @@ class SleepingContacts(with_store.WithStore):
     def test_where_nobody_sleeps_nothing_is_ranked(self):
         awake = {name: (100, 100, 1.0, 1.0, 0.0, (0, 0)) for name in POLICIES}
         made = self.made(sleeping_contacts, self.stack(awake))[0]
-        self.assertEqual(made.finding, "Nobody falls asleep where contacts of sleepers were left as they were and made anew.")
+        self.assertEqual(made.finding, "No body falls asleep where contacts of sleepers were left as they were and made anew.")
 
     def test_a_sweep_without_the_switch_has_no_chart(self):
         self.assertEqual(self.made(sleeping_contacts, self.stack(values=(0,))), [sleeping_contacts.ABSENT])

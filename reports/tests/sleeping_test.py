@@ -45,7 +45,7 @@ class Sleeping(with_store.WithStore):
         made = self.made(sleeping, self.stack())
         self.assertEqual(len(made), 1)
         self.assertEqual(made[0].finding, "On stack, 2D slow saves most, 80 % of the multiply-adds; its bodies end at most 30 mm "
-                         "from where they end awake; quick moves nobody; those who wake do so within 0 steps by quick and 4 by "
+                         "from where they end awake; quick moves no body; those that wake do so within 0 steps by quick and 4 by "
                          "slow.")
         table = made[0].table.set_index("policy")
         self.assertAlmostEqual(table.at["quick", "multiply-adds saved [1]"], 0.6)
@@ -92,7 +92,7 @@ class Sleeping(with_store.WithStore):
 
     def test_where_nobody_sleeps_nothing_is_ranked(self):
         made = self.made(sleeping, self.stack({name: (100, 5, 0, 0, 0.0) for name in POLICIES}))[0]
-        self.assertEqual(made.finding, "On stack, 2D nobody falls asleep.")
+        self.assertEqual(made.finding, "On stack, 2D no body falls asleep.")
         self.assertIsNone(made.headline)
 
     def test_a_sweep_of_something_else_has_no_chart(self):

@@ -80,6 +80,8 @@ problem_residual|problems|natural map|1|error|nearer|
 multiply_adds|problems|multiply-adds|1|cost|cheaper|
 ns_per_solve|problems|time per solve|ns|cost|cheaper|timing
 multiply_adds_to_thousandth|problems|multiply-adds to a thousandth|1|detail|faster|
+rows|problems|rows|1|detail||
+fallbacks|problems|rows left to sweeps|1|detail||
 rate|problems|rate of convergence|1|detail|faster|
 predicted_rate|problems|predicted rate|1|detail|faster|""".splitlines()] + [
     ("series", "problem_residual", "problems", "natural map", "1", "error", "", ""),
@@ -149,6 +151,16 @@ class Maker:
         for name, values in (series or {}).items():
             self.db.execute("INSERT INTO series VALUES (?,?,?)", (key, name, np.asarray(values, "<f8").tobytes()))
         return key
+
+    def leave_rows(self, percent, where=None):
+        """Says that so much of the rows was left to Gauss-Seidel: of the last trial, or of those of a method (resolver)."""
+        trials = self.db.execute("SELECT key, canonical FROM trial ORDER BY rowid DESC").fetchall()
+        for key, canonical in trials if where else trials[:1]:
+            canonical = json.loads(canonical)
+            if where in (None, canonical["axes"].get("resolver")):
+                left = percent / 100 * 50 * (canonical["dimension"] or 2)
+                self.db.execute("INSERT OR REPLACE INTO series VALUES (?,'points',?)", (key, np.full(9, 50.0, "<f8").tobytes()))
+                self.db.execute("UPDATE trial SET metrics = json_set(metrics, '$.work_fallbacks', ?) WHERE key = ?", (left, key))
 
     def poses(self, key, step, rows):
         self.db.execute("INSERT INTO poses VALUES (?,?,?)", (key, step, np.asarray(rows, "<f8").tobytes()))

@@ -5,11 +5,14 @@ reports/tests/tolerance_cost_test.py [PICTURE.png]."""
 import math
 import sys
 import unittest
+import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import coverage  # noqa: E402
+import load  # noqa: E402
 import noise  # noqa: E402
 import synthetic_store  # noqa: E402
 import undrawn  # noqa: E402
@@ -41,7 +44,8 @@ class Tolerance(with_store.WithStore):
             for repeat in range(4):
                 maker.trial("tolerance_cost", {**axes, "repeat": repeat},
                             {"ns_per_query": ns * (1 + noisy * (repeat % 2)), "max_error": error, "median_error": error / 9,
-                             "support_calls": calls}, "wrong" if error > 1e-12 else "ok")
+                             "support_calls": calls, "wrong_boolean": 3.0, "side_alone": 0.0, "wrong": 9.0},
+                            *(("wrong", "9 wrong answers") if error > 1e-12 else ("ok",)), extra={"pair_query": method})
         return fill
 
     def one(self, **about):
@@ -62,6 +66,31 @@ class Tolerance(with_store.WithStore):
                          "worst error of 0.00033 of the size instead of 1e-16.")
         self.assertEqual(list(made.table["tolerance [1]"][:4]), list(LOOSE))
         self.assertNotIn("mpr", " ".join(made.table["method"]), "one value is no curve")
+
+    def test_what_is_as_exact_as_was_asked_is_not_wrong(self):
+        made = self.one()
+        self.assertEqual(set(made.table["outcome"]), {"ok"})
+        context = self.context(self.loosened())
+        bad = coverage.not_ok(coverage.trials(context.store))
+        self.assertEqual(len(bad), 2, "of two pairs of kinds")
+        self.assertTrue(bad["cell"].str.contains("mpr").all(), "whose error is 0.1 at a tolerance of 0")
+        self.assertEqual(set(bad["reason"]), {"9 wrong answers"})
+        with unittest.mock.patch.object(load, "within_asked", lambda metrics, asked: False):
+            self.assertEqual(set(self.one().table["outcome"]), {"ok", "wrong"}, "the planted bug was not seen")
+            context = self.context(self.loosened())
+            bad = coverage.not_ok(coverage.trials(context.store))
+        self.assertIn("9 wrong answers, asked to 0.001 of the size", set(bad["reason"]))
+
+    def test_a_tolerance_is_read_and_judged(self):
+        asked = lambda query, precision="f64": load.loosened({"pair_query": query, "precision": precision})  # noqa: E731
+        self.assertEqual(asked("gjk_epa{gap=best,tolerance=0,depth_tolerance=0.01,faces=9}"), 0.01)
+        self.assertIsNone(asked("gjk_epa{tolerance=1e-13}"))
+        self.assertIsNone(asked("gjk_epa{tolerance=1e-6}", "f32"))
+        self.assertIsNone(asked("sat"))
+        self.assertTrue(load.within_asked({"max_error": 1e-3, "wrong_boolean": 4, "side_alone": 0}, 1e-2))
+        self.assertFalse(load.within_asked({"max_error": 1e-3, "wrong_boolean": 4, "side_alone": 9}, 1e-2), "no value")
+        self.assertFalse(load.within_asked({"max_error": 2e-2}, 1e-2))
+        self.assertFalse(load.within_asked({}, 1e-2))
 
     def test_the_planted_bug_what_is_within_the_noise_saves_nothing(self):
         about = {"gain": 0.9, "noisy": 0.3}
