@@ -29,11 +29,17 @@ struct TrialJob {
 // The kind of pair query that a trial asks. Wrong answers of libraries and of approximate methods are no fault of ours.
 std::string askedOf(const json& trial) {
   if (!trial.contains("pair_query")) return "of other stages";
-  const std::string name = Spec::parse(trial.at("pair_query").get<std::string>()).name;
+  const Spec spec = Spec::parse(trial.at("pair_query").get<std::string>());
   const auto& all = Registry::instance().all();
-  const auto at = all.find({StageKind::pairQuery, trial.at("dimension").get<int>(), name});
+  const auto at = all.find({StageKind::pairQuery, trial.at("dimension").get<int>(), spec.name});
   if (at == all.end()) return "of plugins";
   if (at->second.info.role != AlgorithmRole::competitor) return "of libraries";
+  const Spec* const asked = spec.find("tolerance");
+  for (const ParamInfo& p : at->second.params) {
+    // All answers are judged at the default: a looser tolerance is no promise of it.
+    if (asked && p.name == "tolerance" && std::stod(asked->name) > std::stod(p.defaultText))
+      return "at a looser tolerance";
+  }
   return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
 }
 
