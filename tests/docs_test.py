@@ -51,6 +51,8 @@ NOT_RUN = {
         "builds; the test `benchmarks_start` runs what the preset `test` builds of the same",
     "taskset -c 1 build/release/bin/lpc-bench --benchmark_filter=broadphase --benchmark_out=bench.json "
     "--benchmark_out_format=json": "measures for minutes",
+    "cmake --preset release && cmake --build --preset release --target lpc lpc-f32 lpc-bare":
+        "builds for minutes; this build stands for it",
     "lpc verify --stage pair_query --dimension 3 --methods sat gjk_epa{iterations=20} fcl_libccd --seed 7":
         "a hundred seconds of the referee",
     "LPC_TEST_CASES=10000 LPC_TEST_SEED=7 ctest --test-dir build/test -R fuzz_mutate --output-on-failure":
@@ -73,6 +75,8 @@ NOT_RUN = {
 }
 # The same in a second or two.
 INSTEAD = {
+    "taskset -c 1 experiments/bench/engines":
+        f"{SOURCE}/experiments/bench/engines --bin {BINARY}/bin --only bullet_f64 --runs 1 --steps 60",
     "for n in 0 1 2 3 4 5 6 8 9 10 11; do lpc run $n --pipeline 2009 --film preset_$n.strip.svg; done":
         "for n in 0 1 2 3 4 5 6 8 9 10 11; do lpc run $n --pipeline 2009 --steps 8 --film preset_$n.strip.svg; done",
     "lpc run 7 --pipeline 2009 --param n=60 --film preset_7.strip.svg":

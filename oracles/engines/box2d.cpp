@@ -34,15 +34,20 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     m_world.SetAllowSleeping(false);
     m_world.SetContinuousPhysics(false);
     m_world.SetWarmStarting(params.warmStart);
-    m_world.SetContactListener(this);
   }
 
  private:
-  // Box2D's own are the geometric mean and the larger of the two.
+  // Box2D's own rules are the geometric mean and the larger of the two; the world listens where the scene's differ.
   void BeginContact(b2Contact* contact) override {
-    const Real pair = mix(settings().mixing.restitution, contact->GetFixtureA()->GetRestitution(),
-                          contact->GetFixtureB()->GetRestitution());
-    contact->SetRestitution(static_cast<float>(pair));
+    const b2Fixture &a = *contact->GetFixtureA(), &b = *contact->GetFixtureB();
+    const MixRules& rules = settings().mixing;
+    contact->SetFriction(static_cast<float>(mix(rules.friction, a.GetFriction(), b.GetFriction())));
+    contact->SetRestitution(static_cast<float>(mix(rules.restitution, a.GetRestitution(), b.GetRestitution())));
+  }
+  bool mixes(const b2Fixture& fixture) const {
+    const MixRules& rules = settings().mixing;
+    return (rules.friction != MixRule::geometricMean && fixture.GetFriction() != 0) ||
+           (rules.restitution != MixRule::maximum && fixture.GetRestitution() != 0);
   }
 
   void checkBody(const BodyDef<2>& def) const override {
@@ -85,7 +90,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     if (turns(slot)) mass.I = static_cast<float>(1 / ours.invInertiaBody[slot](0, 0));
     body->SetMassData(&mass);
   }
-  void addShape(b2Body& body, const ShapeView<2>& part, const Pose<2>& X_CS, const ShapeRecord<2>& s) const {
+  void addShape(b2Body& body, const ShapeView<2>& part, const Pose<2>& X_CS, const ShapeRecord<2>& s) {
     b2CircleShape circle;
     b2PolygonShape polygon;
     b2FixtureDef d;
@@ -105,7 +110,7 @@ class Box2dWorld final : public EngineWorld<2>, private b2ContactListener {
     d.friction = static_cast<float>(frictionOf(s)), d.restitution = static_cast<float>(restitutionOf(s));
     d.restitutionThreshold = static_cast<float>(settings().restitutionThreshold);
     d.filter.categoryBits = static_cast<uint16>(s.category), d.filter.maskBits = static_cast<uint16>(s.mask & 0xffff);
-    body.CreateFixture(&d);
+    if (mixes(*body.CreateFixture(&d))) m_world.SetContactListener(this);
   }
   void dropBody(std::size_t slot) override {
     m_world.DestroyBody(m_bodies[slot]);

@@ -54,7 +54,9 @@ Pose<3> poseOf(const btTransform& X) {
   return {vectorOf(X.getOrigin()), Rot<3>{q.w(), q.x(), q.y(), q.z()}.normalized()};
 }
 
-// Bullet's own are products. Its callbacks are told no world: one process has one.
+// Bullet's rules are products, of friction up to 10. Other rules are callbacks. These are global and are told no world:
+// a world that needs one has it in place for its step.
+constexpr btScalar kMaxFriction = 10;
 MixRules g_mixing;
 btScalar friction(const btCollisionObject* a, const btCollisionObject* b) {
   return mix(g_mixing.friction, a->getFriction(), b->getFriction());
@@ -63,13 +65,29 @@ btScalar restitution(const btCollisionObject* a, const btCollisionObject* b) {
   return mix(g_mixing.restitution, a->getRestitution(), b->getRestitution());
 }
 
+class Callbacks {
+ public:
+  Callbacks(const MixRules& rules, bool ofFriction, bool ofRestitution) {
+    g_mixing = rules;
+    if (ofFriction) gCalculateCombinedFrictionCallback = friction;
+    if (ofRestitution) gCalculateCombinedRestitutionCallback = restitution;
+  }
+  Callbacks(const Callbacks&) = delete;
+  Callbacks& operator=(const Callbacks&) = delete;
+  ~Callbacks() {
+    gCalculateCombinedFrictionCallback = m_friction;
+    gCalculateCombinedRestitutionCallback = m_restitution;
+  }
+
+ private:
+  CalculateCombinedCallback m_friction = gCalculateCombinedFrictionCallback;
+  CalculateCombinedCallback m_restitution = gCalculateCombinedRestitutionCallback;
+};
+
 class BulletWorld final : public EngineWorld<3> {
  public:
   BulletWorld(const BulletParams& params, const WorldSettings<3>& settings) : EngineWorld<3>(settings) {
-    g_mixing = settings.mixing;
-    gCalculateCombinedFrictionCallback = friction, gCalculateCombinedRestitutionCallback = restitution;
     m_world.setGravity(vector(settings.gravity));
-    m_world.setForceUpdateAllAabbs(false);
     btContactSolverInfo& info = m_world.getSolverInfo();
     info.m_numIterations = params.iterations;
     info.m_splitImpulse = params.splitImpulse;
@@ -187,12 +205,22 @@ class BulletWorld final : public EngineWorld<3> {
     if (def.type == BodyType::kinematic) {
       b.body->setCollisionFlags(b.body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
     }
-    if (record) b.body->setFriction(frictionOf(*record)), b.body->setRestitution(restitutionOf(*record));
+    if (record) setMaterial(*b.body, *record);
     if (def.pinned) b.body->setLinearFactor({0, 0, 0});
     putMotion(slot, motionOf(slot));
     m_world.addRigidBody(b.body.get(), static_cast<int>(record ? record->category : 0u),
                          static_cast<int>(record ? record->mask : 0u));
     putGravity(slot);  // adding it has set the world's
+  }
+  // A geometric mean is the product of roots, to a rounding.
+  void setMaterial(btRigidBody& body, const ShapeRecord<3>& s) {
+    const MixRules& rules = settings().mixing;
+    const bool mean = rules.friction == MixRule::geometricMean;
+    const Real f = mean ? std::sqrt(frictionOf(s)) : frictionOf(s), e = restitutionOf(s);
+    body.setFriction(f), body.setRestitution(e);
+    m_rules = {mean ? MixRule::product : rules.friction, rules.restitution};
+    m_mixesFriction = m_mixesFriction || f * f > kMaxFriction || (m_rules.friction != MixRule::product && f != 0);
+    m_mixesRestitution = m_mixesRestitution || (m_rules.restitution != MixRule::product && e != 0);
   }
   static void addShapes(Body& b, const std::vector<std::pair<ShapeView<3>, Pose<3>>>& parts) {
     const Pose<3> X_PC = b.X_CP.inverse();
@@ -307,6 +335,7 @@ class BulletWorld final : public EngineWorld<3> {
     // Bullet asks where a kinematic body was, for its velocity. As in our worlds it touches where the step begins, and
     // goes on at its end.
     forKinematic(-dt, [](btRigidBody& b, const btTransform& past) { b.setInterpolationWorldTransform(past); });
+    const Callbacks callbacks(m_rules, m_mixesFriction, m_mixesRestitution);
     m_world.stepSimulation(dt, 0);  // one step of dt, however long
     forKinematic(dt, [](btRigidBody& b, const btTransform& next) { b.setWorldTransform(next); });
   }
@@ -338,8 +367,10 @@ class BulletWorld final : public EngineWorld<3> {
   btDbvtBroadphase m_broadphase;
   btSequentialImpulseConstraintSolver m_solver;
   btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
-  std::vector<Body> m_bodies;   // by slot
-  std::vector<Joint> m_joints;  // by slot
+  MixRules m_rules{};                                        // of the numbers that the bodies have
+  bool m_mixesFriction = false, m_mixesRestitution = false;  // by a callback
+  std::vector<Body> m_bodies;                                // by slot
+  std::vector<Joint> m_joints;                               // by slot
 };
 
 constexpr const char* kSummary = "Bullet 3: sequential impulses over persistent manifolds";

@@ -67,7 +67,8 @@ const std::vector<Allowance> kAllowances = {
     {"experiments/", {}, {"assimp/", "fclib.h", "hdf5.h", "hdf5_hl.h"}},
     {"experiments/trial/", {}, kAllocator},
     {"experiments/sandbox/", {"SDL2/"}, {"backends/imgui", "epoxy/", "imgui.h", "imgui_stdlib.h", "link.h"}},
-    {"experiments/bench/", {"benchmark/"}, {"BulletCollision/", "box2d/", "fcl/", "ode/"}},
+    {"experiments/bench/", {"benchmark/"}, {"BulletCollision/", "BulletDynamics/", "LinearMath/"}},
+    {"experiments/bench/", {}, {"box2d/", "fcl/", "ode/"}},
     {"tests/", {""}, {}},
 };
 

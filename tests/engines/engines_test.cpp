@@ -78,6 +78,48 @@ bool slides(const Start<D>& start) {
   return near(way(0.6), 0, 0.02) && near(way(0.3), a * 2 * 2 / 2, 0.03 * 2 * a);
 }
 
+// Every rule of mixing, of friction down a slope of 45 degrees and of restitution head on.
+template <int D>
+bool mixes(const Start<D>& start) {
+  const double half = std::sqrt(0.5);
+  bool all = true;
+  for (std::size_t i = 0; i < kMixRuleNames.size(); ++i) {
+    WorldSettings<D> slope = gravity<D>(kG * half, -kG * half), space = gravity<D>(0, 0);
+    slope.mixing.friction = space.mixing.restitution = static_cast<MixRule>(i);
+    const auto slides = start(slope), meets = start(space);
+    BodyDef<D> floor = ground<D>(), block = body<D>(cube<D>(), at<D>(0, 0.5));
+    floor.shapes[0].friction = Real(0.6), block.shapes[0].friction = Real(0.2);
+    slides->add(floor);
+    const Handle h = slides->add(block);
+    run(*slides, 2);
+    const double way = kG * half * (1 - double(mix(static_cast<MixRule>(i), Real(0.6), Real(0.2)))) * 2 * 2 / 2;
+    BodyDef<D> a = body<D>(Shape<D>::sphere(Real(0.5)), at<D>(-2, 0)), b = a;
+    a.velocity = at<D>(2, 0), b.velocity = at<D>(-1, 0), b.X_WB.p = at<D>(2, 0);
+    a.shapes[0].restitution = Real(0.9), b.shapes[0].restitution = Real(0.5);
+    meets->add(a), meets->add(b);
+    run(*meets, 2);
+    const double e = double(mix(static_cast<MixRule>(i), Real(0.9), Real(0.5)));
+    all = all && near(double(slides->pose(h).p[0]), way, 0.03 * way) &&
+          near(double(meets->bodies().motion[1].v[0]), 0.5 + 1.5 * e, 2e-3);
+  }
+  return all;
+}
+
+// A flat block holds on a slope of 85.2 degrees, of 12 in 1, at a friction of 20.
+template <int D>
+bool sticks(const Start<D>& start) {
+  const double angle = std::atan(12.0);
+  const auto s = start(gravity<D>(kG * std::sin(angle), -kG * std::cos(angle)));
+  Vec<D> half = Vec<D>::Constant(1);
+  half[1] = Real(0.02);
+  BodyDef<D> floor = ground<D>(), block = body<D>(Shape<D>::box(half), at<D>(0, 0.02));
+  floor.shapes[0].friction = block.shapes[0].friction = 20;
+  s->add(floor);
+  const Handle h = s->add(block);
+  run(*s, 1);
+  return near(double(s->pose(h).p[0]), 0, 0.1);  // at a friction of 10 it slides 0.8 m
+}
+
 template <int D>
 bool rests(const Start<D>& start) {
   const auto s = start(gravity<D>(0, -kG));
@@ -183,6 +225,9 @@ TEST(Engines, BallsFall) {
 }
 TEST(Engines, BallsCollideByTheScenesMassesAndRestitution) { everywhere("collides", collides<2>, collides<3>); }
 TEST(Engines, BlocksSlideByTheScenesFriction) { everywhere("slides", slides<2>, slides<3>); }
+TEST(Engines, CoefficientsMixByTheScenesRules) {
+  everywhere("mixes", mixes<2>, mixes<3>), everywhere("sticks", sticks<2>, sticks<3>);
+}
 TEST(Engines, StacksRest) { everywhere("rests", rests<2>, rests<3>); }
 TEST(Engines, ForcesAct) {
   everywhere("bears", bears<2>, bears<3>), everywhere("spring", swingsOnASpring<2>, swingsOnASpring<3>);
@@ -208,6 +253,9 @@ void twinsAreCaught() {
     EXPECT_FALSE(swingsOnASpring<D>(ownMass<D>(e.start))) << e.name;
     EXPECT_FALSE(collides<D>(largerRestitution<D>(e.start))) << e.name;
     EXPECT_FALSE(slides<D>(productOfFriction<D>(e.start))) << e.name;
+    EXPECT_FALSE(mixes<D>(oneRuleOfFriction<D>(e.start))) << e.name;
+    EXPECT_FALSE(mixes<D>(oneRuleOfRestitution<D>(e.start))) << e.name;
+    EXPECT_FALSE(sticks<D>(cappedFriction<D>(e.start))) << e.name;
   }
 }
 TEST(Engines, PlantedAdaptersAreCaught) { twinsAreCaught<2>(), twinsAreCaught<3>(); }
@@ -218,8 +266,8 @@ TEST(Engines, PlantedAdaptersAreCaught) { twinsAreCaught<2>(), twinsAreCaught<3>
 template <int D>
 void worldPasses() {
   const Start<D> start = [](const WorldSettings<D>& s) { return std::make_unique<World<D>>(Pipeline{}, s); };
-  EXPECT_TRUE(falls<D>(start) && fallsLater<D>(start) && collides<D>(start) && slides<D>(start) && bears<D>(start) &&
-              swings<D>(start) && swingsOnASpring<D>(start));
+  EXPECT_TRUE(falls<D>(start) && fallsLater<D>(start) && collides<D>(start) && slides<D>(start) && mixes<D>(start) &&
+              bears<D>(start) && swings<D>(start) && swingsOnASpring<D>(start));
   if constexpr (D == 2) {
     EXPECT_TRUE(rests<D>(start) && tumbles<D>(start));
   }

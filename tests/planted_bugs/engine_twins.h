@@ -138,6 +138,30 @@ Start<D> productOfFriction(Start<D> start) {
                  }});
 }
 
+/// Caps friction at 10, as Bullet does by itself.
+template <int D>
+Start<D> cappedFriction(Start<D> start) {
+  return twin<D>(start, {.body = [](BodyDef<D>& def) {
+                   for (ShapeDef<D>& s : def.shapes) s.friction = std::min(s.friction, Real(10));
+                 }});
+}
+
+/// Mixes friction, or restitution, by the first of the rules whatever the scene says.
+template <int D>
+Start<D> oneRuleOfFriction(Start<D> start) {
+  return [start](WorldSettings<D> settings) {
+    settings.mixing.friction = {};
+    return start(settings);
+  };
+}
+template <int D>
+Start<D> oneRuleOfRestitution(Start<D> start) {
+  return [start](WorldSettings<D> settings) {
+    settings.mixing.restitution = {};
+    return start(settings);
+  };
+}
+
 /// Takes the larger restitution of a pair: as if the rule of the pair were the engine's own.
 template <int D>
 Start<D> largerRestitution(Start<D> start) {
