@@ -40,8 +40,8 @@ def of_sweep(context, cells):
 
 def finding(context, where, cells):
     good = cells[(cells["outcome"] == "ok") & cells[MEDIAN].notna() & cells[WORST].notna()]
-    ranked = ranking.eligible(context, good).index
-    good = good[[index in ranked or context.store.role(cell["method"]) == "engine" for index, cell in good.iterrows()]]
+    engines = good[good["method"].map(context.store.role) == "engine"]
+    good = ranking.eligible(context, good)
     if not len(good):
         return f"on {where} no timed run finished"
     ratios = good[WORST] / good[MEDIAN]
@@ -56,7 +56,6 @@ def finding(context, where, cells):
         calm = [cell["method"] for _, cell in good.iterrows() if _spread(cell)[0] <= _spread(least)[1]]
         text += (f"{times(float(ratios.max()))} times the median with {_named(most, slow, good)} and "
                  f"{times(float(ratios.min()))} times with {_named(least, calm, good)}")
-    engines = good[good["method"].map(context.store.role) == "engine"]
     ours = good[good["method"].map(context.store.role) != "engine"]
     floor = noise.floor_of(context, cells["sweep"].iloc[0], MEDIAN)
     for _, engine in engines.iterrows():
@@ -66,7 +65,8 @@ def finding(context, where, cells):
         ratio = noise.said(best, engine, MEDIAN, floor)
         told = f"{ratio} times the time of our fastest, {best['method']}" if ratio[:1].isdigit() else (
             f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}")
-        text += f"; a step of {engine['method']} takes {told}"
+        apart = ranking.precision(engine), ranking.precision(best)
+        text += f"; a step of {engine['method']} takes {told}" + (f" ({apart[0]} against {apart[1]})" if len(set(apart)) > 1 else "")
     return text
 
 
