@@ -65,8 +65,9 @@ def finding(context, where, cells):
         ratio = noise.said(best, engine, MEDIAN, floor)
         told = f"{ratio} times the time of our fastest, {best['method']}" if ratio[:1].isdigit() else (
             f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}")
-        apart = ranking.precision(engine), ranking.precision(best)
-        text += f"; a step of {engine['method']} takes {told}" + (f" ({apart[0]} against {apart[1]})" if len(set(apart)) > 1 else "")
+        text += f"; a step of {engine['method']} takes {told}"
+        mine, other = ranking.precision(engine), ranking.precision(best)
+        text += f" ({mine} against {other})" if mine != other else ""
     return text
 
 
