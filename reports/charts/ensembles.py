@@ -93,6 +93,11 @@ def standing(part, best, equals, everyone, error, zero, what, value):
     return text
 
 
+def above(value, zero, unit):
+    """A value, or that it is below what tells methods apart."""
+    return si(value, unit) if value > zero or zero == 0 else f"below {si(zero, unit)}"
+
+
 def finding(context, where, groups, error, everyone):
     unit, what, zero = context.unit(error), context.title(error).removeprefix("largest "), context.floor(error)
     said = []
@@ -106,8 +111,8 @@ def finding(context, where, groups, error, everyone):
             said.append(f"{place}: no method has a rank, since bodies overlap by up to {si(deep, 'm')} at the start")
             continue
         worst = max(noise.of_seeds(best, error))
-        value = (f"{si(float(np.median(noise.of_seeds(best, error))), unit)}, worst "
-                 f"{si(worst, unit) if math.isfinite(worst) else 'a failure'}")
+        value = (f"{above(float(np.median(noise.of_seeds(best, error))), zero, unit)}, worst "
+                 f"{above(worst, zero, unit) if math.isfinite(worst) else 'a failure'}")
         text = f"{place}: {standing(ranked, best, equals, everyone, error, zero, what, value)}"
         text += beyond(context, ranked, error, everyone)
         fails = {}  # number of seeds -> who fails under so many
