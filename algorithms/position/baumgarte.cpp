@@ -30,7 +30,7 @@ class Baumgarte final : public PositionResolver<D> {
             .complexity = "nothing beyond the velocity resolver",
             .guarantee = Guarantee::approximate,
             .failures = {{"deep overlap", "bodies leave with the speed of separation", "PositionError.AddsNoVelocity"},
-                         {"deep overlap, steps later", "so they are apart", "PositionError.EndsInTouch"},
+                         {"deep overlap, steps later", "bodies end apart", "PositionError.EndsInTouch"},
                          {"a joint that is pulled together", "its bodies go on with that speed",
                           "JointStep.PullsLeaveNoSpeed"}}};
   }

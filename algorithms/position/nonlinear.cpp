@@ -25,7 +25,7 @@ class Nonlinear final : public PositionResolver<D> {
     void visit(ParamVisitor& v) {
       v.real("iteration_factor", iterationFactor, 0, 10000, "1", "limit of moves, as a multiple of the contacts");
       v.real("slop", slop, 0, 1, "m", "depth that stays; published: 0");
-      v.real("tolerance", tolerance, 0, 1, "m", "a contact that is deeper than the slop by no more is left as it is");
+      v.real("tolerance", tolerance, 0, 1, "m", "a contact is left if it is deeper than the slop by at most this");
       v.real("angular_limit", angularLimit, 0, 2, "rad", "largest turn in one move; the rest is made up by moving");
       v.choice("search", search, {"scan", "tree"}, "how the deepest contact is found; the result is the same");
     }
@@ -147,7 +147,7 @@ class Nonlinear final : public PositionResolver<D> {
     if (item.angular && !turns(bodies, item)) size = 0;  // nobody can mend it: it would take all moves
     Place x{Vec<D>::Zero(), Ang<D>::Zero(), Ang<D>::Zero(), 0};
     // A joint is never exact: without a floor it would take all iterations for rounding errors.
-    if (!(size > m_params.slop / 8)) return x;
+    if (!(size > std::max(m_params.slop, kLinearSlop) / 8)) return x;
     x.depth = size;
     for (const ConstraintRow<D>& row : m_rows.all()) {
       if (!row.binds() || row.angular != item.angular) continue;

@@ -14,20 +14,20 @@ namespace lpc::inline LPC_PRECISION::solver {
 
 /// How much of an error one visit takes out.
 struct NgsShare {
-  Real factor = Real(0.2), jointFactor = 1, slop = kLinearSlop, maxMove = Real(0.2);
+  Real factor = Real(0.2), jointFactor = 1, stopFactor = 1, slop = kLinearSlop, maxMove = Real(0.2);
   void visit(ParamVisitor& v) {
-    v.real("factor", factor, 0, 1, "1", "share of a depth, and of an error of a joint's stop, to remove in one sweep");
+    v.real("factor", factor, 0, 1, "1", "share of a depth to remove in one sweep");
     v.real("joint_factor", jointFactor, 0, 1, "1",
            "share of an error of a joint, but for stops, to remove in one sweep");
+    v.real("stop_factor", stopFactor, 0, 1, "1", "the same of a joint's stop");
     v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
     v.real("max_move", maxMove, 0, 1000, "m", "largest displacement of one contact in one sweep");
   }
 };
 
 /// Each joint, then each contact in the order given, is measured where its bodies are by now, and its bodies are moved
-/// and turned out of a part of it at once, as in solver2d: of all that is wrong with a joint, but not of a stop's
-/// error. With whole errors of stops two bodies that hang from hinges at theirs never rest. Normals are those of the
-/// detection, inertias those of the step.
+/// and turned out of a part of it at once, as in solver2d: of all that is wrong with a joint. Stops have no slop.
+/// Normals are those of the detection, inertias those of the step.
 template <int D>
 class NgsSweep {
  public:
@@ -48,7 +48,7 @@ class NgsSweep {
   void mend(const PositionInput<D>& in, std::span<const JointRecord<D>> joint, const NgsShare& share) {
     if (!joint[0].active()) return;
     m_joint.prepare(in.work, in.bodies, joint, 0, m_places);
-    m_joint.sweepErrors(m_moves, share.jointFactor, share.factor);
+    m_joint.sweepErrors(m_moves, share.jointFactor, share.stopFactor);
     m_joint.count(in.work);
     for (const JointBlock<D>& block : m_joint.blocks) {
       move(in, block.a), move(in, block.b);

@@ -43,33 +43,32 @@ class PgsSoft final : public Solver<D> {
   explicit PgsSoft(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "pgs_soft",
-        .summary = "sequential impulses on soft contacts, relaxed after the move, restitution at the end",
-        .paper = "catto2024",
-        .complexity = "(iterations + relax) x (contacts + joints)",
-        .guarantee = Guarantee::approximate,
-        .failures = {{"a body on a very heavy one", "sinks in deeper than on a fixed one, whose springs are stiffer",
-                      "Symmetry.HeavyIsFixed"},
-                     {"a hinge that is beyond its stop",
-                      "leaves it with a speed: two sweeps take too little out of stop and pivot, which are coupled",
-                      "JointStep.LeavesNoSpeed"},
-                     {"bodies that press on each other and turn together",
-                      "lose angular momentum: they are relaxed after the move by arms of before it",
-                      "Solver.TurningKeepsAngularMomentum"},
-                     {"a motor of a million times the torque that its body needs, at a stop",
-                      "drives through the stop, which is a spring; joints=rigid holds",
-                      "Joint.StopHoldsAgainstItsMotor"},
-                     {"a joint in ever shorter steps",
-                      "gives way by what falls slower than the step: relaxing takes out what its spring has put in; "
-                      "joints=rigid converges",
-                      "JointMotion.Converges"},
-                     {"a body that lands within rounding of the surface",
-                      "is stopped at once on one side of it and by a spring on the other; gaps=soft has one law",
-                      "Parting.EverySolverAgreesUntilTheFirstImpact"},
-                     {"a heavy body that falls on a light one",
-                      "is braked by springs and by relaxing, not as sweeps do", "Solver.ConvergesAsPredicted"}},
-        .friction = FrictionLaw::coulomb};
+    return {.name = "pgs_soft",
+            .summary = "sequential impulses on soft contacts, relaxed after the move, restitution at the end",
+            .paper = "catto2024",
+            .complexity = "(iterations + relax) x (contacts + joints)",
+            .guarantee = Guarantee::approximate,
+            .failures =
+                {{"a body on a very heavy one", "sinks in deeper than on a fixed one, whose springs are stiffer",
+                  "Symmetry.HeavyIsFixed"},
+                 {"a hinge that is beyond its stop",
+                  "leaves it with a speed: two sweeps take too little out of stop and pivot, which are coupled",
+                  "JointStep.LeavesNoSpeed"},
+                 {"bodies that press on each other and turn together",
+                  "lose angular momentum: they are relaxed after the move by arms of before it",
+                  "Solver.TurningKeepsAngularMomentum"},
+                 {"a motor of a million times the torque that its body needs, at a stop",
+                  "drives through the stop, which is a spring; joints=rigid holds", "Joint.StopHoldsAgainstItsMotor"},
+                 {"a joint in ever shorter steps",
+                  "its error falls slower than the step, because relaxing removes the push of its spring; joints=rigid "
+                  "converges",
+                  "JointMotion.Converges"},
+                 {"a body that lands within rounding of the surface",
+                  "is stopped at once on one side of it and by a spring on the other; gaps=soft has one law",
+                  "Parting.EverySolverAgreesUntilTheFirstImpact"},
+                 {"a heavy body that falls on a light one", "is braked by springs and by relaxing, not as sweeps do",
+                  "Solver.ConvergesAsPredicted"}},
+            .friction = FrictionLaw::coulomb};
   }
 
   void step(const StepInput<D>& in) override {

@@ -27,17 +27,19 @@ class Xpbd final : public Solver<D> {
     int substeps = 8;
     Real contactCompliance = 0, jointCompliance = 0, slop = Real(0.0005);
     // In f32 half: the rounding of a place, divided by h, would be speed and impulse.
-    Real jointShare = sizeof(Real) == 8 ? Real(1) : Real(0.5);
+    Real jointShare = 0;
     void visit(ParamVisitor& v) {
       v.integer("substeps", substeps, 1, 10000, "sub-steps per step, one iteration each");
       v.real("contact_compliance", contactCompliance, 0, 1, "m/N", "of contacts; 0: rigid");
       v.real("joint_compliance", jointCompliance, 0, 1, "m/N", "of joints, rad/(N m) where they hold an angle");
-      v.real("joint_share", jointShare, Real(0.01), 1, "1",
-             "of a joint's error that a sub-step undoes; published: 1, here so in f64 alone");
+      v.real("joint_share", jointShare, 0, 1, "1",
+             "of a joint's error that a sub-step undoes; 0: 1 as published, in f32 0.5 because of rounding");
       v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
     }
   };
-  explicit Xpbd(const Params& params) : m_params(params) {}
+  explicit Xpbd(const Params& params) : m_params(params) {
+    if (m_params.jointShare == 0) m_params.jointShare = sizeof(Real) == 8 ? Real(1) : Real(0.5);
+  }
 
   static AlgorithmInfo info() {
     return {

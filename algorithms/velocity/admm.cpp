@@ -25,7 +25,7 @@ class Admm final : public VelocityResolver<D> {
   struct Params {
     int iterations = 100;
     Real tolerance = Real(1e-9);
-    Real proximal = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);
+    Real proximal = 0;
     Correction correction = Correction::deSaxce;
     bool warmStart = true;
     int maxBodies = 1000;
@@ -34,7 +34,8 @@ class Admm final : public VelocityResolver<D> {
     void visit(ParamVisitor& v) {
       v.integer("iterations", iterations, 1, 100000, "at most, per island");
       v.real("tolerance", tolerance, 0, 1, "m/s", "stop when neither law nor limits are missed by more");
-      v.real("proximal", proximal, Real(1e-12), 1, "1", "weight of the last iterate, over W_ii: redundant contacts");
+      v.real("proximal", proximal, 0, 1, "1",
+             "weight of the last iterate, over W_ii: redundant contacts; 0: 1e-6, in f32 1e-3");
       v.choice("correction", correction, {"de_saxce", "none"},
                "Coulomb's law, or the convex one that lifts what slides");
       v.flag("warm_start", warmStart, "start from the impulses of the last step");
@@ -43,7 +44,9 @@ class Admm final : public VelocityResolver<D> {
       v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, over islands that are larger");
     }
   };
-  explicit Admm(const Params& params) : m_params(params) {}
+  explicit Admm(const Params& params) : m_params(params) {
+    if (m_params.proximal == 0) m_params.proximal = sizeof(Real) == 8 ? Real(1e-6) : Real(1e-3);
+  }
 
   static AlgorithmInfo info() {
     AlgorithmInfo info = {

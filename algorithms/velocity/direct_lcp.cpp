@@ -23,21 +23,25 @@ class DirectLcp final : public VelocityResolver<D>, private PyramidLcp<D> {
  public:
   struct Params {
     int facets = 8;
-    Real cfm = sizeof(Real) == 8 ? Real(1e-7) : Real(1e-3);  // above the rounding of rows
+    Real cfm = -1;
     int maxBodies = 1000;
     int maxRows = 120;
     int maxPivots = 10000;
     int sweeps = 20;
     void visit(ParamVisitor& v) {
       v.integer("facets", facets, 4, 16, "of the pyramid in 3D; in 2D there are two");
-      v.real("cfm", cfm, 0, Real(0.1), "1", "compliance of each row in a solve, of W_ii: redundant contacts share");
+      v.real("cfm", cfm, -1, Real(0.1), "1",
+             "compliance of each row in a solve, of W_ii: redundant contacts share; below 0: 1e-7, in f32 1e-3");
       v.integer("max_bodies", maxBodies, 0, 10000, "of an island that is solved directly");
       v.integer("max_rows", maxRows, 0, 2000, "of an island that is dense: without bodies or compliance, or Lemke's");
       v.integer("max_pivots", maxPivots, 0, 1000000, "of a path, and of Lemke's method");
       v.integer("sweeps", sweeps, 0, 100000, "of projected Gauss-Seidel, where nothing else helps");
     }
   };
-  explicit DirectLcp(const Params& params) : m_params(params) { m_facets = params.facets; }
+  explicit DirectLcp(const Params& params) : m_params(params) {
+    m_facets = params.facets;
+    if (m_params.cfm < 0) m_params.cfm = sizeof(Real) == 8 ? Real(1e-7) : Real(1e-3);  // above the rounding of rows
+  }
 
   static AlgorithmInfo info() {
     AlgorithmInfo info = {

@@ -28,27 +28,27 @@ class ShockPropagation final : public VelocityResolver<D> {
   explicit ShockPropagation(const Params& params) : m_params(params) {}
 
   static AlgorithmInfo info() {
-    return {
-        .name = "shock_propagation",
-        .summary = "sequential impulses, then upwards by level, those below infinitely heavy",
-        .paper = "guendelman2003",
-        .complexity = "iterations x (contacts + joints) + passes x contacts",
-        .guarantee = Guarantee::approximate,
-        .failures = {{"whatever stands on something that can move",
-                      "the lower body does not feel what pushes the upper one: momentum is made",
-                      "Impulse.GroundGivesTheMomentum"},
-                     {"the same, by twice as many iterations before the levels",
-                      "the levels push on from another motion, and no nearer to the end", "Impulse.MoreIsNoWorse"},
-                     {"a heavy body on a light one", "it rests, but the light one does not feel its weight at once",
-                      "Impulse.CarriesHeavyOnLight"},
-                     {"the same in ever more iterations", "the levels stop both at once: it has no rate of sweeps",
-                      "Impulse.ConvergesAsPredicted"},
-                     {"cubes on each other", "creep: each step starts without impulses; warm_start=true rests",
-                      "Rest.StackStays"},
-                     {"a load on a weld or a stop", "trembles: each step starts without impulses", "JointMotion.Rests"},
-                     {"a body on a very heavy one that is not fixed", "has no ground under it, nor a level",
-                      "Symmetry.HeavyIsFixed"}},
-        .friction = FrictionLaw::coulomb};
+    return {.name = "shock_propagation",
+            .summary = "sequential impulses, then upwards by level, those below infinitely heavy",
+            .paper = "guendelman2003",
+            .complexity = "iterations x (contacts + joints) + passes x contacts",
+            .guarantee = Guarantee::approximate,
+            .failures = {{"whatever stands on something that can move",
+                          "the lower body does not feel what pushes the upper one: momentum is made",
+                          "Impulse.GroundGivesTheMomentum"},
+                         {"the same, by twice as many iterations before the levels",
+                          "the levels push on from another motion, and no nearer to the end", "Impulse.MoreIsNoWorse"},
+                         {"a heavy body on a light one", "it rests, but the light one does not feel its weight at once",
+                          "Impulse.CarriesHeavyOnLight"},
+                         {"the same in ever more iterations", "the levels stop both at once: it has no rate of sweeps",
+                          "Impulse.ConvergesAsPredicted"},
+                         {"cubes on each other", "they creep: each step starts without impulses; warm_start=true rests",
+                          "Rest.StackStays"},
+                         {"a load on a weld or a stop", "it trembles: each step starts without impulses",
+                          "JointMotion.Rests"},
+                         {"a body on a very heavy one that is not fixed", "has no ground under it, nor a level",
+                          "Symmetry.HeavyIsFixed"}},
+            .friction = FrictionLaw::coulomb};
   }
 
   void solve(const VelocityInput<D>& in) override {

@@ -3,6 +3,7 @@
 //   sleeping           off: every step is to have its work
 //   linear slop        5 mm for 0, as the adapter has it and as Box2D has it by itself
 //   friction           Bullet multiplies that of the bodies, so each has the root of the pair's
+//   sub-steps          none: stepSimulation(dt, 0) is one step of dt
 // Gravity, 10 iterations, split impulse, warm start and margins are Bullet's own. Boxes that meet boxes use no margin.
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>

@@ -106,7 +106,8 @@ def _chart(context, shown, left_out, setting):
     said = {share: {cell["method"] for _, cell in cells.iterrows() if declares(context, cell, share)} for share in SHARES}
     good = cells[cells["outcome"] == "ok"]
     worst = good.groupby("method")[list(SHARES)].max().max(axis=1)
-    order = sorted(cells["method"].unique(), key=lambda m: (-max(worst.get(m, math.inf), rounding), m))
+    kept = set(ranking.whole(context, cells)["method"])
+    order = sorted(cells["method"].unique(), key=lambda m: (m not in kept, -max(worst.get(m, math.inf), rounding), m))
     called, ranked = ranking.names(context, cells), ranking.whole(context, cells)
     names, looks = [called[m] for m in order], context.looks(cells)
     figure, axes = grid_of_axes(1, 2 * len(shown), 0.2 * len(order) + 0.1, left=max(1.6, 0.3 + 0.074 * max(map(len, names))),

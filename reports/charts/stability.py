@@ -19,6 +19,12 @@ ABSENT = Chart("stability", SECTION, "What becomes of scenes under each method",
                "No sweep that asks for this chart is in this store; experiments/run heritage makes one.", "heritage_stability")
 
 
+def _with(held, most):
+    """The methods that hold as many as this one, and the verb."""
+    alike = [method for method in held if held[method] == held[most]]
+    return f"{listing(alike)} hold{'s' if len(alike) == 1 else ''}"
+
+
 def of_sweep(context, cells):
     if "stability" not in context.store.sweep(cells["sweep"].iloc[0]).report:
         return []
@@ -88,8 +94,9 @@ def _chart(context, cells):
     held = {method: sum(row["outcome"] == "ok" for row in rows if row["method"] == method) for method in ranked}
     least, most = min(held, key=held.get, default=None), max(held, key=held.get, default=None)
     head = None if not held or held[least] == held[most] else Headline(
-        f"Of {plural(len(places), 'scene')} in {dimension}D, each with and without what varies, {most} holds {held[most]} and "
-        f"{least} {held[least]}.", {m: float(v) for m, v in held.items()}, quantity="scenes that stand", larger=True)
+        f"Of {plural(len(places), 'scene')} in {dimension}D, each with and without what varies, {_with(held, most)} {held[most]} "
+        f"and {listing([m for m in held if held[m] == held[least]])} {held[least]}.", {m: float(v) for m, v in held.items()},
+        quantity="scenes that stand", larger=True)
     return Chart(identifier(f"{sweep} stability {dimension}d"), SECTION,
                  f"What becomes of scenes under each method, {dimension}D",
                  f"In {dimension}D {finding(rows, ranked)}{ranking.tail(context, cells)}", sweep, figure,

@@ -110,7 +110,7 @@ def _chart(context, resting, left_out, setting):
     table = pd.DataFrame(rows)
     said, told = [], []
     for scene, part in table.groupby("scene", sort=False):
-        failed = sorted(part[~part["outcome"].isin(("ok", NOT_RUN))]["method"])
+        failed = sorted(part[~part["outcome"].isin(("ok", NOT_RUN)) & ~part["excused"]]["method"])
         part = part[(part["outcome"] == "ok") & np.isfinite(part["restlessness"].astype(float)) & ~part["excused"]]
         if len(part) > 1:
             speeds = dict(zip(part["method"], part["restlessness"].astype(float)))

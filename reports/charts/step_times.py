@@ -65,9 +65,10 @@ def finding(context, where, cells):
         ratio = noise.said(best, engine, MEDIAN, floor)
         told = f"{ratio} times the time of our fastest, {best['method']}" if ratio[:1].isdigit() else (
             f"the time of our fastest, {best['method']}, {noise.IN_WORDS.get(ratio, 'for ' + ratio)}")
-        text += f"; a step of {engine['method']} takes {told}"
         mine, other = ranking.precision(engine), ranking.precision(best)
-        text += f" ({mine} against {other})" if mine != other else ""
+        if mine != other:  # of two precisions no ratio is told
+            told = f"{si(engine[MEDIAN], 'ms')} in {mine}"
+        text += f"; a step of {engine['method']} takes {told}"
     return text
 
 

@@ -176,6 +176,17 @@ TEST(Rules, Includes) {
   }
 }
 
+// A sweep is planned in double precision, and writes every parameter into a trial of single precision, too. A default
+// that depends on the precision would never reach it: such a parameter has a value that means "by precision".
+TEST(Rules, NoDefaultDependsOnThePrecision) {
+  const std::regex member(" +(Real|int|double) .*= .*(sizeof\\(Real\\)|kDouble).*");
+  EXPECT_TRUE(std::regex_match("    Real cfm = sizeof(Real) == 8 ? Real(1e-7) : Real(1e-3);", member));
+  for (const Source& s : sources()) {
+    if (!s.path.starts_with("algorithms/")) continue;
+    for (const std::string& line : s.lines) EXPECT_FALSE(std::regex_match(line, member)) << s.path << ": " << line;
+  }
+}
+
 TEST(Rules, IncludeRulesCatchBreaches) {
   const std::pair<const char*, const char*> breaches[] = {
       {"framework/world.cpp", "algorithms/broadphase/naive.cpp"},

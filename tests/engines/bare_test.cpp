@@ -57,8 +57,10 @@ int apart(Simulation<D>& s, bare::Pyramid& pyramid) {
 template <int D>
 void equals(const std::string& name, std::unique_ptr<bare::Pyramid> (*make)(const bare::Settings&),
             const std::vector<bare::Settings>& changes) {
+  bool found = false;
   for (const auto& e : engines<D>()) {
     if (e.name != name) continue;
+    found = true;
     const auto equal = pyramid<D>(e.start);
     const double moment = sizeof(Real) == 4 ? double(equal->bodies().invInertiaBody[1].inverse()(0, 0)) : 0;
     EXPECT_EQ(apart<D>(*equal, *make({.moment = moment})), 0) << name;
@@ -68,6 +70,7 @@ void equals(const std::string& name, std::unique_ptr<bare::Pyramid> (*make)(cons
           << name << ": " << other.iterations << " iterations, friction " << other.friction << ", slop " << other.slop;
     }
   }
+  EXPECT_TRUE(found) << name;
 }
 
 #ifdef LPC_BARE_BULLET

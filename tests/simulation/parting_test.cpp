@@ -130,8 +130,9 @@ void everySolverAgrees() {
     };
     const std::string name = "agrees until the first impact " + std::string(c.name) + ' ' + std::to_string(D) + "D ";
     for (const std::string& solver : everySolver<D>()) {
-      if (!declares<D>(solver, "Parting.EverySolverAgreesUntilTheFirstImpact"))
-        check(name + solver, property(solver), 8);
+      const bool far = c.bug == std::string("far_is_coarse");
+      if (far && declares<D>(solver, "Parting.EverySolverAgreesUntilTheFirstImpact")) continue;
+      check(name + solver, property(solver), 8);
     }
     expectFalsified(name + c.bug, property("planted_solver{bug=" + std::string(c.bug) + "}"), 8);
   }
