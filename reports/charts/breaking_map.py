@@ -268,11 +268,11 @@ def _by_closed_form(known, about, labels):
     name, truth = about["parameter"], about["truth"]
     at = right(known, truth)
     said = [f"The closed form gives {name} = {value_text(name, truth)}", f"{_doing(at, 'breaks', labels)} there"]
-    for word, off in (("before that", 1), ("only beyond", -1)):
+    for verb, word, off in (("fails", "before that, at", 1), ("holds", "beyond that, to", -1)):
         some = [m for m, f in known.items() if f.held and m not in at and
                 (edge(f) - truth) * off * (1 if about["falling"] else -1) > 0]
         worst = max(some, key=lambda m: far(known[m], truth), default=None)
-        said += [f"{_doing(some, 'breaks', labels)} {word}, as far off as {value_text(name, edge(known[worst]))}"] if some else []
+        said += [f"{_doing(some, verb, labels)} {word} {value_text(name, edge(known[worst]))}"] if some else []
     return said
 
 
@@ -369,7 +369,7 @@ def _figure(context, columns, labels):
     called = ["\n".join(textwrap.wrap(context.name(m), 34)) for m in labels]
     left = min(3.0, 0.3 + 0.075 * max(len(line) for label in called for line in label.split("\n")))
     blocks = [columns[i:i + MOST_COLUMNS] for i in range(0, len(columns), MOST_COLUMNS)]
-    row, above, below = 0.74, 0.75, 0.55  # inches
+    row, above, below = 0.88, 0.75, 0.55  # inches
     height = sum(above + row * len(labels) for _ in blocks) + below
     figure = plt.figure(figsize=(WIDTH, height))
     y = height
@@ -423,28 +423,31 @@ def _cell(ax, x, y, found, about, best, ends):
     dear = found.dear if ended_by_cost(found) else ""
     main = dear or "none" if not found.held else ("" if found.fell else sign) + value_text(name, edge(found))
     bracket = f"[{value_text(name, found.low) or '?'}, {value_text(name, found.high) or '?'}]"
-    ax.text(x + 0.06, y + 0.22, main, ha="left", va="center", fontsize=9.5, fontweight="bold")
+    lines = iter((0.36, 0.53, 0.70))  # below the number: the interval, other limits, the cost
+
+    def line(words, size=7.5, colour="#444444"):
+        ax.text(x + 0.06, y + next(lines), words, ha="left", va="center", fontsize=size, color=colour)
+    ax.text(x + 0.06, y + 0.18, main, ha="left", va="center", fontsize=9.5, fontweight="bold")
     aside = [f"then {dear}"] if dear and found.held else []
     aside += [f"+{len(found.beyond)} beyond"] if found.beyond else []
-    for line, words in enumerate(aside):
-        ax.text(x + 0.94, y + 0.22 + 0.23 * line, words, ha="right", va="center", fontsize=7.5, color=FAILS)
+    for number, words in enumerate(aside):
+        ax.text(x + 0.94, y + 0.18 + 0.18 * number, words, ha="right", va="center", fontsize=7.5, color=FAILS)
     if found.held and not found.fell:
-        ax.text(x + 0.94, y + 0.22, seeds_of([found.held.of]), ha="right", va="center", fontsize=7.5, color="#444444")
-    ax.text(x + 0.06, y + 0.45, bracket, ha="left", va="center", fontsize=7.5, color="#444444")
+        ax.text(x + 0.94, y + 0.18, seeds_of([found.held.of]), ha="right", va="center", fontsize=7.5, color="#444444")
+    line(bracket)
+    if found.laxer:
+        line(", ".join(f"{rest.percent(limit)}: {'' if f.fell else sign}{value_text(name, edge(f)) or 'none'}"
+                       for limit, f in found.laxer.items()), 7, "#777777")
     cost = "" if math.isnan(found.cost) else f"{figures(found.cost)}"
     cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"
-    ax.text(x + 0.06, y + 0.65, cost, ha="left", va="center", fontsize=7.5, color="#444444")
     if found.excuse:
-        ax.text(x + 0.94, y + 0.65, found.excuse, ha="right", va="center", fontsize=7.5, color=FAILS)
-    if found.laxer:
-        words = ", ".join(f"{rest.percent(limit)}: {'' if f.fell else sign}{value_text(name, edge(f)) or 'none'}"
-                          for limit, f in found.laxer.items())
-        ax.text(x + 0.94, y + 0.45, words, ha="right", va="center", fontsize=7, color="#777777")
+        ax.text(x + 0.94, y + 0.70, found.excuse, ha="right", va="center", fontsize=7.5, color=FAILS)
+    line(cost)
     low, high = math.log(ends[0]), math.log(ends[1])
     for rung in found.rungs:
         at = (math.log(rung.value) - low) / (high - low) if high > low else 0.5
         shade = HOLDS if not rung.failed else FAILS if rung.failed == rung.of else SOME
-        ax.plot([x + 0.07 + 0.86 * at], [y + 0.86], ls="none", marker="s", ms=3.2, color=shade, mew=0)
+        ax.plot([x + 0.07 + 0.86 * at], [y + 0.88], ls="none", marker="s", ms=3.2, color=shade, mew=0)
 
 
 def _table(columns):

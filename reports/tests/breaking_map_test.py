@@ -156,7 +156,7 @@ class Map(undrawn.Undrawn):
             "catto": {0.4: 5, 0.499: 5, 0.501: 0, 0.6: 0}, "naive": {0.4: 5, 0.45: 0, 0.6: 0},
             "xpbd": {0.5: 5, 0.55: 5, 0.6: 0}}})
         self.assertEqual(made.finding, "Least friction, stack: The closed form gives friction = 0.5. catto breaks there. xpbd "
-                         "breaks before that, as far off as 0.574. naive breaks only beyond, as far off as 0.424.")
+                         "fails before that, at 0.574. naive holds beyond that, to 0.424.")
         self.assertIn("naive at 0.424", made.headline.text)
         self.assertAlmostEqual(made.headline.values["catto"], 0, places=5)
         self.assertFalse(made.headline.larger)
