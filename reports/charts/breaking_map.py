@@ -436,8 +436,11 @@ def _cell(ax, x, y, found, about, best, ends):
         ax.text(x + 0.94, y + 0.18, seeds_of([found.held.of]), ha="right", va="center", fontsize=7.5, color="#444444")
     line(bracket)
     if found.laxer:
-        line(", ".join(f"{rest.percent(limit)}: {'' if f.fell else sign}{value_text(name, edge(f)) or 'none'}"
-                       for limit, f in found.laxer.items()), 7, "#777777")
+        told = {}  # value -> the limits at which it is the breaking point
+        for limit, f in found.laxer.items():
+            told.setdefault(("" if f.fell else sign) + (value_text(name, edge(f)) or "none"), []).append(rest.percent(limit))
+        line(", ".join(f"{listing(limits)}: {'the same' if value == main else value}" for value, limits in told.items()), 7,
+             "#777777")
     cost = "" if math.isnan(found.cost) else f"{figures(found.cost)}"
     cost += "" if math.isnan(found.ms) else f"{', ' if cost else ''}{si(found.ms, 'ms')}"
     if found.excuse:

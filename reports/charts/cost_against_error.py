@@ -217,6 +217,7 @@ def _cost_chart(context, cells, groups, refused):
     legend_width = legend_room(names.values(), 2.0)
     figure, axes = grid_of_axes(len(costs), len(errors), 2.45, legend_width, left=0.8, gap_x=0.85, gap_y=0.65)
     failed, shared = (cells["outcome"] != "ok").to_numpy(), []
+    ranked = cells.index.isin(ranking.eligible(context, cells).index)
     for row, cost_name in enumerate(costs):
         cost = metrics.column(cells, cost_name)
         for column, error_name in enumerate(errors):
@@ -245,7 +246,7 @@ def _cost_chart(context, cells, groups, refused):
                     else:
                         spots.append((x, y, cells["outcome"].iloc[i], look["color"]))
             fallen(ax, spots)
-            front = metrics.pareto(cost, error)
+            front = metrics.pareto(cost, np.where(ranked, error, math.nan))
             ax.step([across.place(cost[i]) for i in front], [up.place(error[i]) for i in front], where="post",
                     color="#222222", lw=2.6, alpha=0.35, zorder=1)
             ax.set_xlabel(context.title(cost_name))
@@ -266,7 +267,7 @@ def _cost_chart(context, cells, groups, refused):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
-                 order + "A letter in the top band is a run that failed; the front joins what no other beats in both. Whiskers "
+                 order + "A letter in the top band is a run that failed; of what has a rank the front joins what no other beats in both. Whiskers "
                  "hold the median of repeats and seeds. " + ranking.rule(max(map(len, cells["seeds"])), compared) +
                  ranking.raw(context, errors[0]) + " "
                  + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], "ms_per_step_median"))
