@@ -86,16 +86,16 @@ std::vector<std::string> everyPipeline() {
   return pipelines;
 }
 
-/// Does the method say in its info().failures that it fails `property`? A failure whose `when` begins with a choice of
-/// one of its parameters and a colon, "friction=box: a body that lands", is one of this choice alone.
+/// Does the method say in its info().failures that it fails `property`? A failure whose `when` begins with a value of
+/// one of its parameters and a colon, "friction=box: a body that lands", is one of this value alone.
 inline bool declares(const Registered& method, const Spec& spec, const std::string& property) {
   const auto applies = [&](const FailureMode& f) {
     for (const ParamInfo& p : method.params) {
-      for (const std::string& choice : p.choices) {
-        if (!f.when.starts_with(p.name + "=" + choice + ":")) continue;
-        const Spec* value = spec.find(p.name);
-        return (value ? value->name : p.defaultText) == choice;
-      }
+      if (!f.when.starts_with(p.name + "=")) continue;
+      const std::string value = f.when.substr(p.name.size() + 1, f.when.find(':') - p.name.size() - 1);
+      if (value.find(' ') != value.npos) continue;  // a sentence about the parameter
+      const Spec* given = spec.find(p.name);
+      return (given ? given->name : p.defaultText) == value;
     }
     return true;
   };

@@ -41,7 +41,7 @@ class Nonlinear final : public PositionResolver<D> {
             .failures = {{"bodies that overlap by more than `tolerance`",
                           "end a little apart, because a turn moves points along arcs; slop=0.005 keeps them in touch",
                           "PositionError.EndsInTouch"},
-                         {"contacts elsewhere, that do not touch these", "share their limit of moves",
+                         {"tolerance=0: contacts elsewhere, that do not touch these", "share their limit of moves",
                           "Replay.DisjointScenesAreTwoWorlds"},
                          {"bodies that fly past each other", "what moves them changes their angular momentum",
                           "PositionError.KeepsAngularMomentum"}}};
