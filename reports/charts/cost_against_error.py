@@ -267,9 +267,9 @@ def _cost_chart(context, cells, groups, refused):
     return Chart(identifier(f"{cells['sweep'].iloc[0]} {where}"), SECTION, f"Cost against error: {where}",
                  finding(context, cells, where, costs[0], errors[0]), cells["sweep"].iloc[0], figure, table,
                  refused + noise.idle_seeds(cells) + holes(cells, ["method", setting] if setting else ["method"]),
-                 order + "A letter in the top band is a run that failed. The front joins the ranked runs that no other beats in both. "
-                 "Whiskers "
-                 "hold the median of repeats and seeds. " + ranking.rule(max(map(len, cells["seeds"])), compared) +
+                 order + "A letter in the top band is a run that failed. The front joins the ranked runs that no other "
+                 "beats in both. Whiskers hold the median of repeats and seeds. " +
+                 ranking.rule(max(map(len, cells["seeds"])), compared) +
                  ranking.raw(context, errors[0]) + " "
                  + noise.rule(noise.floor_of(context, cells["sweep"].iloc[0], "ms_per_step_median"))
                  + engine_notes(context, cells) + caption_of_lines(shared),
