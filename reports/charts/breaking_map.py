@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Where each method breaks, by question: the value at which half of the seeds fail, with its interval, the last that holds, what
-it costs there, and the ladder of all values that were tried. Methods whose intervals overlap tie. Where a closed form says where
-it breaks, methods are told by how far they are from that, on either side. A method that left rows to Gauss-Seidel up to its
+it costs there, and the ladder of all values that were tried. Methods tie where their intervals overlap. Where a closed form gives
+the value, methods are told by how far they are from it, on either side. A method that left rows to Gauss-Seidel up to its
 breaking point has no rank. `lpc break` and sweeps with `break` make the data; experiments/runner/breaking.cpp has the same
 rules."""
 
@@ -299,8 +299,8 @@ def _chart(context, cells, questions):
     note = ("A cell is one search. Its number is the value at which half of the seeds fail, between the last that holds and the "
             f"first that fails ({seeds} seeds at this edge, {few} elsewhere, started up to {starts} m and rad beside their "
             "places). In brackets its interval: up to the first all shares of failures are below a half, by their 95 % intervals "
-            "(Wilson), that of the second is above; “?” where no value that was tried is so sure. Methods whose intervals "
-            "overlap in more than an end tie. The dots are the values that were tried, the smallest on the left.")
+            "(Wilson), that of the second is above; “?” where no value that was tried is so sure. Methods tie where their "
+            "intervals overlap in more than an end. The dots are the values that were tried, the smallest on the left.")
     if any(found.laxer for _, _, column in columns for found in column.values()):
         note += f" {rest.WORDS}; in grey what these two alone would hold to, by the values that were tried."
     if any(about["truth"] for _, about, _ in columns):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Zlib
 """Scenes that are hard to hold, and the methods that hold them: how far bodies have gone sideways and sunk by the end of a long
 run, and how many times the baseline's time a step takes. What has sunk farther is told by which limits it would be held. A cell
-whose rows were left to Gauss-Seidel has no rank. For sweeps that ask for it: `report = ["held"]`."""
+in which rows were left to Gauss-Seidel has no rank. For sweeps that ask for it: `report = ["held"]`."""
 
 import math
 
