@@ -29,4 +29,14 @@ struct Aabb {
   Vec<D> center() const { return Real(0.5) * (lo + hi); }
 };
 
+/// Entry parameter of a ray into a box, or a negative number when it misses within maxT.
+template <int D>
+Real castRay(const Aabb<D>& box, const Vec<D>& p, const Vec<D>& direction, Real maxT);
+
+/// When `box` moved by t * displacement first meets `target`, 0 <= t <= maxT; negative when it does not. A target
+/// around another one is met no later, whatever the rounding: each step of the computation is monotone. Trees rely on
+/// it.
+template <int D>
+Real castBox(const Aabb<D>& box, const Vec<D>& displacement, Real maxT, const Aabb<D>& target);
+
 }  // namespace lpc::inline LPC_PRECISION

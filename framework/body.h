@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/mass.h"
+#include "framework/shape_def.h"
 
 namespace lpc::inline LPC_PRECISION {
 
@@ -27,19 +28,6 @@ enum class BodyType : std::uint8_t {
   fixed,      // the field's "static": never moves, infinite mass
   kinematic,  // moves with the velocity it was given, infinite mass
   dynamic
-};
-
-/// A shape on a body, as a user adds it.
-template <int D>
-struct ShapeDef {
-  Shape<D> shape = Shape<D>::sphere(Real(0.5));
-  Pose<D> X_BS{};             // of the shape in the body's frame
-  Real density = 1;           // kg/m^D
-  Real friction = Real(0.5);  // Coulomb; a pair uses the geometric mean of its two shapes
-  Real restitution = 0;       // a pair uses the arithmetic mean
-  std::uint32_t category = 1;
-  std::uint32_t mask = ~0u;    // a pair collides when each one's category is in the other's mask
-  std::uint64_t userData = 0;  // the user's own: kept, saved and shown, never read
 };
 
 /// A body as a user adds it. Mass, centre of mass and inertia follow from its shapes and their densities, unless they
@@ -69,12 +57,6 @@ struct BodyDef {
     def.type = BodyType::fixed, def.X_WB = X_WB, def.shapes = {shape};
     return def;
   }
-};
-
-template <int D>
-struct Motion {
-  Vec<D> v = Vec<D>::Zero();  // of the centre of mass, m/s
-  Ang<D> w = Ang<D>::Zero();  // rad/s, world frame
 };
 
 /// All bodies, by slot. A free slot has `used` = 0 and zeros elsewhere.

@@ -2,7 +2,7 @@
 // Shapes by their corners, as the constructors of the 2009 engine had them.
 #pragma once
 
-#include "framework/body.h"
+#include "framework/shape_def.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "framework/aabb.h"
 #include "framework/shape_tolerances.h"
-#include "framework/stage_broadphase.h"
 #include "framework/support_gap.h"
 #include "framework/support_map.h"
 

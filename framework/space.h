@@ -174,6 +174,12 @@ struct Pose {
   Pose inverse() const { return {-(q.inverse() * p), q.inverse()}; }
 };
 
+template <int D>
+struct Motion {
+  Vec<D> v = Vec<D>::Zero();  // of the centre of mass, m/s
+  Ang<D> w = Ang<D>::Zero();  // rad/s, world frame
+};
+
 /// X_AB. Positions are subtracted first: far from the origin X_WA.inverse() * X_WB would lose digits.
 template <int D>
 Pose<D> poseBetween(const Pose<D>& X_WA, const Pose<D>& X_WB) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "framework/body.h"
 #include "framework/check.h"
+#include "framework/space.h"
 #include "framework/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
