@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 

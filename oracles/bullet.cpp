@@ -15,7 +15,7 @@
 #include <array>
 #include <optional>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "oracles/adapter.h"
 #include "oracles/prisms.h"
 

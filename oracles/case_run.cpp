@@ -7,11 +7,11 @@
 #include <ostream>
 #include <sstream>
 
-#include "framework/check.h"
-#include "framework/mass.h"
-#include "framework/names.h"
-#include "framework/stage_narrowphase.h"
-#include "framework/tolerances.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
+#include "framework/math/tolerances.h"
+#include "framework/shape/mass.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/case_impact.h"
 #include "oracles/referee.h"
 #include "oracles/verify.h"

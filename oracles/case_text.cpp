@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "oracles/box_script.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/posed_core.h"

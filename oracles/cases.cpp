@@ -8,9 +8,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "framework/check.h"
-#include "framework/curved_core.h"
-#include "framework/nesting.h"
+#include "framework/math/check.h"
+#include "framework/math/nesting.h"
+#include "framework/shape/curved_core.h"
 #include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {

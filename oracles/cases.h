@@ -12,9 +12,9 @@
 #include <variant>
 #include <vector>
 
-#include "framework/body.h"
-#include "framework/registry.h"
-#include "framework/shape.h"
+#include "framework/problem/body.h"
+#include "framework/shape/shape.h"
+#include "framework/stage/registry.h"
 #include "oracles/box_script.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/verdict.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

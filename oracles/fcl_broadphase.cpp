@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

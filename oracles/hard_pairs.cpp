@@ -5,10 +5,10 @@
 #include <array>
 #include <limits>
 
-#include "framework/check.h"
-#include "framework/curved_core.h"
-#include "framework/random.h"
-#include "framework/support_map.h"
+#include "framework/math/check.h"
+#include "framework/math/random.h"
+#include "framework/shape/curved_core.h"
+#include "framework/shape/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/params.h"
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
+#include "framework/stage/params.h"
 #include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {

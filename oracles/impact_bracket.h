@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "framework/stage_time_of_impact.h"
+#include "framework/stage/stage_time_of_impact.h"
 #include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 

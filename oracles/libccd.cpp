@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <ccd/ccd.h>
 
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
 #include "oracles/adapter.h"
 #include "oracles/prisms.h"
 

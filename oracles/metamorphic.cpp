@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "framework/check.h"
-#include "framework/curved_core.h"
-#include "framework/random.h"
+#include "framework/math/check.h"
+#include "framework/math/random.h"
+#include "framework/shape/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

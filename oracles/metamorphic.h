@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/hard_pairs.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

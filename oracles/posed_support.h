@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "oracles/posed_core.h"
 #include "oracles/proof.h"
 

@@ -3,16 +3,16 @@
 // libccd, Bullet) are recorded; this decides.
 //
 // The input is what the numbers say, exactly: each core vertex v becomes p + R v with R the matrix formula of
-// framework/space.h evaluated without rounding, so a quaternion that is unit only within rounding gives a shape that is
-// congruent only within rounding. A polytope is the convex hull of its vertices (its stored faces are not read). The
-// answer is
+// framework/math/space.h evaluated without rounding, so a quaternion that is unit only within rounding gives a shape
+// that is congruent only within rounding. A polytope is the convex hull of its vertices (its stored faces are not
+// read). The answer is
 //     phi = max over unit d of min over a in A, b in B of d . (b - a)  -  (radius of A + radius of B)
 // with A and B the cores: positive = gap, negative = minus the depth.
 #pragma once
 
 #include <string_view>
 
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -20,7 +20,7 @@
 #include <system_error>
 #include <vector>
 
-#include "framework/contact_problem.h"
+#include "framework/problem/contact_problem.h"
 #include "oracles/pseudo_inverse.h"
 #include "oracles/verdict.h"
 #include "oracles/witness_resolver.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "framework/check.h"
-#include "framework/curved_core.h"
+#include "framework/math/check.h"
+#include "framework/shape/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

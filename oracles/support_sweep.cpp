@@ -5,7 +5,7 @@
 #include <cmath>
 #include <queue>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "oracles/posed_core.h"
 
 namespace lpc::inline LPC_PRECISION {

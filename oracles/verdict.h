@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 #include "oracles/ledger.h"
 
 namespace lpc::inline LPC_PRECISION {

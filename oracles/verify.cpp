@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "oracles/cases.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -11,10 +11,10 @@
 #include <span>
 #include <string>
 
-#include "framework/frozen_problem.h"
-#include "framework/stage_broadphase.h"
-#include "framework/stage_narrowphase.h"
-#include "framework/stage_time_of_impact.h"
+#include "framework/problem/frozen_problem.h"
+#include "framework/stage/stage_broadphase.h"
+#include "framework/stage/stage_narrowphase.h"
+#include "framework/stage/stage_time_of_impact.h"
 #include "oracles/box_script.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/verdict.h"

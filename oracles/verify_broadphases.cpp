@@ -3,7 +3,7 @@
 #include <iterator>
 #include <string_view>
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 #include "oracles/box_script.h"
 #include "oracles/verdict.h"
 #include "oracles/verify.h"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <map>
 
-#include "framework/random.h"
-#include "framework/support_map.h"
-#include "framework/tolerances.h"
+#include "framework/math/random.h"
+#include "framework/math/tolerances.h"
+#include "framework/shape/support_map.h"
 #include "oracles/regime.h"
 #include "oracles/verdict.h"
 #include "oracles/verify.h"

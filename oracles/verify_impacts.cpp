@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 #include "oracles/impact_bracket.h"
 #include "oracles/verify.h"
 

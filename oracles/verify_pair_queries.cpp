@@ -2,8 +2,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "framework/tolerances.h"
-#include "framework/worse.h"
+#include "framework/math/tolerances.h"
+#include "framework/math/worse.h"
 #include "oracles/regime.h"
 #include "oracles/verdict.h"
 #include "oracles/verify.h"

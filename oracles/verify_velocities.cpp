@@ -7,8 +7,8 @@
 #include <exception>
 #include <limits>
 
-#include "framework/contact_problem.h"
-#include "framework/profiler.h"
+#include "framework/problem/contact_problem.h"
+#include "framework/stage/profiler.h"
 #include "oracles/drawn_problem.h"
 #include "oracles/verify.h"
 #include "oracles/witness_resolver.h"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/snippet.h"
 
 namespace lpc::inline LPC_PRECISION {

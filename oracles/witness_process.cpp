@@ -19,8 +19,8 @@
 #include <limits>
 #include <system_error>
 
-#include "framework/check.h"
-#include "framework/curved_core.h"
+#include "framework/math/check.h"
+#include "framework/shape/curved_core.h"
 #include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -2,7 +2,7 @@
 // Other people's code behind VelocityResolver, in a process of its own: see witness.h.
 #pragma once
 
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -33,17 +33,17 @@ def source(path):
 
 
 def stages():
-    """{enumerator: name} in the order of framework/stages.h."""
-    rows = re.findall(r'\{StageKind::(\w+), "(\w+)", "\w+", "(\w*)"\}', source("framework/stages.h"))
+    """{enumerator: name} in the order of framework/stage/stages.h."""
+    rows = re.findall(r'\{StageKind::(\w+), "(\w+)", "\w+", "(\w*)"\}', source("framework/stage/stages.h"))
     if not rows:
-        raise UserError("framework/stages.h has no rows of kStages that this reads")
+        raise UserError("framework/stage/stages.h has no rows of kStages that this reads")
     return {kind: name for kind, name, _ in rows}
 
 
 def interfaces():
     """{class: stage's name}: who says kStage = StageKind::..."""
     names, found = stages(), {}
-    for path in sorted((ROOT / "framework").glob("*.h")):
+    for path in sorted((ROOT / "framework").glob("*/*.h")):
         text = source(path.relative_to(ROOT))
         for match in re.finditer(r"class (\w+) : public Stage \{(.*?)kStage = StageKind::(\w+)", text, re.S):
             found[match[1]] = names[match[3]]
@@ -72,7 +72,7 @@ def parts(stage):
 
 def body_of(function):
     """The body of World<D>::FUNCTION, whichever file has it."""
-    for path in sorted((ROOT / "framework").glob("world*.cpp")):
+    for path in sorted((ROOT / "framework/world").glob("*.cpp")):
         match = re.search(r"World<D>::" + function + r"\([^;{]*\)(?: const)? \{(.*?)\n\}", source(path.relative_to(ROOT)), re.S)
         if match:
             return match[1]
@@ -99,7 +99,7 @@ def order():
         if fresh:
             seen |= set(fresh)
             found.append((where, fresh))
-    of_world = re.findall(r'\{StageKind::\w+, "(\w+)", "\w+", "\w+"\}', source("framework/stages.h"))
+    of_world = re.findall(r'\{StageKind::\w+, "(\w+)", "\w+", "\w+"\}', source("framework/stage/stages.h"))
     missing = [name for name in of_world if name not in seen]
     if missing:
         raise UserError(f"World::step does not come to {', '.join(missing)}, as far as this reads it")
@@ -167,7 +167,7 @@ def pipeline():
 def classes():
     """Trees of what derives from what, of the framework's public headers and of engines; the state of a world beside them."""
     children, about = {}, {}
-    for path in [*sorted((ROOT / "framework").glob("*.h")), ROOT / "oracles/engines/engine_world.h"]:
+    for path in [*sorted((ROOT / "framework").glob("*/*.h")), ROOT / "oracles/engines/engine_world.h"]:
         text = source(path.relative_to(ROOT))
         for match in re.finditer(r"\b(?:class|struct) (\w+)(?: final)? : public (\w+)", text):
             children.setdefault(match[2], []).append(match[1])
@@ -190,9 +190,9 @@ def classes():
     for root in roots:
         draw(root, 0)
         y += 8
-    state = re.search(r"// State: what save\(\) writes\.\n(.*?)\n\n", (ROOT / "framework/world.h").read_text(), re.S)
+    state = re.search(r"// State: what save\(\) writes\.\n(.*?)\n\n", (ROOT / "framework/world/world.h").read_text(), re.S)
     if not state:
-        raise UserError("framework/world.h does not say what of World is its state")
+        raise UserError("framework/world/world.h does not say what of World is its state")
     members = [re.sub(r"\s+", " ", line.split("//")[0]).strip(" ;") for line in state[1].split("\n")]
     lines = [re.sub(r"\bm_(\w+)", r"\1", m) for m in members if m]
     title = "World: its state, all of it in a save"

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/referee.h"
 #include "tests/generators.h"
 

@@ -383,9 +383,9 @@ class Tables(unittest.TestCase):
     def test_every_field_and_call_is_there(self):
         reader = "".join(f.read_text() for f in sorted(SOURCE.glob("experiments/trial/scene_*.cpp")))
         for struct, header, page, section in [
-                ("ShapeDef", "body.h", "shapes.md", "A shape on a body"), ("BodyDef", "body.h", "shapes.md", "A body"),
-                ("JointDef", "joint.h", "joints.md", "A joint"), ("ForceDef", "force.h", "forces.md", "A force"),
-                ("ContactListener", "world.h", "listeners.md", "Who hears what")]:
+                ("ShapeDef", "shape/shape_def.h", "shapes.md", "A shape on a body"), ("BodyDef", "problem/body.h", "shapes.md", "A body"),
+                ("JointDef", "problem/joint.h", "joints.md", "A joint"), ("ForceDef", "problem/force.h", "forces.md", "A force"),
+                ("ContactListener", "world/world.h", "listeners.md", "Who hears what")]:
             rows = tables_of((SOURCE / "docs" / page).read_text(), "## ")[section]
             told = {name for row in rows for name in re.findall(r"`(\w+)", row[0])}
             self.assertEqual(told, members((SOURCE / "framework" / header).read_text(), struct), struct)

@@ -17,9 +17,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "framework/curved_core.h"
-#include "framework/random.h"
-#include "framework/shape.h"
+#include "framework/math/random.h"
+#include "framework/shape/curved_core.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

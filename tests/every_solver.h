@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <string_view>
 
-#include "framework/check.h"
-#include "framework/support_map.h"
+#include "framework/math/check.h"
+#include "framework/shape/support_map.h"
 #include "tests/draw.h"
 
 namespace lpc::inline LPC_PRECISION::test {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/check.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/math/check.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "tests/generators.h"
 
 namespace lpc::inline LPC_PRECISION::test {

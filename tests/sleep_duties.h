@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/stage_sleep.h"
+#include "framework/stage/stage_sleep.h"
 
 namespace lpc::inline LPC_PRECISION::test::sleep_test {
 

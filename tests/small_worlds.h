@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/random.h"
-#include "framework/world.h"
+#include "framework/math/random.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "framework/surface.h"
+#include "framework/shape/surface.h"
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test {

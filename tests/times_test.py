@@ -40,7 +40,7 @@ class Times(unittest.TestCase):
                 "experiments/CMakeFiles/lpc-worker-f64.dir/trial/worker_main.cpp.o": "experiments/trial f64",
                 "experiments/CMakeFiles/lpc.dir/lpc/list.cpp.o": "experiments/lpc",
                 "oracles/CMakeFiles/lpc_oracles_f64.dir/fcl.cpp.o": "oracles f64",
-                "lpc/CMakeFiles/lpc_framework_f64.dir/framework/world.cpp.o": "framework f64",
+                "lpc/CMakeFiles/lpc_framework_f64.dir/framework/world/world.cpp.o": "framework f64",
                 "tests/CMakeFiles/test_known_answers_f32.dir/Unity/unity_0_cxx.cxx.o": "tests/known_answers f32",
                 "oracles/CMakeFiles/lpc_oracles_f64.dir/Unity/unity_2_cxx.cxx.o": "oracles f64",
                 "experiments/CMakeFiles/lpc.dir/Unity/unity_0_cxx.cxx.o": "experiments/lpc",

@@ -3,7 +3,7 @@
 #include <limits>
 #include <utility>
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -3,7 +3,7 @@
 // the order of a sweep, a cell or a tree node are neighbours in memory, too.
 #pragma once
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION::broadphase {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION::broadphase {
 

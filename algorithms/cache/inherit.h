@@ -2,7 +2,7 @@
 // What a point takes over from the one that it was in the step before.
 #pragma once
 
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::cache {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "algorithms/contacts/tolerances.h"
 #include "algorithms/pair_query/triple.h"
-#include "framework/curved_core.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/shape/curved_core.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
 

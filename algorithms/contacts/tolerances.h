@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION::contacts {
 

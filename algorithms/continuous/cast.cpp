@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "algorithms/time_of_impact/closing.h"
-#include "framework/stage_continuous.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_continuous.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

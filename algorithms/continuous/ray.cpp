@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/stage_continuous.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_continuous.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/stage_continuous.h"
+#include "framework/stage/stage_continuous.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

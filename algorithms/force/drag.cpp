@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/force.h"
+#include "framework/problem/force.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "framework/force.h"
+#include "framework/problem/force.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limits>
 
-#include "framework/force.h"
+#include "framework/problem/force.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <limits>
 
-#include "framework/joint.h"
+#include "framework/problem/joint.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/joint.h"
+#include "framework/problem/joint.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

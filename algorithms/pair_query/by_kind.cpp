@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <memory>
 
-#include "framework/registry.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/registry.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

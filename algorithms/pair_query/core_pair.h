@@ -15,8 +15,8 @@
 #include "algorithms/pair_query/hull_climb.h"
 #include "algorithms/pair_query/hull_support.h"
 #include "algorithms/pair_query/watch.h"
-#include "framework/stage_narrowphase.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

@@ -11,7 +11,7 @@
 #include "algorithms/pair_query/local_features.h"
 #include "algorithms/pair_query/pair_warmth.h"
 #include "algorithms/pair_query/plane_pair.h"
-#include "framework/pair_trace.h"
+#include "framework/stage/pair_trace.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

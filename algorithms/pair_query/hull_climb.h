@@ -7,7 +7,7 @@
 #include <array>
 
 #include "algorithms/pair_query/tolerances.h"
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 
@@ -20,8 +20,8 @@ struct HullPeak {
 /// All vertices that lie within `band` (m times the length of d) of the farthest along d, of any length, and perhaps
 /// others; the highest, of several the first, is vertices[0]. They are found by a climb from `start`, whose end is one
 /// whose neighbours, and those of all that are as high within the band and the hull's slack, are lower by more than
-/// that (framework/hull_links.cpp has the proof). False where so many are as high that it gives up: a face with many
-/// corners, or a hull so thin that nothing is proved.
+/// that (framework/shape/hull_links.cpp has the proof). False where so many are as high that it gives up: a face with
+/// many corners, or a hull so thin that nothing is proved.
 inline bool climbToPeak(const Polytope<3>& hull, const Vec<3>& d, int start, Real band, HullPeak& peak) {
   const Real level = band + hull.slack * d.cwiseAbs().sum();  // the sum is no less than the length
   if (!(level < std::numeric_limits<Real>::infinity())) return false;

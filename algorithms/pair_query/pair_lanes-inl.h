@@ -14,7 +14,7 @@
 #include <cstddef>
 
 #include "algorithms/pair_query/tolerances.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 
 #if HWY_TARGET != HWY_SCALAR  // one lane: the scalar code has that
 HWY_BEFORE_NAMESPACE();

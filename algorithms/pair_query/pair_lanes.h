@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "algorithms/pair_query/tolerances.h"
-#include "framework/params.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/params.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

@@ -5,7 +5,7 @@
 #include "algorithms/pair_query/plane_pair.h"
 #include "algorithms/pair_query/sat_boxes.h"
 #include "algorithms/pair_query/sat_polytope3.h"
-#include "framework/pair_trace.h"
+#include "framework/stage/pair_trace.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

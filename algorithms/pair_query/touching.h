@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "algorithms/pair_query/touching_boxes.h"
-#include "framework/support_gap.h"
+#include "framework/shape/support_gap.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

@@ -6,7 +6,7 @@
 
 #include "algorithms/pair_query/gjk_simplex2.h"
 #include "algorithms/pair_query/touching.h"
-#include "framework/pair_trace.h"
+#include "framework/stage/pair_trace.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

@@ -4,7 +4,7 @@
 // (tracer.h).
 #pragma once
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION::pair_query {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
 
-#include "framework/stage_solver.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

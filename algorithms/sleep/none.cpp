@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/stage_sleep.h"
+#include "framework/stage/stage_sleep.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

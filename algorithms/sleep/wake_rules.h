@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/stage_sleep.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_sleep.h"
 
 namespace lpc::inline LPC_PRECISION::sleep {
 

@@ -6,8 +6,8 @@
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/free_motion.h"
 #include "algorithms/solver/ldl_solve.h"
-#include "framework/profiler.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "algorithms/solver/block_matrix.h"
 #include "algorithms/solver/inertia_root.h"
-#include "framework/contact_problem.h"
+#include "framework/problem/contact_problem.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "framework/body.h"
+#include "framework/problem/body.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "framework/check.h"
-#include "framework/joint.h"
+#include "framework/math/check.h"
+#include "framework/problem/joint.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

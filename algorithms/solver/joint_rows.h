@@ -11,7 +11,7 @@
 
 #include "algorithms/solver/block_inverse.h"
 #include "algorithms/solver/places.h"
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

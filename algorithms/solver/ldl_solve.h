@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

@@ -8,7 +8,7 @@
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/joint_rows.h"
 #include "algorithms/solver/places.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

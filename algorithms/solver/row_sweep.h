@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "algorithms/solver/block_inverse.h"
-#include "framework/contact_problem.h"
+#include "framework/problem/contact_problem.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

@@ -6,8 +6,8 @@
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/free_motion.h"
 #include "algorithms/solver/impact.h"
-#include "framework/profiler.h"
-#include "framework/random.h"
+#include "framework/math/random.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

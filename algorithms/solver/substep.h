@@ -13,7 +13,7 @@
 #include "algorithms/solver/free_motion.h"
 #include "algorithms/solver/joint_rows.h"
 #include "algorithms/solver/places.h"
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION::solver {
 

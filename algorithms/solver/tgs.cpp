@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "algorithms/solver/substep.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

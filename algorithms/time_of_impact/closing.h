@@ -13,8 +13,8 @@
 #include <limits>
 
 #include "algorithms/time_of_impact/tolerances.h"
-#include "framework/stage_time_of_impact.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/stage_time_of_impact.h"
 
 namespace lpc::inline LPC_PRECISION::continuous {
 

@@ -2,7 +2,7 @@
 // The tolerances of times of impact that are not parameters, with unit, meaning and danger.
 #pragma once
 
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION::continuous {
 

@@ -2,7 +2,7 @@
 #include "algorithms/solver/joint_rows.h"
 #include "algorithms/solver/normal_block.h"
 #include "algorithms/solver/sequential_impulse.h"
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -2,7 +2,7 @@
 #include "algorithms/solver/lemke.h"
 #include "algorithms/solver/pyramid_lcp.h"
 #include "algorithms/solver/row_sweep.h"
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

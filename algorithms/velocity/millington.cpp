@@ -2,7 +2,7 @@
 #include "algorithms/solver/contact_rows.h"
 #include "algorithms/solver/extreme_first.h"
 #include "algorithms/solver/joint_rows.h"
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -2,7 +2,7 @@
 #include "algorithms/solver/anderson.h"
 #include "algorithms/solver/row_sweep.h"
 #include "algorithms/solver/spring_island.h"
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/registry.h"
-#include "framework/work.h"
+#include "framework/math/work.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 

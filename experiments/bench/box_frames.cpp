@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 

@@ -7,9 +7,9 @@
 
 #include "experiments/bench/bench_groups.h"
 #include "experiments/bench/manifold_peers.h"
-#include "framework/random.h"
-#include "framework/stage_narrowphase.h"
-#include "framework/tolerances.h"
+#include "framework/math/random.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 

@@ -5,7 +5,7 @@
 #include "experiments/bench/pair_data.h"
 #include "experiments/bench/pair_peers.h"
 #include "experiments/bench/pair_proof.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION::bench {

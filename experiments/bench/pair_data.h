@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "framework/curved_core.h"
-#include "framework/random.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/math/random.h"
+#include "framework/shape/curved_core.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 

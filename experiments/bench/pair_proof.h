@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 

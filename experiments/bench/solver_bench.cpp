@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "experiments/bench/bench_groups.h"
-#include "framework/world.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 namespace {

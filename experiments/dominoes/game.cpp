@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // A game of dominoes, as the first users of the 2009 engine wrote one: a broadphase of its own, listeners that count
 // points. Who rolls the ball says how fast: just fast enough earns the most.
-#include <framework/shape_between.h>
-#include <framework/world.h>
+#include <lpc/shape_between.h>
+#include <lpc/world.h>
 
 #include <algorithm>
 #include <cstdio>

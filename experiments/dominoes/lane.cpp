@@ -3,7 +3,7 @@
 // sorting it by insertion is one walk. The game links this file; with plugin.cpp it is a library that `lpc` can judge.
 #include <numeric>
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/plugin.h"
+#include "framework/stage/plugin.h"
 
 LPC_PLUGIN;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

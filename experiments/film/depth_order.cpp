@@ -9,7 +9,7 @@
 #include <set>
 
 #include "experiments/film/picture.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "experiments/film/camera.h"
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

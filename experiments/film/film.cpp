@@ -11,7 +11,7 @@
 #include "experiments/film/film_file.h"
 #include "experiments/film/reel.h"
 #include "experiments/runner/worker_pool.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

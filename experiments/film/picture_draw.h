@@ -8,7 +8,7 @@
 #include "experiments/film/camera.h"
 #include "experiments/film/depth_order.h"
 #include "experiments/film/picture.h"
-#include "framework/draw_simulation.h"
+#include "framework/draw/draw_simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

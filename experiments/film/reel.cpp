@@ -8,10 +8,10 @@
 #include <limits>
 
 #include "experiments/film/picture_draw.h"
-#include "framework/check.h"
-#include "framework/curved_core.h"
-#include "framework/draw_simulation.h"
-#include "framework/support_map.h"
+#include "framework/draw/draw_simulation.h"
+#include "framework/math/check.h"
+#include "framework/shape/curved_core.h"
+#include "framework/shape/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

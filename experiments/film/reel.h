@@ -10,8 +10,8 @@
 
 #include "experiments/film/camera.h"
 #include "experiments/film/picture.h"
-#include "framework/recording.h"
-#include "framework/shape.h"
+#include "framework/scene/recording.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -6,7 +6,7 @@
 
 #include "experiments/film/camera.h"
 #include "experiments/film/picture.h"
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "framework/profiler.h"
-#include "framework/settings.h"
-#include "framework/world.h"
+#include "framework/stage/profiler.h"
+#include "framework/world/settings.h"
+#include "framework/world/world.h"
 
 namespace {
 

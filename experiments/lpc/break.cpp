@@ -13,7 +13,7 @@
 #include "experiments/runner/scheduler.h"
 #include "experiments/runner/sweep_axis.h"
 #include "experiments/runner/sweep_cell.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -8,7 +8,7 @@
 #include "experiments/runner/pair_corpus.h"
 #include "experiments/runner/reproduction.h"
 #include "experiments/trial/output_file.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -15,8 +15,8 @@
 #include "experiments/trial/pair_drawing.h"
 #include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_file.h"
-#include "framework/curved_core.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
+#include "framework/shape/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

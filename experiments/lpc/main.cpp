@@ -21,9 +21,9 @@
 #include "experiments/lpc/scene_options.h"
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/worker_pool.h"
-#include "framework/check.h"
-#include "framework/names.h"
-#include "framework/plugin.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
+#include "framework/stage/plugin.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

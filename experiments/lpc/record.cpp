@@ -17,9 +17,9 @@
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/pair_stream.h"
 #include "experiments/trial/problem_file.h"
-#include "framework/contact_problem.h"
-#include "framework/director.h"
-#include "framework/world.h"
+#include "framework/problem/contact_problem.h"
+#include "framework/scene/director.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -27,8 +27,8 @@
 #include "experiments/trial/plugin.h"
 #include "experiments/trial/saved_scene.h"
 #include "experiments/trial/trial.h"
-#include "framework/names.h"
-#include "framework/stage_engine.h"
+#include "framework/math/names.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -14,7 +14,7 @@
 #include "experiments/runner/store.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/plugin.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -4,9 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "framework/check.h"
-#include "framework/settings.h"
-#include "framework/stage_engine.h"
+#include "framework/math/check.h"
+#include "framework/world/settings.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 

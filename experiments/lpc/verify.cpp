@@ -13,8 +13,8 @@
 #include "experiments/runner/reproduction.h"
 #include "experiments/runner/verification.h"
 #include "experiments/trial/output_file.h"
-#include "framework/check.h"
-#include "framework/names.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
 #include "oracles/cases.h"
 #include "oracles/verdict.h"
 

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "framework/check.h"
-#include "framework/names.h"
-#include "framework/nesting.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
+#include "framework/math/nesting.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

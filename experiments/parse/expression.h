@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/random.h"
-#include "framework/space.h"
+#include "framework/math/random.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <utility>
 
-#include "framework/names.h"
-#include "framework/nesting.h"
+#include "framework/math/names.h"
+#include "framework/math/nesting.h"
 
 namespace lpc::inline LPC_PRECISION {
 

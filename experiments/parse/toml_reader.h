@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/check.h"
-#include "framework/space.h"
+#include "framework/math/check.h"
+#include "framework/math/space.h"
 
 #define TOML_HEADER_ONLY 0
 #include <toml++/toml.h>

@@ -10,7 +10,7 @@
 #include "experiments/runner/metric_name.h"
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/metric.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -14,7 +14,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/trial.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

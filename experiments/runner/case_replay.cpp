@@ -10,7 +10,7 @@
 
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/ledger_json.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

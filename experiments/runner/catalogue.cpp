@@ -6,7 +6,7 @@
 #include <set>
 
 #include "experiments/trial/metric.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "oracles/witness.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "experiments/runner/store.h"
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 

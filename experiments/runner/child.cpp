@@ -15,7 +15,7 @@
 #include <cstring>
 #include <utility>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 struct pollfd;
 

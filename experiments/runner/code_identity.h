@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 

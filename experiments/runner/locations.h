@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

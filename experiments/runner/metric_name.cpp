@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "framework/work.h"
+#include "framework/math/work.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -10,8 +10,8 @@
 
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/store.h"
-#include "framework/check.h"
-#include "framework/names.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

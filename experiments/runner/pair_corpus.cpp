@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "oracles/cases.h"
 #include "oracles/verify.h"
 

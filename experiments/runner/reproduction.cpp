@@ -9,8 +9,8 @@
 
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
-#include "framework/check.h"
-#include "framework/names.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
 #include "oracles/cases.h"
 #include "oracles/verify.h"
 #include "oracles/witness.h"

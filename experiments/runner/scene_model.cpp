@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

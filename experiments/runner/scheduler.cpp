@@ -11,8 +11,8 @@
 #include <set>
 
 #include "experiments/runner/worker_pool.h"
-#include "framework/random.h"
-#include "framework/registry.h"
+#include "framework/math/random.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

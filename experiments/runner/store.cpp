@@ -13,7 +13,7 @@
 
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "experiments/runner/store.h"
 #include "experiments/trial/output_file.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "framework/names.h"
-#include "framework/registry.h"
+#include "framework/math/names.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

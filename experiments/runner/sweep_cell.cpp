@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "experiments/runner/sweep_axis.h"
-#include "framework/names.h"
-#include "framework/stages.h"
+#include "framework/math/names.h"
+#include "framework/stage/stages.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "experiments/runner/trial_plan.h"
-#include "framework/spec.h"
+#include "framework/stage/spec.h"
 
 namespace lpc::inline LPC_PRECISION {
 

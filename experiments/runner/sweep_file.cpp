@@ -17,7 +17,7 @@
 #include "experiments/runner/sweep_axis.h"
 #include "experiments/runner/sweep_cell.h"
 #include "experiments/runner/sweep_size.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -11,8 +11,8 @@
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/pair_drawing.h"
 #include "experiments/trial/problems_metrics.h"
-#include "framework/names.h"
-#include "framework/stage_engine.h"
+#include "framework/math/names.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "experiments/trial/problem_file.h"
 #include "experiments/trial/scene_file.h"
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 

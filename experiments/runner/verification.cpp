@@ -17,9 +17,9 @@
 #include "experiments/runner/worker_pool.h"
 #include "experiments/trial/ledger_json.h"
 #include "experiments/trial/output_file.h"
-#include "framework/check.h"
-#include "framework/names.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/metamorphic.h"
 #include "oracles/verify.h"
 

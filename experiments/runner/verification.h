@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "experiments/runner/store.h"
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 

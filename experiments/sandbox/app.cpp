@@ -21,8 +21,8 @@
 #include "experiments/sandbox/puppet.h"
 #include "experiments/trial/output_file.h"
 #include "experiments/trial/saved_scene.h"
-#include "framework/check.h"
-#include "framework/names.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

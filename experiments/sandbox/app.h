@@ -15,8 +15,8 @@
 #include "experiments/sandbox/session.h"
 #include "experiments/sandbox/tiles.h"
 #include "experiments/sandbox/window.h"
-#include "framework/draw_simulation.h"
-#include "framework/random.h"
+#include "framework/draw/draw_simulation.h"
+#include "framework/math/random.h"
 
 namespace lpc::inline LPC_PRECISION {
 

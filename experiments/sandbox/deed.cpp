@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/sandbox/deed.h"
 
-#include "framework/check.h"
-#include "framework/stage_engine.h"
-#include "framework/world.h"
+#include "framework/math/check.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

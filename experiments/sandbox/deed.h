@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "framework/director.h"
+#include "framework/scene/director.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "framework/body.h"
+#include "framework/problem/body.h"
 
 namespace lpc::inline LPC_PRECISION {
 

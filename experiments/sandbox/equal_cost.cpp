@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "framework/registry.h"
-#include "framework/stage_engine.h"
+#include "framework/stage/registry.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "experiments/sandbox/shape_mesh.h"
 #include "experiments/sandbox/view_camera.h"
-#include "framework/debug_draw.h"
+#include "framework/draw/debug_draw.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/check.h"
-#include "framework/draw_simulation.h"
+#include "framework/draw/draw_simulation.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

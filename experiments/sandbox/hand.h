@@ -9,7 +9,7 @@
 #include "experiments/sandbox/drawn_shape.h"
 #include "experiments/sandbox/pick.h"
 #include "experiments/sandbox/session.h"
-#include "framework/debug_draw.h"
+#include "framework/draw/debug_draw.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "framework/check.h"
-#include "framework/names.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <set>
 
-#include "framework/registry.h"
-#include "framework/stage_engine.h"
+#include "framework/stage/registry.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

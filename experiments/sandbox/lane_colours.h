@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/debug_draw.h"
+#include "framework/draw/debug_draw.h"
 
 namespace lpc::inline LPC_PRECISION {
 

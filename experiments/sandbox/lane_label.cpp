@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "framework/registry.h"
-#include "framework/stage_engine.h"
+#include "framework/stage/registry.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

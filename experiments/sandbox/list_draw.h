@@ -3,7 +3,7 @@
 #pragma once
 
 #include "experiments/sandbox/view_camera.h"
-#include "framework/debug_draw.h"
+#include "framework/draw/debug_draw.h"
 
 struct ImDrawList;
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "framework/aabb.h"
+#include "framework/math/aabb.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "experiments/sandbox/view_camera.h"
-#include "framework/simulation.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -6,8 +6,8 @@
 
 #include "experiments/sandbox/app.h"
 #include "experiments/trial/plugin.h"
-#include "framework/check.h"
-#include "framework/names.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
 
 int main(int argc, char** argv) {
   try {

@@ -6,7 +6,7 @@
 
 #include "experiments/runner/locations.h"
 #include "experiments/sandbox/app.h"
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

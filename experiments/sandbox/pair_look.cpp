@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

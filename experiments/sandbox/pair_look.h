@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/pair_trace.h"
-#include "framework/simulation.h"
+#include "framework/stage/pair_trace.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

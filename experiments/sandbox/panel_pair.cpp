@@ -8,8 +8,8 @@
 
 #include "experiments/sandbox/list_draw.h"
 #include "experiments/sandbox/panels.h"
-#include "framework/registry.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

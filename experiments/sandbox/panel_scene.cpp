@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "experiments/sandbox/panels.h"
-#include "framework/check.h"
-#include "framework/registry.h"
+#include "framework/math/check.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

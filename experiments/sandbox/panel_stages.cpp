@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "experiments/sandbox/panels.h"
-#include "framework/registry.h"
-#include "framework/stage_engine.h"
+#include "framework/stage/registry.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "experiments/sandbox/view_camera.h"
-#include "framework/simulation.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -9,8 +9,8 @@
 
 #include "experiments/sandbox/app.h"
 #include "experiments/trial/output_file.h"
-#include "framework/check.h"
-#include "framework/names.h"
+#include "framework/math/check.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

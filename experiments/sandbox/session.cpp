@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "experiments/trial/simulation_of_scene.h"
-#include "framework/check.h"
-#include "framework/invariants.h"
+#include "framework/math/check.h"
+#include "framework/world/invariants.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

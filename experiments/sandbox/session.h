@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "experiments/sandbox/deed.h"
-#include "framework/director.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 

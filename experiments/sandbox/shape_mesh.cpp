@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -12,7 +12,7 @@
 #include "experiments/sandbox/gl_canvas.h"
 #include "experiments/sandbox/look_at_all.h"
 #include "experiments/sandbox/window.h"
-#include "framework/draw_simulation.h"
+#include "framework/draw/draw_simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

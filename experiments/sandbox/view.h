@@ -6,7 +6,7 @@
 //   view(world, Real(1) / 60);
 #pragma once
 
-#include "framework/debug_draw.h"
+#include "framework/draw/debug_draw.h"
 
 namespace lpc::inline LPC_PRECISION {
 

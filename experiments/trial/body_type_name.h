@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "framework/body.h"
+#include "framework/problem/body.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "experiments/trial/box_distribution.h"
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

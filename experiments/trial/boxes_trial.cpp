@@ -10,7 +10,7 @@
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

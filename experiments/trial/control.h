@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "framework/scene_spec.h"
+#include "framework/scene/scene_spec.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/names.h"
-#include "framework/registry.h"
+#include "framework/math/names.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -10,8 +10,8 @@
 #include "experiments/trial/fclib_library.h"
 #include "experiments/trial/library_process.h"
 #include "experiments/trial/problem_file.h"
-#include "framework/contact_problem.h"
-#include "framework/profiler.h"
+#include "framework/problem/contact_problem.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 

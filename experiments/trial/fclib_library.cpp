@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 #ifdef LPC_FCLIB
 extern "C" {

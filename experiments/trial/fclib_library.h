@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

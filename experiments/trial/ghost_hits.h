@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "framework/simulation.h"
-#include "framework/stage_time_of_impact.h"
+#include "framework/stage/stage_time_of_impact.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

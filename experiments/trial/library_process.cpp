@@ -11,7 +11,7 @@
 #include <csignal>
 #include <exception>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

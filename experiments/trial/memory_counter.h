@@ -2,7 +2,7 @@
 // Allocations of the program that this is linked into, counted by an `operator new` of its own.
 #pragma once
 
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -13,7 +13,7 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/library_process.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 #ifdef LPC_ASSIMP
 #include <assimp/cimport.h>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

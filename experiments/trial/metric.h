@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

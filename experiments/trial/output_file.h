@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/check.h"
-#include "framework/space.h"
+#include "framework/math/check.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

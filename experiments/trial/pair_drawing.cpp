@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "framework/curved_core.h"
-#include "framework/support_map.h"
+#include "framework/shape/curved_core.h"
+#include "framework/shape/support_map.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "experiments/trial/entry.h"
-#include "framework/random.h"
-#include "framework/shape.h"
+#include "framework/math/random.h"
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

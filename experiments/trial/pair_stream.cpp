@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "framework/box_index.h"
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
+#include "framework/world/box_index.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

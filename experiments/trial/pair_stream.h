@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/simulation.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -12,7 +12,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/pair_stream.h"
 #include "experiments/trial/written_rotation.h"
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "experiments/trial/metric.h"
-#include "framework/work.h"
+#include "framework/math/work.h"
 
 namespace lpc::inline LPC_PRECISION {
 

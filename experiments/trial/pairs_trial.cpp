@@ -12,7 +12,7 @@
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/stream_replay.h"
 #include "experiments/trial/trial.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/verify.h"
 
 namespace lpc::inline LPC_PRECISION {

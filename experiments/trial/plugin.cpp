@@ -24,7 +24,7 @@ std::string abiOf(const std::string& path) {
   const std::string all = bytes.str();
   const std::size_t at = all.find(kMark);
   if (at == std::string::npos) {
-    throw UserError("plugin " + path + ": no lpc_abi in it; put LPC_PLUGIN; of framework/plugin.h into one file");
+    throw UserError("plugin " + path + ": no lpc_abi in it; put LPC_PLUGIN; of framework/stage/plugin.h into one file");
   }
   return all.substr(at, all.find('\0', at) - at);
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/plugin.h"
+#include "framework/stage/plugin.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -12,7 +12,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/body_type_name.h"
 #include "experiments/trial/fclib_file.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

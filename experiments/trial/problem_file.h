@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/frozen_problem.h"
+#include "framework/problem/frozen_problem.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -12,9 +12,9 @@
 #include "experiments/trial/problem_spectrum.h"
 #include "experiments/trial/problems_metrics.h"
 #include "experiments/trial/trial.h"
-#include "framework/contact_problem.h"
-#include "framework/profiler.h"
-#include "framework/worse.h"
+#include "framework/math/worse.h"
+#include "framework/problem/contact_problem.h"
+#include "framework/stage/profiler.h"
 #include "oracles/witness_resolver.h"
 
 namespace lpc::inline LPC_PRECISION {

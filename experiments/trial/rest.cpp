@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "framework/simulation.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

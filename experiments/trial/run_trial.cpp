@@ -4,7 +4,7 @@
 
 #include "experiments/trial/plugin.h"
 #include "experiments/trial/trial.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {
 

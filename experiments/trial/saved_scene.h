@@ -5,8 +5,8 @@
 #include <string>
 
 #include "experiments/trial/output_file.h"
-#include "framework/scene_spec.h"
-#include "framework/world.h"
+#include "framework/scene/scene_spec.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -7,11 +7,11 @@
 #include "experiments/trial/body_type_name.h"
 #include "experiments/trial/scene_parsed.h"
 #include "experiments/trial/written_rotation.h"
-#include "framework/curved_core.h"
-#include "framework/inverse_inertia.h"
-#include "framework/mass.h"
-#include "framework/names.h"
-#include "framework/shape_tolerances.h"
+#include "framework/math/inverse_inertia.h"
+#include "framework/math/names.h"
+#include "framework/shape/curved_core.h"
+#include "framework/shape/mass.h"
+#include "framework/shape/shape_tolerances.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

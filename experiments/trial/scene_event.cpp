@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "experiments/trial/scene_names.h"
-#include "framework/director.h"
-#include "framework/stage_engine.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

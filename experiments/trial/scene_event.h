@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "experiments/trial/scene_parsed.h"
-#include "framework/scene_spec.h"
+#include "framework/scene/scene_spec.h"
 
 namespace lpc::inline LPC_PRECISION {
 

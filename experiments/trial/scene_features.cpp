@@ -2,7 +2,7 @@
 // The features that scenes need and the bodies that they have, by name.
 #include "experiments/trial/body_type_name.h"
 #include "experiments/trial/scene_parsed.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

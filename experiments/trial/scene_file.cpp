@@ -10,7 +10,7 @@
 #include "experiments/trial/scene_event.h"
 #include "experiments/trial/scene_names.h"
 #include "experiments/trial/scene_parsed.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/check.h"
-#include "framework/scene_spec.h"
+#include "framework/math/check.h"
+#include "framework/scene/scene_spec.h"
 
 namespace lpc::inline LPC_PRECISION {
 

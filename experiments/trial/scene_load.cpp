@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "experiments/trial/scene_parsed.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

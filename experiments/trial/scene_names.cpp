@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 

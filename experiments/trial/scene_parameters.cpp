@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/trial/scene_parsed.h"
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {
 

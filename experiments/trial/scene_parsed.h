@@ -11,7 +11,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/mesh_file.h"
 #include "experiments/trial/scene_file.h"
-#include "framework/settings.h"
+#include "framework/world/settings.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Ensembles: the same scene many times, each started a little beside the others.
 #include "experiments/trial/scene_parsed.h"
-#include "framework/mass.h"
+#include "framework/shape/mass.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

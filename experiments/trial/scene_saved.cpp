@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "experiments/trial/scene_parsed.h"
-#include "framework/saved_state.h"
+#include "framework/world/saved_state.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "experiments/trial/body_type_name.h"
 #include "experiments/trial/scene_parsed.h"
-#include "framework/curved_core.h"
-#include "framework/names.h"
-#include "framework/surface.h"
+#include "framework/math/names.h"
+#include "framework/shape/curved_core.h"
+#include "framework/shape/surface.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

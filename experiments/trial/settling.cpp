@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "experiments/trial/trial.h"
-#include "framework/worse.h"
+#include "framework/math/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

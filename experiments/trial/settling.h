@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/simulation.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -4,9 +4,9 @@
 #include <sstream>
 
 #include "experiments/trial/scene_file.h"
-#include "framework/check.h"
-#include "framework/stage_engine.h"
-#include "framework/world.h"
+#include "framework/math/check.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "framework/scene_spec.h"
-#include "framework/simulation.h"
+#include "framework/scene/scene_spec.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "experiments/trial/pair_stream.h"
-#include "framework/director.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "framework/simulation.h"
+#include "framework/world/simulation.h"
 
 namespace lpc::inline LPC_PRECISION {
 

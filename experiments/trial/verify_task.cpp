@@ -5,7 +5,7 @@
 
 #include "experiments/trial/ledger_json.h"
 #include "experiments/trial/plugin.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "oracles/cases.h"
 #include "oracles/verify.h"
 

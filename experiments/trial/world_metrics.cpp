@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "experiments/trial/trial.h"
-#include "framework/worse.h"
+#include "framework/math/worse.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

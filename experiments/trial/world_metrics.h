@@ -8,8 +8,8 @@
 #include "experiments/trial/metric.h"
 #include "experiments/trial/rest.h"
 #include "experiments/trial/settling.h"
-#include "framework/invariants.h"
-#include "framework/scene_spec.h"
+#include "framework/scene/scene_spec.h"
+#include "framework/world/invariants.h"
 
 namespace lpc::inline LPC_PRECISION {
 

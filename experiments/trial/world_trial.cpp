@@ -20,12 +20,12 @@
 #include "experiments/trial/trial.h"
 #include "experiments/trial/tunnelling.h"
 #include "experiments/trial/world_metrics.h"
-#include "framework/contact_problem.h"
-#include "framework/director.h"
-#include "framework/pose_penetration.h"
-#include "framework/recording.h"
-#include "framework/world.h"
-#include "framework/worse.h"
+#include "framework/math/worse.h"
+#include "framework/problem/contact_problem.h"
+#include "framework/scene/director.h"
+#include "framework/scene/recording.h"
+#include "framework/world/pose_penetration.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -2,7 +2,7 @@
 // Rotations of a file that a run in either precision may have written.
 #pragma once
 
-#include "framework/user_numbers.h"
+#include "framework/math/user_numbers.h"
 
 namespace lpc::inline LPC_PRECISION {
 

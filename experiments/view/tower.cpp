@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // A tower and a ball that rolls at it, seen in a window.
 #include <experiments/sandbox/view.h>
-#include <framework/shape_between.h>
-#include <framework/world.h>
+#include <lpc/shape_between.h>
+#include <lpc/world.h>
 
 int main() try {
   lpc::World<3> world(lpc::Pipeline::parse("solver=soft_step"));

@@ -23,7 +23,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #endif
 
 namespace lpc::inline LPC_PRECISION {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
-#include "framework/stage_engine.h"
-#include "framework/world.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
 #include "oracles/engines/joint_spec.h"
 
 namespace lpc::inline LPC_PRECISION {

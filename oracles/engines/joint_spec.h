@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "framework/joint.h"
+#include "framework/problem/joint.h"
 
 namespace lpc::inline LPC_PRECISION {
 

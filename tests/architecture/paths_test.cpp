@@ -101,8 +101,8 @@ TEST(Paths, EveryNamedPathIsThere) {
 TEST(Paths, AMissingOneIsFound) {
   using Paths = std::vector<std::string>;
   EXPECT_EQ(missing("see `tests/framework/no_such_test.cpp`."), Paths{"tests/framework/no_such_test.cpp"});
-  EXPECT_EQ(missing("(framework/world.h, no_such.h)"), Paths{"no_such.h"});
-  EXPECT_EQ(missing("framework/world.h, tests/run, docs/*.md, experiments/scenes/ and world_step.cpp"), Paths{});
+  EXPECT_EQ(missing("(framework/world/world.h, no_such.h)"), Paths{"no_such.h"});
+  EXPECT_EQ(missing("framework/world/world.h, tests/run, docs/*.md, experiments/scenes/ and world_step.cpp"), Paths{});
   bool inExample = false;
   EXPECT_EQ(wordsOf("int a;  // framework/x.h", ".cpp", inExample), "// framework/x.h");
   EXPECT_EQ(wordsOf("#include \"framework/x.h\"", ".cpp", inExample), "");

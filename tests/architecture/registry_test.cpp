@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What is registered is what the documents say, and what reports will be able to show.
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "framework/stages.h"
+#include "framework/stage/stages.h"
 
 namespace {
 
@@ -54,8 +54,21 @@ const std::vector<std::string> kPosix = {"dlfcn.h", "fcntl.h",     "poll.h", "sc
 // What glibc's allocator says of a block: a program may count its memory.
 const std::vector<std::string> kAllocator = {"malloc.h"};
 const std::vector<Allowance> kAllowances = {
-    {"framework/", {"framework/", "Eigen/"}, {"libqhull_r/", "xxhash.h"}},
-    {"algorithms/", {"framework/", "Eigen/", "hwy/"}, {}},  // and kernel headers of the own group
+    {"framework/", {"Eigen/", "framework/math/"}, {}},
+    {"framework/shape/", {"framework/shape/"}, {"libqhull_r/"}},
+    // A contract names the records that it is given, and the kind of a joint or a force is a contract.
+    {"framework/stage/", {"framework/shape/", "framework/stage/", "framework/problem/"}, {}},
+    {"framework/problem/", {"framework/shape/", "framework/stage/", "framework/problem/"}, {}},
+    {"framework/world/",
+     {"framework/shape/", "framework/stage/", "framework/problem/", "framework/world/"},
+     {"xxhash.h"}},
+    {"framework/scene/", {"framework/world/", "framework/scene/"}, {}},
+    {"framework/draw/", {"framework/shape/", "framework/stage/", "framework/problem/", "framework/world/"}, {}},
+    {"framework/draw/", {"framework/draw/"}, {}},
+    // A method knows no world; beside these it has the kernel headers of its own group.
+    {"algorithms/",
+     {"framework/math/", "framework/shape/", "framework/stage/", "framework/problem/", "Eigen/", "hwy/"},
+     {}},
     {"oracles/", {"framework/", "oracles/", "Eigen/"}, {"fcl/", "ccd/", "BulletCollision/", "gmpxx.h", "nlohmann/"}},
     {"oracles/", {}, {"siconos/"}},
     {"oracles/", {}, {"ode/", "box2d/", "chipmunk/"}},
@@ -77,7 +90,7 @@ std::string includeFault(const std::string& file, const std::string& target) {
   if (target.ends_with(".cpp")) return "a .cpp is included by nobody";
   if (file.starts_with("algorithms/")) {
     const lpc::StageInfo *from = lpc::stageOfPath(file), *to = lpc::stageOfPath(target);
-    if (!from) return "its folder is no stage's: framework/stages.h has the list";
+    if (!from) return "its folder is no stage's: framework/stage/stages.h has the list";
     if (to) return to->group == from->group ? "" : "a kernel header of another group";
   }
   if (target.find_first_of("/.") == target.npos) return "";  // <vector>: the standard library
@@ -118,9 +131,9 @@ std::string denied(const std::string& line) {
 
 // Tolerances of these kernels have a name and a meaning, in the group's own file.
 bool namesItsTolerances(const Source& s) {
-  static const std::set<std::string> files = {"framework/compound.cpp", "framework/polytope.cpp",
-                                              "framework/saved_state.cpp", "framework/support_gap.h",
-                                              "framework/shape_query.cpp"};
+  static const std::set<std::string> files = {"framework/shape/compound.cpp", "framework/shape/polytope.cpp",
+                                              "framework/world/saved_state.cpp", "framework/shape/support_gap.h",
+                                              "framework/shape/shape_query.cpp"};
   if (!isCode(s) || s.path.ends_with("tolerances.h")) return false;
   return in(s, "algorithms/pair_query") || in(s, "algorithms/contacts") || files.contains(s.path);
 }
@@ -189,21 +202,30 @@ TEST(Rules, NoDefaultDependsOnThePrecision) {
 
 TEST(Rules, IncludeRulesCatchBreaches) {
   const std::pair<const char*, const char*> breaches[] = {
-      {"framework/world.cpp", "algorithms/broadphase/naive.cpp"},
+      {"framework/world/world.cpp", "algorithms/broadphase/naive.cpp"},
       {"tests/framework/world_test.cpp", "algorithms/broadphase/naive.cpp"},
-      {"framework/world.cpp", "algorithms/solver/contact_rows.h"},
-      {"framework/shape.h", "libqhull_r/qhull_ra.h"},
-      {"framework/spec.cpp", "oracles/verify.h"},
-      {"framework/spec.cpp", "fmt/format.h"},
-      {"framework/spec.cpp", "unistd.h"},
-      {"framework/spec.cpp", "boost/container/flat_map.hpp"},  // of nobody's list
-      {"framework/spec.cpp", "spec.h"},                        // paths start at the root
+      {"framework/world/world.cpp", "algorithms/solver/contact_rows.h"},
+      {"framework/shape/shape.h", "libqhull_r/qhull_ra.h"},
+      {"framework/stage/spec.cpp", "oracles/verify.h"},
+      {"framework/stage/spec.cpp", "fmt/format.h"},
+      {"framework/stage/spec.cpp", "unistd.h"},
+      {"framework/stage/spec.cpp", "boost/container/flat_map.hpp"},  // of nobody's list
+      {"framework/stage/spec.cpp", "spec.h"},                        // paths start at the root
+      {"framework/math/space.h", "framework/shape/shape.h"},
+      {"framework/shape/shape.cpp", "framework/problem/body.h"},
+      {"framework/stage/stage_solver.h", "framework/world/world.h"},
+      {"framework/problem/contact.h", "framework/world/simulation.h"},
+      {"framework/world/world.h", "framework/draw/debug_draw.h"},
+      {"framework/scene/director.h", "framework/draw/debug_draw.h"},
+      {"framework/draw/debug_draw.h", "framework/scene/director.h"},
+      {"framework/new_room/x.h", "framework/world/world.h"},
+      {"algorithms/velocity/catto.cpp", "framework/world/world.h"},
       {"algorithms/velocity/catto.cpp", "algorithms/pair_query/gjk_simplex3.h"},
       {"algorithms/sleep/none.cpp", "algorithms/solver/contact_rows.h"},
       {"algorithms/velocity/catto.cpp", "algorithms/rows.h"},
       {"algorithms/velocity/catto.cpp", "fcl/fcl.h"},
       {"algorithms/velocity/catto.cpp", "experiments/trial/trial.h"},
-      {"algorithms/no_stage/x.cpp", "framework/world.h"},
+      {"algorithms/no_stage/x.cpp", "framework/world/world.h"},
       {"oracles/jury.h", "fcl/fcl.h"},
       {"oracles/fcl.cpp", "algorithms/pair_query/touching.h"},
       {"oracles/fcl.cpp", "experiments/trial/trial.h"},
@@ -216,7 +238,7 @@ TEST(Rules, IncludeRulesCatchBreaches) {
       {"experiments/lpc/run.cpp", "SDL2/SDL.h"},
       {"experiments/sandbox/window.h", "imgui.h"}};
   for (const auto& [file, target] : breaches) EXPECT_NE(includeFault(file, target), "") << file << " -> " << target;
-  EXPECT_EQ(includeFault("framework/polytope.cpp", "libqhull_r/qhull_ra.h"), "");
+  EXPECT_EQ(includeFault("framework/shape/polytope.cpp", "libqhull_r/qhull_ra.h"), "");
   EXPECT_EQ(includeFault("algorithms/velocity/catto.cpp", "algorithms/solver/contact_rows.h"), "");
   EXPECT_EQ(includeFault("algorithms/contacts/query_clip.cpp", "algorithms/pair_query/touching.h"), "");
 }

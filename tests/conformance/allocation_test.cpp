@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "framework/random.h"
-#include "framework/world.h"
+#include "framework/math/random.h"
+#include "framework/world/world.h"
 #include "tests/conformance/broadphase_variants.h"
 #include "tests/every_solver.h"
 

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/random.h"
-#include "framework/stage_broadphase.h"
+#include "framework/math/random.h"
+#include "framework/stage/stage_broadphase.h"
 #include "tests/assertion.h"
 #include "tests/draw.h"
 

@@ -6,8 +6,8 @@
 #include <set>
 #include <type_traits>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "tests/check_property.h"
 #include "tests/conformance/broadphase_model.h"
 #include "tests/conformance/broadphase_variants.h"

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <vector>
 
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "framework/contact_problem.h"
+#include "framework/problem/contact_problem.h"
 #include "tests/conformance/impact_scene.h"
 
 namespace lpc::inline LPC_PRECISION::test::contact_problem_test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The velocity problem as a whole: its matrix, what is left of it at impulses that are known to be right or wrong, and
 // what the methods make of it that see all of it.
-#include "framework/contact_problem.h"
+#include "framework/problem/contact_problem.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/contact_problem.h"
+#include "framework/problem/contact_problem.h"
 #include "tests/check_property.h"
 #include "tests/conformance/by_iterations.h"
 #include "tests/conformance/scene_change.h"

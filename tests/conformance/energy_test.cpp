@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/invariants.h"
-#include "framework/worse.h"
+#include "framework/math/worse.h"
+#include "framework/world/invariants.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/every_solver.h"

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "framework/random.h"
-#include "framework/stage_narrowphase.h"
-#include "framework/world.h"
+#include "framework/math/random.h"
+#include "framework/stage/stage_narrowphase.h"
+#include "framework/world/world.h"
 #include "oracles/referee.h"
 #include "tests/check_property.h"
 #include "tests/expect_caught.h"

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/hard_pairs.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"

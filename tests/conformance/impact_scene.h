@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/profiler.h"
-#include "framework/stage_solver.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/profiler.h"
+#include "framework/stage/stage_solver.h"
 #include "tests/draw.h"
 
 namespace lpc::inline LPC_PRECISION::test {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/tolerances.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "tests/draw.h"
 
 namespace lpc::inline LPC_PRECISION::test {

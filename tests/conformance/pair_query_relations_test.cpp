@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "tests/check_property.h"
 #include "tests/pair_query_properties.h"
 #include "tests/planted_bugs/pair_query_twins.h"

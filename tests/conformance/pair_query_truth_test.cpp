@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <map>
 
-#include "framework/check.h"
-#include "framework/stage_narrowphase.h"
-#include "framework/tolerances.h"
+#include "framework/math/check.h"
+#include "framework/math/tolerances.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/referee.h"
 #include "tests/check_property.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What a query shows of its steps is what it does: the same answer and the same work, step by step without a gap.
-#include "framework/pair_trace.h"
+#include "framework/stage/pair_trace.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 #include <numbers>
 
-#include "framework/debug_draw.h"
-#include "framework/support_map.h"
+#include "framework/draw/debug_draw.h"
+#include "framework/shape/support_map.h"
 #include "oracles/hard_pairs.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 #include "tests/generators.h"

@@ -2,9 +2,9 @@
 // All support points of a query are counted, by cores that count for themselves; a looser tolerance asks for no more.
 #include <gtest/gtest.h>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/support_gap.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_gap.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 #include "tests/check_property.h"
 #include "tests/conformance/scene_change.h"
 #include "tests/every_solver.h"

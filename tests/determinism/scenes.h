@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/world.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -92,8 +92,8 @@ endforeach()
 # An include that a part lacks is not missed, since an earlier part has it: so each part is asked for those that its words need.
 foreach(file IN LISTS parts)
   file(READ ${file} part)
-  foreach(need IN ITEMS "World<|framework/world.h" "std::(printf|puts)|cstdio" "drawSimulation|framework/draw_simulation.h"
-          "Between|framework/shape_between.h" "CurvedBase|framework/curved_core.h" "std::(abs|sqrt|sin|cos|atan2|hypot)\\(|cmath"
+  foreach(need IN ITEMS "World<|lpc/world.h" "std::(printf|puts)|cstdio" "drawSimulation|lpc/draw_simulation.h"
+          "Between|lpc/shape_between.h" "CurvedBase|lpc/curved_core.h" "std::(abs|sqrt|sin|cos|atan2|hypot)\\(|cmath"
           "std::(max|min|clamp)|algorithm" "std::(make_unique|make_shared|unique_ptr)|memory" "std::array|array"
           "std::vector|vector")
     string(REGEX REPLACE "^(.*)\\|[^|]*$" "\\1" words "${need}")

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/world.h"
+#include "framework/world/world.h"
 #include "tests/planted_bugs/engine_twins.h"
 
 namespace lpc::inline LPC_PRECISION::test {

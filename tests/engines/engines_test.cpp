@@ -5,10 +5,10 @@
 
 #include <sstream>
 
-#include "framework/director.h"
-#include "framework/invariants.h"
-#include "framework/pose_penetration.h"
-#include "framework/recording.h"
+#include "framework/scene/director.h"
+#include "framework/scene/recording.h"
+#include "framework/world/invariants.h"
+#include "framework/world/pose_penetration.h"
 #include "tests/engines/engine_checks.h"
 
 namespace lpc::inline LPC_PRECISION::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Joints of engines: signs, zeros and units of stops, motors, springs and ropes are ours, and what an engine lacks it
 // says. Each check is asked of our own world, too, and fails on its planted twin.
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/engines/engine_checks.h"
 
 namespace lpc::inline LPC_PRECISION::test::engine_joints_test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What a script does to bodies between steps, in engines as in our worlds.
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/engines/engine_checks.h"
 
 namespace lpc::inline LPC_PRECISION::test::engine_script_test {

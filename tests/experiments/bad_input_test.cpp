@@ -3,7 +3,7 @@
 // and nothing half-written. Unknown names and keys are in scene_file_test, sweep_test and command_line_test.
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/sweep_file.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "tests/experiments/refused.h"
 
 namespace lpc::inline LPC_PRECISION::bad_input_test {

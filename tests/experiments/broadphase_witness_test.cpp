@@ -3,7 +3,7 @@
 // boxes.
 #include <filesystem>
 
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION::broadphase_witness_test {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/runner/worker_pool.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION::child_test {

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "experiments/parse/toml_reader.h"
-#include "framework/plugin.h"
-#include "framework/registry.h"
+#include "framework/stage/plugin.h"
+#include "framework/stage/registry.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION::command_line_test {

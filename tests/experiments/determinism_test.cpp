@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "experiments/trial/scene_file.h"
-#include "framework/director.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/world.h"
 #include "tests/check_property.h"
 #include "tests/experiments/scene_states.h"
 

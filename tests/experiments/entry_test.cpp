@@ -11,7 +11,7 @@
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/pair_drawing.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
 #include "oracles/referee.h"
 #include "tests/expect_caught.h"
 

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "experiments/runner/sweep_file.h"
-#include "framework/joint.h"
+#include "framework/problem/joint.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

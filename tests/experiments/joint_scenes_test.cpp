@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/experiments/scene_play.h"
 
 namespace lpc::inline LPC_PRECISION::joint_scenes_test {

@@ -10,7 +10,7 @@
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/scene_file.h"
-#include "framework/mass.h"
+#include "framework/shape/mass.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "experiments/parse/toml_reader.h"
-#include "framework/curved_core.h"
-#include "framework/world.h"
+#include "framework/shape/curved_core.h"
+#include "framework/world/world.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"

@@ -8,9 +8,9 @@
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/scene_parsed.h"
-#include "framework/director.h"
-#include "framework/invariants.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/invariants.h"
+#include "framework/world/world.h"
 #include "tests/experiments/scene_states.h"
 #include "tests/experiments/workspace.h"
 

@@ -11,7 +11,7 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/trial/output_file.h"
-#include "framework/random.h"
+#include "framework/math/random.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION::png_file_test {

@@ -8,9 +8,9 @@
 
 #include "experiments/runner/locations.h"
 #include "experiments/trial/scene_file.h"
-#include "framework/director.h"
-#include "framework/settings.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/settings.h"
+#include "framework/world/world.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

@@ -6,7 +6,7 @@
 #include "experiments/trial/problem_file.h"
 #include "experiments/trial/problem_spectrum.h"
 #include "experiments/trial/trial.h"
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 #include "oracles/witness_resolver.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/refused.h"

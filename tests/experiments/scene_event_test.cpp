@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "experiments/trial/scene_file.h"
-#include "framework/director.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/world.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "experiments/parse/expression.h"
-#include "framework/check.h"
-#include "framework/director.h"
-#include "framework/world.h"
+#include "framework/math/check.h"
+#include "framework/scene/director.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION::scene_file_test {
 namespace {

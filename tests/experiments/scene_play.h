@@ -6,8 +6,8 @@
 
 #include "experiments/runner/locations.h"
 #include "experiments/trial/scene_file.h"
-#include "framework/director.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

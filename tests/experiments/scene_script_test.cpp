@@ -7,9 +7,9 @@
 #include "experiments/runner/locations.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/scene_file.h"
-#include "framework/director.h"
-#include "framework/mass.h"
-#include "framework/world.h"
+#include "framework/scene/director.h"
+#include "framework/shape/mass.h"
+#include "framework/world/world.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

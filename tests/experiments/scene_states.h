@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

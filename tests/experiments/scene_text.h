@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/trial/scene_file.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Blocks that make no turn of their loops, and what is counted of those that do.
-#include "framework/joint.h"
+#include "framework/problem/joint.h"
 #include "tests/experiments/scene_text.h"
 
 namespace lpc::inline LPC_PRECISION::scene_turns_test {

@@ -10,7 +10,7 @@
 #include <regex>
 
 #include "experiments/trial/scene_file.h"
-#include "framework/director.h"
+#include "framework/scene/director.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/experiments/workspace.h"

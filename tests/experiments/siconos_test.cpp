@@ -4,7 +4,7 @@
 
 #include "experiments/trial/problem_file.h"
 #include "experiments/trial/trial.h"
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 #include "oracles/verify.h"
 #include "oracles/witness_resolver.h"
 #include "tests/experiments/refused.h"

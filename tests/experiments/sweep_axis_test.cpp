@@ -7,7 +7,7 @@
 #include <set>
 
 #include "experiments/runner/sweep_file.h"
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "experiments/runner/store.h"
-#include "framework/random.h"
+#include "framework/math/random.h"
 #include "tests/check_property.h"
 #include "tests/experiments/process.h"
 #include "tests/experiments/workspace.h"

@@ -8,7 +8,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/trial.h"
 #include "experiments/trial/world_metrics.h"
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

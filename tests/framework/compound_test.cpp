@@ -2,9 +2,9 @@
 // Shapes of several convex parts: what is refused, and what parts say together.
 #include <gtest/gtest.h>
 
-#include "framework/mass.h"
-#include "framework/shape_tolerances.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/shape/mass.h"
+#include "framework/shape/shape_tolerances.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 #include "tests/small_worlds.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Who is connected, who stands how high, and who may be solved at the same time, on any graph.
-#include "framework/contact_graph.h"
+#include "framework/problem/contact_graph.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 #include <set>
 
-#include "framework/world.h"
+#include "framework/world/world.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/contact_order.h"
+#include "framework/problem/contact_order.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test::contact_order_test {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // Cores that are known by their support functions: the support point, the support face, the mass, and points, boxes and
 // rays against them. Each is held to the formula of its surface, which none of them uses.
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 
 #include <gtest/gtest.h>
 
-#include "framework/random.h"
-#include "framework/support_map.h"
+#include "framework/math/random.h"
+#include "framework/shape/support_map.h"
 
 namespace lpc::inline LPC_PRECISION::test::curved_core_test {
 namespace {

@@ -2,8 +2,8 @@
 // The one kind that a user's support function gives: registered, it is a shape as others are; unsound, it is refused.
 #include <gtest/gtest.h>
 
-#include "framework/curved_core.h"
-#include "framework/world.h"
+#include "framework/shape/curved_core.h"
+#include "framework/world/world.h"
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test::custom_core_test {

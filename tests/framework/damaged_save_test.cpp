@@ -8,7 +8,7 @@
 #include <limits>
 #include <sstream>
 
-#include "framework/saved_state.h"
+#include "framework/world/saved_state.h"
 #include "tests/check_property.h"
 #include "tests/fuzz/damaged_world.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/draw_structure.h"
+#include "framework/draw/draw_structure.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Sums and products of small matrices are plain matrices, to the last bit what Eigen's own operators, still there as
 // members, answer by expressions.
-#include "framework/eager.h"
+#include "framework/math/eager.h"
 
 #include <gtest/gtest.h>
 
-#include "framework/space.h"
+#include "framework/math/space.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 

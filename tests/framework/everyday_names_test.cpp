@@ -3,15 +3,15 @@
 // would be ambiguous below as soon as it is used: it gets a word more (WorkCount, AlgorithmInfo).
 #include <gtest/gtest.h>
 
-#include "framework/director.h"
-#include "framework/draw_simulation.h"
-#include "framework/draw_structure.h"
-#include "framework/invariants.h"
-#include "framework/plugin.h"
-#include "framework/pose_penetration.h"
-#include "framework/recording.h"
-#include "framework/stage_engine.h"
-#include "framework/world.h"
+#include "framework/draw/draw_simulation.h"
+#include "framework/draw/draw_structure.h"
+#include "framework/scene/director.h"
+#include "framework/scene/recording.h"
+#include "framework/stage/plugin.h"
+#include "framework/world/invariants.h"
+#include "framework/world/pose_penetration.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
 
 // What games, tools and exercises have.
 // clang-format off

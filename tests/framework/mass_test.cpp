@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // M9: mass, centre and inertia against sums over a cut, an independent integration, and hard inputs.
-#include "framework/mass.h"
+#include "framework/shape/mass.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // What a message says of a wrong name.
-#include "framework/names.h"
+#include "framework/math/names.h"
 
 #include <gtest/gtest.h>
 
-#include "framework/registry.h"
+#include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION::test::names_test {
 namespace {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <set>
 
-#include "framework/check.h"
-#include "framework/shape.h"
-#include "framework/shape_tolerances.h"
+#include "framework/math/check.h"
+#include "framework/shape/shape.h"
+#include "framework/shape/shape_tolerances.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Memory by scopes: each tells what it used itself, and together they tell all.
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // Where rays enter shapes, with which normal, and whom they meet in a world.
 #include <gtest/gtest.h>
 
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 #include "tests/small_worlds.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // What users set, and that it reaches what is made afterwards and nothing else.
-#include "framework/settings.h"
+#include "framework/world/settings.h"
 
 #include <gtest/gtest.h>
 
-#include "framework/registry.h"
-#include "framework/scene_spec.h"
-#include "framework/world.h"
+#include "framework/scene/scene_spec.h"
+#include "framework/stage/registry.h"
+#include "framework/world/world.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::settings_test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/shape_between.h"
+#include "framework/shape/shape_between.h"
 
 #include <gtest/gtest.h>
 

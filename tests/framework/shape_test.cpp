@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/shape.h"
+#include "framework/shape/shape.h"
 
 #include <gtest/gtest.h>
 
-#include "framework/check.h"
-#include "framework/stage_broadphase.h"
-#include "framework/support_map.h"
+#include "framework/math/check.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/stage_broadphase.h"
 #include "oracles/referee.h"
 #include "tests/check_property.h"
 #include "tests/direction_search.h"

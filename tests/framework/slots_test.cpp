@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/slots.h"
+#include "framework/math/slots.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "framework/random.h"
+#include "framework/math/random.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test::slots_test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/space.h"
+#include "framework/math/space.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Text that names algorithms, both ways, and the registry that finds them.
-#include "framework/spec.h"
+#include "framework/stage/spec.h"
 
 #include <gtest/gtest.h>
 
-#include "framework/registry.h"
-#include "framework/stage_sleep.h"
+#include "framework/stage/registry.h"
+#include "framework/stage/stage_sleep.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "framework/stage_broadphase.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_broadphase.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // M3 to M7 of the support function, which all of GJK, EPA, MPR and the certificates stand on.
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // Triangles, meshes and chains as shapes: what they refuse, what they know of themselves, and questions about them.
 #include <gtest/gtest.h>
 
-#include "framework/parts_near.h"
+#include "framework/shape/parts_near.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 #include "tests/surfaces.h"

@@ -3,9 +3,9 @@
 
 #include <sstream>
 
-#include "framework/director.h"
-#include "framework/invariants.h"
-#include "framework/recording.h"
+#include "framework/scene/director.h"
+#include "framework/scene/recording.h"
+#include "framework/world/invariants.h"
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::world_test {

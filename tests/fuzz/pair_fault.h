@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "framework/stage_narrowphase.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/referee.h"
 
 namespace lpc::inline LPC_PRECISION {

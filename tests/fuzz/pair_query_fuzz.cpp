@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "tests/fuzz/pair_fault.h"
 #include "tests/fuzz/target.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The text of a pipeline: refused, or what it says comes back from its own text; a world of it stands.
-#include "framework/world.h"
+#include "framework/world/world.h"
 #include "tests/fuzz/target.h"
 
 namespace lpc::inline LPC_PRECISION {

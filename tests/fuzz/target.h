@@ -15,8 +15,8 @@
 #include <string>
 #include <string_view>
 
-#include "framework/check.h"
-#include "framework/space.h"
+#include "framework/math/check.h"
+#include "framework/math/space.h"
 
 namespace lpc::inline LPC_PRECISION {
 

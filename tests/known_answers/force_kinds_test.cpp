@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Kinds of force with a formula. Springs and drag are in the files of what they are for.
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test::force_kinds_test {

@@ -2,7 +2,7 @@
 // Where laws of restitution differ: balls that touch, e that is not the same everywhere, an oblique rod with friction.
 #include <array>
 
-#include "framework/mass.h"
+#include "framework/shape/mass.h"
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test::impact_laws_test {

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/known_answers/known_answer.h"
 
 namespace lpc::inline LPC_PRECISION::test::joint_test {

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/conformance/impact_scene.h"
 #include "tests/known_answers/known_answer.h"
 

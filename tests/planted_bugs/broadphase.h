@@ -2,7 +2,7 @@
 // Wrong twins of the naive broadphase, each with a mistake that real ones had. The conformance test must refuse them.
 #pragma once
 
-#include "framework/stage_broadphase.h"
+#include "framework/stage/stage_broadphase.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

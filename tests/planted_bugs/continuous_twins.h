@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "framework/stage_continuous.h"
+#include "framework/stage/stage_continuous.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/draw_simulation.h"
+#include "framework/draw/draw_simulation.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "framework/stage_engine.h"
+#include "framework/world/stage_engine.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

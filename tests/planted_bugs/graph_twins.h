@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "framework/contact_graph.h"
+#include "framework/problem/contact_graph.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

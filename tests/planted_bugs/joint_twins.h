@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "framework/joint.h"
+#include "framework/problem/joint.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/stage_solver.h"
+#include "framework/stage/stage_narrowphase.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

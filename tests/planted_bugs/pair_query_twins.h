@@ -4,8 +4,8 @@
 
 #include <cstring>
 
-#include "framework/stage_narrowphase.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/stage_narrowphase.h"
 
 namespace lpc::inline LPC_PRECISION::test::wrong_queries {
 

@@ -7,10 +7,10 @@
 #include <cstring>
 #include <memory>
 
-#include "framework/force.h"
-#include "framework/plugin.h"
-#include "framework/stage_broadphase.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/problem/force.h"
+#include "framework/stage/plugin.h"
+#include "framework/stage/stage_broadphase.h"
+#include "framework/stage/stage_narrowphase.h"
 
 LPC_PLUGIN;
 

@@ -7,11 +7,11 @@
 
 #include <algorithm>
 
-#include "framework/profiler.h"
-#include "framework/stage_broadphase.h"
-#include "framework/stage_narrowphase.h"
-#include "framework/stage_sleep.h"
-#include "framework/stage_solver.h"
+#include "framework/stage/profiler.h"
+#include "framework/stage/stage_broadphase.h"
+#include "framework/stage/stage_narrowphase.h"
+#include "framework/stage/stage_sleep.h"
+#include "framework/stage/stage_solver.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

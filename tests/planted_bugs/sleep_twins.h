@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "framework/stage_sleep.h"
+#include "framework/stage/stage_sleep.h"
 
 namespace lpc::inline LPC_PRECISION::test {
 

@@ -2,7 +2,7 @@
 // Ways to miss the time of impact, or to find one that is none; the properties must see each.
 #pragma once
 
-#include "framework/stage_time_of_impact.h"
+#include "framework/stage/stage_time_of_impact.h"
 
 namespace lpc::inline LPC_PRECISION::test::wrong_casts {
 

@@ -3,8 +3,8 @@
 // did.
 #pragma once
 
-#include "framework/pair_trace.h"
-#include "framework/support_map.h"
+#include "framework/shape/support_map.h"
+#include "framework/stage/pair_trace.h"
 
 namespace lpc::inline LPC_PRECISION::test::wrong_traces {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <iostream>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "oracles/hard_pairs.h"
 #include "oracles/referee.h"
 #include "oracles/support_sweep.h"

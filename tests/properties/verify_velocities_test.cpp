@@ -3,7 +3,7 @@
 // leaves.
 #include <gtest/gtest.h>
 
-#include "framework/profiler.h"
+#include "framework/stage/profiler.h"
 #include "oracles/drawn_problem.h"
 #include "oracles/verify.h"
 #include "tests/expect_caught.h"

@@ -13,8 +13,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "framework/check.h"
-#include "framework/stage_narrowphase.h"
+#include "framework/math/check.h"
+#include "framework/stage/stage_narrowphase.h"
 #include "oracles/cases.h"
 #include "oracles/referee.h"
 #include "oracles/witness_process.h"

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "oracles/cases.h"
 
 namespace lpc::inline LPC_PRECISION {

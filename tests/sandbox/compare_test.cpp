@@ -5,7 +5,7 @@
 #include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_label.h"
 #include "experiments/sandbox/session.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/engine_twins.h"
 #include "tests/sandbox/box_at.h"

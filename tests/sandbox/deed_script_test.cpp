@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/sandbox/session.h"
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/check.h"
+#include "framework/math/check.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test::hand_test {

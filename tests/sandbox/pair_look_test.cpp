@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/world.h"
+#include "framework/world/world.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::test::pair_look_test {

@@ -8,8 +8,8 @@
 
 #include "experiments/sandbox/equal_cost.h"
 #include "experiments/sandbox/lane_label.h"
-#include "framework/check.h"
-#include "framework/invariants.h"
+#include "framework/math/check.h"
+#include "framework/world/invariants.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "framework/mass.h"
-#include "framework/support_map.h"
+#include "framework/shape/mass.h"
+#include "framework/shape/support_map.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/planted_bugs/view_twins.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "experiments/sandbox/look_at_all.h"
-#include "framework/world.h"
+#include "framework/world/world.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 #include "tests/planted_bugs/view_twins.h"

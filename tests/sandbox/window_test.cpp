@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "experiments/sandbox/view.h"
-#include "framework/world.h"
+#include "framework/world/world.h"
 #include "tests/check_property.h"
 #include "tests/sandbox/shown.h"
 

@@ -2,8 +2,8 @@
 // Bodies that are changed after they were added, merged and taken apart; gravity and stages that are exchanged.
 #include <gtest/gtest.h>
 
-#include "framework/invariants.h"
-#include "framework/shape_between.h"
+#include "framework/shape/shape_between.h"
+#include "framework/world/invariants.h"
 #include "tests/draw.h"
 #include "tests/every_solver.h"
 #include "tests/expect_caught.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "framework/curved_core.h"
+#include "framework/shape/curved_core.h"
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 

@@ -2,7 +2,7 @@
 // Joints in a world: they break, they let sleep and wake, they say how far they are off.
 #include <gtest/gtest.h>
 
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/small_worlds.h"
 
 namespace lpc::inline LPC_PRECISION::test::joints_test {

@@ -3,7 +3,7 @@
 // what its manifolds are by tests/conformance/contact_history_test.cpp.
 #include <gtest/gtest.h>
 
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"
 

@@ -5,8 +5,8 @@
 
 #include <sstream>
 
-#include "framework/director.h"
-#include "framework/recording.h"
+#include "framework/scene/director.h"
+#include "framework/scene/recording.h"
 #include "tests/every_solver.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/planted_stages.h"

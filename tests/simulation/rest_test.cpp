@@ -2,7 +2,7 @@
 // R14: what rests goes on resting, for every solver.
 #include <gtest/gtest.h>
 
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/every_solver.h"
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"

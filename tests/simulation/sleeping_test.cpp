@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "framework/invariants.h"
+#include "framework/world/invariants.h"
 #include "tests/every_solver.h"
 #include "tests/expect_caught.h"
 #include "tests/small_worlds.h"

@@ -61,7 +61,7 @@ def main():
     commands, files = configure(), sorted(hidden())
     if len(files) < 150:
         sys.exit(f"{len(files)} sources of the product stand in batches behind another; expected at least 150")
-    said = faults(commands[SOURCE / "framework" / "shape.cpp"], PLANTED)
+    said = faults(commands[SOURCE / "framework/shape/shape.cpp"], PLANTED)
     if not re.search(r"planted\.cpp:\d+:\d+: error: .*StateInvariants", said):
         sys.exit(f"{PLANTED} lacks an #include, and the compiler does not say so:\n{said}")
     wrong = [(path, said) for path in files if (said := faults(commands[path], path))]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// A planted bug: it lacks #include "framework/invariants.h". In a batch, a file before it could have that line.
-#include "framework/shape.h"
+// A planted bug: it lacks #include "framework/world/invariants.h". In a batch, a file before it could have that line.
+#include "framework/shape/shape.h"
 
 namespace lpc::inline LPC_PRECISION {
 

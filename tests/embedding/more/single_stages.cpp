@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Single stages without a world: a broadphase on boxes of one's own, a pair query on two shapes.
-#include <framework/stage_broadphase.h>
-#include <framework/stage_narrowphase.h>
+#include <lpc/stage_broadphase.h>
+#include <lpc/stage_narrowphase.h>
 
 #include <cmath>
 #include <cstdio>

@@ -1,14 +1,14 @@
-edit(framework/stages.h "  engine
+edit(framework/stage/stages.h "  engine
 }" "  engine,
   speedLimit
 }")
-edit(framework/stages.h [[    {StageKind::engine, "engine", "engine", ""},
+edit(framework/stage/stages.h [[    {StageKind::engine, "engine", "engine", ""},
 ]] [[    {StageKind::engine, "engine", "engine", ""},
     {StageKind::speedLimit, "speed_limit", "speed_limit", "longest_step"},
 ]])
-edit(framework/world_step.cpp [[#include "framework/world.h"
-]] [[#include "framework/world.h"
-#include "framework/stage_speed_limit.h"
+edit(framework/world/world_step.cpp [[#include "framework/world/world.h"
+]] [[#include "framework/world/world.h"
+#include "framework/stage/stage_speed_limit.h"
 ]])
-edit(framework/world_step.cpp "    stage<Solver>().step(" "    stage<SpeedLimit>().limit(dt, m_bodies);
+edit(framework/world/world_step.cpp "    stage<Solver>().step(" "    stage<SpeedLimit>().limit(dt, m_bodies);
     stage<Solver>().step(")

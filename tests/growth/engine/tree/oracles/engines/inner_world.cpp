@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/stage_engine.h"
-#include "framework/world.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "framework/stage_speed_limit.h"
+#include "framework/stage/stage_speed_limit.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Zlib
+// What of a simulation is drawn. It is read as the last step left it and asked nothing that would bring it up to date,
+// so that no step knows whether it was drawn.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "framework/draw/debug_draw.h"
+#include "framework/stage/params.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+// Colours that mean something, for legends.
+inline constexpr DrawColour kDrawnFixed{205, 205, 200};  // a body that never moves
+inline constexpr DrawColour kDrawnBearing{214, 39, 40};  // a contact that bore something in the last step
+inline constexpr DrawColour kDrawnIdle{90, 110, 140};    // one that bore nothing
+inline constexpr DrawColour kDrawnNormal{44, 110, 44};
+inline constexpr DrawColour kDrawnImpulse{214, 39, 40};
+inline constexpr DrawColour kDrawnFriction{230, 120, 20};
+inline constexpr DrawColour kDrawnBox{150, 150, 160};
+inline constexpr DrawColour kDrawnPair{120, 90, 170};
+inline constexpr DrawColour kDrawnJoint{20, 110, 160};
+inline constexpr DrawColour kDrawnJointError{200, 0, 120};
+inline constexpr DrawColour kDrawnCentre{30, 30, 30};
+inline constexpr DrawColour kDrawnVelocity{0, 130, 120};
+
+struct DrawLayers {
+  bool shapes = true, sleep = true, islands = false;
+  bool contacts = false, normals = false, impulses = false, friction = false;
+  bool boxes = false, structure = false, pairs = false;
+  bool joints = false, jointErrors = false;
+  bool centres = false, velocities = false;
+
+  Real normalLength = Real(0.25);  // m
+  Real impulseLength = 1;          // m per N s
+  Real velocityTime = Real(0.1);   // s
+  /// All in this colour, and of shapes the edges alone: for one simulation over another on the same scene.
+  std::optional<DrawColour> tint = {};
+
+  void visit(ParamVisitor& v) {
+    v.real("normal_length", normalLength, 0, 10, "m", "how long normals are drawn");
+    v.real("impulse_length", impulseLength, 0, 100, "m/(N s)", "how long an impulse is drawn");
+    v.real("velocity_time", velocityTime, 0, 10, "s", "velocities are drawn as the way of so long");
+  }
+};
+
+/// For menus: all that a `DrawLayers` switches.
+struct DrawLayer {
+  std::string_view name, meaning;
+  bool DrawLayers::*on;
+};
+inline constexpr std::array<DrawLayer, 14> kDrawLayers = {{
+    {"shapes", "the convex parts of all bodies", &DrawLayers::shapes},
+    {"sleep", "who sleeps is paler", &DrawLayers::sleep},
+    {"islands", "bodies that touch or are jointed have one colour", &DrawLayers::islands},
+    {"contacts", "points of contact, red where they bore something in the last step", &DrawLayers::contacts},
+    {"normals", "normals of contacts, from the first body to the second", &DrawLayers::normals},
+    {"impulses", "what contacts bore along their normals in the last step", &DrawLayers::impulses},
+    {"friction", "impulses of friction on the second body", &DrawLayers::friction},
+    {"boxes", "boxes as the broadphase saw them last, grown by half the contact margin", &DrawLayers::boxes},
+    {"structure", "what the broadphase divides by: cells, nodes of trees", &DrawLayers::structure},
+    {"pairs", "whom the last step asked for contacts, from box to box", &DrawLayers::pairs},
+    {"joints", "anchors, the way between them, and those from the centres of mass", &DrawLayers::joints},
+    {"joint errors", "joints that are off by more than eyes forgive, and how far", &DrawLayers::jointErrors},
+    {"centres", "centres of mass of what moves", &DrawLayers::centres},
+    {"velocities", "velocities of the centres of mass", &DrawLayers::velocities},
+}};
+
+/// Of a body by itself: bodies take turns, so that neighbours are told apart.
+Look bodyLook(std::size_t slot, BodyType type, bool awake);
+
+/// A body that was lost to NaN or infinity has no place in a picture.
+template <int D>
+bool isPlace(const Pose<D>& X_WC) {
+  return X_WC.p.allFinite() && (X_WC.q * Vec<D>(Vec<D>::UnitX())).allFinite();
+}
+
+/// What a simulation does not tell is not drawn: contacts and islands of an engine, boxes, structure and pairs
+/// of what is no `World`.
+template <int D>
+void drawSimulation(const Simulation<D>& simulation, const DrawLayers& layers, DebugDraw<D>& draw);
+
+}  // namespace lpc::inline LPC_PRECISION

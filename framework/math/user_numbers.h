@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Zlib
+// What a user may give as a number: each check throws UserError, which says who has what and what is valid.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "framework/math/check.h"
+#include "framework/math/space.h"
+#include "framework/math/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+inline bool isUnit(const Rot<2>& q) { return std::abs(q.c * q.c + q.s * q.s - 1) < 4 * kUnitTolerance; }
+inline bool isUnit(const Rot<3>& q) { return std::abs(q.w * q.w + q.imag().squaredNorm() - 1) < 4 * kUnitTolerance; }
+
+template <int D>
+void checkPose(const Pose<D>& x, const std::string& who) {
+  if (!x.p.allFinite()) throw UserError(who + ": the position is not finite");
+  if (!isUnit(x.q)) throw UserError(who + ": the rotation is not a unit complex number or quaternion");
+}
+
+template <int D>
+void checkMotion(const Motion<D>& m, const std::string& who) {
+  if (!m.v.allFinite() || !m.w.allFinite()) throw UserError(who + ": the velocity is not finite");
+}
+
+// Asked in each step, too: what is right makes no string.
+inline void checkAmount(Real value, std::string_view who, const char* what) {
+  if (value >= 0 && std::isfinite(value)) return;
+  throw UserError(std::string(who) + ": " + what + " is " + std::to_string(value) + "; valid: a finite number >= 0");
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/shape/mass.h"
+#include "framework/shape/shape_def.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// A public handle: a slot, and which of its successive tenants is meant. Those of bodies, joints and forces are types
+/// of their own, so that none is taken for another's.
+template <class Of>
+struct SlotHandle {
+  std::int32_t slot = -1;
+  std::uint32_t generation = 0;
+  bool operator==(const SlotHandle&) const = default;
+};
+using Handle = SlotHandle<struct OfBody>;
+using JointHandle = SlotHandle<struct OfJoint>;
+using ForceHandle = SlotHandle<struct OfForce>;
+
+enum class BodyType : std::uint8_t {
+  fixed,      // the field's "static": never moves, infinite mass
+  kinematic,  // moves with the velocity it was given, infinite mass
+  dynamic
+};
+
+/// A body as a user adds it. Mass, centre of mass and inertia follow from its shapes and their densities, unless they
+/// are given. Without shapes a body meets nothing: with a mass it is a point that forces and joints move, without one
+/// fixed.
+template <int D>
+struct BodyDef {
+  BodyType type = BodyType::dynamic;
+  Pose<D> X_WB{};
+  Vec<D> velocity = Vec<D>::Zero();         // of the centre of mass, m/s
+  Ang<D> angularVelocity = Ang<D>::Zero();  // rad/s, world frame
+  bool pinned = false;                      // keeps its centre of mass where it is, may turn
+  bool rotatable = true;
+  bool canSleep = true;
+  bool awake = true;
+  std::vector<ShapeDef<D>> shapes = {};
+  std::string name = {};       // for people; may be empty
+  std::uint64_t userData = 0;  // as a shape's
+  Real gravityScale = 1;       // of the world's gravity: 0 floats, below 0 it rises
+  /// In the body's own frame, in place of what the shapes say; an inertia of zero does not turn. Of a body that is not
+  /// dynamic the centre alone counts.
+  std::optional<MassProperties<D>> mass = {};
+
+  /// A body that never moves, of one shape: the 2009 engine's createStatic.
+  static BodyDef fixed(const ShapeDef<D>& shape, const Pose<D>& X_WB = {}) {
+    BodyDef def;
+    def.type = BodyType::fixed, def.X_WB = X_WB, def.shapes = {shape};
+    return def;
+  }
+};
+
+/// All bodies, by slot. A free slot has `used` = 0 and zeros elsewhere.
+///
+/// invMass and invInertia are what a solver uses: the world refreshes them before each solve. They are zero for static,
+/// kinematic and sleeping bodies (inertia also for those that may not turn, mass also for pinned ones), so that a
+/// solver needs no branch for them.
+template <int D>
+struct Bodies {
+  std::vector<Pose<D>> pose;  // X_WC of the centre-of-mass frame C: body axes, origin at the centre of mass
+  std::vector<Motion<D>> motion;
+  std::vector<Real> invMass;               // 1/kg
+  std::vector<Inertia<D>> invInertia;      // world frame, 1/(kg m^2)
+  std::vector<Real> mass;                  // kg; 0 for static and kinematic bodies
+  std::vector<Inertia<D>> invInertiaBody;  // body frame; zero for bodies that may not turn
+  std::vector<Vec<D>> center;              // p_BC, the centre of mass in the body's own frame
+  std::vector<BodyType> type;
+  std::vector<std::uint8_t> used, awake, canSleep, pinned, rotatable;
+  std::vector<Real> gravityScale;
+  std::vector<std::optional<MassProperties<D>>> givenMass;  // by the user, in the body's own frame
+  std::vector<std::array<Real, 2>> sleep;                   // the sleep policy's two scalars
+  std::vector<std::array<Real, 6>> solver;                  // the solver's own; zeros for a new body
+  std::vector<std::uint32_t> generation;
+  std::vector<std::uint64_t> userData;
+
+  int size() const { return static_cast<int>(pose.size()); }
+  /// Moves by forces and contacts this step.
+  bool active(int slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    return used[i] && awake[i] && type[i] == BodyType::dynamic;
+  }
+};
+
+/// All shapes, by slot (= ProxyId).
+template <int D>
+struct ShapeRecord {
+  Shape<D> shape = Shape<D>::sphere(0);
+  Pose<D> X_CS{};          // in its body's centre-of-mass frame
+  std::int32_t body = -1;  // -1: free slot
+  std::int32_t index = 0;  // its number among its body's shapes
+  Real friction = 0, restitution = 0;
+  std::uint32_t category = 1, mask = ~0u;
+  std::uint64_t userData = 0;
+  Real density = 0;  // kg/m^D, for whoever weighs the body anew
+};
+
+}  // namespace lpc::inline LPC_PRECISION

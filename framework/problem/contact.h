@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <tuple>
+
+#include "framework/problem/body.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+struct ContactPoint {
+  Vec<D> localA = Vec<D>::Zero();  // p_CaA: the witness on A, in A's centre-of-mass frame
+  Vec<D> localB = Vec<D>::Zero();  // p_CbB: the witness on B, in B's
+  Real separation = 0;             // (p_WB - p_WA) . n, m; negative when penetrating
+  std::uint64_t feature = 0;       // the same pair of features has the same number in the next step
+  std::array<Real, D>
+      impulse{};                 // the next step starts from it, N s: along n, then along tangents(n). Zero means cold.
+  std::array<Real, D> memory{};  // the solver's own, carried with the point
+  /// What the point bore along n in the whole step, N s; each solver writes it, without blows of an impact law that has
+  /// rows of its own (split_solver's poisson and sequential). Where sub-steps start from the one
+  /// before, `impulse` is that of the last times their number, and no sum.
+  Real load = 0;
+};
+
+template <int D>
+inline constexpr int kManifoldPoints = D == 2 ? 2 : 4;
+
+/// The contact points of two convex parts, one of each of two shapes; bodyA < bodyB.
+template <int D>
+struct Manifold {
+  std::int32_t bodyA = -1, bodyB = -1;
+  std::int32_t shapeA = -1, shapeB = -1;  // slots in the world's shapes
+  std::int32_t childA = 0, childB = 0;    // number of the convex part; 0 for a shape that has one
+  std::int32_t count = 0;                 // of points
+  Vec<D> normal = Vec<D>::Zero();         // n_AB, unit, world
+  Real friction = 0, restitution = 0;     // of the pair
+  std::uint8_t begun = 0;                 // 1 in the step in which the pair starts to have contacts
+  std::uint8_t ignored = 0;               // 1 when a listener vetoed it: kept, but not solved
+  std::array<ContactPoint<D>, kManifoldPoints<D>> points{};
+  /// When its points were made: where B's centre-of-mass frame was in A's, and the normal in A's. The world writes
+  /// them.
+  Pose<D> X_AB{};
+  Vec<D> normalA = Vec<D>::Zero();
+
+  /// Manifolds are sorted by this, so that the order in which a broadphase finds pairs leaves no trace. The children
+  /// come last: those of one pair of shapes stand together.
+  auto key() const { return std::tuple(bodyA, shapeA, bodyB, shapeB, childA, childB); }
+  auto shapeKey() const { return std::tuple(bodyA, shapeA, bodyB, shapeB); }
+};
+
+/// Separation of a contact point at the bodies' present poses (m): what a solver sees after it has moved them.
+template <int D>
+Real separationNow(const Manifold<D>& m, const ContactPoint<D>& c, const Pose<D>& X_WA, const Pose<D>& X_WB) {
+  return (X_WB * c.localB - X_WA * c.localA).dot(m.normal);
+}
+
+/// Both arms from the centres of mass to the point midway between the anchors (m, world axes), and the separation
+/// there at the present poses. Positions are subtracted first: far from the origin the sum would lose digits.
+template <int D>
+struct ContactArms {
+  Vec<D> rA, rB;
+  Real separation;  // m
+
+  ContactArms(const ContactPoint<D>& c, const Vec<D>& n, const Pose<D>& X_WA, const Pose<D>& X_WB) {
+    const Vec<D> fromA = X_WA.q * c.localA, fromB = X_WB.q * c.localB, centers = X_WB.p - X_WA.p;
+    const Vec<D> gap = centers + fromB - fromA;
+    separation = gap.dot(n);
+    rA = fromA + gap / 2, rB = fromB - gap / 2;
+  }
+};
+
+/// How the coefficients of two shapes become that of their contact.
+enum class MixRule : std::uint8_t { geometricMean, arithmeticMean, minimum, maximum, product };
+inline constexpr std::array<std::string_view, 5> kMixRuleNames = {"geometric_mean", "arithmetic_mean", "minimum",
+                                                                  "maximum", "product"};
+inline Real mix(MixRule rule, Real a, Real b) {
+  switch (rule) {
+    case MixRule::geometricMean:
+      return std::sqrt(a * b);
+    case MixRule::arithmeticMean:
+      return (a + b) / 2;
+    case MixRule::minimum:
+      return std::min(a, b);
+    case MixRule::maximum:
+      return std::max(a, b);
+    case MixRule::product:
+      return a * b;
+  }
+  return 0;
+}
+/// Of friction and of restitution; the rules of the 2009 engine.
+struct MixRules {
+  MixRule friction = MixRule::geometricMean, restitution = MixRule::arithmeticMean;
+  bool operator==(const MixRules&) const = default;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

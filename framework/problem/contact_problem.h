@@ -1,0 +1,441 @@
+// SPDX-License-Identifier: Zlib
+// The velocity problem of a step as a whole, for methods that see all of it and for measures of what is left of it.
+//
+// With one impulse x_i per row, the velocities of the rows after the step are u = W x + v - target, W = J M^-1 J^T and
+// v what they are now. Wanted are impulses with
+//
+//     free       u_i + compliance_i x_i = 0
+//     interval   lo_i <= x_i <= hi_i; u_i >= 0 at lo_i, <= 0 at hi_i, 0 between
+//     contact    |x_t| <= mu x_n and u_n >= 0, x_n u_n = 0, u_t = -s x_t with s >= 0, which is 0 inside the cone
+//
+// The law of a contact is not that of a convex problem. With De Saxce's correction, u_n + mu |u_t| for u_n, it reads
+// "x and u are in two cones that are dual to each other, and orthogonal", which one projection tests.
+//
+// All of it is double in either precision: redundant contacts make W singular, and float would decide by its rounding.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "framework/math/worse.h"
+#include "framework/problem/contact_rows.h"
+#include "framework/problem/given_problem.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+enum class ProblemLaw : std::uint8_t { free, interval, normal, tangent };
+
+template <int D>
+struct ProblemRow {
+  using Linear = Eigen::Matrix<double, D, 1, Eigen::DontAlign>;
+  using Angular = Eigen::Matrix<double, kAngDim<D>, 1, Eigen::DontAlign>;
+
+  std::int32_t a = 0, b = 0;  // bodies by slot; the world has the number after the last
+  Linear d;                   // as of ConstraintRow
+  Angular armA, armB;
+  Linear pushA, pushB;    // velocity of a body per impulse, m/s per N s
+  Angular turnA, turnB;   // the same, rad/s
+  double target = 0;      // m/s or rad/s
+  double compliance = 0;  // of a spring, velocity per impulse
+  double lo = 0, hi = 0;  // of the impulse, N s or N m s
+  double mass = 0;        // 1 / (W_ii + compliance)
+  double unit = 0;        // the same for all directions of a contact, or of what a joint holds: from their mean W_ii
+  double friction = 0;    // of a normal: the next D - 1 rows are its tangents
+  ProblemLaw law = ProblemLaw::free;
+  bool ofJoint = false;
+  bool movable = false;                // can the centre of either body move?
+  std::int32_t owner = 0, number = 0;  // joint and row, or manifold and D x point + direction
+
+  /// One of those that a joint solves together: no limits, no compliance.
+  bool holds() const { return ofJoint && law == ProblemLaw::free && !(compliance > 0); }
+};
+
+/// How far impulses are from a solution, in m/s (rad/s of angular rows): an error of impulse times W_ii, which is one
+/// over the mass that the row feels. Divided by g dt it is a share of the row's own weight.
+struct ProblemResidual {
+  double natural = 0;  // of the natural map, the largest of all rows
+  double cone = 0;     // by how much the largest impulse is outside of its cone or interval
+};
+
+/// The nearest point to (n, t) with |t| <= mu n.
+template <int D>
+void projectOnCone(double mu, double* x) {
+  double squared = 0;
+  for (int k = 1; k < D; ++k) squared += x[k] * x[k];
+  const double t = std::sqrt(squared), n = x[0];
+  if (t <= mu * n) return;
+  const double onto = std::max((n + mu * t) / (1 + mu * mu), 0.0);
+  x[0] = onto;
+  for (int k = 1; k < D; ++k) x[k] *= onto > 0 ? mu * onto / t : 0.0;
+}
+
+template <int D>
+class ContactProblem {
+ public:
+  using Row = ProblemRow<D>;
+
+  const std::vector<Row>& rows() const { return m_rows; }
+  int size() const { return static_cast<int>(m_rows.size()); }
+  const Row& row(int i) const { return m_rows[static_cast<std::size_t>(i)]; }
+
+  /// Rows that nothing can move are left out. Arrays keep their capacity. What is given is not copied: it outlives
+  /// this.
+  void set(const VelocityInput<D>& in) {
+    m_given = in.given;
+    m_bodies = m_given ? m_given->size() : in.bodies.size();
+    m_rows.clear(), m_joints.clear();
+    if (m_given) addGiven(in.features.friction);
+    for (std::size_t j = 0; !m_given && in.features.joints && j < in.joints.size(); ++j) addJoint(in, j);
+    for (std::size_t k = 0; !m_given && k < in.order.size(); ++k) addContacts(in, in.order[k]);
+    for (std::size_t i = 0, end = 0; i < m_rows.size(); i = end) {
+      double response = 0;
+      for (end = i; end < m_rows.size() && together(i, end); ++end) response += 1 / m_rows[end].mass;
+      for (std::size_t k = i; k < end; ++k) m_rows[k].unit = static_cast<double>(end - i) / response;
+    }
+    group(in.bodies);
+  }
+
+  /// Impulses of the last step, scaled to this one's length, on the rows of this; inside their limits.
+  void lastImpulses(const VelocityInput<D>& in, double factor, std::vector<double>& x) const {
+    if (in.lastDt > 0) factor *= double(in.dt) / double(in.lastDt);
+    impulses(in, x);
+    for (double& impulse : x) impulse *= factor;
+    for (int i = 0; i < size(); ++i) project(i, x.data() + i);
+  }
+
+  /// Impulses that the manifolds and joints of set(), or what is given, have now: after a solve, its answer.
+  void impulses(const VelocityInput<D>& in, std::vector<double>& x) const {
+    if (!in.given) return impulses(in.manifolds, in.joints, x);
+    x.resize(m_rows.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = in.given->impulse[numberOf(m_rows[i])];
+  }
+  void impulses(std::span<Manifold<D>> manifolds, std::span<JointRecord<D>> joints, std::vector<double>& x) const {
+    x.resize(m_rows.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) x[i] = double(stored(manifolds, joints, m_rows[i]));
+  }
+
+  /// Row velocities of now, less what is wanted: u without impulses.
+  void freeVelocities(const VelocityInput<D>& in, std::vector<double>& u) const {
+    u.resize(m_rows.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) {
+      const Row& r = m_rows[i];
+      if (in.given) {
+        u[i] = in.given->velocity[numberOf(r)];
+        continue;
+      }
+      double v = -r.target;
+      if (r.b < m_bodies) v += along(r.d, r.armB, in.bodies.motion[static_cast<std::size_t>(r.b)]);
+      if (r.a < m_bodies) v -= along(r.d, r.armA, in.bodies.motion[static_cast<std::size_t>(r.a)]);
+      u[i] = v;
+    }
+  }
+
+  /// W_ij, without compliance.
+  double response(const Row& r, const Row& s) const {
+    if (m_given) return m_given->at(r.number, s.number);
+    double w = 0;
+    if (r.a == s.a) w += r.d.dot(s.pushA) + r.armA.dot(s.turnA);
+    if (r.b == s.b) w += r.d.dot(s.pushB) + r.armB.dot(s.turnB);
+    if (r.a == s.b) w -= r.d.dot(s.pushB) + r.armA.dot(s.turnB);
+    if (r.b == s.a) w -= r.d.dot(s.pushA) + r.armB.dot(s.turnA);
+    return w;
+  }
+
+  /// W with the compliance of springs, of some rows, row by row.
+  void assemble(std::span<const std::int32_t> which, std::vector<double>& w) const {
+    const std::size_t n = which.size();
+    w.resize(n * n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Row& r = row(which[i]);
+      for (std::size_t j = 0; j < i; ++j) w[i * n + j] = w[j * n + i] = response(r, row(which[j]));
+      w[i * n + i] = 1 / r.mass;
+    }
+  }
+
+  /// y = W x, with the compliance of springs, without W: through the velocities of the bodies.
+  void multiply(std::span<const double> x, std::vector<double>& y) {
+    clearMotion();
+    for (int i = 0; i < size(); ++i) push(i, x[static_cast<std::size_t>(i)]);
+    y.resize(m_rows.size());
+    for (int i = 0; i < size(); ++i) {
+      y[static_cast<std::size_t>(i)] = pushed(i) + row(i).compliance * x[static_cast<std::size_t>(i)];
+    }
+  }
+
+  /// Velocities that impulses have made since clearMotion(): what a sweep needs.
+  void clearMotion() {
+    if (m_given) return m_moved.assign(static_cast<std::size_t>(m_bodies), 0);
+    m_motion.assign(static_cast<std::size_t>(m_bodies) + 1, {});
+  }
+  void push(int i, double impulse) {
+    const Row& r = row(i);
+    if (m_given) {
+      m_given->eachOf(r.number, [&](std::int32_t k, double w) { m_moved[static_cast<std::size_t>(k)] += w * impulse; });
+      return;
+    }
+    Moved &a = m_motion[static_cast<std::size_t>(r.a)], &b = m_motion[static_cast<std::size_t>(r.b)];
+    a.v -= impulse * r.pushA, a.w -= impulse * r.turnA;
+    b.v += impulse * r.pushB, b.w += impulse * r.turnB;
+  }
+  double pushed(int i) const {
+    const Row& r = row(i);
+    if (m_given) return m_moved[numberOf(r)];
+    const Moved &a = m_motion[static_cast<std::size_t>(r.a)], &b = m_motion[static_cast<std::size_t>(r.b)];
+    return r.d.dot(b.v - a.v) + r.armB.dot(b.w) - r.armA.dot(a.w);
+  }
+
+  /// Adds what the impulses do to the velocities, and writes them into manifolds and joints. A joint whose bodies
+  /// cannot move keeps what it had; a row that is absent now has none.
+  void apply(const VelocityInput<D>& in, std::span<const double> x) {
+    clearMotion();
+    if (in.given) {
+      std::fill(in.given->impulse.begin(), in.given->impulse.end(), 0.0);
+      for (int i = 0; i < size(); ++i) {
+        push(i, x[static_cast<std::size_t>(i)]);
+        in.given->impulse[numberOf(row(i))] = x[static_cast<std::size_t>(i)];
+      }
+      for (std::size_t k = 0; k < m_moved.size(); ++k) in.given->velocity[k] += m_moved[k];
+      return;
+    }
+    for (const int i : in.order) {
+      Manifold<D>& m = in.manifolds[static_cast<std::size_t>(i)];
+      for (int k = 0; k < m.count; ++k) m.points[static_cast<std::size_t>(k)].impulse.fill(0);
+    }
+    for (const std::int32_t j : m_joints) in.joints[static_cast<std::size_t>(j)].impulse.fill(0);
+    for (int i = 0; i < size(); ++i) {
+      push(i, x[static_cast<std::size_t>(i)]);
+      stored(in.manifolds, in.joints, row(i)) = static_cast<Real>(x[static_cast<std::size_t>(i)]);
+    }
+    for (std::size_t i = 0; i + 1 < m_motion.size(); ++i) {
+      in.bodies.motion[i].v += m_motion[i].v.template cast<Real>();
+      in.bodies.motion[i].w += m_motion[i].w.template cast<Real>();
+    }
+  }
+
+  /// The nearest impulse that row i allows, x of the row. A normal takes its tangents with it; a tangent is left alone.
+  void project(int i, double* x) const {
+    const Row& r = row(i);
+    if (r.law == ProblemLaw::interval) *x = std::clamp(*x, r.lo, r.hi);
+    if (r.law == ProblemLaw::normal) projectOnCone<D>(r.friction, x);
+  }
+
+  /// Of impulses x; `corrected` false: that of the convex law, without De Saxce's correction.
+  ProblemResidual naturalMap(std::span<const double> x, std::span<const double> freeVelocity, bool corrected = true) {
+    ProblemResidual worst;
+    multiply(x, m_velocity);
+    for (int i = 0; i < size(); ++i) {
+      const Row& r = row(i);
+      if (r.law == ProblemLaw::tangent) continue;
+      const int n = r.law == ProblemLaw::normal ? D : 1;
+      std::array<double, D> here{}, u{}, moved{};
+      double slide = 0;
+      const double mass = r.unit;  // one for all directions: another would turn the cone
+      for (int k = 0; k < n; ++k) {
+        const auto at = static_cast<std::size_t>(i + k), to = static_cast<std::size_t>(k);
+        here[to] = x[at], u[to] = m_velocity[at] + freeVelocity[at];
+        if (k > 0) slide += u[to] * u[to];
+      }
+      if (n > 1 && corrected) u[0] += r.friction * std::sqrt(slide);
+      for (std::size_t k = 0; k < D; ++k) moved[k] = here[k] - mass * u[k];
+      project(i, moved.data());
+      std::array<double, D> inside = here;
+      project(i, inside.data());
+      double error = 0, outside = 0;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+        error += (here[k] - moved[k]) * (here[k] - moved[k]);
+        outside += (here[k] - inside[k]) * (here[k] - inside[k]);
+      }
+      worst.natural = worse(worst.natural, std::sqrt(error) / mass);
+      worst.cone = worse(worst.cone, std::sqrt(outside) / mass);
+    }
+    return worst;
+  }
+
+  /// Rows that have to do with each other, through bodies that they can move: of one island those from
+  /// islands()[k] to islands()[k + 1] of grouped(), in the order of rows().
+  std::span<const std::int32_t> grouped() const { return m_grouped; }
+  std::span<const std::int32_t> islands() const { return m_islands; }
+
+ private:
+  struct Moved {
+    typename Row::Linear v = Row::Linear::Zero();
+    typename Row::Angular w = Row::Angular::Zero();
+  };
+
+  bool together(std::size_t i, std::size_t k) const {
+    const Row &r = m_rows[i], &s = m_rows[k];
+    if (i == k) return true;
+    if (r.law == ProblemLaw::normal) return s.law == ProblemLaw::tangent && k < i + D;
+    return r.holds() && s.holds() && r.owner == s.owner && r.d.isZero(0) == s.d.isZero(0);
+  }
+  static std::size_t numberOf(const Row& r) { return static_cast<std::size_t>(r.number); }
+  static double along(const typename Row::Linear& d, const typename Row::Angular& arm, const Motion<D>& m) {
+    return d.dot(m.v.template cast<double>()) + arm.dot(m.w.template cast<double>());
+  }
+  static Real& stored(std::span<Manifold<D>> manifolds, std::span<JointRecord<D>> joints, const Row& r) {
+    const auto owner = static_cast<std::size_t>(r.owner);
+    if (r.ofJoint) return joints[owner].impulse[static_cast<std::size_t>(r.number)];
+    return manifolds[owner]
+        .points[static_cast<std::size_t>(r.number / D)]
+        .impulse[static_cast<std::size_t>(r.number % D)];
+  }
+
+  Row& add(const VelocityInput<D>& in, int a, int b, const ConstraintRow<D>& from) {
+    Row& r = m_rows.emplace_back();
+    r.a = a < 0 ? m_bodies : a, r.b = b;
+    r.d = from.d.template cast<double>();
+    r.armA = from.armA.template cast<double>(), r.armB = from.armB.template cast<double>();
+    r.pushA.setZero(), r.turnA.setZero();
+    using Turn = Eigen::Matrix<double, kAngDim<D>, kAngDim<D>, Eigen::DontAlign>;
+    const auto s = static_cast<std::size_t>(a), t = static_cast<std::size_t>(b);
+    const bool turns = in.features.rotation;
+    if (a >= 0) r.pushA = double(in.bodies.invMass[s]) * r.d;
+    if (a >= 0 && turns) r.turnA = Turn(in.bodies.invInertia[s].template cast<double>()) * r.armA;
+    r.pushB = double(in.bodies.invMass[t]) * r.d, r.turnB.setZero();
+    if (turns) r.turnB = Turn(in.bodies.invInertia[t].template cast<double>()) * r.armB;
+    r.movable = in.bodies.invMass[t] > 0 || (a >= 0 && in.bodies.invMass[s] > 0);
+    r.lo = double(from.lo) * double(in.dt), r.hi = double(from.hi) * double(in.dt);
+    const double w = response(r, r);
+    r.mass = w > 0 ? 1 / w : 0.0;
+    return r;
+  }
+
+  // Rows whose W_ii is 0 nothing moves; where friction's is, the contact slides for nothing.
+  void addGiven(bool friction) {
+    const auto add = [&](std::int32_t number, ProblemLaw law) {
+      Row& r = m_rows.emplace_back();
+      r.a = r.b = r.number = r.owner = number, r.law = law, r.movable = true;
+      r.mass = m_given->at(number, number) > 0 ? 1 / m_given->at(number, number) : 0.0;
+      return r.mass > 0;
+    };
+    const auto contacts = static_cast<std::int32_t>(m_given->friction.size());
+    for (std::int32_t c = 0; c < contacts; ++c) {
+      const double mu = friction ? m_given->friction[static_cast<std::size_t>(c)] : 0.0;
+      const std::size_t first = m_rows.size();
+      bool rubs = mu > 0;
+      if (!add(D * c, ProblemLaw::interval)) {
+        m_rows.pop_back();
+        continue;
+      }
+      for (int k = 1; k < D && rubs; ++k) rubs = add(D * c + k, ProblemLaw::tangent);
+      if (!rubs) m_rows.resize(first + 1);
+      m_rows[first].hi = std::numeric_limits<double>::infinity();
+      if (rubs) m_rows[first].law = ProblemLaw::normal, m_rows[first].friction = mu;
+    }
+    for (std::int32_t i = D * contacts; i < m_given->size(); ++i) {
+      const bool moves = add(i, ProblemLaw::free);
+      m_rows.back().ofJoint = true;
+      if (!moves) m_rows.pop_back();
+    }
+  }
+
+  void addJoint(const VelocityInput<D>& in, std::size_t j) {
+    if (!in.joints[j].active()) return;
+    jointRows(in.joints[j], in.bodies, m_jointRows);
+    const std::size_t first = m_rows.size();
+    const double dt = double(in.dt), rate = double(in.position.jointBias(in.dt));
+    bool present = false;
+    for (int i = 0; i < m_jointRows.count; ++i) {
+      const ConstraintRow<D>& from = m_jointRows.row[static_cast<std::size_t>(i)];
+      if (from.absent()) continue;
+      present = true;
+      Row& r = add(in, in.joints[j].bodyA, in.joints[j].bodyB, from);
+      r.ofJoint = true, r.owner = static_cast<std::int32_t>(j), r.number = i;
+      r.law = std::isinf(r.lo) && std::isinf(r.hi) ? ProblemLaw::free : ProblemLaw::interval;
+      const double error = double(from.error), c = double(from.damping) + dt * double(from.stiffness);
+      if (from.law == RowLaw::motor) r.target = double(from.speed);
+      if (from.law == RowLaw::rigid) r.target = from.open() ? -error / dt : -rate * error;
+      // Implicit, as in JointSystem: x = -dt (stiffness (error + dt v) + damping v).
+      if (from.law == RowLaw::spring && c > 0) r.target = -error * double(from.stiffness) / c;
+      if (from.law == RowLaw::spring && c > 0 && r.mass > 0) {
+        r.compliance = 1 / (dt * c), r.mass = 1 / (1 / r.mass + r.compliance);
+      }
+      if (!(r.mass > 0) || (from.law == RowLaw::spring && !(c > 0))) m_rows.pop_back();
+    }
+    if (!present || m_rows.size() > first) m_joints.push_back(static_cast<std::int32_t>(j));
+  }
+
+  void addContacts(const VelocityInput<D>& in, int manifold) {
+    const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(manifold)];
+    m_contactRows.clear();
+    contactRows(in, m, m_contactRows);
+    for (int k = 0; k < m.count; ++k) {
+      const ConstraintRow<D>* const from = m_contactRows.data() + D * k;
+      const std::size_t first = m_rows.size();
+      bool rubs = !from[1].absent();
+      for (int i = 0; i < (rubs ? D : 1); ++i) {
+        Row& r = add(in, m.bodyA, m.bodyB, from[i]);
+        r.owner = manifold, r.number = D * k + i;
+        if (i > 0) r.law = ProblemLaw::tangent, rubs = rubs && r.mass > 0;
+      }
+      if (!(m_rows[first].mass > 0)) {
+        m_rows.resize(first);
+        continue;
+      }
+      if (!rubs) m_rows.resize(first + 1);  // pinned bodies: what cannot move along a tangent has no friction
+      Row& normal = m_rows[first];
+      normal.law = rubs ? ProblemLaw::normal : ProblemLaw::interval;
+      normal.friction = rubs ? double(from[1].friction) : 0.0;
+      const Real least = from->open() ? -from->error / in.dt : in.position.bias(from->error, in.dt);
+      normal.target = double(std::max(least, from->bounce));
+    }
+  }
+
+  void group(const Bodies<D>& bodies) {
+    m_parent.resize(static_cast<std::size_t>(m_bodies) + 1);
+    for (std::size_t i = 0; i < m_parent.size(); ++i) m_parent[i] = static_cast<std::int32_t>(i);
+    const auto root = [&](std::int32_t i) {
+      while (m_parent[static_cast<std::size_t>(i)] != i) {
+        auto& up = m_parent[static_cast<std::size_t>(i)];
+        i = up = m_parent[static_cast<std::size_t>(up)];
+      }
+      return i;
+    };
+    const auto moves = [&](std::int32_t i) {
+      const auto k = static_cast<std::size_t>(i);
+      return i < m_bodies && (m_given || bodies.invMass[k] > 0 || bodies.invInertia[k].trace() > 0);
+    };
+    const auto join = [&](std::int32_t a, std::int32_t b) { m_parent[static_cast<std::size_t>(root(a))] = root(b); };
+    std::int32_t normal = 0;
+    for (const Row& r : m_rows) {
+      if (moves(r.a) && moves(r.b)) join(r.a, r.b);
+      if (!m_given) continue;
+      m_given->eachOf(r.number, [&](std::int32_t k, double w) {
+        if (w != 0) join(r.number, k);
+      });
+      if (r.law == ProblemLaw::tangent) join(r.number, normal);
+      if (r.law == ProblemLaw::normal) normal = r.number;
+    }
+    // Islands are numbered by their first rows; rows keep their order inside.
+    m_number.assign(m_parent.size(), -1);
+    m_islands.assign(1, 0), m_of.resize(m_rows.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) {
+      const Row& r = m_rows[i];
+      std::int32_t& number = m_number[static_cast<std::size_t>(root(moves(r.a) ? r.a : r.b))];
+      if (number < 0) number = static_cast<std::int32_t>(m_islands.size()) - 1, m_islands.push_back(0);
+      m_of[i] = number, ++m_islands[static_cast<std::size_t>(number) + 1];
+    }
+    for (std::size_t k = 1; k < m_islands.size(); ++k) m_islands[k] += m_islands[k - 1];
+    m_next.assign(m_islands.begin(), m_islands.end());
+    m_grouped.resize(m_rows.size());
+    for (std::size_t i = 0; i < m_rows.size(); ++i) {
+      m_grouped[static_cast<std::size_t>(m_next[static_cast<std::size_t>(m_of[i])]++)] = static_cast<std::int32_t>(i);
+    }
+  }
+
+  const GivenProblem* m_given = nullptr;
+  std::int32_t m_bodies = 0;  // or rows of what is given
+  std::vector<Row> m_rows;
+  std::vector<std::int32_t> m_joints;  // whose impulses are written
+  JointRows<D> m_jointRows;
+  std::vector<ConstraintRow<D>> m_contactRows;
+  std::vector<Moved> m_motion;
+  std::vector<double> m_moved;  // by row of what is given
+  std::vector<double> m_velocity;
+  std::vector<std::int32_t> m_parent, m_number, m_of, m_next, m_grouped, m_islands;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

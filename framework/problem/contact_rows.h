@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+// Contacts as the rows that joints have, for methods that want a whole problem. The sequential resolvers have kernels
+// of their own, which a test proves equal to these rows.
+#pragma once
+
+#include <vector>
+
+#include "framework/problem/constraint_row.h"
+#include "framework/stage/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Appends D rows per point of the manifold: a stop along the normal, then the tangents of its cone, which name the
+/// stop by its place in `out`. Without friction the tangents are absent. Impulses act midway between the anchors, so
+/// that angular momentum is kept to rounding also while shapes overlap.
+template <int D>
+void contactRows(const VelocityInput<D>& in, const Manifold<D>& m, std::vector<ConstraintRow<D>>& out) {
+  const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+  const RealMatrix<D, D - 1> t = tangents(m.normal);
+  for (int k = 0; k < m.count; ++k) {
+    const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+    const ContactArms<D> arms(c, m.normal, in.bodies.pose[a], in.bodies.pose[b]);
+    const auto along = [&](const Vec<D>& d) {
+      ConstraintRow<D> row;
+      row.d = d, row.armA = cross(arms.rA, d), row.armB = cross(arms.rB, d);
+      return row;
+    };
+    const auto stop = static_cast<std::int32_t>(out.size());
+    ConstraintRow<D>& normal = out.emplace_back(along(m.normal));
+    normal.block = RowBlock::box, normal.lo = 0;
+    normal.error = c.separation;
+    const auto speed = [&](std::span<const Motion<D>> motion) {
+      return rowSpeed(normal, motion[a].v, motion[a].w, motion[b].v, motion[b].w);
+    };
+    const Real v = speed(in.bodies.motion), arrival = in.arrival.empty() ? v : speed(in.arrival);
+    // Hit within this step: it leaves with a share of the velocity with which it came, before this step's forces.
+    const bool hit = arrival < -in.restitutionThreshold && c.separation + v * in.dt <= 0;
+    if (hit && in.features.restitution && m.restitution > 0) normal.bounce = -m.restitution * arrival;
+    for (int i = 0; i < D - 1; ++i) {
+      ConstraintRow<D>& tangent = out.emplace_back(along(t.col(i)));
+      tangent.block = RowBlock::cone;
+      tangent.friction = in.features.friction ? m.friction : Real(0);
+      tangent.normal = stop;
+      if (!(tangent.friction > 0)) tangent.lo = tangent.hi = 0;
+    }
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <iosfwd>
+#include <vector>
+
+#include "framework/world/simulation.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// Poses over time, for looking at a run afterwards. Numbers are stored as double in both precisions.
+template <int D>
+struct Recording {
+  struct Body {
+    std::int32_t slot = 0;
+    std::uint32_t generation = 0;
+    std::uint8_t awake = 1;
+    Pose<D> X_WC{};  // of the centre-of-mass frame
+  };
+  /// The convex parts of a body's shapes, told once, in the frame in which it first appears.
+  struct Arrival {
+    std::int32_t slot = 0;
+    std::uint32_t generation = 0;
+    BodyType type = BodyType::dynamic;
+    struct Part {
+      ShapeKind kind = ShapeKind::sphere;
+      Real radius = 0;
+      Vec<D> half = Vec<D>::Zero();
+      Pose<D> X_CS{};
+      std::vector<Vec<D>> vertices;  // polytope only
+    };
+    std::vector<Part> parts;
+  };
+  struct Frame {
+    std::int64_t step = 0;
+    double time = 0;  // s
+    std::vector<Arrival> arrivals;
+    std::vector<Body> bodies;  // all that are in the world, by slot
+  };
+  std::vector<Frame> frames;
+  bool torn = false;  // the bytes ended within a frame, which was dropped
+
+  /// Throws UserError when the bytes are not a recording of this dimension.
+  static Recording read(std::istream& in);
+};
+
+/// 2 or 3, and the stream is where it was. Throws UserError for what is no recording.
+int recordingDimension(std::istream& in);
+
+template <int D>
+class Recorder {
+ public:
+  /// Writes the header. The stream must outlive the recorder.
+  explicit Recorder(std::ostream& out);
+  /// Appends the present state.
+  void frame(const Simulation<D>& world);
+
+ private:
+  std::ostream& m_out;
+  std::vector<std::uint64_t> m_known;  // generation + 1 by slot; 0 = never written
+};
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Zlib
+// A hull far from its own frame's origin costs every query digits, though its pose brings it back to where others are.
+#include "framework/shape/shape.h"
+#include "framework/shape/shape_tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+ShapePart<D> centredPart(const ShapePart<D>& part) {
+  if (!part.shape.convex() || part.shape.view().core() != CoreClass::hull) return part;
+  const ShapeView<D>& view = part.shape.view();
+  const Aabb<D> box = boundingBox(view, Pose<D>{});
+  const Real size = (box.hi - box.lo).maxCoeff();
+  Vec<D> middle = box.lo / 2 + box.hi / 2;
+  if (!(middle.cwiseAbs().maxCoeff() > kFarHull * size)) return part;
+  // Along an axis on which it is no farther off than its size it stays: so no difference below is rounded, since both
+  // numbers are within a factor of two of each other.
+  for (Real& x : middle) x = std::abs(x) > size ? x : Real(0);
+  std::vector<Vec<D>> points;
+  for (const Vec<D>& v : view.hull->vertices) points.push_back(v - middle);
+  try {
+    // Made anew: coordinates that are known better have faces that were merged for their rounding.
+    return {Shape<D>::ofCorners(view.kind, points, view.radius), part.X_SP * Pose<D>{middle, {}}};
+  } catch (const UserError&) {  // no hull with whole faces, of coordinates that are no longer rounded so coarsely
+    return part;
+  }
+}
+
+template ShapePart<2> centredPart(const ShapePart<2>&);
+template ShapePart<3> centredPart(const ShapePart<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Zlib
+#include <numbers>
+
+#include "framework/shape/curved_core.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// A solid ellipsoid with its axes along the frame's; in 2D an ellipse.
+template <int D>
+class Ellipsoid final : public CurvedBase<D, Ellipsoid<D>> {
+ public:
+  explicit Ellipsoid(std::span<const Real> sizes) {
+    for (std::size_t k = 0; k < m_sizes.size(); ++k) m_sizes[k] = sizes[k];
+  }
+
+  std::span<const Real> sizes() const override { return m_sizes; }
+  Vec<D> half() const override { return Eigen::Map<const Eigen::Matrix<Real, D, 1>>(m_sizes.data()); }
+
+  // The sphere's support under the stretch that makes the ellipsoid: p = S (S d) / |S d|.
+  template <class N>
+  std::array<N, static_cast<std::size_t>(D)> extreme(const std::array<N, static_cast<std::size_t>(D)>& d) const {
+    std::array<N, static_cast<std::size_t>(D)> p = d;
+    N largest = 0, square = 0;
+    for (std::size_t k = 0; k < p.size(); ++k) p[k] *= m_sizes[k], largest = std::max(largest, std::abs(p[k]));
+    if (!(largest > 0)) return {m_sizes[0]};
+    for (N& x : p) x /= largest, square += x * x;
+    const N length = std::sqrt(square);
+    for (std::size_t k = 0; k < p.size(); ++k) p[k] = m_sizes[k] * (p[k] / length);
+    return p;
+  }
+
+  void supportFace(const Vec<D>& d, std::vector<Vec<D>>& corners) const override {
+    corners.assign(1, this->support(d));
+  }
+
+  MassProperties<D> massProperties(Real density) const override {
+    double volume = D == 2 ? std::numbers::pi : 4 * std::numbers::pi / 3, squares = 0;
+    for (const Real a : m_sizes) volume *= a, squares += double(a) * a;
+    MassProperties<D> m;
+    m.mass = static_cast<Real>(density * volume);
+    for (int k = 0; k < kAngDim<D>; ++k) {  // in 2D about z, which is none of the axes
+      const double own = D == 2 ? 0 : double(m_sizes[static_cast<std::size_t>(k)]);
+      m.inertia(k, k) = static_cast<Real>(density * volume * (squares - own * own) / (D + 2));
+    }
+    return m;
+  }
+
+ private:
+  std::array<Real, static_cast<std::size_t>(D)> m_sizes;
+};
+
+const CurvedRegistrar<Ellipsoid, 2, 3> ellipsoidRegistrar{ShapeKind::ellipsoid,
+                                                          {{"half_x", "half_y"}, {"half_x", "half_y", "half_z"}}};
+
+}  // namespace
+}  // namespace lpc::inline LPC_PRECISION

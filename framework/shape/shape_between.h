@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Zlib
+// Shapes by their corners, as the constructors of the 2009 engine had them.
+#pragma once
+
+#include "framework/shape/shape_def.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// The box with these two opposite corners (m), in the frame in which they are told, whose axes are turned by q.
+template <int D>
+ShapeDef<D> boxBetween(const Vec<D>& corner, const Vec<D>& opposite, const Rot<D>& q = {});
+/// All points within `radius` (m) of the line from one point to the other: a capsule, of equal points a ball.
+template <int D>
+ShapeDef<D> capsuleBetween(const Vec<D>& from, const Vec<D>& to, Real radius);
+/// 2D: a line without width; its density is kg/m.
+ShapeDef<2> segmentBetween(const Vec<2>& from, const Vec<2>& to);
+
+}  // namespace lpc::inline LPC_PRECISION

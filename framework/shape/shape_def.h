@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <cstdint>
+
+#include "framework/shape/shape.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// A shape on a body, as a user adds it.
+template <int D>
+struct ShapeDef {
+  Shape<D> shape = Shape<D>::sphere(Real(0.5));
+  Pose<D> X_BS{};             // of the shape in the body's frame
+  Real density = 1;           // kg/m^D
+  Real friction = Real(0.5);  // Coulomb; a pair uses the geometric mean of its two shapes
+  Real restitution = 0;       // a pair uses the arithmetic mean
+  std::uint32_t category = 1;
+  std::uint32_t mask = ~0u;    // a pair collides when each one's category is in the other's mask
+  std::uint64_t userData = 0;  // the user's own: kept, saved and shown, never read
+};
+
+}  // namespace lpc::inline LPC_PRECISION

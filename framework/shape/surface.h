@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Zlib
+// What Shape::mesh and Shape::chain are made of: triangles in space, segments in the plane. Each is a convex part like
+// those of a compound; besides the surface knows who lies across each edge, so that contacts on inner edges can be told
+// from those with true ones (internal_edges.h).
+#pragma once
+
+#include <array>
+
+#include "framework/shape/mesh_tree.h"
+#include "framework/shape/shape.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+class Surface {
+ public:
+  /// A triangle's edge, from its corner `number` to the next one; of a segment's two ends the first is number 0.
+  struct Border {
+    Vec<D> outward;               // unit, in the part's plane, away from it
+    Vec<D> at;                    // a point of the edge
+    std::int32_t neighbour = -1;  // the part across it; -1: the surface ends here
+  };
+  static constexpr int kBorders = D;
+
+  /// Throws UserError, `who` at its beginning, for what Shape::mesh and Shape::chain refuse.
+  Surface(std::span<const Vec<D>> points, std::span<const std::array<int, D>> parts, std::string_view who);
+
+  /// As they were given.
+  const std::vector<Vec<D>>& points() const { return m_points; }
+  const std::vector<std::array<int, D>>& corners() const { return m_corners; }
+
+  std::span<const PlacedView<D>> parts() const { return m_parts; }
+  const MeshTree<D>& tree() const { return m_tree; }
+  // In the surface's frame.
+  const Aabb<D>& box() const { return m_box; }
+  const Vec<D>& normal(std::int32_t part) const { return m_normals[static_cast<std::size_t>(part)]; }
+  Border border(std::int32_t part, int number) const;
+  /// Radius of a sphere around the frame's origin that holds it (m).
+  Real reach() const { return m_reach; }
+
+ private:
+  static std::vector<Aabb<D>> boxesOf(std::span<const PlacedView<D>> parts);
+  void findNeighbours(std::string_view who);
+
+  std::vector<Vec<D>> m_points;
+  std::vector<std::array<int, D>> m_corners;
+  std::vector<std::shared_ptr<const Polytope<D>>> m_hulls;  // of triangles
+  std::vector<PlacedView<D>> m_parts;                       // views point into m_hulls
+  std::vector<Vec<D>> m_normals;                            // to the outside
+  std::vector<std::array<std::int32_t, D>> m_neighbours;
+  Aabb<D> m_box;
+  Real m_reach = 0;
+  MeshTree<D> m_tree;
+};
+
+}  // namespace lpc::inline LPC_PRECISION

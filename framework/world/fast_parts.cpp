@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Zlib
+#include "framework/world/fast_parts.h"
+
+#include <algorithm>
+
+#include "framework/math/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+// A point at r that turns by an angle is never farther than r angle^2 / 8, nor than 2 r, from where it would be on the
+// straight way between its ends, at the same time.
+template <int D>
+Aabb<D> boxOfWay(const ShapeView<D>& view, const ShapeMotion<D>& motion, Real dt, Real r) {
+  const Real angle = motion.motion.w.norm() * dt;
+  const Aabb<D> ends =
+      boundingBox(view, motion.X_WC * motion.X_CS).merged(boundingBox(view, motion.bodyAt(dt) * motion.X_CS));
+  return angle > 0 ? ends.grown(r * std::min(Real(2), angle * angle / 8)) : ends;
+}
+
+}  // namespace
+
+template <int D>
+FastParts<D>::FastParts() = default;
+
+template <int D>
+void FastParts<D>::forget(std::size_t shape) {
+  if (shape < m_girths.size()) m_girths[shape].clear();
+}
+
+template <int D>
+Girth<D> FastParts<D>::girthOf(const ShapeView<D>& part) {
+  Girth<D> girth;
+  if (part.core() == CoreClass::hull) {
+    for (const Vec<D>& v : part.hull->vertices) girth.center += v;
+    girth.center /= static_cast<Real>(part.hull->vertices.size());
+  }
+  girth.outer = boundingRadius(part);
+  Pose<D> X_PartPoint;
+  X_PartPoint.p = girth.center;
+  if (!m_query) m_query = createStage<PairQuery<D>>({"gjk_epa", {}});  // most worlds never ask
+  const Shape<D> point = Shape<D>::sphere(0);
+  const PairAnswer<D> depth = queryPair(*m_query, part, point.view(), X_PartPoint, QueryNeed::distance);
+  girth.inner = std::max(Real(0), -depth.distance);
+  return girth;
+}
+
+// f(part) for each part of a shape that has a place and a way; of a surface for those near the box.
+template <int D>
+template <class F>
+void FastParts<D>::forParts(std::size_t shape, const Ways<D>& ways, Real threshold, const Bodies<D>& bodies,
+                            const ShapeRecord<D>& record, const Aabb<D>& near, const F& f) {
+  const auto body = static_cast<std::size_t>(record.body);
+  const bool moves = bodies.awake[body] && bodies.type[body] != BodyType::fixed;
+  auto& girths = m_girths[shape];
+  if (moves && girths.empty()) {
+    lpc::forParts(record.shape, record.X_CS,
+                  [&](const ShapeView<D>& view, const Pose<D>&) { girths.push_back(girthOf(view)); });
+  }
+  const auto take = [&](std::int32_t number, const ShapeView<D>& view, const Pose<D>& X_CP) {
+    Part part{record.body, static_cast<std::int32_t>(shape), number, view, X_CP, {}, 0, {}, false};
+    const ShapeMotion<D> motion = ways.of(part.body, X_CP);
+    if (moves) {
+      part.girth = girths[static_cast<std::size_t>(number)];
+      const Real reach = X_CP.p.norm() + part.girth.outer - view.radius;  // a rounding turns with its core
+      part.goes = (motion.motion.v.norm() + motion.motion.w.norm() * reach) * ways.dt;
+      if (!std::isfinite(part.goes) || !motion.X_WC.p.allFinite()) return;  // it takes no part in collision
+      // What moves less is near enough to have contacts.
+      part.fast = part.goes > threshold * std::max(part.girth.inner, kLinearSlop);
+      part.box = boxOfWay(view, motion, ways.dt, reach);
+    } else {
+      part.box = boundingBox(view, motion.X_WC * X_CP);
+    }
+    f(part);
+  };
+  forPartsNear(record.shape, record.X_CS, ways.start[body], near, m_parts, *m_work, take);
+}
+
+template <int D>
+std::span<const typename FastParts<D>::Pair> FastParts<D>::find(const Ways<D>& ways, Real threshold,
+                                                                const Bodies<D>& bodies,
+                                                                std::span<const ShapeRecord<D>> shapes,
+                                                                const BoxIndex<D>& boxes, WorkDone& work) {
+  m_work = &work;
+  m_girths.resize(shapes.size());
+  m_fast.clear(), m_pairs.clear();
+  Real slowest = 0;  // that those go who are not fast: so far the boxes of the start may be wrong
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    if (shapes[s].body < 0) continue;
+    const auto body = static_cast<std::size_t>(shapes[s].body);
+    if (!bodies.awake[body] || bodies.type[body] == BodyType::fixed) continue;
+    forParts(s, ways, threshold, bodies, shapes[s], {}, [&](const Part& part) {
+      if (part.fast) m_fast.push_back(part);
+      if (!part.fast) slowest = std::max(slowest, part.goes);
+    });
+  }
+  const auto pair = [&](const Part& p, const Part& q) {
+    const ShapeRecord<D>&a = shapes[static_cast<std::size_t>(p.shape)], &b = shapes[static_cast<std::size_t>(q.shape)];
+    const auto isDynamic = [&](const Part& part) {
+      return bodies.type[static_cast<std::size_t>(part.body)] == BodyType::dynamic;
+    };
+    if (p.body == q.body || (!isDynamic(p) && !isDynamic(q)) || !(a.category & b.mask) || !(b.category & a.mask) ||
+        !p.box.overlaps(q.box))
+      return;
+    m_pairs.push_back(p < q ? Pair{p, q} : Pair{q, p});
+  };
+  for (const Part& fast : m_fast) {
+    m_near.clear();
+    boxes.overlap(fast.box.grown(slowest), m_near);
+    for (const ProxyId other : m_near) {
+      const auto s = static_cast<std::size_t>(other);
+      forParts(s, ways, threshold, bodies, shapes[s], fast.box, [&](const Part& part) {
+        if (!part.fast) pair(fast, part);
+      });
+    }
+  }
+  Aabb<D> places;
+  for (const Part& p : m_fast) places = places.merged({p.box.lo, p.box.lo});
+  Eigen::Index k = 0;
+  if (!m_fast.empty()) (places.hi - places.lo).maxCoeff(&k);  // along which they lie farthest apart
+  std::sort(m_fast.begin(), m_fast.end(), [&](const Part& a, const Part& b) { return a.box.lo[k] < b.box.lo[k]; });
+  for (std::size_t i = 0; i < m_fast.size(); ++i) {
+    for (std::size_t j = i + 1; j < m_fast.size() && m_fast[j].box.lo[k] <= m_fast[i].box.hi[k]; ++j) {
+      pair(m_fast[i], m_fast[j]);
+    }
+  }
+  std::sort(m_pairs.begin(), m_pairs.end(),
+            [](const Pair& p, const Pair& q) { return p.a < q.a || (!(q.a < p.a) && p.b < q.b); });
+  return m_pairs;
+}
+
+template class FastParts<2>;
+template class FastParts<3>;
+
+}  // namespace lpc::inline LPC_PRECISION
