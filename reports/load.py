@@ -28,7 +28,7 @@ SEVERITY = ["ok", "unsupported", "nondeterministic", "wrong", "sank", "frozen", 
 JOINED = " / "
 ROLES = ("competitor", "witness", "engine")  # ours, other people's part, other people's whole; later ones decide what both are
 REPEATS = ("timed", "repeat")
-TOLERANCE = {"f64": 1e-12, "f32": 1e-5}  # of the size of a pair query: oracles/verify.h
+TOLERANCE = {"f64": 1e-12, "f32": 1e-5}  # of the size of a pair query: oracles/verify/verify.h
 WITHIN_CELL = (*REPEATS, "seed")  # axes that tell the trials of one cell apart, not the cells
 
 

@@ -6,7 +6,7 @@
 
 #include "framework/math/tolerances.h"
 #include "framework/stage/stage_narrowphase.h"
-#include "oracles/referee.h"
+#include "oracles/referee/referee.h"
 #include "tests/generators.h"
 
 namespace lpc::inline LPC_PRECISION::test {

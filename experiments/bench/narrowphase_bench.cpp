@@ -6,7 +6,7 @@
 #include "experiments/bench/pair_peers.h"
 #include "experiments/bench/pair_proof.h"
 #include "framework/stage/stage_narrowphase.h"
-#include "oracles/witness.h"
+#include "oracles/witnesses/witness.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 namespace {

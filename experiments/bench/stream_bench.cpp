@@ -8,7 +8,7 @@
 #include "experiments/bench/pair_proof.h"
 #include "experiments/trial/scene_file.h"
 #include "experiments/trial/stream_replay.h"
-#include "oracles/witness.h"
+#include "oracles/witnesses/witness.h"
 
 namespace lpc::inline LPC_PRECISION::bench {
 namespace {

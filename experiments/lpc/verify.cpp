@@ -15,8 +15,8 @@
 #include "experiments/trial/output_file.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
-#include "oracles/cases.h"
-#include "oracles/verdict.h"
+#include "oracles/verify/case_run.h"
+#include "oracles/verify/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

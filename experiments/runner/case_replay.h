@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "oracles/cases.h"
+#include "oracles/verify/case_run.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -7,7 +7,7 @@
 
 #include "experiments/trial/metric.h"
 #include "framework/math/check.h"
-#include "oracles/witness.h"
+#include "oracles/witnesses/witness.h"
 
 namespace lpc::inline LPC_PRECISION {
 

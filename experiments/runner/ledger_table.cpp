@@ -8,8 +8,8 @@
 #include <set>
 
 #include "experiments/runner/catalogue.h"
-#include "oracles/metamorphic.h"
-#include "oracles/verdict.h"
+#include "oracles/verify/metamorphic.h"
+#include "oracles/verify/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

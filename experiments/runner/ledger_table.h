@@ -3,7 +3,7 @@
 
 #include <iosfwd>
 
-#include "oracles/ledger.h"
+#include "oracles/verify/ledger.h"
 
 namespace lpc::inline LPC_PRECISION {
 

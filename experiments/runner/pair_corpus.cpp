@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/math/check.h"
-#include "oracles/cases.h"
-#include "oracles/verify.h"
+#include "oracles/corpus/cases.h"
+#include "oracles/verify/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

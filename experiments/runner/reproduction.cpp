@@ -11,9 +11,9 @@
 #include "experiments/runner/locations.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
-#include "oracles/cases.h"
-#include "oracles/verify.h"
-#include "oracles/witness.h"
+#include "oracles/corpus/cases.h"
+#include "oracles/verify/verify.h"
+#include "oracles/witnesses/witness.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -13,6 +13,7 @@
 #include "experiments/runner/worker_pool.h"
 #include "framework/math/random.h"
 #include "framework/stage/registry.h"
+#include "oracles/referee/pair_truth.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {
@@ -36,7 +37,7 @@ std::string askedOf(const json& trial, bool sidesAreRight) {
   if (at->second.info.role != AlgorithmRole::competitor) return "of libraries";
   // Answers are judged at one tolerance. What asked for a looser one promised no such distance, but the right side.
   const Spec* const asked = spec.find("tolerance");
-  const double judged = trial.at("precision") == "f32" ? 1e-5 : 1e-12;  // verifyTolerance()
+  const double judged = pairTolerance(trial.at("precision") == "f32");
   if (asked && std::stod(asked->name) > judged && sidesAreRight) return "at a looser tolerance";
   return at->second.info.guarantee == Guarantee::exact ? "of exact ones of ours" : "of approximate ones of ours";
 }

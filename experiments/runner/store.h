@@ -13,7 +13,7 @@
 #include "experiments/runner/sweep_file.h"
 #include "experiments/trial/metric.h"
 #include "experiments/trial/trial.h"
-#include "oracles/ledger.h"
+#include "oracles/verify/ledger.h"
 
 namespace lpc::inline LPC_PRECISION {
 

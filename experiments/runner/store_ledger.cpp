@@ -2,7 +2,7 @@
 // The ledger of verifications in the store.
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/store.h"
-#include "oracles/verdict.h"
+#include "oracles/verify/verdict.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -20,8 +20,8 @@
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 #include "framework/stage/stage_narrowphase.h"
-#include "oracles/metamorphic.h"
-#include "oracles/verify.h"
+#include "oracles/verify/metamorphic.h"
+#include "oracles/verify/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -5,8 +5,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "oracles/cases.h"
-#include "oracles/ledger.h"
+#include "oracles/verify/case_run.h"
+#include "oracles/verify/ledger.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -13,7 +13,7 @@
 #include "experiments/trial/stream_replay.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage/stage_narrowphase.h"
-#include "oracles/verify.h"
+#include "oracles/verify/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

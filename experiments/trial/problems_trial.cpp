@@ -15,7 +15,7 @@
 #include "framework/math/worse.h"
 #include "framework/problem/contact_problem.h"
 #include "framework/stage/profiler.h"
-#include "oracles/witness_resolver.h"
+#include "oracles/witnesses/witness_resolver.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -6,8 +6,8 @@
 #include "experiments/trial/ledger_json.h"
 #include "experiments/trial/plugin.h"
 #include "framework/math/check.h"
-#include "oracles/cases.h"
-#include "oracles/verify.h"
+#include "oracles/verify/case_run.h"
+#include "oracles/verify/verify.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "oracles/verify.h"
+#include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/pair_query_twins.h"
 
@@ -85,10 +85,10 @@ void measure(const Candidate<PairQuery<D>>& m, ShapeKind a, ShapeKind b, const s
     const HardPair<D>& p = pairs[i];
     const PairTruth<D>& truth = truths[i];
     const double width = truth.answer.interval().width() / truth.s;
-    const bool narrow = 10 * width <= verifyTolerance();
+    const bool narrow = 10 * width <= pairTolerance();
     const PairAnswer<D> answer = queryPair(*method, p.a.view(), p.b.view(), p.X_AB);
     const Verdict v = judge<D>({p.a.view(), p.b.view(), p.X_AB}, truth, answer, AlgorithmRole::competitor,
-                               Ending::answered, std::max(verifyTolerance(), 10.000001 * width));
+                               Ending::answered, std::max(pairTolerance(), 10.000001 * width));
     if (v.error && narrow) largest = std::max(largest, *v.error);
     const bool sideAlone = m.info.guarantee == Guarantee::approximate || (v.capped && !narrow);
     const bool right = v.end == Tally::agree || v.end == Tally::tie || v.end == Tally::undecided ||
@@ -201,7 +201,7 @@ TEST(Accuracy, IsAsDocumentedFromBothSides3) { isAsDocumented<3>(); }
 template <int D>
 class OffByMore final : public wrong_queries::SpoiledQuery<D> {
   void spoil(const PairView<D>& pair, PairAnswer<D>& answer, PairMemory*) override {
-    answer.distance += static_cast<Real>(1000 * verifyTolerance()) * (pair.a.half.norm() + pair.a.radius);
+    answer.distance += static_cast<Real>(1000 * pairTolerance()) * (pair.a.half.norm() + pair.a.radius);
   }
 };
 

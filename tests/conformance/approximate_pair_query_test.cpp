@@ -5,8 +5,8 @@
 
 #include <cstdio>
 
-#include "oracles/cases.h"
-#include "oracles/verify.h"
+#include "oracles/verify/case_run.h"
+#include "oracles/verify/verify.h"
 #include "tests/check_property.h"
 #include "tests/expect_caught.h"
 #include "tests/pair_query_properties.h"
@@ -163,11 +163,11 @@ JudgedApart judgedApart(ShapeKind a, ShapeKind b, bool claimsGap, bool turned = 
     const HardPair<3> pair = hardPair<3>(a, b, 3, i);
     const PairView<3> view{pair.a.view(), pair.b.view(), pair.X_AB};
     const PairTruth<3> truth = pairTruth(view);
-    if (!(truth.answer.interval().lo > verifyTolerance() * truth.s)) continue;
+    if (!(truth.answer.interval().lo > pairTolerance() * truth.s)) continue;
     PairAnswer<3> answer = queryPair<3>(*mpr, view.a, view.b, view.X_AB);
     if (turned) answer.distance = -answer.distance;
     const Verdict v =
-        judge(view, truth, answer, AlgorithmRole::competitor, Ending::answered, verifyTolerance(), claimsGap);
+        judge(view, truth, answer, AlgorithmRole::competitor, Ending::answered, pairTolerance(), claimsGap);
     if (v.end == Tally::undecided) continue;
     ++out.asked, out.wrong += v.end == Tally::wrong, out.values += v.error.has_value(), out.wrongSides += v.wrongSide;
     EXPECT_EQ(v.sideAlone, !v.error.has_value());

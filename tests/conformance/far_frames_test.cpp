@@ -9,7 +9,7 @@
 #include "framework/math/random.h"
 #include "framework/stage/stage_narrowphase.h"
 #include "framework/world/world.h"
-#include "oracles/referee.h"
+#include "oracles/referee/referee.h"
 #include "tests/check_property.h"
 #include "tests/expect_caught.h"
 

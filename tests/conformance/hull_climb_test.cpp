@@ -6,7 +6,7 @@
 
 #include "framework/shape/support_map.h"
 #include "framework/stage/stage_narrowphase.h"
-#include "oracles/hard_pairs.h"
+#include "oracles/corpus/hard_pairs.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What must not matter to a pair query, by two of its own answers: the images are what they are said to be, ours pass,
 // and for each relation there is a bug that it catches.
-#include "oracles/metamorphic.h"
+#include "oracles/verify/metamorphic.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <map>
 #include <sstream>
 
-#include "oracles/verify.h"
+#include "oracles/verify/verify.h"
 #include "tests/check_property.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/pair_query_twins.h"

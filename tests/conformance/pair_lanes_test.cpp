@@ -8,7 +8,7 @@
 #include <bit>
 #include <cstdio>
 
-#include "oracles/hard_pairs.h"
+#include "oracles/corpus/hard_pairs.h"
 #include "tests/draw.h"
 #include "tests/each_target.h"
 #include "tests/expect_caught.h"

@@ -10,7 +10,7 @@
 
 #include "framework/draw/debug_draw.h"
 #include "framework/shape/support_map.h"
-#include "oracles/hard_pairs.h"
+#include "oracles/corpus/hard_pairs.h"
 #include "tests/draw.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/trace_twins.h"

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <map>
 
-#include "oracles/impact_bracket.h"
+#include "oracles/referee/impact_bracket.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 #include "tests/planted_bugs/time_of_impact_twins.h"

@@ -232,8 +232,8 @@ engine = "*"
 }
 
 TEST(EngineTrial, JudgesOfPairsAreNotTheirs) {
-  const SourceHash plain[] = {{"oracles/referee.h", "1"}};
-  const SourceHash more[] = {{"oracles/referee.h", "1"}, {"oracles/engines/engine_world.h", "2"}};
+  const SourceHash plain[] = {{"oracles/referee/referee.h", "1"}};
+  const SourceHash more[] = {{"oracles/referee/referee.h", "1"}, {"oracles/engines/engine_world.h", "2"}};
   EXPECT_EQ(judgesHash(plain), judgesHash(more)) << "an engine changes no key of a pairs trial";
 }
 

@@ -12,7 +12,7 @@
 #include "experiments/trial/box_distribution.h"
 #include "experiments/trial/pair_drawing.h"
 #include "framework/shape/support_map.h"
-#include "oracles/referee.h"
+#include "oracles/referee/referee.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::entry_test {

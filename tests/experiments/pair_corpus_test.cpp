@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/parse/toml_reader.h"
-#include "oracles/cases.h"
-#include "oracles/verify.h"
+#include "oracles/corpus/cases.h"
+#include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

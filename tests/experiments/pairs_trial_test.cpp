@@ -12,7 +12,7 @@
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/trial_plan.h"
 #include "experiments/trial/trial.h"
-#include "oracles/verify.h"
+#include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::pairs_trial_test {
@@ -249,10 +249,11 @@ TEST(PairsTrial, TheRefereesCodeIsPartOfTheKeyOfPairsAlone) {
 // What judges is in the key of every trial of pairs; an adapter, changed or new, is not.
 TEST(PairsTrial, AnAdapterIsNoneOfTheRefereesCode) {
   const auto hash = [](std::string_view referee, std::string_view adapter) {
-    return judgesHash(std::array<SourceHash, 2>{{{"oracles/referee.h", referee}, {"oracles/fcl.cpp", adapter}}});
+    return judgesHash(
+        std::array<SourceHash, 2>{{{"oracles/referee/referee.h", referee}, {"oracles/witnesses/fcl.cpp", adapter}}});
   };
   EXPECT_EQ(hash("same", "before"), hash("same", "after"));
-  EXPECT_EQ(hash("same", "before"), judgesHash(std::array<SourceHash, 1>{{{"oracles/referee.h", "same"}}}));
+  EXPECT_EQ(hash("same", "before"), judgesHash(std::array<SourceHash, 1>{{{"oracles/referee/referee.h", "same"}}}));
   EXPECT_NE(hash("before", "same"), hash("after", "same"));
 }
 

@@ -7,7 +7,7 @@
 #include "experiments/trial/problem_spectrum.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage/profiler.h"
-#include "oracles/witness_resolver.h"
+#include "oracles/witnesses/witness_resolver.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/refused.h"
 #include "tests/small_worlds.h"

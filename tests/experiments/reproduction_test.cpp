@@ -9,8 +9,8 @@
 #include <set>
 
 #include "experiments/parse/toml_reader.h"
-#include "oracles/cases.h"
-#include "oracles/witness.h"
+#include "oracles/corpus/cases.h"
+#include "oracles/witnesses/witness.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"
 

@@ -5,8 +5,8 @@
 #include "experiments/trial/problem_file.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage/profiler.h"
-#include "oracles/verify.h"
-#include "oracles/witness_resolver.h"
+#include "oracles/verify/verify.h"
+#include "oracles/witnesses/witness_resolver.h"
 #include "tests/experiments/refused.h"
 
 namespace lpc::inline LPC_PRECISION::siconos_test {

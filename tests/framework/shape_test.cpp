@@ -6,7 +6,7 @@
 #include "framework/math/check.h"
 #include "framework/shape/support_map.h"
 #include "framework/stage/stage_broadphase.h"
-#include "oracles/referee.h"
+#include "oracles/referee/referee.h"
 #include "tests/check_property.h"
 #include "tests/direction_search.h"
 #include "tests/generators.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // A file of cases: refused, or read. Who is asked what it holds is tests/fuzz/mutate.py's.
-#include "oracles/cases.h"
+#include "oracles/corpus/cases.h"
 #include "tests/fuzz/target.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "framework/stage/stage_narrowphase.h"
-#include "oracles/referee.h"
+#include "oracles/referee/referee.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "algorithms/contacts/sat_collide3.h"
-#include "oracles/posed_core.h"
+#include "oracles/referee/posed_core.h"
 #include "tests/contact_scene.h"
 
 namespace lpc::inline LPC_PRECISION::test {

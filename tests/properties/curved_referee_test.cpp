@@ -7,10 +7,10 @@
 #include <iostream>
 
 #include "framework/shape/curved_core.h"
-#include "oracles/hard_pairs.h"
-#include "oracles/referee.h"
-#include "oracles/support_sweep.h"
-#include "oracles/verify.h"
+#include "oracles/corpus/hard_pairs.h"
+#include "oracles/referee/referee.h"
+#include "oracles/referee/support_sweep.h"
+#include "oracles/verify/verify.h"
 #include "tests/check_property.h"
 
 namespace lpc::inline LPC_PRECISION::test::curved_referee_test {

@@ -5,8 +5,8 @@
 
 #include <cstdio>
 
-#include "oracles/referee.h"
-#include "oracles/witness.h"
+#include "oracles/referee/referee.h"
+#include "oracles/witnesses/witness.h"
 #include "tests/check_property.h"
 #include "tests/pair_query_properties.h"
 #include "tests/planted_bugs/pair_query_twins.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The referee against methods written apart from it: closed forms, a branch and bound over directions, the published
 // corpus. And wrong referees, which these checks must see.
-#include "oracles/referee.h"
+#include "oracles/referee/referee.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <limits>
 #include <map>
 
-#include "oracles/cases.h"
-#include "oracles/support_sweep.h"
+#include "oracles/corpus/cases.h"
+#include "oracles/referee/support_sweep.h"
 #include "tests/check_property.h"
 #include "tests/generators.h"
 

@@ -2,8 +2,8 @@
 // What `lpc verify` says of generators whose faces at rest change their features under a small motion.
 #include <gtest/gtest.h>
 
-#include "oracles/cases.h"
-#include "oracles/verify.h"
+#include "oracles/verify/case_run.h"
+#include "oracles/verify/verify.h"
 #include "tests/check_property.h"
 #include "tests/planted_bugs/contact_bugs.h"
 

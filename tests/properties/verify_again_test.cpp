@@ -2,7 +2,7 @@
 // How often `lpc verify` asks what it keeps again.
 #include <gtest/gtest.h>
 
-#include "oracles/verify.h"
+#include "oracles/verify/verify.h"
 
 namespace lpc::inline LPC_PRECISION::test::verify_again_test {
 namespace {

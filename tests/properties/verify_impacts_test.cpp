@@ -3,7 +3,7 @@
 // too early is found.
 #include <gtest/gtest.h>
 
-#include "oracles/verify.h"
+#include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
 #include "tests/planted_bugs/time_of_impact_twins.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What `lpc verify` asks and how it judges: right methods are right, planted wrong ones are found out and named.
-#include "oracles/verify.h"
+#include "oracles/verify/verify.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <map>
 #include <set>
 
-#include "oracles/cases.h"
-#include "oracles/regime.h"
-#include "oracles/witness.h"
+#include "oracles/corpus/cases.h"
+#include "oracles/verify/regime.h"
+#include "oracles/witnesses/witness.h"
 #include "tests/check_property.h"
 #include "tests/planted_bugs/broadphase.h"
 #include "tests/planted_bugs/contact_bugs.h"

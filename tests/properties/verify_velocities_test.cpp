@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "framework/stage/profiler.h"
-#include "oracles/drawn_problem.h"
-#include "oracles/verify.h"
+#include "oracles/corpus/drawn_problem.h"
+#include "oracles/verify/verify.h"
 #include "tests/expect_caught.h"
 
 namespace lpc::inline LPC_PRECISION::verify_velocities_test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Planted witnesses that hang, abort, throw and lie: each is booked to its pair, and the pairs around it are answered.
-#include "oracles/witness_process.h"
+#include "oracles/witnesses/witness_process.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The witnesses: their tables of kinds, their conventions, their error bars, and the failures that they declare.
-#include "oracles/witness.h"
+#include "oracles/witnesses/witness.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <set>
 
-#include "oracles/referee.h"
-#include "oracles/verify.h"
+#include "oracles/referee/referee.h"
+#include "oracles/verify/verify.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"
 

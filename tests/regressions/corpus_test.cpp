@@ -15,9 +15,9 @@
 
 #include "framework/math/check.h"
 #include "framework/stage/stage_narrowphase.h"
-#include "oracles/cases.h"
-#include "oracles/referee.h"
-#include "oracles/witness_process.h"
+#include "oracles/referee/referee.h"
+#include "oracles/verify/case_run.h"
+#include "oracles/witnesses/witness_process.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "framework/math/check.h"
-#include "oracles/cases.h"
+#include "oracles/verify/case_run.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,2 +1,2 @@
 # One part in a hundred too far.
-edit(oracles/alternating_projections.cpp "apart - m_radiusA" "1.01 * apart - m_radiusA")
+edit(oracles/witnesses/alternating_projections.cpp "apart - m_radiusA" "1.01 * apart - m_radiusA")

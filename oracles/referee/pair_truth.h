@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "framework/stage/stage_narrowphase.h"
+#include "oracles/referee/referee.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// How far an answer about a pair may be from the truth, over the pair's `errorScale`: 1e-12, of what computes in
+/// single precision 1e-5.
+constexpr double pairTolerance(bool inFloat = sizeof(Real) == sizeof(float)) { return inFloat ? 1e-5 : 1e-12; }
+
+/// What is true about a pair, whoever is asked.
+template <int D>
+struct PairTruth {
+  RefereeAnswer<D> answer = {};
+  double s = 0, posed = 0;  // errorScale, posedScale
+};
+template <int D>
+PairTruth<D> pairTruth(const PairView<D>& pair);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Zlib
+// Siconos (Acary and others), nonsmooth Gauss-Seidel that solves each contact exactly: a witness of velocity problems.
+// It is asked about contacts; equality rows and springs are eliminated first, and limits of joints it does not know.
+// It is loaded by a process of its own for each problem, as it ends the one that meets what it does not like.
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <Eigen/Core>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "framework/problem/contact_problem.h"
+#include "oracles/witnesses/pseudo_inverse.h"
+#include "oracles/witnesses/thread_time.h"
+#include "oracles/witnesses/witness_resolver.h"
+
+#ifdef LPC_SICONOS
+#include <siconos/numerics/FrictionContactProblem.h>
+#include <siconos/numerics/Friction_cst.h>
+#include <siconos/numerics/NonSmoothDrivers.h>
+#include <siconos/numerics/NumericsMatrix.h>
+#include <siconos/numerics/SolverOptions.h>
+#endif
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+constexpr unsigned kMostSeconds = 20;  // for a problem
+
+/// W r + q in the cones of mu, D rows of each contact.
+struct Question {
+  int dimension, contacts;
+  Matrix w;
+  Vector q, mu;
+  double tolerance;
+  int sweeps;
+  double nanoseconds = 0;  // of the driver
+};
+
+#ifdef LPC_SICONOS
+template <class F>
+F* found(const char* name) {
+  static void* const library = dlopen(LPC_SICONOS, RTLD_NOW | RTLD_LOCAL);
+  void* const at = library ? dlsym(library, name) : nullptr;
+  if (!at) _exit(1);
+  return reinterpret_cast<F*>(at);
+}
+#define LPC_OF_SICONOS(function) found<decltype(function)>(#function)
+
+// In the child.
+void answer(Question& of, double* r) {
+  std::vector<double> u(static_cast<std::size_t>(of.q.size()), 0.0);
+  const int n = of.dimension * of.contacts;
+  auto* const matrix = LPC_OF_SICONOS(NM_create_from_data)(NM_DENSE, n, n, of.w.data());
+  FrictionContactProblem problem{of.dimension, of.contacts, matrix, of.q.data(), of.mu.data()};
+  const int method = of.dimension == 2 ? SICONOS_FRICTION_2D_NSGS : SICONOS_FRICTION_3D_NSGS;
+  SolverOptions* const options = LPC_OF_SICONOS(solver_options_create)(method);
+  options->dparam[SICONOS_DPARAM_TOL] = of.tolerance, options->iparam[SICONOS_IPARAM_MAX_ITER] = of.sweeps;
+  auto* const driver = of.dimension == 2 ? LPC_OF_SICONOS(fc2d_driver) : LPC_OF_SICONOS(fc3d_driver);
+  const double before = threadNanoseconds();
+  driver(&problem, r, u.data(), options);
+  of.nanoseconds = threadNanoseconds() - before;
+}
+
+Vector ask(Question& of) {
+  const auto bytes = static_cast<std::size_t>(of.q.size() + 1) * sizeof(double);  // the last is how long it took
+  void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "Siconos cannot be given memory");
+  auto* const r = static_cast<double*>(memory);
+  const pid_t parent = getpid(), child = fork();
+  if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(1);  // it died before the line above
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (int fd = 0; fd < 3; ++fd) dup2(nowhere, fd);
+    const rlimit none{0, 0};
+    setrlimit(RLIMIT_CORE, &none);
+    for (const int s : {SIGALRM, SIGABRT, SIGSEGV, SIGFPE}) std::signal(s, SIG_DFL);
+    setenv("OPENBLAS_NUM_THREADS", "1", 1);
+    alarm(kMostSeconds);
+    answer(of, r);
+    r[of.q.size()] = of.nanoseconds;
+    _exit(0);
+  }
+  int status = -1;
+  while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  const Vector out = Eigen::Map<const Vector>(r, of.q.size());
+  of.nanoseconds = r[of.q.size()];
+  munmap(memory, bytes);
+  const bool ended = child > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (!ended) throw std::runtime_error("Siconos has not come back");
+  if (!out.allFinite()) throw std::runtime_error("Siconos answers what is no number");
+  return out;
+}
+#else
+Vector ask(Question&) { throw UserError("Siconos is absent from this build; valid: one with libsiconos-numerics-dev"); }
+#endif
+
+template <int D>
+class Siconos final : public WitnessResolver<D> {
+ public:
+  struct Params {
+    Real tolerance = Real(1e-12);
+    int sweeps = 20000;
+    void visit(ParamVisitor& v) {
+      v.real("tolerance", tolerance, 0, 1, "1", "its own measure of error at which it ends");
+      v.integer("sweeps", sweeps, 1, 10000000, "at most");
+    }
+  };
+  explicit Siconos(const Params& params) : m_params(params) {}
+
+  static AlgorithmInfo info() {
+    return {.name = "siconos",
+            .summary = "Siconos: nonsmooth Gauss-Seidel, each contact solved exactly",
+            .paper = "",
+            .complexity = "sweeps x contacts^2",
+            .guarantee = Guarantee::approximate,
+            .friction = FrictionLaw::coulomb,
+            .matrixAlone = true,
+            .role = AlgorithmRole::witness};
+  }
+
+  double nanoseconds() const override { return m_nanoseconds; }
+
+  void solve(const VelocityInput<D>& in) override {
+    m_nanoseconds = -threadNanoseconds();
+    m_problem.set(in);
+    std::vector<double> free, x(static_cast<std::size_t>(m_problem.size()), 0.0);
+    m_problem.freeVelocities(in, free);
+    std::vector<std::int32_t> contacts, equalities;  // of a contact its normal
+    for (std::int32_t i = 0; i < m_problem.size(); ++i) {
+      const ProblemRow<D>& row = m_problem.row(i);
+      if (row.ofJoint && row.law == ProblemLaw::interval) {
+        throw UserError("Siconos knows no limits of joints, and no motors that may fail");
+      }
+      if (row.law == ProblemLaw::free) equalities.push_back(i);
+      if (row.law == ProblemLaw::normal || row.law == ProblemLaw::interval) contacts.push_back(i);
+    }
+    if (!x.empty()) solveFor(contacts, equalities, free, x);
+    m_problem.apply(in, x);
+    m_nanoseconds += threadNanoseconds();
+  }
+
+ private:
+  void solveFor(const std::vector<std::int32_t>& contacts, const std::vector<std::int32_t>& equalities,
+                const std::vector<double>& free, std::vector<double>& x) {
+    const auto n = static_cast<Eigen::Index>(D * contacts.size()), m = static_cast<Eigen::Index>(equalities.size());
+    // Rows of the contacts, D of each; tangents that a contact without friction lacks stand alone and stay at 0.
+    std::vector<std::int32_t> rows(static_cast<std::size_t>(n), -1);
+    Question of{.dimension = D,
+                .contacts = static_cast<int>(contacts.size()),
+                .w = Matrix::Zero(n, n),
+                .q = Vector::Zero(n),
+                .mu = Vector::Zero(n / D),
+                .tolerance = double(m_params.tolerance),
+                .sweeps = m_params.sweeps};
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      const ProblemRow<D>& row = m_problem.row(contacts[c]);
+      const bool rubs = row.law == ProblemLaw::normal;
+      for (int k = 0; k < (rubs ? D : 1); ++k) rows[D * c + static_cast<std::size_t>(k)] = contacts[c] + k;
+      of.mu[static_cast<Eigen::Index>(c)] = rubs ? row.friction : 0.0;
+    }
+    const auto entry = [&](std::int32_t i, std::int32_t j) {
+      const ProblemRow<D>& row = m_problem.row(i);
+      return i == j ? 1 / row.mass : m_problem.response(row, m_problem.row(j));
+    };
+    Matrix wce = Matrix::Zero(n, m), wee(m, m);
+    Vector qe(m);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const std::int32_t row = rows[static_cast<std::size_t>(i)];
+      if (row < 0) of.w(i, i) = of.w(i - i % D, i - i % D);
+      if (row < 0) continue;
+      of.q[i] = free[static_cast<std::size_t>(row)];
+      for (Eigen::Index j = 0; j < n; ++j) {
+        if (rows[static_cast<std::size_t>(j)] >= 0) of.w(i, j) = entry(row, rows[static_cast<std::size_t>(j)]);
+      }
+      for (Eigen::Index j = 0; j < m; ++j) wce(i, j) = entry(row, equalities[static_cast<std::size_t>(j)]);
+    }
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const std::int32_t row = equalities[static_cast<std::size_t>(i)];
+      qe[i] = free[static_cast<std::size_t>(row)];
+      for (Eigen::Index j = 0; j < m; ++j) wee(i, j) = entry(row, equalities[static_cast<std::size_t>(j)]);
+    }
+    const PseudoInverse inverse(wee);
+    if (m > 0 && n > 0) of.w -= wce * inverse.solve(wce.transpose()), of.q -= wce * Vector(inverse.solve(qe));
+    const double before = threadNanoseconds();
+    const Vector r = n > 0 ? ask(of) : Vector(0);
+    m_nanoseconds += of.nanoseconds - (threadNanoseconds() - before);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const std::int32_t row = rows[static_cast<std::size_t>(i)];
+      if (row >= 0) x[static_cast<std::size_t>(row)] = r[i];
+    }
+    if (m == 0) return;
+    const Vector lambda = -inverse.solve(qe + wce.transpose() * r);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      x[static_cast<std::size_t>(equalities[static_cast<std::size_t>(i)])] = lambda[i];
+    }
+  }
+
+  Params m_params;
+  ContactProblem<D> m_problem;
+  double m_nanoseconds = 0;
+};
+
+}  // namespace
+
+LPC_REGISTER(VelocityResolver, Siconos, 2, 3);
+
+}  // namespace lpc::inline LPC_PRECISION
