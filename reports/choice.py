@@ -30,7 +30,7 @@ AS_RIGHT = 2.0  # a method errs as little as another when it errs at most so man
 TURNS = "not told from chance over the seeds"
 ORDER = ("take", "tie", "slower", "errs more", "not ranked")
 DEPTH = "less overlap"  # what less of a depth means
-JITTER, AT_REST = "jitter", 0.05  # m/s; slower than this is at rest (experiments/trial/settling.h)
+JITTER, AT_REST = "jitter", 0.05  # m/s; slower than this is at rest (experiments/trial/measure/settling.h)
 
 
 @dataclass(frozen=True)

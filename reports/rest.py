@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Zlib
 """What is held: how far a run has sunk by its end, as a share of the scene's smallest body, and by which limits that is holding.
-experiments/trial/rest.h has the same limits; an outcome is by the strictest, so that what is ok is held by each."""
+experiments/trial/measure/rest.h has the same limits; an outcome is by the strictest, so that what is ok is held by each."""
 
 import math
 

@@ -381,7 +381,7 @@ class Tables(unittest.TestCase):
             self.assertLessEqual(set(s["sizes"]), sizes, s["name"])
 
     def test_every_field_and_call_is_there(self):
-        reader = "".join(f.read_text() for f in sorted(SOURCE.glob("experiments/trial/scene_*.cpp")))
+        reader = "".join(f.read_text() for f in sorted(SOURCE.glob("experiments/trial/scene/scene_*.cpp")))
         for struct, header, page, section in [
                 ("ShapeDef", "shape/shape_def.h", "shapes.md", "A shape on a body"), ("BodyDef", "problem/body.h", "shapes.md", "A body"),
                 ("JointDef", "problem/joint.h", "joints.md", "A joint"), ("ForceDef", "problem/force.h", "forces.md", "A force"),

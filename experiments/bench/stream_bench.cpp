@@ -6,7 +6,7 @@
 
 #include "experiments/bench/bench_groups.h"
 #include "experiments/bench/pair_proof.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "experiments/trial/stream_replay.h"
 #include "oracles/witnesses/witness.h"
 

@@ -7,7 +7,7 @@
 #include <ostream>
 
 #include "experiments/film/raster.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <png.h>
 
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 

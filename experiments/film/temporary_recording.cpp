@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

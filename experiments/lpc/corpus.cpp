@@ -7,7 +7,7 @@
 #include "experiments/lpc/command.h"
 #include "experiments/runner/pair_corpus.h"
 #include "experiments/runner/reproduction.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 #include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {

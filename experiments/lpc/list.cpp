@@ -11,10 +11,10 @@
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/locations.h"
 #include "experiments/trial/box_distribution.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 #include "experiments/trial/pair_drawing.h"
-#include "experiments/trial/scene_event.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_event.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/math/names.h"
 #include "framework/shape/curved_core.h"
 

@@ -13,6 +13,7 @@
 #include "experiments/runner/catalogue.h"
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/scheduler.h"
+#include "experiments/trial/measure/metric.h"
 #include "experiments/trial/trial.h"
 
 namespace lpc::inline LPC_PRECISION {

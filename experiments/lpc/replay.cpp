@@ -6,7 +6,7 @@
 #include "experiments/film/film.h"
 #include "experiments/lpc/command.h"
 #include "experiments/runner/worker_pool.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

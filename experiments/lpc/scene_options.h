@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 

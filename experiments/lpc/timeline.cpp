@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "experiments/lpc/series_plot.h"
+#include "experiments/trial/measure/metric.h"
 #include "experiments/trial/trial.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -12,7 +12,7 @@
 #include "experiments/runner/ledger_table.h"
 #include "experiments/runner/reproduction.h"
 #include "experiments/runner/verification.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 #include "oracles/verify/case_run.h"

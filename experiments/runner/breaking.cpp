@@ -9,7 +9,7 @@
 
 #include "experiments/runner/metric_name.h"
 #include "experiments/runner/sweep_file.h"
-#include "experiments/trial/metric.h"
+#include "experiments/trial/measure/metric.h"
 #include "framework/math/names.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -9,6 +9,7 @@
 #include "experiments/runner/store.h"
 #include "experiments/runner/sweep_file.h"
 #include "experiments/runner/worker_pool.h"
+#include "experiments/trial/measure/metric.h"
 #include "experiments/trial/trial.h"
 #include "framework/math/names.h"
 

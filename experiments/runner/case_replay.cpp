@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "experiments/runner/worker_pool.h"
-#include "experiments/trial/ledger_json.h"
+#include "experiments/trial/formats/ledger_json.h"
 #include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -5,7 +5,7 @@
 #include <array>
 #include <set>
 
-#include "experiments/trial/metric.h"
+#include "experiments/trial/measure/metric.h"
 #include "framework/math/check.h"
 #include "oracles/witnesses/witness.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "experiments/trial/metric.h"
+#include "experiments/trial/measure/metric.h"
 
 namespace lpc::inline LPC_PRECISION {
 

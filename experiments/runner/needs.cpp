@@ -10,6 +10,7 @@
 
 #include "experiments/runner/scene_model.h"
 #include "experiments/runner/store.h"
+#include "experiments/trial/measure/metric.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 

@@ -11,7 +11,7 @@
 
 #include "experiments/runner/store_lock.h"
 #include "experiments/runner/sweep_file.h"
-#include "experiments/trial/metric.h"
+#include "experiments/trial/measure/metric.h"
 #include "experiments/trial/trial.h"
 #include "oracles/verify/ledger.h"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "experiments/runner/store.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 #include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION {

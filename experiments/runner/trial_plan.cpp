@@ -9,8 +9,8 @@
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/locations.h"
 #include "experiments/trial/box_distribution.h"
+#include "experiments/trial/measure/problems_metrics.h"
 #include "experiments/trial/pair_drawing.h"
-#include "experiments/trial/problems_metrics.h"
 #include "framework/math/names.h"
 #include "framework/world/stage_engine.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/trial/problem_file.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/formats/problem_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/stage/registry.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -15,8 +15,8 @@
 
 #include "experiments/runner/code_identity.h"
 #include "experiments/runner/worker_pool.h"
-#include "experiments/trial/ledger_json.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/ledger_json.h"
+#include "experiments/trial/formats/output_file.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 #include "framework/stage/stage_narrowphase.h"

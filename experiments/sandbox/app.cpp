@@ -19,8 +19,8 @@
 #include "experiments/sandbox/look_at_all.h"
 #include "experiments/sandbox/panels.h"
 #include "experiments/sandbox/puppet.h"
-#include "experiments/trial/output_file.h"
-#include "experiments/trial/saved_scene.h"
+#include "experiments/trial/formats/output_file.h"
+#include "experiments/trial/scene/saved_scene.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "experiments/trial/script_writer.h"
+#include "experiments/trial/scene/script_writer.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "experiments/sandbox/deed.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 
 namespace lpc::inline LPC_PRECISION {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "experiments/sandbox/panels.h"
-#include "experiments/trial/body_type_name.h"
+#include "experiments/trial/formats/body_type_name.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

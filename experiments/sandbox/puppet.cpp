@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/sandbox/app.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 #include "framework/math/check.h"
 #include "framework/math/names.h"
 

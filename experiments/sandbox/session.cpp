@@ -5,7 +5,7 @@
 #include <chrono>
 #include <sstream>
 
-#include "experiments/trial/simulation_of_scene.h"
+#include "experiments/trial/scene/simulation_of_scene.h"
 #include "framework/math/check.h"
 #include "framework/world/invariants.h"
 

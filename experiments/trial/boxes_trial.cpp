@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/trial/box_distribution.h"
-#include "experiments/trial/metric.h"
+#include "experiments/trial/measure/metric.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage/stage_broadphase.h"
 

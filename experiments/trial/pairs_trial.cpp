@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "experiments/trial/measure/pairs_metrics.h"
 #include "experiments/trial/pair_drawing.h"
-#include "experiments/trial/pairs_metrics.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "experiments/trial/stream_replay.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage/stage_narrowphase.h"

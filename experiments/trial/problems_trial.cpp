@@ -8,9 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "experiments/trial/problem_file.h"
-#include "experiments/trial/problem_spectrum.h"
-#include "experiments/trial/problems_metrics.h"
+#include "experiments/trial/formats/problem_file.h"
+#include "experiments/trial/measure/metric.h"
+#include "experiments/trial/measure/problem_spectrum.h"
+#include "experiments/trial/measure/problems_metrics.h"
 #include "experiments/trial/trial.h"
 #include "framework/math/worse.h"
 #include "framework/problem/contact_problem.h"

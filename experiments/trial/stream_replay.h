@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "experiments/trial/pair_stream.h"
+#include "experiments/trial/formats/pair_stream.h"
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 

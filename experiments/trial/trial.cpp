@@ -48,16 +48,6 @@ TrialResult resultFromJson(const json& j) {
   return r;
 }
 
-double quantile(std::vector<double> values, double q) {
-  const bool some = std::any_of(values.begin(), values.end(), [](double x) { return std::isnan(x); });
-  if (values.empty() || some) return std::numeric_limits<double>::quiet_NaN();  // NaN has no place in an order
-  std::sort(values.begin(), values.end());
-  const double at = q * static_cast<double>(values.size() - 1);
-  const auto i = static_cast<std::size_t>(at);
-  const double share = at - static_cast<double>(i);
-  return i + 1 < values.size() ? values[i] * (1 - share) + values[i + 1] * share : values[i];
-}
-
 double cpuSeconds() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

@@ -46,8 +46,6 @@ TrialResult runProblemsTrial(const nlohmann::json& request);
 nlohmann::json toJson(const TrialResult& result);
 TrialResult resultFromJson(const nlohmann::json& json);
 
-/// The q-th part of the values in order, 0.5 for the median; NaN for none.
-double quantile(std::vector<double> values, double q);
 /// Processor time of this thread (s): what other processes do does not count.
 double cpuSeconds();
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "experiments/trial/ledger_json.h"
+#include "experiments/trial/formats/ledger_json.h"
 #include "experiments/trial/plugin.h"
 #include "framework/math/check.h"
 #include "oracles/verify/case_run.h"

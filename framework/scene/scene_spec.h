@@ -44,7 +44,8 @@ struct SceneSpec {
     bool byEvent = false;        // added by one, in its turn
   };
   /// What a script does before this step, in the order of the file: after what comes in it by itself, and before what
-  /// goes by itself. The kinds of a scene file's [[event]] are entries of a table (experiments/trial/scene_event.cpp).
+  /// goes by itself. The kinds of a scene file's [[event]] are entries of a table
+  /// (experiments/trial/scene/scene_event.cpp).
   struct Event {
     long step = 0;
     int body = -1;  // a place in `spawns`
@@ -63,7 +64,7 @@ struct SceneSpec {
     Real energy =
         0;  // "exploded": mechanical energy above this many times its start (only from a start above the floor)
     /// "sank": the scene rests, with so many bodies on each other, but at its end one has sagged, is in another or
-    /// sinks by more than kRestShare of the smallest body (experiments/trial/rest.h).
+    /// sinks by more than kRestShare of the smallest body (experiments/trial/measure/rest.h).
     Real levels = 0;
     Real fall = 0;          // how far a body may fall before it rests (m)
     bool mayLeave = false;  // else "left": a body is below all that could hold it

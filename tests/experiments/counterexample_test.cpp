@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "tests/generators.h"
 
 namespace lpc::inline LPC_PRECISION::test::counterexample_test {

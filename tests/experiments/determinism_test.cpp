@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 #include "tests/check_property.h"

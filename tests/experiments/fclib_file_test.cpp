@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Zlib
 // Velocity problems through FCLIB's files: the same W, q, mu and equalities, and so the same velocities; what is
 // damaged or foreign is refused in one line.
-#include "experiments/trial/fclib_file.h"
+#include "experiments/trial/formats/fclib_file.h"
 
 #include <cstring>
 #include <fstream>
 #include <limits>
 
 #include "experiments/parse/toml_reader.h"
-#include "experiments/trial/fclib_library.h"
-#include "experiments/trial/library_process.h"
-#include "experiments/trial/problem_file.h"
+#include "experiments/trial/formats/fclib_library.h"
+#include "experiments/trial/formats/library_process.h"
+#include "experiments/trial/formats/problem_file.h"
 #include "framework/problem/contact_problem.h"
 #include "framework/stage/profiler.h"
 #include "tests/expect_caught.h"

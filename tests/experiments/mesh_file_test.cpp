@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Shapes from OBJ and STL: what was written is what is read, what is broken is refused in one line that says why, and a
 // file that changes is another trial.
-#include "experiments/trial/mesh_file.h"
+#include "experiments/trial/formats/mesh_file.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 #include "experiments/parse/toml_reader.h"
 #include "experiments/runner/trial_plan.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/shape/mass.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"

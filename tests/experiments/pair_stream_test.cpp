@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Streams of pairs: what a world's generator is asked about, nobody near missing, each pair the same one in every step;
 // written and read.
-#include "experiments/trial/pair_stream.h"
+#include "experiments/trial/formats/pair_stream.h"
 
 #include <xxhash.h>
 

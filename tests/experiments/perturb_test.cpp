@@ -6,8 +6,8 @@
 
 #include "experiments/runner/locations.h"
 #include "experiments/runner/sweep_file.h"
-#include "experiments/trial/scene_file.h"
-#include "experiments/trial/scene_parsed.h"
+#include "experiments/trial/scene/scene_file.h"
+#include "experiments/trial/scene/scene_parsed.h"
 #include "framework/scene/director.h"
 #include "framework/world/invariants.h"
 #include "framework/world/world.h"

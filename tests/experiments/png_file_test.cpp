@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "experiments/parse/toml_reader.h"
-#include "experiments/trial/output_file.h"
+#include "experiments/trial/formats/output_file.h"
 #include "framework/math/random.h"
 #include "tests/experiments/workspace.h"
 

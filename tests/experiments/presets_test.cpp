@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "experiments/runner/locations.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
 #include "framework/world/settings.h"
 #include "framework/world/world.h"

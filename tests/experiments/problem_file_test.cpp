@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Velocity problems taken out of a world, written and read: what they are solved by gives the bits that it gave there.
-#include "experiments/trial/problem_file.h"
+#include "experiments/trial/formats/problem_file.h"
 
 #include <set>
 #include <sstream>

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/runner/sweep_file.h"
-#include "experiments/trial/problem_file.h"
-#include "experiments/trial/problem_spectrum.h"
+#include "experiments/trial/formats/problem_file.h"
+#include "experiments/trial/measure/problem_spectrum.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage/profiler.h"
 #include "oracles/witnesses/witness_resolver.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // What is held, what has sunk, who has left, and the body that must fall beside those that rest.
-#include "experiments/trial/rest.h"
+#include "experiments/trial/measure/rest.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "experiments/runner/sweep_file.h"
-#include "experiments/trial/control.h"
+#include "experiments/trial/measure/control.h"
 #include "experiments/trial/trial.h"
 #include "tests/experiments/workspace.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // What a script does between steps, against closed forms; and its mistakes, told with file and line.
-#include "experiments/trial/scene_event.h"
+#include "experiments/trial/scene/scene_event.h"
 
 #include <gtest/gtest.h>
 
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 #include "tests/expect_caught.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Reading scene files: expressions, loops, scripts, and mistakes told with file and line.
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "experiments/runner/locations.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
 #include "framework/world/world.h"
 

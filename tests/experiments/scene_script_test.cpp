@@ -6,7 +6,7 @@
 
 #include "experiments/runner/locations.h"
 #include "experiments/runner/trial_plan.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
 #include "framework/shape/mass.h"
 #include "framework/world/world.h"

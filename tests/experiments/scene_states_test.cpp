@@ -10,7 +10,7 @@
 #include <functional>
 
 #include "experiments/runner/locations.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 
 namespace lpc::inline LPC_PRECISION::scene_states_test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/math/check.h"
 
 namespace lpc::inline LPC_PRECISION::test {

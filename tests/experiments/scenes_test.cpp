@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/runner/locations.h"
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "tests/experiments/workspace.h"
 
 namespace lpc::inline LPC_PRECISION::scenes_test {

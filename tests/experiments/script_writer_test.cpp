@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What is done by hand to a world, between its steps, and the same as a script: one life, to the last bit.
-#include "experiments/trial/script_writer.h"
+#include "experiments/trial/scene/script_writer.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <regex>
 
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "framework/scene/director.h"
 #include "tests/check_property.h"
 #include "tests/draw.h"

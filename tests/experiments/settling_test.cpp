@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // How a scene has settled: what is told of flights, slides, falls and rest that have a closed form.
-#include "experiments/trial/settling.h"
+#include "experiments/trial/measure/settling.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -2,7 +2,7 @@
 // Siconos beside ours on the shipped problems, in trials and in the ledger: velocities, not impulses.
 #include <nlohmann/json.hpp>
 
-#include "experiments/trial/problem_file.h"
+#include "experiments/trial/formats/problem_file.h"
 #include "experiments/trial/trial.h"
 #include "framework/stage/profiler.h"
 #include "oracles/verify/verify.h"

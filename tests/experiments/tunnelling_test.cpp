@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Who has passed through what is fixed: along paths whose answer is plain, and in trials of our worlds and of engines.
-#include "experiments/trial/tunnelling.h"
+#include "experiments/trial/measure/tunnelling.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "experiments/runner/sweep_file.h"
+#include "experiments/trial/measure/world_metrics.h"
 #include "experiments/trial/trial.h"
-#include "experiments/trial/world_metrics.h"
 #include "framework/stage/stage_solver.h"
 #include "tests/expect_caught.h"
 #include "tests/experiments/workspace.h"

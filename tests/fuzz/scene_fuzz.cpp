@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The text of a scene: refused, or built in each of its dimensions.
-#include "experiments/trial/scene_file.h"
+#include "experiments/trial/scene/scene_file.h"
 #include "tests/fuzz/target.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -1,4 +1,4 @@
-edit(experiments/trial/world_metrics.cpp "      {{\"steps_done\"" [[
+edit(experiments/trial/measure/world_metrics.cpp "      {{\"steps_done\"" [[
       {{"highest_end", "highest body at the end", "m", "of all bodies' centres", kDetail, ""},
        [](R r) { return r.end("height"); }},
       {{"steps_done"]])

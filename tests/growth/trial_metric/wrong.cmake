@@ -1,2 +1,2 @@
 # It reads a series that nobody stores.
-edit(experiments/trial/world_metrics.cpp "return r.end(\"height\")" "return r.end(\"hieght\")")
+edit(experiments/trial/measure/world_metrics.cpp "return r.end(\"height\")" "return r.end(\"hieght\")")

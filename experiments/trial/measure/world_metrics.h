@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "experiments/trial/measure/metric.h"
+#include "experiments/trial/measure/rest.h"
+#include "experiments/trial/measure/settling.h"
+#include "framework/scene/scene_spec.h"
+#include "framework/world/invariants.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+/// What a world trial has seen so far: what the entries of world_metrics.cpp compute from. Lengths in m, from where a
+/// body came into the world.
+template <int D>
+struct WorldSeen {
+  explicit WorldSeen(const SceneSpec<D>& spec) : scene(spec) {}
+
+  const SceneSpec<D>& scene;
+  bool timed = false;
+  bool isolated = false;  // free bodies alone in space
+  long steps = 0;
+  StateInvariants<D> start;
+  double startDepth = 0;  // m, on poses; NaN: not looked at
+  // After the last step:
+  Invariants<D> now;
+  Profiler::Frame frame;
+  double seconds = 0;  // processor time of the step
+  double depth = 0;    // m, on poses; NaN where it was not asked after this step
+  Rest rest;           // at the end
+  double drift = 0, topDrift = 0, slid = 0;
+  Settling<D> settling;
+  double naturalMap = 0;       // m/s, of the last step's velocity problem; NaN: none was shown
+  double supportsChanged = 0;  // NaN: not told
+  double fellThrough = 0;
+  double tunnelled = 0;  // NaN: not looked at
+  double ghostHits = 0;  // NaN: not looked at, or not told
+  double height = 0;     // m, of the highest body
+  double weight = 0;     // kg, of all dynamic bodies
+  // Over all steps:
+  double energyMax = 0;               // J
+  double lostTime = 0;                // s, summed over bodies; NaN: not told
+  double deepest = 0, meanDepth = 0;  // m, on poses; the mean of the last time it was asked
+  std::map<std::string, std::vector<double>> series;
+
+  bool has(TrialNeed need) const;
+  /// Of a series. Throw std::logic_error with the valid names for one that no entry has.
+  double largest(const char* name) const;
+  double total(const char* name) const;
+  double end(const char* name) const;                          // 0 before the first step
+  double quantileOf(const std::string& name, double q) const;  // without the first steps, whose caches are cold
+};
+
+/// One value of each series.
+template <int D>
+void putSeries(WorldSeen<D>& seen);
+template <int D>
+std::map<std::string, double> worldMetrics(const WorldSeen<D>& seen);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: Zlib
+// What a script may do between steps: one entry per kind of [[event]], with its fields, its mistakes and its action.
+#include "experiments/trial/scene/scene_event.h"
+
+#include <optional>
+#include <utility>
+
+#include "experiments/trial/scene/scene_names.h"
+#include "framework/scene/director.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+template <int D, class Act>
+typename SceneSpec<D>::Event& addEvent(const EventBlock<D>& e, int body, Act act) {
+  return e.scene.events.emplace_back(
+      typename SceneSpec<D>::Event{e.step, body, std::move(act), e.number, e.place, false});
+}
+// act(world, handle of the body)
+template <int D, class Act>
+void addDeed(const EventBlock<D>& e, int body, Act act) {
+  addEvent<D>(e, body, [act = std::move(act)](Director<D>& director, Simulation<D>& world, int i) {
+    act(world, director.body(i));
+  });
+}
+// act(director, world, body), of a world of ours.
+template <int D, class Act>
+void addOurs(const EventBlock<D>& e, int body, std::string_view what, Act act) {
+  addEvent<D>(e, body, [act = std::move(act), what](Director<D>& director, Simulation<D>& simulation, int i) {
+    auto* world = dynamic_cast<World<D>*>(&simulation);
+    if (!world) throw UserError("'" + std::string(what) + "' is an event of our worlds: no engine has it");
+    act(director, *world, i);
+  }).oursAlone = true;
+}
+
+// The body goes with this event; by its own `remove` not before it.
+template <int D>
+void takeOut(const EventBlock<D>& e, const char* key, int body) {
+  auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
+  if (spawn.removeAt >= 0 && (spawn.takenBy >= 0 || spawn.removeAt < e.step)) {
+    e.block.fail(*e.block.find(key), "this body is removed at step " + std::to_string(spawn.removeAt) + " already");
+  }
+  spawn.removeAt = e.step, spawn.takenBy = e.number;
+}
+
+// A body that forces move.
+template <int D>
+int dynamicBody(const EventBlock<D>& e) {
+  const int body = e.bodyOf("body");
+  const auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
+  if (spawn.body.type != BodyType::dynamic && !spawn.retyped) {
+    e.block.fail(*e.block.find("body"), "'body' is one that forces do not move; valid: a dynamic body");
+  }
+  return body;
+}
+
+// p_B of `at`; none: the centre of mass.
+template <int D>
+std::optional<Vec<D>> pointOf(const EventBlock<D>& e) {
+  const toml::node* at = e.block.find("at");
+  return at ? std::optional(e.numbers.template vector<D>(*at)) : std::nullopt;
+}
+// From the centre of mass to that point, in the world's axes (m).
+template <int D>
+Vec<D> armOf(const Simulation<D>& world, Handle body, const std::optional<Vec<D>>& at) {
+  const auto i = static_cast<std::size_t>(body.slot);
+  return at ? Vec<D>(world.bodies().pose[i].q * Vec<D>(*at - world.bodies().center[i])) : Vec<D>(Vec<D>::Zero());
+}
+
+template <int D>
+void requireOneOf(const EventBlock<D>& e, std::initializer_list<const char*> keys) {
+  std::string list;
+  for (const char* key : keys) {
+    if (e.block.find(key)) return;
+    list += (list.empty() ? "" : ", ") + std::string(key);
+  }
+  e.block.fail("an event without effect; valid: at least one of " + list);
+}
+
+struct Add {
+  static constexpr std::string_view kName = "add", kMeaning = "brings a body in; its keys are those of a [[body]]";
+  static constexpr bool kNames = true;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = e.addBody();
+    if (e.numbers.rehearsing()) return;
+    e.scene.spawns[static_cast<std::size_t>(body)].broughtBy = e.number;
+    addEvent<D>(e, body, [](Director<D>& director, Simulation<D>& world, int i) { director.bring(world, i); });
+  }
+};
+
+struct Remove {
+  static constexpr std::string_view kName = "remove", kMeaning = "takes a body out, and its joints: body";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = e.bodyOf("body");
+    takeOut(e, "body", body);
+    addDeed<D>(e, body, [](Simulation<D>& world, Handle h) { world.remove(h); });
+  }
+};
+
+struct Push {
+  static constexpr std::string_view kName = "push";
+  static constexpr std::string_view kMeaning =
+      "a blow: body, impulse (N s), angular_impulse (N m s), at (m, in its frame)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = dynamicBody(e);
+    requireOneOf(e, {"impulse", "angular_impulse"});
+    const Vec<D> impulse = e.numbers.template vector<D>(e.block, "impulse");
+    const Ang<D> angular = readAngular<D>(e.block, e.numbers, "angular_impulse");
+    addDeed<D>(e, body, [impulse, angular, at = pointOf(e)](Simulation<D>& world, Handle h) {
+      const Ang<D> turn = cross(armOf(world, h, at), impulse) + angular;
+      if (!turn.allFinite()) throw EventOverflow("a push comes to an angular impulse beyond all numbers");
+      world.applyImpulse(h, {impulse, turn});
+    });
+  }
+};
+
+struct Set {
+  static constexpr std::string_view kName = "set";
+  static constexpr std::string_view kMeaning =
+      "body, and what it gets: position, angle or rotation, velocity, angular_velocity";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = e.bodyOf("body");
+    requireOneOf(e, {"position", "angle", "rotation", "velocity", "angular_velocity"});
+    const auto& spawn = e.scene.spawns[static_cast<std::size_t>(body)];
+    const bool fixed = spawn.body.type == BodyType::fixed && !spawn.retyped;
+    const auto given = [&](const char* key, auto value) {
+      return e.block.find(key) ? std::optional(value) : std::nullopt;
+    };
+    for (const char* key : {"velocity", "angular_velocity"}) {
+      const toml::node* n = e.block.find(key);
+      if (n && fixed) e.block.fail(*n, "'" + std::string(key) + "' of a fixed body; valid: position, angle, rotation");
+    }
+    const auto position = given("position", e.numbers.template vector<D>(e.block, "position"));
+    const bool turned = e.block.find("angle") || e.block.find("rotation");
+    const Rot<D> q = readRotation<D>(e.block, e.numbers);
+    const auto v = given("velocity", e.numbers.template vector<D>(e.block, "velocity"));
+    const auto w = given("angular_velocity", readAngular<D>(e.block, e.numbers, "angular_velocity"));
+    addDeed<D>(e, body, [=](Simulation<D>& world, Handle h) {
+      Pose<D> X_WB = world.pose(h);
+      if (position) X_WB.p = *position;
+      if (turned) X_WB.q = q;
+      if (position || turned) world.setPose(h, X_WB);
+      Motion<D> motion = world.bodies().motion[static_cast<std::size_t>(h.slot)];
+      if (v) motion.v = *v;
+      if (w) motion.w = *w;
+      if (v || w) world.setMotion(h, motion);
+    });
+  }
+};
+
+struct Force {
+  static constexpr std::string_view kName = "force";
+  static constexpr std::string_view kMeaning =
+      "for one step, or each until `until`: body, force (N), torque (N m), at (m); strength (N) towards a point (m)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = dynamicBody(e);
+    requireOneOf(e, {"force", "torque", "strength"});
+    const Vec<D> force = e.numbers.template vector<D>(e.block, "force");
+    const Ang<D> torque = readAngular<D>(e.block, e.numbers, "torque");
+    const auto strength = static_cast<Real>(e.numbers.between(e.block, "strength", 0, 0, kLargest));
+    if (e.block.find("strength")) e.block.require("towards");
+    const Vec<D> goal = e.numbers.template vector<D>(e.block, "towards");
+    addDeed<D>(e, body, [force, torque, strength, goal, at = pointOf(e)](Simulation<D>& world, Handle h) {
+      const Vec<D> center = world.bodies().pose[static_cast<std::size_t>(h.slot)].p;
+      const Vec<D> point = center + armOf(world, h, at), way = goal - point;
+      const Real far = way.norm();
+      const Vec<D> pull = far > 0 ? Vec<D>(strength * (way / far)) : Vec<D>(Vec<D>::Zero());
+      const Vec<D> sum = force + pull;
+      if (!sum.allFinite() || !point.allFinite()) throw EventOverflow("an event's force is beyond all numbers");
+      world.applyForce(h, sum, point);
+      world.applyTorque(h, torque);
+    });
+  }
+};
+
+struct Joint {
+  static constexpr std::string_view kName = "joint", kMeaning = "joins two bodies; its keys are those of a [[joint]]";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int joint = e.addJoint();
+    addEvent<D>(e, -1, [joint](Director<D>& director, Simulation<D>& world, int) { director.addJoint(world, joint); });
+  }
+};
+
+struct Unjoin {
+  static constexpr std::string_view kName = "unjoin", kMeaning = "takes a joint away that has a name: joint";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int joint = e.jointOf("joint");
+    addEvent<D>(e, -1,
+                [joint](Director<D>& director, Simulation<D>& world, int) { world.remove(director.joint(joint)); });
+  }
+};
+
+struct AddForce {
+  static constexpr std::string_view kName = "add_force";
+  static constexpr std::string_view kMeaning = "a force by kind that stays; its keys are those of a [[force]]";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int force = e.addForce();
+    addEvent<D>(e, -1, [force](Director<D>& director, Simulation<D>& world, int) { director.addForce(world, force); });
+  }
+};
+
+struct RemoveForce {
+  static constexpr std::string_view kName = "remove_force", kMeaning = "takes a force away that has a name: force";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int force = e.forceOf("force");
+    addEvent<D>(e, -1,
+                [force](Director<D>& director, Simulation<D>& world, int) { world.remove(director.force(force)); });
+  }
+};
+
+struct Merge {
+  static constexpr std::string_view kName = "merge";
+  static constexpr std::string_view kMeaning = "makes one body of two that are both dynamic or both fixed: into, other";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int into = e.bodyOf("into"), other = e.bodyOf("other");
+    const auto typeOf = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].body.type; };
+    if (!e.numbers.rehearsing()) {
+      if (into == other) e.block.fail(*e.block.find("other"), "'other' is 'into'; valid: two bodies");
+      const auto retyped = [&](int body) { return e.scene.spawns[static_cast<std::size_t>(body)].retyped; };
+      const bool known = !retyped(into) && !retyped(other);  // else what they are is known when it is done
+      if (known && (typeOf(into) != typeOf(other) || typeOf(into) == BodyType::kinematic)) {
+        e.block.fail(*e.block.find("other"), "these two make no body; valid: both dynamic, or both fixed");
+      }
+      takeOut(e, "other", other);
+    }
+    addOurs<D>(e, into, kName, [other](Director<D>& director, World<D>& world, int body) {
+      world.merge(director.body(body), director.body(other));
+    });
+  }
+};
+
+struct TakeApart {
+  static constexpr std::string_view kName = "take_apart";
+  static constexpr std::string_view kMeaning =
+      "makes one body of each shape: body, and their names, of which the first is it, too";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = e.bodyOf("body");
+    e.block.require("names");
+    const std::vector<std::string> names = e.block.strings("names");
+    for (const std::string& name : names) {
+      checkName(e.block, "names", name);
+      if (name.empty()) e.block.fail(*e.block.find("names"), "a name in 'names' is empty");
+    }
+    if (names.empty()) e.block.fail(*e.block.find("names"), "'names' is empty; valid: one for each shape of the body");
+    std::vector<int> parts;
+    const BodyType type = e.scene.spawns[static_cast<std::size_t>(body)].body.type;
+    for (const std::string& name : names) {
+      const bool first = &name == &names.front();
+      if (e.numbers.rehearsing() || first) {
+        if (!first || name != e.scene.spawns[static_cast<std::size_t>(body)].body.name) e.nameBody(name, body);
+        parts.push_back(body);
+        continue;
+      }
+      typename SceneSpec<D>::Spawn part;
+      part.step = e.step, part.broughtBy = e.number, part.part = true;
+      part.body.type = type, part.body.name = name;
+      part.retyped = e.scene.spawns[static_cast<std::size_t>(body)].retyped;
+      parts.push_back(e.addPart(std::move(part)));
+    }
+    addOurs<D>(e, body, kName, [parts](Director<D>& director, World<D>& world, int of) {
+      const Handle whole = director.body(of);
+      if (!world.valid(whole)) throw UserError("the body is gone");
+      const std::size_t shapes = world.shapesOf(static_cast<std::size_t>(whole.slot)).size();
+      if (shapes != parts.size()) {
+        throw UserError("the body has " + std::to_string(shapes) + " shapes, and 'names' are " +
+                        std::to_string(parts.size()) + "; valid: one for each");
+      }
+      const std::vector<Handle> bodies = world.takeApart(whole);
+      for (std::size_t i = 1; i < bodies.size(); ++i) director.is(parts[i], bodies[i]);
+    });
+  }
+};
+
+struct Wake {
+  static constexpr std::string_view kName = "wake", kMeaning = "wakes the body, or all without one: body";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const int body = e.block.find("body") ? e.bodyOf("body") : -1;
+    addDeed<D>(e, body, [all = body < 0](Simulation<D>& simulation, Handle h) {
+      auto* world = dynamic_cast<World<D>*>(&simulation);
+      if (!world) return;  // in an engine nobody sleeps
+      all ? world->wakeAll() : world->wake(h);
+    });
+  }
+};
+
+struct Gravity {
+  static constexpr std::string_view kName = "gravity", kMeaning = "from now on, and all wake: gravity (m/s^2)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const Vec<D> gravity = e.numbers.template vector<D>(e.block.require("gravity"));
+    addDeed<D>(e, -1, [gravity](Simulation<D>& simulation, Handle) { changeGravity(simulation, gravity); });
+  }
+};
+
+struct Clear {
+  static constexpr std::string_view kName = "clear";
+  static constexpr std::string_view kMeaning =
+      "takes all bodies, joints and forces out; who is named later comes later";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    if (!e.numbers.rehearsing()) e.clear();
+    addOurs<D>(e, -1, kName, [](Director<D>&, World<D>& world, int) { world.clear(); });
+  }
+};
+
+struct Exchange {
+  static constexpr std::string_view kName = "exchange";
+  static constexpr std::string_view kMeaning = "other algorithms or parameters of the stages that are named: pipeline";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const std::string text = e.block.requireString("pipeline");
+    try {
+      Pipeline any;
+      any.replace(text);
+      StageSet<D>{any};
+    } catch (const UserError& error) {
+      if (!e.numbers.rehearsing()) e.block.fail(*e.block.find("pipeline"), error.what());
+    }
+    addOurs<D>(e, -1, kName, [text](Director<D>&, World<D>& world, int) {
+      Pipeline pipeline = world.pipeline();
+      pipeline.replace(text);
+      world.exchange(pipeline);
+    });
+  }
+};
+
+// World::change of a body as it is then.
+template <int D, class Change>
+void addChange(const EventBlock<D>& e, std::string_view what, Change change) {
+  addOurs<D>(e, e.bodyOf("body"), what, [change](Director<D>& director, World<D>& world, int body) {
+    BodyDef<D> def = world.definition(director.body(body));
+    change(def);
+    world.change(director.body(body), def);
+  });
+}
+
+struct Material {
+  static constexpr std::string_view kName = "material";
+  static constexpr std::string_view kMeaning = "of all its shapes: body, friction, restitution, density (kg/m^D)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    requireOneOf(e, {"friction", "restitution", "density"});
+    const auto given = [&](const char* key) {
+      const toml::node* n = e.block.find(key);
+      return n ? std::optional(static_cast<Real>(e.numbers.between(*n, key, 0, kLargest))) : std::nullopt;
+    };
+    const auto friction = given("friction"), restitution = given("restitution"), density = given("density");
+    addChange<D>(e, kName, [=](BodyDef<D>& def) {
+      for (ShapeDef<D>& s : def.shapes) {
+        s.friction = friction.value_or(s.friction), s.restitution = restitution.value_or(s.restitution);
+        s.density = density.value_or(s.density);
+      }
+    });
+  }
+};
+
+struct Pin {
+  static constexpr std::string_view kName = "pin";
+  static constexpr std::string_view kMeaning = "body: its centre of mass stays where it is; pinned = false lets it go";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    const bool pinned = e.block.flag("pinned", true);
+    addChange<D>(e, kName, [pinned](BodyDef<D>& def) { def.pinned = pinned; });
+  }
+};
+
+struct Type {
+  static constexpr std::string_view kName = "type";
+  static constexpr std::string_view kMeaning = "makes it one that is: body, type (dynamic, fixed, kinematic)";
+  static constexpr bool kNames = false;
+  template <int D>
+  static void read(const EventBlock<D>& e) {
+    e.block.require("type");
+    const BodyType type = readBodyType(e.block);
+    const int body = e.bodyOf("body");
+    if (!e.numbers.rehearsing()) e.scene.spawns[static_cast<std::size_t>(body)].retyped = true;
+    addChange<D>(e, kName, [type](BodyDef<D>& def) { def.type = type; });
+  }
+};
+
+template <class E, int D>
+constexpr EventKind<D> eventEntry() {
+  return {E::kName, E::kMeaning, E::kNames, E::template read<D>};
+}
+
+}  // namespace
+
+template <int D>
+std::span<const EventKind<D>> eventKinds() {
+  static constexpr EventKind<D> kKinds[] = {
+      eventEntry<Add, D>(),         eventEntry<AddForce, D>(), eventEntry<Clear, D>(),     eventEntry<Exchange, D>(),
+      eventEntry<Force, D>(),       eventEntry<Gravity, D>(),  eventEntry<Joint, D>(),     eventEntry<Material, D>(),
+      eventEntry<Merge, D>(),       eventEntry<Pin, D>(),      eventEntry<Push, D>(),      eventEntry<Remove, D>(),
+      eventEntry<RemoveForce, D>(), eventEntry<Set, D>(),      eventEntry<TakeApart, D>(), eventEntry<Type, D>(),
+      eventEntry<Unjoin, D>(),      eventEntry<Wake, D>()};
+  return kKinds;
+}
+
+template std::span<const EventKind<2>> eventKinds();
+template std::span<const EventKind<3>> eventKinds();
+
+}  // namespace lpc::inline LPC_PRECISION

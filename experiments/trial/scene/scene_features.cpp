@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Zlib
+// The features that scenes need and the bodies that they have, by name.
+#include "experiments/trial/formats/body_type_name.h"
+#include "experiments/trial/scene/scene_parsed.h"
+#include "framework/math/names.h"
+
+namespace lpc::inline LPC_PRECISION {
+namespace {
+
+struct FeatureName {
+  const char* name;
+  bool Features::*flag;
+};
+constexpr FeatureName kFeatures[] = {
+    {"cache", &Features::cache},      {"continuous", &Features::continuous},   {"friction", &Features::friction},
+    {"joints", &Features::joints},    {"restitution", &Features::restitution}, {"rotation", &Features::rotation},
+    {"sleeping", &Features::sleeping}};
+constexpr Features kNothing{false, false, false, false, false, false, false};
+
+}  // namespace
+
+void setFeature(Features& features, const std::string& name) {
+  for (const FeatureName& f : kFeatures) {
+    if (name == f.name) {
+      features.*(f.flag) = true;
+      return;
+    }
+  }
+  std::vector<std::string> names;
+  for (const FeatureName& f : kFeatures) names.push_back(f.name);
+  throw UserError("unknown feature '" + name + "'" + validNames(names, name));
+}
+
+std::string featuresText(const Features& features) {
+  std::string out;
+  for (const FeatureName& f : kFeatures) {
+    if (features.*(f.flag)) out += (out.empty() ? "" : ",") + std::string(f.name);
+  }
+  return out;
+}
+
+Features featuresFromText(std::string_view text) {
+  Features out = kNothing;
+  while (!text.empty()) {
+    const std::size_t comma = text.find(',');
+    setFeature(out, std::string(text.substr(0, comma)));
+    text = comma == std::string_view::npos ? "" : text.substr(comma + 1);
+  }
+  return out;
+}
+
+template <int D>
+std::map<std::string, int> census(const SceneSpec<D>& scene) {
+  std::map<std::string, int> out;
+  for (const auto& spawn : scene.spawns) {
+    if (spawn.part) continue;  // of one that is counted
+    const BodyDef<D>& b = spawn.body;
+    const std::string type = bodyTypeName(b.type);
+    ++out[type];
+    if (b.pinned) ++out["pinned"];
+    if (!b.rotatable) ++out["non-rotatable"];
+    if (spawn.step > 0) ++out["scripted"];
+    if (spawn.removeAt >= 0) ++out["removed"];
+    for (const ShapeDef<D>& s : b.shapes) {
+      const std::string composite = s.shape.surface() ? (D == 2 ? "chain" : "mesh") : "compound";
+      ++out[type + " " + (s.shape.convex() ? std::string(shapeKindName(s.shape.kind())) : composite)];
+    }
+  }
+  if (!scene.events.empty()) out["event"] = static_cast<int>(scene.events.size());
+  for (const auto& joint : scene.joints) ++out[Spec::parse(joint.def.kind).name];
+  for (const auto& force : scene.forces) ++out["force " + Spec::parse(force.def.kind).name];
+  return out;
+}
+
+template std::map<std::string, int> census(const SceneSpec<2>&);
+template std::map<std::string, int> census(const SceneSpec<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+#include "experiments/trial/scene/simulation_of_scene.h"
+
+#include <sstream>
+
+#include "experiments/trial/scene/scene_file.h"
+#include "framework/math/check.h"
+#include "framework/world/stage_engine.h"
+#include "framework/world/world.h"
+
+namespace lpc::inline LPC_PRECISION {
+
+template <int D>
+std::unique_ptr<Simulation<D>> simulationOf(const std::string& pipeline, const SceneSpec<D>& scene) {
+  if (const auto engine = engineOf(pipeline)) {
+    if (!scene.saved.empty()) throw UserError("a saved world is one of ours: no engine takes it");
+    for (const auto& e : scene.events) {
+      if (e.oursAlone) throw UserError(*e.place + ": this event is one of our worlds: no engine has it");
+    }
+    return createStage<Engine<D>>(*engine)->start(scene.settings);
+  }
+  auto world = std::make_unique<World<D>>(Pipeline::parse(pipeline), scene.settings);
+  if (scene.saved.empty()) return world;
+  std::istringstream in(scene.saved);
+  world->load(in);
+  const std::string has = featuresText(world->settings().features), asked = featuresText(scene.settings.features);
+  if (has != asked) throw UserError("the saved world has the model '" + has + "' and keeps it; asked: '" + asked + "'");
+  return world;
+}
+
+template std::unique_ptr<Simulation<2>> simulationOf(const std::string&, const SceneSpec<2>&);
+template std::unique_ptr<Simulation<3>> simulationOf(const std::string&, const SceneSpec<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION
