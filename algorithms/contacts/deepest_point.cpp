@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/contacts/query_batches.h"
+#include "algorithms/contacts/patch/query_batches.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

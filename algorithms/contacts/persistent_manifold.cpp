@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/contacts/query_batches.h"
-#include "algorithms/contacts/reduction.h"
+#include "algorithms/contacts/patch/query_batches.h"
+#include "algorithms/contacts/patch/reduction.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

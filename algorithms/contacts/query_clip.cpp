@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/contacts/plane_patch.h"
-#include "algorithms/contacts/query_batches.h"
-#include "algorithms/contacts/query_clip2.h"
-#include "algorithms/contacts/query_clip3.h"
+#include "algorithms/contacts/clip/query_clip2.h"
+#include "algorithms/contacts/clip/query_clip3.h"
+#include "algorithms/contacts/patch/plane_patch.h"
+#include "algorithms/contacts/patch/query_batches.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -18,9 +18,9 @@
 //   Here it is the first shape's, unless the other's is better by the pair's tolerance.
 // - "Invalid contacts" of what is pressed deep into each other (9.1.10). More than half through a body, the
 //   shortest way out is its far side: that lies in the question, and is declared in `failures`.
-#include "algorithms/contacts/clip2.h"
-#include "algorithms/contacts/plane_patch.h"
-#include "algorithms/contacts/sat_axes2.h"
+#include "algorithms/contacts/clip/clip2.h"
+#include "algorithms/contacts/patch/plane_patch.h"
+#include "algorithms/contacts/sat/sat_axes2.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

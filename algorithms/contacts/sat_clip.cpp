@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/contacts/plane_patch.h"
-#include "algorithms/contacts/sat_collide2.h"
-#include "algorithms/contacts/sat_collide3.h"
+#include "algorithms/contacts/patch/plane_patch.h"
+#include "algorithms/contacts/sat/sat_collide2.h"
+#include "algorithms/contacts/sat/sat_collide3.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
 
-#include "algorithms/solver/free_motion.h"
+#include "algorithms/solver/step/free_motion.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/frame_rows.h"
+#include "algorithms/solver/rows/frame_rows.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include <array>
 
-#include "algorithms/pair_query/pair_lanes.h"
-#include "algorithms/pair_query/plane_pair.h"
-#include "algorithms/pair_query/point_round.h"
-#include "algorithms/pair_query/thin_triangle.h"
+#include "algorithms/pair_query/core/plane_pair.h"
+#include "algorithms/pair_query/core/point_round.h"
+#include "algorithms/pair_query/core/thin_triangle.h"
+#include "algorithms/pair_query/lanes/pair_lanes.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

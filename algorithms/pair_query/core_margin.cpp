@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include <utility>
 
-#include "algorithms/pair_query/epa3.h"
-#include "algorithms/pair_query/pair_warmth.h"
-#include "algorithms/pair_query/plane_pair.h"
+#include "algorithms/pair_query/core/plane_pair.h"
+#include "algorithms/pair_query/gjk/epa3.h"
+#include "algorithms/pair_query/gjk/pair_warmth.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/pair_query/gjk_epa.h"
+#include "algorithms/pair_query/gjk/gjk_epa.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include <utility>
 
-#include "algorithms/pair_query/gjk_simplex3.h"
-#include "algorithms/pair_query/plane_pair.h"
+#include "algorithms/pair_query/core/plane_pair.h"
+#include "algorithms/pair_query/gjk/gjk_simplex3.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

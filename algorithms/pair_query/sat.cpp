@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/pair_query/pair_lanes.h"
-#include "algorithms/pair_query/sat_answers.h"
+#include "algorithms/pair_query/lanes/pair_lanes.h"
+#include "algorithms/pair_query/sat/sat_answers.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

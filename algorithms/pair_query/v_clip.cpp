@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/pair_query/pair_warmth.h"
-#include "algorithms/pair_query/plane_pair.h"
-#include "algorithms/pair_query/sat_boxes.h"
-#include "algorithms/pair_query/sat_polytope3.h"
+#include "algorithms/pair_query/core/plane_pair.h"
+#include "algorithms/pair_query/gjk/pair_warmth.h"
+#include "algorithms/pair_query/sat/sat_boxes.h"
+#include "algorithms/pair_query/sat/sat_polytope3.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

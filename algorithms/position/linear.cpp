@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/contact_rows.h"
+#include "algorithms/solver/rows/contact_rows.h"
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/ngs_sweep.h"
+#include "algorithms/solver/step/ngs_sweep.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/extreme_first.h"
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/rows/extreme_first.h"
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "algorithms/solver/avbd_joint.h"
-#include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/free_motion.h"
-#include "algorithms/solver/ldl_solve.h"
+#include "algorithms/solver/island/ldl_solve.h"
+#include "algorithms/solver/rows/avbd_joint.h"
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/step/free_motion.h"
 #include "framework/math/tolerances.h"
 #include "framework/stage/profiler.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/substep.h"
+#include "algorithms/solver/step/substep.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

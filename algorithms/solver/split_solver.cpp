@@ -3,9 +3,9 @@
 #include <bit>
 #include <memory>
 
-#include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/free_motion.h"
-#include "algorithms/solver/impact.h"
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/rows/impact.h"
+#include "algorithms/solver/step/free_motion.h"
 #include "framework/math/random.h"
 #include "framework/stage/profiler.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/ngs_sweep.h"
-#include "algorithms/solver/substep.h"
+#include "algorithms/solver/step/ngs_sweep.h"
+#include "algorithms/solver/step/substep.h"
 
 namespace lpc::inline LPC_PRECISION {
 namespace {

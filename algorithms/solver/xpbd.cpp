@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include <algorithm>
 
-#include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/free_motion.h"
-#include "algorithms/solver/joint_rows.h"
-#include "algorithms/solver/places.h"
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/rows/joint_rows.h"
+#include "algorithms/solver/rows/places.h"
+#include "algorithms/solver/step/free_motion.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/island.h"
-#include "algorithms/solver/row_sweep.h"
+#include "algorithms/solver/island/island.h"
+#include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

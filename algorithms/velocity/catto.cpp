@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/joint_rows.h"
-#include "algorithms/solver/normal_block.h"
-#include "algorithms/solver/sequential_impulse.h"
+#include "algorithms/solver/rows/joint_rows.h"
+#include "algorithms/solver/rows/normal_block.h"
+#include "algorithms/solver/rows/sequential_impulse.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/lemke.h"
-#include "algorithms/solver/pyramid_lcp.h"
-#include "algorithms/solver/row_sweep.h"
+#include "algorithms/solver/island/lemke.h"
+#include "algorithms/solver/island/pyramid_lcp.h"
+#include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

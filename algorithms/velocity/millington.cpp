@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/extreme_first.h"
-#include "algorithms/solver/joint_rows.h"
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/rows/extreme_first.h"
+#include "algorithms/solver/rows/joint_rows.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

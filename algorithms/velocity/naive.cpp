@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/contact_rows.h"
-#include "algorithms/solver/joint_rows.h"
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/rows/joint_rows.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

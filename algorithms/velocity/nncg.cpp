@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/row_sweep.h"
+#include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

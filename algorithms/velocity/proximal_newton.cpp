@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "algorithms/solver/anderson.h"
-#include "algorithms/solver/row_sweep.h"
-#include "algorithms/solver/spring_island.h"
+#include "algorithms/solver/island/anderson.h"
+#include "algorithms/solver/island/spring_island.h"
+#include "algorithms/solver/rows/row_sweep.h"
 #include "framework/stage/profiler.h"
 
 namespace lpc::inline LPC_PRECISION {

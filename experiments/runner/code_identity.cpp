@@ -53,17 +53,8 @@ bool isOfAnAlgorithm(const SourceHash& source) {
 
 std::string codeHash(const Registered& entry) {
   const std::string key = keyOf(entry.stage, entry.info.name);
-  if (const auto it = pluginOf().find(key); it != pluginOf().end()) return it->second;
-  std::string all;
-  for (const SourceHash& c : kContents) {
-    const StageInfo* home = stageOfPath(c.path);
-    if (isHeader(c.path) && home && home->group == stageInfo(entry.stage).group) all += c.path, all += c.hash;
-    if (isHeader(c.path) && entry.stage == StageKind::engine && isOfEngines(c)) all += c.path, all += c.hash;
-  }
-  for (const SourceHash& c : kContents) {
-    if (isOf(c, entry)) all += c.hash;
-  }
-  return hexHash(all);
+  const auto it = pluginOf().find(key);
+  return it != pluginOf().end() ? it->second : methodHash(entry, kContents);
 }
 
 void addHashes(json& out, StageKind stage, const Spec& spec, int dimension) {
@@ -109,6 +100,20 @@ std::string judgesHash(std::span<const SourceHash> sources) {
   std::string all;
   for (const SourceHash& s : sources) {
     if (s.path.starts_with("oracles/") && !isOfEngines(s) && !isOfAnAlgorithm(s)) all.append(s.path).append(s.hash);
+  }
+  return hexHash(all);
+}
+
+std::string methodHash(const Registered& entry, std::span<const SourceHash> sources) {
+  std::string all;
+  for (const SourceHash& c : sources) {
+    const StageInfo* home = stageOfPath(c.path);
+    const bool ofGroup = home && home->group == stageInfo(entry.stage).group;
+    if (ofGroup && (isHeader(c.path) || !isOfAnAlgorithm(c))) all.append(c.path).append(c.hash);
+    if (isHeader(c.path) && entry.stage == StageKind::engine && isOfEngines(c)) all.append(c.path).append(c.hash);
+  }
+  for (const SourceHash& c : sources) {
+    if (isOf(c, entry)) all += c.hash;
   }
   return hexHash(all);
 }

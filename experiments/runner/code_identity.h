@@ -23,10 +23,12 @@ struct SourceHash {
 /// Over those of the oracles that judge: families, referee, verdicts, what adapters share. A file from which a witness
 /// is registered is in the keys of trials that name the witness, and in no other.
 std::string judgesHash(std::span<const SourceHash> sources);
+/// Over an algorithm's own file and the kernels of its group: all headers, and the .cpp files that register nothing.
+std::string methodHash(const Registered& entry, std::span<const SourceHash> sources);
 /// Of this program; "not built" without the oracles.
 const std::string& oraclesHash();
 /// {"velocity/catto": hash, ...} for the algorithm of `spec` (canonical: nested stages are followed) in `dimension`:
-/// its own file and its group's kernel headers; for one of a plugin, the plugin's bytes; for a witness "library", too.
+/// methodHash(); for one of a plugin, the plugin's bytes; for a witness "library", too.
 nlohmann::json codeHashes(StageKind stage, const Spec& spec, int dimension);
 /// Loads the plugin (see loadPlugin) and remembers which algorithms are its.
 void adoptPlugin(const std::string& path);

@@ -8,9 +8,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "algorithms/solver/anderson.h"
-#include "algorithms/solver/dense.h"
-#include "algorithms/solver/lemke.h"
+#include "algorithms/solver/island/anderson.h"
+#include "algorithms/solver/island/dense.h"
+#include "algorithms/solver/island/lemke.h"
 #include "tests/check_property.h"
 #include "tests/conformance/contact_problem.h"
 #include "tests/every_solver.h"

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "algorithms/solver/block_matrix.h"
-#include "algorithms/solver/dense.h"
+#include "algorithms/solver/island/block_matrix.h"
+#include "algorithms/solver/island/dense.h"
 #include "tests/check_property.h"
 #include "tests/conformance/contact_problem.h"
 #include "tests/every_solver.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // A climb along a hull's edges ends at the very vertex that a look at all of them finds, or says that it does not know.
-#include "algorithms/pair_query/hull_climb.h"
+#include "algorithms/pair_query/core/hull_climb.h"
 
 #include <gtest/gtest.h>
 

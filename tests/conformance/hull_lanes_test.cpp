@@ -4,9 +4,9 @@
 
 #include <utility>
 
-#include "algorithms/pair_query/face_planes.h"
-#include "algorithms/pair_query/hull_support.h"
-#include "algorithms/pair_query/touching_boxes3.h"
+#include "algorithms/pair_query/core/hull_support.h"
+#include "algorithms/pair_query/core/touching_boxes3.h"
+#include "algorithms/pair_query/gjk/face_planes.h"
 #include "tests/draw.h"
 #include "tests/each_target.h"
 #include "tests/expect_caught.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Many pairs at once, by each instruction set that this processor has, against the same pairs one after the other: the
 // same bits, and the same work. And the lanes must answer most pairs themselves, or they would be proved of nothing.
-#include "algorithms/pair_query/pair_lanes.h"
+#include "algorithms/pair_query/lanes/pair_lanes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Which four of many contact points are kept: what every rule must do, what each promises of the area, and how the
 // rules compare.
-#include "algorithms/contacts/reduction.h"
+#include "algorithms/contacts/patch/reduction.h"
 
 #include <gtest/gtest.h>
 

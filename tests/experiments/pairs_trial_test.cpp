@@ -257,6 +257,22 @@ TEST(PairsTrial, AnAdapterIsNoneOfTheRefereesCode) {
   EXPECT_NE(hash("before", "same"), hash("after", "same"));
 }
 
+// A kernel that is compiled apart, such as the lanes of `sat`, is in the keys of its group; another method's file is
+// not.
+TEST(PairsTrial, KernelsArePartOfTheKeysOfTheirGroup) {
+  const Registered& sat = Registry::instance().find(StageKind::pairQuery, 3, "sat");
+  const auto hash = [&](std::string_view path, std::string_view content) {
+    return methodHash(sat, std::array<SourceHash, 1>{{{path, content}}});
+  };
+  for (const char* path : {"algorithms/pair_query/lanes/boxes_lanes.cpp", "algorithms/pair_query/sat/sat_boxes3.h",
+                           "algorithms/contacts/tolerances.h", "algorithms/pair_query/sat.cpp"}) {
+    EXPECT_NE(hash(path, "before"), hash(path, "after")) << path;
+  }
+  for (const char* path : {"algorithms/pair_query/mpr.cpp", "algorithms/solver/rows/contact_rows.h"}) {
+    EXPECT_EQ(hash(path, "before"), hash(path, "after")) << path;
+  }
+}
+
 // An adapter that calls other people's code has the version of that in the keys of its own trials.
 TEST(PairsTrial, ALibrarysVersionIsPartOfTheKeyOfItsWitness) {
   const std::regex foreign("#include <[^>]+/"), version("[A-Za-z0-9]+ [0-9.]+(, [A-Za-z0-9]+ [0-9.]+)*");

@@ -2,7 +2,7 @@
 // Contact generators with one mistake each. The properties must tell them from the right ones.
 #pragma once
 
-#include "algorithms/contacts/sat_collide3.h"
+#include "algorithms/contacts/sat/sat_collide3.h"
 #include "oracles/referee/posed_core.h"
 #include "tests/contact_scene.h"
 

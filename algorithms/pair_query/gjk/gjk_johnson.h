@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Zlib
+// The point of a simplex nearest to the origin by Johnson's sub-algorithm (Gilbert, Johnson, Keerthi 1988): of each
+// subset of the points the cofactors say whether the foot of the origin on their plane lies between them. A recursion
+// over products of points, the same in every dimension, and as ill-conditioned as the square of what it solves.
+#pragma once
+
+#include <bit>
+
+#include "algorithms/pair_query/gjk/gjk_simplex3.h"
+
+namespace lpc::inline LPC_PRECISION::pair_query {
+
+/// True when the simplex holds the origin; then `best` is untouched. One that is nearly flat holds nothing.
+template <int D>
+bool nearestByJohnson(const Simplex<D>& s, NearestFeature<D>& best) {
+  constexpr unsigned kSubsets = 1u << (D + 1);
+  const auto n = static_cast<unsigned>(s.count), all = (1u << n) - 1;
+  std::array<std::array<Real, static_cast<std::size_t>(D) + 1>, static_cast<std::size_t>(D) + 1> product{};
+  Real size2 = 0;
+  for (unsigned i = 0; i < n; ++i) {
+    for (unsigned j = 0; j < n; ++j) product[i][j] = s.w[i].dot(s.w[j]);
+    size2 = std::max(size2, product[i][i]);
+  }
+  const auto holds = [](unsigned set, unsigned i) { return ((set >> i) & 1u) != 0; };
+  std::array<std::array<Real, static_cast<std::size_t>(D) + 1>, kSubsets> cofactor{};
+  std::array<bool, kSubsets> between{};
+  for (unsigned set = 1; set <= all; ++set) {  // after all of its own subsets
+    between[set] = true;
+    for (unsigned i = 0; i < n; ++i) {
+      if (!holds(set, i)) continue;
+      const unsigned rest = set & ~(1u << i);
+      Real& sum = cofactor[set][i];
+      sum = rest == 0 ? Real(1) : Real(0);
+      const auto k = static_cast<unsigned>(std::countr_zero(rest));
+      for (unsigned j = 0; j < n && rest != 0; ++j) {
+        if (holds(rest, j)) sum += cofactor[rest][j] * (product[j][k] - product[j][i]);
+      }
+      between[set] = between[set] && sum > 0;
+    }
+  }
+  const auto total = [&](unsigned set) {
+    Real sum = 0;
+    for (unsigned i = 0; i < n; ++i) sum += holds(set, i) ? cofactor[set][i] : Real(0);
+    return sum;
+  };
+  if (n == D + 1 && between[all]) {
+    Real full = kAttainedRounding;  // the square of the volume that a simplex of this size may have
+    for (int k = 0; k < D; ++k) full *= size2;
+    if (total(all) > full) return true;
+  }
+  // Which points, the cofactors say. Where the foot is they would say with half of the digits.
+  const auto offer = [&](unsigned set) {
+    std::array<const Vec<D>*, static_cast<std::size_t>(D)> on{};
+    std::size_t count = 0;
+    for (unsigned i = 0; i < n; ++i) {
+      if (holds(set, i)) on[count++] = &s.w[i];
+    }
+    if (count == 1) return best.offer(*on[0], {on[0]});
+    if (count == 2) return best.offer(footOnLine<D>(*on[0], *on[1]), {on[0], on[1]});
+    if constexpr (D == 3) {
+      Vec<3> normal = (*on[1] - *on[0]).cross(*on[2] - *on[0]);
+      if (makeUnit<3>(normal)) best.offer(footOnPlane(*on[0], *on[1], *on[2], normal), {on[0], on[1], on[2]});
+    }
+  };
+  const unsigned proper = n == D + 1 ? all - 1 : all;
+  for (unsigned set = 1; set <= proper; ++set) {
+    bool nearest = between[set];
+    for (unsigned j = 0; j < n && nearest; ++j) nearest = holds(set, j) || !(cofactor[set | 1u << j][j] > 0);
+    if (nearest) {
+      offer(set);
+      return false;
+    }
+  }
+  // Rounding has left none: the best of those that the origin has its foot in.
+  for (unsigned set = 1; set <= proper; ++set) {
+    if (between[set]) offer(set);
+  }
+  return false;
+}
+
+}  // namespace lpc::inline LPC_PRECISION::pair_query

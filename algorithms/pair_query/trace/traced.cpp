@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Zlib
+// The searches of gjk_epa and sat with somebody who looks: in a source of its own, so that those who do not are
+// compiled as if nobody could.
+#include "algorithms/pair_query/gjk/gjk_epa.h"
+#include "algorithms/pair_query/sat/sat_answers.h"
+#include "algorithms/pair_query/trace/tracer.h"
+
+namespace lpc::inline LPC_PRECISION::pair_query {
+
+template <int D>
+void traceGjkEpa(const GjkEpaParams<D>& params, const PairView<D>& pair, PairTrace<D>& out) {
+  ++out.work[WorkCount::pairQueries];
+  out.answer = GjkEpaSearch<D, Tracer<D>>(params, Tracer<D>(out)).answer(pair, QueryNeed::witnesses, nullptr, out.work);
+}
+
+template <int D>
+void traceSat(const PairView<D>& pair, PairTrace<D>& out) {
+  ++out.work[WorkCount::pairQueries];
+  SatAnswers<D, Tracer<D>>(Tracer<D>(out)).answer(pair, QueryNeed::witnesses, nullptr, out.answer, out.work);
+}
+
+template void traceGjkEpa(const GjkEpaParams<2>&, const PairView<2>&, PairTrace<2>&);
+template void traceGjkEpa(const GjkEpaParams<3>&, const PairView<3>&, PairTrace<3>&);
+template void traceSat(const PairView<2>&, PairTrace<2>&);
+template void traceSat(const PairView<3>&, PairTrace<3>&);
+
+}  // namespace lpc::inline LPC_PRECISION::pair_query

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Zlib
+// Each row of an island is a spring of what it is to do, that pushes within its limits only: then the velocities are
+// where a strictly convex function is least. Newton's method with an exact line search finds them, by one sparse
+// factorisation over the bodies per iteration.
+//
+// Unknowns are the changes of velocity z = M^1/2 dv. The function is half of z^2 + sum of soft (y^2 - (y - x)^2):
+//
+//     y = (eps centre - u - shift) / soft,   x = nearest allowed to y,   u = u(0) + J z,   soft = eps + compliance
+//
+// Its gradient is z - J^T x. Bodies that cannot move are no unknowns.
+#pragma once
+
+#include "algorithms/solver/island/body_rows.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+template <int D>
+class SpringIsland {
+ public:
+  using Group = typename BodyRows<D>::Group;
+
+  std::vector<double> last;           // impulses of the last step, by row
+  std::vector<double> centre, shift;  // of the springs, an impulse and a velocity
+  std::vector<double> x, y, u;        // impulses, what was asked for, velocities
+  double scale = 0;                   // of z: from what the rows are to do, and the last impulses
+  int budget = 0;                     // iterations that are left
+  std::uint64_t multiplyAdds = 0;     // so far
+
+  const ProblemRow<D>& row(std::size_t i) const { return m_problem->row(m_which[i]); }
+  const std::vector<Group>& groups() const { return m_rows.groups; }
+  std::size_t size() const { return m_rows.size(); }
+
+  /// False: it has more bodies. Velocities and impulses are those of the whole problem.
+  bool set(const VelocityInput<D>& in, const ContactProblem<D>& problem, std::span<const std::int32_t> which,
+           std::span<const double> freeVelocity, std::span<const double> lastImpulse, int maxBodies) {
+    const std::size_t n = which.size();
+    m_problem = &problem, m_which = which;
+    if (!m_rows.set(in, problem, which, maxBodies)) return false;
+    m_rows.analyse(m_matrix);
+    m_eps.resize(n), m_soft.resize(n), m_part.resize(n);
+    m_free0.resize(n), m_du.resize(n), last.resize(n);
+    x.assign(n, 0), y.assign(n, 0), u.assign(n, 0), centre.assign(n, 0), shift.assign(n, 0);
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      m_free0[i] = freeVelocity[static_cast<std::size_t>(which[i])];
+      last[i] = lastImpulse[static_cast<std::size_t>(which[i])];
+      const double unit = row(i).unit;
+      sum += m_free0[i] * m_free0[i] * unit + last[i] * last[i] / unit;
+    }
+    scale = std::sqrt(sum);
+    return true;
+  }
+
+  /// z and u of where impulses lead. Newton's method leaves them rounded as coarsely as the springs are stiff; what a
+  /// pass adds from here is small, and so is its rounding.
+  void from(const std::vector<double>& impulses) {
+    multiplyAdds += 2 * m_rows.multiplyAddsOfProduct();
+    m_z.assign(m_rows.bodies() * BodyRows<D>::kSize, 0);
+    for (std::size_t i = 0; i < size(); ++i) m_rows.push(i, impulses[i], m_z);
+    for (std::size_t i = 0; i < size(); ++i) u[i] = m_free0[i] + m_rows.along(i, m_z);
+  }
+  /// The springs give way by so much, of W_ii.
+  void soften(double cfm) {
+    for (std::size_t i = 0; i < size(); ++i) {
+      const ProblemRow<D>& r = row(i);
+      m_eps[i] = cfm / r.unit, m_soft[i] = m_eps[i] + r.compliance;
+    }
+    ask();
+  }
+  /// z, u, x and y go to the least. False: it has not come to an end within so many iterations, or all that were left.
+  bool newton(int iterations) {
+    ask();
+    sort(y);
+    for (int it = 0; it < iterations && budget > 0; ++it) {
+      const double length = direction(y), t = search();
+      go(t);
+      const bool changed = sort(y, length);
+      if (length <= kStill * scale || (t == 1 && !changed)) return true;
+    }
+    return false;
+  }
+  /// The same by full steps, from who pushes at `guess`.
+  bool tryFrom(const std::vector<double>& guess, int iterations) {
+    sort(guess);
+    bool right = false;
+    for (int it = 0; it < iterations && budget > 0 && !right; ++it) {
+      const double length = direction(it == 0 ? guess : y);
+      go(1);
+      right = !sort(y, length);
+    }
+    return right;
+  }
+  /// The nearest impulses that the group may have.
+  void limit(const Group& g, double* impulses) const {
+    const ProblemRow<D>& r = row(g.first);
+    double* const own = impulses + g.first;
+    if (g.count > 1) projectOnCone<D>(std::min(g.friction, kSteepest), own);
+    if (g.count == 1 && r.law == ProblemLaw::interval) *own = std::clamp(*own, r.lo, r.hi);
+  }
+
+  /// De Saxce's correction of where the rows are.
+  double slide(const Group& g) const {
+    double squared = 0;
+    for (std::size_t k = 1; k < g.count; ++k) squared += u[g.first + k] * u[g.first + k];
+    return std::min(g.friction, kSteepest) * std::sqrt(squared);
+  }
+
+ private:
+  // Above this coefficient a cone is as good as a half-space, and the correction would overthrow the passes.
+  static constexpr double kSteepest = 10;
+  static constexpr double kFlat = 0.01;                    // of the slope along a direction, where a line search ends
+  static constexpr double kStill = 1e-10, kTurned = 3e-8;  // of the scale: steps that end Newton's method
+  static constexpr int kSearches = 40;
+  static constexpr std::uint64_t kOfRow =
+      4;  // multiply-adds of what a row is asked for, and of the nearest in its cone
+  enum class Part : std::uint8_t { none, inside, low, high, slides };
+  double asked(std::size_t i, double velocity) const {
+    return (m_eps[i] * centre[i] - velocity - shift[i]) / m_soft[i];
+  }
+  // Who pushes, at what is asked for. Has it changed? Where something slides in space, by any step that has a length.
+  bool sort(const std::vector<double>& at, double length = 0) {
+    bool changed = false;
+    for (const Group& g : groups()) {
+      const ProblemRow<D>& r = row(g.first);
+      Part part = Part::inside;
+      if (g.count > 1) {
+        double t = 0;
+        for (std::size_t k = 1; k < D; ++k) t += at[g.first + k] * at[g.first + k];
+        t = std::sqrt(t);
+        const double mu = std::min(g.friction, kSteepest), n = at[g.first];
+        part = t <= mu * n ? Part::inside : n + mu * t > 0 ? Part::slides : Part::none;
+        if (D == 2 && part == Part::slides) part = at[g.first + 1] > 0 ? Part::high : Part::low;
+      } else if (r.law == ProblemLaw::interval) {
+        part = at[g.first] <= r.lo ? Part::low : at[g.first] >= r.hi ? Part::high : Part::inside;
+      }
+      changed = changed || part != m_part[g.first] || (part == Part::slides && length > kTurned * scale);
+      m_part[g.first] = part;
+    }
+    return changed;
+  }
+
+  // The derivative of x by y, of the part that a group was sorted into; `from` is what y was then.
+  using Slope = typename BodyRows<D>::Square;
+  Slope slope(const Group& g, const std::vector<double>& from) const {
+    Slope s{};
+    const Part part = m_part[g.first];
+    if (part == Part::none || (g.count == 1 && part != Part::inside)) return s;
+    if (part == Part::inside) {
+      for (std::size_t k = 0; k < g.count; ++k) s[k * D + k] = 1;
+      return s;
+    }
+    double t = 0;
+    const double* const at = from.data() + g.first;
+    for (std::size_t k = 1; k < D; ++k) t += at[k] * at[k];
+    t = std::sqrt(t);
+    const double mu = std::min(g.friction, kSteepest), inverse = 1 / (1 + mu * mu), onto = (at[0] + mu * t) * inverse;
+    std::array<double, D> edge{1};
+    for (std::size_t k = 1; k < D; ++k) edge[k] = mu * at[k] / t;
+    for (std::size_t i = 0; i < D; ++i) {
+      for (std::size_t j = 0; j < D; ++j) s[i * D + j] = edge[i] * edge[j] * inverse;
+    }
+    for (std::size_t i = 1; i < D && D > 2; ++i) {
+      for (std::size_t j = 1; j < D; ++j) s[i * D + j] += onto * mu / t * ((i == j) - at[i] * at[j] / (t * t));
+    }
+    return s;
+  }
+
+  // The direction in which a linear problem has its solution: that of who pushes, and how, at `from`.
+  double direction(const std::vector<double>& from) {
+    --budget;
+    m_matrix.set(1);
+    m_dz = m_z;
+    for (double& v : m_dz) v = -v;
+    for (const Group& g : groups()) {
+      Slope s = slope(g, from);
+      const ProblemRow<D>& r = row(g.first);
+      const Part part = m_part[g.first];
+      if (g.count == 1 && part != Part::inside && r.law == ProblemLaw::interval) {
+        m_rows.push(g.first, part == Part::low ? r.lo : r.hi, m_dz);
+      }
+      if (part == Part::none || (g.count == 1 && part != Part::inside)) continue;
+      for (std::size_t i = 0; i < g.count; ++i) {
+        double pushes = 0;
+        for (std::size_t j = 0; j < g.count; ++j) {
+          pushes += s[i * D + j] * y[g.first + j];
+          s[i * D + j] /= m_soft[g.first + j];
+        }
+        m_rows.push(g.first + i, pushes, m_dz);
+      }
+      m_rows.add(g, s, m_matrix);
+      multiplyAdds += 2 * g.count * g.count + m_rows.multiplyAddsOf(g, true);
+    }
+    m_matrix.factor();
+    m_matrix.solve(m_dz);
+    multiplyAdds += m_matrix.multiplyAdds + m_matrix.multiplyAddsOfSolve();
+    double length = 0;
+    for (const double v : m_dz) length += v * v;
+    for (std::size_t i = 0; i < size(); ++i) m_du[i] = m_rows.along(i, m_dz);
+    multiplyAdds += m_dz.size() + 2 * m_rows.multiplyAddsOfProduct();
+    return std::sqrt(length);
+  }
+
+  // The slope of the function along the direction, so far along it. Leaves y and x there.
+  double slopeAt(double t) {
+    for (std::size_t i = 0; i < size(); ++i) x[i] = y[i] = asked(i, u[i] + t * m_du[i]);
+    for (const Group& g : groups()) limit(g, x.data());
+    double sum = 0;
+    for (std::size_t i = 0; i < m_z.size(); ++i) sum += (m_z[i] + t * m_dz[i]) * m_dz[i];
+    for (std::size_t i = 0; i < size(); ++i) sum -= x[i] * m_du[i];
+    multiplyAdds += 2 * m_z.size() + 2 * size() + kOfRow * size();
+    return sum;
+  }
+  double search() {
+    const double start = slopeAt(0);
+    double high = 1, atHigh = slopeAt(1), low = 0, atLow = start;
+    if (!(start < 0) || atHigh <= -kFlat * start) return 1;
+    double t = 1;
+    int side = 0;
+    for (int i = 0; i < kSearches; ++i) {  // the Illinois method: the slope only grows
+      t = (low * atHigh - high * atLow) / (atHigh - atLow);
+      const double here = slopeAt(t);
+      if (std::abs(here) <= -kFlat * start) break;
+      if (here > 0) {
+        high = t, atHigh = here;
+        if (side == 1) atLow /= 2;
+        side = 1;
+      } else {
+        low = t, atLow = here;
+        if (side == -1) atHigh /= 2;
+        side = -1;
+      }
+    }
+    return t;
+  }
+  void go(double t) {
+    multiplyAdds += m_z.size() + size();
+    for (std::size_t i = 0; i < m_z.size(); ++i) m_z[i] += t * m_dz[i];
+    for (std::size_t i = 0; i < size(); ++i) u[i] += t * m_du[i];
+    ask();
+  }
+
+  // y and x of where the rows are.
+  void ask() {
+    multiplyAdds += kOfRow * size();
+    for (std::size_t i = 0; i < size(); ++i) x[i] = y[i] = asked(i, u[i]);
+    for (const Group& g : groups()) limit(g, x.data());
+  }
+
+  const ContactProblem<D>* m_problem = nullptr;
+  BodyRows<D> m_rows;
+  BlockCholesky<BodyRows<D>::kSize> m_matrix;
+  std::span<const std::int32_t> m_which;             // rows of the problem
+  std::vector<Part> m_part;                          // by row, of the first of a group
+  std::vector<double> m_free0, m_du, m_eps, m_soft;  // by row
+  std::vector<double> m_z, m_dz;                     // by node and direction
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Zlib
+// Joints as a sequential resolver sees them, whatever their kinds: the equality rows of a joint as one block, since
+// they are strongly coupled, its other rows one by one before it, stops after motors and springs, so that what must
+// hold is solved last.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "algorithms/solver/rows/block_inverse.h"
+#include "algorithms/solver/rows/places.h"
+#include "framework/stage/stage_solver.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// How the error of a row is fed back into its velocity: an update asks for v = -rate x error, takes `massScale` of
+/// what that needs, and lets `impulseScale` of what has accumulated leak away.
+struct Feedback {
+  Real rate = 0;  // 1/s
+  Real massScale = 1, impulseScale = 0;
+};
+
+template <int D>
+struct JointRow : ConstraintRow<D> {
+  Real mass;     // of a box row alone: impulse per change of its velocity, kg or kg m^2
+  Real impulse;  // accumulated, on B
+  std::int32_t number;
+};
+
+template <int D>
+struct JointBlock {
+  std::int32_t a, b, joint;  // a -1: the world
+  Real invMassA, invMassB;
+  Inertia<D> invIA, invIB;
+  std::int32_t first, equalities, count;  // of its rows: the equality rows, then the others
+  BlockInverse<D> mass;                   // of the equality rows
+  bool warm;                              // may it start from the last impulse?
+};
+
+/// All joints of a solve, between bodies that can move. The arrays keep their capacity from step to step.
+template <int D>
+class JointSystem {
+ public:
+  std::vector<JointBlock<D>> blocks;
+  std::vector<JointRow<D>> rows;
+  std::vector<std::int32_t> rowless;  // joints of which every row is absent now
+
+  std::span<JointRow<D>> of(const JointBlock<D>& block) {
+    return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
+  }
+  std::span<const JointRow<D>> of(const JointBlock<D>& block) const {
+    return {rows.data() + block.first, static_cast<std::size_t>(block.count)};
+  }
+
+  void clear() { blocks.clear(), rows.clear(), rowless.clear(), m_world = {}, m_coupled = 0; }
+  /// `compliance` is added to what each rigid row gives way by per impulse, 1/kg or 1/(kg m^2). `places`, where there
+  /// are any, are those of joints between two bodies.
+  void prepare(WorkDone& work, const Bodies<D>& bodies, std::span<const JointRecord<D>> joints, Real compliance = 0,
+               const Places<D>& places = {}) {
+    clear();
+    m_compliance = compliance, m_places = places;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      if (joints[j].active()) add(bodies, joints[j], static_cast<std::int32_t>(j));
+    }
+    countMadeRows<D>(work, rows.size());
+    for (const JointBlock<D>& block : blocks) {  // the response of the equality rows, and its inverse
+      const auto n = static_cast<std::uint64_t>(block.equalities);
+      work[WorkCount::multiplyAdds] += n * (n + 1) / 2 * (D + D * (D - 1)) + n * n * n;
+      m_coupled += n * n - n;
+    }
+  }
+  /// So many sweeps of all rows. Equality rows are multiplied by a matrix where others have one mass.
+  void count(WorkDone& work, std::uint64_t sweeps = 1) const {
+    countRows<D>(work, sweeps * rows.size());
+    work[WorkCount::multiplyAdds] += sweeps * m_coupled;
+  }
+
+  /// `start(joint, row number)` is the impulse to begin with. Applied by applyAccumulated().
+  template <class Start>
+  void warmStart(Real h, const Start& start) {
+    for (JointBlock<D>& block : blocks) {
+      if (!block.warm) continue;
+      for (JointRow<D>& row : of(block)) {
+        const Real impulse = start(block.joint, row.number);
+        row.impulse = row.block == RowBlock::equality ? impulse : std::clamp(impulse, row.lo * h, row.hi * h);
+      }
+    }
+  }
+  void applyAccumulated(std::vector<Motion<D>>& motion) {
+    for (JointBlock<D>& block : blocks) {
+      std::array<Real, kJointRows> impulse;
+      const std::span<const JointRow<D>> all = of(block);
+      for (std::size_t i = 0; i < all.size(); ++i) impulse[i] = all[i].impulse;
+      apply(block, all, impulse.data(), at(motion, block.a), at(motion, block.b));
+    }
+  }
+
+  /// One update of every row over h seconds. Stops that are not reached may be reached within h, no matter what
+  /// `rigid` says; springs and motors follow their own law. To be counted by count().
+  void sweep(std::vector<Motion<D>>& motion, Real h, const Feedback& rigid) {
+    for (JointBlock<D>& block : blocks) sweepBlock(block, at(motion, block.a), at(motion, block.b), h, rigid);
+  }
+  /// The same of one joint between bodies of these velocities.
+  void sweepBlock(JointBlock<D>& block, Motion<D>& a, Motion<D>& b, Real h, const Feedback& rigid) {
+    const std::span<JointRow<D>> boxes = of(block).subspan(static_cast<std::size_t>(block.equalities));
+    for (JointRow<D>& row : boxes) {  // motors and springs first: a stop holds against them
+      if (row.law != RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
+    }
+    for (JointRow<D>& row : boxes) {
+      if (row.law == RowLaw::rigid) sweepBox(block, row, h, rigid, a, b);
+    }
+    if (block.equalities > 0) sweepEqualities(block, rigid, a, b);
+  }
+  /// The same in displacements instead of velocities: so much of each error at once, of equalities and of stops.
+  /// Springs and motors have no error.
+  void sweepErrors(std::vector<Motion<D>>& moves, Real share, Real stopShare) {
+    for (JointBlock<D>& block : blocks) {
+      Motion<D>&a = at(moves, block.a), &b = at(moves, block.b);
+      for (JointRow<D>& row : of(block).subspan(static_cast<std::size_t>(block.equalities))) {
+        if (row.law == RowLaw::rigid) sweepBox(block, row, 1, {stopShare, 1, 0}, a, b);
+      }
+      if (block.equalities > 0) sweepEqualities(block, {share, 1, 0}, a, b);
+    }
+  }
+
+  /// Writes the accumulated impulses. A joint that took no part, since its bodies sleep, keeps what it had; a row that
+  /// is absent now has none.
+  void store(std::span<JointRecord<D>> joints) const {
+    for (const std::int32_t j : rowless) joints[static_cast<std::size_t>(j)].impulse.fill(0);
+    for (const JointBlock<D>& block : blocks) {
+      auto& impulse = joints[static_cast<std::size_t>(block.joint)].impulse;
+      impulse.fill(0);
+      for (const JointRow<D>& row : of(block)) impulse[static_cast<std::size_t>(row.number)] = row.impulse;
+    }
+  }
+
+ private:
+  Motion<D>& at(std::vector<Motion<D>>& motion, std::int32_t body) {
+    return body < 0 ? m_world : motion[static_cast<std::size_t>(body)];
+  }
+
+  static Real response(const JointBlock<D>& block, const JointRow<D>& r, const JointRow<D>& s) {
+    return (block.invMassA + block.invMassB) * r.d.dot(s.d) + r.armA.dot(block.invIA * s.armA) +
+           r.armB.dot(block.invIB * s.armB);
+  }
+
+  void add(const Bodies<D>& bodies, const JointRecord<D>& joint, std::int32_t number) {
+    JointBlock<D> block;
+    block.a = joint.bodyA, block.b = joint.bodyB, block.joint = number;
+    const auto a = static_cast<std::size_t>(joint.bodyA), b = static_cast<std::size_t>(joint.bodyB);
+    block.invMassA = joint.bodyA < 0 ? Real(0) : bodies.invMass[a], block.invMassB = bodies.invMass[b];
+    block.invIA = joint.bodyA < 0 ? Inertia<D>(Inertia<D>::Zero()) : bodies.invInertia[a];
+    block.invIB = bodies.invInertia[b];
+    block.warm = block.invMassA + block.invMassB > 0;
+    block.first = static_cast<std::int32_t>(rows.size()), block.equalities = 0;
+    if (m_places.empty() || joint.bodyA < 0) {
+      jointRows(joint, bodies, m_rows);
+    } else {
+      const auto [X_WA, X_WB] = m_places.pair(bodies, a, b);
+      m_rows.count = 0;
+      joint.kind->rows(joint, X_WA, X_WB, m_rows);
+    }
+    Real trace = 0;
+    for (int i = 0; i < m_rows.count; ++i) {
+      const ConstraintRow<D>& from = m_rows.row[static_cast<std::size_t>(i)];
+      if (from.absent()) continue;
+      rows.push_back({from, 0, 0, i});
+      const Real k = response(block, rows.back(), rows.back());
+      rows.back().mass = k > 0 ? 1 / (from.law == RowLaw::rigid ? k + m_compliance : k) : Real(0);
+      trace += k;
+      LPC_ASSERT(from.block == RowBlock::box ||
+                 block.equalities + block.first + 1 == static_cast<std::int32_t>(rows.size()));
+      block.equalities += from.block == RowBlock::equality;
+    }
+    LPC_ASSERT(block.equalities <= BlockInverse<D>::kRows);
+    block.count = static_cast<std::int32_t>(rows.size()) - block.first;
+    if (block.count == 0) rowless.push_back(number);
+    if (!(trace > 0)) {  // between bodies that cannot move
+      rows.resize(static_cast<std::size_t>(block.first));
+      return;
+    }
+    const std::span<const JointRow<D>> all = of(block);
+    block.mass.set(
+        block.equalities,
+        [&](int i, int j) {
+          const Real k = response(block, all[static_cast<std::size_t>(i)], all[static_cast<std::size_t>(j)]);
+          return i == j ? k + m_compliance : k;
+        },
+        block.warm);
+    blocks.push_back(block);
+  }
+
+  void sweepBox(const JointBlock<D>& block, JointRow<D>& row, Real h, const Feedback& rigid, Motion<D>& a,
+                Motion<D>& b) {
+    Real wanted = 0, massScale = 1, impulseScale = 0;
+    switch (row.law) {
+      case RowLaw::rigid:
+        if (row.open()) {
+          wanted = -row.error / h;
+        } else {
+          wanted = -rigid.rate * row.error, massScale = rigid.massScale, impulseScale = rigid.impulseScale;
+        }
+        break;
+      case RowLaw::spring: {
+        // Implicit, so stable at any stiffness: k and c act on where and how fast the row will be. Catto 2011.
+        const Real c = row.damping + h * row.stiffness, share = h * c / (h * c + row.mass);
+        if (c > 0) wanted = -row.error * row.stiffness / c;
+        massScale = share, impulseScale = 1 - share;
+        break;
+      }
+      case RowLaw::motor:
+        wanted = row.speed;
+        break;
+    }
+    const Real v = rowSpeed<D>(row, a.v, a.w, b.v, b.w);
+    const Real old = row.impulse;
+    row.impulse = std::clamp(old + massScale * row.mass * (wanted - v) - impulseScale * old, row.lo * h, row.hi * h);
+    const Real impulse = row.impulse - old;
+    apply(block, std::span<const JointRow<D>>(&row, 1), &impulse, a, b);
+  }
+
+  void sweepEqualities(const JointBlock<D>& block, const Feedback& rigid, Motion<D>& a, Motion<D>& b) {
+    const auto n = static_cast<std::size_t>(block.equalities);
+    const std::span<JointRow<D>> all = of(block).first(n);
+    std::array<Real, BlockInverse<D>::kRows> v, impulse;
+    for (std::size_t i = 0; i < n; ++i) {
+      v[i] = rowSpeed<D>(all[i], a.v, a.w, b.v, b.w) + rigid.rate * all[i].error;
+    }
+    block.mass.multiply(block.equalities, -rigid.massScale, v.data(), impulse.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      impulse[i] -= rigid.impulseScale * all[i].impulse;
+      all[i].impulse += impulse[i];
+    }
+    apply(block, std::span<const JointRow<D>>(all), impulse.data(), a, b);
+  }
+
+  static void apply(const JointBlock<D>& block, std::span<const JointRow<D>> rows, const Real* impulse, Motion<D>& a,
+                    Motion<D>& b) {
+    Vec<D> linear = Vec<D>::Zero();
+    Ang<D> angularA = Ang<D>::Zero(), angularB = Ang<D>::Zero();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      linear += impulse[i] * rows[i].d;
+      angularA += impulse[i] * rows[i].armA;
+      angularB += impulse[i] * rows[i].armB;
+    }
+    a.v -= block.invMassA * linear;
+    b.v += block.invMassB * linear;
+    a.w -= block.invIA * angularA;
+    b.w += block.invIB * angularB;
+  }
+
+  JointRows<D> m_rows;
+  Real m_compliance = 0;
+  Places<D> m_places;
+  std::uint64_t m_coupled = 0;  // multiply-adds of a sweep beyond those of its rows
+  Motion<D> m_world;  // at rest, since its inverse mass is 0; but for an infinite impulse, and then for one solve
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver

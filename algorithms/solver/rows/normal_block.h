@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+// The normal impulses of one manifold at once: the points of a face push against each other, so that one by one they
+// need many sweeps for what is one small problem.
+#pragma once
+
+#include <bit>
+
+#include "algorithms/solver/rows/contact_rows.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// Part of its own response by which each point holds on to its impulse (1). The four corners of a face have one
+/// distribution too many, and two points close together nearly so: nothing says which of them bears the weight. With
+/// this the answer is the one nearest to the impulses before it, and what it leaves open of the velocity the next sweep
+/// takes. Larger: more sweeps. Smaller: impulses that rounding decides; where the field drops a point, this does not.
+inline constexpr Real kBlockHold = Real(1e-3);
+
+template <int D>
+class NormalBlock {
+ public:
+  static constexpr int kRows = kManifoldPoints<D>;
+  using Impulses = std::array<Real, static_cast<std::size_t>(kRows)>;
+
+  /// False when nothing can move a point.
+  bool set(const ManifoldRows<D>& m, const PointRows<D>* points, WorkDone& work) {
+    m_count = m.count;
+    const auto n = static_cast<std::uint64_t>(m_count);
+    work[WorkCount::multiplyAdds] += n * n * D * (D - 1);
+    for (int i = 0; i < m.count; ++i) {
+      const Row<D>& row = points[i].normal;
+      if (!(row.mass > 0)) return false;
+      for (int j = 0; j < m.count; ++j) {
+        const Row<D>& other = points[j].normal;
+        m_k(i, j) = m.invMassA + m.invMassB + row.armA.dot(other.turnA) + row.armB.dot(other.turnB);
+      }
+      m_k(i, i) *= 1 + kBlockHold;
+    }
+    return true;
+  }
+
+  /// x >= 0 with w = K (x - old) + v >= 0 and no impulse where w > 0. `v` is how much faster than wanted the points
+  /// part now, m/s. The first set of pushing points that fits, from all to none (Catto 2008); if rounding lets none
+  /// fit, the one that is least wrong.
+  Impulses solve(const Impulses& old, const Impulses& v, WorkDone& work) const {
+    const auto n = static_cast<std::size_t>(m_count);
+    std::uint64_t& multiplyAdds = work[WorkCount::multiplyAdds];
+    multiplyAdds += n * n;
+    Impulses q{}, best{};
+    for (std::size_t i = 0; i < n; ++i) {
+      q[i] = v[i];
+      for (std::size_t j = 0; j < n; ++j) q[i] -= m_k(static_cast<int>(i), static_cast<int>(j)) * old[j];
+    }
+    Real least = std::numeric_limits<Real>::infinity();
+    for (unsigned pushing = 1u << n; pushing-- > 0;) {
+      Impulses x{};
+      const Real wrong = tried(pushing, q, x);
+      const auto size = static_cast<std::uint64_t>(std::popcount(pushing));  // factor, two substitutions, check
+      multiplyAdds += size * (size + 1) * (size + 2) / 6 + size * (size + 1) + (n - size) * n;
+      if (wrong < least) least = wrong, best = x;
+      if (!(wrong > 0)) break;
+    }
+    for (Real& x : best) x = std::max(x, Real(0));
+    return best;
+  }
+
+ private:
+  // x of the points of the set, so that these do not move; the worst velocity (m/s) by which that is no answer.
+  Real tried(unsigned pushing, const Impulses& q, Impulses& x) const {
+    std::array<int, static_cast<std::size_t>(kRows)> in{};
+    int size = 0;
+    for (int i = 0; i < m_count; ++i) {
+      if (pushing & (1u << i)) in[static_cast<std::size_t>(size++)] = i;
+    }
+    // K = L d L^T: positive definite.
+    RealMatrix<kRows, kRows> l = RealMatrix<kRows, kRows>::Zero();
+    Impulses d{}, y{};
+    for (int r = 0; r < size; ++r) {
+      const int i = in[static_cast<std::size_t>(r)];
+      const auto row = static_cast<std::size_t>(r);
+      y[row] = -q[static_cast<std::size_t>(i)], d[row] = m_k(i, i);
+      for (int c = 0; c < r; ++c) {
+        const auto column = static_cast<std::size_t>(c);
+        Real sum = m_k(i, in[column]);
+        for (int k = 0; k < c; ++k) sum -= l(r, k) * l(c, k) * d[static_cast<std::size_t>(k)];
+        l(r, c) = sum / d[column];
+        d[row] -= l(r, c) * sum;
+        y[row] -= l(r, c) * y[column];
+      }
+    }
+    Real wrong = 0;
+    for (int r = size; r-- > 0;) {
+      const auto row = static_cast<std::size_t>(r);
+      Real sum = y[row] / d[row];
+      for (int c = r + 1; c < size; ++c) sum -= l(c, r) * x[static_cast<std::size_t>(in[static_cast<std::size_t>(c)])];
+      const int i = in[row];
+      x[static_cast<std::size_t>(i)] = sum;
+      wrong = std::max(wrong, -sum * m_k(i, i));
+    }
+    for (int i = 0; i < m_count; ++i) {
+      if (pushing & (1u << i)) continue;
+      Real w = q[static_cast<std::size_t>(i)];
+      for (int j = 0; j < m_count; ++j) w += m_k(i, j) * x[static_cast<std::size_t>(j)];
+      wrong = std::max(wrong, -w);
+    }
+    return wrong;
+  }
+
+  int m_count = 0;
+  RealMatrix<kRows, kRows> m_k;  // velocity of point i, m/s, per impulse at j
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Zlib
+// Projected Gauss-Seidel over the rows of a whole problem, any joint or contact: each row in turn gets what makes it
+// right alone, within its limits. Friction as rubAt() has it; the equality rows of a joint are one block.
+#pragma once
+
+#include <vector>
+
+#include "algorithms/solver/rows/block_inverse.h"
+#include "framework/problem/contact_problem.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+template <int D>
+class RowSweep {
+ public:
+  void prepare(const ContactProblem<D>& p) {
+    m_rubs.resize(static_cast<std::size_t>(p.size()));
+    m_blocks.clear(), m_blockOf.assign(m_rubs.size(), -1);
+    for (int i = 0; i < p.size(); ++i) {
+      if (p.row(i).holds() && (i == 0 || !p.row(i - 1).holds() || p.row(i - 1).owner != p.row(i).owner)) {
+        m_blockOf[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(m_blocks.size());
+        m_blocks.push_back(blockOf(p, i));
+      }
+      if (p.row(i).law == ProblemLaw::normal) m_rubs[static_cast<std::size_t>(i)] = rubOf(p, i);
+    }
+  }
+
+  /// One update of each row of `which`. The problem's motion is that of x, and stays so; `freeVelocity` is u at x = 0.
+  void sweep(ContactProblem<D>& p, std::span<const std::int32_t> which, std::span<const double> freeVelocity,
+             std::span<double> x) const {
+    for (const std::int32_t i : which) {
+      const ProblemRow<D>& r = p.row(i);
+      if (r.holds()) hold(p, i, freeVelocity, x);
+      if (r.law == ProblemLaw::tangent || r.holds()) continue;
+      double& own = x[static_cast<std::size_t>(i)];
+      const double old = own, u = p.pushed(i) + r.compliance * old + freeVelocity[static_cast<std::size_t>(i)];
+      own = std::clamp(old - r.mass * u, r.lo, r.hi);
+      p.push(i, own - old);
+      if (r.law == ProblemLaw::normal) rub(p, i, freeVelocity, x);
+    }
+  }
+
+  /// So many sweeps over an island that is left to them, from x.
+  void descend(ContactProblem<D>& p, std::span<const std::int32_t> which, std::span<const double> freeVelocity,
+               std::span<double> x, int sweeps, WorkDone& work) const {
+    p.clearMotion();
+    for (const std::int32_t i : which) p.push(i, x[static_cast<std::size_t>(i)]);
+    for (int n = 0; n < sweeps; ++n) sweep(p, which, freeVelocity, x);
+    work[WorkCount::fallbacks] += which.size();
+    countRows<D>(work, which.size() * static_cast<std::uint64_t>(sweeps));
+  }
+
+ private:
+  struct Rub {
+    std::array<std::array<double, 2>, 2> stick{};  // impulse that ends sliding, per velocity
+    double slide = 0;                              // 1 / the largest eigenvalue of the tangents' response
+  };
+
+  struct Block {
+    int count = 0;
+    BlockInverse<D> inverse;
+  };
+
+  static Block blockOf(const ContactProblem<D>& p, int first) {
+    Block block;
+    while (block.count < BlockInverse<D>::kRows && first + block.count < p.size() &&
+           p.row(first + block.count).holds() && p.row(first + block.count).owner == p.row(first).owner) {
+      ++block.count;
+    }
+    const auto k = [&](int i, int j) { return static_cast<Real>(p.response(p.row(first + i), p.row(first + j))); };
+    block.inverse.set(block.count, k, p.row(first).movable);
+    return block;
+  }
+  void hold(ContactProblem<D>& p, int first, std::span<const double> freeVelocity, std::span<double> x) const {
+    if (m_blockOf[static_cast<std::size_t>(first)] < 0) return;  // with the rows before it
+    const Block& block = m_blocks[static_cast<std::size_t>(m_blockOf[static_cast<std::size_t>(first)])];
+    std::array<Real, BlockInverse<D>::kRows> u, impulse;
+    for (int i = 0; i < block.count; ++i) {
+      const double v = p.pushed(first + i) + freeVelocity[static_cast<std::size_t>(first + i)];
+      u[static_cast<std::size_t>(i)] = static_cast<Real>(v);
+    }
+    block.inverse.multiply(block.count, -1, u.data(), impulse.data());
+    for (int i = 0; i < block.count; ++i) {
+      const double by = double(impulse[static_cast<std::size_t>(i)]);
+      x[static_cast<std::size_t>(first + i)] += by;
+      p.push(first + i, by);
+    }
+  }
+
+  static Rub rubOf(const ContactProblem<D>& p, int i) {
+    Rub rub;
+    const double ss = 1 / p.row(i + 1).mass;
+    rub.stick[0][0] = rub.slide = 1 / ss;
+    if constexpr (D == 3) {
+      const double tt = 1 / p.row(i + 2).mass, st = p.response(p.row(i + 1), p.row(i + 2));
+      const double mean = (ss + tt) / 2, half = (ss - tt) / 2, determinant = ss * tt - st * st;
+      rub.slide = 1 / (mean + std::sqrt(half * half + st * st));
+      constexpr double kFlat = 1e-6;  // pinned bodies: the point may have only one direction left to move in
+      const bool flat = !(determinant > mean * mean * kFlat);
+      rub.stick[0] = {flat ? rub.slide : tt / determinant, flat ? 0 : -st / determinant};
+      rub.stick[1] = {rub.stick[0][1], flat ? rub.slide : ss / determinant};
+    }
+    return rub;
+  }
+
+  void rub(ContactProblem<D>& p, int i, std::span<const double> freeVelocity, std::span<double> x) const {
+    const Rub& r = m_rubs[static_cast<std::size_t>(i)];
+    const double limit = p.row(i).friction * x[static_cast<std::size_t>(i)];
+    std::array<double, D - 1> old, u, now;
+    for (std::size_t k = 0; k < D - 1; ++k) {
+      const int row = i + 1 + static_cast<int>(k);
+      old[k] = x[static_cast<std::size_t>(row)];
+      u[k] = p.pushed(row) + freeVelocity[static_cast<std::size_t>(row)];
+    }
+    double squared = 0;
+    for (std::size_t k = 0; k < D - 1; ++k) {
+      now[k] = old[k];
+      for (std::size_t m = 0; m < D - 1; ++m) now[k] -= r.stick[k][m] * u[m];
+      squared += now[k] * now[k];
+    }
+    if (squared > limit * limit) {
+      squared = 0;
+      for (std::size_t k = 0; k < D - 1; ++k) now[k] = old[k] - r.slide * u[k], squared += now[k] * now[k];
+      const double share = squared > limit * limit ? limit / std::sqrt(squared) : 1;
+      for (double& t : now) t *= share;
+    }
+    for (std::size_t k = 0; k < D - 1; ++k) {
+      const int row = i + 1 + static_cast<int>(k);
+      x[static_cast<std::size_t>(row)] = now[k];
+      p.push(row, now[k] - old[k]);
+    }
+  }
+
+  std::vector<Rub> m_rubs;              // by row, of normals
+  std::vector<std::int32_t> m_blockOf;  // by row, of the first of a block
+  std::vector<Block> m_blocks;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Zlib
+// Sequential impulses over contacts: what the resolvers that sweep over manifolds have in common.
+#pragma once
+
+#include "algorithms/solver/rows/contact_rows.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// Starts from the share `factor` of the last step's impulses, and applies them.
+template <int D>
+void warmStartContacts(const VelocityInput<D>& in, Real factor, ContactRows<D>& contacts) {
+  const bool rotation = in.features.rotation;
+  for (const ManifoldRows<D>& m : contacts.manifolds) {
+    Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+    Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+    const Manifold<D>& old = in.manifolds[static_cast<std::size_t>(m.manifold)];
+    for (int i = 0; i < m.count; ++i) {
+      PointRows<D>& row = contacts.points[static_cast<std::size_t>(m.first + i)];
+      const ContactPoint<D>& c = old.points[static_cast<std::size_t>(i)];
+      row.impulse[0] = std::max(factor * c.impulse[0], Real(0));
+      applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, rotation);
+      if (!(m.friction > 0)) continue;
+      for (std::size_t d = 1; d < D; ++d) {
+        row.impulse[d] = factor * c.impulse[d];
+        applyRow<D>(row.tangent[d - 1], m.t.col(static_cast<int>(d) - 1), m.invMassA, m.invMassB, row.impulse[d], a, b,
+                    rotation);
+      }
+    }
+  }
+}
+
+/// One update of a point's accumulated normal impulse.
+template <int D>
+void pushAt(const ManifoldRows<D>& m, PointRows<D>& row, Real relaxation, Motion<D>& a, Motion<D>& b, bool rotation) {
+  const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+  const Real old = row.impulse[0];
+  row.impulse[0] = std::max(old + relaxation * row.normal.mass * (row.target - v), Real(0));
+  applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+}
+
+/// One update of a point's accumulated friction, each tangent by itself within the limit (N s): a square, whose corners
+/// are sqrt(2) away and lie as tangents(n) do.
+template <int D>
+void rubSquareAt(const ManifoldRows<D>& m, PointRows<D>& row, Real limit, Motion<D>& a, Motion<D>& b, bool rotation) {
+  for (int d = 0; d < D - 1; ++d) {
+    const Row<D>& tangent = row.tangent[static_cast<std::size_t>(d)];
+    Real& impulse = row.impulse[static_cast<std::size_t>(d) + 1];
+    const Real old = impulse, v = rowVelocity<D>(tangent, m.t.col(d), a, b, rotation);
+    impulse = std::clamp(old - tangent.mass * v, -limit, limit);
+    applyRow<D>(tangent, m.t.col(d), m.invMassA, m.invMassB, impulse - old, a, b, rotation);
+  }
+}
+
+}  // namespace lpc::inline LPC_PRECISION::solver

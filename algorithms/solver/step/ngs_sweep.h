@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Zlib
+// Nonlinear Gauss-Seidel on positions.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/rows/joint_rows.h"
+#include "algorithms/solver/rows/places.h"
+#include "framework/math/tolerances.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// How much of an error one visit takes out.
+struct NgsShare {
+  Real factor = Real(0.2), jointFactor = 1, stopFactor = 1, slop = kLinearSlop, maxMove = Real(0.2);
+  void visit(ParamVisitor& v) {
+    v.real("factor", factor, 0, 1, "1", "share of a depth to remove in one sweep");
+    v.real("joint_factor", jointFactor, 0, 1, "1",
+           "share of an error of a joint, but for stops, to remove in one sweep");
+    v.real("stop_factor", stopFactor, 0, 1, "1", "the same of a joint's stop");
+    v.real("slop", slop, 0, 1, "m", "depth that stays, so that resting contacts do not come and go");
+    v.real("max_move", maxMove, 0, 1000, "m", "largest displacement of one contact in one sweep");
+  }
+};
+
+/// Each joint, then each contact in the order given, is measured where its bodies are by now, and its bodies are moved
+/// and turned out of a part of it at once, as in solver2d: of all that is wrong with a joint. Stops have no slop.
+/// Normals are those of the detection, inertias those of the step.
+template <int D>
+class NgsSweep {
+ public:
+  /// False: nothing was wrong.
+  bool sweep(const PositionInput<D>& in, const NgsShare& share, const Places<D>& places = {}) {
+    m_moved = false, m_places = places;
+    m_moves.resize(in.bodies.pose.size());
+    for (std::size_t j = 0; j < in.joints.size() && in.features.joints; ++j) mend(in, in.joints.subspan(j, 1), share);
+    for (const int k : in.order) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(k)];
+      for (int p = 0; p < m.count; ++p) separate(in, m, m.points[static_cast<std::size_t>(p)], share);
+      countRows<D>(in.work, static_cast<std::uint64_t>(m.count));
+    }
+    return m_moved;
+  }
+
+ private:
+  void mend(const PositionInput<D>& in, std::span<const JointRecord<D>> joint, const NgsShare& share) {
+    if (!joint[0].active()) return;
+    m_joint.prepare(in.work, in.bodies, joint, 0, m_places);
+    m_joint.sweepErrors(m_moves, share.jointFactor, share.stopFactor);
+    m_joint.count(in.work);
+    for (const JointBlock<D>& block : m_joint.blocks) {
+      move(in, block.a), move(in, block.b);
+    }
+  }
+
+  void separate(const PositionInput<D>& in, const Manifold<D>& m, const ContactPoint<D>& c, const NgsShare& share) {
+    const Bodies<D>& bodies = in.bodies;
+    const auto a = static_cast<std::size_t>(m.bodyA), b = static_cast<std::size_t>(m.bodyB);
+    const ContactArms<D> arms = armsOf(bodies, a, b, c, m.normal);
+    const Real depth = -arms.separation - share.slop;
+    if (!(depth > 0)) return;
+    const Real invMassSum = bodies.invMass[a] + bodies.invMass[b];
+    const Row<D> row = makeRow<D>(m.normal, arms.rA, arms.rB, invMassSum, bodies.invInertia[a], bodies.invInertia[b]);
+    countMadeRows<D>(in.work, 1);
+    const Real impulse = row.mass * std::min(share.factor * depth, share.maxMove);  // kg m
+    applyRow<D>(row, m.normal, bodies.invMass[a], bodies.invMass[b], impulse, m_moves[a], m_moves[b],
+                in.features.rotation);
+    move(in, m.bodyA), move(in, m.bodyB);
+  }
+
+  ContactArms<D> armsOf(const Bodies<D>& bodies, std::size_t a, std::size_t b, const ContactPoint<D>& c,
+                        const Vec<D>& n) const {
+    if (m_places.empty()) return ContactArms<D>(c, n, bodies.pose[a], bodies.pose[b]);
+    const auto [atA, atB] = m_places.pair(bodies, a, b);
+    return ContactArms<D>(c, n, atA, atB);
+  }
+
+  void move(const PositionInput<D>& in, std::int32_t body) {
+    if (body < 0) return;
+    const auto i = static_cast<std::size_t>(body);
+    Motion<D>& by = m_moves[i];
+    m_moved = m_moved || !by.v.isZero(0) || !by.w.isZero(0);
+    Pose<D>& x = in.bodies.pose[i];
+    if (m_places.empty()) {
+      x.p += by.v;
+    } else {
+      m_places.way[i] += by.v;
+      x.p = m_places.start[i] + m_places.way[i];
+    }
+    if (in.features.rotation && by.w.squaredNorm() > 0) x.q = integrateRotation(x.q, by.w);
+    by = {};
+  }
+
+  JointSystem<D> m_joint;
+  std::vector<Motion<D>> m_moves;  // of each body, m and rad; zero between two rows
+  Places<D> m_places;
+  bool m_moved = false;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: Zlib
+// What solvers share that move bodies between one detection and the next: contacts whose separations follow from the
+// anchors, joints whose rows are made again, impulses of a sub-step as the first guess of the next one, restitution
+// at the end of the step.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "algorithms/solver/rows/contact_rows.h"
+#include "algorithms/solver/rows/joint_rows.h"
+#include "algorithms/solver/rows/places.h"
+#include "algorithms/solver/step/free_motion.h"
+#include "framework/stage/profiler.h"
+
+namespace lpc::inline LPC_PRECISION::solver {
+
+/// A contact or joint as a damped spring, solved implicitly: stable at any stiffness, in units that do not depend on
+/// mass.
+struct Softness : Feedback {
+  Softness() = default;
+  Softness(Real hertz, Real dampingRatio, Real h) {
+    if (!(hertz > 0)) return;
+    const Real w = Real(6.283185307179586) * hertz;
+    const Real c = 2 * dampingRatio + h * w;
+    rate = w / c;
+    impulseScale = 1 / (1 + h * w * c);
+    massScale = 1 - impulseScale;
+  }
+};
+
+/// What a sweep asks of what is wrong: by default nothing, so that it takes out what an earlier one has put in.
+struct Push {
+  Feedback contact, contactFixed, joint;  // contactFixed: nothing gives way on one side, so the other may be stiffer
+  Real slop = 0;                          // m, of contacts
+  Real maxSpeed = 0;                      // m/s, of contacts
+  bool softGaps = false;                  // springs also stop what closes a gap: a law without a jump at touch
+};
+
+/// Does the impulse that throws a body back allow friction, too?
+enum class Bounce { frictionless, withFriction };
+
+/// The springs of sub-steps of h, those of joints twice as stiff as those of contacts.
+inline Push springs(Real hertz, Real dampingRatio, Real jointDampingRatio, Real maxSpeed, Real h) {
+  return {Softness(hertz, dampingRatio, h), Softness(2 * hertz, dampingRatio, h),
+          Softness(2 * hertz, jointDampingRatio, h), 0, maxSpeed};
+}
+
+/// Declared by methods that keep the arms of the detection.
+inline const FailureMode kArmsStay = {"bodies that press on each other and turn together",
+                                      "lose angular momentum: in the sub-steps the bodies turn, and the arms stay",
+                                      "Solver.TurningKeepsAngularMomentum"};
+/// A method's own failures and those of all sub-steps whose impulses are the next one's first guess. `braked`: how.
+inline std::vector<FailureMode> substepFailures(const std::string& braked, std::vector<FailureMode> own) {
+  for (const FailureMode& shared :
+       {FailureMode{"bodies that part within the step",
+                    "what a sub-step has moved apart keeps its impulse, so that the order of contacts tells",
+                    "Solver.OrderDoesNotMatter"},
+        FailureMode{"a heavy body that falls on a light one",
+                    "each sub-step begins with the impulse of the impact once more, so that it is thrown up",
+                    "Solver.HeavyIsNotThrownUp"},
+        FailureMode{"the same", braked, "Solver.ConvergesAsPredicted"},
+        FailureMode{"bodies that meet, in more sub-steps",
+                    "have more energy than after fewer: impulses of an impact act again in the next sub-step",
+                    "Solver.MoreIsNoWorse"}}) {
+    own.push_back(shared);
+  }
+  return own;
+}
+
+/// The contacts and joints of a step that is cut into equal sub-steps. Directions of contacts are those of the
+/// detection, and so are arms, unless they are turned; separations are those of the anchors, which move with the
+/// bodies.
+///
+/// The way of each body since the start of the step is kept beside its place. A place in f32 a kilometre away is
+/// rounded to 0.06 mm; read as a separation, that would be a speed of 60 mm/s in a sub-step of 1 ms.
+template <int D>
+class Substeps {
+ public:
+  /// The impulses of the last step are the first guess.
+  void prepare(const StepInput<D>& in, int count, bool warmStart, bool armsAsMade = false) {
+    Profiler::Scope scope(in.profiler, "solver.prepare");
+    m_count = static_cast<Real>(count), m_h = in.dt / m_count;
+    haltUnmoving(in.bodies, in.features.rotation);
+    m_start.resize(in.bodies.pose.size());
+    for (std::size_t k = 0; k < m_start.size(); ++k) m_start[k] = in.bodies.pose[k].p;
+    m_way.assign(m_start.size(), Vec<D>::Zero());
+    const Real scale = (in.lastDt > 0 ? in.dt / in.lastDt : Real(1)) / m_count;
+    const NoBias none;
+    m_contacts.prepare({in.dt, in.lastDt, in.bodies, in.manifolds, in.active, in.joints, none, in.features,
+                        in.restitutionThreshold, in.work, in.profiler});
+    if (armsAsMade) keepArms(in);
+    m_detected.clear();
+    m_states.resize(m_contacts.points.size());
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Manifold<D>& from = in.manifolds[static_cast<std::size_t>(m.manifold)];
+      const Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+      const Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = from.points[static_cast<std::size_t>(k)];
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        m_states[static_cast<std::size_t>(m.first + k)] = {
+            c.localA, c.localB, rowVelocity<D>(row.normal, m.n, a, b, in.features.rotation), 0, 0, 0};
+        if (!warmStart) continue;
+        row.impulse[0] = std::max(scale * c.impulse[0], Real(0));
+        for (std::size_t d = 1; d < D && m.friction > 0; ++d) row.impulse[d] = scale * c.impulse[d];
+      }
+    }
+    m_jointImpulse.resize(in.joints.size());
+    for (std::size_t j = 0; j < in.joints.size(); ++j) {
+      m_jointImpulse[j] = {};
+      for (std::size_t i = 0; i < kJointRows && warmStart; ++i) {
+        m_jointImpulse[j].substep[i] = scale * in.joints[j].memory[i];
+      }
+    }
+    m_joints.clear();
+    measure(in);
+  }
+
+  Real h() const { return m_h; }  // s
+
+  /// Forces of sub-step i, and joints where they are now.
+  void begin(const StepInput<D>& in, int i) {
+    Profiler::Scope scope(in.profiler, "solver.integrate");
+    kick<D>({m_h, in.time + static_cast<Real>(i) * m_h, in.bodies, in.forces, in.features, in.work}, m_wrenches);
+    if (!in.features.joints) return;
+    m_joints.prepare(in.work, in.bodies, in.joints, 0, places());
+    m_joints.warmStart(m_h, [&](std::int32_t joint, std::int32_t row) {
+      return m_jointImpulse[static_cast<std::size_t>(joint)].substep[static_cast<std::size_t>(row)];
+    });
+  }
+
+  /// From the impulses of the sub-step before.
+  void solve(const StepInput<D>& in, const Push& push, int iterations) {
+    Profiler::Scope scope(in.profiler, "solver.iterate");
+    applyAccumulated(in);
+    for (int i = 0; i < iterations; ++i) sweep(in, push);
+  }
+
+  /// Bodies move. Separations follow unless the method keeps those of the detection.
+  void move(const StepInput<D>& in, bool separationsFollow = true) {
+    Profiler::Scope scope(in.profiler, "solver.move");
+    for (std::size_t k = 0; k < in.bodies.pose.size(); ++k) {
+      if (!travels(in.bodies, k)) continue;
+      moveBody(in.bodies.pose[k], in.bodies.motion[k], m_h, in.features.rotation);
+      m_way[k] += m_h * in.bodies.motion[k].v;
+      in.bodies.pose[k].p = m_start[k] + m_way[k];
+    }
+    if (separationsFollow) measure(in);
+  }
+
+  /// For position resolvers, which move bodies themselves.
+  Places<D> places() { return {m_start, m_way}; }
+
+  /// Arms of contacts as the bodies are turned now. Shared: both bodies get an impulse at one point, so that it is no
+  /// torque on the pair. Where their anchors have slid apart, the point is nearer to that of the lighter body: beside a
+  /// floor it is the body's own. Not shared: each body gets the impulse at its own anchor.
+  void turnArms(const StepInput<D>& in, bool shared) {
+    Profiler::Scope scope(in.profiler, "solver.prepare");
+    if (in.features.restitution && m_detected.empty()) m_detected = m_contacts.points;
+    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
+      const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+      const auto [atA, atB] = places().pair(in.bodies, a, b);
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      const Real sum = rows.invMassA + rows.invMassB, share = sum > 0 ? rows.invMassB / sum : Real(0.5);
+      for (int k = 0; k < rows.count; ++k) {
+        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+        const Vec<D> fromA = atA.q * c.localA, fromB = atB.q * c.localB, gap = (atB.p - atA.p) + fromB - fromA;
+        const Vec<D> rA = shared ? Vec<D>(fromA + share * gap) : fromA;
+        const Vec<D> rB = shared ? Vec<D>(fromB - (1 - share) * gap) : fromB;
+        makeRows(in, rows, rA, rB, m_contacts.points[static_cast<std::size_t>(rows.first + k)]);
+      }
+    }
+  }
+
+  /// Poses were changed by others: where contacts are now.
+  void measure(const StepInput<D>& in) {
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const auto [X_WA, X_WB] = places().pair(in.bodies, static_cast<std::size_t>(m.a), static_cast<std::size_t>(m.b));
+      for (int k = 0; k < m.count; ++k) {
+        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        state.separation = ((X_WB.p - X_WA.p) + X_WB.q * state.localB - X_WA.q * state.localA).dot(m.n);
+      }
+    }
+  }
+
+  /// Takes out the velocity that pushing has put in.
+  void relax(const StepInput<D>& in, int iterations) {
+    Profiler::Scope scope(in.profiler, "solver.relax");
+    for (int i = 0; i < iterations; ++i) sweep(in, {});
+  }
+
+  /// What contacts and joints bore in this sub-step.
+  void end() {
+    for (std::size_t p = 0; p < m_states.size(); ++p) m_states[p].load += m_contacts.points[p].impulse[0];
+    for (const std::int32_t j : m_joints.rowless) m_jointImpulse[static_cast<std::size_t>(j)].substep.fill(0);
+    for (const JointBlock<D>& block : m_joints.blocks) {
+      JointImpulse& kept = m_jointImpulse[static_cast<std::size_t>(block.joint)];
+      kept.substep.fill(0);
+      for (const JointRow<D>& row : m_joints.of(block)) {
+        const auto i = static_cast<std::size_t>(row.number);
+        kept.substep[i] = row.impulse;
+        kept.step[i] += row.impulse;
+      }
+    }
+  }
+
+  /// Restitution, then the impulses: those of contacts as the next step starts from them, which is the last sub-step's
+  /// for as long as a whole step. A ball that rolls, whose anchor turns up and away, bears in the first sub-steps
+  /// alone.
+  void finish(const StepInput<D>& in, Bounce how = Bounce::withFriction) {
+    if (in.features.restitution) bounce(in, how);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        for (Real& x : m_contacts.points[static_cast<std::size_t>(m.first + k)].impulse) x *= m_count;
+      }
+    }
+    m_contacts.store(in.manifolds);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      for (int k = 0; k < m.count; ++k) {
+        in.manifolds[static_cast<std::size_t>(m.manifold)].points[static_cast<std::size_t>(k)].load =
+            m_states[static_cast<std::size_t>(m.first + k)].load;
+      }
+    }
+    const auto store = [&](std::int32_t j) {
+      JointRecord<D>& joint = in.joints[static_cast<std::size_t>(j)];
+      const JointImpulse& sum = m_jointImpulse[static_cast<std::size_t>(j)];
+      joint.impulse = sum.step;
+      for (std::size_t i = 0; i < kJointRows; ++i) joint.memory[i] = m_count * sum.substep[i];
+    };
+    for (const JointBlock<D>& block : m_joints.blocks) store(block.joint);
+    for (const std::int32_t j : m_joints.rowless) store(j);
+  }
+
+ private:
+  struct State {
+    Vec<D> localA, localB;
+    Real velocity;    // along the normal before the step, m/s
+    Real maxImpulse;  // of all sub-steps: did it hit at all?
+    Real separation;  // m, now
+    Real load;        // of all sub-steps so far, N s
+  };
+  struct JointImpulse {                      // by row
+    std::array<Real, kJointRows> substep{};  // of the last sub-step: what the next one starts from
+    std::array<Real, kJointRows> step{};     // of all of them: what the joint bore
+  };
+  // What ContactRows asks for is overwritten in the sweeps.
+  struct NoBias final : PositionResolver<D> {};
+
+  // Arms of points that a cache has kept: each body's own, as they stood in the world when the points were made. How A
+  // was turned then is remembered with each point, of what a listener forbids, too: it may be allowed while it is kept.
+  void keepArms(const StepInput<D>& in) {
+    const auto made = [&](const Manifold<D>& m) {  // now
+      const Pose<D> X_AB = poseBetween(in.bodies.pose[static_cast<std::size_t>(m.bodyA)],
+                                       in.bodies.pose[static_cast<std::size_t>(m.bodyB)]);
+      return X_AB.p == m.X_AB.p && X_AB.q.matrix() == m.X_AB.q.matrix();
+    };
+    for (Manifold<D>& m : in.manifolds) {
+      if (!made(m)) continue;
+      const Ang<D> turn = turnOf(in.bodies.pose[static_cast<std::size_t>(m.bodyA)].q);
+      for (int k = 0; k < m.count; ++k) {
+        std::copy(turn.begin(), turn.end(), m.points[static_cast<std::size_t>(k)].memory.begin());
+      }
+    }
+    for (const ManifoldRows<D>& rows : m_contacts.manifolds) {
+      const Manifold<D>& m = in.manifolds[static_cast<std::size_t>(rows.manifold)];
+      if (made(m)) continue;
+      countMadeRows<D>(in.work, static_cast<std::uint64_t>(rows.count) * (rows.friction > 0 ? D : 1));
+      for (int k = 0; k < m.count; ++k) {
+        const ContactPoint<D>& c = m.points[static_cast<std::size_t>(k)];
+        Ang<D> turn;
+        std::copy_n(c.memory.begin(), turn.size(), turn.begin());
+        const Rot<D> q = integrateRotation(Rot<D>{}, turn);
+        makeRows(in, rows, q * c.localA, q * (m.X_AB.q * c.localB),
+                 m_contacts.points[static_cast<std::size_t>(rows.first + k)]);
+      }
+    }
+  }
+
+  void makeRows(const StepInput<D>& in, const ManifoldRows<D>& rows, const Vec<D>& rA, const Vec<D>& rB,
+                PointRows<D>& row) const {
+    const auto a = static_cast<std::size_t>(rows.a), b = static_cast<std::size_t>(rows.b);
+    const auto make = [&](const Vec<D>& d) {
+      return makeRow<D>(d, rA, rB, rows.invMassA + rows.invMassB, in.bodies.invInertia[a], in.bodies.invInertia[b]);
+    };
+    row.normal = make(rows.n);
+    if (!(rows.friction > 0)) return;
+    for (int d = 0; d < D - 1; ++d) row.tangent[static_cast<std::size_t>(d)] = make(rows.t.col(d));
+    prepareFriction(row);
+  }
+
+  void applyAccumulated(const StepInput<D>& in) {
+    auto& motion = in.bodies.motion;
+    m_joints.applyAccumulated(motion);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      Motion<D>&a = motion[static_cast<std::size_t>(m.a)], &b = motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0], a, b, in.features.rotation);
+        for (int d = 0; d < D - 1 && m.friction > 0; ++d) {
+          applyRow<D>(row.tangent[static_cast<std::size_t>(d)], m.t.col(d), m.invMassA, m.invMassB,
+                      row.impulse[static_cast<std::size_t>(d) + 1], a, b, in.features.rotation);
+        }
+      }
+    }
+  }
+
+  void sweep(const StepInput<D>& in, const Push& push) {
+    auto& motion = in.bodies.motion;
+    const bool rotation = in.features.rotation;
+    m_joints.sweep(motion, m_h, push.joint);
+    m_joints.count(in.work);
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      Motion<D> a = motion[static_cast<std::size_t>(m.a)], b = motion[static_cast<std::size_t>(m.b)];
+      const Feedback& feedback = m.invMassA > 0 && m.invMassB > 0 ? push.contact : push.contactFixed;
+      for (int k = 0; k < m.count; ++k) {
+        PointRows<D>& row = m_contacts.points[static_cast<std::size_t>(m.first + k)];
+        State& state = m_states[static_cast<std::size_t>(m.first + k)];
+        const Real s = state.separation;
+        Real bias = 0, massScale = 1, impulseScale = 0;
+        if (s > 0) {
+          bias = s / m_h;
+        } else if (feedback.rate > 0) {
+          bias = std::max(feedback.rate * std::min(s + push.slop, Real(0)), -push.maxSpeed);
+        }
+        if (!(s > 0) || push.softGaps) massScale = feedback.massScale, impulseScale = feedback.impulseScale;
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+        const Real old = row.impulse[0];
+        const Real wanted = old - massScale * row.normal.mass * (v + bias) - impulseScale * old;
+        row.impulse[0] = std::max(wanted, Real(0));
+        state.maxImpulse = std::max(state.maxImpulse, row.impulse[0]);
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+      }
+      if (m.friction > 0) {
+        for (int k = 0; k < m.count; ++k) {
+          rubAt(m, m_contacts.points[static_cast<std::size_t>(m.first + k)], a, b, rotation);
+        }
+      }
+      countRows<D>(in.work, static_cast<std::uint64_t>(m.count) * (m.friction > 0 ? D : 1));
+      motion[static_cast<std::size_t>(m.a)] = a, motion[static_cast<std::size_t>(m.b)] = b;
+    }
+  }
+
+  // By the arms of the detection, as the velocity before the step was measured.
+  void bounce(const StepInput<D>& in, Bounce how) {
+    const bool rotation = in.features.rotation;
+    for (const ManifoldRows<D>& m : m_contacts.manifolds) {
+      const Real e = in.manifolds[static_cast<std::size_t>(m.manifold)].restitution;
+      if (!(e > 0)) continue;
+      Motion<D>& a = in.bodies.motion[static_cast<std::size_t>(m.a)];
+      Motion<D>& b = in.bodies.motion[static_cast<std::size_t>(m.b)];
+      for (int k = 0; k < m.count; ++k) {
+        const auto at = static_cast<std::size_t>(m.first + k);
+        PointRows<D>& row = m_contacts.points[at];
+        State& state = m_states[at];
+        if (!(state.velocity < -in.restitutionThreshold) || !(state.maxImpulse > 0)) continue;
+        if (!m_detected.empty()) {
+          const std::array<Real, D> impulse = row.impulse;
+          row = m_detected[at], row.impulse = impulse;
+        }
+        const Real v = rowVelocity<D>(row.normal, m.n, a, b, rotation);
+        const Real old = row.impulse[0];
+        row.impulse[0] = std::max(old - row.normal.mass * (v + e * state.velocity), Real(0));
+        applyRow<D>(row.normal, m.n, m.invMassA, m.invMassB, row.impulse[0] - old, a, b, rotation);
+        state.load += row.impulse[0] - old;
+        countRows<D>(in.work, 1);
+        if (!(m.friction > 0) || row.impulse[0] == old) continue;
+        if (row.impulse[0] < old) {
+          rubAt(m, row, a, b, rotation);
+        } else if (how == Bounce::withFriction) {
+          rubBeside(m, row, row.impulse[0] - old, a, b, rotation);
+        } else {
+          continue;
+        }
+        countRows<D>(in.work, D - 1);
+      }
+    }
+  }
+
+  Real m_count = 1, m_h = 0;
+  ContactRows<D> m_contacts;
+  JointSystem<D> m_joints;
+  std::vector<Vec<D>> m_start, m_way;        // by body: place at the start of the step, way since, m
+  std::vector<PointRows<D>> m_detected;      // by point, before arms were turned; empty: they were not
+  std::vector<State> m_states;               // by point
+  std::vector<JointImpulse> m_jointImpulse;  // by joint slot
+  std::vector<Wrench<D>> m_wrenches;
+};
+
+}  // namespace lpc::inline LPC_PRECISION::solver
